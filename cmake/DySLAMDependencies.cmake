@@ -1,0 +1,21 @@
+# SPDX-License-Identifier: BSD-3-Clause
+# Everything from outside is found here, once. Packages: see PACKAGES in scripts/dependencies.sh.
+find_package(Threads REQUIRED)
+find_package(Eigen3 3.4 REQUIRED NO_MODULE)
+find_package(embree 3 QUIET)
+
+if(NOT DYSLAM_TRAIN_ONLY)
+  find_package(MRPT 2.5.8 REQUIRED COMPONENTS core config io math poses serialization system obs maps graphs opengl)
+  find_package(Ceres 2.1 REQUIRED)
+  find_package(PCL 1.13 REQUIRED COMPONENTS common kdtree search registration io)
+  find_package(OpenCV 4 REQUIRED COMPONENTS core imgproc imgcodecs)
+  find_package(octomap REQUIRED)
+  find_package(CLI11 2.1 REQUIRED)
+endif()
+
+if(DYSLAM_BUILD_TESTS)
+  find_package(GTest REQUIRED)
+endif()
+if(DYSLAM_BUILD_BENCHMARKS)
+  find_package(benchmark QUIET)
+endif()

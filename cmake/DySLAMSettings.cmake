@@ -1,0 +1,46 @@
+# SPDX-License-Identifier: BSD-3-Clause
+# Compiler and layout settings shared by every target.
+include(GNUInstallDirs)
+
+if(NOT CMAKE_BUILD_TYPE AND NOT CMAKE_CONFIGURATION_TYPES)
+  set(CMAKE_BUILD_TYPE Release CACHE STRING "Build type" FORCE)
+endif()
+set(CMAKE_CXX_STANDARD 17)
+set(CMAKE_CXX_STANDARD_REQUIRED ON)
+set(CMAKE_CXX_EXTENSIONS OFF)
+set(CMAKE_POSITION_INDEPENDENT_CODE ON)
+set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
+set(CMAKE_RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/bin)
+set(CMAKE_LIBRARY_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/lib)
+set(CMAKE_ARCHIVE_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/lib)
+
+find_program(DYSLAM_CCACHE ccache)
+if(DYSLAM_CCACHE AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
+  set(CMAKE_CXX_COMPILER_LAUNCHER ${DYSLAM_CCACHE})
+endif()
+
+# AVX2 and FMA where the building machine has them. EIGEN_MAX_ALIGN_BYTES keeps Eigen's memory layout
+# that of the packaged libraries, which are built for plain x86-64.
+include(CheckCXXSourceRuns)
+set(CMAKE_REQUIRED_FLAGS "-march=x86-64-v3")
+check_cxx_source_runs("int main(){return __builtin_cpu_supports(\"avx2\") && __builtin_cpu_supports(\"fma\") && __builtin_cpu_supports(\"bmi2\") ? 0 : 1;}" DYSLAM_HOST_IS_X86_64_V3)
+unset(CMAKE_REQUIRED_FLAGS)
+if(DYSLAM_HOST_IS_X86_64_V3)
+  set(default_cpu x86-64-v3)
+else()
+  set(default_cpu baseline)
+endif()
+set(DYSLAM_CPU ${default_cpu} CACHE STRING "Instruction set: baseline or x86-64-v3")
+set_property(CACHE DYSLAM_CPU PROPERTY STRINGS baseline x86-64-v3)
+if(DYSLAM_CPU STREQUAL "x86-64-v3")
+  add_compile_options(-march=x86-64-v3)
+elseif(NOT DYSLAM_CPU STREQUAL "baseline")
+  message(FATAL_ERROR "DYSLAM_CPU is '${DYSLAM_CPU}': use baseline or x86-64-v3")
+endif()
+add_compile_definitions(EIGEN_MAX_ALIGN_BYTES=16)
+
+if(DYSLAM_SANITIZE)
+  add_compile_options(-fsanitize=address,undefined -fno-omit-frame-pointer)
+  add_link_options(-fsanitize=address,undefined)
+endif()
+message(STATUS "DySLAM ${PROJECT_VERSION}: ${CMAKE_BUILD_TYPE}, ${DYSLAM_CPU}")

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+namespace dyslam
+{
+/** Text values of an ini file by section and key, each knowing where it came from.
+ *
+ * The syntax is MRPT's ini (`[section]`, `key = value // comment`, lines opening with `;`, `#` or
+ * `//` are comments) read strictly: junk lines, keys before the first section and repeated keys are
+ * errors.
+ */
+class Config
+{
+ public:
+  struct Value
+  {
+    std::string text;
+    std::string origin;   //!< for error messages: "kitti64.ini:12" or "--set odometry.method"
+    std::string comment;  //!< written behind the value by toIni()
+  };
+  using Section = std::map<std::string, Value>;
+
+  /** \throws UserError naming file, line and mend. */
+  [[nodiscard]] static Config fromFile(const std::string& path);
+  [[nodiscard]] static Config fromText(const std::string& text, const std::string& name);
+
+  /** One `section.key=value`, as given to --set. It replaces what the file says. \throws UserError.
+   */
+  void set(const std::string& assignment);
+  void set(const std::string& section, const std::string& key, Value value);
+
+  [[nodiscard]] bool has(const std::string& section, const std::string& key) const;
+  /** The section; an empty one if the file has none. */
+  [[nodiscard]] const Section& section(const std::string& name) const;
+  [[nodiscard]] std::vector<std::string> sectionNames() const;
+
+  /** \throws UserError for a section that is not among `known`, naming the nearest. */
+  void requireKnownSections(const std::vector<std::string>& known) const;
+
+  /** The whole as an ini text, sections and keys in the order they were first set. */
+  [[nodiscard]] std::string toIni() const;
+
+ private:
+  std::map<std::string, Section> sections_;
+  std::vector<std::string> section_order_;
+  std::map<std::string, std::vector<std::string>> key_order_;
+  std::map<std::string, std::string> section_origin_;
+};
+}  // namespace dyslam

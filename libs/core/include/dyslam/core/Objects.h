@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace dyslam
+{
+enum class ObjectClass
+{
+  unknown,
+  car,
+  van,
+  truck,
+  bus,
+  motorcyclist,
+  cyclist,
+  pedestrian
+};
+
+/** Name as KITTI writes it ("Car", "Pedestrian", ...; "Misc" for unknown). */
+[[nodiscard]] std::string toString(ObjectClass object_class);
+/** Class of a name, in any case; unknown for names that are not ours. */
+[[nodiscard]] ObjectClass objectClassFromString(const std::string& name);
+
+/** An upright box; the frame is its holder's to say. */
+struct Box
+{
+  Eigen::Vector3d center = Eigen::Vector3d::Zero();  //!< at half height [m]
+  Eigen::Vector3d size = Eigen::Vector3d::Ones();    //!< length (along heading), width, height [m]
+  double yaw = 0;                                    //!< heading about +z from +x [rad]
+};
+
+/** One object seen in one scan. */
+struct Detection
+{
+  Box box;  //!< vehicle frame at the scan's stamp
+  ObjectClass object_class = ObjectClass::unknown;
+  double score = 1;  //!< detector's confidence; its scale is the detector's
+  Eigen::Matrix4d covariance =
+      0.1 * Eigen::Matrix4d::Identity();  //!< of x, y, z [m^2], yaw [rad^2]
+  std::vector<std::uint32_t> points;  //!< positions in Frame::cloud; empty for boxes from a file
+  int truth_id = -1;                  //!< ground-truth id where a file gives it
+};
+
+/** The state of one tracked object after a scan. */
+struct TrackedObject
+{
+  int id = -1;
+  Box box;  //!< odometry frame
+  ObjectClass object_class = ObjectClass::unknown;
+  Eigen::Vector3d velocity = Eigen::Vector3d::Zero();        //!< odometry frame [m/s] (Eq. 5)
+  Eigen::Matrix4d covariance = Eigen::Matrix4d::Identity();  //!< of x, y, z, yaw
+  bool confirmed = false;                                    //!< seen often enough to be reported
+  bool dynamic = false;   //!< speed over the threshold, with hysteresis
+  bool observed = false;  //!< matched to a detection of this scan
+  int detection = -1;     //!< which one, in Frame::detections
+  int age = 0;            //!< scans since birth
+  double score = 0;
+};
+
+/** A labelled box at one frame of a recording: ground truth or an exported track. */
+struct LabelledBox
+{
+  int frame = 0;
+  int id = -1;
+  ObjectClass object_class = ObjectClass::unknown;
+  std::string type;  //!< class name as the file has it
+  Box box;           //!< frame said by the reader's documentation
+  double score = 1;
+  int truncated = 0;
+  int occluded = 0;
+  Eigen::Vector4d image_box = Eigen::Vector4d::Zero();  //!< left, top, right, bottom [px]
+};
+}  // namespace dyslam

@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <dyslam/core/Config.h>
+
+#include <initializer_list>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace dyslam
+{
+/** Meets every field of an options struct once: loading, saving and checking are visitors. */
+class OptionsVisitor
+{
+ public:
+  virtual ~OptionsVisitor() = default;
+  /** A number within [min, max]. */
+  virtual void real(const char* key, double& value, double min, double max, const char* help) = 0;
+  virtual void integer(const char* key, int& value, int min, int max, const char* help) = 0;
+  virtual void flag(const char* key, bool& value, const char* help) = 0;
+  virtual void text(const char* key, std::string& value, const char* help) = 0;
+  /** One word of `words`. */
+  virtual void word(const char* key,
+                    std::string& value,
+                    const std::vector<std::string>& words,
+                    const char* help) = 0;
+
+  /** Radians in code, degrees in the file: the key ends in `_deg`, the bounds are degrees. */
+  void degrees(const char* key, double& radians, double min, double max, const char* help);
+
+  template <typename Enum>
+  void choice(const char* key,
+              Enum& value,
+              std::initializer_list<std::pair<const char*, Enum>> names,
+              const char* help);
+};
+
+/** Base of every options struct: defaults stand in the declaration, describe() names each field
+ * once.
+ *
+ * From that one description come strict loading (unknown keys, bad values and ranges are errors),
+ * saving with help texts, and range checks, so that they cannot drift apart.
+ */
+struct Options
+{
+  virtual ~Options() = default;
+  virtual void describe(OptionsVisitor& visitor) = 0;
+};
+
+/** Fill `options` from a section; keys not in the file keep their values.
+ * \throws UserError for an unknown key, a value that does not parse or is out of range. */
+void load(Options& options, const Config& config, const std::string& section);
+
+/** Write every field with its help text into a section. Reading it back gives equal values. */
+void save(const Options& options, Config& config, const std::string& section);
+
+/** \throws UserError naming the key whose value is out of range (for options set in code). */
+void validate(const Options& options, const std::string& section);
+
+/** What every value of one config is loaded by; afterwards it can say which sections were known. */
+class ConfigLoader
+{
+ public:
+  explicit ConfigLoader(const Config& config) : config_(config) {}
+
+  /** Load a section into T's options and note it into the effective config. */
+  template <typename T>
+  [[nodiscard]] T get(const std::string& section);
+
+  /** \throws UserError if the config has a section that nobody asked for. */
+  void requireAllUsed() const;
+  /** Every section that was asked for, with the values in force. */
+  [[nodiscard]] const Config& effective() const { return effective_; }
+
+ private:
+  const Config& config_;
+  Config effective_;
+  std::vector<std::string> used_;
+};
+
+template <typename Enum>
+void OptionsVisitor::choice(const char* key,
+                            Enum& value,
+                            std::initializer_list<std::pair<const char*, Enum>> names,
+                            const char* help)
+{
+  std::vector<std::string> words;
+  std::string current;
+  for (const auto& [name, candidate] : names)
+  {
+    words.emplace_back(name);
+    if (candidate == value)
+    {
+      current = name;
+    }
+  }
+  word(key, current, words, help);
+  for (const auto& [name, candidate] : names)
+  {
+    if (current == name)
+    {
+      value = candidate;
+    }
+  }
+}
+
+template <typename T>
+T ConfigLoader::get(const std::string& section)
+{
+  T options;
+  load(options, config_, section);
+  save(options, effective_, section);
+  used_.push_back(section);
+  return options;
+}
+}  // namespace dyslam

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <memory>
+
+namespace dyslam
+{
+/** A fixed set of threads that share loops. With one thread everything runs in the caller.
+ *
+ * Work is cut into chunks whose borders depend on the sizes alone, never on the number of threads,
+ * so that a reduction which keeps one partial result per chunk and adds them in order gives the
+ * same bytes for any thread count. Not reentrant: one loop at a time per pool, no loops inside
+ * loops.
+ */
+class ThreadPool
+{
+ public:
+  /** \param threads at least 1; 0 takes the machine's number. */
+  explicit ThreadPool(int threads = 1);
+  ~ThreadPool();
+  ThreadPool(const ThreadPool&) = delete;
+  ThreadPool& operator=(const ThreadPool&) = delete;
+
+  [[nodiscard]] int size() const;
+
+  /** Calls body(begin, end, chunk) for every chunk of [0, count). Exceptions reach the caller. */
+  void forChunks(std::size_t count,
+                 std::size_t chunk_size,
+                 const std::function<void(std::size_t, std::size_t, std::size_t)>& body);
+
+  [[nodiscard]] static std::size_t chunkCount(std::size_t count, std::size_t chunk_size)
+  {
+    return (count + chunk_size - 1) / chunk_size;
+  }
+
+ private:
+  struct Shared;
+  std::unique_ptr<Shared> shared_;
+};
+}  // namespace dyslam

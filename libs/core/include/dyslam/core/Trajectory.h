@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <dyslam/core/Pose.h>
+
+#include <optional>
+#include <vector>
+
+namespace dyslam
+{
+struct StampedPose
+{
+  double stamp = 0;  //!< UNIX time [s]
+  Pose pose = Pose::Identity();
+};
+
+/** Poses of one body in one frame, in order of time. */
+class Trajectory
+{
+ public:
+  Trajectory() = default;
+  explicit Trajectory(std::vector<StampedPose> poses);
+
+  void push_back(double stamp, const Pose& pose);
+  [[nodiscard]] bool empty() const { return poses_.empty(); }
+  [[nodiscard]] std::size_t size() const { return poses_.size(); }
+  [[nodiscard]] const StampedPose& operator[](std::size_t i) const { return poses_[i]; }
+  [[nodiscard]] StampedPose& operator[](std::size_t i) { return poses_[i]; }
+  [[nodiscard]] auto begin() const { return poses_.begin(); }
+  [[nodiscard]] auto end() const { return poses_.end(); }
+
+  /** Pose at a time by geodesic interpolation; nothing outside [first, last]. */
+  [[nodiscard]] std::optional<Pose> at(double stamp) const;
+  /** Index of the pose nearest in time if within `tolerance` seconds. */
+  [[nodiscard]] std::optional<std::size_t> nearest(double stamp, double tolerance) const;
+  /** Distance travelled up to each pose [m]. */
+  [[nodiscard]] std::vector<double> pathLengths() const;
+
+ private:
+  std::vector<StampedPose> poses_;
+};
+}  // namespace dyslam

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/Objects.h>
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <utility>
+
+namespace dyslam
+{
+namespace
+{
+constexpr std::array<std::pair<ObjectClass, const char*>, 8> names{
+    {{ObjectClass::unknown, "Misc"},
+     {ObjectClass::car, "Car"},
+     {ObjectClass::van, "Van"},
+     {ObjectClass::truck, "Truck"},
+     {ObjectClass::bus, "Bus"},
+     {ObjectClass::motorcyclist, "Motorcyclist"},
+     {ObjectClass::cyclist, "Cyclist"},
+     {ObjectClass::pedestrian, "Pedestrian"}}};
+
+std::string lowered(std::string text)
+{
+  std::transform(text.begin(), text.end(), text.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return text;
+}
+}  // namespace
+
+std::string toString(ObjectClass object_class)
+{
+  for (const auto& [value, name] : names)
+  {
+    if (value == object_class)
+    {
+      return name;
+    }
+  }
+  return "Misc";
+}
+
+ObjectClass objectClassFromString(const std::string& name)
+{
+  const std::string wanted = lowered(name);
+  if (wanted == "person" || wanted == "person_sitting")
+  {
+    return ObjectClass::pedestrian;
+  }
+  if (wanted == "motorcycle" || wanted == "motorcyclerider" || wanted == "motorcycle_rider")
+  {
+    return ObjectClass::motorcyclist;
+  }
+  for (const auto& [value, known] : names)
+  {
+    if (lowered(known) == wanted)
+    {
+      return value;
+    }
+  }
+  return ObjectClass::unknown;
+}
+}  // namespace dyslam

@@ -1,0 +1,270 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/Error.h>
+#include <dyslam/core/Options.h>
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+
+namespace dyslam
+{
+namespace
+{
+constexpr double degree = 3.14159265358979323846 / 180;
+
+std::string toText(double value)
+{
+  std::array<char, 32> buffer{};
+  const auto end = std::to_chars(buffer.data(), buffer.data() + buffer.size(), value).ptr;
+  return {buffer.data(), end};
+}
+
+/** Shared by the visitors that read or check: how a value out of range is told. */
+template <typename Number>
+void checkRange(const std::string& where, Number value, Number min, Number max)
+{
+  if (!(value >= min && value <= max))
+  {
+    throw UserError(where + " = " + toText(static_cast<double>(value)) + " is out of range; use " +
+                    toText(static_cast<double>(min)) + " to " + toText(static_cast<double>(max)));
+  }
+}
+
+std::string joined(const std::vector<std::string>& words)
+{
+  std::string text;
+  for (const auto& word : words)
+  {
+    text += (text.empty() ? "" : ", ") + word;
+  }
+  return text;
+}
+
+void checkWord(const std::string& where,
+               const std::string& value,
+               const std::vector<std::string>& words)
+{
+  if (std::find(words.begin(), words.end(), value) == words.end())
+  {
+    const std::string near = nearestWord(value, words);
+    throw UserError(where + " = " + value + " is not known; use one of: " + joined(words) +
+                    (near.empty() ? "" : " (did you mean " + near + "?)"));
+  }
+}
+
+class KeyLister : public OptionsVisitor
+{
+ public:
+  std::vector<std::string> keys;
+  void real(const char* key, double&, double, double, const char*) override
+  {
+    keys.emplace_back(key);
+  }
+  void integer(const char* key, int&, int, int, const char*) override { keys.emplace_back(key); }
+  void flag(const char* key, bool&, const char*) override { keys.emplace_back(key); }
+  void text(const char* key, std::string&, const char*) override { keys.emplace_back(key); }
+  void word(const char* key, std::string&, const std::vector<std::string>&, const char*) override
+  {
+    keys.emplace_back(key);
+  }
+};
+
+class Loader : public OptionsVisitor
+{
+ public:
+  Loader(const Config::Section& values, std::string section)
+      : values_(values), section_(std::move(section))
+  {
+  }
+
+  void real(const char* key, double& value, double min, double max, const char*) override
+  {
+    if (const auto* given = find(key))
+    {
+      value = number<double>(*given, key, "a number");
+      checkRange(where(*given, key), value, min, max);
+    }
+  }
+  void integer(const char* key, int& value, int min, int max, const char*) override
+  {
+    if (const auto* given = find(key))
+    {
+      value = number<int>(*given, key, "a whole number");
+      checkRange(where(*given, key), value, min, max);
+    }
+  }
+  void flag(const char* key, bool& value, const char*) override
+  {
+    if (const auto* given = find(key))
+    {
+      if (given->text != "true" && given->text != "false")
+      {
+        throw UserError(where(*given, key) + " = " + given->text +
+                        " is not a switch; use true or false");
+      }
+      value = given->text == "true";
+    }
+  }
+  void text(const char* key, std::string& value, const char*) override
+  {
+    if (const auto* given = find(key))
+    {
+      value = given->text;
+    }
+  }
+  void word(const char* key,
+            std::string& value,
+            const std::vector<std::string>& words,
+            const char*) override
+  {
+    if (const auto* given = find(key))
+    {
+      checkWord(where(*given, key), given->text, words);
+      value = given->text;
+    }
+  }
+
+ private:
+  const Config::Value* find(const char* key) const
+  {
+    const auto found = values_.find(key);
+    return found == values_.end() ? nullptr : &found->second;
+  }
+  std::string where(const Config::Value& value, const char* key) const
+  {
+    return value.origin + ": [" + section_ + "] " + key;
+  }
+  template <typename Number>
+  Number number(const Config::Value& given, const char* key, const char* kind) const
+  {
+    Number result{};
+    const char* begin = given.text.data();
+    const char* end = begin + given.text.size();
+    const auto [stop, error] = std::from_chars(begin, end, result);
+    if (error != std::errc() || stop != end)
+    {
+      throw UserError(where(given, key) + " = " + given.text + " is not " + kind);
+    }
+    return result;
+  }
+
+  const Config::Section& values_;
+  std::string section_;
+};
+
+class Saver : public OptionsVisitor
+{
+ public:
+  Saver(Config& config, std::string section) : config_(config), section_(std::move(section)) {}
+
+  void real(const char* key, double& value, double, double, const char* help) override
+  {
+    put(key, toText(value), help);
+  }
+  void integer(const char* key, int& value, int, int, const char* help) override
+  {
+    put(key, std::to_string(value), help);
+  }
+  void flag(const char* key, bool& value, const char* help) override
+  {
+    put(key, value ? "true" : "false", help);
+  }
+  void text(const char* key, std::string& value, const char* help) override
+  {
+    put(key, value, help);
+  }
+  void word(const char* key,
+            std::string& value,
+            const std::vector<std::string>& words,
+            const char* help) override
+  {
+    put(key, value, std::string(help) + " (" + joined(words) + ")");
+  }
+
+ private:
+  void put(const char* key, const std::string& value, const std::string& help)
+  {
+    config_.set(section_, key, {value, "effective", help});
+  }
+  Config& config_;
+  std::string section_;
+};
+
+class Checker : public OptionsVisitor
+{
+ public:
+  explicit Checker(std::string section) : section_(std::move(section)) {}
+  void real(const char* key, double& value, double min, double max, const char*) override
+  {
+    checkRange(where(key), value, min, max);
+  }
+  void integer(const char* key, int& value, int min, int max, const char*) override
+  {
+    checkRange(where(key), value, min, max);
+  }
+  void flag(const char*, bool&, const char*) override {}
+  void text(const char*, std::string&, const char*) override {}
+  void word(const char* key,
+            std::string& value,
+            const std::vector<std::string>& words,
+            const char*) override
+  {
+    checkWord(where(key), value, words);
+  }
+
+ private:
+  std::string where(const char* key) const { return "[" + section_ + "] " + key; }
+  std::string section_;
+};
+}  // namespace
+
+void OptionsVisitor::degrees(
+    const char* key, double& radians, double min, double max, const char* help)
+{
+  // 1e-9 deg steps: the round trip through radians would otherwise save 30 as 29.999999999999996.
+  const double before = std::round(radians / degree * 1e9) / 1e9;
+  double value = before;
+  real(key, value, min, max, help);
+  if (value != before)
+  {
+    radians = value * degree;
+  }
+}
+
+void load(Options& options, const Config& config, const std::string& section)
+{
+  const auto& values = config.section(section);
+  KeyLister lister;
+  options.describe(lister);
+  for (const auto& [key, value] : values)
+  {
+    if (std::find(lister.keys.begin(), lister.keys.end(), key) == lister.keys.end())
+    {
+      const std::string near = nearestWord(key, lister.keys);
+      throw UserError(value.origin + ": [" + section + "] has no key '" + key + "'" +
+                      (near.empty() ? "" : "; did you mean '" + near + "'?"));
+    }
+  }
+  Loader loader(values, section);
+  options.describe(loader);
+}
+
+void save(const Options& options, Config& config, const std::string& section)
+{
+  // describe() takes references for the loader's sake; the saver only reads them.
+  Saver saver(config, section);
+  const_cast<Options&>(options).describe(saver);
+}
+
+void validate(const Options& options, const std::string& section)
+{
+  Checker checker(section);
+  const_cast<Options&>(options).describe(checker);
+}
+
+void ConfigLoader::requireAllUsed() const
+{
+  config_.requireKnownSections(used_);
+}
+}  // namespace dyslam

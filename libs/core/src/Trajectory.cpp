@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/Trajectory.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace dyslam
+{
+namespace
+{
+/** First pose at or after a time. */
+auto lowerBound(const std::vector<StampedPose>& poses, double stamp)
+{
+  return std::lower_bound(poses.begin(), poses.end(), stamp,
+                          [](const StampedPose& p, double t) { return p.stamp < t; });
+}
+}  // namespace
+
+Trajectory::Trajectory(std::vector<StampedPose> poses) : poses_(std::move(poses)) {}
+
+void Trajectory::push_back(double stamp, const Pose& pose)
+{
+  poses_.push_back({stamp, pose});
+}
+
+std::optional<Pose> Trajectory::at(double stamp) const
+{
+  if (poses_.empty() || stamp < poses_.front().stamp || stamp > poses_.back().stamp)
+  {
+    return std::nullopt;
+  }
+  const auto after = lowerBound(poses_, stamp);
+  if (after->stamp == stamp || after == poses_.begin())
+  {
+    return after->pose;
+  }
+  const auto before = std::prev(after);
+  const double fraction = (stamp - before->stamp) / (after->stamp - before->stamp);
+  return interpolate(before->pose, after->pose, fraction);
+}
+
+std::optional<std::size_t> Trajectory::nearest(double stamp, double tolerance) const
+{
+  auto it = lowerBound(poses_, stamp);
+  if (it == poses_.end() ||
+      (it != poses_.begin() && stamp - std::prev(it)->stamp < it->stamp - stamp))
+  {
+    if (it == poses_.begin())
+    {
+      return std::nullopt;
+    }
+    --it;
+  }
+  if (std::abs(it->stamp - stamp) > tolerance)
+  {
+    return std::nullopt;
+  }
+  return static_cast<std::size_t>(it - poses_.begin());
+}
+
+std::vector<double> Trajectory::pathLengths() const
+{
+  std::vector<double> lengths(poses_.size(), 0.0);
+  for (std::size_t i = 1; i < poses_.size(); ++i)
+  {
+    lengths[i] =
+        lengths[i - 1] + (poses_[i].pose.translation() - poses_[i - 1].pose.translation()).norm();
+  }
+  return lengths;
+}
+}  // namespace dyslam

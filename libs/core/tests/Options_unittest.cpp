@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/Error.h>
+#include <dyslam/core/Options.h>
+#include <gtest/gtest.h>
+
+namespace dyslam
+{
+namespace
+{
+enum class Kernel
+{
+  none,
+  cauchy
+};
+
+struct SampleOptions : Options
+{
+  double voxel_size = 0.123456789012345;
+  int threads = 2;
+  bool deskew = true;
+  std::string label;
+  double cone = 0.5235987755982988;
+  Kernel kernel = Kernel::cauchy;
+
+  void describe(OptionsVisitor& v) override
+  {
+    v.real("voxel_size", voxel_size, 0.01, 10, "m");
+    v.integer("threads", threads, 1, 64, "threads");
+    v.flag("deskew", deskew, "undo the motion within a scan");
+    v.text("label", label, "sensor label");
+    v.degrees("cone_deg", cone, 0, 90, "half angle");
+    v.choice("kernel", kernel, {{"none", Kernel::none}, {"cauchy", Kernel::cauchy}},
+             "robust kernel");
+  }
+};
+
+std::string errorOf(const std::string& text)
+{
+  try
+  {
+    SampleOptions options;
+    load(options, Config::fromText(text, "a.ini"), "sample");
+  }
+  catch (const UserError& error)
+  {
+    return error.what();
+  }
+  return "no error";
+}
+
+TEST(Options, SaveThenLoadGivesEqualValues)
+{
+  SampleOptions written;
+  written.voxel_size = 1.0 / 3;
+  written.deskew = false;
+  written.label = "lidar top";
+  written.cone = 0.7;
+  written.kernel = Kernel::none;
+  Config config;
+  save(written, config, "sample");
+  SampleOptions read;
+  load(read, Config::fromText(config.toIni(), "saved.ini"), "sample");
+  EXPECT_EQ(read.voxel_size, written.voxel_size);
+  EXPECT_EQ(read.deskew, written.deskew);
+  EXPECT_EQ(read.label, written.label);
+  EXPECT_NEAR(read.cone, written.cone, 1e-10);
+  EXPECT_EQ(read.kernel, written.kernel);
+  Config again;
+  save(read, again, "sample");
+  EXPECT_EQ(config.toIni(), again.toIni());
+}
+
+TEST(Options, KeysNotGivenKeepTheirDefaults)
+{
+  SampleOptions options;
+  load(options, Config::fromText("[sample]\nthreads = 4 // four\n", "a.ini"), "sample");
+  EXPECT_EQ(options.threads, 4);
+  EXPECT_EQ(options.voxel_size, SampleOptions().voxel_size);
+}
+
+TEST(Options, ErrorsNamePlaceAndMend)
+{
+  EXPECT_EQ(errorOf("[sample]\nvoxel_sise = 1\n"),
+            "a.ini:2: [sample] has no key 'voxel_sise'; did you mean 'voxel_size'?");
+  EXPECT_EQ(errorOf("[sample]\nvoxel_size = abc\n"),
+            "a.ini:2: [sample] voxel_size = abc is not a number");
+  EXPECT_EQ(errorOf("[sample]\nvoxel_size = 99\n"),
+            "a.ini:2: [sample] voxel_size = 99 is out of range; use 0.01 to 10");
+  EXPECT_EQ(errorOf("[sample]\nvoxel_size = nan\n"),
+            "a.ini:2: [sample] voxel_size = nan is out of range; use 0.01 to 10");
+  EXPECT_EQ(errorOf("[sample]\nthreads = 1.5\n"),
+            "a.ini:2: [sample] threads = 1.5 is not a whole number");
+  EXPECT_EQ(errorOf("[sample]\ndeskew = yes\n"),
+            "a.ini:2: [sample] deskew = yes is not a switch; use true or false");
+  EXPECT_EQ(errorOf("[sample]\nkernel = cauchi\n"),
+            "a.ini:2: [sample] kernel = cauchi is not known; use one of: none, cauchy (did you "
+            "mean cauchy?)");
+  EXPECT_EQ(errorOf("[sample]\nthreads = 1\nthreads = 2\n"),
+            "a.ini:3: [sample] threads is given twice; the first is at a.ini:2");
+  EXPECT_EQ(errorOf("threads = 1\n"), "a.ini:1: key 'threads' stands before the first [section]");
+  EXPECT_EQ(errorOf("[sample]\njunk\n"), "a.ini:2: 'junk' is not a setting; write key = value");
+}
+
+TEST(Options, ValidateChecksValuesSetInCode)
+{
+  SampleOptions options;
+  EXPECT_NO_THROW(validate(options, "sample"));
+  options.threads = 0;
+  EXPECT_THROW(validate(options, "sample"), UserError);
+}
+
+TEST(Config, SetReplacesTheFilesValue)
+{
+  Config config = Config::fromText("[sample]\nthreads = 4\n", "a.ini");
+  config.set("sample.threads=8");
+  EXPECT_EQ(config.section("sample").at("threads").text, "8");
+  EXPECT_THROW(config.set("threads=8"), UserError);
+  EXPECT_THROW(config.set("sample.threads"), UserError);
+}
+
+TEST(Config, UnknownSectionNamesTheNearest)
+{
+  const Config config = Config::fromText("[smaple]\n", "a.ini");
+  ConfigLoader loader(config);
+  (void)loader.get<SampleOptions>("sample");
+  try
+  {
+    loader.requireAllUsed();
+    FAIL();
+  }
+  catch (const UserError& error)
+  {
+    EXPECT_STREQ(error.what(), "a.ini:1: unknown section [smaple]; did you mean [sample]?");
+  }
+}
+
+TEST(Config, MissingFileIsAnError)
+{
+  EXPECT_THROW((void)Config::fromFile("/nowhere/x.ini"), UserError);
+}
+}  // namespace
+}  // namespace dyslam

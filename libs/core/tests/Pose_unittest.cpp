@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/Pose.h>
+#include <gtest/gtest.h>
+
+#include <random>
+
+namespace dyslam
+{
+namespace
+{
+Vector6 randomTangent(std::mt19937& rng, double translation, double rotation)
+{
+  std::uniform_real_distribution<double> u(-1, 1);
+  Vector6 x;
+  x << u(rng), u(rng), u(rng), u(rng), u(rng), u(rng);
+  x.head<3>() *= translation;
+  x.tail<3>() *= rotation;
+  return x;
+}
+
+TEST(Pose, LogarithmInvertsExponential)
+{
+  std::mt19937 rng(1);
+  for (const double rotation : {0.0, 1e-9, 1e-6, 1e-3, 0.1, 1.0, 1.7})
+  {
+    for (int i = 0; i < 20; ++i)
+    {
+      const Vector6 x = randomTangent(rng, 10, rotation);
+      EXPECT_LT((logSE3(expSE3(x)) - x).norm(), 1e-8) << x.transpose();
+    }
+  }
+}
+
+TEST(Pose, LogarithmNearHalfTurnGivesTheSamePose)
+{
+  for (const double angle : {3.14, 3.14159, 3.14159265358979})
+  {
+    Vector6 x;
+    x << 1, 2, 3, 0, 0, angle;
+    EXPECT_TRUE(expSE3(logSE3(expSE3(x))).isApprox(expSE3(x), 1e-7));
+  }
+}
+
+TEST(Pose, AdjointMovesTangentsAcross)
+{
+  std::mt19937 rng(2);
+  const Pose T = expSE3(randomTangent(rng, 5, 1));
+  const Vector6 x = randomTangent(rng, 1, 1);
+  EXPECT_TRUE((T * expSE3(x) * T.inverse()).isApprox(expSE3(adjointSE3(T) * x), 1e-9));
+}
+
+TEST(Pose, RightJacobianInverseMatchesNumericalDerivative)
+{
+  std::mt19937 rng(3);
+  for (const double rotation : {1e-7, 5e-3, 0.02, 0.5, 1.5})
+  {
+    const Vector6 x = randomTangent(rng, 3, rotation);
+    Matrix6 numeric;
+    const double step = 1e-6;
+    for (int i = 0; i < 6; ++i)
+    {
+      Vector6 d = Vector6::Zero();
+      d(i) = step;
+      numeric.col(i) =
+          (logSE3(expSE3(x) * expSE3(d)) - logSE3(expSE3(x) * expSE3(-d))) / (2 * step);
+    }
+    EXPECT_LT((numeric - rightJacobianInverseSE3(x)).norm(), 1e-6) << rotation;
+  }
+}
+
+TEST(Pose, YawPitchRollRoundTrip)
+{
+  const Pose pose = poseFromYpr(1, 2, 3, 0.5, -0.3, 2.0);
+  EXPECT_TRUE(yawPitchRoll(pose).isApprox(Eigen::Vector3d(0.5, -0.3, 2.0), 1e-12));
+}
+
+TEST(Pose, InterpolationKeepsEndsAndMiddle)
+{
+  const Pose a = poseFromYpr(0, 0, 0, 0, 0, 0);
+  const Pose b = poseFromYpr(2, 0, 0, 0, 0, 0.4);
+  EXPECT_TRUE(interpolate(a, b, 0).isApprox(a));
+  EXPECT_TRUE(interpolate(a, b, 1).isApprox(b));
+  EXPECT_NEAR(interpolate(a, b, 0.5).translation().x(), 1, 1e-12);
+  EXPECT_NEAR(rotationAngle(interpolate(a, b, 0.5)), 0.2, 1e-12);
+}
+
+TEST(Pose, OrthonormalizedRepairsRoundedRotations)
+{
+  Pose pose = poseFromYpr(1, 2, 3, 1, 0.2, 0.1);
+  pose.linear() *= 1.0003;
+  const Pose repaired = orthonormalized(pose);
+  EXPECT_LT(
+      (repaired.linear() * repaired.linear().transpose() - Eigen::Matrix3d::Identity()).norm(),
+      1e-12);
+  EXPECT_TRUE(repaired.isApprox(poseFromYpr(1, 2, 3, 1, 0.2, 0.1), 1e-9));
+}
+}  // namespace
+}  // namespace dyslam

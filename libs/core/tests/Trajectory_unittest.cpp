@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/Objects.h>
+#include <dyslam/core/Trajectory.h>
+#include <gtest/gtest.h>
+
+namespace dyslam
+{
+namespace
+{
+Trajectory straight()
+{
+  Trajectory t;
+  t.push_back(10, poseFromYpr(0, 0, 0, 0, 0, 0));
+  t.push_back(11, poseFromYpr(2, 0, 0, 0, 0, 0));
+  t.push_back(13, poseFromYpr(2, 3, 0, 0, 0, 0));
+  return t;
+}
+
+TEST(Trajectory, InterpolatesInsideOnly)
+{
+  const auto t = straight();
+  EXPECT_FALSE(t.at(9.9));
+  EXPECT_FALSE(t.at(13.1));
+  EXPECT_NEAR(t.at(10.5)->translation().x(), 1, 1e-12);
+  EXPECT_NEAR(t.at(12)->translation().y(), 1.5, 1e-12);
+  EXPECT_NEAR(t.at(13)->translation().y(), 3, 1e-12);
+}
+
+TEST(Trajectory, NearestWithinTolerance)
+{
+  const auto t = straight();
+  EXPECT_EQ(t.nearest(10.4, 0.5), 0U);
+  EXPECT_EQ(t.nearest(10.6, 0.5), 1U);
+  EXPECT_EQ(t.nearest(12.1, 2), 2U);
+  EXPECT_FALSE(t.nearest(20, 1));
+  EXPECT_FALSE(t.nearest(0, 1));
+  EXPECT_FALSE(Trajectory().nearest(0, 1));
+}
+
+TEST(Trajectory, PathLengthsAddUp)
+{
+  EXPECT_EQ(straight().pathLengths(), (std::vector<double>{0, 2, 5}));
+}
+
+TEST(ObjectClass, NamesRoundTrip)
+{
+  for (const auto c : {ObjectClass::car, ObjectClass::van, ObjectClass::truck, ObjectClass::bus,
+                       ObjectClass::motorcyclist, ObjectClass::cyclist, ObjectClass::pedestrian})
+  {
+    EXPECT_EQ(objectClassFromString(toString(c)), c);
+  }
+  EXPECT_EQ(objectClassFromString("DontCare"), ObjectClass::unknown);
+}
+}  // namespace
+}  // namespace dyslam

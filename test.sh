@@ -1,0 +1,11 @@
+#!/usr/bin/env bash
+# Installs what is needed (Debian 12), builds everything and runs every test.
+# Set DYSLAM_DATA to a folder of real recordings to run the tests that need them.
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")"
+source scripts/dependencies.sh
+install_packages
+preset=${PRESET:-ci}
+cmake --preset "$preset" >/dev/null
+cmake --build --preset "$preset"
+ctest --preset "$preset" "$@"
