@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <dyslam/core/Frame.h>
+#include <dyslam/core/Options.h>
+#include <dyslam/core/Parallel.h>
+
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace dyslam
+{
+/** Tells which points of a frame belong to moving things. */
+class MovingSegmenter
+{
+ public:
+  virtual ~MovingSegmenter() = default;
+
+  /** The word that chooses it in the ini ([dyseg] method). */
+  [[nodiscard]] virtual std::string name() const = 0;
+
+  /** True if segment() reads Frame::T_odom_vehicle: it then runs after the pose is known, not
+   * before. */
+  [[nodiscard]] virtual bool needsPose() const = 0;
+
+  /** Fills Frame::moving_probability with one value in [0, 1] per point of Frame::cloud. */
+  virtual void segment(Frame& frame) = 0;
+
+  /** Forget the past scans. */
+  virtual void reset() = 0;
+};
+
+struct MovingSegmenterOptions : Options
+{
+  std::string method = "residual";
+  void describe(OptionsVisitor& visitor) override;
+};
+
+/** The words of `method` that makeSegmenter() knows. */
+[[nodiscard]] std::vector<std::string> segmenterMethods();
+
+/** The segmenter that [dyseg] of the config names, with the options of its own section; null for
+ * `none`. */
+[[nodiscard]] std::unique_ptr<MovingSegmenter> makeSegmenter(ConfigLoader& config,
+                                                             ThreadPool& pool);
+}  // namespace dyslam

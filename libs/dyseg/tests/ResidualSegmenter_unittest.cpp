@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/Error.h>
+#include <dyslam/dyseg/ResidualSegmenter.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+namespace dyslam
+{
+namespace
+{
+/** Rays of a 32-beam lidar 1.7 m above ground between walls at y = +-15, with a 4 x 1.8 x 1.5 m
+ * body. */
+Frame scene(const Pose& T_odom_vehicle, const Eigen::Vector2d& body)
+{
+  Frame frame;
+  frame.T_odom_vehicle = T_odom_vehicle;
+  const Eigen::Vector3d origin = T_odom_vehicle.translation();
+  for (int beam = 0; beam < 32; ++beam)
+  {
+    for (int step = 0; step < 900; ++step)
+    {
+      const double elevation = (-20 + beam * 0.8) * M_PI / 180;
+      const double azimuth = step * 2 * M_PI / 900;
+      const Eigen::Vector3d ray(std::cos(elevation) * std::cos(azimuth),
+                                std::cos(elevation) * std::sin(azimuth), std::sin(elevation));
+      const Eigen::Vector3d direction = T_odom_vehicle.linear() * ray;
+      double range = 80;
+      const auto hit = [&](double t) { range = t > 0.5 ? std::min(range, t) : range; };
+      hit((-1.7 - origin.z()) / direction.z());
+      hit((15 - origin.y()) / direction.y());
+      hit((-15 - origin.y()) / direction.y());
+      double enter = 0;
+      double leave = 1e9;
+      const Eigen::Vector3d low(body.x() - 2, body.y() - 0.9, -1.7);
+      const Eigen::Vector3d high(body.x() + 2, body.y() + 0.9, -0.2);
+      for (int axis = 0; axis < 3; ++axis)
+      {
+        const double a = (low[axis] - origin[axis]) / direction[axis];
+        const double b = (high[axis] - origin[axis]) / direction[axis];
+        enter = std::max(enter, std::min(a, b));
+        leave = std::min(leave, std::max(a, b));
+      }
+      if (enter < leave)
+      {
+        hit(enter);
+      }
+      if (range < 79)
+      {
+        frame.cloud.points.push_back((ray * range).cast<float>());
+      }
+    }
+  }
+  return frame;
+}
+
+struct Counts
+{
+  int found = 0;
+  int body = 0;
+  int wrong = 0;
+  int other = 0;
+};
+
+Counts count(const Frame& frame, const Eigen::Vector2d& body)
+{
+  Counts counts;
+  for (std::size_t i = 0; i < frame.cloud.size(); ++i)
+  {
+    const Eigen::Vector3d p = frame.T_odom_vehicle * frame.cloud.points[i].cast<double>();
+    const bool on_body =
+        std::abs(p.x() - body.x()) < 2.05 && std::abs(p.y() - body.y()) < 0.95 && p.z() > -1.4;
+    const bool moving = frame.moving_probability[i] > 0.5F;
+    (on_body ? counts.body : counts.other)++;
+    if (moving)
+    {
+      (on_body ? counts.found : counts.wrong)++;
+    }
+  }
+  return counts;
+}
+
+Counts drive(double body_speed, int threads = 1)
+{
+  ThreadPool pool(threads);
+  ResidualSegmenter segmenter(ResidualSegmenterOptions(), pool);
+  Frame frame;
+  Eigen::Vector2d body(12, 4);
+  for (int k = 0; k < 14; ++k)
+  {
+    body = {12 + 0.1 * body_speed * k, 4};
+    frame = scene(poseFromYpr(0.8 * k, 0, 0, 0.01 * k, 0, 0), body);
+    segmenter.segment(frame);
+  }
+  return count(frame, body);
+}
+
+TEST(ResidualSegmenter, FindsTheMoverAndNothingElse)
+{
+  const Counts counts = drive(-8);
+  ASSERT_GT(counts.body, 100);
+  EXPECT_GT(counts.found, 0.7 * counts.body);
+  EXPECT_LT(counts.wrong, 0.002 * counts.other);
+}
+
+TEST(ResidualSegmenter, AStandingBodyIsStatic)
+{
+  const Counts counts = drive(0);
+  ASSERT_GT(counts.body, 100);
+  EXPECT_EQ(counts.found, 0);
+  EXPECT_EQ(counts.wrong, 0);
+}
+
+TEST(ResidualSegmenter, SameAnswerForAnyThreadCount)
+{
+  EXPECT_EQ(drive(-8, 1).found, drive(-8, 3).found);
+}
+
+TEST(ResidualSegmenter, EmptyAndSinglePointFramesAreFine)
+{
+  ThreadPool pool(1);
+  ResidualSegmenter segmenter(ResidualSegmenterOptions(), pool);
+  Frame frame;
+  segmenter.segment(frame);
+  EXPECT_TRUE(frame.moving_probability.empty());
+  frame.cloud.points.emplace_back(5, 0, 0);
+  segmenter.segment(frame);
+  segmenter.segment(frame);
+  ASSERT_EQ(frame.moving_probability.size(), 1U);
+  EXPECT_LT(frame.moving_probability[0], 0.5F);
+}
+
+TEST(ResidualSegmenter, BadOptionsAreNamed)
+{
+  ThreadPool pool(1);
+  ResidualSegmenterOptions options;
+  options.cell_size = 0;
+  EXPECT_THROW(ResidualSegmenter(options, pool), UserError);
+}
+}  // namespace
+}  // namespace dyslam
