@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <exception>
+#include <functional>
+#include <iostream>
+#include <sstream>
+#include <string>
+
+namespace dyslam
+{
+/** First line of an error text that says something. MRPT's exceptions open with lines such as
+ * "==== MRPT exception ====" and tell the message behind a label. */
+inline std::string firstMeaningfulLine(const std::string& text)
+{
+  std::istringstream lines(text);
+  std::string first;
+  for (std::string line; std::getline(lines, line);)
+  {
+    const auto begin = line.find_first_not_of(" \t=\r");
+    if (begin == std::string::npos || line.find("MRPT exception") != std::string::npos)
+    {
+      continue;
+    }
+    for (const std::string label : {"Message:", "message:", "Msg:"})
+    {
+      const auto at = line.find(label);
+      if (at != std::string::npos)
+      {
+        const auto message = line.find_first_not_of(" \t", at + label.size());
+        return message == std::string::npos ? line.substr(begin) : line.substr(message);
+      }
+    }
+    if (first.empty())
+    {
+      first = line.substr(begin, line.find_last_not_of(" \t\r") - begin + 1);
+    }
+  }
+  return first.empty() ? "unknown error" : first;
+}
+
+/** What every program's main calls.
+ *
+ * `declare` adds flags to the parser, `run` works. Returns 0 on success, --help and --version, and
+ * 1 on every error, told in one line on stderr: `<app>: <message>`.
+ */
+inline int runApp(int argc,
+                  char** argv,
+                  const std::function<void(CLI::App&)>& declare,
+                  const std::function<void()>& run)
+{
+  std::string name = argc > 0 ? argv[0] : "dyslam";
+  name = name.substr(name.find_last_of('/') + 1);
+  const auto fail = [&name](const std::string& message)
+  {
+    std::cout.flush();
+    std::cerr << name << ": " << message << std::endl;
+    return 1;
+  };
+  CLI::App app;
+  app.name(name);
+#ifdef DYSLAM_VERSION
+  app.set_version_flag("--version", std::string(DYSLAM_VERSION));
+#endif
+  try
+  {
+    declare(app);
+    app.parse(argc, argv);
+    run();
+    std::cout.flush();
+    return std::cout.good() ? 0 : fail("cannot write to standard output");
+  }
+  catch (const CLI::ParseError& error)
+  {
+    if (error.get_exit_code() == 0)
+    {
+      app.exit(error);
+      return 0;
+    }
+    return fail(firstMeaningfulLine(error.what()) + " (see " + name + " --help)");
+  }
+  catch (const std::bad_alloc&)
+  {
+    return fail("out of memory");
+  }
+  catch (const std::exception& error)
+  {
+    return fail(firstMeaningfulLine(error.what()));
+  }
+  catch (...)
+  {
+    return fail("unknown error");
+  }
+}
+}  // namespace dyslam

@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <dyslam/core/Objects.h>
+#include <dyslam/core/Trajectory.h>
+#include <dyslam/io/Labels.h>
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace dyslam
+{
+/** Folder of the ground truth beside a rawlog: `dir/x.rawlog` has `dir/x.gt`. */
+[[nodiscard]] std::string groundTruthFolder(const std::string& rawlog_path);
+
+/** Tracks in a text file: the columns of KITTI's tracking labels, but in the lidar frame.
+ *
+ * `frame id type truncated occluded alpha left top right bottom height width length x y z yaw
+ * [score]`; x y z is the box's centre (half height), yaw the heading about +z from +x. See
+ * doc/formats.md. \throws UserError "file:line: what". */
+[[nodiscard]] std::vector<LabelledBox> readTracks(const std::string& path);
+void writeTracks(const std::string& path, const std::vector<LabelledBox>& boxes);
+
+/** Reads the sidecar of a rawlog; per-point files are read when asked for. Frames are counted as
+ * Frame::index. */
+class GroundTruthReader
+{
+ public:
+  /** \throws UserError if the folder is missing or a file in it is damaged. */
+  explicit GroundTruthReader(const std::string& folder);
+  /** The sidecar of a rawlog if there is one. */
+  [[nodiscard]] static std::optional<GroundTruthReader> besides(const std::string& rawlog_path);
+
+  [[nodiscard]] const std::string& folder() const { return folder_; }
+  /** T_world_vehicle; empty if unknown. */
+  [[nodiscard]] const Trajectory& poses() const { return poses_; }
+  /** Boxes of all frames, lidar frame. */
+  [[nodiscard]] const std::vector<LabelledBox>& tracks() const { return tracks_; }
+  /** Boxes of one frame, lidar frame. */
+  [[nodiscard]] std::vector<LabelledBox> boxes(std::size_t frame) const;
+
+  [[nodiscard]] bool hasLabels() const { return has_labels_; }
+  [[nodiscard]] bool hasFlow() const { return has_flow_; }
+  /** Labels of a frame's points in the scan's order; nothing if that frame has none.
+   * \throws UserError if their number is not `points`. */
+  [[nodiscard]] std::optional<std::vector<Label>> labels(std::size_t frame,
+                                                         std::size_t points) const;
+  /** Scene flow: where each point's surface is in the NEXT scan's lidar frame at its stamp, minus
+   * where the point is now (ego-motion included), metres; NaN where unknown. */
+  [[nodiscard]] std::optional<std::vector<Eigen::Vector3f>> flow(std::size_t frame,
+                                                                 std::size_t points) const;
+
+ private:
+  std::string folder_;
+  Trajectory poses_;
+  std::vector<LabelledBox> tracks_;
+  std::multimap<int, std::size_t> boxes_of_frame_;
+  bool has_labels_ = false;
+  bool has_flow_ = false;
+};
+
+/** Writes the sidecar: per-point files at once, poses and tracks when closed. */
+class GroundTruthWriter
+{
+ public:
+  /** Makes the folder; files of an earlier run in it are removed. \throws UserError. */
+  explicit GroundTruthWriter(const std::string& folder);
+  ~GroundTruthWriter();
+  GroundTruthWriter(const GroundTruthWriter&) = delete;
+  GroundTruthWriter& operator=(const GroundTruthWriter&) = delete;
+
+  void addPose(double stamp, const Pose& T_world_vehicle);
+  /** Lidar frame; box.frame says which scan. */
+  void addBox(const LabelledBox& box);
+  void addLabels(std::size_t frame, const std::vector<Label>& labels);
+  void addFlow(std::size_t frame, const std::vector<Eigen::Vector3f>& flow);
+  /** Writes poses_tum.txt and tracks.txt if there is anything for them. */
+  void close();
+
+ private:
+  std::string folder_;
+  Trajectory poses_;
+  std::vector<LabelledBox> boxes_;
+  bool closed_ = false;
+};
+}  // namespace dyslam

@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <dyslam/core/Frame.h>
+#include <dyslam/core/Options.h>
+
+#include <cstddef>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace dyslam
+{
+struct RawlogSourceOptions : Options
+{
+  std::string sensor_label;  //!< regex for the lidar's label; empty: the first lidar of the file
+  int skip_first_n = 0;      //!< scans to pass over
+  int only_first_n = 0;      //!< scans to deliver after those; 0: all
+  std::string ground_truth_label = "ground_truth";  //!< of the CObservationRobotPose
+  /** Truth that has not the scan's own time stamp is interpolated if both neighbours are this near.
+   */
+  double ground_truth_max_gap = 0.2;  //!< [s]
+  double intensity_scale =
+      0;  //!< multiplies the file's intensities; 0: 1, or 1/255 for 0..255 data
+
+  void describe(OptionsVisitor& visitor) override;
+};
+
+/** Streams the 3D scans of an MRPT rawlog, plain or gzip, observation-only or sensory frames.
+ *
+ * Reads CObservationPointCloud, CObservationVelodyneScan, CObservationRotatingScan and
+ * CObservation3DRangeScan, external storage (`<name>_Images/`) included. At most a few observations
+ * are in memory. Frame::index counts the lidar's scans in the file from 0, so that it fits the
+ * ground-truth sidecar whatever is skipped. See doc/formats.md for how per-point time and ring
+ * travel.
+ *
+ * A scan whose time stamp does not come after that of the scan before is dropped with a warning;
+ * more than ten in a row are an error. A file cut short delivers every complete scan first, then
+ * next() throws.
+ *
+ * One thread at a time may call it.
+ */
+class RawlogSource
+{
+ public:
+  /** Opens the file and reads up to the first scan.
+   * \throws UserError if it is missing, empty, not a rawlog, or has no 3D scan. */
+  explicit RawlogSource(const std::string& path, const RawlogSourceOptions& options = {});
+  ~RawlogSource();
+  RawlogSource(RawlogSource&&) noexcept;
+  RawlogSource& operator=(RawlogSource&&) noexcept;
+
+  /** The next scan with its ground truth, nothing at the end. Fills index, scan and
+   * T_world_vehicle_truth of the frame.
+   * \throws UserError for damaged data, after all scans before it were delivered. */
+  [[nodiscard]] std::optional<Frame> next();
+
+  /** Bytes of the (compressed) file read so far, 0 to 1. */
+  [[nodiscard]] double progress() const;
+  /** Frames delivered so far. */
+  [[nodiscard]] std::size_t framesRead() const;
+  /** Scans dropped for their time stamps so far. */
+  [[nodiscard]] std::size_t framesDropped() const;
+  /** Label of the lidar that is being read. */
+  [[nodiscard]] std::string sensorLabel() const;
+  /** What the user should know about the file, one line each, each kind once with its count. */
+  [[nodiscard]] std::vector<std::string> warnings() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+}  // namespace dyslam

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <dyslam/core/Options.h>
+#include <dyslam/core/Pose.h>
+#include <dyslam/core/Scan.h>
+
+#include <cstddef>
+#include <memory>
+#include <optional>
+#include <string>
+
+namespace dyslam
+{
+struct RawlogWriterOptions : Options
+{
+  bool external_storage = false;       //!< clouds as .bin files in `<name>_Images/`
+  int compression_level = 1;           //!< of gzip, 0 (none) to 9
+  std::string sensor_label = "lidar";  //!< for scans that have none
+  std::string ground_truth_label = "ground_truth";
+
+  void describe(OptionsVisitor& visitor) override;
+};
+
+/** Writes scans as an observation-only gzip rawlog that stock MRPT programs read.
+ *
+ * Per scan, all with the scan's time stamp: the ground truth (CObservationRobotPose) if given, per
+ * point time and ring if the scan has them (CObservationPointCloud labelled `<label>_time_ring`),
+ * then the scan (CObservationPointCloud of XYZI, or XYZ if it has no intensity). Every point is
+ * kept, in order. The same input gives the same bytes.
+ *
+ * The file grows under `<path>.tmp` and gets its name when closed: by close(), or by the destructor
+ * when an error unwinds the program, so a file under its own name is always whole. A killed program
+ * leaves the `.tmp`.
+ */
+class RawlogWriter
+{
+ public:
+  /** \throws UserError if the file cannot be made. */
+  explicit RawlogWriter(const std::string& path, const RawlogWriterOptions& options = {});
+  ~RawlogWriter();
+  RawlogWriter(RawlogWriter&&) noexcept;
+  RawlogWriter& operator=(RawlogWriter&&) noexcept;
+
+  /** \param truth T_world_vehicle at the scan's stamp.
+   * \throws UserError if the disk is full or the stamp is not a number. */
+  void write(const Scan& scan, const std::optional<Pose>& truth = std::nullopt);
+  /** Finishes the file. \throws UserError if that fails. Later calls do nothing. */
+  void close();
+
+  [[nodiscard]] std::size_t framesWritten() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+}  // namespace dyslam

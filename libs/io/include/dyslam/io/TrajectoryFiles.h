@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <dyslam/core/Trajectory.h>
+
+#include <string>
+#include <vector>
+
+namespace dyslam
+{
+enum class TrajectoryFormat
+{
+  tum,   //!< t x y z qx qy qz qw
+  kitti  //!< 12 numbers: the upper 3x4 of the pose, row by row; no time
+};
+
+/** All readers skip empty lines and lines opening with `#`, accept spaces, tabs and commas between
+ * numbers, and throw UserError "file:line: what" for anything else that is not as the format says.
+ * Rotations are made orthonormal; one that is no rotation at all is an error. */
+
+/** TUM: `t x y z qx qy qz qw` a line. */
+[[nodiscard]] Trajectory readTum(const std::string& path);
+/** t with 9 decimals, the rest with 12 significant digits. Written under a temporary name first. */
+void writeTum(const std::string& path, const Trajectory& trajectory);
+
+/** KITTI: 12 numbers a line. */
+[[nodiscard]] std::vector<Pose> readKittiPoses(const std::string& path);
+void writeKittiPoses(const std::string& path, const std::vector<Pose>& poses);
+void writeKittiPoses(const std::string& path, const Trajectory& trajectory);
+
+/** One time [s] a line, as KITTI's times.txt. */
+[[nodiscard]] std::vector<double> readTimes(const std::string& path);
+
+/** Poses with their times. \throws UserError if the two differ in length. */
+[[nodiscard]] Trajectory withTimes(const std::vector<Pose>& poses,
+                                   const std::vector<double>& times);
+/** Poses at 0, dt, 2 dt, ... */
+[[nodiscard]] Trajectory withTimes(const std::vector<Pose>& poses, double dt);
+
+/** What a file is, by the count of numbers in its first line (8: TUM, 12: KITTI). */
+[[nodiscard]] TrajectoryFormat trajectoryFormat(const std::string& path);
+
+struct TrajectoryFile
+{
+  Trajectory trajectory;
+  TrajectoryFormat format = TrajectoryFormat::tum;
+};
+/** Reads either kind. A KITTI file's stamps are the line numbers 0, 1, 2, ... */
+[[nodiscard]] TrajectoryFile readTrajectory(const std::string& path);
+
+/** Poses of the camera (in the first camera's frame) to those of the lidar (in the first lidar's
+ * frame) and back; `T_cam_velo` is `Tr` of KITTI's calib.txt. */
+[[nodiscard]] std::vector<Pose> cameraToLidarPoses(const std::vector<Pose>& poses,
+                                                   const Pose& T_cam_velo);
+[[nodiscard]] std::vector<Pose> lidarToCameraPoses(const std::vector<Pose>& poses,
+                                                   const Pose& T_cam_velo);
+}  // namespace dyslam
