@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <vector>
+
+namespace dyslam
+{
+struct Neighbour
+{
+  std::uint32_t index = 0;     //!< position in the searched points
+  float squared_distance = 0;  //!< [m^2]
+};
+
+/** Exact nearest neighbours by a kd-tree over its own copy of the points.
+ *
+ * Points that are not finite are never found. Answers are ordered by distance, ties by index.
+ * Queries are const and may run in several threads.
+ */
+class KdTree
+{
+ public:
+  KdTree() = default;
+  explicit KdTree(const std::vector<Eigen::Vector3f>& points);
+
+  /** Number of searchable points. */
+  [[nodiscard]] std::size_t size() const { return points_.size(); }
+
+  /** Up to k nearest within `max_distance` [m]; fewer where there are fewer. */
+  void nearest(const Eigen::Vector3f& query,
+               std::size_t k,
+               std::vector<Neighbour>& result,
+               float max_distance = std::numeric_limits<float>::infinity()) const;
+
+  /** All points within `radius` [m], border included. */
+  void radius(const Eigen::Vector3f& query, float radius, std::vector<Neighbour>& result) const;
+
+  /** The nearest point within `max_distance`; false if there is none. */
+  [[nodiscard]] bool nearest(const Eigen::Vector3f& query,
+                             Neighbour& result,
+                             float max_distance = std::numeric_limits<float>::infinity()) const;
+
+ private:
+  struct Node
+  {
+    float split = 0;
+    std::int32_t axis = -1;   //!< -1 for a leaf
+    std::uint32_t begin = 0;  //!< leaf: first point; inner node: right child (left is next)
+    std::uint32_t end = 0;
+  };
+
+  std::uint32_t build(std::uint32_t begin, std::uint32_t end);
+  template <typename Visitor>
+  void search(std::uint32_t node, const Eigen::Vector3f& query, Visitor& visitor) const;
+
+  std::vector<Node> nodes_;
+  std::vector<Eigen::Vector3f> points_;  //!< in tree order
+  std::vector<std::uint32_t> index_;     //!< of points_ in the input
+};
+}  // namespace dyslam

@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace dyslam
+{
+/** Points of one scan ordered by where the sensor looked: rows are rings, row 0 the lowest; columns
+ * are azimuths, column 0 straight behind, rising clockwise seen from above (so that left is left).
+ *
+ * A cell holds the nearest of its points (ties: the first), or none.
+ */
+struct RangeImage
+{
+  static constexpr std::int32_t none = -1;
+
+  int rows = 0;
+  int cols = 0;
+  std::vector<std::int32_t> index;  //!< row-major: position in the points, or `none`
+  std::vector<float> range;         //!< row-major: distance to the sensor [m]; 0 where empty
+
+  [[nodiscard]] std::size_t cell(int row, int col) const
+  {
+    return static_cast<std::size_t>(row) * static_cast<std::size_t>(cols) +
+           static_cast<std::size_t>(col);
+  }
+  /** The column, taken around the turn: any `col` in [-cols, 2 cols). */
+  [[nodiscard]] int wrapped(int col) const
+  {
+    return col < 0 ? col + cols : (col >= cols ? col - cols : col);
+  }
+};
+
+/** Column of a point in an image of `cols` columns. */
+[[nodiscard]] int azimuthColumn(const Eigen::Vector3f& p, int cols);
+/** Angle over the sensor's xy plane [rad]. */
+[[nodiscard]] float elevationOf(const Eigen::Vector3f& p);
+
+/** Elevations of a sensor's beams, ascending [rad]. */
+struct BeamTable
+{
+  std::vector<float> elevations;
+
+  /** `count` beams at equal steps, both ends included. */
+  [[nodiscard]] static BeamTable uniform(double lowest, double highest, int count);
+  /** Median elevation of each ring; rings without points are interpolated. */
+  [[nodiscard]] static BeamTable fromRings(const std::vector<Eigen::Vector3f>& points,
+                                           const std::vector<std::uint16_t>& rings);
+  /** The beam nearest to an elevation; -1 beyond half a step outside the table. */
+  [[nodiscard]] int row(float elevation) const;
+};
+
+/** Rows from the ring numbers; points that are no returns or whose ring is >= rows are left out. */
+[[nodiscard]] RangeImage projectByRing(const std::vector<Eigen::Vector3f>& points,
+                                       const std::vector<std::uint16_t>& rings,
+                                       int rows,
+                                       int cols);
+
+/** Rows by the nearest beam. */
+[[nodiscard]] RangeImage projectByBeams(const std::vector<Eigen::Vector3f>& points,
+                                        const BeamTable& beams,
+                                        int cols);
+
+/** Ring of each point where a recording has none, 0 the lowest; empty if they cannot be told.
+ *
+ * Files that store one ring after the other (as KITTI's) show it by the azimuth, which jumps back
+ * once a ring; where that gives no sensible number of rings, elevations are clustered. Points that
+ * are no returns get the ring of the point before.
+ */
+[[nodiscard]] std::vector<std::uint16_t> estimateRings(const std::vector<Eigen::Vector3f>& points);
+}  // namespace dyslam

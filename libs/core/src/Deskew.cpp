@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/Deskew.h>
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+namespace dyslam
+{
+namespace
+{
+constexpr float inverse_two_pi = 0.15915494309189535F;
+
+/** atan2(y, x) / 2 pi in (-0.5, 0.5], by an odd polynomial on [0, 1]. */
+float turnsOf(float y, float x)
+{
+  const float ax = std::fabs(x);
+  const float ay = std::fabs(y);
+  const float high = std::max(ax, ay);
+  if (!(high > 0))
+  {
+    return 0;
+  }
+  const float r = std::min(ax, ay) / high;
+  const float r2 = r * r;
+  // Abramowitz and Stegun 4.4.49: |error| < 1e-5 rad.
+  float angle = r * (0.9998660F +
+                     r2 * (-0.3302995F + r2 * (0.1801410F + r2 * (-0.0851330F + r2 * 0.0208351F))));
+  angle *= inverse_two_pi;
+  angle = ay > ax ? 0.25F - angle : angle;
+  angle = x < 0 ? 0.5F - angle : angle;
+  return y < 0 ? -angle : angle;
+}
+}  // namespace
+
+float sweepFraction(const Eigen::Vector3f& p, const SweepModel& model)
+{
+  const auto start = static_cast<float>(model.start_azimuth) * inverse_two_pi;
+  const float turned = static_cast<float>(model.direction) * (turnsOf(p.y(), p.x()) - start);
+  const float fraction = turned - std::floor(turned);
+  return fraction < 1.0F ? fraction : 0.0F;
+}
+
+SweepMotion::SweepMotion(const Pose& T_start_end, double reference)
+    : reference_(static_cast<float>(reference))
+{
+  const Vector6 twist = logSE3(T_start_end);
+  const Eigen::Vector3d w = twist.tail<3>();
+  const Eigen::Vector3d v = twist.head<3>();
+  rotation_ = w.cast<float>();
+  translation_ = v.cast<float>();
+  w_translation_ = w.cross(v).cast<float>();
+  ww_translation_ = w.cross(w.cross(v)).cast<float>();
+  angle2_ = static_cast<float>(w.squaredNorm());
+}
+
+std::vector<Eigen::Vector3f> deskew(const std::vector<Eigen::Vector3f>& points,
+                                    const std::vector<float>& fractions,
+                                    const SweepMotion& motion)
+{
+  if (fractions.size() != points.size())
+  {
+    throw std::invalid_argument("deskew: one fraction per point is needed");
+  }
+  std::vector<Eigen::Vector3f> result(points.size());
+  for (std::size_t i = 0; i < points.size(); ++i)
+  {
+    result[i] = motion.toReference(points[i], fractions[i]);
+  }
+  return result;
+}
+}  // namespace dyslam

@@ -1,0 +1,357 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/RangeImage.h>
+#include <dyslam/core/Scan.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <stdexcept>
+
+namespace dyslam
+{
+namespace
+{
+constexpr float pi = 3.14159265358979323846F;
+constexpr std::size_t most_rings = 160;
+constexpr std::size_t fewest_rings = 4;
+
+RangeImage emptyImage(int rows, int cols)
+{
+  if (rows <= 0 || cols <= 0)
+  {
+    throw std::invalid_argument("RangeImage: rows and cols must be positive");
+  }
+  RangeImage image;
+  image.rows = rows;
+  image.cols = cols;
+  const std::size_t cells = static_cast<std::size_t>(rows) * static_cast<std::size_t>(cols);
+  image.index.assign(cells, RangeImage::none);
+  image.range.assign(cells, 0.0F);
+  return image;
+}
+
+void put(RangeImage& image, int row, const Eigen::Vector3f& p, std::size_t i)
+{
+  const std::size_t cell = image.cell(row, azimuthColumn(p, image.cols));
+  const float range = p.norm();
+  if (image.index[cell] == RangeImage::none || range < image.range[cell])
+  {
+    image.index[cell] = static_cast<std::int32_t>(i);
+    image.range[cell] = range;
+  }
+}
+
+/** Where a new ring begins when the azimuth's cut lies at `seam`. */
+std::vector<std::size_t> ringStarts(const std::vector<std::uint32_t>& returns,
+                                    const std::vector<float>& azimuths,
+                                    float seam)
+{
+  std::vector<std::size_t> starts{0};
+  const auto cut = [&](std::size_t i)
+  {
+    const float a = (azimuths[i] - seam) / (2 * pi);
+    return a - std::floor(a);
+  };
+  for (std::size_t i = 1; i < returns.size(); ++i)
+  {
+    if (std::fabs(cut(i) - cut(i - 1)) > 0.5F)
+    {
+      starts.push_back(i);
+    }
+  }
+  return starts;
+}
+
+float medianOf(std::vector<float> values)
+{
+  if (values.empty())
+  {
+    return 0;
+  }
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+/** Ring of each return, numbered as met; empty if the order of the file does not show rings. */
+std::vector<std::uint16_t> ringsByOrder(const std::vector<std::uint32_t>& returns,
+                                        const std::vector<float>& azimuths,
+                                        const std::vector<float>& elevations)
+{
+  std::vector<std::size_t> best;
+  float best_step = 0;
+  for (const float seam : {0.0F, pi})
+  {
+    std::vector<std::size_t> starts = ringStarts(returns, azimuths, seam);
+    if (starts.size() < fewest_rings || starts.size() > most_rings)
+    {
+      continue;
+    }
+    // At the true seam the beam changes too, so the elevation steps there.
+    std::vector<float> steps;
+    for (std::size_t s = 1; s < starts.size(); ++s)
+    {
+      steps.push_back(std::fabs(elevations[starts[s]] - elevations[starts[s] - 1]));
+    }
+    const float step = medianOf(steps);
+    if (step > best_step)
+    {
+      best_step = step;
+      best = std::move(starts);
+    }
+  }
+  std::vector<std::uint16_t> rings;
+  if (best_step < 0.001F)
+  {
+    return rings;
+  }
+  rings.resize(returns.size());
+  for (std::size_t s = 0; s < best.size(); ++s)
+  {
+    const std::size_t end = s + 1 < best.size() ? best[s + 1] : returns.size();
+    std::fill(rings.begin() + static_cast<std::ptrdiff_t>(best[s]),
+              rings.begin() + static_cast<std::ptrdiff_t>(end), static_cast<std::uint16_t>(s));
+  }
+  return rings;
+}
+
+/** Ring of each return from gaps in the histogram of elevations; empty if there are none. */
+std::vector<std::uint16_t> ringsByElevation(const std::vector<float>& elevations)
+{
+  constexpr float bin = 0.05F * pi / 180;
+  constexpr int bins = 3600;
+  std::vector<std::uint32_t> histogram(bins, 0);
+  const auto binOf = [](float e)
+  { return std::clamp(static_cast<int>((e + pi / 2) / bin), 0, bins - 1); };
+  for (const float e : elevations)
+  {
+    ++histogram[static_cast<std::size_t>(binOf(e))];
+  }
+  const auto enough = static_cast<std::uint32_t>(elevations.size() / 2000 + 1);
+  std::vector<std::uint16_t> ring_of_bin(bins, 0);
+  std::size_t rings = 0;
+  bool inside = false;
+  for (int b = 0; b < bins; ++b)
+  {
+    const bool occupied = histogram[static_cast<std::size_t>(b)] >= enough;
+    rings += occupied && !inside ? 1 : 0;
+    inside = occupied;
+    ring_of_bin[static_cast<std::size_t>(b)] =
+        static_cast<std::uint16_t>(rings > 0 ? rings - 1 : 0);
+  }
+  std::vector<std::uint16_t> result;
+  if (rings < fewest_rings || rings > most_rings)
+  {
+    return result;
+  }
+  result.reserve(elevations.size());
+  for (const float e : elevations)
+  {
+    result.push_back(ring_of_bin[static_cast<std::size_t>(binOf(e))]);
+  }
+  return result;
+}
+
+/** Renumbers rings so that the median elevation rises with the number. */
+void sortRings(std::vector<std::uint16_t>& rings, const std::vector<float>& elevations)
+{
+  const std::size_t count = 1U + *std::max_element(rings.begin(), rings.end());
+  std::vector<std::vector<float>> of_ring(count);
+  for (std::size_t i = 0; i < rings.size(); ++i)
+  {
+    of_ring[rings[i]].push_back(elevations[i]);
+  }
+  std::vector<float> median(count);
+  std::vector<std::uint16_t> order(count);
+  for (std::size_t r = 0; r < count; ++r)
+  {
+    median[r] = medianOf(of_ring[r]);
+    order[r] = static_cast<std::uint16_t>(r);
+  }
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::uint16_t a, std::uint16_t b) { return median[a] < median[b]; });
+  std::vector<std::uint16_t> rank(count);
+  for (std::size_t r = 0; r < count; ++r)
+  {
+    rank[order[r]] = static_cast<std::uint16_t>(r);
+  }
+  for (std::uint16_t& ring : rings)
+  {
+    ring = rank[ring];
+  }
+}
+}  // namespace
+
+int azimuthColumn(const Eigen::Vector3f& p, int cols)
+{
+  const float turns = 0.5F - std::atan2(p.y(), p.x()) / (2 * pi);
+  const int col = static_cast<int>(turns * static_cast<float>(cols));
+  return std::clamp(col, 0, cols - 1);
+}
+
+float elevationOf(const Eigen::Vector3f& p)
+{
+  return std::atan2(p.z(), std::hypot(p.x(), p.y()));
+}
+
+BeamTable BeamTable::uniform(double lowest, double highest, int count)
+{
+  BeamTable table;
+  for (int i = 0; i < count; ++i)
+  {
+    const double share = count > 1 ? static_cast<double>(i) / (count - 1) : 0.0;
+    table.elevations.push_back(static_cast<float>(lowest + share * (highest - lowest)));
+  }
+  return table;
+}
+
+BeamTable BeamTable::fromRings(const std::vector<Eigen::Vector3f>& points,
+                               const std::vector<std::uint16_t>& rings)
+{
+  if (rings.size() != points.size())
+  {
+    throw std::invalid_argument("BeamTable: one ring per point is needed");
+  }
+  std::vector<std::vector<float>> of_ring;
+  for (std::size_t i = 0; i < points.size(); ++i)
+  {
+    if (isReturn(points[i]))
+    {
+      of_ring.resize(std::max<std::size_t>(of_ring.size(), rings[i] + 1U));
+      of_ring[rings[i]].push_back(elevationOf(points[i]));
+    }
+  }
+  BeamTable table;
+  std::vector<std::size_t> known;
+  for (std::size_t r = 0; r < of_ring.size(); ++r)
+  {
+    table.elevations.push_back(medianOf(of_ring[r]));
+    if (!of_ring[r].empty())
+    {
+      known.push_back(r);
+    }
+  }
+  for (std::size_t k = 0; k < known.size(); ++k)
+  {
+    const std::size_t low = known[k];
+    const std::size_t high = k + 1 < known.size() ? known[k + 1] : low;
+    for (std::size_t r = low + 1; r < high; ++r)
+    {
+      const float share = static_cast<float>(r - low) / static_cast<float>(high - low);
+      table.elevations[r] =
+          table.elevations[low] + share * (table.elevations[high] - table.elevations[low]);
+    }
+  }
+  if (!known.empty())
+  {
+    std::fill_n(table.elevations.begin(), known.front(), table.elevations[known.front()]);
+  }
+  std::sort(table.elevations.begin(), table.elevations.end());
+  return table;
+}
+
+int BeamTable::row(float elevation) const
+{
+  if (elevations.empty() || !std::isfinite(elevation))
+  {
+    return -1;
+  }
+  const auto size = elevations.size();
+  const auto above = static_cast<std::size_t>(
+      std::lower_bound(elevations.begin(), elevations.end(), elevation) - elevations.begin());
+  if (size == 1)
+  {
+    return 0;
+  }
+  if (above == 0)
+  {
+    return elevations[0] - elevation <= (elevations[1] - elevations[0]) / 2 ? 0 : -1;
+  }
+  if (above == size)
+  {
+    const float step = elevations[size - 1] - elevations[size - 2];
+    return elevation - elevations[size - 1] <= step / 2 ? static_cast<int>(size) - 1 : -1;
+  }
+  const bool upper = elevations[above] - elevation < elevation - elevations[above - 1];
+  return static_cast<int>(upper ? above : above - 1);
+}
+
+RangeImage projectByRing(const std::vector<Eigen::Vector3f>& points,
+                         const std::vector<std::uint16_t>& rings,
+                         int rows,
+                         int cols)
+{
+  if (rings.size() != points.size())
+  {
+    throw std::invalid_argument("projectByRing: one ring per point is needed");
+  }
+  RangeImage image = emptyImage(rows, cols);
+  for (std::size_t i = 0; i < points.size(); ++i)
+  {
+    if (rings[i] < rows && isReturn(points[i]))
+    {
+      put(image, rings[i], points[i], i);
+    }
+  }
+  return image;
+}
+
+RangeImage projectByBeams(const std::vector<Eigen::Vector3f>& points,
+                          const BeamTable& beams,
+                          int cols)
+{
+  RangeImage image =
+      emptyImage(static_cast<int>(std::max<std::size_t>(1, beams.elevations.size())), cols);
+  for (std::size_t i = 0; i < points.size(); ++i)
+  {
+    if (!isReturn(points[i]))
+    {
+      continue;
+    }
+    const int row = beams.row(elevationOf(points[i]));
+    if (row >= 0)
+    {
+      put(image, row, points[i], i);
+    }
+  }
+  return image;
+}
+
+std::vector<std::uint16_t> estimateRings(const std::vector<Eigen::Vector3f>& points)
+{
+  std::vector<std::uint32_t> returns;
+  std::vector<float> azimuths;
+  std::vector<float> elevations;
+  for (std::size_t i = 0; i < points.size(); ++i)
+  {
+    if (isReturn(points[i]))
+    {
+      returns.push_back(static_cast<std::uint32_t>(i));
+      azimuths.push_back(std::atan2(points[i].y(), points[i].x()));
+      elevations.push_back(elevationOf(points[i]));
+    }
+  }
+  if (returns.empty())
+  {
+    return {};
+  }
+  std::vector<std::uint16_t> rings = ringsByOrder(returns, azimuths, elevations);
+  if (rings.empty())
+  {
+    rings = ringsByElevation(elevations);
+  }
+  if (rings.empty())
+  {
+    return {};
+  }
+  sortRings(rings, elevations);
+  std::vector<std::uint16_t> result(points.size(), rings.front());
+  std::size_t next = 0;
+  for (std::size_t i = 0; i < points.size(); ++i)
+  {
+    next += next + 1 < returns.size() && returns[next + 1] <= i ? 1 : 0;
+    result[i] = rings[next];
+  }
+  return result;
+}
+}  // namespace dyslam

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <dyslam/core/Deskew.h>
+#include <dyslam/core/Options.h>
+#include <dyslam/core/Parallel.h>
+#include <dyslam/core/Pose.h>
+#include <dyslam/core/Scan.h>
+
+namespace dyslam
+{
+enum class DeskewMode
+{
+  none,       //!< the scan is motion-compensated already, or a single shot
+  time,       //!< by Scan::time; scans without it stay as they are
+  azimuth,    //!< by the sweep model, for spinning sensors without times
+  automatic,  //!< "auto": time where the scan has it, else azimuth
+};
+
+/** Ini section `[preprocess]`. */
+struct PreprocessOptions : Options
+{
+  double min_range = 1.5;  //!< nearer returns are the vehicle itself [m]
+  double max_range = 100;  //!< [m]
+  DeskewMode deskew = DeskewMode::automatic;
+  SweepModel sweep;  //!< for azimuth deskew
+  /** Azimuth deskew: the share of the sweep whose pose is the frame's pose. Straight ahead (0.5)
+   * is when KITTI's stamps are taken. */
+  double sweep_reference = 0.5;
+
+  void describe(OptionsVisitor& visitor) override;
+};
+
+/** From a Scan as recorded to the Cloud that algorithms work on.
+ *
+ * Thread-safe apart from the pool, which serves one loop at a time.
+ */
+class Preprocessor
+{
+ public:
+  /** \throws UserError for options out of range. The pool must outlive the object. */
+  Preprocessor(const PreprocessOptions& options, ThreadPool& pool);
+
+  /** Valid returns within the range limits, in the vehicle frame at the frame's stamp, in the order
+   * of the scan, with Cloud::source.
+   *
+   * Deskewing by time tells the points at Scan::stamp (time 0), by azimuth at
+   * PreprocessOptions::sweep_reference.
+   * \param T_previous_current motion of the vehicle predicted over `dt`
+   * \param dt seconds that this motion takes (usually one scan period); deskewing by azimuth takes
+   *   one revolution to last `dt`. With dt <= 0 nothing is deskewed. */
+  [[nodiscard]] Cloud prepare(const Scan& scan, const Pose& T_previous_current, double dt) const;
+
+  [[nodiscard]] const PreprocessOptions& options() const { return options_; }
+
+ private:
+  PreprocessOptions options_;
+  ThreadPool& pool_;
+};
+}  // namespace dyslam

@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/odometry/Preprocessor.h>
+
+#include <cmath>
+
+namespace dyslam
+{
+namespace
+{
+constexpr std::size_t chunk_size = 8192;
+
+/** Twist-wise multiple of a motion. */
+Pose scaled(const Pose& T, double factor)
+{
+  return expSE3(factor * logSE3(T));
+}
+}  // namespace
+
+void PreprocessOptions::describe(OptionsVisitor& v)
+{
+  v.real("min_range", min_range, 0, 1000, "nearer returns are dropped [m]");
+  v.real("max_range", max_range, 0.1, 10000, "farther returns are dropped [m]");
+  v.choice(
+      "deskew", deskew,
+      {{"none", DeskewMode::none},
+       {"time", DeskewMode::time},
+       {"azimuth", DeskewMode::azimuth},
+       {"auto", DeskewMode::automatic}},
+      "undo the motion within a scan: by point times, by azimuth, or times where there are any");
+  v.integer("sweep_direction", sweep.direction, -1, 1,
+            "-1 clockwise from above, 1 counter-clockwise");
+  v.degrees("sweep_start_azimuth_deg", sweep.start_azimuth, -360, 360,
+            "where the sweep begins, from ahead to the left");
+  v.real("sweep_reference", sweep_reference, -1, 2, "share of the sweep whose pose the frame has");
+}
+
+Preprocessor::Preprocessor(const PreprocessOptions& options, ThreadPool& pool)
+    : options_(options), pool_(pool)
+{
+  validate(options_, "preprocess");
+}
+
+Cloud Preprocessor::prepare(const Scan& scan, const Pose& T_previous_current, double dt) const
+{
+  const std::size_t count = scan.size();
+  const bool has_time = scan.time.size() == count && count > 0;
+  const bool has_intensity = scan.intensity.size() == count;
+  const bool moving = dt > 0 && std::isfinite(dt);
+  const bool by_time = moving && has_time && options_.deskew != DeskewMode::none &&
+                       options_.deskew != DeskewMode::azimuth;
+  const bool by_azimuth =
+      moving && !by_time &&
+      (options_.deskew == DeskewMode::azimuth || options_.deskew == DeskewMode::automatic);
+  // Times are told as seconds since the stamp: the motion of one second, about time 0.
+  const SweepMotion motion = by_time
+                                 ? SweepMotion(scaled(T_previous_current, 1 / dt), 0)
+                                 : SweepMotion(by_azimuth ? T_previous_current : Pose::Identity(),
+                                               options_.sweep_reference);
+  const Eigen::Matrix3f R = scan.T_vehicle_lidar.linear().cast<float>();
+  const Eigen::Vector3f t = scan.T_vehicle_lidar.translation().cast<float>();
+  const auto min2 = static_cast<float>(options_.min_range * options_.min_range);
+  const auto max2 = static_cast<float>(options_.max_range * options_.max_range);
+
+  struct Part
+  {
+    std::vector<Eigen::Vector3f> points;
+    std::vector<std::uint32_t> source;
+  };
+  std::vector<Part> parts(ThreadPool::chunkCount(count, chunk_size));
+  pool_.forChunks(count, chunk_size,
+                  [&](std::size_t begin, std::size_t end, std::size_t chunk)
+                  {
+                    Part& part = parts[chunk];
+                    part.points.reserve(end - begin);
+                    part.source.reserve(end - begin);
+                    for (std::size_t i = begin; i < end; ++i)
+                    {
+                      const Eigen::Vector3f& p = scan.points[i];
+                      const float range2 = p.squaredNorm();
+                      // NaN fails every comparison, infinity the last one.
+                      if (!(range2 > 0 && range2 >= min2 && range2 <= max2))
+                      {
+                        continue;
+                      }
+                      Eigen::Vector3f q = R * p + t;
+                      if (by_time)
+                      {
+                        q = motion.toReference(q, scan.time[i]);
+                        if (!q.allFinite())
+                        {
+                          continue;
+                        }
+                      }
+                      else if (by_azimuth)
+                      {
+                        q = motion.toReference(q, sweepFraction(p, options_.sweep));
+                      }
+                      part.points.push_back(q);
+                      part.source.push_back(static_cast<std::uint32_t>(i));
+                    }
+                  });
+
+  Cloud cloud;
+  cloud.points.reserve(count);
+  cloud.source.reserve(count);
+  for (const Part& part : parts)
+  {
+    cloud.points.insert(cloud.points.end(), part.points.begin(), part.points.end());
+    cloud.source.insert(cloud.source.end(), part.source.begin(), part.source.end());
+  }
+  if (has_intensity)
+  {
+    cloud.intensity.reserve(cloud.source.size());
+    for (const std::uint32_t i : cloud.source)
+    {
+      cloud.intensity.push_back(scan.intensity[i]);
+    }
+  }
+  return cloud;
+}
+}  // namespace dyslam
