@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <limits>
+#include <vector>
+
+namespace dyslam
+{
+/** Costs of matching rows to columns. An entry that is not finite forbids its pair. */
+using CostMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
+/** Which row goes with which column. */
+struct Assignment
+{
+  std::vector<int> column_of_row;  //!< -1 for a row left alone
+  std::vector<int> row_of_column;  //!< -1 for a column left alone
+  double cost = 0;                 //!< of the pairs
+  std::size_t pairs = 0;
+};
+
+/** No limit: match as many pairs as possible, then as cheaply as possible. */
+constexpr double always_assign = std::numeric_limits<double>::infinity();
+
+/** The assignment that minimises (cost of its pairs) - unassigned_cost * (number of its pairs), so
+ * that no pair is made whose gain is below what leaving it out costs.
+ *
+ * Successive shortest paths: rows are added one by one, each by the shortest augmenting path, found
+ * by Dijkstra on costs that node potentials keep non-negative. A few rounds of augmenting row
+ * reduction (Jonker and Volgenant, 1987) give the start. Deterministic; ties go to the lowest
+ * column. O(n^3) at worst.
+ */
+[[nodiscard]] Assignment assignShortestPaths(const CostMatrix& cost,
+                                             double unassigned_cost = always_assign);
+
+/** The same optimum by the primal-dual Hungarian method, for comparison. */
+[[nodiscard]] Assignment assignHungarian(const CostMatrix& cost,
+                                         double unassigned_cost = always_assign);
+
+/** The cheapest pair first, then the cheapest that is left, and so on: not optimal, for comparison.
+ */
+[[nodiscard]] Assignment assignGreedy(const CostMatrix& cost,
+                                      double unassigned_cost = always_assign);
+}  // namespace dyslam

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <dyslam/core/Objects.h>
+#include <dyslam/core/Pose.h>
+
+namespace dyslam
+{
+/** How two upright boxes of one frame share space. Boxes with NaN or without extent overlap
+ * nothing. */
+struct BoxOverlap
+{
+  double ground_iou = 0;  //!< intersection over union of the footprints
+  double iou = 0;         //!< intersection over union of the volumes
+  /** Generalised IoU of the volumes, in (-1, 1]: iou minus the part of the common hull (convex hull
+   * of the footprints, times the height both span) that neither fills. -1 if either has no
+   * extent. */
+  double giou = -1;
+};
+
+[[nodiscard]] BoxOverlap boxOverlap(const Box& a, const Box& b);
+
+/** The volumes' intersection over union alone; cheap when the boxes are far apart. */
+[[nodiscard]] double boxIou(const Box& a, const Box& b);
+
+/** The box moved by a pose whose up axis is near +z: centre exactly, yaw by the turned x axis. */
+[[nodiscard]] Box transformed(const Box& box, const Pose& T);
+
+/** Angle in (-pi, pi]. */
+[[nodiscard]] double wrapAngle(double angle);
+}  // namespace dyslam

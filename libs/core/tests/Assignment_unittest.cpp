@@ -1,0 +1,203 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/Assignment.h>
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <cmath>
+#include <random>
+
+using namespace dyslam;
+
+namespace
+{
+constexpr double inf = std::numeric_limits<double>::infinity();
+
+struct Best
+{
+  double cost = 0;
+  std::size_t pairs = 0;
+};
+
+/** Every assignment is tried: most pairs first, then least cost; or least cost - limit * pairs. */
+void search(
+    const CostMatrix& cost, int row, std::vector<bool>& taken, Best now, double limit, Best& best)
+{
+  if (row == cost.rows())
+  {
+    const bool better = std::isinf(limit) ? (now.pairs > best.pairs ||
+                                             (now.pairs == best.pairs && now.cost < best.cost))
+                                          : now.cost - limit * static_cast<double>(now.pairs) <
+                                                best.cost - limit * static_cast<double>(best.pairs);
+    best = better ? now : best;
+    return;
+  }
+  search(cost, row + 1, taken, now, limit, best);
+  for (int column = 0; column < cost.cols(); ++column)
+  {
+    const auto c = static_cast<std::size_t>(column);
+    if (!taken[c] && std::isfinite(cost(row, column)))
+    {
+      taken[c] = true;
+      search(cost, row + 1, taken, {now.cost + cost(row, column), now.pairs + 1}, limit, best);
+      taken[c] = false;
+    }
+  }
+}
+
+Best bruteForce(const CostMatrix& cost, double limit)
+{
+  Best best;
+  std::vector<bool> taken(static_cast<std::size_t>(cost.cols()), false);
+  search(cost, 0, taken, {}, limit, best);
+  return best;
+}
+
+void expectConsistent(const CostMatrix& cost, const Assignment& a)
+{
+  ASSERT_EQ(a.column_of_row.size(), static_cast<std::size_t>(cost.rows()));
+  ASSERT_EQ(a.row_of_column.size(), static_cast<std::size_t>(cost.cols()));
+  double sum = 0;
+  std::size_t pairs = 0;
+  for (std::size_t row = 0; row < a.column_of_row.size(); ++row)
+  {
+    const int column = a.column_of_row[row];
+    if (column >= 0)
+    {
+      EXPECT_EQ(a.row_of_column[static_cast<std::size_t>(column)], static_cast<int>(row));
+      EXPECT_TRUE(std::isfinite(cost(static_cast<Eigen::Index>(row), column)));
+      sum += cost(static_cast<Eigen::Index>(row), column);
+      ++pairs;
+    }
+  }
+  std::size_t back = 0;
+  for (const int row : a.row_of_column)
+  {
+    back += row >= 0 ? 1 : 0;
+  }
+  EXPECT_EQ(back, pairs);
+  EXPECT_EQ(a.pairs, pairs);
+  EXPECT_NEAR(a.cost, sum, 1e-9);
+}
+
+CostMatrix randomMatrix(int rows, int columns, std::mt19937& generator, double forbidden, bool ties)
+{
+  std::uniform_real_distribution<double> unit(0, 1);
+  std::uniform_int_distribution<int> few(-2, 3);
+  CostMatrix cost(rows, columns);
+  for (Eigen::Index i = 0; i < cost.size(); ++i)
+  {
+    const double c = ties ? few(generator) : 10 * unit(generator) - 2;
+    const double chance = unit(generator);
+    cost.data()[i] = chance > forbidden          ? c
+                     : chance > 0.5 * forbidden  ? inf
+                     : chance > 0.25 * forbidden ? std::numeric_limits<double>::quiet_NaN()
+                                                 : -inf;
+  }
+  return cost;
+}
+
+double objective(double cost, std::size_t pairs, double limit)
+{
+  return std::isinf(limit) ? cost : cost - limit * static_cast<double>(pairs);
+}
+}  // namespace
+
+TEST(Assignment, equalsBruteForceOnRandomMatrices)
+{
+  std::mt19937 generator(7);
+  std::uniform_int_distribution<int> size(0, 6);
+  for (int trial = 0; trial < 4000; ++trial)
+  {
+    const double forbidden = 0.3 * (trial % 4);
+    const CostMatrix cost =
+        randomMatrix(size(generator), size(generator), generator, forbidden, trial % 3 == 0);
+    const double limit = trial % 2 == 0 ? always_assign : 1.5 * (trial % 5) - 1;
+    const Best best = bruteForce(cost, limit);
+    for (const Assignment& a : {assignShortestPaths(cost, limit), assignHungarian(cost, limit)})
+    {
+      expectConsistent(cost, a);
+      if (std::isinf(limit))
+      {
+        ASSERT_EQ(a.pairs, best.pairs) << "trial " << trial << "\n" << cost;
+      }
+      ASSERT_NEAR(objective(a.cost, a.pairs, limit), objective(best.cost, best.pairs, limit), 1e-9)
+          << "trial " << trial << "\n"
+          << cost;
+    }
+    const Assignment greedy = assignGreedy(cost, limit);
+    expectConsistent(cost, greedy);
+    if (!std::isinf(limit))
+    {
+      EXPECT_GE(objective(greedy.cost, greedy.pairs, limit) + 1e-9,
+                objective(best.cost, best.pairs, limit));
+    }
+  }
+}
+
+TEST(Assignment, shortestPathsAndHungarianAgreeOnLargerMatrices)
+{
+  std::mt19937 generator(11);
+  std::uniform_int_distribution<int> size(1, 70);
+  for (int trial = 0; trial < 300; ++trial)
+  {
+    const CostMatrix cost = randomMatrix(size(generator), size(generator), generator,
+                                         0.3 * (trial % 4), trial % 3 == 0);
+    const double limit = trial % 2 == 0 ? always_assign : 0.5 * (trial % 7) - 1;
+    const Assignment a = assignShortestPaths(cost, limit);
+    const Assignment b = assignHungarian(cost, limit);
+    expectConsistent(cost, a);
+    if (std::isinf(limit))
+    {
+      ASSERT_EQ(a.pairs, b.pairs);
+    }
+    ASSERT_NEAR(objective(a.cost, a.pairs, limit), objective(b.cost, b.pairs, limit), 1e-7);
+  }
+}
+
+TEST(Assignment, emptyAndAllForbidden)
+{
+  EXPECT_EQ(assignShortestPaths(CostMatrix(0, 0)).pairs, 0u);
+  EXPECT_EQ(assignShortestPaths(CostMatrix(0, 3)).row_of_column, (std::vector<int>{-1, -1, -1}));
+  EXPECT_EQ(assignShortestPaths(CostMatrix(2, 0)).column_of_row, (std::vector<int>{-1, -1}));
+  const CostMatrix closed = CostMatrix::Constant(3, 2, inf);
+  EXPECT_EQ(assignShortestPaths(closed).pairs, 0u);
+  EXPECT_EQ(assignHungarian(closed).pairs, 0u);
+  EXPECT_EQ(assignGreedy(closed).pairs, 0u);
+}
+
+TEST(Assignment, greedyIsNotOptimal)
+{
+  CostMatrix cost(2, 2);
+  cost << 1, 2, 2, 100;
+  EXPECT_DOUBLE_EQ(assignShortestPaths(cost).cost, 4);
+  EXPECT_DOUBLE_EQ(assignGreedy(cost).cost, 101);
+}
+
+TEST(Assignment, allEqualCostsGiveADeterministicFullMatching)
+{
+  const CostMatrix cost = CostMatrix::Constant(40, 60, 3.0);
+  const Assignment a = assignShortestPaths(cost);
+  EXPECT_EQ(a.pairs, 40u);
+  EXPECT_EQ(a.column_of_row, assignShortestPaths(cost).column_of_row);
+}
+
+TEST(Assignment, aThousandByAThousandIsQuick)
+{
+  std::mt19937 generator(3);
+  for (const bool ties : {false, true})
+  {
+    const CostMatrix cost = randomMatrix(1000, 1000, generator, 0, ties);
+    double best_ms = inf;
+    for (int run = 0; run < 3; ++run)
+    {
+      const auto start = std::chrono::steady_clock::now();
+      const Assignment a = assignShortestPaths(cost);
+      const std::chrono::duration<double, std::milli> ms = std::chrono::steady_clock::now() - start;
+      best_ms = std::min(best_ms, ms.count());
+      ASSERT_EQ(a.pairs, 1000u);
+    }
+    RecordProperty(ties ? "ms_ties" : "ms_real", std::to_string(best_ms));
+    std::printf("1000 x 1000 %s: %.1f ms\n", ties ? "few values" : "real", best_ms);
+    EXPECT_LT(best_ms, 2000);  // a runaway, not a benchmark
+  }
+}
