@@ -1,0 +1,239 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/tracking/AdaptivePredictor.h>
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <stdexcept>
+
+namespace dyslam
+{
+namespace
+{
+constexpr int terms = PolynomialTrajectory::max_degree + 1;
+/** [1, tau, ..., tau^5 | x, y], triangular. */
+using Factor = Eigen::Matrix<double, terms, terms + 2, Eigen::RowMajor>;
+using Equation = Eigen::Matrix<double, 1, terms + 2, Eigen::RowMajor>;
+
+/** Rotate one more equation into the triangular factor (Givens). */
+void rotateIn(Factor& factor, Equation row)
+{
+  for (int k = 0; k < terms; ++k)
+  {
+    if (row[k] == 0)
+    {
+      continue;
+    }
+    const double diagonal = factor(k, k);
+    const double length = std::hypot(diagonal, row[k]);
+    const double c = diagonal / length;
+    const double s = row[k] / length;
+    for (int j = k; j < terms + 2; ++j)
+    {
+      const double upper = factor(k, j);
+      factor(k, j) = c * upper + s * row[j];
+      row[j] = c * row[j] - s * upper;
+    }
+  }
+}
+
+/** The fit of the given degree: its columns lead the factor. */
+void solve(const Factor& factor, int degree, Eigen::Ref<Eigen::MatrixX2d> coefficients)
+{
+  coefficients.setZero();
+  for (int k = degree; k >= 0; --k)
+  {
+    Eigen::RowVector2d value = factor.block<1, 2>(k, terms);
+    for (int j = k + 1; j <= degree; ++j)
+    {
+      value -= factor(k, j) * coefficients.row(j);
+    }
+    coefficients.row(k) = value / factor(k, k);
+  }
+}
+}  // namespace
+
+const std::vector<AdaptivePredictor::Fit>& AdaptivePredictor::bank()
+{
+  static const std::vector<Fit> fits{{1, 3},  {1, 4},  {1, 5},  {2, 5},  {1, 7},  {2, 7},  {1, 10},
+                                     {2, 10}, {1, 15}, {2, 15}, {3, 15}, {2, 20}, {3, 20}, {2, 30},
+                                     {3, 30}, {4, 30}, {3, 40}, {4, 40}, {5, 40}, {4, 50}, {5, 50}};
+  return fits;
+}
+
+AdaptivePredictor::AdaptivePredictor(const AdaptiveOptions& options) : options_(options)
+{
+  if (!(options.memory > 0 && options.memory <= 1) || !(options.regularisation > 0) ||
+      !(options.prior_weight > 0))
+  {
+    throw std::invalid_argument(
+        "AdaptivePredictor: memory must be in (0, 1], regularisation and prior_weight above 0");
+  }
+  const auto members = static_cast<Eigen::Index>(bank().size());
+  coefficients_ = Eigen::MatrixX2d::Zero(members * terms, 2);
+  error_covariance_ = Eigen::MatrixXd::Zero(members, members);
+  reweigh();
+}
+
+bool AdaptivePredictor::add(const TimedPosition& sighting)
+{
+  if (!std::isfinite(sighting.stamp) || !sighting.position.allFinite() ||
+      (!history_.empty() && sighting.stamp <= history_.back().stamp))
+  {
+    return false;
+  }
+  if (history_.size() >= 2)
+  {
+    learn(sighting);
+  }
+  history_.push_back(sighting);
+  if (history_.size() > static_cast<std::size_t>(bank().back().window))
+  {
+    history_.pop_front();
+  }
+  refit();
+  return true;
+}
+
+void AdaptivePredictor::learn(const TimedPosition& sighting)
+{
+  Eigen::MatrixX2d errors = predictAll(sighting.stamp);
+  errors.rowwise() -= sighting.position.transpose();
+  const Eigen::RowVector2d own = weights_.transpose() * errors;
+  own_errors_ = options_.memory * own_errors_ + own.transpose() * own;
+  error_covariance_ *= options_.memory;
+  error_covariance_.noalias() += errors * errors.transpose();
+  error_count_ = options_.memory * error_count_ + 1;
+  reweigh();
+}
+
+void AdaptivePredictor::reweigh()
+{
+  const Eigen::Index members = error_covariance_.rows();
+  velocity_weights_ = Eigen::VectorXd::Zero(members);
+  if (error_count_ == 0)
+  {
+    weights_ = Eigen::VectorXd::Zero(members);
+    weights_[0] = 1;  // all agree while the history is as short as this
+    velocity_weights_[0] = 1;
+    return;
+  }
+  const Eigen::VectorXd variance = error_covariance_.diagonal() / error_count_;
+  const double least = std::max(variance.minCoeff(), 1e-12);
+  Eigen::MatrixXd damped = error_covariance_ / error_count_;
+  damped.diagonal().array() += options_.regularisation * least;
+  weights_ = damped.llt().solve(Eigen::VectorXd::Ones(members));
+  weights_ /= weights_.sum();
+
+  // Velocities and far predictions: steep polynomials have no say, weights stay positive.
+  for (Eigen::Index i = 0; i < members; ++i)
+  {
+    if (bank()[static_cast<std::size_t>(i)].degree <= 2)
+    {
+      const double ratio = (least + 1e-12) / (variance[i] + 1e-12);
+      velocity_weights_[i] = ratio * ratio;
+    }
+  }
+  velocity_weights_ /= velocity_weights_.sum();
+}
+
+void AdaptivePredictor::refit()
+{
+  Factor factor = Factor::Zero();
+  origin_ = history_.back().position;
+  const double newest = history_.back().stamp;
+  const double span = newest - history_.front().stamp;
+  time_scale_ = span > 0 ? span : 1;
+  const auto count = static_cast<int>(history_.size());
+  int rows = 0;
+  for (std::size_t member = 0; member < bank().size(); ++member)
+  {
+    const Fit& fit = bank()[member];
+    for (; rows < std::min(fit.window, count); ++rows)
+    {
+      const TimedPosition& sighting = history_[static_cast<std::size_t>(count - 1 - rows)];
+      Equation equation;
+      const double tau = (sighting.stamp - newest) / time_scale_;
+      equation[0] = 1;
+      for (int k = 1; k < terms; ++k)
+      {
+        equation[k] = equation[k - 1] * tau;
+      }
+      equation.tail<2>() = (sighting.position - origin_).transpose();
+      rotateIn(factor, equation);
+    }
+    const int degree = std::min(fit.degree, rows - 1);
+    solve(factor, degree,
+          coefficients_.middleRows(static_cast<Eigen::Index>(member) * terms, terms));
+  }
+}
+
+Eigen::MatrixX2d AdaptivePredictor::predictAll(double stamp) const
+{
+  const double tau = (stamp - history_.back().stamp) / time_scale_;
+  Eigen::Matrix<double, 1, terms> powers;
+  powers[0] = 1;
+  for (int k = 1; k < terms; ++k)
+  {
+    powers[k] = powers[k - 1] * tau;
+  }
+  const auto members = static_cast<Eigen::Index>(bank().size());
+  Eigen::MatrixX2d predictions(members, 2);
+  for (Eigen::Index i = 0; i < members; ++i)
+  {
+    predictions.row(i) = powers * coefficients_.middleRows<terms>(i * terms);
+    predictions.row(i) += origin_.transpose();
+  }
+  return predictions;
+}
+
+MotionPrediction AdaptivePredictor::predict(double stamp) const
+{
+  MotionPrediction prediction;
+  if (history_.empty() || !std::isfinite(stamp))
+  {
+    return prediction;
+  }
+  const auto members = static_cast<Eigen::Index>(bank().size());
+  const double usual = history_.size() > 1 ? (history_.back().stamp - history_.front().stamp) /
+                                                 static_cast<double>(history_.size() - 1)
+                                           : 0.0;
+  const double ahead = stamp - history_.back().stamp;
+  // The weights were learnt one sighting ahead; beyond that the combination moves on straight.
+  const double near = history_.size() > 1 ? std::min(ahead, 1.5 * usual) : ahead;
+  const Eigen::MatrixX2d predictions = predictAll(history_.back().stamp + near);
+  const double tau = near / time_scale_;
+  for (Eigen::Index i = 0; i < members; ++i)
+  {
+    double power = 1 / time_scale_;
+    for (int k = 1; k < terms; ++k)
+    {
+      prediction.velocity +=
+          velocity_weights_[i] * k * power * coefficients_.row(i * terms + k).transpose();
+      power *= tau;
+    }
+  }
+  prediction.position =
+      (weights_.transpose() * predictions).transpose() + (ahead - near) * prediction.velocity;
+  prediction.valid = true;
+  prediction.samples = history_.size();
+  Eigen::Index heaviest = 0;
+  velocity_weights_.maxCoeff(&heaviest);
+  prediction.degree = std::min(bank()[static_cast<std::size_t>(heaviest)].degree,
+                               static_cast<int>(history_.size()) - 1);
+
+  const double prior = options_.prior_sigma * options_.prior_sigma;
+  prediction.covariance =
+      (own_errors_ + options_.prior_weight * prior * Eigen::Matrix2d::Identity()) /
+      (error_count_ + options_.prior_weight);
+  // Past errors were made one step ahead; doubt grows with what was not yet seen.
+  const double doubt = history_.size() < 3
+                           ? 0.5 * options_.acceleration_sigma * ahead * ahead
+                           : 0.5 * options_.acceleration_sigma * (ahead - near) * (ahead - near);
+  const double steps = usual > 0 ? std::max(1.0, ahead / usual) : 1.0;
+  prediction.covariance *= steps;
+  prediction.covariance += doubt * doubt * Eigen::Matrix2d::Identity();
+  return prediction;
+}
+}  // namespace dyslam
