@@ -11,6 +11,7 @@ if(NOT DYSLAM_TRAIN_ONLY)
   find_package(OpenCV 4 REQUIRED COMPONENTS core imgproc imgcodecs)
   find_package(octomap REQUIRED)
   find_package(CLI11 2.1 REQUIRED)
+  find_package(nlohmann_json 3.11 REQUIRED)
 endif()
 
 if(DYSLAM_BUILD_TESTS)

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace dyslam
+{
+/** One entry of a table: a word, or a number with the digits it is printed with. */
+struct TableCell
+{
+  TableCell() = default;
+  TableCell(std::string word) : text(std::move(word)) {}
+  TableCell(const char* word) : text(word) {}
+  /** A missing or not finite value prints as "-". */
+  TableCell(std::optional<double> number, int digits);
+  /** Our figure with the paper's behind it: "0.45 (paper 0.51)". */
+  TableCell(std::optional<double> number, int digits, std::optional<double> paper);
+
+  std::string text;             //!< as printed
+  std::optional<double> value;  //!< full precision, for CSV
+};
+
+/** Rows under named columns, printed with aligned columns or as CSV or Markdown. */
+class Table
+{
+ public:
+  explicit Table(std::vector<std::string> columns, std::string title = "");
+
+  /** \throws std::invalid_argument if the row has not one cell per column. */
+  void addRow(std::vector<TableCell> cells);
+
+  [[nodiscard]] std::size_t rows() const { return rows_.size(); }
+  [[nodiscard]] const std::string& title() const { return title_; }
+
+  /** First column left-aligned, the others right-aligned; ends in a line feed. Columns in which
+   * no row has an entry are left out. */
+  [[nodiscard]] std::string toText() const;
+  [[nodiscard]] std::string toMarkdown() const;
+  /** RFC 4180; numbers with 9 significant digits, missing ones empty. */
+  [[nodiscard]] std::string toCsv() const;
+
+ private:
+  [[nodiscard]] std::vector<std::size_t> filledColumns() const;
+
+  std::string title_;
+  std::vector<std::string> columns_;
+  std::vector<std::vector<TableCell>> rows_;
+};
+}  // namespace dyslam

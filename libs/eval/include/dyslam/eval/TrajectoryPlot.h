@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <dyslam/eval/Association.h>
+#include <dyslam/eval/TrajectoryMetrics.h>
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace dyslam
+{
+/** One curve of a plot. */
+struct TrajectoryPlotItem
+{
+  std::string name;
+  PosePairs pairs;
+};
+
+struct TrajectoryPlotOptions
+{
+  std::string title;
+  Alignment alignment = Alignment::se3;
+  /** The two axes of the top view; `automatic` takes the two along which the reference spreads
+   * most (x-z for KITTI's camera frame). */
+  enum class Plane
+  {
+    automatic,
+    xy,
+    xz
+  } plane = Plane::automatic;
+};
+
+/** A picture of the aligned trajectories from above and of their errors over the distance
+ * travelled (position, and per-frame translation error below it), as PNG bytes.
+ * \throws std::invalid_argument without items or for an item without poses. */
+[[nodiscard]] std::vector<std::uint8_t> renderTrajectoryPlot(
+    const std::vector<TrajectoryPlotItem>& items, const TrajectoryPlotOptions& options = {});
+}  // namespace dyslam

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <dyslam/eval/Table.h>
+#include <dyslam/eval/TrajectoryMetrics.h>
+
+#include <string>
+#include <vector>
+
+namespace dyslam
+{
+/** One row per estimate: t_rel, r_rel, RPE, ATE, forward ratio, end error. */
+[[nodiscard]] Table trajectoryTable(const std::vector<TrajectoryReport>& reports);
+
+/** The same with the figures that the paper prints for a sequence added as rows of their own.
+ * \param paper_sequence "odometry/04" (Tables 1, 2), "tracking/04" (Table 6), "campus/01"
+ * (Table 7). \throws UserError for a sequence that the paper does not have. */
+[[nodiscard]] Table trajectoryTable(const std::vector<TrajectoryReport>& reports,
+                                    const std::string& paper_sequence);
+
+/** max, mean, median, min, RMSE, std of relative and absolute errors, as in the paper's Tables 2
+ * and 7: one row per estimate and error. */
+[[nodiscard]] Table errorStatisticsTable(const std::vector<TrajectoryReport>& reports);
+
+/** Drift by segment length: one row per length, two columns per estimate. */
+[[nodiscard]] Table driftTable(const std::vector<TrajectoryReport>& reports);
+
+/** All figures as a JSON text, one object per estimate, keys in a fixed order. */
+[[nodiscard]] std::string trajectoryJson(const std::vector<TrajectoryReport>& reports);
+}  // namespace dyslam

@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/eval/Association.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+namespace dyslam
+{
+namespace
+{
+PosePairs emptyPairs(const Trajectory& reference, const Trajectory& estimate)
+{
+  PosePairs pairs;
+  pairs.reference_size = reference.size();
+  pairs.estimate_size = estimate.size();
+  return pairs;
+}
+
+void append(PosePairs& pairs, const StampedPose& reference, const StampedPose& estimate)
+{
+  pairs.stamps.push_back(reference.stamp);
+  pairs.reference.push_back(reference.pose);
+  pairs.estimate.push_back(estimate.pose);
+}
+}  // namespace
+
+PosePairs associateByTime(const Trajectory& reference, const Trajectory& estimate, double tolerance)
+{
+  PosePairs pairs = emptyPairs(reference, estimate);
+  std::map<std::size_t, std::size_t> estimate_of;
+  const auto gap = [&](std::size_t r, std::size_t e)
+  { return std::abs(reference[r].stamp - estimate[e].stamp); };
+  for (std::size_t e = 0; e < estimate.size(); ++e)
+  {
+    if (!estimate[e].pose.matrix().allFinite())
+    {
+      ++pairs.not_finite;
+      continue;
+    }
+    const auto r = reference.nearest(estimate[e].stamp, tolerance);
+    if (!r || !reference[*r].pose.matrix().allFinite())
+    {
+      continue;
+    }
+    const auto [entry, is_new] = estimate_of.try_emplace(*r, e);
+    if (!is_new && gap(*r, e) < gap(*r, entry->second))
+    {
+      entry->second = e;
+    }
+  }
+  for (const auto& [r, e] : estimate_of)
+  {
+    append(pairs, reference[r], estimate[e]);
+  }
+  return pairs;
+}
+
+PosePairs associateByIndex(const Trajectory& reference, const Trajectory& estimate)
+{
+  PosePairs pairs = emptyPairs(reference, estimate);
+  for (std::size_t i = 0; i < std::min(reference.size(), estimate.size()); ++i)
+  {
+    if (!estimate[i].pose.matrix().allFinite())
+    {
+      ++pairs.not_finite;
+    }
+    else if (reference[i].pose.matrix().allFinite())
+    {
+      append(pairs, reference[i], estimate[i]);
+    }
+  }
+  return pairs;
+}
+}  // namespace dyslam

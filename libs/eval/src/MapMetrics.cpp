@@ -1,0 +1,206 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/eval/MapMetrics.h>
+#include <dyslam/eval/SegmentationMetrics.h>
+
+#include <array>
+#include <cmath>
+#include <stdexcept>
+#include <unordered_map>
+
+namespace dyslam
+{
+namespace
+{
+struct CellHash
+{
+  std::size_t operator()(const std::array<std::int64_t, 3>& c) const
+  {
+    std::uint64_t h = 1469598103934665603ULL;
+    for (const std::int64_t v : c)
+    {
+      h = (h ^ static_cast<std::uint64_t>(v)) * 0x9E3779B97F4A7C15ULL;
+      h ^= h >> 29U;
+    }
+    return static_cast<std::size_t>(h);
+  }
+};
+using Cell = std::array<std::int64_t, 3>;
+
+Cell cellOf(const Eigen::Vector3f& p, double size)
+{
+  return {static_cast<std::int64_t>(std::floor(static_cast<double>(p.x()) / size)),
+          static_cast<std::int64_t>(std::floor(static_cast<double>(p.y()) / size)),
+          static_cast<std::int64_t>(std::floor(static_cast<double>(p.z()) / size))};
+}
+
+/** Points by cell, cells as large as the search radius. */
+class PointGrid
+{
+ public:
+  PointGrid(const std::vector<Eigen::Vector3f>& points, double radius)
+      : points_(points), radius_(radius)
+  {
+    for (std::size_t i = 0; i < points.size(); ++i)
+    {
+      if (points[i].allFinite())
+      {
+        cells_[cellOf(points[i], radius)].push_back(i);
+      }
+    }
+  }
+
+  [[nodiscard]] bool hasNear(const Eigen::Vector3f& p) const
+  {
+    const Cell center = cellOf(p, radius_);
+    const double limit = radius_ * radius_;
+    for (std::int64_t dx = -1; dx <= 1; ++dx)
+    {
+      for (std::int64_t dy = -1; dy <= 1; ++dy)
+      {
+        for (std::int64_t dz = -1; dz <= 1; ++dz)
+        {
+          const auto it = cells_.find({center[0] + dx, center[1] + dy, center[2] + dz});
+          if (it != cells_.end() && anyWithin(it->second, p, limit))
+          {
+            return true;
+          }
+        }
+      }
+    }
+    return false;
+  }
+
+ private:
+  [[nodiscard]] bool anyWithin(const std::vector<std::size_t>& candidates,
+                               const Eigen::Vector3f& p,
+                               double squared_limit) const
+  {
+    for (const std::size_t i : candidates)
+    {
+      if ((points_[i] - p).cast<double>().squaredNorm() <= squared_limit)
+      {
+        return true;
+      }
+    }
+    return false;
+  }
+
+  const std::vector<Eigen::Vector3f>& points_;
+  double radius_;
+  std::unordered_map<Cell, std::vector<std::size_t>, CellHash> cells_;
+};
+
+void count(MapScores& scores, bool dynamic, bool present)
+{
+  if (dynamic)
+  {
+    ++scores.dynamic_total;
+    scores.dynamic_rejected += present ? 0 : 1;
+  }
+  else
+  {
+    ++scores.static_total;
+    scores.static_preserved += present ? 1 : 0;
+  }
+}
+
+MapScores scoreVoxels(const std::vector<Eigen::Vector3f>& reference,
+                      const std::vector<std::uint32_t>& labels,
+                      const std::vector<Eigen::Vector3f>& estimate,
+                      double size)
+{
+  std::unordered_map<Cell, bool, CellHash> is_dynamic;
+  MapScores scores;
+  for (std::size_t i = 0; i < reference.size(); ++i)
+  {
+    if (!reference[i].allFinite() || (labels[i] & 0xFFFFU) == 0)
+    {
+      ++scores.unlabelled;
+      continue;
+    }
+    const bool dynamic = isMovingLabel(labels[i]);
+    const auto [entry, is_new] = is_dynamic.try_emplace(cellOf(reference[i], size), dynamic);
+    entry->second = entry->second && dynamic;
+  }
+  std::unordered_map<Cell, bool, CellHash> estimated;
+  for (const auto& p : estimate)
+  {
+    if (p.allFinite())
+    {
+      estimated.try_emplace(cellOf(p, size), true);
+    }
+  }
+  for (const auto& [cell, dynamic] : is_dynamic)
+  {
+    count(scores, dynamic, estimated.count(cell) > 0);
+  }
+  return scores;
+}
+
+std::optional<double> share(std::size_t part, std::size_t whole)
+{
+  if (whole == 0)
+  {
+    return std::nullopt;
+  }
+  return static_cast<double>(part) / static_cast<double>(whole);
+}
+}  // namespace
+
+std::optional<double> MapScores::preservation() const
+{
+  return share(static_preserved, static_total);
+}
+
+std::optional<double> MapScores::rejection() const
+{
+  return share(dynamic_rejected, dynamic_total);
+}
+
+std::optional<double> harmonicMean(std::optional<double> a, std::optional<double> b)
+{
+  if (!a || !b)
+  {
+    return std::nullopt;
+  }
+  return *a + *b > 0 ? 2 * *a * *b / (*a + *b) : 0.0;
+}
+
+std::optional<double> geometricMean(std::optional<double> a, std::optional<double> b)
+{
+  if (!a || !b)
+  {
+    return std::nullopt;
+  }
+  return std::sqrt(*a * *b);
+}
+
+MapEvaluation evaluateMap(const std::vector<Eigen::Vector3f>& reference,
+                          const std::vector<std::uint32_t>& labels,
+                          const std::vector<Eigen::Vector3f>& estimate,
+                          const MapMetricsOptions& options)
+{
+  if (labels.size() != reference.size())
+  {
+    throw std::invalid_argument("evaluateMap: " + std::to_string(reference.size()) +
+                                " points, but " + std::to_string(labels.size()) + " labels");
+  }
+  if (!(options.point_radius > 0) || !(options.voxel_size > 0))
+  {
+    throw std::invalid_argument("evaluateMap: radius and voxel size must be positive");
+  }
+  MapEvaluation result;
+  const PointGrid grid(estimate, options.point_radius);
+  for (std::size_t i = 0; i < reference.size(); ++i)
+  {
+    if (!reference[i].allFinite() || (labels[i] & 0xFFFFU) == 0)
+    {
+      ++result.points.unlabelled;
+      continue;
+    }
+    count(result.points, isMovingLabel(labels[i]), grid.hasNear(reference[i]));
+  }
+  result.voxels = scoreVoxels(reference, labels, estimate, options.voxel_size);
+  return result;
+}
+}  // namespace dyslam

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace dyslam
+{
+/** What the paper prints for one method on one sequence; missing figures are empty. */
+struct PaperRow
+{
+  std::string method;
+  std::optional<double> t_rel_percent;          // Table 1
+  std::optional<double> r_rel_deg_per_100m;     // Table 1
+  std::optional<double> rpe_translation_rmse;   // Table 2 [m]
+  std::optional<double> ate_translation_rmse;   // Tables 6, 7 [m]
+  std::optional<double> ate_rotation_rmse_deg;  // Table 6, there in radians
+};
+
+/** Rows of Tables 1, 2, 6 and 7 of Gao et al., "An enhanced LiDAR SLAM based on 3D moving object
+ * tracking in dynamic scene", by sequence: "odometry/04", "tracking/04", "campus/01".
+ * \throws UserError for a sequence that the paper does not have, naming the nearest. */
+[[nodiscard]] std::vector<PaperRow> paperFigures(const std::string& sequence);
+}  // namespace dyslam

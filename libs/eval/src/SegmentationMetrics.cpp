@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/eval/SegmentationMetrics.h>
+
+#include <array>
+#include <stdexcept>
+#include <utility>
+
+namespace dyslam
+{
+namespace
+{
+constexpr std::array<std::pair<std::uint16_t, const char*>, 35> class_names{
+    {{1, "outlier"},
+     {9, "static"},
+     {10, "car"},
+     {11, "bicycle"},
+     {13, "bus"},
+     {15, "motorcycle"},
+     {16, "on-rails"},
+     {18, "truck"},
+     {20, "other-vehicle"},
+     {30, "person"},
+     {31, "bicyclist"},
+     {32, "motorcyclist"},
+     {40, "road"},
+     {44, "parking"},
+     {48, "sidewalk"},
+     {49, "other-ground"},
+     {50, "building"},
+     {51, "fence"},
+     {52, "other-structure"},
+     {60, "lane-marking"},
+     {70, "vegetation"},
+     {71, "trunk"},
+     {72, "terrain"},
+     {80, "pole"},
+     {81, "traffic-sign"},
+     {99, "other-object"},
+     {251, "moving"},
+     {252, "moving-car"},
+     {253, "moving-bicyclist"},
+     {254, "moving-person"},
+     {255, "moving-motorcyclist"},
+     {256, "moving-on-rails"},
+     {257, "moving-bus"},
+     {258, "moving-truck"},
+     {259, "moving-other-vehicle"}}};
+
+std::optional<double> share(std::size_t part, std::size_t whole)
+{
+  if (whole == 0)
+  {
+    return std::nullopt;
+  }
+  return static_cast<double>(part) / static_cast<double>(whole);
+}
+}  // namespace
+
+std::optional<double> SegmentationScores::iou() const
+{
+  return share(true_positives, true_positives + false_positives + false_negatives);
+}
+
+std::optional<double> SegmentationScores::precision() const
+{
+  return share(true_positives, true_positives + false_positives);
+}
+
+std::optional<double> SegmentationScores::recall() const
+{
+  return share(true_positives, true_positives + false_negatives);
+}
+
+std::optional<double> SegmentationScores::staticIou() const
+{
+  return share(true_negatives, true_negatives + false_positives + false_negatives);
+}
+
+void SegmentationEvaluator::add(const std::vector<std::uint32_t>& reference,
+                                const std::vector<std::uint32_t>& estimate)
+{
+  if (reference.size() != estimate.size())
+  {
+    throw std::invalid_argument("SegmentationEvaluator: " + std::to_string(reference.size()) +
+                                " reference labels, " + std::to_string(estimate.size()) +
+                                " estimated ones");
+  }
+  ++scans_;
+  for (std::size_t i = 0; i < reference.size(); ++i)
+  {
+    const auto semantic_class = static_cast<std::uint16_t>(reference[i] & 0xFFFFU);
+    if (semantic_class <= 1)
+    {
+      ++scores_.ignored;
+      continue;
+    }
+    const bool moving = isMovingLabel(reference[i]);
+    const bool called_moving = isMovingLabel(estimate[i]);
+    auto& entry = classes_[semantic_class];
+    ++entry.points;
+    entry.called_moving += called_moving ? 1 : 0;
+    auto& count = moving ? (called_moving ? scores_.true_positives : scores_.false_negatives)
+                         : (called_moving ? scores_.false_positives : scores_.true_negatives);
+    ++count;
+  }
+}
+
+bool isMovingLabel(std::uint32_t label)
+{
+  const std::uint32_t semantic_class = label & 0xFFFFU;
+  // SemanticKITTI lists 252-259; 251 is the "moving" of SemanticKITTI-MOS predictions.
+  return semantic_class >= 251 && semantic_class <= 259;
+}
+
+std::string semanticKittiName(std::uint16_t semantic_class)
+{
+  for (const auto& [value, name] : class_names)
+  {
+    if (value == semantic_class)
+    {
+      return name;
+    }
+  }
+  return "class " + std::to_string(semantic_class);
+}
+}  // namespace dyslam

@@ -1,0 +1,264 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/Error.h>
+#include <dyslam/eval/TrajectoryMetrics.h>
+
+#include <Eigen/SVD>
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+namespace dyslam
+{
+namespace
+{
+constexpr double kDegreesPerRadian = 180.0 / 3.14159265358979323846;
+
+/** What is left of the true motion from i to j after undoing the estimated one. */
+Pose motionError(const PosePairs& pairs, std::size_t i, std::size_t j)
+{
+  const Pose truth = pairs.reference[i].inverse() * pairs.reference[j];
+  const Pose estimated = pairs.estimate[i].inverse() * pairs.estimate[j];
+  return estimated.inverse() * truth;
+}
+
+std::vector<double> travelled(const std::vector<Pose>& poses)
+{
+  std::vector<double> lengths(poses.size(), 0.0);
+  for (std::size_t i = 1; i < poses.size(); ++i)
+  {
+    lengths[i] = lengths[i - 1] + (poses[i].translation() - poses[i - 1].translation()).norm();
+  }
+  return lengths;
+}
+
+/** The rotation R that makes sum |r_i - R e_i|^2 least for centred positions (Kabsch, Umeyama). */
+Eigen::Matrix3d bestRotation(const PosePairs& pairs,
+                             const Eigen::Vector3d& reference_mean,
+                             const Eigen::Vector3d& estimate_mean)
+{
+  Eigen::Matrix3d positions = Eigen::Matrix3d::Zero();
+  Eigen::Matrix3d orientations = Eigen::Matrix3d::Zero();
+  double spread = 0;
+  for (std::size_t i = 0; i < pairs.size(); ++i)
+  {
+    const Eigen::Vector3d r = pairs.reference[i].translation() - reference_mean;
+    const Eigen::Vector3d e = pairs.estimate[i].translation() - estimate_mean;
+    positions += r * e.transpose();
+    orientations += pairs.reference[i].linear() * pairs.estimate[i].linear().transpose();
+    spread += r.squaredNorm() + e.squaredNorm();
+  }
+  // Far too small to matter wherever positions say anything; it decides where they say nothing.
+  constexpr double orientation_weight = 1e-9;
+  const double scale = spread > 0 ? spread : 1.0;
+  positions += orientation_weight * scale / static_cast<double>(pairs.size()) * orientations;
+
+  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(positions, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  Eigen::Matrix3d mirror = Eigen::Matrix3d::Identity();
+  mirror(2, 2) = (svd.matrixU() * svd.matrixV().transpose()).determinant() < 0 ? -1 : 1;
+  return svd.matrixU() * mirror * svd.matrixV().transpose();
+}
+}  // namespace
+
+std::string toString(Alignment alignment)
+{
+  switch (alignment)
+  {
+    case Alignment::none:
+      return "none";
+    case Alignment::first:
+      return "first";
+    case Alignment::se3:
+      return "se3";
+  }
+  return "none";
+}
+
+Alignment alignmentFromString(const std::string& word)
+{
+  for (const auto candidate : {Alignment::none, Alignment::first, Alignment::se3})
+  {
+    if (toString(candidate) == word)
+    {
+      return candidate;
+    }
+  }
+  throw UserError("alignment '" + word + "' is unknown: use none, first or se3");
+}
+
+KittiDrift kittiDrift(const PosePairs& pairs, const std::vector<double>& lengths, std::size_t step)
+{
+  if (step == 0)
+  {
+    throw std::invalid_argument("kittiDrift: step must be at least 1");
+  }
+  KittiDrift result;
+  for (const double length : lengths)
+  {
+    if (!(length > 0) || !std::isfinite(length))
+    {
+      throw std::invalid_argument("kittiDrift: segment lengths must be positive");
+    }
+    SegmentDrift drift;
+    drift.length = length;
+    result.per_length.push_back(drift);
+  }
+  const std::vector<double> distance = travelled(pairs.reference);
+  for (std::size_t first = 0; first < pairs.size(); first += step)
+  {
+    for (auto& drift : result.per_length)
+    {
+      const auto end = std::upper_bound(distance.begin() + static_cast<std::ptrdiff_t>(first),
+                                        distance.end(), distance[first] + drift.length);
+      if (end == distance.end())
+      {
+        continue;
+      }
+      const Pose error =
+          motionError(pairs, first, static_cast<std::size_t>(end - distance.begin()));
+      ++drift.segments;
+      drift.translation_percent += 100 * error.translation().norm() / drift.length;
+      drift.rotation_deg_per_100m += 100 * kDegreesPerRadian * rotationAngle(error) / drift.length;
+    }
+  }
+  const auto divide = [](SegmentDrift& drift)
+  {
+    if (drift.segments > 0)
+    {
+      drift.translation_percent /= static_cast<double>(drift.segments);
+      drift.rotation_deg_per_100m /= static_cast<double>(drift.segments);
+    }
+  };
+  for (auto& drift : result.per_length)
+  {
+    result.overall.segments += drift.segments;
+    result.overall.translation_percent += drift.translation_percent;
+    result.overall.rotation_deg_per_100m += drift.rotation_deg_per_100m;
+    divide(drift);
+  }
+  divide(result.overall);
+  return result;
+}
+
+RelativePoseError relativePoseError(const PosePairs& pairs)
+{
+  std::vector<double> translation;
+  std::vector<double> rotation;
+  for (std::size_t i = 0; i + 1 < pairs.size(); ++i)
+  {
+    const Pose error = motionError(pairs, i, i + 1);
+    translation.push_back(error.translation().norm());
+    rotation.push_back(kDegreesPerRadian * rotationAngle(error));
+  }
+  return {statisticsOf(translation), statisticsOf(rotation)};
+}
+
+Pose alignEstimate(const PosePairs& pairs, Alignment alignment)
+{
+  if (pairs.size() == 0 || alignment == Alignment::none)
+  {
+    return Pose::Identity();
+  }
+  if (alignment == Alignment::first)
+  {
+    return pairs.reference.front() * pairs.estimate.front().inverse();
+  }
+  Eigen::Vector3d reference_mean = Eigen::Vector3d::Zero();
+  Eigen::Vector3d estimate_mean = Eigen::Vector3d::Zero();
+  for (std::size_t i = 0; i < pairs.size(); ++i)
+  {
+    reference_mean += pairs.reference[i].translation();
+    estimate_mean += pairs.estimate[i].translation();
+  }
+  reference_mean /= static_cast<double>(pairs.size());
+  estimate_mean /= static_cast<double>(pairs.size());
+  Pose T_reference_estimate = Pose::Identity();
+  T_reference_estimate.linear() = bestRotation(pairs, reference_mean, estimate_mean);
+  T_reference_estimate.translation() =
+      reference_mean - T_reference_estimate.linear() * estimate_mean;
+  return T_reference_estimate;
+}
+
+AbsoluteTrajectoryError absoluteTrajectoryError(const PosePairs& pairs, Alignment alignment)
+{
+  AbsoluteTrajectoryError result;
+  result.T_reference_estimate = alignEstimate(pairs, alignment);
+  std::vector<double> translation;
+  std::vector<double> rotation;
+  for (std::size_t i = 0; i < pairs.size(); ++i)
+  {
+    const Pose aligned = result.T_reference_estimate * pairs.estimate[i];
+    translation.push_back((aligned.translation() - pairs.reference[i].translation()).norm());
+    rotation.push_back(kDegreesPerRadian * rotationAngle(pairs.reference[i].inverse() * aligned));
+  }
+  result.translation = statisticsOf(translation);
+  result.rotation_deg = statisticsOf(rotation);
+  return result;
+}
+
+std::optional<double> forwardRatio(const PosePairs& pairs)
+{
+  constexpr double shortest_step = 1e-6;
+  double true_sum = 0;
+  double estimated_sum = 0;
+  for (std::size_t i = 0; i + 1 < pairs.size(); ++i)
+  {
+    const Eigen::Vector3d truth =
+        (pairs.reference[i].inverse() * pairs.reference[i + 1]).translation();
+    const Eigen::Vector3d estimated =
+        (pairs.estimate[i].inverse() * pairs.estimate[i + 1]).translation();
+    const double length = truth.norm();
+    if (length > shortest_step)
+    {
+      true_sum += length;
+      estimated_sum += estimated.dot(truth) / length;
+    }
+  }
+  if (true_sum <= 0)
+  {
+    return std::nullopt;
+  }
+  return estimated_sum / true_sum;
+}
+
+EndError endError(const PosePairs& pairs)
+{
+  EndError result;
+  if (pairs.size() < 2)
+  {
+    return result;
+  }
+  const Pose error = motionError(pairs, 0, pairs.size() - 1);
+  const double length = travelled(pairs.reference).back();
+  result.translation = error.translation().norm();
+  result.rotation_deg = kDegreesPerRadian * rotationAngle(error);
+  result.percent = length > 0 ? 100 * result.translation / length : 0;
+  return result;
+}
+
+TrajectoryReport evaluateTrajectory(const std::string& name,
+                                    const PosePairs& pairs,
+                                    const TrajectoryMetricsOptions& options)
+{
+  if (pairs.size() < 2)
+  {
+    throw UserError(name + ": only " + std::to_string(pairs.size()) + " of " +
+                    std::to_string(pairs.estimate_size) +
+                    " poses match the reference's time stamps, 2 are needed: is it the reference "
+                    "of this run?");
+  }
+  TrajectoryReport report;
+  report.name = name;
+  report.alignment = options.alignment;
+  report.reference_size = pairs.reference_size;
+  report.estimate_size = pairs.estimate_size;
+  report.pairs = pairs.size();
+  report.not_finite = pairs.not_finite;
+  report.length = travelled(pairs.reference).back();
+  report.drift = kittiDrift(pairs, options.lengths, options.segment_step);
+  report.relative = relativePoseError(pairs);
+  report.absolute = absoluteTrajectoryError(pairs, options.alignment);
+  report.forward_ratio = forwardRatio(pairs);
+  report.end = endError(pairs);
+  return report;
+}
+}  // namespace dyslam

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <dyslam/core/Frame.h>
+#include <dyslam/core/Options.h>
+
+#include <cstddef>
+#include <memory>
+#include <string>
+
+namespace dyslam
+{
+struct ReplayWriterOptions : Options
+{
+  double moving_threshold = 0.5;  //!< points with a moving probability above are `moving`
+  int every_nth_scan = 1;         //!< 1: every scan; the others are left out
+  double voxel_size = 0.0;        //!< thins the clouds; 0 keeps every point [m]
+  int scene_points = 30000;       //!< at most so many points in the 3D scene; 0: no scene
+  int trajectory_points = 2000;   //!< at most so many poses of the trajectory in a scene
+  bool confirmed_only = true;     //!< draw confirmed tracks only
+  int compression_level = 1;      //!< of gzip, 0 (none) to 9
+
+  void describe(OptionsVisitor& visitor) override;
+};
+
+/** Writes what came of a run as a rawlog of stock MRPT classes, for an unmodified RawLogViewer.
+ *
+ * Per scan: CObservationPointCloud `static` and `moving` (XYZI, vehicle frame),
+ * CObservationRobotPose `estimate` (and `ground_truth` where known), and a CObservation3DScene in
+ * the vehicle frame with points coloured by what they are, tracked boxes with ids, velocity arrows
+ * and the trajectory so far. Streams: memory does not grow with the run. The same input gives the
+ * same bytes.
+ *
+ * The file grows under `<path>.tmp` and gets its name when closed (by the destructor, too).
+ */
+class ReplayWriter
+{
+ public:
+  /** \throws UserError if the file cannot be made. */
+  explicit ReplayWriter(const std::string& path, const ReplayWriterOptions& options = {});
+  ~ReplayWriter();
+  ReplayWriter(ReplayWriter&&) noexcept;
+  ReplayWriter& operator=(ReplayWriter&&) noexcept;
+
+  /** Reads scan.stamp, cloud, moving_probability, objects and the poses of the frame.
+   * \throws UserError if the disk is full. */
+  void write(const Frame& frame);
+  /** Finishes the file; later calls do nothing. \throws UserError if that fails. */
+  void close();
+
+  [[nodiscard]] std::size_t framesWritten() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+}  // namespace dyslam

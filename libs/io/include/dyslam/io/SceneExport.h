@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <dyslam/core/Objects.h>
+#include <dyslam/core/Trajectory.h>
+
+#include <Eigen/Core>
+#include <string>
+#include <vector>
+
+namespace dyslam
+{
+/** What a `.3Dscene` shows; empty parts are left out. All in the map frame. */
+struct SceneContent
+{
+  std::vector<Eigen::Vector3f> points;
+  std::vector<float> intensity;  //!< one per point, or empty
+  Trajectory trajectory;
+  Trajectory reference;            //!< ground truth, drawn beside
+  std::vector<LabelledBox> boxes;  //!< objects, with their ids
+  /** Paths of moving objects by id, drawn as lines. */
+  std::vector<std::vector<Eigen::Vector3d>> object_paths;
+};
+
+/** Write a scene that MRPT's SceneViewer3D shows: map points coloured by height (brightness by
+ * intensity), trajectories, boxes with ids. \throws UserError if the file cannot be written. */
+void writeScene(const SceneContent& content, const std::string& path);
+}  // namespace dyslam

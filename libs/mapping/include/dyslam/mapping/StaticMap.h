@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <dyslam/core/Frame.h>
+#include <dyslam/core/Options.h>
+#include <dyslam/mapping/KeyframeStore.h>
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+namespace dyslam
+{
+struct StaticMapOptions : Options
+{
+  double voxel_size = 0.2;        //!< one map point per cube of this side [m]
+  double min_range = 2.5;         //!< nearer returns (own vehicle) are left out [m]
+  double max_range = 80.0;        //!< farther returns are left out [m]
+  double moving_threshold = 0.5;  //!< points with a moving probability above are left out
+  double box_margin = 0.2;        //!< dynamic tracks' boxes are widened by this on each side [m]
+  int points_per_voxel = 5;       //!< keyframe points kept per voxel: later ones add nothing
+  int max_voxels = 10000000;      //!< beyond, the voxel size doubles
+  int min_hits = 1;               //!< voxels hit by fewer keyframes are not part of the map
+
+  // Visibility clean-up: what later rays pass through again and again was not static.
+  bool visibility = true;
+  double visibility_range = 40.0;  //!< voxels up to here are checked [m]
+  double visibility_margin = 0.5;  //!< a ray must end this far behind the voxel [m]
+  int visibility_min_views = 3;    //!< keyframes that saw through it, at least ...
+  double visibility_ratio = 1.5;   //!< ... and this many times as many as hit it
+  double ground_clearance = 0.3;   //!< voxels this near to the lowest of their column stay [m]
+
+  void describe(OptionsVisitor& visitor) override;
+};
+
+/** Points of a map, one per voxel. The arrays are of one length. */
+struct MapPoints
+{
+  std::vector<Eigen::Vector3f> points;  //!< map frame, centroid of the voxel's points [m]
+  std::vector<float> intensity;         //!< mean, in [0, 1]
+  std::vector<std::uint32_t> hits;      //!< keyframes that hit the voxel
+
+  [[nodiscard]] std::size_t size() const { return points.size(); }
+};
+
+/** The static world stitched from keyframes, in memory bounded by the area seen, not by time.
+ *
+ * Each voxel keeps a few points in all, so that going round a block again adds nothing; the points
+ * stay with their keyframes, so that the map can be stitched anew after a loop. Left out are points
+ * with a high moving probability, points of dynamic tracks, and voxels that later keyframes saw
+ * through. Deterministic; not thread-safe.
+ */
+class StaticMap
+{
+ public:
+  explicit StaticMap(const StaticMapOptions& options = {});
+  ~StaticMap();
+  StaticMap(StaticMap&&) noexcept;
+  StaticMap& operator=(StaticMap&&) noexcept;
+
+  /** Adds a keyframe at frame.T_map_vehicle(). Reads index, scan.stamp, scan.T_vehicle_lidar,
+   * cloud, moving_probability, detections and objects. A frame whose pose is not finite is left out
+   * of the map, but counts as an (empty) keyframe. */
+  void insert(const Frame& frame);
+
+  /** Stitches anew with corrected poses, one per inserted keyframe in their order.
+   * \throws std::invalid_argument for another number of poses. */
+  void rebuild(const std::vector<Pose>& T_map_vehicle);
+
+  /** The cleaned map, in the order in which voxels were first met. */
+  [[nodiscard]] MapPoints points() const;
+
+  [[nodiscard]] const KeyframeStore& keyframes() const;
+  /** Poses the map is stitched at, one per keyframe. */
+  [[nodiscard]] const std::vector<Pose>& poses() const;
+  /** Side of the voxels now [m]: the option's, or doubled to keep within max_voxels. */
+  [[nodiscard]] double voxelSize() const;
+  /** Voxels held, cleaned ones too. */
+  [[nodiscard]] std::size_t voxelCount() const;
+  /** Bytes held by voxels, index and keyframes. */
+  [[nodiscard]] std::size_t memoryUsed() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+}  // namespace dyslam
