@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <dyslam/backend/PoseGraph.h>
+#include <dyslam/core/Options.h>
+
+#include <cstddef>
+#include <string>
+
+namespace dyslam
+{
+/** How the misfit E = T_measured^-1 T_i^-1 T_j of an edge becomes numbers. Both agree to first
+ * order, so they share one information matrix. */
+enum class EdgeResidual
+{
+  log,  //!< log(E) in SE(3), the paper's
+  g2o,  //!< translation of E and twice its quaternion's vector part; the heading in planar graphs
+};
+
+/** What tames loop edges that do not fit; s is the squared, whitened misfit of an edge. */
+enum class RobustKernel
+{
+  none,
+  huber,   //!< linear beyond the width
+  cauchy,  //!< logarithmic
+  dcs,     //!< dynamic covariance scaling: a switchable constraint with the switch solved for
+};
+
+/** Where the optimisation starts from. */
+enum class GraphStart
+{
+  file,           //!< the graph's own poses; nodes without one hang on their neighbours
+  spanning_tree,  //!< chained from the root over the fewest edges
+  chordal,        //!< linear least squares on rotation matrices, then on translations
+};
+
+/** How the normal equations are solved. */
+enum class GraphLinearSolver
+{
+  suite_sparse,         //!< sparse Cholesky factorisation by CHOLMOD
+  eigen_sparse,         //!< sparse Cholesky factorisation by Eigen
+  conjugate_gradients,  //!< iterative: little memory, slow on long chains
+};
+
+struct PoseGraphSolverOptions : Options
+{
+  int max_iterations = 100;
+  double tolerance = 1e-9;  //!< stop when a step lowers the cost by less than this fraction
+  EdgeResidual residual = EdgeResidual::g2o;
+  RobustKernel loop_kernel = RobustKernel::none;  //!< for edges other than k -> k + 1
+  double kernel_width = 3;                        //!< whitened misfit where the kernel sets in
+  GraphStart start = GraphStart::chordal;
+  GraphLinearSolver linear_solver = GraphLinearSolver::suite_sparse;
+  int threads = 1;  //!< the result does not depend on it
+
+  void describe(OptionsVisitor& visitor) override;
+};
+
+struct PoseGraphResult
+{
+  double start_chi2 = 0;    //!< of the poses the graph came with (of the start, if it had none)
+  double initial_chi2 = 0;  //!< where the optimisation started
+  double final_chi2 = 0;    //!< sum of e' Omega e over all edges, without robust kernels
+  int iterations = 0;
+  bool converged = false;
+  std::string reason;  //!< why it stopped
+};
+
+/** Least-squares optimisation of a pose graph.
+ *
+ * With `residual = g2o` chi2 is what g2o prints. Graphs whose every pose, measurement and
+ * information matrix is planar are solved in the plane.
+ * Thread-safe: solve() is const.
+ */
+class PoseGraphSolver
+{
+ public:
+  explicit PoseGraphSolver(const PoseGraphSolverOptions& options);
+
+  /** Moves all nodes except the root, which stays where it is (at identity if it has no pose).
+   * An empty graph and one without edges converge at once.
+   * \throws UserError for a node without edges to the root's component, and for an edge whose
+   * information is not positive definite or whose numbers are not finite, naming them. */
+  PoseGraphResult solve(PoseGraph& graph) const;
+
+  /** Sum of e' Omega e of the graph as it is. \throws UserError as solve(). */
+  [[nodiscard]] double chi2(const PoseGraph& graph) const;
+
+  [[nodiscard]] const PoseGraphSolverOptions& options() const { return options_; }
+
+ private:
+  PoseGraphSolverOptions options_;
+};
+}  // namespace dyslam

@@ -1,0 +1,207 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "EdgeCost.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace dyslam
+{
+namespace
+{
+using RowMatrix67 = Eigen::Matrix<double, 6, 7, Eigen::RowMajor>;
+using RowMatrix33 = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
+
+class EdgeCost final : public ceres::SizedCostFunction<6, pose_block_size, pose_block_size>
+{
+ public:
+  EdgeCost(ErrorCoordinates coordinates, const GraphEdge& edge)
+      : coordinates_(coordinates),
+        T_measured_(edge.T_from_to),
+        whitening_(edge.information.llt().matrixU())
+  {
+  }
+
+  bool Evaluate(double const* const* blocks, double* residuals, double** jacobians) const override
+  {
+    const Pose T_i = unpackPose(blocks[0]);
+    const Pose T_j = unpackPose(blocks[1]);
+    Eigen::Map<Vector6> whitened(residuals);
+    if (jacobians == nullptr)
+    {
+      whitened = whitening_ * edgeError(coordinates_, T_measured_, T_i, T_j);
+      return true;
+    }
+    Matrix6 by_i;
+    Matrix6 by_j;
+    whitened = whitening_ * edgeError(coordinates_, T_measured_, T_i, T_j, &by_i, &by_j);
+    writeJacobian(jacobians[0], by_i);
+    writeJacobian(jacobians[1], by_j);
+    return true;
+  }
+
+ private:
+  void writeJacobian(double* target, const Matrix6& jacobian) const
+  {
+    if (target != nullptr)
+    {
+      Eigen::Map<RowMatrix67> block(target);
+      block.leftCols<6>().noalias() = whitening_ * jacobian;
+      block.col(6).setZero();
+    }
+  }
+
+  ErrorCoordinates coordinates_;
+  Pose T_measured_;
+  Matrix6 whitening_;
+};
+
+class PlanarEdgeCost final : public ceres::SizedCostFunction<3, 3, 3>
+{
+ public:
+  explicit PlanarEdgeCost(const GraphEdge& edge)
+      : translation_(edge.T_from_to.translation().head<2>()),
+        heading_(yawPitchRoll(edge.T_from_to).x())
+  {
+    constexpr std::array<Eigen::Index, 3> at = {0, 1, 5};
+    Eigen::Matrix3d information;
+    for (Eigen::Index r = 0; r < 3; ++r)
+    {
+      for (Eigen::Index c = 0; c < 3; ++c)
+      {
+        information(r, c) =
+            edge.information(at[static_cast<std::size_t>(r)], at[static_cast<std::size_t>(c)]);
+      }
+    }
+    whitening_ = information.llt().matrixU();
+  }
+
+  bool Evaluate(double const* const* blocks, double* residuals, double** jacobians) const override
+  {
+    const Eigen::Map<const Eigen::Vector3d> i(blocks[0]);
+    const Eigen::Map<const Eigen::Vector3d> j(blocks[1]);
+    // Rows of the rotation from the map into the measured pose's frame, E = Z^-1 T_i^-1 T_j.
+    const Eigen::Rotation2Dd R_j_map(-(i.z() + heading_));
+    const Eigen::Matrix2d A = R_j_map.toRotationMatrix();
+    const Eigen::Vector2d way = j.head<2>() - i.head<2>();
+    const Eigen::Rotation2Dd back(-heading_);
+    Eigen::Vector3d error;
+    error.head<2>() = A * way - back * translation_;
+    error.z() = std::remainder(j.z() - i.z() - heading_, 2 * M_PI);
+    Eigen::Map<Eigen::Vector3d>(residuals).noalias() = whitening_ * error;
+    if (jacobians == nullptr)
+    {
+      return true;
+    }
+    if (jacobians[0] != nullptr)
+    {
+      Eigen::Matrix3d by_i = Eigen::Matrix3d::Zero();
+      by_i.topLeftCorner<2, 2>() = -A;
+      const Eigen::Vector2d turned = A * way;
+      by_i(0, 2) = turned.y();
+      by_i(1, 2) = -turned.x();
+      by_i(2, 2) = -1;
+      Eigen::Map<RowMatrix33>(jacobians[0]).noalias() = whitening_ * by_i;
+    }
+    if (jacobians[1] != nullptr)
+    {
+      Eigen::Matrix3d by_j = Eigen::Matrix3d::Zero();
+      by_j.topLeftCorner<2, 2>() = A;
+      by_j(2, 2) = 1;
+      Eigen::Map<RowMatrix33>(jacobians[1]).noalias() = whitening_ * by_j;
+    }
+    return true;
+  }
+
+ private:
+  Eigen::Vector2d translation_;
+  double heading_;
+  Eigen::Matrix3d whitening_;
+};
+
+class DcsLoss final : public ceres::LossFunction
+{
+ public:
+  explicit DcsLoss(double width) : phi_(width * width) {}
+
+  void Evaluate(double s, double rho[3]) const override
+  {
+    if (s <= phi_)
+    {
+      rho[0] = s;
+      rho[1] = 1;
+      rho[2] = 0;
+      return;
+    }
+    const double sum = phi_ + s;
+    rho[0] = 3 * phi_ - 4 * phi_ * phi_ / sum;
+    rho[1] = 4 * phi_ * phi_ / (sum * sum);
+    rho[2] = -2 * rho[1] / sum;
+  }
+
+ private:
+  double phi_;
+};
+}  // namespace
+
+void packPose(const Pose& pose, double* block)
+{
+  Eigen::Map<Eigen::Vector3d>{block} = pose.translation();
+  Eigen::Map<Eigen::Quaterniond>{block + 3} = Eigen::Quaterniond(pose.linear());
+}
+
+Pose unpackPose(const double* block)
+{
+  Pose pose = Pose::Identity();
+  pose.translation() = Eigen::Map<const Eigen::Vector3d>(block);
+  pose.linear() = Eigen::Map<const Eigen::Quaterniond>(block + 3).toRotationMatrix();
+  return pose;
+}
+
+bool PoseManifold::Plus(const double* x, const double* delta, double* x_plus_delta) const
+{
+  const Eigen::Map<const Vector6> tangent(delta);
+  const Pose step = expSE3(tangent);
+  const Eigen::Map<const Eigen::Quaterniond> q(x + 3);
+  const Eigen::Quaterniond turned = q * Eigen::Quaterniond(step.linear());
+  const Eigen::Vector3d moved = Eigen::Map<const Eigen::Vector3d>(x) + q * step.translation();
+  Eigen::Map<Eigen::Vector3d>{x_plus_delta} = moved;
+  Eigen::Map<Eigen::Quaterniond>{x_plus_delta + 3} = turned.normalized();
+  return true;
+}
+
+bool PoseManifold::PlusJacobian(const double* /*x*/, double* jacobian) const
+{
+  Eigen::Map<Eigen::Matrix<double, 7, 6, Eigen::RowMajor>>(jacobian).setIdentity();
+  return true;
+}
+
+bool PoseManifold::Minus(const double* y, const double* x, double* y_minus_x) const
+{
+  Eigen::Map<Vector6>{y_minus_x} = logSE3(unpackPose(x).inverse() * unpackPose(y));
+  return true;
+}
+
+bool PoseManifold::MinusJacobian(const double* /*x*/, double* jacobian) const
+{
+  Eigen::Map<RowMatrix67>(jacobian).setIdentity();
+  return true;
+}
+
+std::unique_ptr<ceres::CostFunction> makeEdgeCost(ErrorCoordinates coordinates,
+                                                  const GraphEdge& edge)
+{
+  return std::make_unique<EdgeCost>(coordinates, edge);
+}
+
+std::unique_ptr<ceres::CostFunction> makePlanarEdgeCost(const GraphEdge& edge)
+{
+  return std::make_unique<PlanarEdgeCost>(edge);
+}
+
+std::unique_ptr<ceres::LossFunction> makeDcsLoss(double width)
+{
+  return std::make_unique<DcsLoss>(width);
+}
+}  // namespace dyslam

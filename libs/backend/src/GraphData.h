@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <dyslam/core/Pose.h>
+#include <mrpt/graphs/CNetworkOfPoses.h>
+
+#include <cstddef>
+#include <vector>
+
+namespace dyslam
+{
+[[nodiscard]] mrpt::poses::CPose3D toMrpt(const Pose& pose);
+[[nodiscard]] Pose fromMrpt(const mrpt::poses::CPose3D& pose);
+
+/** An edge between nodes counted from 0, information over the tangent of the measurement. */
+struct GraphEdge
+{
+  std::size_t from = 0;
+  std::size_t to = 0;
+  Pose T_from_to = Pose::Identity();
+  Matrix6 information = Matrix6::Identity();
+  bool loop = false;  //!< not from a node to its successor
+};
+
+/** A pose graph unrolled into arrays. */
+struct GraphData
+{
+  std::vector<mrpt::graphs::TNodeID> ids;  //!< ascending
+  std::vector<Pose> poses;
+  std::vector<bool> has_pose;
+  std::vector<GraphEdge> edges;
+  std::size_t root = 0;
+  bool planar = false;
+
+  [[nodiscard]] std::size_t size() const { return ids.size(); }
+};
+
+/** Checks and unrolls a graph. \throws UserError as PoseGraphSolver::solve() says. */
+[[nodiscard]] GraphData unroll(const mrpt::graphs::CNetworkOfPoses3DInf& graph);
+
+/** For every node the edges that touch it, in order: adjacency[first[k] .. first[k + 1]). */
+struct Adjacency
+{
+  std::vector<std::size_t> first;
+  std::vector<std::size_t> edges;
+};
+[[nodiscard]] Adjacency adjacencyOf(const GraphData& data);
+}  // namespace dyslam

@@ -1,0 +1,485 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/Error.h>
+#include <dyslam/core/PoseInformation.h>
+#include <dyslam/io/GraphFiles.h>
+
+#include <Eigen/Dense>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <fstream>
+#include <optional>
+#include <string_view>
+#include <vector>
+
+namespace dyslam
+{
+namespace
+{
+using Graph = mrpt::graphs::CNetworkOfPoses3DInf;
+using mrpt::graphs::TNodeID;
+
+/** One line of a file, taken word by word; errors know where they are. */
+class LineReader
+{
+ public:
+  LineReader(std::string_view line, const std::string& file, std::size_t number)
+      : rest_(line), file_(file), number_(number)
+  {
+  }
+
+  [[nodiscard]] std::string_view word()
+  {
+    skipBlanks();
+    std::size_t length = 0;
+    while (length < rest_.size() && !isBlank(rest_[length]))
+    {
+      ++length;
+    }
+    const std::string_view result = rest_.substr(0, length);
+    rest_.remove_prefix(length);
+    ++field_;
+    return result;
+  }
+
+  [[nodiscard]] double number(const char* name)
+  {
+    const std::string_view text = word();
+    double value = 0;
+    const char* begin = text.data() + (!text.empty() && text.front() == '+' ? 1 : 0);
+    const auto [end, error] = std::from_chars(begin, text.data() + text.size(), value);
+    if (text.empty() || error != std::errc() || end != text.data() + text.size())
+    {
+      fail(name, text, "a number");
+    }
+    if (!std::isfinite(value))
+    {
+      fail(name, text, "a finite number");
+    }
+    return value;
+  }
+
+  [[nodiscard]] TNodeID id(const char* name)
+  {
+    const std::string_view text = word();
+    TNodeID value = 0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    if (text.empty() || error != std::errc() || end != text.data() + text.size())
+    {
+      fail(name, text, "a node number");
+    }
+    return value;
+  }
+
+  [[nodiscard]] bool atEnd()
+  {
+    skipBlanks();
+    return rest_.empty() || rest_.front() == '|' || rest_.front() == '#';
+  }
+
+  void requireEnd()
+  {
+    if (!atEnd())
+    {
+      const std::string_view text = word();
+      fail("end of line", text, "nothing more");
+    }
+  }
+
+  [[noreturn]] void fail(const std::string& message) const
+  {
+    throw UserError(file_ + ":" + std::to_string(number_) + ": " + message);
+  }
+
+ private:
+  static bool isBlank(char c) { return c == ' ' || c == '\t' || c == '\r'; }
+
+  void skipBlanks()
+  {
+    while (!rest_.empty() && isBlank(rest_.front()))
+    {
+      rest_.remove_prefix(1);
+    }
+  }
+
+  [[noreturn]] void fail(const char* name, std::string_view text, const char* wanted) const
+  {
+    const std::string found = text.empty() ? "the line ends" : "'" + std::string(text) + "' stands";
+    fail("field " + std::to_string(field_) + " (" + name + "): " + found + " where " + wanted +
+         " should be");
+  }
+
+  std::string_view rest_;
+  const std::string& file_;
+  std::size_t number_;
+  int field_ = 0;
+};
+
+Eigen::Vector3d readVector(LineReader& line, const std::array<const char*, 3>& names)
+{
+  Eigen::Vector3d v;
+  for (Eigen::Index i = 0; i < 3; ++i)
+  {
+    v[i] = line.number(names[static_cast<std::size_t>(i)]);
+  }
+  return v;
+}
+
+Pose readQuaternionPose(LineReader& line)
+{
+  Pose pose = Pose::Identity();
+  pose.translation() = readVector(line, {"x", "y", "z"});
+  const Eigen::Vector3d vector_part = readVector(line, {"qx", "qy", "qz"});
+  Eigen::Quaterniond q(line.number("qw"), vector_part.x(), vector_part.y(), vector_part.z());
+  if (std::abs(q.norm() - 1) > 0.05)
+  {
+    line.fail("quaternion of length " + std::to_string(q.norm()) +
+              "; a rotation has length 1 (order qx qy qz qw)");
+  }
+  pose.linear() = q.normalized().toRotationMatrix();
+  return pose;
+}
+
+Pose readRollPitchYawPose(LineReader& line)
+{
+  const Eigen::Vector3d t = readVector(line, {"x", "y", "z"});
+  const Eigen::Vector3d rpy = readVector(line, {"roll", "pitch", "yaw"});
+  return poseFromYpr(t.x(), t.y(), t.z(), rpy.z(), rpy.y(), rpy.x());
+}
+
+Pose readPlanarPose(LineReader& line)
+{
+  const double x = line.number("x");
+  const double y = line.number("y");
+  return poseFromYpr(x, y, 0, line.number("heading"), 0, 0);
+}
+
+template <int N>
+Eigen::Matrix<double, N, N> readUpperTriangle(LineReader& line)
+{
+  Eigen::Matrix<double, N, N> m;
+  for (Eigen::Index r = 0; r < N; ++r)
+  {
+    for (Eigen::Index c = r; c < N; ++c)
+    {
+      const std::string name = "information " + std::to_string(r + 1) + "," + std::to_string(c + 1);
+      m(r, c) = line.number(name.c_str());
+      m(c, r) = m(r, c);
+    }
+  }
+  return m;
+}
+
+/** Swaps roll and yaw in rows and columns: MRPT's order in memory against that of its files. */
+Matrix6 swappedRollYaw(const Matrix6& m)
+{
+  Eigen::PermutationMatrix<6> swap;
+  swap.indices() << 0, 1, 2, 5, 4, 3;
+  return swap * m * swap;
+}
+
+/** Information of a planar pose as one over the tangent in space. */
+Matrix6 lifted(const Eigen::Matrix3d& planar)
+{
+  const std::array<Eigen::Index, 3> at = {0, 1, 5};
+  Matrix6 information = Matrix6::Zero();
+  for (Eigen::Index r = 0; r < 3; ++r)
+  {
+    for (Eigen::Index c = 0; c < 3; ++c)
+    {
+      information(at[static_cast<std::size_t>(r)], at[static_cast<std::size_t>(c)]) = planar(r, c);
+    }
+  }
+  information(2, 2) = 0.5 * (planar(0, 0) + planar(1, 1));
+  information(3, 3) = planar(2, 2);
+  information(4, 4) = planar(2, 2);
+  return information;
+}
+
+mrpt::poses::CPose3D toMrpt(const Pose& pose)
+{
+  return mrpt::poses::CPose3D(mrpt::math::CMatrixDouble44(pose.matrix()));
+}
+
+Pose fromMrpt(const mrpt::poses::CPose3D& pose)
+{
+  Pose result = Pose::Identity();
+  result.linear() = pose.getRotationMatrix().asEigen();
+  result.translation() = Eigen::Vector3d(pose.x(), pose.y(), pose.z());
+  return result;
+}
+
+class GraphReader
+{
+ public:
+  explicit GraphReader(const std::string& path) : path_(path) {}
+
+  Graph read()
+  {
+    std::ifstream file(path_);
+    if (!file)
+    {
+      throw UserError(path_ + ": cannot be opened; give an existing .graph or .g2o file");
+    }
+    std::string text;
+    std::size_t number = 0;
+    while (std::getline(file, text))
+    {
+      readLine(LineReader(text, path_, ++number));
+    }
+    if (graph_.nodes.empty() && graph_.edges.empty())
+    {
+      throw UserError(path_ + ": has no VERTEX or EDGE line; is it a .graph or .g2o file?");
+    }
+    setRoot();
+    return std::move(graph_);
+  }
+
+ private:
+  void readLine(LineReader line)
+  {
+    if (line.atEnd())
+    {
+      return;
+    }
+    const std::string_view key = line.word();
+    if (key == "VERTEX_SE3:QUAT")
+    {
+      readVertex(line, readQuaternionPose);
+    }
+    else if (key == "VERTEX_SE2")
+    {
+      readVertex(line, readPlanarPose);
+    }
+    else if (key == "VERTEX3")
+    {
+      readVertex(line, readRollPitchYawPose);
+    }
+    else if (key == "EDGE_SE3:QUAT" || key == "EDGE_SE2" || key == "EDGE3")
+    {
+      readEdge(line, key);
+    }
+    else if (key == "FIX")
+    {
+      readFix(line);
+    }
+    else if (key.substr(0, 7) != "PARAMS_")
+    {
+      failUnknown(line, key);
+    }
+  }
+
+  template <typename ReadPose>
+  void readVertex(LineReader& line, ReadPose read_pose)
+  {
+    const TNodeID id = line.id("id");
+    const Pose pose = read_pose(line);
+    line.requireEnd();
+    if (!graph_.nodes.emplace(id, toMrpt(pose)).second)
+    {
+      line.fail("vertex " + std::to_string(id) + " is there twice; keep one of them");
+    }
+  }
+
+  void readEdge(LineReader& line, std::string_view key)
+  {
+    const TNodeID from = line.id("from");
+    const TNodeID to = line.id("to");
+    if (from == to)
+    {
+      line.fail("edge from node " + std::to_string(from) + " to itself; remove it");
+    }
+    Pose mean;
+    Matrix6 information_ypr;
+    if (key == "EDGE_SE2")
+    {
+      mean = readPlanarPose(line);
+      information_ypr = informationToYpr(mean, lifted(readUpperTriangle<3>(line)));
+    }
+    else if (key == "EDGE3")
+    {
+      mean = readRollPitchYawPose(line);
+      // MRPT takes an edge without the matrix for one with the identity.
+      information_ypr =
+          line.atEnd() ? Matrix6(Matrix6::Identity()) : swappedRollYaw(readUpperTriangle<6>(line));
+    }
+    else
+    {
+      mean = readQuaternionPose(line);
+      information_ypr =
+          informationToYpr(mean, informationFromQuaternion(readUpperTriangle<6>(line)));
+    }
+    line.requireEnd();
+    const mrpt::poses::CPose3DPDFGaussianInf edge(toMrpt(mean),
+                                                  mrpt::math::CMatrixDouble66(information_ypr));
+    graph_.insertEdge(from, to, edge);
+  }
+
+  void readFix(LineReader& line)
+  {
+    const TNodeID id = line.id("id");
+    line.requireEnd();
+    if (root_ && *root_ != id)
+    {
+      line.fail("a second FIX; only one node can be the root, remove this line or that of node " +
+                std::to_string(*root_));
+    }
+    root_ = id;
+  }
+
+  static void failUnknown(LineReader& line, std::string_view key)
+  {
+    const std::string word(key);
+    if (word == "EDGE2" || word == "EDGE" || word == "ODOMETRY" || word == "VERTEX2" ||
+        word == "VERTEX")
+    {
+      line.fail("'" + word + "' is read differently by different programs; write VERTEX_SE2 and " +
+                "EDGE_SE2 (information xx xy xh yy yh hh) instead");
+    }
+    const std::vector<std::string> known = {
+        "VERTEX_SE3:QUAT", "VERTEX_SE2", "VERTEX3", "EDGE_SE3:QUAT", "EDGE_SE2", "EDGE3", "FIX"};
+    const std::string near = nearestWord(word, known);
+    line.fail("unknown entry '" + word + "'" +
+              (near.empty() ? "; known are VERTEX_SE3:QUAT, VERTEX_SE2, VERTEX3, EDGE_SE3:QUAT, "
+                              "EDGE_SE2, EDGE3 and FIX"
+                            : "; did you mean " + near + "?"));
+  }
+
+  void setRoot()
+  {
+    if (root_)
+    {
+      graph_.root = *root_;
+      return;
+    }
+    std::optional<TNodeID> lowest;
+    if (!graph_.nodes.empty())
+    {
+      lowest = graph_.nodes.begin()->first;
+    }
+    for (const auto& [ids, edge] : graph_.edges)
+    {
+      const TNodeID id = std::min(ids.first, ids.second);
+      lowest = lowest ? std::min(*lowest, id) : id;
+    }
+    graph_.root = lowest.value_or(0);
+  }
+
+  const std::string& path_;
+  Graph graph_;
+  std::optional<TNodeID> root_;
+};
+
+/** Collects the text in memory and writes it at once; numbers keep all their digits. */
+class TextWriter
+{
+ public:
+  TextWriter& operator<<(double value)
+  {
+    std::array<char, 32> buffer{};
+    const auto end = std::to_chars(buffer.data(), buffer.data() + buffer.size(), value).ptr;
+    text_.append(" ").append(buffer.data(), end);
+    return *this;
+  }
+  TextWriter& operator<<(TNodeID id)
+  {
+    text_.append(" ").append(std::to_string(id));
+    return *this;
+  }
+  TextWriter& operator<<(const char* word)
+  {
+    text_.append(word);
+    return *this;
+  }
+  TextWriter& operator<<(const Matrix6& m)
+  {
+    for (Eigen::Index r = 0; r < 6; ++r)
+    {
+      for (Eigen::Index c = r; c < 6; ++c)
+      {
+        *this << m(r, c);
+      }
+    }
+    return *this;
+  }
+  void save(const std::string& path) const
+  {
+    std::ofstream file(path, std::ios::binary);
+    file << text_;
+    file.close();
+    if (!file)
+    {
+      throw UserError(path + ": cannot be written; check the folder and the free space");
+    }
+  }
+
+ private:
+  std::string text_;
+};
+
+void appendRollPitchYawPose(TextWriter& out, const mrpt::poses::CPose3D& pose)
+{
+  out << pose.x() << pose.y() << pose.z() << pose.roll() << pose.pitch() << pose.yaw();
+}
+
+void appendQuaternionPose(TextWriter& out, const mrpt::poses::CPose3D& pose)
+{
+  Eigen::Quaterniond q(fromMrpt(pose).linear());
+  if (q.w() < 0)
+  {
+    q.coeffs() = -q.coeffs();
+  }
+  out << pose.x() << pose.y() << pose.z() << q.x() << q.y() << q.z() << q.w();
+}
+}  // namespace
+
+Graph readPoseGraph(const std::string& path)
+{
+  return GraphReader(path).read();
+}
+
+void writeGraph(const Graph& graph, const std::string& path)
+{
+  TextWriter out;
+  for (const auto& [id, pose] : graph.nodes)
+  {
+    out << "VERTEX3" << id;
+    appendRollPitchYawPose(out, pose);
+    out << "\n";
+    if (id == graph.root)
+    {
+      out << "FIX" << id << "\n";
+    }
+  }
+  for (const auto& [ids, edge] : graph.edges)
+  {
+    out << "EDGE3" << ids.first << ids.second;
+    appendRollPitchYawPose(out, edge.mean);
+    out << swappedRollYaw(edge.cov_inv.asEigen()) << "\n";
+  }
+  out.save(path);
+}
+
+void writeG2o(const Graph& graph, const std::string& path)
+{
+  TextWriter out;
+  for (const auto& [id, pose] : graph.nodes)
+  {
+    out << "VERTEX_SE3:QUAT" << id;
+    appendQuaternionPose(out, pose);
+    out << "\n";
+    if (id == graph.root)
+    {
+      out << "FIX" << id << "\n";
+    }
+  }
+  for (const auto& [ids, edge] : graph.edges)
+  {
+    out << "EDGE_SE3:QUAT" << ids.first << ids.second;
+    appendQuaternionPose(out, edge.mean);
+    const Matrix6 information = informationFromYpr(fromMrpt(edge.mean), edge.cov_inv.asEigen());
+    out << informationToQuaternion(information) << "\n";
+  }
+  out.save(path);
+}
+}  // namespace dyslam
