@@ -1,0 +1,239 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/Error.h>
+#include <dyslam/io/GroundTruth.h>
+#include <dyslam/io/TrajectoryFiles.h>
+
+#include <algorithm>
+#include <cstring>
+#include <filesystem>
+
+#include "TextFile.h"
+
+namespace dyslam
+{
+namespace fs = std::filesystem;
+
+std::string groundTruthFolder(const std::string& rawlog_path)
+{
+  return fs::path(rawlog_path).replace_extension(".gt").string();
+}
+
+std::vector<LabelledBox> readTracks(const std::string& path)
+{
+  TextFile file(path);
+  std::vector<LabelledBox> boxes;
+  while (file.next())
+  {
+    if (file.fields().size() != 18)
+    {
+      file.requireFields(17,
+                         "frame id type truncated occluded alpha left top right bottom height "
+                         "width length x y z yaw, with or without score");
+    }
+    LabelledBox box;
+    box.frame = file.integer(0);
+    box.id = file.integer(1);
+    box.type = std::string(file.fields()[2]);
+    box.object_class = objectClassFromString(box.type);
+    box.truncated = static_cast<int>(file.number(3));
+    box.occluded = static_cast<int>(file.number(4));
+    box.image_box = {file.number(6), file.number(7), file.number(8), file.number(9)};
+    box.box.size = {file.number(12), file.number(11), file.number(10)};
+    box.box.center = {file.number(13), file.number(14), file.number(15)};
+    box.box.yaw = file.number(16);
+    box.score = file.fields().size() == 18 ? file.number(17) : 1;
+    boxes.push_back(box);
+  }
+  return boxes;
+}
+
+void writeTracks(const std::string& path, const std::vector<LabelledBox>& boxes)
+{
+  std::string text;
+  for (const LabelledBox& box : boxes)
+  {
+    text += std::to_string(box.frame) + ' ' + std::to_string(box.id) + ' ' +
+            (box.type.empty() ? toString(box.object_class) : box.type) + ' ' +
+            std::to_string(box.truncated) + ' ' + std::to_string(box.occluded);
+    const auto append = [&text](double value)
+    {
+      text += ' ';
+      appendNumber(text, value, 9);
+    };
+    append(-10);  // alpha, an angle of the camera's: unknown
+    for (int i = 0; i < 4; ++i)
+    {
+      append(box.image_box[i]);
+    }
+    const Box& b = box.box;
+    for (const double value : {b.size.z(), b.size.y(), b.size.x(), b.center.x(), b.center.y(),
+                               b.center.z(), b.yaw, box.score})
+    {
+      append(value);
+    }
+    text += '\n';
+  }
+  writeWhole(path, text);
+}
+
+GroundTruthReader::GroundTruthReader(const std::string& folder) : folder_(folder)
+{
+  if (!fs::is_directory(folder))
+  {
+    throw UserError(folder + ": no such folder of ground truth");
+  }
+  const fs::path root(folder);
+  if (fs::exists(root / "poses_tum.txt"))
+  {
+    poses_ = readTum((root / "poses_tum.txt").string());
+  }
+  if (fs::exists(root / "tracks.txt"))
+  {
+    tracks_ = readTracks((root / "tracks.txt").string());
+  }
+  for (std::size_t i = 0; i < tracks_.size(); ++i)
+  {
+    boxes_of_frame_.emplace(tracks_[i].frame, i);
+  }
+  has_labels_ = fs::is_directory(root / "labels");
+  has_flow_ = fs::is_directory(root / "flow");
+}
+
+std::optional<GroundTruthReader> GroundTruthReader::besides(const std::string& rawlog_path)
+{
+  const std::string folder = groundTruthFolder(rawlog_path);
+  if (!fs::is_directory(folder))
+  {
+    return std::nullopt;
+  }
+  return GroundTruthReader(folder);
+}
+
+std::vector<LabelledBox> GroundTruthReader::boxes(std::size_t frame) const
+{
+  std::vector<LabelledBox> result;
+  const auto range = boxes_of_frame_.equal_range(static_cast<int>(frame));
+  for (auto it = range.first; it != range.second; ++it)
+  {
+    result.push_back(tracks_[it->second]);
+  }
+  return result;
+}
+
+std::optional<std::vector<Label>> GroundTruthReader::labels(std::size_t frame,
+                                                            std::size_t points) const
+{
+  const fs::path path = fs::path(folder_) / "labels" / numberedName(frame, ".label");
+  if (!has_labels_ || !fs::exists(path))
+  {
+    return std::nullopt;
+  }
+  return readLabels(path.string(), points);
+}
+
+std::optional<std::vector<Eigen::Vector3f>> GroundTruthReader::flow(std::size_t frame,
+                                                                    std::size_t points) const
+{
+  const fs::path path = fs::path(folder_) / "flow" / numberedName(frame, ".flow");
+  if (!has_flow_ || !fs::exists(path))
+  {
+    return std::nullopt;
+  }
+  const std::string bytes = readWhole(path.string());
+  if (bytes.size() != points * 3 * sizeof(float))
+  {
+    throw UserError(path.string() + ": has " + std::to_string(bytes.size()) +
+                    " bytes; 12 for each of the scan's " + std::to_string(points) +
+                    " points are needed");
+  }
+  std::vector<Eigen::Vector3f> flow(points);
+  for (std::size_t i = 0; i < points; ++i)
+  {
+    std::memcpy(flow[i].data(), bytes.data() + i * 3 * sizeof(float), 3 * sizeof(float));
+  }
+  return flow;
+}
+
+GroundTruthWriter::GroundTruthWriter(const std::string& folder) : folder_(folder)
+{
+  makeFolder(folder);
+  for (const char* old : {"poses_tum.txt", "tracks.txt"})
+  {
+    std::error_code ignored;
+    fs::remove(fs::path(folder) / old, ignored);
+  }
+  // Only files of our own naming: the folder might hold someone's notes.
+  for (const char* sub : {"labels", "flow"})
+  {
+    const fs::path path = fs::path(folder) / sub;
+    std::error_code error;
+    for (fs::directory_iterator it(path, error), end; !error && it != end; it.increment(error))
+    {
+      const auto extension = it->path().extension();
+      if (extension == ".label" || extension == ".flow")
+      {
+        std::error_code ignored;
+        fs::remove(it->path(), ignored);
+      }
+    }
+  }
+}
+
+GroundTruthWriter::~GroundTruthWriter()
+{
+  try
+  {
+    close();
+  }
+  catch (const std::exception&)
+  {
+    // close() is there for callers who want to know.
+  }
+}
+
+void GroundTruthWriter::addPose(double stamp, const Pose& T_world_vehicle)
+{
+  poses_.push_back(stamp, T_world_vehicle);
+}
+
+void GroundTruthWriter::addBox(const LabelledBox& box)
+{
+  boxes_.push_back(box);
+}
+
+void GroundTruthWriter::addLabels(std::size_t frame, const std::vector<Label>& labels)
+{
+  const fs::path folder = fs::path(folder_) / "labels";
+  makeFolder(folder.string());
+  writeLabels((folder / numberedName(frame, ".label")).string(), labels);
+}
+
+void GroundTruthWriter::addFlow(std::size_t frame, const std::vector<Eigen::Vector3f>& flow)
+{
+  static_assert(sizeof(Eigen::Vector3f) == 3 * sizeof(float), "packed vectors are needed");
+  const fs::path folder = fs::path(folder_) / "flow";
+  makeFolder(folder.string());
+  writeWhole((folder / numberedName(frame, ".flow")).string(),
+             std::string_view(reinterpret_cast<const char*>(flow.data()),
+                              flow.size() * sizeof(Eigen::Vector3f)));
+}
+
+void GroundTruthWriter::close()
+{
+  if (closed_)
+  {
+    return;
+  }
+  closed_ = true;
+  if (!poses_.empty())
+  {
+    writeTum((fs::path(folder_) / "poses_tum.txt").string(), poses_);
+  }
+  if (!boxes_.empty())
+  {
+    std::stable_sort(boxes_.begin(), boxes_.end(),
+                     [](const LabelledBox& a, const LabelledBox& b) { return a.frame < b.frame; });
+    writeTracks((fs::path(folder_) / "tracks.txt").string(), boxes_);
+  }
+}
+}  // namespace dyslam

@@ -1,0 +1,150 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "GzStream.h"
+
+#include <dyslam/core/Error.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+#include <stdexcept>
+
+#include "TextFile.h"
+
+namespace dyslam
+{
+namespace
+{
+constexpr unsigned buffer_size = 1U << 17U;
+constexpr std::size_t largest_step = 1U << 30U;
+}  // namespace
+
+GzInput::GzInput(const std::string& path) : path_(path)
+{
+  (void)openBinary(path);
+  std::error_code ignored;
+  size_ = std::filesystem::file_size(path, ignored);
+  file_ = gzopen(path.c_str(), "rb");
+  if (file_ == nullptr)
+  {
+    throw UserError(path + ": cannot be read: " + std::strerror(errno));
+  }
+  gzbuffer(file_, buffer_size);
+}
+
+GzInput::~GzInput()
+{
+  gzclose_r(file_);
+}
+
+void GzInput::noteError()
+{
+  int code = Z_OK;
+  gzerror(file_, &code);
+  if (code == Z_BUF_ERROR || code == Z_OK)
+  {
+    cut_ = true;
+  }
+  else if (code != Z_STREAM_END)
+  {
+    broken_ = true;
+  }
+}
+
+std::size_t GzInput::Read(void* buffer, std::size_t count)
+{
+  auto* to = static_cast<char*>(buffer);
+  for (std::size_t done = 0; done < count;)
+  {
+    const std::size_t step = std::min(count - done, largest_step);
+    const int got = gzread(file_, to + done, static_cast<unsigned>(step));
+    if (got <= 0)
+    {
+      noteError();
+      throw std::runtime_error("unexpected end of data");
+    }
+    done += static_cast<std::size_t>(got);
+  }
+  return count;
+}
+
+std::size_t GzInput::Write(const void*, std::size_t)
+{
+  throw std::logic_error("GzInput is for reading");
+}
+
+bool GzInput::atEnd()
+{
+  const int byte = gzgetc(file_);
+  if (byte != -1)
+  {
+    gzungetc(byte, file_);
+    return false;
+  }
+  int code = Z_OK;
+  gzerror(file_, &code);
+  cut_ = cut_ || code == Z_BUF_ERROR;
+  broken_ = broken_ || (code != Z_OK && code != Z_STREAM_END && code != Z_BUF_ERROR);
+  return true;
+}
+
+double GzInput::progress() const
+{
+  const auto at = gzoffset(file_);
+  return size_ == 0 || at < 0 ? 1.0
+                              : std::min(1.0, static_cast<double>(at) / static_cast<double>(size_));
+}
+
+GzOutput::GzOutput(const std::string& path, int level) : path_(path)
+{
+  const std::string mode = "wb" + std::to_string(std::clamp(level, 0, 9));
+  file_ = gzopen(path.c_str(), mode.c_str());
+  if (file_ == nullptr)
+  {
+    throw UserError(path + ": cannot be written: " + std::strerror(errno));
+  }
+  gzbuffer(file_, buffer_size);
+}
+
+GzOutput::~GzOutput()
+{
+  if (file_ != nullptr)
+  {
+    gzclose_w(file_);
+  }
+}
+
+std::size_t GzOutput::Write(const void* buffer, std::size_t count)
+{
+  const auto* from = static_cast<const char*>(buffer);
+  for (std::size_t done = 0; done < count;)
+  {
+    const std::size_t step = std::min(count - done, largest_step);
+    if (gzwrite(file_, from + done, static_cast<unsigned>(step)) != static_cast<int>(step))
+    {
+      throw UserError(path_ + ": cannot be written: " + std::strerror(errno));
+    }
+    done += step;
+  }
+  return count;
+}
+
+std::size_t GzOutput::Read(void*, std::size_t)
+{
+  throw std::logic_error("GzOutput is for writing");
+}
+
+void GzOutput::close()
+{
+  if (file_ == nullptr)
+  {
+    return;
+  }
+  const int code = gzclose_w(file_);
+  file_ = nullptr;
+  if (code != Z_OK)
+  {
+    throw UserError(path_ + ": cannot be written to its end: " + std::strerror(errno));
+  }
+}
+}  // namespace dyslam

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <zlib.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+
+namespace dyslam
+{
+/** Reads a gzip or plain file for MRPT's archiveFrom(), knowing a clean end from a cut. */
+class GzInput
+{
+ public:
+  /** \throws UserError if the file is missing, a folder or unreadable. */
+  explicit GzInput(const std::string& path);
+  ~GzInput();
+  GzInput(const GzInput&) = delete;
+  GzInput& operator=(const GzInput&) = delete;
+
+  /** All `count` bytes, or std::runtime_error. */
+  std::size_t Read(void* buffer, std::size_t count);
+  std::size_t Write(const void* buffer, std::size_t count);  //!< throws
+  [[nodiscard]] std::string getStreamDescription() const { return path_; }
+
+  /** True if no byte is left; ok() then says whether the file ends as it should. */
+  [[nodiscard]] bool atEnd();
+  /** Ran into the end of the file where data should be. */
+  [[nodiscard]] bool cut() const { return cut_; }
+  /** The compressed data are broken. */
+  [[nodiscard]] bool broken() const { return broken_; }
+  /** Fraction of the file's bytes consumed. */
+  [[nodiscard]] double progress() const;
+  [[nodiscard]] std::uint64_t fileSize() const { return size_; }
+
+ private:
+  void noteError();
+
+  std::string path_;
+  gzFile file_ = nullptr;
+  std::uint64_t size_ = 0;
+  bool cut_ = false;
+  bool broken_ = false;
+};
+
+/** Writes a gzip file for MRPT's archiveFrom(). The header holds no time: same data, same bytes. */
+class GzOutput
+{
+ public:
+  /** \throws UserError. */
+  GzOutput(const std::string& path, int level);
+  ~GzOutput();
+  GzOutput(const GzOutput&) = delete;
+  GzOutput& operator=(const GzOutput&) = delete;
+
+  std::size_t Write(const void* buffer, std::size_t count);
+  std::size_t Read(void* buffer, std::size_t count);  //!< throws
+  [[nodiscard]] std::string getStreamDescription() const { return path_; }
+  /** \throws UserError if not all could be written. */
+  void close();
+
+ private:
+  std::string path_;
+  gzFile file_ = nullptr;
+};
+}  // namespace dyslam

@@ -1,0 +1,308 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "ObservationScans.h"
+
+#include <dyslam/core/Error.h>
+#include <mrpt/io/lazy_load_path.h>
+#include <mrpt/maps/CColouredPointsMap.h>
+#include <mrpt/maps/CPointsMapXYZI.h>
+#include <mrpt/maps/CSimplePointsMap.h>
+#include <mrpt/obs/CObservation3DRangeScan.h>
+#include <mrpt/obs/CObservationPointCloud.h>
+#include <mrpt/obs/CObservationRotatingScan.h>
+#include <mrpt/obs/CObservationVelodyneScan.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <mutex>
+#include <numeric>
+#include <optional>
+#include <vector>
+
+#include "MrptConversions.h"
+
+namespace dyslam
+{
+namespace
+{
+using mrpt::obs::CObservation;
+using mrpt::obs::CObservation3DRangeScan;
+using mrpt::obs::CObservationPointCloud;
+using mrpt::obs::CObservationRotatingScan;
+using mrpt::obs::CObservationVelodyneScan;
+using mrpt::obs::VelodyneCalibration;
+
+/** MRPT finds external files by one folder per process: set and load must not be parted. */
+std::mutex external_folder_mutex;
+
+void loadExternal(const CObservation& observation, const std::string& folder)
+{
+  const std::lock_guard<std::mutex> lock(external_folder_mutex);
+  mrpt::io::setLazyLoadPathBase(folder);
+  observation.load();
+}
+
+Scan fromPointCloud(const CObservationPointCloud& observation, const std::string& folder)
+{
+  if (observation.isExternallyStored() && !observation.pointcloud)
+  {
+    const auto file =
+        std::filesystem::path(folder) / std::filesystem::path(observation.getExternalStorageFile());
+    if (!std::filesystem::exists(file))
+    {
+      throw UserError(file.string() + ": no such file, but the rawlog keeps a scan in it");
+    }
+    if (std::filesystem::file_size(file) > 0)
+    {
+      loadExternal(observation, folder);
+    }
+  }
+  Scan scan;
+  if (!observation.pointcloud)
+  {
+    return scan;
+  }
+  const auto& map = *observation.pointcloud;
+  const auto& xs = map.getPointsBufferRef_x();
+  const auto& ys = map.getPointsBufferRef_y();
+  const auto& zs = map.getPointsBufferRef_z();
+  scan.points.resize(xs.size());
+  for (std::size_t i = 0; i < xs.size(); ++i)
+  {
+    scan.points[i] = {xs[i], ys[i], zs[i]};
+  }
+  if (const auto* xyzi = dynamic_cast<const mrpt::maps::CPointsMapXYZI*>(&map))
+  {
+    const auto& intensity = xyzi->getPointsBufferRef_intensity();
+    scan.intensity.assign(intensity.begin(), intensity.end());
+  }
+  else if (const auto* coloured = dynamic_cast<const mrpt::maps::CColouredPointsMap*>(&map))
+  {
+    scan.intensity.resize(scan.size());
+    for (std::size_t i = 0; i < scan.size(); ++i)
+    {
+      float red = 0;
+      float green = 0;
+      float blue = 0;
+      coloured->getPointColor_fast(i, red, green, blue);
+      scan.intensity[i] = (red + green + blue) / 3;
+    }
+  }
+  return scan;
+}
+
+/** Ring of each laser: its rank by vertical angle, the lowest beam is 0. */
+std::vector<std::uint16_t> ringsOf(const VelodyneCalibration& calibration)
+{
+  const auto& lasers = calibration.laser_corrections;
+  std::vector<std::size_t> order(lasers.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::stable_sort(order.begin(), order.end(),
+                   [&lasers](std::size_t a, std::size_t b)
+                   { return lasers[a].verticalCorrection < lasers[b].verticalCorrection; });
+  std::vector<std::uint16_t> rings(lasers.size());
+  for (std::size_t rank = 0; rank < order.size(); ++rank)
+  {
+    rings[order[rank]] = static_cast<std::uint16_t>(rank);
+  }
+  return rings;
+}
+
+/** Takes the points of raw Velodyne packets as MRPT decodes them. */
+struct VelodyneCollector : CObservationVelodyneScan::PointCloudStorageWrapper
+{
+  Scan scan;
+  std::vector<std::uint16_t> rings;
+  mrpt::Clock::time_point start;
+
+  void add_point(float x,
+                 float y,
+                 float z,
+                 std::uint8_t intensity,
+                 const mrpt::Clock::time_point& time,
+                 const float,
+                 std::uint16_t laser) override
+  {
+    scan.points.emplace_back(x, y, z);
+    scan.intensity.push_back(static_cast<float>(intensity) / 255.0F);
+    scan.time.push_back(static_cast<float>(static_cast<double>((time - start).count()) * 1e-7));
+    scan.ring.push_back(laser < rings.size() ? rings[laser] : laser);
+  }
+};
+
+Scan fromVelodyne(CObservationVelodyneScan& observation)
+{
+  if (observation.scan_packets.empty())
+  {
+    const auto& cloud = observation.point_cloud;
+    Scan scan;
+    for (std::size_t i = 0; i < cloud.size(); ++i)
+    {
+      scan.points.emplace_back(cloud.x[i], cloud.y[i], cloud.z[i]);
+      if (i < cloud.intensity.size())
+      {
+        scan.intensity.push_back(static_cast<float>(cloud.intensity[i]) / 255.0F);
+      }
+    }
+    return scan;
+  }
+  VelodyneCollector collector;
+  collector.rings = ringsOf(observation.calibration);
+  collector.start = observation.timestamp;
+  CObservationVelodyneScan::TGeneratePointCloudParameters parameters;
+  parameters.minDistance = 0;
+  parameters.generatePerPointTimestamp = true;
+  observation.generatePointCloud(collector, parameters);
+  return std::move(collector.scan);
+}
+
+const VelodyneCalibration& calibrationOfRows(const CObservationRotatingScan& observation)
+{
+  const char* model = observation.rowCount == 16   ? "VLP16"
+                      : observation.rowCount == 32 ? "HDL32"
+                      : observation.rowCount == 64 ? "HDL64"
+                                                   : "";
+  const auto& calibration = VelodyneCalibration::LoadDefaultCalibration(model);
+  if (calibration.laser_corrections.size() != observation.rowCount)
+  {
+    throw UserError("CObservationRotatingScan '" + observation.sensorLabel + "' of model '" +
+                    observation.lidarModel + "' has " + std::to_string(observation.rowCount) +
+                    " rows: the beam angles are known for 16, 32 and 64 (Velodyne) only");
+  }
+  return calibration;
+}
+
+/** The class holds ranges by laser and column but no beam angles: those are Velodyne's defaults.
+ * Azimuths are as MRPT fills them from Velodyne packets: clockwise from straight ahead. */
+Scan fromRotatingScan(const CObservationRotatingScan& observation)
+{
+  const auto& lasers = calibrationOfRows(observation).laser_corrections;
+  const auto rings = ringsOf(calibrationOfRows(observation));
+  const auto& ranges = observation.rangeImage;
+  const bool has_intensity = observation.intensityImage.rows() == ranges.rows() &&
+                             observation.intensityImage.cols() == ranges.cols();
+  Scan scan;
+  const auto columns = ranges.cols();
+  for (Eigen::Index column = 0; column < columns; ++column)
+  {
+    const double fraction = static_cast<double>(column) / static_cast<double>(columns);
+    const double turn = std::abs(observation.azimuthSpan) * fraction;
+    const double azimuth = -(observation.startAzimuth + turn);
+    for (Eigen::Index row = 0; row < ranges.rows(); ++row)
+    {
+      const double range = ranges(row, column) * observation.rangeResolution;
+      if (ranges(row, column) == 0 || range < observation.minRange || range > observation.maxRange)
+      {
+        continue;
+      }
+      const auto laser = static_cast<std::size_t>(row);
+      const double elevation = lasers[laser].verticalCorrection * M_PI / 180;
+      const double heading = azimuth + lasers[laser].azimuthCorrection * M_PI / 180;
+      scan.points.emplace_back(Eigen::Vector3d(range * std::cos(elevation) * std::cos(heading),
+                                               range * std::cos(elevation) * std::sin(heading),
+                                               range * std::sin(elevation))
+                                   .cast<float>());
+      scan.ring.push_back(rings[laser]);
+      scan.time.push_back(static_cast<float>(observation.sweepDuration * fraction));
+      if (has_intensity)
+      {
+        scan.intensity.push_back(static_cast<float>(observation.intensityImage(row, column)) /
+                                 255.0F);
+      }
+    }
+  }
+  return scan;
+}
+
+Scan fromRangeImage(CObservation3DRangeScan& observation, const std::string& folder)
+{
+  loadExternal(observation, folder);
+  Scan scan;
+  if (observation.hasPoints3D)
+  {
+    for (std::size_t i = 0; i < observation.points3D_x.size(); ++i)
+    {
+      scan.points.emplace_back(observation.points3D_x[i], observation.points3D_y[i],
+                               observation.points3D_z[i]);
+    }
+    return scan;
+  }
+  mrpt::maps::CSimplePointsMap map;
+  mrpt::obs::T3DPointsProjectionParams parameters;
+  parameters.takeIntoAccountSensorPoseOnRobot = false;
+  observation.unprojectInto(map, parameters);
+  for (std::size_t i = 0; i < map.size(); ++i)
+  {
+    scan.points.emplace_back(map.getPointsBufferRef_x()[i], map.getPointsBufferRef_y()[i],
+                             map.getPointsBufferRef_z()[i]);
+  }
+  return scan;
+}
+}  // namespace
+
+bool is3dScan(const CObservation& observation)
+{
+  return dynamic_cast<const CObservationPointCloud*>(&observation) != nullptr ||
+         dynamic_cast<const CObservationVelodyneScan*>(&observation) != nullptr ||
+         dynamic_cast<const CObservationRotatingScan*>(&observation) != nullptr ||
+         dynamic_cast<const CObservation3DRangeScan*>(&observation) != nullptr;
+}
+
+Scan scanFromObservation(CObservation& observation, const std::string& external_folder)
+{
+  Scan scan;
+  if (const auto* cloud = dynamic_cast<const CObservationPointCloud*>(&observation))
+  {
+    scan = fromPointCloud(*cloud, external_folder);
+  }
+  else if (auto* velodyne = dynamic_cast<CObservationVelodyneScan*>(&observation))
+  {
+    scan = fromVelodyne(*velodyne);
+  }
+  else if (const auto* rotating = dynamic_cast<const CObservationRotatingScan*>(&observation))
+  {
+    scan = fromRotatingScan(*rotating);
+  }
+  else if (auto* range_image = dynamic_cast<CObservation3DRangeScan*>(&observation))
+  {
+    scan = fromRangeImage(*range_image, external_folder);
+  }
+  scan.stamp = toStamp(observation.timestamp);
+  scan.sensor_label = observation.sensorLabel;
+  mrpt::poses::CPose3D sensor_pose;
+  observation.getSensorPose(sensor_pose);
+  scan.T_vehicle_lidar = toPose(sensor_pose);
+  return scan;
+}
+
+bool applyTimeRing(CObservation& companion, const std::string& external_folder, Scan& scan)
+{
+  const Scan values = scanFromObservation(companion, external_folder);
+  if (values.size() != scan.size())
+  {
+    return false;
+  }
+  bool has_time = false;
+  bool has_ring = false;
+  for (const Eigen::Vector3f& value : values.points)
+  {
+    has_time = has_time || std::isfinite(value.x());
+    has_ring = has_ring || (std::isfinite(value.y()) && value.y() >= 0);
+  }
+  scan.time.clear();
+  scan.ring.clear();
+  for (const Eigen::Vector3f& value : values.points)
+  {
+    if (has_time)
+    {
+      scan.time.push_back(value.x());
+    }
+    if (has_ring)
+    {
+      const float ring = std::clamp(value.y(), 0.0F, 65535.0F);
+      scan.ring.push_back(static_cast<std::uint16_t>(std::isfinite(ring) ? ring : 0.0F));
+    }
+  }
+  return true;
+}
+}  // namespace dyslam

@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "RawlogStream.h"
+
+#include <dyslam/core/Error.h>
+#include <mrpt/obs/CActionCollection.h>
+#include <mrpt/obs/CRawlog.h>
+#include <mrpt/obs/CSensoryFrame.h>
+#include <mrpt/serialization/CArchive.h>
+
+#include <filesystem>
+
+#include "MrptConversions.h"
+
+namespace dyslam
+{
+namespace fs = std::filesystem;
+
+namespace
+{
+std::string findExternalFolder(const std::string& path)
+{
+  const fs::path rawlog(path);
+  for (const char* suffix : {"_Images", "_images", "_img", "_imgs"})
+  {
+    const fs::path folder = rawlog.parent_path() / (rawlog.stem().string() + suffix);
+    if (fs::is_directory(folder))
+    {
+      return folder.string();
+    }
+  }
+  const fs::path parent = rawlog.parent_path();
+  return parent.empty() ? "." : parent.string();
+}
+}  // namespace
+
+RawlogStream::RawlogStream(const std::string& path)
+    : path_(path), external_folder_(findExternalFolder(path)), file_(path)
+{
+  if (file_.fileSize() == 0)
+  {
+    throw UserError(path + ": is empty");
+  }
+}
+
+void RawlogStream::failReading(const std::string& reason) const
+{
+  const std::string count = std::to_string(objects_);
+  if (file_.broken())
+  {
+    throw UserError(path_ + ": the compressed data are damaged after " + count + " objects");
+  }
+  if (file_.cut())
+  {
+    throw UserError(path_ + ": is cut short: the file ends within an object, after " + count +
+                    " whole ones");
+  }
+  if (objects_ == 0)
+  {
+    throw UserError(path_ + ": is not a rawlog: " + reason);
+  }
+  throw UserError(path_ + ": is damaged after " + count + " objects: " + reason);
+}
+
+void RawlogStream::readObject()
+{
+  mrpt::serialization::CSerializable::Ptr object;
+  try
+  {
+    auto archive = mrpt::serialization::archiveFrom(file_);
+    object = archive.ReadObject();
+  }
+  catch (const std::exception& error)
+  {
+    failReading(messageOf(error));
+  }
+  using namespace mrpt::obs;
+  if (auto observation = std::dynamic_pointer_cast<CObservation>(object))
+  {
+    queue_.push_back(std::move(observation));
+  }
+  else if (const auto frame = std::dynamic_pointer_cast<CSensoryFrame>(object))
+  {
+    queue_.insert(queue_.end(), frame->begin(), frame->end());
+  }
+  else if (const auto rawlog = std::dynamic_pointer_cast<CRawlog>(object))
+  {
+    throw UserError(path_ + ": holds a CRawlog as one object; save it again with rawlog-edit");
+  }
+  else if (object && !std::dynamic_pointer_cast<CActionCollection>(object) && objects_ == 0)
+  {
+    throw UserError(path_ + ": is not a rawlog: it holds a " +
+                    object->GetRuntimeClass()->className);
+  }
+  ++objects_;
+}
+
+mrpt::obs::CObservation::Ptr RawlogStream::next()
+{
+  while (queue_.empty())
+  {
+    if (file_.atEnd())
+    {
+      if (file_.cut() || file_.broken())
+      {
+        failReading("");
+      }
+      return nullptr;
+    }
+    readObject();
+  }
+  auto observation = queue_.front();
+  queue_.pop_front();
+  return observation;
+}
+}  // namespace dyslam

@@ -1,0 +1,236 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/Error.h>
+#include <dyslam/io/RawlogWriter.h>
+#include <mrpt/maps/CPointsMapXYZI.h>
+#include <mrpt/maps/CSimplePointsMap.h>
+#include <mrpt/obs/CObservationPointCloud.h>
+#include <mrpt/obs/CObservationRobotPose.h>
+#include <mrpt/serialization/CArchive.h>
+
+#include <cmath>
+#include <filesystem>
+#include <stdexcept>
+
+#include "GzStream.h"
+#include "MrptConversions.h"
+#include "ObservationScans.h"
+#include "TextFile.h"
+
+namespace dyslam
+{
+namespace fs = std::filesystem;
+using mrpt::obs::CObservationPointCloud;
+
+namespace
+{
+/** Stands for "no time" in the time and ring cloud; no ring is -1. */
+constexpr float no_time = std::numeric_limits<float>::quiet_NaN();
+
+template <typename Map>
+typename Map::Ptr pointsMap(const Scan& scan)
+{
+  auto map = Map::Create();
+  map->resize(scan.size());
+  for (std::size_t i = 0; i < scan.size(); ++i)
+  {
+    map->setPointFast(i, scan.points[i].x(), scan.points[i].y(), scan.points[i].z());
+  }
+  return map;
+}
+
+mrpt::maps::CPointsMap::Ptr cloudOf(const Scan& scan)
+{
+  if (scan.intensity.empty())
+  {
+    return pointsMap<mrpt::maps::CSimplePointsMap>(scan);
+  }
+  auto map = pointsMap<mrpt::maps::CPointsMapXYZI>(scan);
+  for (std::size_t i = 0; i < scan.size(); ++i)
+  {
+    map->setPointColor_fast(i, scan.intensity[i], 0, 0);
+  }
+  return map;
+}
+
+mrpt::maps::CPointsMap::Ptr timeRingOf(const Scan& scan)
+{
+  auto map = mrpt::maps::CSimplePointsMap::Create();
+  map->resize(scan.size());
+  for (std::size_t i = 0; i < scan.size(); ++i)
+  {
+    map->setPointFast(i, scan.time.empty() ? no_time : scan.time[i],
+                      scan.ring.empty() ? -1.0F : static_cast<float>(scan.ring[i]), 0);
+  }
+  return map;
+}
+
+void requireSameLength(const Scan& scan)
+{
+  for (const std::size_t size : {scan.intensity.size(), scan.time.size(), scan.ring.size()})
+  {
+    if (size != 0 && size != scan.size())
+    {
+      throw std::logic_error("Scan's arrays differ in length");
+    }
+  }
+}
+}  // namespace
+
+void RawlogWriterOptions::describe(OptionsVisitor& visitor)
+{
+  visitor.flag("external_storage", external_storage, "clouds as .bin files in <name>_Images/");
+  visitor.integer("compression_level", compression_level, 0, 9, "of gzip: 0 none, 1 fast, 9 small");
+  visitor.text("sensor_label", sensor_label, "for scans that have none");
+  visitor.text("ground_truth_label", ground_truth_label, "of the true poses");
+}
+
+struct RawlogWriter::Impl
+{
+  std::string path;
+  std::string temporary;
+  RawlogWriterOptions options;
+  GzOutput file;
+  std::size_t frames = 0;
+  bool closed = false;
+
+  Impl(const std::string& path_in, const RawlogWriterOptions& options_in)
+      : path(path_in),
+        temporary(path_in + ".tmp"),
+        options(options_in),
+        file(checkedTemporary(path_in), options_in.compression_level)
+  {
+    if (options.external_storage)
+    {
+      makeFolder(externalFolder());
+    }
+  }
+
+  static std::string checkedTemporary(const std::string& path)
+  {
+    if (fs::is_directory(path))
+    {
+      throw UserError(path + ": is a folder, give the name of a file");
+    }
+    return path + ".tmp";
+  }
+
+  [[nodiscard]] std::string externalFolder() const
+  {
+    const fs::path p(path);
+    return (p.parent_path() / (p.stem().string() + "_Images")).string();
+  }
+
+  void put(const mrpt::serialization::CSerializable& object)
+  {
+    auto archive = mrpt::serialization::archiveFrom(file);
+    archive << object;
+  }
+
+  void putCloud(const Scan& scan, const std::string& label, const mrpt::maps::CPointsMap::Ptr& map)
+  {
+    CObservationPointCloud observation;
+    observation.timestamp = toMrptTime(scan.stamp);
+    observation.sensorLabel = label;
+    observation.sensorPose = toMrpt(scan.T_vehicle_lidar);
+    observation.pointcloud = map;
+    if (options.external_storage && scan.size() > 0)
+    {
+      putExternally(observation, label);
+    }
+    put(observation);
+  }
+
+  void putExternally(CObservationPointCloud& observation, const std::string& label) const
+  {
+    const std::string name = label + "_" + numberedName(frames, ".gz");
+    GzOutput out((fs::path(externalFolder()) / name).string(), options.compression_level);
+    auto archive = mrpt::serialization::archiveFrom(out);
+    archive << *observation.pointcloud;
+    out.close();
+    observation.setAsExternalStorage(
+        name, CObservationPointCloud::ExternalStorageFormat::MRPT_Serialization);
+  }
+
+  void putTruth(const Scan& scan, const Pose& truth)
+  {
+    mrpt::obs::CObservationRobotPose observation;
+    observation.timestamp = toMrptTime(scan.stamp);
+    observation.sensorLabel = options.ground_truth_label;
+    observation.pose.mean = toMrpt(truth);
+    observation.pose.cov.setZero();
+    put(observation);
+  }
+};
+
+RawlogWriter::RawlogWriter(const std::string& path, const RawlogWriterOptions& options)
+{
+  validate(options, "rawlog writer");
+  impl_ = std::make_unique<Impl>(path, options);
+}
+
+RawlogWriter::~RawlogWriter()
+{
+  try
+  {
+    if (impl_)
+    {
+      close();
+    }
+  }
+  catch (const std::exception&)
+  {
+    // close() is there for callers who want to know.
+  }
+}
+
+RawlogWriter::RawlogWriter(RawlogWriter&&) noexcept = default;
+RawlogWriter& RawlogWriter::operator=(RawlogWriter&&) noexcept = default;
+
+void RawlogWriter::write(const Scan& scan, const std::optional<Pose>& truth)
+{
+  requireSameLength(scan);
+  if (impl_->closed)
+  {
+    throw std::logic_error("RawlogWriter is closed");
+  }
+  // Ticks of 100 ns in 64 bits; a stamp far outside is no time.
+  if (!std::isfinite(scan.stamp) || std::abs(scan.stamp) > 1e11)
+  {
+    throw UserError(impl_->path + ": scan " + std::to_string(impl_->frames) +
+                    " has no usable time stamp");
+  }
+  const std::string label =
+      scan.sensor_label.empty() ? impl_->options.sensor_label : scan.sensor_label;
+  if (truth)
+  {
+    impl_->putTruth(scan, *truth);
+  }
+  if (!scan.time.empty() || !scan.ring.empty())
+  {
+    impl_->putCloud(scan, label + time_ring_suffix, timeRingOf(scan));
+  }
+  impl_->putCloud(scan, label, cloudOf(scan));
+  ++impl_->frames;
+}
+
+void RawlogWriter::close()
+{
+  if (impl_->closed)
+  {
+    return;
+  }
+  impl_->closed = true;
+  impl_->file.close();
+  std::error_code error;
+  fs::rename(impl_->temporary, impl_->path, error);
+  if (error)
+  {
+    throw UserError(impl_->path + ": cannot be written: " + error.message());
+  }
+}
+
+std::size_t RawlogWriter::framesWritten() const
+{
+  return impl_->frames;
+}
+}  // namespace dyslam

@@ -1,0 +1,189 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "TextFile.h"
+
+#include <dyslam/core/Error.h>
+
+#include <array>
+#include <cerrno>
+#include <charconv>
+#include <cmath>
+#include <cstring>
+#include <filesystem>
+#include <sstream>
+
+namespace dyslam
+{
+namespace fs = std::filesystem;
+
+std::ifstream openBinary(const std::string& path)
+{
+  std::error_code error;
+  const auto status = fs::status(path, error);
+  if (!fs::exists(status))
+  {
+    throw UserError(path + ": no such file");
+  }
+  if (fs::is_directory(status))
+  {
+    throw UserError(path + ": is a folder, a file is needed");
+  }
+  std::ifstream file(path, std::ios::binary);
+  if (!file)
+  {
+    throw UserError(path + ": cannot be read: " + std::strerror(errno));
+  }
+  return file;
+}
+
+TextFile::TextFile(const std::string& path, std::string separators)
+    : path_(path), separators_(std::move(separators)), file_(openBinary(path))
+{
+}
+
+bool TextFile::next()
+{
+  while (std::getline(file_, line_))
+  {
+    ++line_number_;
+    fields_.clear();
+    const std::string_view view(line_);
+    for (std::size_t begin = view.find_first_not_of(separators_); begin != std::string_view::npos;)
+    {
+      const std::size_t end = view.find_first_of(separators_, begin);
+      fields_.push_back(view.substr(begin, end == std::string_view::npos ? end : end - begin));
+      begin = end == std::string_view::npos ? end : view.find_first_not_of(separators_, end);
+    }
+    if (!fields_.empty() && fields_.front().front() != '#')
+    {
+      return true;
+    }
+  }
+  return false;
+}
+
+double TextFile::number(std::size_t field) const
+{
+  std::string_view text = fields_.at(field);
+  if (text.size() > 1 && text.front() == '+')
+  {
+    text.remove_prefix(1);
+  }
+  double value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error == std::errc::result_out_of_range)
+  {
+    return 0 * value;  // denormals and worse: as good as nothing in any of our files
+  }
+  if (error != std::errc() || end != text.data() + text.size())
+  {
+    fail("'" + std::string(text) + "' is not a number");
+  }
+  if (!std::isfinite(value))
+  {
+    fail("'" + std::string(text) + "' is not a finite number");
+  }
+  return value;
+}
+
+int TextFile::integer(std::size_t field) const
+{
+  const std::string_view text = fields_.at(field);
+  int value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || end != text.data() + text.size())
+  {
+    fail("'" + std::string(text) + "' is not a whole number");
+  }
+  return value;
+}
+
+std::vector<double> TextFile::numbers(std::size_t first) const
+{
+  std::vector<double> values;
+  for (std::size_t i = first; i < fields_.size(); ++i)
+  {
+    values.push_back(number(i));
+  }
+  return values;
+}
+
+void TextFile::requireFields(std::size_t count, const char* what) const
+{
+  if (fields_.size() != count)
+  {
+    fail("has " + std::to_string(fields_.size()) + " fields, needs " + std::to_string(count) +
+         " (" + what + ")");
+  }
+}
+
+void TextFile::fail(const std::string& what) const
+{
+  throw UserError(path_ + ":" + std::to_string(line_number_) + ": " + what);
+}
+
+void appendNumber(std::string& text, double value, int digits)
+{
+  std::array<char, 40> buffer{};
+  const auto end = std::to_chars(buffer.data(), buffer.data() + buffer.size(), value,
+                                 std::chars_format::general, digits)
+                       .ptr;
+  text.append(buffer.data(), end);
+}
+
+void appendFixed(std::string& text, double value, int decimals)
+{
+  std::array<char, 350> buffer{};
+  const auto end = std::to_chars(buffer.data(), buffer.data() + buffer.size(), value,
+                                 std::chars_format::fixed, decimals)
+                       .ptr;
+  text.append(buffer.data(), end);
+}
+
+std::string readWhole(const std::string& path)
+{
+  std::ifstream file = openBinary(path);
+  std::ostringstream content;
+  content << file.rdbuf();
+  return content.str();
+}
+
+void writeWhole(const std::string& path, std::string_view content)
+{
+  const std::string temporary = path + ".tmp";
+  {
+    std::ofstream file(temporary, std::ios::binary | std::ios::trunc);
+    file.write(content.data(), static_cast<std::streamsize>(content.size()));
+    file.close();
+    if (!file)
+    {
+      const std::string reason = std::strerror(errno);
+      std::error_code ignored;
+      fs::remove(temporary, ignored);
+      throw UserError(path + ": cannot be written: " + reason);
+    }
+  }
+  std::error_code error;
+  fs::rename(temporary, path, error);
+  if (error)
+  {
+    throw UserError(path + ": cannot be written: " + error.message());
+  }
+}
+
+void makeFolder(const std::string& path)
+{
+  std::error_code error;
+  fs::create_directories(path, error);
+  if (error || !fs::is_directory(path))
+  {
+    throw UserError(path + ": cannot make this folder" +
+                    (error ? ": " + error.message() : std::string(": a file is in the way")));
+  }
+}
+
+std::string numberedName(std::size_t number, const std::string& extension)
+{
+  std::string digits = std::to_string(number);
+  return std::string(digits.size() < 6 ? 6 - digits.size() : 0, '0') + digits + extension;
+}
+}  // namespace dyslam

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <fstream>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace dyslam
+{
+/** Lines of a text file as fields parted by spaces, tabs or commas; every error says file:line. */
+class TextFile
+{
+ public:
+  /** \throws UserError if it cannot be read. */
+  explicit TextFile(const std::string& path, std::string separators = " \t\r,");
+
+  /** The next line that is neither empty nor a comment (`#`). */
+  [[nodiscard]] bool next();
+  [[nodiscard]] const std::vector<std::string_view>& fields() const { return fields_; }
+  [[nodiscard]] std::size_t lineNumber() const { return line_number_; }
+  [[nodiscard]] const std::string& line() const { return line_; }
+
+  /** Field as a finite number. \throws UserError. */
+  [[nodiscard]] double number(std::size_t field) const;
+  /** Field as a whole number. \throws UserError. */
+  [[nodiscard]] int integer(std::size_t field) const;
+  /** All fields from `first` on as numbers. */
+  [[nodiscard]] std::vector<double> numbers(std::size_t first = 0) const;
+  /** \throws UserError "file:line: has n fields, not k (what)". */
+  void requireFields(std::size_t count, const char* what) const;
+  [[noreturn]] void fail(const std::string& what) const;
+
+ private:
+  std::string path_;
+  std::string separators_;
+  std::ifstream file_;
+  std::string line_;
+  std::vector<std::string_view> fields_;
+  std::size_t line_number_ = 0;
+};
+
+/** Appends a number with `digits` significant digits in the C locale. */
+void appendNumber(std::string& text, double value, int digits);
+/** Appends a number with `decimals` behind the point. */
+void appendFixed(std::string& text, double value, int decimals);
+
+/** Opens a file for reading; tells folders and missing files apart. \throws UserError. */
+[[nodiscard]] std::ifstream openBinary(const std::string& path);
+/** The whole of a file. \throws UserError. */
+[[nodiscard]] std::string readWhole(const std::string& path);
+/** Writes under a temporary name and renames, so that no half file is ever seen. \throws UserError.
+ */
+void writeWhole(const std::string& path, std::string_view content);
+/** Makes a folder and its parents. \throws UserError. */
+void makeFolder(const std::string& path);
+/** Six digits and an extension: "000042.label". */
+[[nodiscard]] std::string numberedName(std::size_t number, const std::string& extension);
+}  // namespace dyslam

@@ -1,0 +1,203 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/Error.h>
+#include <dyslam/io/TrajectoryFiles.h>
+
+#include <Eigen/LU>
+#include <cmath>
+
+#include "TextFile.h"
+
+namespace dyslam
+{
+namespace
+{
+constexpr int digits = 12;
+
+Pose poseFromRow(const TextFile& file, const std::vector<double>& row)
+{
+  Pose pose = Pose::Identity();
+  for (int i = 0; i < 3; ++i)
+  {
+    for (int j = 0; j < 4; ++j)
+    {
+      pose.matrix()(i, j) = row[static_cast<std::size_t>(4 * i + j)];
+    }
+  }
+  const Eigen::Matrix3d R = pose.linear();
+  // Text with few digits and float products drift a little; anything beyond is another file.
+  if (!(R * R.transpose()).isIdentity(0.02) || R.determinant() < 0)
+  {
+    file.fail("columns 1-3, 5-7, 9-11 are not a rotation matrix");
+  }
+  return orthonormalized(pose);
+}
+}  // namespace
+
+Trajectory readTum(const std::string& path)
+{
+  TextFile file(path);
+  Trajectory trajectory;
+  while (file.next())
+  {
+    file.requireFields(8, "t x y z qx qy qz qw");
+    const auto row = file.numbers();
+    const Eigen::Quaterniond q(row[7], row[4], row[5], row[6]);
+    if (std::abs(q.norm() - 1) > 0.02)
+    {
+      file.fail("the quaternion's length is not 1");
+    }
+    if (!trajectory.empty() && !(row[0] > trajectory[trajectory.size() - 1].stamp))
+    {
+      file.fail("the time does not come after that of the line before");
+    }
+    Pose pose = Pose::Identity();
+    pose.linear() = q.normalized().toRotationMatrix();
+    pose.translation() = Eigen::Vector3d(row[1], row[2], row[3]);
+    trajectory.push_back(row[0], pose);
+  }
+  return trajectory;
+}
+
+void writeTum(const std::string& path, const Trajectory& trajectory)
+{
+  std::string text;
+  for (const auto& [stamp, pose] : trajectory)
+  {
+    appendFixed(text, stamp, 9);
+    Eigen::Quaterniond q(pose.linear());
+    if (q.w() < 0)
+    {
+      q.coeffs() = -q.coeffs();
+    }
+    const Eigen::Vector3d t = pose.translation();
+    for (const double value : {t.x(), t.y(), t.z(), q.x(), q.y(), q.z(), q.w()})
+    {
+      text += ' ';
+      appendNumber(text, value, digits);
+    }
+    text += '\n';
+  }
+  writeWhole(path, text);
+}
+
+std::vector<Pose> readKittiPoses(const std::string& path)
+{
+  TextFile file(path);
+  std::vector<Pose> poses;
+  while (file.next())
+  {
+    file.requireFields(12, "a 3x4 matrix row by row");
+    poses.push_back(poseFromRow(file, file.numbers()));
+  }
+  return poses;
+}
+
+void writeKittiPoses(const std::string& path, const std::vector<Pose>& poses)
+{
+  std::string text;
+  for (const Pose& pose : poses)
+  {
+    for (int i = 0; i < 12; ++i)
+    {
+      appendNumber(text, pose.matrix()(i / 4, i % 4), digits);
+      text += i < 11 ? ' ' : '\n';
+    }
+  }
+  writeWhole(path, text);
+}
+
+void writeKittiPoses(const std::string& path, const Trajectory& trajectory)
+{
+  std::vector<Pose> poses;
+  for (const StampedPose& pose : trajectory)
+  {
+    poses.push_back(pose.pose);
+  }
+  writeKittiPoses(path, poses);
+}
+
+std::vector<double> readTimes(const std::string& path)
+{
+  TextFile file(path);
+  std::vector<double> times;
+  while (file.next())
+  {
+    file.requireFields(1, "a time in seconds");
+    times.push_back(file.number(0));
+    if (times.size() > 1 && !(times.back() > times[times.size() - 2]))
+    {
+      file.fail("the time does not come after that of the line before");
+    }
+  }
+  return times;
+}
+
+Trajectory withTimes(const std::vector<Pose>& poses, const std::vector<double>& times)
+{
+  if (poses.size() != times.size())
+  {
+    throw UserError("there are " + std::to_string(poses.size()) + " poses but " +
+                    std::to_string(times.size()) + " times");
+  }
+  Trajectory trajectory;
+  for (std::size_t i = 0; i < poses.size(); ++i)
+  {
+    trajectory.push_back(times[i], poses[i]);
+  }
+  return trajectory;
+}
+
+Trajectory withTimes(const std::vector<Pose>& poses, double dt)
+{
+  Trajectory trajectory;
+  for (std::size_t i = 0; i < poses.size(); ++i)
+  {
+    trajectory.push_back(static_cast<double>(i) * dt, poses[i]);
+  }
+  return trajectory;
+}
+
+TrajectoryFormat trajectoryFormat(const std::string& path)
+{
+  TextFile file(path);
+  if (!file.next())
+  {
+    throw UserError(path + ": holds no poses");
+  }
+  if (file.fields().size() == 8)
+  {
+    return TrajectoryFormat::tum;
+  }
+  if (file.fields().size() == 12)
+  {
+    return TrajectoryFormat::kitti;
+  }
+  file.fail("has " + std::to_string(file.fields().size()) +
+            " fields; a trajectory has 8 (TUM: t x y z qx qy qz qw) or 12 (KITTI)");
+}
+
+TrajectoryFile readTrajectory(const std::string& path)
+{
+  TrajectoryFile result;
+  result.format = trajectoryFormat(path);
+  result.trajectory =
+      result.format == TrajectoryFormat::tum ? readTum(path) : withTimes(readKittiPoses(path), 1.0);
+  return result;
+}
+
+std::vector<Pose> cameraToLidarPoses(const std::vector<Pose>& poses, const Pose& T_cam_velo)
+{
+  std::vector<Pose> result;
+  const Pose T_velo_cam = T_cam_velo.inverse();
+  for (const Pose& pose : poses)
+  {
+    result.push_back(T_velo_cam * pose * T_cam_velo);
+  }
+  return result;
+}
+
+std::vector<Pose> lidarToCameraPoses(const std::vector<Pose>& poses, const Pose& T_cam_velo)
+{
+  return cameraToLidarPoses(poses, T_cam_velo.inverse());
+}
+}  // namespace dyslam

@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <optional>
+#include <sstream>
+#include <string>
+
+namespace dyslam
+{
+/** An empty folder for one test, removed behind it. */
+class TestFolder
+{
+ public:
+  TestFolder()
+  {
+    const auto* test = ::testing::UnitTest::GetInstance()->current_test_info();
+    path_ = std::filesystem::temp_directory_path() / ("dyslam_" + std::to_string(getpid()) + "_" +
+                                                      test->test_suite_name() + "_" + test->name());
+    std::filesystem::remove_all(path_);
+    std::filesystem::create_directories(path_);
+  }
+  ~TestFolder()
+  {
+    std::error_code ignored;
+    std::filesystem::remove_all(path_, ignored);
+  }
+  TestFolder(const TestFolder&) = delete;
+  TestFolder& operator=(const TestFolder&) = delete;
+
+  [[nodiscard]] std::string file(const std::string& name) const { return (path_ / name).string(); }
+  [[nodiscard]] std::string path() const { return path_.string(); }
+
+  std::string write(const std::string& name, const std::string& content) const
+  {
+    std::filesystem::create_directories((path_ / name).parent_path());
+    std::ofstream(path_ / name, std::ios::binary) << content;
+    return file(name);
+  }
+  [[nodiscard]] std::string read(const std::string& name) const
+  {
+    std::ostringstream content;
+    content << std::ifstream(path_ / name, std::ios::binary).rdbuf();
+    return content.str();
+  }
+
+ private:
+  std::filesystem::path path_;
+};
+
+/** The message of the UserError that `call` throws; fails the test if it throws none. */
+template <typename Error, typename Call>
+std::string messageOfError(Call&& call)
+{
+  try
+  {
+    call();
+  }
+  catch (const Error& error)
+  {
+    return error.what();
+  }
+  ADD_FAILURE() << "nothing was thrown";
+  return {};
+}
+
+inline bool contains(const std::string& text, const std::string& part)
+{
+  return text.find(part) != std::string::npos;
+}
+
+/** Folder of real data, if the user says where it is. */
+inline std::optional<std::string> dataFolder()
+{
+  const char* folder = std::getenv("DYSLAM_DATA");
+  return folder != nullptr && *folder != 0 ? std::optional<std::string>(folder) : std::nullopt;
+}
+}  // namespace dyslam
+
+#define DYSLAM_REQUIRE_DATA()                                       \
+  if (!dyslam::dataFolder())                                        \
+  {                                                                 \
+    GTEST_SKIP() << "needs real data: set DYSLAM_DATA to a folder"; \
+  }                                                                 \
+  static_assert(true)
