@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <dyslam/core/Options.h>
+
+#include <cstddef>
+#include <functional>
+#include <string>
+#include <vector>
+
+namespace dyslam
+{
+/** Told after every scan: fraction of the work done (0 to 1) and scans so far. */
+using ConversionProgress = std::function<void(double, std::size_t)>;
+
+struct ConversionResult
+{
+  std::size_t scans = 0;
+  std::size_t points = 0;
+  std::size_t poses = 0;        //!< scans with a true pose
+  std::size_t label_files = 0;  //!< scans with labels per point
+  std::size_t boxes = 0;        //!< true boxes of all scans
+  std::string ground_truth;     //!< sidecar folder; empty if there is no truth
+  std::vector<std::string> warnings;
+};
+
+enum class KittiKind
+{
+  odometry,  //!< velodyne/NNNNNN.bin, times.txt, calib.txt, poses of camera 0
+  raw,       //!< velodyne_points/data/NNNNNN.bin and timestamps, oxts/data, the day's calib files
+  tracking   //!< velodyne/NNNN/NNNNNN.bin, oxts/NNNN.txt, calib/NNNN.txt, label_02/NNNN.txt
+};
+
+/** Which frame the poses of a pose file are in. */
+enum class PoseFrame
+{
+  automatic,  //!< camera for odometry's own poses, lidar if the file's name says velo or lidar
+  lidar,
+  camera
+};
+
+struct KittiConverterOptions : Options
+{
+  KittiKind kind = KittiKind::odometry;
+  std::string calib;     //!< file or folder; empty: where the layout has it
+  std::string poses;     //!< TUM or KITTI file
+  std::string oxts;      //!< file or folder
+  std::string labels;    //!< folder of .label files
+  std::string boxes;     //!< label_02 file, or folder of SUSTechPOINTS json
+  std::string sequence;  //!< of tracking's official layout: "0000"; empty: the only one
+  PoseFrame pose_frame = PoseFrame::automatic;
+  double dt = 0;  //!< seconds between scans; 0: the layout's own times, else 0.1034
+  bool vertical_angle_correction = false;  //!< lifts the points by 0.205 deg about the sensor
+  int skip_first_n = 0;
+  int only_first_n = 0;  //!< 0: all
+  bool external_storage = false;
+  int compression_level = 1;
+
+  void describe(OptionsVisitor& visitor) override;
+};
+
+/** Writes a KITTI folder, official or plain (`velodyne/NNNNNN.bin` and whatever files the options name),
+ * as a rawlog with its ground-truth sidecar. Every point is kept in its order.
+ *
+ * The vehicle frame is the lidar's; the world is the first scan's. \throws UserError. */
+ConversionResult convertKitti(const std::string& input,
+                              const std::string& output,
+                              const KittiConverterOptions& options,
+                              const ConversionProgress& progress = {});
+
+struct ScanConverterOptions : Options
+{
+  std::string sensor;         //!< VLP16, HDL32E or HDL64E for a pcap; label of the scans otherwise
+  std::string calibration;    //!< Velodyne XML or YAML for a pcap
+  std::string poses;          //!< TUM or KITTI file of the lidar, for folders
+  double dt = 0;              //!< seconds between scans; 0: the pcap's times, 0.1 for folders
+  bool keep_partial = false;  //!< broken first and last revolutions of a pcap, too
+  int skip_first_n = 0;
+  int only_first_n = 0;  //!< 0: all
+  bool external_storage = false;
+  int compression_level = 1;
+
+  void describe(OptionsVisitor& visitor) override;
+};
+
+/** Writes a folder of .bin, .pcd or .ply scans, or a Velodyne .pcap, as a rawlog. \throws
+ * UserError.
+ */
+ConversionResult convertScans(const std::string& input,
+                              const std::string& output,
+                              const ScanConverterOptions& options,
+                              const ConversionProgress& progress = {});
+}  // namespace dyslam

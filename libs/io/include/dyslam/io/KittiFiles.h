@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <dyslam/core/Objects.h>
+#include <dyslam/core/Pose.h>
+
+#include <Eigen/Core>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace dyslam
+{
+/** What KITTI's calibration files say about the rigid mounting of the sensors.
+ *
+ * "Camera" is the rectified camera 0, in whose frame labels and odometry poses are given.
+ */
+struct KittiCalib
+{
+  Pose T_cam_velo = Pose::Identity();  //!< lidar points to the rectified camera 0
+  Pose T_velo_imu = Pose::Identity();  //!< GNSS/INS frame to the lidar
+  bool has_imu = false;
+  Eigen::Matrix<double, 3, 4> P2 = Eigen::Matrix<double, 3, 4>::Zero();  //!< colour camera's
+};
+
+/** Reads an odometry (`Tr`), tracking or object (`R_rect`/`R0_rect`, `Tr_velo_cam`/
+ * `Tr_velo_to_cam`, `Tr_imu_velo`/...) calib file, or a raw day's folder with
+ * `calib_velo_to_cam.txt`, `calib_cam_to_cam.txt` and `calib_imu_to_velo.txt`. \throws UserError.
+ */
+[[nodiscard]] KittiCalib readKittiCalib(const std::string& file_or_folder);
+
+/** One GNSS/INS reading: the 30 numbers of KITTI's oxts, those that we use. */
+struct OxtsReading
+{
+  double latitude = 0;   //!< [deg]
+  double longitude = 0;  //!< [deg]
+  double altitude = 0;   //!< [m]
+  double roll = 0;       //!< [rad]
+  double pitch = 0;      //!< [rad]
+  double yaw = 0;        //!< [rad], 0 = east, counter-clockwise
+  double velocity_forward = 0;
+  double velocity_left = 0;
+  double velocity_up = 0;
+  double position_accuracy = 0;  //!< [m]
+};
+
+/** Tracking's one file for all frames, or raw's folder (`oxts/data/NNNNNNNNNN.txt`, `oxts/` or
+ * `data/`). \throws UserError. */
+[[nodiscard]] std::vector<OxtsReading> readOxts(const std::string& file_or_folder);
+
+/** T_world_imu of each reading by the Mercator projection of KITTI's development kit (scale from
+ * the first latitude; x east, y north, z up), relative to the first: the first is the identity. */
+[[nodiscard]] std::vector<Pose> oxtsPoses(const std::vector<OxtsReading>& readings);
+
+/** Poses of the lidar in the first lidar's frame from those of the IMU. */
+[[nodiscard]] std::vector<Pose> imuToLidarPoses(const std::vector<Pose>& poses,
+                                                const Pose& T_velo_imu);
+
+/** Box in KITTI's camera frame: x right, y down, z ahead; the centre of the bottom face; `ry` turns
+ * about y, 0 along x. */
+struct CameraBox
+{
+  Eigen::Vector3d bottom = Eigen::Vector3d::Zero();
+  double height = 0;
+  double width = 0;
+  double length = 0;
+  double ry = 0;
+};
+/** The same box, upright in the lidar's frame, and back. The lidar's z axis is taken as parallel to
+ * the camera's -y, as KITTI's evaluation does; they differ by less than a degree. */
+[[nodiscard]] Box toLidar(const CameraBox& box, const Pose& T_cam_velo);
+[[nodiscard]] CameraBox toCamera(const Box& box, const Pose& T_cam_velo);
+
+/** Tracking labels (`label_02/NNNN.txt`, 17 columns, or results with score in an 18th) with boxes
+ * in the lidar's frame. \param keep_dont_care keeps the DontCare regions, whose boxes mean nothing.
+ * \throws UserError. */
+[[nodiscard]] std::vector<LabelledBox> readKittiTracking(const std::string& path,
+                                                         const Pose& T_cam_velo,
+                                                         bool keep_dont_care = false);
+/** The same file as text for KITTI's own evaluation; boxes come in the lidar's frame. */
+void writeKittiTracking(const std::string& path,
+                        const std::vector<LabelledBox>& boxes,
+                        const Pose& T_cam_velo);
+
+/** 3D detections as AB3DMOT's csv: frame,type,x1,y1,x2,y2,score,h,w,l,x,y,z,ry,alpha with type 1
+ * pedestrian, 2 car, 3 cyclist. Boxes in the lidar's frame, id -1. \throws UserError. */
+[[nodiscard]] std::vector<LabelledBox> readDetectionsCsv(const std::string& path,
+                                                         const Pose& T_cam_velo);
+
+/** SUSTechPOINTS boxes of one scan (`label_json/NNNNNN.json`): lidar frame. \throws UserError. */
+[[nodiscard]] std::vector<LabelledBox> readSustechJson(const std::string& path, int frame);
+}  // namespace dyslam

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <dyslam/core/Options.h>
+#include <dyslam/core/Scan.h>
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace dyslam
+{
+enum class VelodyneModel
+{
+  automatic,  //!< from the packets; HDL-64E does not tell, so name it
+  vlp16,
+  hdl32e,
+  hdl64e
+};
+
+struct PcapSourceOptions : Options
+{
+  VelodyneModel model = VelodyneModel::automatic;
+  std::string calibration_file;  //!< Velodyne's XML or YAML; empty: MRPT's default of the model
+  double min_range = 1.0;        //!< nearer returns are the vehicle or the housing [m]
+  bool keep_partial = false;     //!< deliver the broken first and last revolution, too
+
+  void describe(OptionsVisitor& visitor) override;
+};
+
+/** Revolutions of a Velodyne lidar out of a network capture (.pcap).
+ *
+ * A revolution is cut where the azimuth passes 0 (straight ahead is 90 degrees after MRPT's
+ * convention: x forward, y left). Points carry time within the scan, ring and intensity. The stamp
+ * is the capture time of the first packet, the times within come from the sensor's clock.
+ */
+class PcapSource
+{
+ public:
+  /** \throws UserError if the file is missing, no pcap, or has no Velodyne packets. */
+  explicit PcapSource(const std::string& path, const PcapSourceOptions& options = {});
+  ~PcapSource();
+  PcapSource(PcapSource&&) noexcept;
+  PcapSource& operator=(PcapSource&&) noexcept;
+
+  /** The next revolution, nothing at the end. \throws UserError if the file is damaged. */
+  [[nodiscard]] std::optional<Scan> next();
+  [[nodiscard]] VelodyneModel model() const;
+  [[nodiscard]] double progress() const;  //!< 0 to 1
+  [[nodiscard]] std::vector<std::string> warnings() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+}  // namespace dyslam
