@@ -15,11 +15,11 @@
 #include <cmath>
 #include <filesystem>
 #include <mutex>
-#include <numeric>
 #include <optional>
 #include <vector>
 
 #include "MrptConversions.h"
+#include "VelodynePackets.h"
 
 namespace dyslam
 {
@@ -31,6 +31,8 @@ using mrpt::obs::CObservationPointCloud;
 using mrpt::obs::CObservationRotatingScan;
 using mrpt::obs::CObservationVelodyneScan;
 using mrpt::obs::VelodyneCalibration;
+
+constexpr double pi = 3.14159265358979323846;
 
 /** MRPT finds external files by one folder per process: set and load must not be parted. */
 std::mutex external_folder_mutex;
@@ -91,45 +93,6 @@ Scan fromPointCloud(const CObservationPointCloud& observation, const std::string
   return scan;
 }
 
-/** Ring of each laser: its rank by vertical angle, the lowest beam is 0. */
-std::vector<std::uint16_t> ringsOf(const VelodyneCalibration& calibration)
-{
-  const auto& lasers = calibration.laser_corrections;
-  std::vector<std::size_t> order(lasers.size());
-  std::iota(order.begin(), order.end(), std::size_t{0});
-  std::stable_sort(order.begin(), order.end(),
-                   [&lasers](std::size_t a, std::size_t b)
-                   { return lasers[a].verticalCorrection < lasers[b].verticalCorrection; });
-  std::vector<std::uint16_t> rings(lasers.size());
-  for (std::size_t rank = 0; rank < order.size(); ++rank)
-  {
-    rings[order[rank]] = static_cast<std::uint16_t>(rank);
-  }
-  return rings;
-}
-
-/** Takes the points of raw Velodyne packets as MRPT decodes them. */
-struct VelodyneCollector : CObservationVelodyneScan::PointCloudStorageWrapper
-{
-  Scan scan;
-  std::vector<std::uint16_t> rings;
-  mrpt::Clock::time_point start;
-
-  void add_point(float x,
-                 float y,
-                 float z,
-                 std::uint8_t intensity,
-                 const mrpt::Clock::time_point& time,
-                 const float,
-                 std::uint16_t laser) override
-  {
-    scan.points.emplace_back(x, y, z);
-    scan.intensity.push_back(static_cast<float>(intensity) / 255.0F);
-    scan.time.push_back(static_cast<float>(static_cast<double>((time - start).count()) * 1e-7));
-    scan.ring.push_back(laser < rings.size() ? rings[laser] : laser);
-  }
-};
-
 Scan fromVelodyne(CObservationVelodyneScan& observation)
 {
   if (observation.scan_packets.empty())
@@ -146,14 +109,22 @@ Scan fromVelodyne(CObservationVelodyneScan& observation)
     }
     return scan;
   }
-  VelodyneCollector collector;
-  collector.rings = ringsOf(observation.calibration);
-  collector.start = observation.timestamp;
-  CObservationVelodyneScan::TGeneratePointCloudParameters parameters;
-  parameters.minDistance = 0;
-  parameters.generatePerPointTimestamp = true;
-  observation.generatePointCloud(collector, parameters);
-  return std::move(collector.scan);
+  static_assert(sizeof(CObservationVelodyneScan::TVelodyneRawPacket) == velodyne_packet_size);
+  const VelodyneDecoder decoder(observation.calibration, observation.minRange,
+                                observation.maxRange);
+  const auto view = [&observation](std::size_t i) {
+    return VelodynePacketView{reinterpret_cast<const std::uint8_t*>(&observation.scan_packets[i])};
+  };
+  Scan scan;
+  for (std::size_t i = 0; i < observation.scan_packets.size(); ++i)
+  {
+    const double time = 1e-6 * microsecondsBetween(view(0).clock(), view(i).clock());
+    for (std::size_t block = 0; block < velodyne_blocks; ++block)
+    {
+      (void)decoder.decodeBlock(view(i), block, time, scan);
+    }
+  }
+  return scan;
 }
 
 const VelodyneCalibration& calibrationOfRows(const CObservationRotatingScan& observation)
@@ -172,22 +143,44 @@ const VelodyneCalibration& calibrationOfRows(const CObservationRotatingScan& obs
   return calibration;
 }
 
+/** Columns in use. MRPT's fromVelodyne() makes as many times more columns as there are lasers and
+ * leaves them empty; the sweep is spread over the first ones only. */
+Eigen::Index usedColumns(const CObservationRotatingScan& observation)
+{
+  const auto& ranges = observation.rangeImage;
+  const Eigen::Index used = ranges.cols() / std::max<Eigen::Index>(1, ranges.rows());
+  for (Eigen::Index column = used; column < ranges.cols(); ++column)
+  {
+    for (Eigen::Index row = 0; row < ranges.rows(); ++row)
+    {
+      if (ranges(row, column) != 0)
+      {
+        return ranges.cols();
+      }
+    }
+  }
+  return used;
+}
+
 /** The class holds ranges by laser and column but no beam angles: those are Velodyne's defaults.
- * Azimuths are as MRPT fills them from Velodyne packets: clockwise from straight ahead. */
+ * Its azimuths count counter-clockwise, except that MRPT's fromVelodyne() fills in the sensor's
+ * clockwise ones as they are. */
 Scan fromRotatingScan(const CObservationRotatingScan& observation)
 {
   const auto& lasers = calibrationOfRows(observation).laser_corrections;
   const auto rings = ringsOf(calibrationOfRows(observation));
   const auto& ranges = observation.rangeImage;
-  const bool has_intensity = observation.intensityImage.rows() == ranges.rows() &&
-                             observation.intensityImage.cols() == ranges.cols();
+  const auto& intensities = observation.intensityImage;
+  const bool has_intensity =
+      intensities.rows() == ranges.rows() && intensities.cols() == ranges.cols();
+  const std::string& model = observation.lidarModel;
+  const double sense = model == "VLP-16" || model == "HDL-32E" || model == "Unknown" ? -1 : 1;
+  const Eigen::Index columns = usedColumns(observation);
   Scan scan;
-  const auto columns = ranges.cols();
   for (Eigen::Index column = 0; column < columns; ++column)
   {
     const double fraction = static_cast<double>(column) / static_cast<double>(columns);
-    const double turn = std::abs(observation.azimuthSpan) * fraction;
-    const double azimuth = -(observation.startAzimuth + turn);
+    const double azimuth = sense * (observation.startAzimuth + observation.azimuthSpan * fraction);
     for (Eigen::Index row = 0; row < ranges.rows(); ++row)
     {
       const double range = ranges(row, column) * observation.rangeResolution;
@@ -195,19 +188,18 @@ Scan fromRotatingScan(const CObservationRotatingScan& observation)
       {
         continue;
       }
-      const auto laser = static_cast<std::size_t>(row);
-      const double elevation = lasers[laser].verticalCorrection * M_PI / 180;
-      const double heading = azimuth + lasers[laser].azimuthCorrection * M_PI / 180;
-      scan.points.emplace_back(Eigen::Vector3d(range * std::cos(elevation) * std::cos(heading),
-                                               range * std::cos(elevation) * std::sin(heading),
+      const auto& laser = lasers[static_cast<std::size_t>(row)];
+      const double elevation = laser.verticalCorrection * pi / 180;
+      const double heading = azimuth + laser.azimuthCorrection * pi / 180;
+      const double flat = range * std::cos(elevation);
+      scan.points.emplace_back(Eigen::Vector3d(flat * std::cos(heading), flat * std::sin(heading),
                                                range * std::sin(elevation))
                                    .cast<float>());
-      scan.ring.push_back(rings[laser]);
+      scan.ring.push_back(rings[static_cast<std::size_t>(row)]);
       scan.time.push_back(static_cast<float>(observation.sweepDuration * fraction));
       if (has_intensity)
       {
-        scan.intensity.push_back(static_cast<float>(observation.intensityImage(row, column)) /
-                                 255.0F);
+        scan.intensity.push_back(static_cast<float>(intensities(row, column)) / 255.0F);
       }
     }
   }

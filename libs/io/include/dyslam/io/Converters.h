@@ -59,8 +59,8 @@ struct KittiConverterOptions : Options
   void describe(OptionsVisitor& visitor) override;
 };
 
-/** Writes a KITTI folder, official or plain (`velodyne/NNNNNN.bin` and whatever files the options name),
- * as a rawlog with its ground-truth sidecar. Every point is kept in its order.
+/** Writes a KITTI folder, official or plain (`velodyne/NNNNNN.bin` and whatever files the options
+ * name), as a rawlog with its ground-truth sidecar. Every point is kept in its order.
  *
  * The vehicle frame is the lidar's; the world is the first scan's. \throws UserError. */
 ConversionResult convertKitti(const std::string& input,

@@ -24,16 +24,17 @@ struct PcapSourceOptions : Options
   VelodyneModel model = VelodyneModel::automatic;
   std::string calibration_file;  //!< Velodyne's XML or YAML; empty: MRPT's default of the model
   double min_range = 1.0;        //!< nearer returns are the vehicle or the housing [m]
-  bool keep_partial = false;     //!< deliver the broken first and last revolution, too
+  double cut_azimuth = 3.14159265358979323846;  //!< clockwise from ahead [rad]; the rear
+  bool keep_partial = false;  //!< deliver the broken first and last revolution, too
 
   void describe(OptionsVisitor& visitor) override;
 };
 
-/** Revolutions of a Velodyne lidar out of a network capture (.pcap).
+/** Revolutions of a Velodyne lidar out of a network capture (.pcap, .pcapng).
  *
- * A revolution is cut where the azimuth passes 0 (straight ahead is 90 degrees after MRPT's
- * convention: x forward, y left). Points carry time within the scan, ring and intensity. The stamp
- * is the capture time of the first packet, the times within come from the sensor's clock.
+ * Lidar frame as MRPT's: x ahead (the sensor's azimuth 0), y left, z up. A revolution is cut where
+ * the azimuth passes `cut_azimuth`. Points carry time within the scan, ring and intensity; places
+ * without a return are left out. Stamps run on the sensor's clock, set by the capture's once.
  */
 class PcapSource
 {
