@@ -52,6 +52,24 @@ void solve(const Factor& factor, int degree, Eigen::Ref<Eigen::MatrixX2d> coeffi
     coefficients.row(k) = value / factor(k, k);
   }
 }
+/** Variance of the linear coefficient (the slope at tau = 0) per unit of noise: the squared length
+ * of R^-T e_1. */
+double slopeLeverage(const Factor& factor, int degree)
+{
+  std::array<double, terms> root{};
+  double sum = 0;
+  for (int k = 1; k <= degree; ++k)
+  {
+    double value = k == 1 ? 1 : 0;
+    for (int j = 1; j < k; ++j)
+    {
+      value -= factor(j, k) * root[static_cast<std::size_t>(j)];
+    }
+    root[static_cast<std::size_t>(k)] = value / factor(k, k);
+    sum += root[static_cast<std::size_t>(k)] * root[static_cast<std::size_t>(k)];
+  }
+  return sum;
+}
 }  // namespace
 
 const std::vector<AdaptivePredictor::Fit>& AdaptivePredictor::bank()
@@ -72,6 +90,7 @@ AdaptivePredictor::AdaptivePredictor(const AdaptiveOptions& options) : options_(
   }
   const auto members = static_cast<Eigen::Index>(bank().size());
   coefficients_ = Eigen::MatrixX2d::Zero(members * terms, 2);
+  slope_leverage_ = Eigen::VectorXd::Zero(members);
   error_covariance_ = Eigen::MatrixXd::Zero(members, members);
   reweigh();
 }
@@ -164,6 +183,8 @@ void AdaptivePredictor::refit()
       rotateIn(factor, equation);
     }
     const int degree = std::min(fit.degree, rows - 1);
+    slope_leverage_[static_cast<Eigen::Index>(member)] =
+        slopeLeverage(factor, degree) / (time_scale_ * time_scale_);
     solve(factor, degree,
           coefficients_.middleRows(static_cast<Eigen::Index>(member) * terms, terms));
   }
@@ -227,10 +248,20 @@ MotionPrediction AdaptivePredictor::predict(double stamp) const
   prediction.covariance =
       (own_errors_ + options_.prior_weight * prior * Eigen::Matrix2d::Identity()) /
       (error_count_ + options_.prior_weight);
+  const Eigen::Matrix2d noise = prediction.covariance;
+  const double slope_sigma =
+      (velocity_weights_.array() * slope_leverage_.array().sqrt()).sum();  // fits share their noise
+  prediction.velocity_covariance = slope_sigma * slope_sigma * noise;
+  if (history_.size() < 2)
+  {
+    prediction.velocity_covariance =
+        options_.first_speed_sigma * options_.first_speed_sigma * Eigen::Matrix2d::Identity();
+    prediction.covariance += ahead * ahead * prediction.velocity_covariance;
+    return prediction;
+  }
   // Past errors were made one step ahead; doubt grows with what was not yet seen.
-  const double doubt = history_.size() < 3
-                           ? 0.5 * options_.acceleration_sigma * ahead * ahead
-                           : 0.5 * options_.acceleration_sigma * (ahead - near) * (ahead - near);
+  const double unseen = history_.size() < 3 ? ahead : ahead - near;
+  const double doubt = 0.5 * options_.acceleration_sigma * unseen * unseen;
   const double steps = usual > 0 ? std::max(1.0, ahead / usual) : 1.0;
   prediction.covariance *= steps;
   prediction.covariance += doubt * doubt * Eigen::Matrix2d::Identity();

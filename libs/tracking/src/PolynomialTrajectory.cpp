@@ -118,16 +118,20 @@ MotionPrediction PolynomialTrajectory::predict(double stamp) const
                           Eigen::Matrix2d::Identity();
   noise.noalias() += residuals.transpose() * residuals;
   noise /= options_.prior_weight + static_cast<double>(spare);
-  const Eigen::Matrix<double, Eigen::Dynamic, 1, 0, terms_max, 1> leverage_root =
-      qr.matrixQR()
-          .topRows(degree + 1)
-          .triangularView<Eigen::Upper>()
-          .transpose()
-          .solve(powers(t, degree).transpose());
+  using Root = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, terms_max, 1>;
+  const Root leverage_root = upper.transpose().solve(powers(t, degree).transpose());
+  const Root slope_root = upper.transpose().solve(slopes(t, degree).transpose());
   const double ahead = stamp - history_.back().stamp;
   const double unmodelled = spare > 0 ? 0.0 : 0.5 * options_.acceleration_sigma * ahead * ahead;
   prediction.covariance = noise * (1 + leverage_root.squaredNorm()) +
                           unmodelled * unmodelled * Eigen::Matrix2d::Identity();
+  prediction.velocity_covariance = noise * (scale * scale * slope_root.squaredNorm());
+  if (degree == 0)
+  {
+    prediction.velocity_covariance =
+        options_.first_speed_sigma * options_.first_speed_sigma * Eigen::Matrix2d::Identity();
+    prediction.covariance += ahead * ahead * prediction.velocity_covariance;
+  }
   return prediction;
 }
 }  // namespace dyslam

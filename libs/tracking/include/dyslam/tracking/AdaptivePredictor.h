@@ -14,6 +14,7 @@ struct AdaptiveOptions
   double regularisation = 1.0;    //!< added to every fit's error variance, times the least of them
   double prior_sigma = 0.15;      //!< expected error of a prediction before any was seen [m]
   double prior_weight = 3;        //!< how many seen errors the prior is worth
+  double first_speed_sigma = 5;   //!< of an object seen once [m/s]
   double acceleration_sigma = 3;  //!< doubt of predictions further ahead than usual [m/s^2]
 };
 
@@ -62,6 +63,7 @@ class AdaptivePredictor
   std::deque<TimedPosition> history_;
   /** Coefficients of each member: position = origin + sum_k row(6 i + k) * tau^k. */
   Eigen::MatrixX2d coefficients_;
+  Eigen::VectorXd slope_leverage_;  //!< variance of each member's velocity per unit noise [1/s^2]
   Eigen::Vector2d origin_ = Eigen::Vector2d::Zero();
   double time_scale_ = 1;  //!< seconds per unit of tau, which counts back from the newest sighting
   Eigen::MatrixXd error_covariance_;  //!< discounted sum over sightings

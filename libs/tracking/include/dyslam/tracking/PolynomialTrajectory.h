@@ -23,6 +23,7 @@ struct MotionPrediction
   /** Of a new sighting about `position` [m^2]: the fit's own uncertainty plus one sighting's
    * noise. */
   Eigen::Matrix2d covariance = Eigen::Matrix2d::Identity();
+  Eigen::Matrix2d velocity_covariance = Eigen::Matrix2d::Identity();  //!< [m^2/s^2]
   int degree = 0;           //!< in force, after lowering for a short history
   std::size_t samples = 0;  //!< the fit used
 };
@@ -40,6 +41,7 @@ struct PolynomialOptions
   int window = 30;                //!< sightings kept (K), at least 1
   double prior_sigma = 0.15;      //!< expected noise of one sighting [m]
   double prior_weight = 2;        //!< how many degrees of freedom the prior is worth
+  double first_speed_sigma = 5;   //!< of an object seen once [m/s]
   double acceleration_sigma = 3;  //!< doubt when a fit has no spare sightings [m/s^2]
 };
 

@@ -15,6 +15,7 @@ struct ClassTracking : Options
   double birth_score = 0;        //!< a track starts only from detections scored at least this
   double match_score = 0;        //!< detections below are not used at all
   int confirm_hits = 3;          //!< sightings until a track is reported
+  double confirm_score = 1e6;    //!< or the sum of its scores that does as well
   int max_misses = 10;           //!< scans without a sighting until it dies
   int max_tentative_misses = 2;  //!< the same before it is confirmed
   int report_misses = 2;         //!< scans without a sighting that a confirmed track is reported
@@ -57,6 +58,7 @@ struct TrackerOptions : Options
   bool complete_boxes = true;        //!< boxes of clusters grow to the size seen over time
   double class_mismatch_cost = 0.5;  //!< added to a pair of different kinds; 10 forbids it
   double size_gain = 0.2;            //!< of a sighting's size
+  double yaw_rate = 0.35;            //!< how fast headings may turn, one sigma [rad/s]
   ClassTracking vehicle;
   ClassTracking cyclist;
   ClassTracking pedestrian;

@@ -1,0 +1,160 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/tracking/Detector.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace dyslam
+{
+namespace
+{
+struct Extent
+{
+  double low = std::numeric_limits<double>::infinity();
+  double high = -std::numeric_limits<double>::infinity();
+  void add(double x)
+  {
+    low = std::min(low, x);
+    high = std::max(high, x);
+  }
+};
+
+/** Sum over points of 1 / (distance to the nearer of the two closer sides). */
+double closeness(const std::vector<Eigen::Vector2d>& points, double yaw)
+{
+  constexpr double least = 0.03;  // nearer is as good as on the side: range noise [m]
+  const Eigen::Vector2d u(std::cos(yaw), std::sin(yaw));
+  const Eigen::Vector2d v(-u.y(), u.x());
+  Extent along;
+  Extent across;
+  for (const Eigen::Vector2d& p : points)
+  {
+    along.add(u.dot(p));
+    across.add(v.dot(p));
+  }
+  double sum = 0;
+  for (const Eigen::Vector2d& p : points)
+  {
+    const double a = std::min(u.dot(p) - along.low, along.high - u.dot(p));
+    const double b = std::min(v.dot(p) - across.low, across.high - v.dot(p));
+    sum += 1 / std::max(least, std::min(a, b));
+  }
+  return sum;
+}
+
+bool within(double x, double low, double high)
+{
+  return x >= low && x <= high;
+}
+}  // namespace
+
+Box fitLShape(const std::vector<Eigen::Vector3f>& points, double yaw_step)
+{
+  constexpr std::size_t enough = 200;
+  std::vector<Eigen::Vector2d> flat;
+  const std::size_t stride = std::max<std::size_t>(1, points.size() / enough);
+  for (std::size_t i = 0; i < points.size(); i += stride)
+  {
+    flat.emplace_back(points[i].head<2>().cast<double>());
+  }
+  double best_yaw = 0;
+  double best = -1;
+  for (double yaw = 0; yaw < M_PI / 2; yaw += yaw_step)
+  {
+    const double value = closeness(flat, yaw);
+    if (value > best)
+    {
+      best = value;
+      best_yaw = yaw;
+    }
+  }
+  const Eigen::Vector2d u(std::cos(best_yaw), std::sin(best_yaw));
+  const Eigen::Vector2d v(-u.y(), u.x());
+  Extent along;
+  Extent across;
+  Extent up;
+  for (const Eigen::Vector3f& p : points)
+  {
+    along.add(u.dot(p.head<2>().cast<double>()));
+    across.add(v.dot(p.head<2>().cast<double>()));
+    up.add(static_cast<double>(p.z()));
+  }
+  Box box;
+  if (points.empty())
+  {
+    box.size.setZero();
+    return box;
+  }
+  box.center.head<2>() = 0.5 * (along.low + along.high) * u + 0.5 * (across.low + across.high) * v;
+  box.center.z() = 0.5 * (up.low + up.high);
+  box.size = {along.high - along.low, across.high - across.low, up.high - up.low};
+  box.yaw = best_yaw;
+  if (box.size.y() > box.size.x())
+  {
+    std::swap(box.size.x(), box.size.y());
+    box.yaw = best_yaw - M_PI / 2;
+  }
+  box.size = box.size.cwiseMax(0.05);
+  return box;
+}
+
+ObjectClass guessClass(const Eigen::Vector3d& size)
+{
+  const double length = size.x();
+  const double width = size.y();
+  const double height = size.z();
+  if (length > 7 || (height > 2.6 && length > 2.5))
+  {
+    return ObjectClass::truck;
+  }
+  if (length > 2.3 || width > 1.3)
+  {
+    return height < 2.6 ? ObjectClass::car : ObjectClass::truck;
+  }
+  if (within(length, 1.2, 2.3) && width <= 1.2 && within(height, 0.9, 2.2))
+  {
+    return width < 1.0 ? ObjectClass::cyclist : ObjectClass::unknown;
+  }
+  if (length < 1.2 && within(height, 0.8, 2.2))
+  {
+    return ObjectClass::pedestrian;
+  }
+  return ObjectClass::unknown;
+}
+
+ObjectClass refineClass(ObjectClass guess, const Eigen::Vector3d& size, double speed)
+{
+  constexpr double fastest_walk = 3.5;  // [m/s], a slow run
+  const ObjectClass by_size = guessClass(size);
+  if (by_size == ObjectClass::truck || by_size == ObjectClass::car)
+  {
+    return by_size;
+  }
+  if (guess == ObjectClass::pedestrian && speed > fastest_walk)
+  {
+    return size.x() > 1.0 ? ObjectClass::cyclist : ObjectClass::unknown;
+  }
+  return guess;
+}
+
+Box completedBox(const Box& seen, const Eigen::Vector3d& size)
+{
+  const Eigen::Vector2d u(std::cos(seen.yaw), std::sin(seen.yaw));
+  const Eigen::Vector2d v(-u.y(), u.x());
+  Box full = seen;
+  full.size = seen.size.cwiseMax(size);
+  // Each axis grows on its far side; where the sensor looks along the middle, on both.
+  for (int k = 0; k < 2; ++k)
+  {
+    const Eigen::Vector2d axis = k == 0 ? u : v;
+    const double offset = axis.dot(seen.center.head<2>());
+    const double half = 0.5 * seen.size[k];
+    const double side = std::clamp(half > 0 ? offset / half : 0.0, -1.0, 1.0);
+    full.center.head<2>() += 0.5 * (full.size[k] - seen.size[k]) * side * axis;
+  }
+  // The top stays: what the ground filter or an obstacle hides is below.
+  full.center.z() = seen.center.z() + 0.5 * (seen.size.z() - full.size.z());
+  return full;
+}
+}  // namespace dyslam

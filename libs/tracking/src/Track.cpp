@@ -1,0 +1,275 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Track.h"
+
+#include <dyslam/core/BoxOverlap.h>
+#include <dyslam/tracking/Detector.h>
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+
+namespace dyslam
+{
+namespace
+{
+/** Gains of height and climb; roads slope slowly. */
+constexpr double height_gain = 0.5;
+constexpr double climb_gain = 0.1;
+
+constexpr double square(double x)
+{
+  return x * x;
+}
+
+/** a or a + pi, whichever is nearer to b. */
+double sameAxis(double a, double b)
+{
+  return std::abs(wrapAngle(a - b)) > M_PI / 2 ? wrapAngle(a + M_PI) : a;
+}
+}  // namespace
+
+const ClassTracking& kindOf(const TrackerOptions& options, ObjectClass object_class)
+{
+  switch (object_class)
+  {
+    case ObjectClass::pedestrian:
+      return options.pedestrian;
+    case ObjectClass::cyclist:
+    case ObjectClass::motorcyclist:
+      return options.cyclist;
+    default:
+      return options.vehicle;
+  }
+}
+
+Track::Motion Track::makeMotion(const TrackerOptions& options)
+{
+  if (options.motion == TrackMotion::adaptive)
+  {
+    return AdaptivePredictor();
+  }
+  PolynomialOptions polynomial;
+  polynomial.degree = options.degree;
+  polynomial.window = options.window;
+  polynomial.model = options.motion == TrackMotion::polynomial ? MotionModel::polynomial
+                                                               : MotionModel::constant_velocity;
+  return PolynomialTrajectory(polynomial);
+}
+
+Track::Track(int id, double stamp, const Sighting& sighting, const TrackerOptions& options)
+    : options_(&options), id_(id), stamp_(stamp), motion_(makeMotion(options)), box_(sighting.box)
+{
+  position_covariance_ = sighting.covariance.topLeftCorner<2, 2>();
+  velocity_covariance_ *= square(5);
+  z_variance_ = sighting.covariance(2, 2);
+  yaw_variance_ = sighting.covariance(3, 3);
+  remember(sighting);
+}
+
+void Track::remember(const Sighting& sighting)
+{
+  const TimedPosition where{stamp_, box_.center.head<2>()};
+  const TimedPosition raw{
+      stamp_, sighting.from_points ? where.position : sighting.box.center.head<2>().eval()};
+  std::visit([&](auto& motion) { motion.add(raw); }, motion_);
+  class_votes_[static_cast<std::size_t>(sighting.object_class)] +=
+      sighting.object_class == ObjectClass::unknown ? 0.1 : 1.0;
+  const auto most = std::max_element(class_votes_.begin(), class_votes_.end());
+  object_class_ = static_cast<ObjectClass>(most - class_votes_.begin());
+  if (sighting.from_points)
+  {
+    object_class_ = refineClass(object_class_, box_.size, dynamic_ ? velocity_.norm() : 0.0);
+  }
+  score_sum_ += sighting.score;
+  detection_ = sighting.index;
+  confirmed_ = confirmed_ || hits_ >= kind().confirm_hits || score_sum_ >= kind().confirm_score;
+}
+
+void Track::predict(double stamp)
+{
+  const double dt = stamp - stamp_;
+  stamp_ = stamp;
+  ++age_;
+  const MotionPrediction ahead =
+      std::visit([&](const auto& motion) { return motion.predict(stamp); }, motion_);
+  box_.center.head<2>() = ahead.position;
+  box_.center.z() += climb_ * dt;
+  velocity_ = ahead.velocity;
+  velocity_covariance_ = ahead.velocity_covariance;
+  position_covariance_ = ahead.covariance + square(kind().min_sigma) * Eigen::Matrix2d::Identity();
+  z_variance_ += square(0.5 * dt);
+  yaw_variance_ += square(options_->yaw_rate * dt);
+}
+
+/** What was seen, its heading and sides named as the track's are. */
+Box Track::aligned(const Sighting& sighting) const
+{
+  Box seen = sighting.box;
+  if (sighting.from_points)
+  {
+    // The longer visible side need not be the length: take the axis nearer to the track's.
+    const double apart = std::abs(wrapAngle(2 * (seen.yaw - box_.yaw)));
+    if (apart > M_PI / 2 && hits_ >= 3)
+    {
+      seen.yaw += M_PI / 2;
+      std::swap(seen.size.x(), seen.size.y());
+    }
+  }
+  seen.yaw = wrapAngle(seen.yaw);
+  return seen;
+}
+
+void Track::match(const Sighting& sighting)
+{
+  ++hits_;
+  misses_ = 0;
+  Box seen = aligned(sighting);
+  turnTo(sighting, seen.yaw);
+  resize(sighting, seen.size);
+  if (sighting.from_points && options_->complete_boxes)
+  {
+    // What is hidden lies behind the visible sides, seen from the sensor.
+    Box relative = seen;
+    relative.center.head<2>() -= sighting.sensor;
+    relative = completedBox(relative, box_.size);
+    seen.center.head<2>() = relative.center.head<2>() + sighting.sensor;
+    seen.size = relative.size;
+  }
+  moveTo(sighting, seen);
+  remember(sighting);
+  const MotionPrediction now =
+      std::visit([&](const auto& motion) { return motion.predict(stamp_); }, motion_);
+  velocity_ = now.velocity;
+  velocity_covariance_ = now.velocity_covariance;
+  judgeMotion();
+  turnAlongMotion();
+}
+
+void Track::moveTo(const Sighting& sighting, const Box& seen)
+{
+  // The prediction's covariance counts a sighting's noise too; what is left is the state's.
+  const Eigen::Matrix2d noise = sighting.covariance.topLeftCorner<2, 2>();
+  const Eigen::Matrix2d gain = position_covariance_ * (position_covariance_ + noise).inverse();
+  const Eigen::Vector2d innovation = seen.center.head<2>() - box_.center.head<2>();
+  if (sighting.from_points)
+  {
+    box_.center.head<2>() = seen.center.head<2>();
+  }
+  else
+  {
+    box_.center.head<2>() += gain * innovation;
+  }
+  position_covariance_ = (Eigen::Matrix2d::Identity() - gain) * position_covariance_;
+  const double rise = seen.center.z() - box_.center.z();
+  box_.center.z() += height_gain * rise;
+  climb_ += climb_gain * rise;
+  climb_ = std::clamp(climb_, -3.0, 3.0);
+  z_variance_ = z_variance_ * sighting.covariance(2, 2) / (z_variance_ + sighting.covariance(2, 2));
+}
+
+void Track::turnTo(const Sighting& sighting, double seen_yaw)
+{
+  const double facing = sameAxis(seen_yaw, box_.yaw);
+  turned_sightings_ = std::clamp(turned_sightings_ + (facing == seen_yaw ? -1 : 1), -3, 6);
+  const double gain = yaw_variance_ / (yaw_variance_ + sighting.covariance(3, 3));
+  box_.yaw = wrapAngle(box_.yaw + gain * wrapAngle(facing - box_.yaw));
+  yaw_variance_ *= 1 - gain;
+  if (turned_sightings_ > 3 && !sighting.from_points)
+  {
+    box_.yaw = wrapAngle(box_.yaw + M_PI);
+    turned_sightings_ = 0;
+  }
+}
+
+/** What moves fast faces where it goes (people may walk sideways, cars reverse slowly). */
+void Track::turnAlongMotion()
+{
+  const double speed = velocity_.norm();
+  if (!dynamic_ || speed < 2 * options_->dynamic_speed)
+  {
+    return;
+  }
+  const double course = std::atan2(velocity_.y(), velocity_.x());
+  if (std::abs(wrapAngle(course - box_.yaw)) > 0.75 * M_PI)
+  {
+    box_.yaw = wrapAngle(box_.yaw + M_PI);
+    turned_sightings_ = -turned_sightings_;
+  }
+  const double variance = 0.01 + 0.5 * velocity_covariance_.trace() / square(speed);
+  const double gain = yaw_variance_ / (yaw_variance_ + variance);
+  if (object_class_ != ObjectClass::pedestrian && detection_ >= 0)
+  {
+    box_.yaw = wrapAngle(box_.yaw + gain * wrapAngle(course - box_.yaw));
+    yaw_variance_ *= 1 - gain;
+  }
+}
+
+void Track::resize(const Sighting& sighting, const Eigen::Vector3d& seen_size)
+{
+  if (!sighting.from_points)
+  {
+    box_.size += options_->size_gain * (seen_size - box_.size);
+    return;
+  }
+  // Clusters show at most what is there: grow readily, shrink hardly.
+  for (int k = 0; k < 3; ++k)
+  {
+    const double gain = seen_size[k] > box_.size[k] ? options_->size_gain : 0.02;
+    box_.size[k] += gain * (seen_size[k] - box_.size[k]);
+  }
+}
+
+void Track::judgeMotion()
+{
+  const double speed = velocity_.norm();
+  bool against = false;
+  if (dynamic_)
+  {
+    against = speed < options_->static_speed;
+  }
+  else
+  {
+    const Eigen::Vector2d along =
+        speed > 0 ? Eigen::Vector2d(velocity_ / speed) : Eigen::Vector2d::UnitX();
+    const double sigma = std::sqrt(along.dot(velocity_covariance_ * along));
+    against = speed > options_->dynamic_speed && speed > options_->dynamic_sigmas * sigma;
+  }
+  change_votes_ = against ? change_votes_ + 1 : 0;
+  if (change_votes_ >= options_->dynamic_hits)
+  {
+    dynamic_ = !dynamic_;
+    change_votes_ = 0;
+  }
+}
+
+void Track::miss()
+{
+  ++misses_;
+  detection_ = -1;
+}
+
+bool Track::dead() const
+{
+  return misses_ > (confirmed_ ? kind().max_misses : kind().max_tentative_misses);
+}
+
+TrackedObject Track::object() const
+{
+  TrackedObject object;
+  object.id = id_;
+  object.box = box_;
+  object.object_class = object_class_;
+  object.velocity << velocity_, 0;
+  object.covariance.setZero();
+  object.covariance.topLeftCorner<2, 2>() = position_covariance_;
+  object.covariance(2, 2) = z_variance_;
+  object.covariance(3, 3) = yaw_variance_;
+  object.confirmed = confirmed_;
+  object.dynamic = dynamic_;
+  object.observed = detection_ >= 0;
+  object.detection = detection_;
+  object.age = age_;
+  object.score = score_sum_ / hits_;
+  return object;
+}
+}  // namespace dyslam
