@@ -28,7 +28,7 @@ function(dyslam_add_library)
 endfunction()
 
 # dyslam_add_test(NAME <module> SOURCES <tests/...> [LIBRARIES <targets>])
-# One GTest program per module; ctest runs it as one test per suite file name given in SOURCES.
+# One GTest program per module, run by ctest as one test.
 function(dyslam_add_test)
   if(NOT DYSLAM_BUILD_TESTS)
     return()
@@ -43,10 +43,12 @@ function(dyslam_add_test)
     ENVIRONMENT "DYSLAM_SOURCE_DIR=${PROJECT_SOURCE_DIR}")
 endfunction()
 
-# dyslam_add_app(NAME <app-name> LIBRARIES <targets>): apps/<app-name>/main.cpp
+# dyslam_add_app(NAME <app-name> LIBRARIES <targets> [SOURCES <files in apps/<app-name>>])
+# Builds apps/<app-name>/main.cpp and the other sources given.
 function(dyslam_add_app)
-  cmake_parse_arguments(ARG "" "NAME" "LIBRARIES" ${ARGN})
-  add_executable(${ARG_NAME} ${ARG_NAME}/main.cpp)
+  cmake_parse_arguments(ARG "" "NAME" "LIBRARIES;SOURCES" ${ARGN})
+  list(TRANSFORM ARG_SOURCES PREPEND ${ARG_NAME}/)
+  add_executable(${ARG_NAME} ${ARG_NAME}/main.cpp ${ARG_SOURCES})
   target_link_libraries(${ARG_NAME} PRIVATE ${ARG_LIBRARIES})
   target_compile_definitions(${ARG_NAME} PRIVATE DYSLAM_VERSION="${PROJECT_VERSION}")
   dyslam_set_warnings(${ARG_NAME})

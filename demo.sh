@@ -1,0 +1,21 @@
+#!/usr/bin/env bash
+# Installs what is needed (Debian 12), builds, runs the main job on a bundled recording, and prints
+# the error table and where the results are.
+#   ./demo.sh [rawlog/street64.rawlog] [kitti64.ini]
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")"
+source scripts/dependencies.sh
+install_packages
+rawlog=${1:-rawlog/street64.rawlog}
+config=${2:-kitti64.ini}
+out=out/$(basename "$rawlog" .rawlog)
+cmake --preset release -DDYSLAM_BUILD_TESTS=OFF -DDYSLAM_BUILD_BENCHMARKS=OFF >/dev/null
+cmake --build --preset release
+bin=build/release/bin
+"$bin/dyslam" -i "$rawlog" -c "$config" -o "$out" --labels
+"$bin/dyslam-eval" run "$out"
+echo
+echo "Picture of the trajectory: $out/trajectory.png"
+echo "Static map:                $out/map_static.ply   (any point cloud viewer)"
+echo "Replay:                    RawLogViewer $out/replay.rawlog"
+echo "3D scene:                  SceneViewer3D $out/map.3Dscene"

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <dyslam/core/Frame.h>
+#include <dyslam/core/Options.h>
+#include <dyslam/core/Trajectory.h>
+
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace mrpt::system
+{
+class CTimeLogger;
+}
+
+namespace dyslam
+{
+class Backend;
+class StaticMap;
+
+struct PipelineOptions : Options
+{
+  int threads = 0;       //!< 0: as many as the machine has
+  bool tracking = true;  //!< detect and track moving objects
+  bool mapping = true;   //!< build the static map
+  void describe(OptionsVisitor& visitor) override;
+};
+
+/** The stages put together: a scan goes in, its pose, moving points and objects come out.
+ *
+ * Stages are chosen by name in the config: [dyseg] method, [odometry] method, [refine] method.
+ * Results depend on the frames, the config and the seed alone, not on the number of threads.
+ */
+class Pipeline
+{
+ public:
+  /** Builds every stage. \param times gets the time of each stage. \throws UserError for a bad
+   * config. */
+  Pipeline(ConfigLoader& config, mrpt::system::CTimeLogger& times);
+  ~Pipeline();
+
+  /** Fills every part of the frame that the source left open. Frames come in order of time. */
+  void process(Frame& frame);
+
+  /** After the last frame: optimises once more and stitches the map at the final poses. */
+  void finish();
+
+  [[nodiscard]] const Backend& backend() const;
+  /** The static map; null if mapping is off. */
+  [[nodiscard]] const StaticMap* map() const;
+  /** Pose of the vehicle at every frame as the backend knows it now, map frame. */
+  [[nodiscard]] Trajectory trajectory() const;
+  /** Whether a tracked object is sure enough to be shown and written. */
+  [[nodiscard]] bool isReported(const TrackedObject& object) const;
+  /** Words in force, e.g. for reports: "constant_velocity + point_to_plane". */
+  [[nodiscard]] std::string summary() const;
+
+ private:
+  struct Stages;
+  std::unique_ptr<Stages> stages_;
+};
+}  // namespace dyslam

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <dyslam/core/Frame.h>
+
+#include <functional>
+#include <memory>
+#include <optional>
+
+namespace dyslam
+{
+/** Reads frames in a thread of its own, a few ahead of whoever takes them; their order stays. */
+class ReadAhead
+{
+ public:
+  /** \param next gives the next frame or nothing at the end; called from the reading thread only.
+   *  \param depth frames read ahead at most. */
+  explicit ReadAhead(std::function<std::optional<Frame>()> next, std::size_t depth = 2);
+  ~ReadAhead();
+  ReadAhead(const ReadAhead&) = delete;
+  ReadAhead& operator=(const ReadAhead&) = delete;
+
+  /** The next frame; nothing at the end. Throws what the reader threw, after all frames before it.
+   */
+  [[nodiscard]] std::optional<Frame> next();
+
+ private:
+  struct Shared;
+  std::unique_ptr<Shared> shared_;
+};
+}  // namespace dyslam

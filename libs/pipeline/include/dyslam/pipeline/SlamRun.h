@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <dyslam/core/Config.h>
+
+#include <cstddef>
+#include <functional>
+#include <string>
+#include <vector>
+
+namespace dyslam
+{
+/** What one run is asked to do. Everything else is in the config. */
+struct SlamRunSettings
+{
+  std::string rawlog;         //!< input
+  std::string output_folder;  //!< made if missing; files of an earlier run in it are replaced
+  Config config;
+  bool labels = false;      //!< write labels/NNNNNN.label, one entry per point of the input scan
+  std::string profile_csv;  //!< times of every stage, if not empty
+};
+
+/** What came of it; the same is in report.json. */
+struct SlamRunReport
+{
+  std::string method;  //!< stages in force, e.g. "residual + constant_velocity + point_to_plane"
+  std::size_t frames = 0;
+  std::size_t unconverged = 0;  //!< frames whose motion was predicted, not measured
+  std::size_t keyframes = 0;
+  std::size_t loops = 0;
+  std::size_t tracks = 0;  //!< confirmed moving objects
+  std::size_t map_points = 0;
+  double path_length = 0;      //!< [m]
+  double ms_per_scan = 0;      //!< mean of all stages, without reading and writing
+  bool has_reference = false;  //!< the recording had ground truth; reference_tum.txt was written
+  std::vector<std::string> warnings;
+  std::vector<std::string> files;  //!< written, in the output folder
+};
+
+/** Replays a rawlog through the pipeline and fills a folder with the results.
+ *
+ * A recording that turns out damaged halfway still leaves complete results of the frames before;
+ * then the error is thrown.
+ * \param on_frame called after each frame with the share of the input read and the number of
+ * frames. \throws UserError for bad input, config or output folder. */
+SlamRunReport runSlam(const SlamRunSettings& settings,
+                      const std::function<void(double, std::size_t)>& on_frame = {});
+}  // namespace dyslam

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <functional>
+#include <memory>
+
+namespace dyslam
+{
+/** Runs jobs one after the other in a thread of its own, so that compressing and writing do not
+ * hold up the estimation. Jobs run in the order they were given. */
+class WriteBehind
+{
+ public:
+  /** \param depth jobs that may wait; add() blocks beyond. */
+  explicit WriteBehind(std::size_t depth = 4);
+  ~WriteBehind();
+  WriteBehind(const WriteBehind&) = delete;
+  WriteBehind& operator=(const WriteBehind&) = delete;
+
+  /** Throws what an earlier job threw, once; jobs after a failed one are dropped. */
+  void add(std::function<void()> job);
+  /** Waits for every job. Throws what a job threw. */
+  void finish();
+
+ private:
+  struct Shared;
+  std::unique_ptr<Shared> shared_;
+};
+}  // namespace dyslam

@@ -1,0 +1,352 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "RunOutputs.h"
+
+#include <dyslam/backend/Backend.h>
+#include <dyslam/core/Error.h>
+#include <dyslam/core/VoxelGrid.h>
+#include <dyslam/eval/TrajectoryPlot.h>
+#include <dyslam/io/GraphFiles.h>
+#include <dyslam/io/GroundTruth.h>
+#include <dyslam/io/Labels.h>
+#include <dyslam/io/SceneExport.h>
+#include <dyslam/io/TrajectoryFiles.h>
+#include <dyslam/mapping/MapExport.h>
+#include <dyslam/mapping/StaticMap.h>
+
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+
+#include "JsonText.h"
+
+namespace fs = std::filesystem;
+
+namespace dyslam
+{
+namespace
+{
+constexpr float moving_threshold = 0.5F;
+
+std::string tumLine(double stamp, const Pose& pose)
+{
+  const Eigen::Quaterniond q(pose.linear());
+  const auto t = pose.translation();
+  char text[256];
+  std::snprintf(text, sizeof text, "%.9f %.12g %.12g %.12g %.12g %.12g %.12g %.12g\n", stamp, t.x(),
+                t.y(), t.z(), q.x(), q.y(), q.z(), q.w());
+  return text;
+}
+
+std::string numbered(std::size_t number, const std::string& ending)
+{
+  char text[32];
+  std::snprintf(text, sizeof text, "%06zu", number);
+  return text + ending;
+}
+
+/** SemanticKITTI's moving class of an object. */
+std::uint16_t movingLabel(ObjectClass object_class)
+{
+  switch (object_class)
+  {
+    case ObjectClass::car:
+    case ObjectClass::van:
+      return 252;
+    case ObjectClass::cyclist:
+      return 253;
+    case ObjectClass::pedestrian:
+      return 254;
+    case ObjectClass::motorcyclist:
+      return 255;
+    case ObjectClass::bus:
+      return 257;
+    case ObjectClass::truck:
+      return 258;
+    case ObjectClass::unknown:
+      break;
+  }
+  return semanticOf(label_moving);
+}
+
+std::ofstream opened(const std::string& path)
+{
+  std::ofstream file(path);
+  if (!file)
+  {
+    throw UserError(path + ": cannot be written; choose another --output or mend its permissions");
+  }
+  return file;
+}
+
+/** Box of the odometry frame told in the lidar frame of a scan. */
+Box inLidarFrame(const Box& box, const Frame& frame)
+{
+  const Pose T_lidar_odom = (frame.T_odom_vehicle * frame.scan.T_vehicle_lidar).inverse();
+  Box result = box;
+  result.center = T_lidar_odom * box.center;
+  const Eigen::Vector3d heading =
+      T_lidar_odom.linear() * Eigen::Vector3d(std::cos(box.yaw), std::sin(box.yaw), 0);
+  result.yaw = std::atan2(heading.y(), heading.x());
+  return result;
+}
+}  // namespace
+
+void OutputOptions::describe(OptionsVisitor& v)
+{
+  v.flag("replay", replay, "replay.rawlog, for RawLogViewer");
+  v.flag("simplemap", simplemap, "keyframes.simplemap");
+  v.flag("pcd", pcd, "map_static.pcd");
+  v.flag("ply", ply, "map_static.ply");
+  v.flag("scene", scene, "map.3Dscene, for SceneViewer3D");
+  v.flag("plot", plot, "trajectory.png, where there is ground truth");
+  v.real("scene_voxel_size", scene_voxel_size, 0.01, 100, "m, one map point of the scene per cube");
+}
+
+RunOutputs::RunOutputs(const SlamRunSettings& settings,
+                       const OutputOptions& options,
+                       const ReplayWriterOptions& replay,
+                       const Config& effective)
+    : folder_(settings.output_folder), labels_(settings.labels), options_(options)
+{
+  std::error_code error;
+  fs::create_directories(folder_, error);
+  if (error || !fs::is_directory(folder_))
+  {
+    throw UserError(folder_ + ": the output folder cannot be made (" + error.message() +
+                    "); choose another --output");
+  }
+  fs::remove(fs::path(folder_) / "report.json", error);
+  opened(path("effective.ini")) << effective.toIni();
+  odometry_ = opened(path("odometry_tum.txt"));
+  tracks_csv_ = opened(path("tracks.csv"));
+  tracks_csv_ << "frame,stamp,id,class,x,y,z,length,width,height,yaw,vx,vy,vz,speed,dynamic,"
+                 "observed,score\n";
+  if (labels_)
+  {
+    fs::remove_all(fs::path(folder_) / "labels", error);
+    fs::create_directories(path("labels"));
+  }
+  if (options_.replay)
+  {
+    replay_ = std::make_unique<ReplayWriter>(path("replay.rawlog"), replay);
+  }
+  writer_ = std::make_unique<WriteBehind>();
+}
+
+std::string RunOutputs::path(const std::string& name)
+{
+  files_.push_back(name);
+  return (fs::path(folder_) / name).string();
+}
+
+void RunOutputs::add(Frame frame, const Pipeline& pipeline)
+{
+  odometry_ << tumLine(frame.scan.stamp, frame.T_odom_vehicle);
+  odometry_.flush();
+  if (frame.T_world_vehicle_truth)
+  {
+    reference_.push_back(frame.scan.stamp, *frame.T_world_vehicle_truth);
+  }
+  addTracks(frame, pipeline);
+  if (!labels_ && !replay_)
+  {
+    return;
+  }
+  const auto shared = std::make_shared<const Frame>(std::move(frame));
+  writer_->add(
+      [this, shared]
+      {
+        if (labels_)
+        {
+          writeFrameLabels(*shared);
+        }
+        if (replay_)
+        {
+          replay_->write(*shared);
+        }
+      });
+}
+
+void RunOutputs::addTracks(const Frame& frame, const Pipeline& pipeline)
+{
+  for (const auto& object : frame.objects)
+  {
+    if (!pipeline.isReported(object))
+    {
+      continue;
+    }
+    LabelledBox box;
+    box.frame = static_cast<int>(frame.index);
+    box.id = object.id;
+    box.object_class = object.object_class;
+    box.type = toString(object.object_class);
+    box.box = inLidarFrame(object.box, frame);
+    box.score = object.score;
+    tracks_.push_back(box);
+    if (object.dynamic)
+    {
+      object_paths_[object.id].push_back(frame.T_map_odom * object.box.center);
+    }
+    const auto& c = object.box.center;
+    const auto& s = object.box.size;
+    const auto& v = object.velocity;
+    char text[512];
+    std::snprintf(
+        text, sizeof text,
+        "%zu,%.6f,%d,%s,%.3f,%.3f,%.3f,%.2f,%.2f,%.2f,%.4f,%.3f,%.3f,%.3f,%.3f,%d,%d,%.3f\n",
+        frame.index, frame.scan.stamp, object.id, box.type.c_str(), c.x(), c.y(), c.z(), s.x(),
+        s.y(), s.z(), object.box.yaw, v.x(), v.y(), v.z(), v.norm(), object.dynamic ? 1 : 0,
+        object.observed ? 1 : 0, object.score);
+    tracks_csv_ << text;
+  }
+}
+
+void RunOutputs::writeFrameLabels(const Frame& frame) const
+{
+  std::vector<Label> labels(frame.scan.size(), 0);
+  const bool segmented = frame.moving_probability.size() == frame.cloud.size();
+  for (std::size_t i = 0; i < frame.cloud.size(); ++i)
+  {
+    const bool moving = segmented && frame.moving_probability[i] > moving_threshold;
+    labels[frame.cloud.source[i]] = moving ? label_moving : label_static;
+  }
+  for (const auto& object : frame.objects)
+  {
+    if (object.detection < 0 || !object.confirmed)
+    {
+      continue;
+    }
+    const auto& detection = frame.detections[static_cast<std::size_t>(object.detection)];
+    for (const auto i : detection.points)
+    {
+      labels[frame.cloud.source[i]] =
+          makeLabel(movingLabel(object.object_class), static_cast<std::uint16_t>(object.id + 1));
+    }
+  }
+  writeLabels((fs::path(folder_) / "labels" / numbered(frame.index, ".label")).string(), labels);
+}
+
+void RunOutputs::finish(const Pipeline& pipeline)
+{
+  writer_->finish();
+  if (replay_)
+  {
+    replay_->close();
+  }
+  const Trajectory trajectory = pipeline.trajectory();
+  writeTrajectories(trajectory);
+  writeTracks(path("tracks.txt"), tracks_);
+  writeGraphs(pipeline);
+  writeMap(pipeline, trajectory);
+  if (options_.plot && reference_.size() > 1)
+  {
+    writePlot(trajectory);
+  }
+  tracks_csv_.close();
+  odometry_.close();
+  if (!tracks_csv_ || !odometry_)
+  {
+    throw UserError(folder_ + ": not everything could be written; is the disk full?");
+  }
+}
+
+void RunOutputs::writeTrajectories(const Trajectory& trajectory)
+{
+  writeTum(path("trajectory_tum.txt"), trajectory);
+  writeKittiPoses(path("trajectory_kitti.txt"), trajectory);
+  if (!reference_.empty())
+  {
+    // The map begins at the first pose; the truth is told in the same frame.
+    const auto start = trajectory.at(reference_[0].stamp);
+    const Pose T_map_world = start.value_or(Pose::Identity()) * reference_[0].pose.inverse();
+    for (std::size_t i = 0; i < reference_.size(); ++i)
+    {
+      reference_[i].pose = T_map_world * reference_[i].pose;
+    }
+    writeTum(path("reference_tum.txt"), reference_);
+  }
+}
+
+void RunOutputs::writeGraphs(const Pipeline& pipeline)
+{
+  writeGraph(pipeline.backend().graph(), path("graph.graph"));
+  writeG2o(pipeline.backend().graph(), path("graph.g2o"));
+}
+
+void RunOutputs::writeMap(const Pipeline& pipeline, const Trajectory& trajectory)
+{
+  if (pipeline.map() == nullptr)
+  {
+    return;
+  }
+  const StaticMap& map = *pipeline.map();
+  const MapPoints points = map.points();
+  if (options_.pcd)
+  {
+    writeMapCloud(points, path("map_static.pcd"));
+  }
+  if (options_.ply)
+  {
+    writeMapCloud(points, path("map_static.ply"));
+  }
+  if (options_.simplemap)
+  {
+    writeSimplemap(map, path("keyframes.simplemap"));
+  }
+  if (options_.scene)
+  {
+    SceneContent scene;
+    for (const auto i : voxelDownsample(points.points, options_.scene_voxel_size).index)
+    {
+      scene.points.push_back(points.points[i]);
+      scene.intensity.push_back(points.intensity[i]);
+    }
+    scene.trajectory = trajectory;
+    scene.reference = reference_;
+    for (const auto& [id, object_path] : object_paths_)
+    {
+      scene.object_paths.push_back(object_path);
+    }
+    writeScene(scene, path("map.3Dscene"));
+  }
+}
+
+void RunOutputs::writePlot(const Trajectory& trajectory)
+{
+  TrajectoryPlotItem item;
+  item.name = "estimate";
+  item.pairs = associateByTime(reference_, trajectory, 1e-3);
+  TrajectoryPlotOptions options;
+  options.title = fs::path(folder_).filename().string();
+  options.alignment = Alignment::first;
+  if (item.pairs.size() < 2)
+  {
+    return;
+  }
+  const auto png = renderTrajectoryPlot({item}, options);
+  std::ofstream file(path("trajectory.png"), std::ios::binary);
+  file.write(reinterpret_cast<const char*>(png.data()), static_cast<std::streamsize>(png.size()));
+}
+
+void RunOutputs::writeReport(SlamRunReport& report, const std::map<std::string, double>& stage_ms)
+{
+  report.has_reference = hasReference();
+  report.tracks = trackCount();
+  const std::string file = path("report.json");
+  report.files = files_;
+  JsonText json;
+  json.add("method", report.method);
+  json.add("frames", report.frames);
+  json.add("unconverged", report.unconverged);
+  json.add("keyframes", report.keyframes);
+  json.add("loops", report.loops);
+  json.add("tracks", report.tracks);
+  json.add("map_points", report.map_points);
+  json.add("path_length_m", report.path_length);
+  json.add("ms_per_scan", report.ms_per_scan);
+  json.add("stage_ms", stage_ms);
+  json.add("warnings", report.warnings);
+  json.add("files", report.files);
+  opened(file) << json.text();
+}
+}  // namespace dyslam

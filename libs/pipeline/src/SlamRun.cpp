@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/backend/Backend.h>
+#include <dyslam/core/Error.h>
+#include <dyslam/io/RawlogSource.h>
+#include <dyslam/mapping/StaticMap.h>
+#include <dyslam/pipeline/Pipeline.h>
+#include <dyslam/pipeline/ReadAhead.h>
+#include <dyslam/pipeline/SlamRun.h>
+#include <mrpt/system/CTimeLogger.h>
+
+#include <exception>
+#include <map>
+
+#include "RunOutputs.h"
+
+namespace dyslam
+{
+namespace
+{
+std::map<std::string, double> stageMilliseconds(const mrpt::system::CTimeLogger& times,
+                                                std::size_t frames)
+{
+  std::map<std::string, mrpt::system::CTimeLogger::TCallStats> stats;
+  times.getStats(stats);
+  std::map<std::string, double> ms;
+  for (const auto& [stage, stat] : stats)
+  {
+    ms[stage] = frames > 0 ? 1e3 * stat.total_t / static_cast<double>(frames) : 0;
+  }
+  return ms;
+}
+
+SlamRunReport summaryOf(const Pipeline& pipeline, const RawlogSource& source, std::size_t frames)
+{
+  SlamRunReport report;
+  report.method = pipeline.summary();
+  report.frames = frames;
+  report.keyframes = pipeline.backend().keyframes().size();
+  for (const auto& loop : pipeline.backend().loops())
+  {
+    report.loops += loop.verdict == LoopVerdict::accepted ? 1 : 0;
+  }
+  const auto lengths = pipeline.trajectory().pathLengths();
+  report.path_length = lengths.empty() ? 0 : lengths.back();
+  report.map_points = pipeline.map() == nullptr ? 0 : pipeline.map()->points().size();
+  report.warnings = source.warnings();
+  return report;
+}
+}  // namespace
+
+SlamRunReport runSlam(const SlamRunSettings& settings,
+                      const std::function<void(double, std::size_t)>& on_frame)
+{
+  mrpt::system::CTimeLogger times(true, "dyslam");
+  times.setMinLoggingLevel(mrpt::system::LVL_ERROR);  // it would print its table at the end
+  ConfigLoader config(settings.config);
+  const auto input = config.get<RawlogSourceOptions>("input");
+  Pipeline pipeline(config, times);
+  const auto output = config.get<OutputOptions>("output");
+  const auto replay = config.get<ReplayWriterOptions>("replay");
+  config.requireAllUsed();
+
+  RawlogSource source(settings.rawlog, input);
+  RunOutputs outputs(settings, output, replay, config.effective());
+
+  std::size_t frames = 0;
+  std::size_t unconverged = 0;
+  std::exception_ptr damage;
+  try
+  {
+    ReadAhead reader([&] { return source.next(); });
+    while (auto frame = reader.next())
+    {
+      pipeline.process(*frame);
+      ++frames;
+      unconverged += frame->refined.converged ? 0 : 1;
+      outputs.add(std::move(*frame), pipeline);
+      if (on_frame)
+      {
+        on_frame(source.progress(), frames);
+      }
+    }
+  }
+  catch (const UserError&)
+  {
+    damage = std::current_exception();  // what was read before it is worth keeping
+  }
+
+  pipeline.finish();
+  outputs.finish(pipeline);
+  SlamRunReport report = summaryOf(pipeline, source, frames);
+  report.unconverged = unconverged;
+  const auto stage_ms = stageMilliseconds(times, frames);
+  for (const auto& [stage, ms] : stage_ms)
+  {
+    report.ms_per_scan += ms;
+  }
+  if (!settings.profile_csv.empty())
+  {
+    times.saveToCSVFile(settings.profile_csv);
+  }
+  outputs.writeReport(report, stage_ms);
+  if (damage)
+  {
+    std::rethrow_exception(damage);
+  }
+  return report;
+}
+}  // namespace dyslam

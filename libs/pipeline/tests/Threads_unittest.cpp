@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/pipeline/ReadAhead.h>
+#include <dyslam/pipeline/WriteBehind.h>
+#include <gtest/gtest.h>
+
+#include <stdexcept>
+#include <vector>
+
+namespace dyslam
+{
+namespace
+{
+TEST(ReadAhead, KeepsTheOrderAndEnds)
+{
+  std::size_t given = 0;
+  ReadAhead reader(
+      [&]() -> std::optional<Frame>
+      {
+        if (given == 50)
+        {
+          return std::nullopt;
+        }
+        Frame frame;
+        frame.index = given++;
+        return frame;
+      });
+  for (std::size_t i = 0; i < 50; ++i)
+  {
+    const auto frame = reader.next();
+    ASSERT_TRUE(frame);
+    EXPECT_EQ(frame->index, i);
+  }
+  EXPECT_FALSE(reader.next());
+  EXPECT_FALSE(reader.next());
+}
+
+TEST(ReadAhead, DeliversFramesBeforeTheError)
+{
+  int given = 0;
+  ReadAhead reader(
+      [&]() -> std::optional<Frame>
+      {
+        if (++given > 3)
+        {
+          throw std::runtime_error("cut");
+        }
+        return Frame();
+      });
+  for (int i = 0; i < 3; ++i)
+  {
+    EXPECT_TRUE(reader.next());
+  }
+  EXPECT_THROW((void)reader.next(), std::runtime_error);
+  EXPECT_FALSE(reader.next());
+}
+
+TEST(ReadAhead, MayBeDroppedHalfway)
+{
+  ReadAhead reader([] { return std::optional<Frame>(Frame()); });
+  EXPECT_TRUE(reader.next());
+}
+
+TEST(WriteBehind, RunsJobsInOrder)
+{
+  std::vector<int> done;
+  WriteBehind writer(2);
+  for (int i = 0; i < 20; ++i)
+  {
+    writer.add([&done, i] { done.push_back(i); });
+  }
+  writer.finish();
+  ASSERT_EQ(done.size(), 20U);
+  EXPECT_EQ(done.front(), 0);
+  EXPECT_EQ(done.back(), 19);
+}
+
+TEST(WriteBehind, TellsOfAFailureAndDropsTheRest)
+{
+  bool later = false;
+  WriteBehind writer;
+  writer.add([] { throw std::runtime_error("disk full"); });
+  EXPECT_THROW({ writer.finish(); }, std::runtime_error);
+  writer.add([&] { later = true; });
+  writer.finish();
+  EXPECT_FALSE(later);
+}
+}  // namespace
+}  // namespace dyslam
