@@ -54,11 +54,30 @@ void requireGood(const GraphData& data, const GraphEdge& edge)
     throw UserError("pose graph: " + nameOf(data, edge) +
                     " has numbers that are not finite; remove or mend it");
   }
-  if (edge.information.llt().info() != Eigen::Success)
+}
+
+/** True if the matrix had to be changed. */
+bool makePositiveDefinite(const GraphData& data, GraphEdge& edge, IndefiniteInformation indefinite)
+{
+  if (edge.information.llt().info() == Eigen::Success)
+  {
+    return false;
+  }
+  if (indefinite == IndefiniteInformation::error)
   {
     throw UserError("pose graph: the information matrix of " + nameOf(data, edge) +
-                    " is not positive definite; every direction needs some information");
+                    " is not positive definite; mend it or set indefinite_information = project");
   }
+  const Eigen::SelfAdjointEigenSolver<Matrix6> eigen(edge.information);
+  const double floor = 1e-9 * eigen.eigenvalues().maxCoeff();
+  if (!(floor > 0))
+  {
+    throw UserError("pose graph: the information matrix of " + nameOf(data, edge) +
+                    " has no positive eigenvalue; mend it or remove the edge");
+  }
+  edge.information = eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(floor).asDiagonal() *
+                     eigen.eigenvectors().transpose();
+  return true;
 }
 
 void requireConnected(const GraphData& data)
@@ -144,7 +163,7 @@ Pose fromMrpt(const mrpt::poses::CPose3D& pose)
   return result;
 }
 
-GraphData unroll(const mrpt::graphs::CNetworkOfPoses3DInf& graph)
+GraphData unroll(const mrpt::graphs::CNetworkOfPoses3DInf& graph, IndefiniteInformation indefinite)
 {
   GraphData data;
   data.ids = allIds(graph);
@@ -181,6 +200,7 @@ GraphData unroll(const mrpt::graphs::CNetworkOfPoses3DInf& graph)
     edge.information = informationFromYpr(edge.T_from_to, measured.cov_inv.asEigen());
     edge.loop = pair.second != pair.first + 1 && pair.first != pair.second + 1;
     requireGood(data, edge);
+    data.projected_edges += makePositiveDefinite(data, edge, indefinite) ? 1 : 0;
     data.edges.push_back(edge);
   }
   requireConnected(data);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <dyslam/backend/PoseGraphSolver.h>
 #include <dyslam/core/Pose.h>
 #include <mrpt/graphs/CNetworkOfPoses.h>
 
@@ -31,12 +32,14 @@ struct GraphData
   std::vector<GraphEdge> edges;
   std::size_t root = 0;
   bool planar = false;
+  std::size_t projected_edges = 0;  //!< whose information had to be made positive definite
 
   [[nodiscard]] std::size_t size() const { return ids.size(); }
 };
 
 /** Checks and unrolls a graph. \throws UserError as PoseGraphSolver::solve() says. */
-[[nodiscard]] GraphData unroll(const mrpt::graphs::CNetworkOfPoses3DInf& graph);
+[[nodiscard]] GraphData unroll(const mrpt::graphs::CNetworkOfPoses3DInf& graph,
+                               IndefiniteInformation indefinite);
 
 /** For every node the edges that touch it, in order: adjacency[first[k] .. first[k + 1]). */
 struct Adjacency

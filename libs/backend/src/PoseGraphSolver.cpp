@@ -197,6 +197,10 @@ void PoseGraphSolverOptions::describe(OptionsVisitor& visitor)
                   {"eigen_sparse", GraphLinearSolver::eigen_sparse},
                   {"conjugate_gradients", GraphLinearSolver::conjugate_gradients}},
                  "how the normal equations are solved");
+  visitor.choice(
+      "indefinite_information", indefinite_information,
+      {{"error", IndefiniteInformation::error}, {"project", IndefiniteInformation::project}},
+      "edges whose information is not positive definite");
   visitor.integer("threads", threads, 1, 256, "threads");
 }
 
@@ -207,8 +211,9 @@ PoseGraphSolver::PoseGraphSolver(const PoseGraphSolverOptions& options) : option
 
 PoseGraphResult PoseGraphSolver::solve(PoseGraph& graph) const
 {
-  GraphData data = unroll(graph);
+  GraphData data = unroll(graph, options_.indefinite_information);
   PoseGraphResult result;
+  result.projected_edges = data.projected_edges;
   if (data.edges.empty())
   {
     result.converged = true;
@@ -234,7 +239,7 @@ PoseGraphResult PoseGraphSolver::solve(PoseGraph& graph) const
 
 double PoseGraphSolver::chi2(const PoseGraph& graph) const
 {
-  GraphData data = unroll(graph);
+  GraphData data = unroll(graph, options_.indefinite_information);
   completePoses(data);
   return chi2Of(data, options_);
 }

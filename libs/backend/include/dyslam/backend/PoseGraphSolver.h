@@ -42,6 +42,13 @@ enum class GraphLinearSolver
   conjugate_gradients,  //!< iterative: little memory, slow on long chains
 };
 
+/** What to do about an edge whose information matrix is not positive definite. */
+enum class IndefiniteInformation
+{
+  error,    //!< refuse the graph, naming the edge
+  project,  //!< use the nearest positive definite matrix (its negative eigenvalues raised to zero)
+};
+
 struct PoseGraphSolverOptions : Options
 {
   int max_iterations = 100;
@@ -51,6 +58,7 @@ struct PoseGraphSolverOptions : Options
   double kernel_width = 3;                        //!< whitened misfit where the kernel sets in
   GraphStart start = GraphStart::chordal;
   GraphLinearSolver linear_solver = GraphLinearSolver::suite_sparse;
+  IndefiniteInformation indefinite_information = IndefiniteInformation::error;
   int threads = 1;  //!< the result does not depend on it
 
   void describe(OptionsVisitor& visitor) override;
@@ -62,6 +70,7 @@ struct PoseGraphResult
   double initial_chi2 = 0;  //!< where the optimisation started
   double final_chi2 = 0;    //!< sum of e' Omega e over all edges, without robust kernels
   int iterations = 0;
+  std::size_t projected_edges = 0;  //!< whose information was not positive definite
   bool converged = false;
   std::string reason;  //!< why it stopped
 };

@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <mrpt/graphs/CNetworkOfPoses.h>
+
+namespace dyslam
+{
+/** The yardstick: Ceres as its pose-graph example is commonly set up. Automatic derivatives of
+ * translation and quaternion, a quaternion manifold, sparse Cholesky, default settings, 200
+ * iterations, starting from the graph's poses (chained edges where it has none). The error is g2o's
+ * and is whitened with the upper Cholesky factor.
+ * \param limit seconds after which it gives up
+ * \return iterations. Indefinite information matrices are projected as our solver does. */
+int solveByPlainCeres(mrpt::graphs::CNetworkOfPoses3DInf& graph, double limit);
+}  // namespace dyslam
