@@ -176,11 +176,14 @@ Scan fromRotatingScan(const CObservationRotatingScan& observation)
   const std::string& model = observation.lidarModel;
   const double sense = model == "VLP-16" || model == "HDL-32E" || model == "Unknown" ? -1 : 1;
   const Eigen::Index columns = usedColumns(observation);
+  // The lasers of one column fire one after the other while the head turns on.
+  const double rate =
+      observation.sweepDuration > 0 ? observation.azimuthSpan / observation.sweepDuration : 0;
+  const double laser_time = sense < 0 ? laserPeriod(lasers.size()) : 0;
   Scan scan;
   for (Eigen::Index column = 0; column < columns; ++column)
   {
     const double fraction = static_cast<double>(column) / static_cast<double>(columns);
-    const double azimuth = sense * (observation.startAzimuth + observation.azimuthSpan * fraction);
     for (Eigen::Index row = 0; row < ranges.rows(); ++row)
     {
       const double range = ranges(row, column) * observation.rangeResolution;
@@ -190,13 +193,18 @@ Scan fromRotatingScan(const CObservationRotatingScan& observation)
       }
       const auto& laser = lasers[static_cast<std::size_t>(row)];
       const double elevation = laser.verticalCorrection * pi / 180;
+      const double time =
+          observation.sweepDuration * fraction + laser_time * static_cast<double>(row);
+      const double azimuth =
+          sense * (observation.startAzimuth + observation.azimuthSpan * fraction +
+                   rate * laser_time * static_cast<double>(row));
       const double heading = azimuth + laser.azimuthCorrection * pi / 180;
       const double flat = range * std::cos(elevation);
       scan.points.emplace_back(Eigen::Vector3d(flat * std::cos(heading), flat * std::sin(heading),
                                                range * std::sin(elevation))
                                    .cast<float>());
       scan.ring.push_back(rings[static_cast<std::size_t>(row)]);
-      scan.time.push_back(static_cast<float>(observation.sweepDuration * fraction));
+      scan.time.push_back(static_cast<float>(time));
       if (has_intensity)
       {
         scan.intensity.push_back(static_cast<float>(intensities(row, column)) / 255.0F);

@@ -32,6 +32,14 @@ double microsecondsBetween(std::uint32_t from, std::uint32_t to)
   return difference;
 }
 
+double laserPeriod(std::size_t lasers)
+{
+  return lasers == 16   ? vlp16_laser_time
+         : lasers == 32 ? hdl32_laser_time
+         : lasers == 64 ? hdl64_laser_time
+                        : 0;
+}
+
 std::vector<std::uint16_t> ringsOf(const mrpt::obs::VelodyneCalibration& calibration)
 {
   const auto& lasers = calibration.laser_corrections;
@@ -124,11 +132,9 @@ bool VelodyneDecoder::decodeBlock(const VelodynePacketView& packet,
       continue;
     }
     const std::size_t number = lasers() == 16 ? k % 16 : k + (lower ? 32 : 0);
-    const double offset =
-        lasers() == 16
-            ? static_cast<double>(k / 16) * vlp16_firing_time +
-                  static_cast<double>(k % 16) * vlp16_laser_time
-            : static_cast<double>(k) * (lasers() == 32 ? hdl32_laser_time : hdl64_laser_time);
+    const std::size_t order = lasers() == 16 ? k % 16 : k;
+    const double offset = static_cast<double>(order) * laserPeriod(lasers()) +
+                          (lasers() == 16 && k >= 16 ? vlp16_firing_time : 0);
     const Laser& laser = lasers_[number];
     const double range = raw * range_unit + laser.distance_correction;
     if (range < min_range_ || range > max_range_)

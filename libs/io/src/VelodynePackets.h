@@ -55,6 +55,9 @@ struct VelodynePacketView
 /** Ring of each laser: its rank by vertical angle, the lowest beam is 0. */
 [[nodiscard]] std::vector<std::uint16_t> ringsOf(const mrpt::obs::VelodyneCalibration& calibration);
 
+/** Seconds from one laser's shot to the next one's; 0 for models where it is not known. */
+[[nodiscard]] double laserPeriod(std::size_t lasers);
+
 /** Turns packets of VLP-16 (16 lasers), HDL-32E (32) and HDL-64E (64) into points.
  *
  * MRPT's own CObservationVelodyneScan::generatePointCloud() reads only 16 of each block's 32

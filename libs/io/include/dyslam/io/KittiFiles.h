@@ -48,8 +48,8 @@ struct OxtsReading
  * `data/`). \throws UserError. */
 [[nodiscard]] std::vector<OxtsReading> readOxts(const std::string& file_or_folder);
 
-/** T_world_imu of each reading by the Mercator projection of KITTI's development kit (scale from
- * the first latitude; x east, y north, z up), relative to the first: the first is the identity. */
+/** Poses of the IMU in its first pose's frame, by the Mercator projection of KITTI's development
+ * kit (scale from the first latitude). The first is the identity. */
 [[nodiscard]] std::vector<Pose> oxtsPoses(const std::vector<OxtsReading>& readings);
 
 /** Poses of the lidar in the first lidar's frame from those of the IMU. */
@@ -66,8 +66,8 @@ struct CameraBox
   double length = 0;
   double ry = 0;
 };
-/** The same box, upright in the lidar's frame, and back. The lidar's z axis is taken as parallel to
- * the camera's -y, as KITTI's evaluation does; they differ by less than a degree. */
+/** The same box, upright in the other frame: the two differ in tilt by less than a degree, which
+ * the heading ignores. */
 [[nodiscard]] Box toLidar(const CameraBox& box, const Pose& T_cam_velo);
 [[nodiscard]] CameraBox toCamera(const Box& box, const Pose& T_cam_velo);
 

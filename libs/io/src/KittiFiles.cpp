@@ -1,0 +1,387 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/Error.h>
+#include <dyslam/io/KittiFiles.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <map>
+
+#include "TextFile.h"
+
+namespace dyslam
+{
+namespace fs = std::filesystem;
+
+namespace
+{
+constexpr double pi = 3.14159265358979323846;
+constexpr double earth_radius = 6378137.0;  // [m], as the development kit has it
+
+using CalibEntries = std::map<std::string, std::vector<double>>;
+
+/** `key: numbers` or `key numbers`; entries that hold text (dates) are left out. */
+CalibEntries readEntries(const std::string& path)
+{
+  TextFile file(path, " \t\r:");
+  CalibEntries entries;
+  while (file.next())
+  {
+    const std::string key(file.fields().front());
+    if (key == "calib_time")
+    {
+      continue;
+    }
+    entries[key] = file.numbers(1);
+  }
+  return entries;
+}
+
+const std::vector<double>* find(const CalibEntries& entries,
+                                std::initializer_list<const char*> keys,
+                                std::size_t size,
+                                const std::string& path)
+{
+  for (const char* key : keys)
+  {
+    const auto it = entries.find(key);
+    if (it != entries.end())
+    {
+      if (it->second.size() != size)
+      {
+        throw UserError(path + ": " + key + " has " + std::to_string(it->second.size()) +
+                        " numbers, needs " + std::to_string(size));
+      }
+      return &it->second;
+    }
+  }
+  return nullptr;
+}
+
+const std::vector<double>& require(const CalibEntries& entries,
+                                   std::initializer_list<const char*> keys,
+                                   std::size_t size,
+                                   const std::string& path)
+{
+  const auto* values = find(entries, keys, size, path);
+  if (values == nullptr)
+  {
+    throw UserError(path + ": has no " + *keys.begin());
+  }
+  return *values;
+}
+
+Pose poseFrom34(const std::vector<double>& values)
+{
+  Pose pose = Pose::Identity();
+  for (std::size_t i = 0; i < 12; ++i)
+  {
+    pose.matrix()(static_cast<int>(i / 4), static_cast<int>(i % 4)) = values[i];
+  }
+  return orthonormalized(pose);
+}
+
+Pose rotationFrom33(const std::vector<double>& values)
+{
+  Pose pose = Pose::Identity();
+  for (std::size_t i = 0; i < 9; ++i)
+  {
+    pose.matrix()(static_cast<int>(i / 3), static_cast<int>(i % 3)) = values[i];
+  }
+  return orthonormalized(pose);
+}
+
+Pose poseFromRT(const std::string& path)
+{
+  const auto entries = readEntries(path);
+  Pose pose = rotationFrom33(require(entries, {"R"}, 9, path));
+  const auto& t = require(entries, {"T"}, 3, path);
+  pose.translation() = Eigen::Vector3d(t[0], t[1], t[2]);
+  return pose;
+}
+
+void setP2(const std::vector<double>& values, KittiCalib& calib)
+{
+  for (std::size_t i = 0; i < 12; ++i)
+  {
+    calib.P2(static_cast<int>(i / 4), static_cast<int>(i % 4)) = values[i];
+  }
+}
+
+KittiCalib readRawFolder(const fs::path& folder)
+{
+  KittiCalib calib;
+  const std::string camera = (folder / "calib_cam_to_cam.txt").string();
+  const auto entries = readEntries(camera);
+  calib.T_cam_velo = rotationFrom33(require(entries, {"R_rect_00"}, 9, camera)) *
+                     poseFromRT((folder / "calib_velo_to_cam.txt").string());
+  if (const auto* P2 = find(entries, {"P_rect_02"}, 12, camera))
+  {
+    setP2(*P2, calib);
+  }
+  const fs::path imu = folder / "calib_imu_to_velo.txt";
+  if (fs::exists(imu))
+  {
+    calib.T_velo_imu = poseFromRT(imu.string());
+    calib.has_imu = true;
+  }
+  return calib;
+}
+
+OxtsReading oxtsFrom(const TextFile& file)
+{
+  if (file.fields().size() < 25)
+  {
+    file.fail("has " + std::to_string(file.fields().size()) + " numbers; oxts data have 30");
+  }
+  OxtsReading r;
+  r.latitude = file.number(0);
+  r.longitude = file.number(1);
+  r.altitude = file.number(2);
+  r.roll = file.number(3);
+  r.pitch = file.number(4);
+  r.yaw = file.number(5);
+  r.velocity_forward = file.number(8);
+  r.velocity_left = file.number(9);
+  r.velocity_up = file.number(10);
+  r.position_accuracy = file.number(23);
+  if (std::abs(r.latitude) >= 90)
+  {
+    file.fail("the latitude is not between -90 and 90");
+  }
+  return r;
+}
+
+LabelledBox boxFromLabel(const TextFile& file, const Pose& T_cam_velo)
+{
+  LabelledBox box;
+  box.frame = file.integer(0);
+  box.id = static_cast<int>(file.number(1));
+  box.type = std::string(file.fields()[2]);
+  box.object_class = objectClassFromString(box.type);
+  box.truncated = static_cast<int>(file.number(3));
+  box.occluded = static_cast<int>(file.number(4));
+  box.image_box = {file.number(6), file.number(7), file.number(8), file.number(9)};
+  const CameraBox camera{{file.number(13), file.number(14), file.number(15)},
+                         file.number(10),
+                         file.number(11),
+                         file.number(12),
+                         file.number(16)};
+  box.box = toLidar(camera, T_cam_velo);
+  box.score = file.fields().size() == 18 ? file.number(17) : 1;
+  return box;
+}
+}  // namespace
+
+KittiCalib readKittiCalib(const std::string& file_or_folder)
+{
+  if (fs::is_directory(file_or_folder))
+  {
+    return readRawFolder(file_or_folder);
+  }
+  const std::string& path = file_or_folder;
+  const auto entries = readEntries(path);
+  KittiCalib calib;
+  if (const auto* Tr = find(entries, {"Tr"}, 12, path))
+  {
+    calib.T_cam_velo = poseFrom34(*Tr);
+  }
+  else
+  {
+    const auto& rectification = require(entries, {"R_rect", "R0_rect"}, 9, path);
+    const auto& mounting = require(entries, {"Tr_velo_cam", "Tr_velo_to_cam"}, 12, path);
+    calib.T_cam_velo = rotationFrom33(rectification) * poseFrom34(mounting);
+  }
+  if (const auto* imu = find(entries, {"Tr_imu_velo", "Tr_imu_to_velo"}, 12, path))
+  {
+    calib.T_velo_imu = poseFrom34(*imu);
+    calib.has_imu = true;
+  }
+  if (const auto* P2 = find(entries, {"P2"}, 12, path))
+  {
+    setP2(*P2, calib);
+  }
+  return calib;
+}
+
+std::vector<OxtsReading> readOxts(const std::string& file_or_folder)
+{
+  std::vector<OxtsReading> readings;
+  if (!fs::is_directory(file_or_folder))
+  {
+    TextFile file(file_or_folder);
+    while (file.next())
+    {
+      readings.push_back(oxtsFrom(file));
+    }
+    return readings;
+  }
+  fs::path folder(file_or_folder);
+  for (const char* sub : {"oxts", "data"})
+  {
+    folder = fs::is_directory(folder / sub) ? folder / sub : folder;
+  }
+  std::vector<std::string> names;
+  for (const auto& entry : fs::directory_iterator(folder))
+  {
+    const std::string stem = entry.path().stem().string();
+    if (entry.path().extension() == ".txt" &&
+        stem.find_first_not_of("0123456789") == std::string::npos)
+    {
+      names.push_back(entry.path().string());
+    }
+  }
+  std::sort(names.begin(), names.end());
+  for (const std::string& name : names)
+  {
+    TextFile file(name);
+    if (!file.next())
+    {
+      throw UserError(name + ": is empty");
+    }
+    readings.push_back(oxtsFrom(file));
+  }
+  if (readings.empty())
+  {
+    throw UserError(folder.string() + ": has no oxts data (0000000000.txt, ...)");
+  }
+  return readings;
+}
+
+std::vector<Pose> oxtsPoses(const std::vector<OxtsReading>& readings)
+{
+  std::vector<Pose> poses;
+  if (readings.empty())
+  {
+    return poses;
+  }
+  const double scale = std::cos(readings.front().latitude * pi / 180);
+  for (const OxtsReading& r : readings)
+  {
+    const double x = scale * earth_radius * r.longitude * pi / 180;
+    const double y = scale * earth_radius * std::log(std::tan((90 + r.latitude) * pi / 360));
+    poses.push_back(poseFromYpr(x, y, r.altitude, r.yaw, r.pitch, r.roll));
+  }
+  const Pose T_first_world = poses.front().inverse();
+  for (Pose& pose : poses)
+  {
+    pose = T_first_world * pose;
+  }
+  poses.front() = Pose::Identity();
+  return poses;
+}
+
+std::vector<Pose> imuToLidarPoses(const std::vector<Pose>& poses, const Pose& T_velo_imu)
+{
+  std::vector<Pose> result;
+  const Pose T_imu_velo = T_velo_imu.inverse();
+  for (const Pose& pose : poses)
+  {
+    result.push_back(T_velo_imu * pose * T_imu_velo);
+  }
+  return result;
+}
+
+Box toLidar(const CameraBox& box, const Pose& T_cam_velo)
+{
+  const Pose T_velo_cam = T_cam_velo.inverse();
+  Box result;
+  result.center = T_velo_cam * (box.bottom - Eigen::Vector3d(0, box.height / 2, 0));
+  result.size = {box.length, box.width, box.height};
+  const Eigen::Vector3d heading =
+      T_velo_cam.linear() * Eigen::Vector3d(std::cos(box.ry), 0, -std::sin(box.ry));
+  result.yaw = std::atan2(heading.y(), heading.x());
+  return result;
+}
+
+CameraBox toCamera(const Box& box, const Pose& T_cam_velo)
+{
+  CameraBox result;
+  result.bottom = T_cam_velo * box.center + Eigen::Vector3d(0, box.size.z() / 2, 0);
+  result.length = box.size.x();
+  result.width = box.size.y();
+  result.height = box.size.z();
+  const Eigen::Vector3d heading =
+      T_cam_velo.linear() * Eigen::Vector3d(std::cos(box.yaw), std::sin(box.yaw), 0);
+  result.ry = std::atan2(-heading.z(), heading.x());
+  return result;
+}
+
+std::vector<LabelledBox> readKittiTracking(const std::string& path,
+                                           const Pose& T_cam_velo,
+                                           bool keep_dont_care)
+{
+  TextFile file(path);
+  std::vector<LabelledBox> boxes;
+  while (file.next())
+  {
+    if (file.fields().size() != 18)
+    {
+      file.requireFields(17,
+                         "KITTI tracking: frame id type truncated occluded alpha left top right "
+                         "bottom height width length x y z ry, with or without score");
+    }
+    if (keep_dont_care || file.fields()[2] != "DontCare")
+    {
+      boxes.push_back(boxFromLabel(file, T_cam_velo));
+    }
+  }
+  return boxes;
+}
+
+void writeKittiTracking(const std::string& path,
+                        const std::vector<LabelledBox>& boxes,
+                        const Pose& T_cam_velo)
+{
+  std::string text;
+  for (const LabelledBox& box : boxes)
+  {
+    const CameraBox camera = toCamera(box.box, T_cam_velo);
+    text += std::to_string(box.frame) + ' ' + std::to_string(box.id) + ' ' +
+            (box.type.empty() ? toString(box.object_class) : box.type) + ' ' +
+            std::to_string(box.truncated) + ' ' + std::to_string(box.occluded);
+    const double alpha = camera.ry - std::atan2(camera.bottom.x(), camera.bottom.z());
+    for (const double value :
+         {std::remainder(alpha, 2 * pi), box.image_box[0], box.image_box[1], box.image_box[2],
+          box.image_box[3], camera.height, camera.width, camera.length, camera.bottom.x(),
+          camera.bottom.y(), camera.bottom.z(), camera.ry, box.score})
+    {
+      text += ' ';
+      appendFixed(text, value, 6);
+    }
+    text += '\n';
+  }
+  writeWhole(path, text);
+}
+
+std::vector<LabelledBox> readDetectionsCsv(const std::string& path, const Pose& T_cam_velo)
+{
+  TextFile file(path);
+  std::vector<LabelledBox> boxes;
+  while (file.next())
+  {
+    file.requireFields(15, "frame,type,x1,y1,x2,y2,score,h,w,l,x,y,z,ry,alpha");
+    LabelledBox box;
+    box.frame = file.integer(0);
+    const int type = file.integer(1);
+    if (type < 1 || type > 3)
+    {
+      file.fail("type " + std::to_string(type) + " is not 1 (pedestrian), 2 (car) or 3 (cyclist)");
+    }
+    box.object_class = type == 1   ? ObjectClass::pedestrian
+                       : type == 2 ? ObjectClass::car
+                                   : ObjectClass::cyclist;
+    box.type = toString(box.object_class);
+    box.image_box = {file.number(2), file.number(3), file.number(4), file.number(5)};
+    box.score = file.number(6);
+    const CameraBox camera{{file.number(10), file.number(11), file.number(12)},
+                           file.number(7),
+                           file.number(8),
+                           file.number(9),
+                           file.number(13)};
+    box.box = toLidar(camera, T_cam_velo);
+    boxes.push_back(box);
+  }
+  return boxes;
+}
+}  // namespace dyslam

@@ -1,0 +1,420 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/Error.h>
+#include <dyslam/io/PcapSource.h>
+#include <pcap/pcap.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <deque>
+#include <filesystem>
+
+#include "TextFile.h"
+#include "VelodynePackets.h"
+
+namespace dyslam
+{
+namespace
+{
+constexpr double pi = 3.14159265358979323846;
+constexpr std::size_t probe_packets = 64;  //!< looked at to tell the model
+constexpr double clock_jump = 1.0;         //!< [s] between the sensor's and the capture's clock
+constexpr int whole_turn_tolerance = 300;  //!< [0.01 deg]
+
+struct Packet
+{
+  std::array<std::uint8_t, velodyne_packet_size> bytes{};
+  double captured = 0;  //!< UNIX time [s]
+
+  [[nodiscard]] VelodynePacketView view() const { return {bytes.data()}; }
+};
+
+std::uint16_t bigEndian(const std::uint8_t* at)
+{
+  return static_cast<std::uint16_t>((at[0] << 8U) | at[1]);
+}
+
+/** The UDP payload in a captured frame, or null. */
+const std::uint8_t* udpPayload(int link,
+                               const std::uint8_t* data,
+                               std::size_t size,
+                               std::size_t& payload_size)
+{
+  std::size_t at = link == DLT_EN10MB ? 14 : link == DLT_LINUX_SLL ? 16 : link == DLT_NULL ? 4 : 0;
+  if (link == DLT_EN10MB && size > 18 && bigEndian(data + 12) == 0x8100)
+  {
+    at += 4;
+  }
+  if (size < at + 28 || (data[at] >> 4U) != 4 || data[at + 9] != 17)
+  {
+    return nullptr;
+  }
+  at += static_cast<std::size_t>(data[at] & 0x0fU) * 4;
+  if (size < at + 8)
+  {
+    return nullptr;
+  }
+  payload_size = std::min<std::size_t>(size - at - 8, bigEndian(data + at + 4) - 8U);
+  return data + at + 8;
+}
+
+/** Data packets of a capture file one by one. */
+class PacketReader
+{
+ public:
+  explicit PacketReader(const std::string& path) : path_(path)
+  {
+    (void)openBinary(path);
+    size_ = std::filesystem::file_size(path);
+    std::array<char, PCAP_ERRBUF_SIZE> message{};
+    file_ = pcap_open_offline(path.c_str(), message.data());
+    if (file_ == nullptr)
+    {
+      throw UserError(path + ": is not a network capture: " + message.data());
+    }
+  }
+  ~PacketReader() { pcap_close(file_); }
+  PacketReader(const PacketReader&) = delete;
+  PacketReader& operator=(const PacketReader&) = delete;
+
+  /** False at the end; `damage` then says if the file ends as it should not. */
+  [[nodiscard]] bool next(Packet& packet)
+  {
+    pcap_pkthdr* header = nullptr;
+    const u_char* data = nullptr;
+    int code = 0;
+    while ((code = pcap_next_ex(file_, &header, &data)) == 1)
+    {
+      std::size_t size = 0;
+      const auto* payload = udpPayload(pcap_datalink(file_), data, header->caplen, size);
+      if (payload != nullptr && size == velodyne_packet_size)
+      {
+        std::memcpy(packet.bytes.data(), payload, size);
+        packet.captured =
+            static_cast<double>(header->ts.tv_sec) + 1e-6 * static_cast<double>(header->ts.tv_usec);
+        ++count_;
+        return true;
+      }
+    }
+    if (code == PCAP_ERROR)
+    {
+      damage_ = pcap_geterr(file_);
+    }
+    return false;
+  }
+
+  [[nodiscard]] const std::string& damage() const { return damage_; }
+  [[nodiscard]] std::size_t count() const { return count_; }
+  [[nodiscard]] double progress() const
+  {
+    const long at = std::ftell(pcap_file(file_));
+    return at < 0 || size_ == 0 ? 1.0 : static_cast<double>(at) / static_cast<double>(size_);
+  }
+
+ private:
+  std::string path_;
+  pcap_t* file_ = nullptr;
+  std::uintmax_t size_ = 0;
+  std::size_t count_ = 0;
+  std::string damage_;
+};
+
+/** A revolution on its way, with what tells whether it is whole. */
+struct Revolution
+{
+  Scan scan;
+  std::uint32_t first_clock = 0;
+  int first_azimuth = 0;  //!< after the cut [0.01 deg]
+  int last_azimuth = 0;
+};
+
+std::string nameOf(VelodyneModel model)
+{
+  return model == VelodyneModel::vlp16    ? "VLP16"
+         : model == VelodyneModel::hdl32e ? "HDL32E"
+         : model == VelodyneModel::hdl64e ? "HDL64E"
+                                          : "auto";
+}
+}  // namespace
+
+void PcapSourceOptions::describe(OptionsVisitor& visitor)
+{
+  visitor.choice("model", model,
+                 {{"auto", VelodyneModel::automatic},
+                  {"VLP16", VelodyneModel::vlp16},
+                  {"HDL32E", VelodyneModel::hdl32e},
+                  {"HDL64E", VelodyneModel::hdl64e}},
+                 "the lidar; auto: told by the packets");
+  visitor.text("calibration_file", calibration_file, "Velodyne XML or YAML; empty: the default");
+  visitor.real("min_range", min_range, 0, 100, "nearer returns are the vehicle's own [m]");
+  visitor.degrees("cut_azimuth_deg", cut_azimuth, 0, 360, "clockwise from ahead, where scans end");
+  visitor.flag("keep_partial", keep_partial, "deliver broken first and last revolutions, too");
+}
+
+struct PcapSource::Impl
+{
+  std::string path;
+  PcapSourceOptions options;
+  PacketReader reader;
+  VelodyneModel model = VelodyneModel::automatic;
+  std::unique_ptr<VelodyneDecoder> decoder;
+  std::deque<Packet> probed;
+  std::vector<std::string> notes;
+  int cut = 18000;
+
+  Revolution current;
+  std::deque<Revolution> ready;
+  std::optional<int> typical_first;  //!< azimuths where whole revolutions begin and end
+  std::optional<int> typical_last;
+  bool first_revolution = true;
+  bool finished = false;
+  std::size_t bad_blocks = 0;
+  double stamp_offset = 0;  //!< capture's clock minus the sensor's unrolled one
+  double sensor_time = 0;   //!< unrolled [s]
+  std::optional<std::uint32_t> last_clock;
+
+  Impl(const std::string& path_in, const PcapSourceOptions& options_in)
+      : path(path_in), options(options_in), reader(path_in)
+  {
+    cut = static_cast<int>(std::lround(options.cut_azimuth * 18000 / pi)) % 36000;
+    Packet packet;
+    while (probed.size() < probe_packets && reader.next(packet))
+    {
+      probed.push_back(packet);
+    }
+    if (probed.empty())
+    {
+      throw UserError(path + ": has no Velodyne data packets (UDP, 1206 bytes)" +
+                      (reader.damage().empty() ? "" : "; " + reader.damage()));
+    }
+    model = options.model == VelodyneModel::automatic ? guessModel() : options.model;
+    decoder = std::make_unique<VelodyneDecoder>(calibration(), options.min_range, 250.0);
+  }
+
+  /** By the blocks' headers and the packets' pace: some firmware gives the wrong model byte. */
+  VelodyneModel guessModel()
+  {
+    for (const Packet& packet : probed)
+    {
+      if (packet.view().header(1) == VelodynePacketView::lower_bank ||
+          packet.view().header(0) == VelodynePacketView::lower_bank)
+      {
+        return VelodyneModel::hdl64e;
+      }
+    }
+    const std::uint8_t byte = probed.front().view().modelByte();
+    VelodyneModel told = byte == 0x21   ? VelodyneModel::hdl32e
+                         : byte == 0x22 ? VelodyneModel::vlp16
+                                        : VelodyneModel::automatic;
+    std::vector<double> paces;
+    for (std::size_t i = 1; i < probed.size(); ++i)
+    {
+      paces.push_back(microsecondsBetween(probed[i - 1].view().clock(), probed[i].view().clock()));
+    }
+    if (!paces.empty())
+    {
+      std::sort(paces.begin(), paces.end());
+      const bool dual = probed.front().view().returnMode() == VelodynePacketView::dual_return;
+      const double pace = paces[paces.size() / 2] * (dual ? 2 : 1);
+      // 1327 us for VLP-16, 553 us for HDL-32E.
+      const auto paced = pace > 1200 && pace < 1450 ? VelodyneModel::vlp16
+                         : pace > 480 && pace < 630 ? VelodyneModel::hdl32e
+                                                    : told;
+      if (told != paced)
+      {
+        notes.push_back(path + ": taken as " + nameOf(paced) + " by the pace of its packets" +
+                        (told == VelodyneModel::automatic
+                             ? ""
+                             : ", not as the " + nameOf(told) + " that they claim to be"));
+        told = paced;
+      }
+    }
+    if (told == VelodyneModel::automatic)
+    {
+      throw UserError(path + ": the lidar is none that is known (model byte " +
+                      std::to_string(byte) + "); name VLP16, HDL32E or HDL64E");
+    }
+    return told;
+  }
+
+  [[nodiscard]] mrpt::obs::VelodyneCalibration calibration() const
+  {
+    const std::size_t lasers = model == VelodyneModel::vlp16    ? 16
+                               : model == VelodyneModel::hdl32e ? 32
+                                                                : 64;
+    const std::string& file = options.calibration_file;
+    if (file.empty())
+    {
+      return mrpt::obs::VelodyneCalibration::LoadDefaultCalibration(lasers == 16   ? "VLP16"
+                                                                    : lasers == 32 ? "HDL32"
+                                                                                   : "HDL64");
+    }
+    (void)openBinary(file);
+    mrpt::obs::VelodyneCalibration result;
+    const auto extension = std::filesystem::path(file).extension();
+    const bool yaml = extension == ".yaml" || extension == ".yml";
+    if (!(yaml ? result.loadFromYAMLFile(file) : result.loadFromXMLFile(file)) ||
+        result.laser_corrections.size() != lasers)
+    {
+      throw UserError(file + ": is no calibration of a " + nameOf(model) + " (" +
+                      std::to_string(lasers) + " lasers)");
+    }
+    return result;
+  }
+
+  [[nodiscard]] bool nextPacket(Packet& packet)
+  {
+    if (!probed.empty())
+    {
+      packet = probed.front();
+      probed.pop_front();
+      return true;
+    }
+    return reader.next(packet);
+  }
+
+  /** The sensor's clock unrolled over hours and set to the capture's time. */
+  double stampOf(const Packet& packet)
+  {
+    const std::uint32_t clock = packet.view().clock();
+    sensor_time += last_clock ? 1e-6 * microsecondsBetween(*last_clock, clock) : 0;
+    if (!last_clock || std::abs(packet.captured - sensor_time - stamp_offset) > clock_jump)
+    {
+      stamp_offset = packet.captured - sensor_time;
+    }
+    last_clock = clock;
+    return sensor_time + stamp_offset;
+  }
+
+  void add(const Packet& packet)
+  {
+    const double stamp = stampOf(packet);
+    const VelodynePacketView view = packet.view();
+    for (std::size_t block = 0; block < velodyne_blocks; ++block)
+    {
+      const int azimuth = (view.azimuth(block) + 36000 - cut) % 36000;
+      if (current.last_azimuth - azimuth > 18000)
+      {
+        finishRevolution();
+      }
+      if (current.scan.stamp == 0)
+      {
+        current.scan.stamp = stamp;
+        current.first_azimuth = azimuth;
+      }
+      current.last_azimuth = azimuth;
+      if (!decoder->decodeBlock(view, block, stamp - current.scan.stamp, current.scan))
+      {
+        ++bad_blocks;
+      }
+    }
+  }
+
+  void finishRevolution()
+  {
+    Revolution done = std::exchange(current, Revolution{});
+    if (!first_revolution && !typical_first)
+    {
+      typical_first = done.first_azimuth;
+    }
+    if (done.scan.stamp != 0)
+    {
+      ready.push_back(std::move(done));
+    }
+    first_revolution = false;
+  }
+
+  [[nodiscard]] static bool near(int a, int b) { return std::abs(a - b) <= whole_turn_tolerance; }
+
+  /** Whether to deliver a revolution: all but the broken first and last. */
+  [[nodiscard]] bool whole(const Revolution& revolution, bool first, bool last) const
+  {
+    if (options.keep_partial)
+    {
+      return true;
+    }
+    const bool begins = !first || near(revolution.first_azimuth, typical_first.value_or(0));
+    const bool ends = !last || near(revolution.last_azimuth, typical_last.value_or(35999));
+    return begins && ends;
+  }
+
+  std::size_t taken = 0;
+
+  std::optional<Scan> next()
+  {
+    Packet packet;
+    // One revolution is held back, so that the last is known as such.
+    while (ready.size() < 2 && !finished)
+    {
+      if (nextPacket(packet))
+      {
+        add(packet);
+        continue;
+      }
+      finished = true;
+      finishRevolution();
+    }
+    while (!ready.empty())
+    {
+      Revolution revolution = std::move(ready.front());
+      ready.pop_front();
+      const bool last = finished && ready.empty();
+      const bool deliver = whole(revolution, taken == 0, last);
+      if (taken++ > 0 && !last)
+      {
+        typical_last = revolution.last_azimuth;
+      }
+      if (deliver)
+      {
+        revolution.scan.sensor_label = nameOf(model);
+        return std::move(revolution.scan);
+      }
+      if (ready.size() < 2 && !finished)
+      {
+        return next();
+      }
+    }
+    if (!reader.damage().empty())
+    {
+      throw UserError(path + ": is cut short or damaged after " + std::to_string(reader.count()) +
+                      " packets: " + reader.damage());
+    }
+    return std::nullopt;
+  }
+};
+
+PcapSource::PcapSource(const std::string& path, const PcapSourceOptions& options)
+{
+  validate(options, "pcap source");
+  impl_ = std::make_unique<Impl>(path, options);
+}
+
+PcapSource::~PcapSource() = default;
+PcapSource::PcapSource(PcapSource&&) noexcept = default;
+PcapSource& PcapSource::operator=(PcapSource&&) noexcept = default;
+
+std::optional<Scan> PcapSource::next()
+{
+  return impl_->next();
+}
+VelodyneModel PcapSource::model() const
+{
+  return impl_->model;
+}
+double PcapSource::progress() const
+{
+  return impl_->reader.progress();
+}
+
+std::vector<std::string> PcapSource::warnings() const
+{
+  auto lines = impl_->notes;
+  if (impl_->bad_blocks > 0)
+  {
+    lines.push_back(impl_->path + ": " + std::to_string(impl_->bad_blocks) +
+                    " blocks are not of a " + nameOf(impl_->model) + " and were passed over");
+  }
+  return lines;
+}
+}  // namespace dyslam
