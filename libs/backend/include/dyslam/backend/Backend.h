@@ -26,14 +26,22 @@ struct BackendOptions : Options
 {
   BackendMode mode = BackendMode::ego;
   double keyframe_distance = 1.5;            //!< a new keyframe after this way [m] ...
-  double keyframe_angle = 0.1745;            //!< ... or this turn [rad]
-  double keyframe_voxel = 0.25;              //!< of the clouds kept for loops [m]
+  double keyframe_angle = 0.17453292519943;  //!< ... or this turn [rad]
+  double moving_threshold = 0.5;             //!< points more likely moving are left out
   double odometry_sigma_translation = 0.01;  //!< added to each step's own uncertainty [m]
   double odometry_sigma_rotation = 0.0005;   //!< [rad]
-  double unconverged_factor = 10;            //!< on both sigmas where the odometry did not converge
-  int loop_optimisation_gap = 1;  //!< optimise once this many loops were accepted since the last
+  double unconverged_factor = 10;            //!< on both where the odometry did not converge
+  double misfit_to_optimise = 3;  //!< optimise when a new loop is off by this [std. deviations] ...
+  int loops_to_optimise = 20;     //!< ... or this many loops have come
 
   void describe(OptionsVisitor& visitor) override;
+};
+
+/** The solver's options with the backend's defaults: from the present estimate, in the paper's
+ * coordinates, wrong loops switched off. */
+struct BackendSolverOptions : PoseGraphSolverOptions
+{
+  BackendSolverOptions();
 };
 
 /** What one keyframe is in the graph: node `id` of PoseGraph has the same number. */
@@ -55,7 +63,7 @@ class Backend
  public:
   Backend(const BackendOptions& options,
           const LoopCloserOptions& loops,
-          const PoseGraphSolverOptions& solver);
+          const BackendSolverOptions& solver);
   ~Backend();
   Backend(Backend&&) noexcept;
   Backend& operator=(Backend&&) noexcept;
@@ -64,7 +72,7 @@ class Backend
    * T_map_odom. Frames come in order of time. */
   void addFrame(Frame& frame);
 
-  /** Optimises once more with every loop (call it after the last frame). */
+  /** Decides the loops still open and optimises once more (call it after the last frame). */
   void finish();
 
   [[nodiscard]] const PoseGraph& graph() const;

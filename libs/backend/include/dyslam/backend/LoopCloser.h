@@ -5,7 +5,6 @@
 #include <dyslam/core/Pose.h>
 
 #include <cstddef>
-#include <map>
 #include <memory>
 #include <string>
 #include <vector>
@@ -14,21 +13,22 @@ namespace dyslam
 {
 struct LoopCloserOptions : Options
 {
-  double min_path = 30;           //!< distance driven between the two keyframes, at least [m]
-  double search_radius = 5;       //!< around the newest keyframe, before any drift [m]
-  double drift_per_metre = 0.02;  //!< growth of the search radius per metre driven in between
+  double min_path = 30;           //!< driven between the two keyframes, at least [m]
+  double search_radius = 6;       //!< around the newest keyframe, before any drift [m] ...
+  double drift_per_metre = 0.03;  //!< ... and its growth per metre driven in between
   double max_search_radius = 50;  //!< [m]
-  int candidates = 3;             //!< registered per keyframe, at most
-  int interval = 1;               //!< look for loops at every n-th keyframe
-  double max_descriptor_distance = 0.35;  //!< 0 same appearance, 1 nothing in common
+  double max_correction_angle = 0.7853981634;  //!< a loop may turn the estimate by this [rad]
+  int interval = 1;                            //!< look for loops at every n-th keyframe
+  int candidates = 2;                          //!< registered per keyframe, at most
+  double max_descriptor_distance = 0.4;        //!< 0 same appearance, 1 nothing in common
+  double descriptor_range = 60;                //!< points that the appearance is made of [m]
   int submap_keyframes = 2;  //!< neighbours on each side merged into the older keyframe's cloud
-  double voxel_size = 0.4;   //!< of the clouds that are registered [m]
-  double max_range = 60;     //!< points used, from the vehicle [m]
-  double min_overlap = 0.6;  //!< fraction of points with a counterpart
-  double max_rmse = 0.25;    //!< of the point-to-plane distances [m]
-  double min_information_ratio = 0.01;  //!< weakest against strongest direction of translation
-  double max_correction = 4;  //!< loop against odometry, in standard deviations of the search
-  int min_support = 1;        //!< neighbouring keyframes whose loops must agree, 0 for none
+  double voxel_size = 0.5;   //!< of the clouds that are registered [m]
+  double min_overlap = 0.6;  //!< fraction of points that meet a surface
+  double max_rmse = 0.2;     //!< of their point-to-plane distances [m]
+  double min_observability = 0.02;  //!< weakest against strongest direction of translation
+  int min_support = 1;              //!< other loops of nearby keyframes that must agree
+  int support_window = 6;           //!< "nearby", in keyframes
 
   void describe(OptionsVisitor& visitor) override;
 };
@@ -41,16 +41,17 @@ struct LoopKeyframe
   std::vector<Eigen::Vector3f> points;  //!< vehicle frame [m], downsampled by the caller
 };
 
+/** What became of a candidate. */
 enum class LoopVerdict
 {
   accepted,
-  appearance,  //!< the two places do not look alike
-  no_overlap,  //!< registered, but too few points meet
-  bad_fit,     //!< registered, but the surfaces do not coincide
-  degenerate,  //!< the geometry leaves a direction open
-  not_converged,
-  inconsistent,  //!< too far from where odometry could have gone
-  unsupported,   //!< no neighbouring keyframe saw the same loop
+  appearance,     //!< the two places do not look alike
+  not_converged,  //!< the registration did not settle
+  no_overlap,     //!< registered, but too few points meet
+  bad_fit,        //!< registered, but the surfaces do not coincide
+  degenerate,     //!< the surfaces leave a direction open
+  inconsistent,   //!< farther from the estimate than odometry could have drifted
+  unsupported,    //!< no loop of a nearby keyframe agrees
 };
 [[nodiscard]] std::string toString(LoopVerdict verdict);
 
@@ -67,10 +68,12 @@ struct Loop
   LoopVerdict verdict = LoopVerdict::accepted;
 };
 
-/** Finds places seen before: candidates by distance and appearance, verified by registration.
+/** Finds places seen before: candidates by distance and appearance, verified by registration and by
+ * agreement with one another.
  *
- * Deterministic. Memory grows with the keyframes' clouds; time per keyframe is bounded by the
- * number of candidates. Not thread-safe.
+ * Deterministic. Memory grows with the keyframes (about 30 kB each). The time per keyframe is
+ * bounded by the number of candidates, but for a comparison of positions with all older ones.
+ * Not thread-safe.
  */
 class LoopCloser
 {
@@ -81,11 +84,17 @@ class LoopCloser
   LoopCloser& operator=(LoopCloser&&) noexcept;
 
   /** Keep a keyframe; ids are 0, 1, 2, ... \throws std::invalid_argument for another id. */
-  void add(LoopKeyframe keyframe);
+  void add(const LoopKeyframe& keyframe);
 
-  /** Loops from the newest keyframe to older ones.
-   * \param T_map_keyframe present estimate of every keyframe added so far. */
+  /** Looks for loops from the newest keyframe to older ones.
+   * \param T_map_keyframe present estimate of every keyframe added so far
+   * \return the candidates decided now: rejected ones of this keyframe, and loops of this and of
+   * recent keyframes that found agreement or waited for it in vain.
+   * \throws std::invalid_argument if the number of poses is not that of the keyframes. */
   [[nodiscard]] std::vector<Loop> search(const std::vector<Pose>& T_map_keyframe);
+
+  /** The loops still waiting for agreement, as unsupported. */
+  [[nodiscard]] std::vector<Loop> finish();
 
  private:
   struct State;

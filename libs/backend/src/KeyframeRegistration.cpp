@@ -1,0 +1,295 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "KeyframeRegistration.h"
+
+#include <dyslam/core/Normals.h>
+#include <dyslam/core/Parallel.h>
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <utility>
+
+namespace dyslam
+{
+namespace
+{
+constexpr std::size_t least_pairs = 50;
+constexpr double cell_size = 0.5;     // of the grid seen from above [m]
+constexpr float least_height = 0.7F;  // over the ground to count as structure [m]
+constexpr std::size_t most_points = 1500;
+
+/** The height that one in ten points lies below. */
+float groundHeight(const std::vector<Eigen::Vector3f>& points)
+{
+  std::vector<float> heights;
+  heights.reserve(points.size());
+  for (const Eigen::Vector3f& p : points)
+  {
+    heights.push_back(p.z());
+  }
+  const auto tenth = heights.begin() + static_cast<std::ptrdiff_t>(heights.size() / 10);
+  std::nth_element(heights.begin(), tenth, heights.end());
+  return *tenth;
+}
+
+/** Points well over the ground, evenly thinned. */
+std::vector<Eigen::Vector2f> structureOf(const std::vector<Eigen::Vector3f>& points,
+                                         std::size_t limit)
+{
+  const float ground = groundHeight(points);
+  std::vector<Eigen::Vector2f> all;
+  for (const Eigen::Vector3f& p : points)
+  {
+    if (p.z() > ground + least_height)
+    {
+      all.emplace_back(p.head<2>());
+    }
+  }
+  const std::size_t step = all.size() / limit + 1;
+  std::vector<Eigen::Vector2f> thinned;
+  for (std::size_t i = 0; i < all.size(); i += step)
+  {
+    thinned.push_back(all[i]);
+  }
+  return thinned;
+}
+
+/** Cells that hold structure: 2, cells beside them: 1. */
+class GridFromAbove
+{
+ public:
+  explicit GridFromAbove(const std::vector<Eigen::Vector2f>& points)
+  {
+    Eigen::Vector2f low = points.front();
+    Eigen::Vector2f high = points.front();
+    for (const Eigen::Vector2f& p : points)
+    {
+      low = low.cwiseMin(p);
+      high = high.cwiseMax(p);
+    }
+    origin_ = low - Eigen::Vector2f::Constant(2 * static_cast<float>(cell_size));
+    width_ = cellOf(high.x(), origin_.x()) + 3;
+    height_ = cellOf(high.y(), origin_.y()) + 3;
+    cells_.assign(static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_), 0);
+    for (const Eigen::Vector2f& p : points)
+    {
+      const int x = cellOf(p.x(), origin_.x());
+      const int y = cellOf(p.y(), origin_.y());
+      for (int dy = -1; dy <= 1; ++dy)
+      {
+        for (int dx = -1; dx <= 1; ++dx)
+        {
+          std::uint8_t& cell = cells_[index(x + dx, y + dy)];
+          cell = std::max(cell, static_cast<std::uint8_t>(dx == 0 && dy == 0 ? 2 : 1));
+        }
+      }
+    }
+  }
+
+  [[nodiscard]] int score(int x, int y) const
+  {
+    return x < 0 || y < 0 || x >= width_ || y >= height_ ? 0 : cells_[index(x, y)];
+  }
+  [[nodiscard]] Eigen::Vector2i cell(const Eigen::Vector2f& p) const
+  {
+    return {cellOf(p.x(), origin_.x()), cellOf(p.y(), origin_.y())};
+  }
+
+ private:
+  [[nodiscard]] static int cellOf(float value, float origin)
+  {
+    return static_cast<int>(std::floor((value - origin) / static_cast<float>(cell_size)));
+  }
+  [[nodiscard]] std::size_t index(int x, int y) const
+  {
+    return static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) +
+           static_cast<std::size_t>(x);
+  }
+
+  Eigen::Vector2f origin_ = Eigen::Vector2f::Zero();
+  int width_ = 0;
+  int height_ = 0;
+  std::vector<std::uint8_t> cells_;
+};
+
+struct Placement
+{
+  int score = 0;
+  Eigen::Vector2i shift = Eigen::Vector2i::Zero();  //!< cells
+};
+
+Placement bestShift(const GridFromAbove& grid, const std::vector<Eigen::Vector2i>& cells, int range)
+{
+  Placement best;
+  for (int dy = -range; dy <= range; ++dy)
+  {
+    for (int dx = -range; dx <= range; ++dx)
+    {
+      int score = 0;
+      for (const Eigen::Vector2i& c : cells)
+      {
+        score += grid.score(c.x() + dx, c.y() + dy);
+      }
+      const Eigen::Vector2i shift(dx, dy);
+      if (score > best.score ||
+          (score == best.score && shift.squaredNorm() < best.shift.squaredNorm()))
+      {
+        best = {score, shift};
+      }
+    }
+  }
+  return best;
+}
+}  // namespace
+
+RegistrationTarget::RegistrationTarget(std::vector<Eigen::Vector3f> points,
+                                       const KeyframeRegistrationOptions& options)
+    : options_(options), points_(std::move(points)), tree_(points_)
+{
+  ThreadPool pool(1);
+  const std::vector<LocalShape> shapes =
+      estimateNormals(points_, tree_, static_cast<std::size_t>(options.normal_neighbours),
+                      static_cast<float>(options.normal_radius), Eigen::Vector3f::Zero(), pool);
+  normals_.reserve(shapes.size());
+  for (const LocalShape& shape : shapes)
+  {
+    const bool surface = shape.valid() && shape.spread.x() < 0.3F * shape.spread.y();
+    normals_.push_back(surface ? shape.normal : Eigen::Vector3f(Eigen::Vector3f::Zero()));
+  }
+}
+
+RegistrationTarget::Normals RegistrationTarget::accumulate(
+    const std::vector<Eigen::Vector3f>& source,
+    const Pose& T_target_source,
+    double max_distance) const
+{
+  Normals sum;
+  const Eigen::Isometry3f T = T_target_source.cast<float>();
+  const double width2 = options_.robust_width * options_.robust_width;
+  for (const Eigen::Vector3f& p : source)
+  {
+    Neighbour near;
+    const Eigen::Vector3f moved = T * p;
+    if (!tree_.nearest(moved, near, static_cast<float>(max_distance)) ||
+        normals_[near.index].isZero(0))
+    {
+      continue;
+    }
+    const Eigen::Vector3d n = normals_[near.index].cast<double>();
+    const double distance = n.dot((moved - points_[near.index]).cast<double>());
+    // Geman-McClure
+    const double scale = width2 / (width2 + distance * distance);
+    const double weight = scale * scale;
+    // d(distance)/dx for T exp(x): n' R [I, -skew(p)]
+    Vector6 J;
+    J.head<3>() = T_target_source.linear().transpose() * n;
+    J.tail<3>() = p.cast<double>().cross(J.head<3>());
+    sum.H.noalias() += weight * J * J.transpose();
+    sum.b.noalias() += weight * distance * J;
+    sum.translation.noalias() += weight * n * n.transpose();
+    sum.squares += weight * distance * distance;
+    sum.weights += weight;
+    ++sum.pairs;
+  }
+  return sum;
+}
+
+KeyframeRegistrationResult RegistrationTarget::align(const std::vector<Eigen::Vector3f>& source,
+                                                     const Pose& T_target_source_guess) const
+{
+  KeyframeRegistrationResult result;
+  result.T_target_source = T_target_source_guess;
+  double distance = options_.coarse_distance;
+  for (; result.iterations < options_.max_iterations; ++result.iterations)
+  {
+    const Normals sum = accumulate(source, result.T_target_source, distance);
+    if (sum.pairs < least_pairs)
+    {
+      return result;
+    }
+    const Matrix6 damped = sum.H + 1e-6 * sum.weights * Matrix6::Identity();
+    const Vector6 step = -damped.ldlt().solve(sum.b);
+    result.T_target_source = result.T_target_source * expSE3(step);
+    const bool still = step.head<3>().norm() < 1e-3 && step.tail<3>().norm() < 1e-4;
+    if (still && distance <= options_.fine_distance)
+    {
+      result.converged = true;
+      break;
+    }
+    distance = std::max(options_.fine_distance, distance * (still ? 0.5 : 0.8));
+  }
+  const Normals sum = accumulate(source, result.T_target_source, options_.fine_distance);
+  if (sum.pairs < least_pairs)
+  {
+    result.converged = false;
+    return result;
+  }
+  result.T_target_source = orthonormalized(result.T_target_source);
+  result.overlap = static_cast<double>(sum.pairs) / static_cast<double>(source.size());
+  result.rmse = std::sqrt(sum.squares / sum.weights);
+  const Eigen::Vector3d strengths =
+      Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(sum.translation).eigenvalues();
+  result.observability = strengths[0] / strengths[2];
+  const double sigma = std::max(result.rmse, options_.noise_floor);
+  Vector6 floor;
+  floor << Eigen::Vector3d::Constant(options_.sigma_translation * options_.sigma_translation),
+      Eigen::Vector3d::Constant(options_.sigma_rotation * options_.sigma_rotation);
+  Matrix6 covariance = sigma * sigma * (sum.H + 1e-6 * sum.weights * Matrix6::Identity()).inverse();
+  covariance.diagonal() += floor;
+  result.information = covariance.inverse();
+  result.information = 0.5 * (result.information + result.information.transpose()).eval();
+  return result;
+}
+
+std::optional<Pose> correlateFromAbove(const std::vector<Eigen::Vector3f>& source,
+                                       const std::vector<Eigen::Vector3f>& target,
+                                       const Pose& T_target_source_guess,
+                                       double range,
+                                       double heading_range)
+{
+  if (source.empty() || target.empty())
+  {
+    return std::nullopt;
+  }
+  const std::vector<Eigen::Vector2f> above = structureOf(source, most_points);
+  const std::vector<Eigen::Vector2f> base = structureOf(target, target.size() + 1);
+  if (above.size() < 20 || base.size() < 20)
+  {
+    return std::nullopt;
+  }
+  const GridFromAbove grid(base);
+  const double heading_guess = yawPitchRoll(T_target_source_guess).x();
+  const Eigen::Vector2f offset = T_target_source_guess.translation().head<2>().cast<float>();
+  constexpr double heading_step = 0.035;
+  const int headings = static_cast<int>(std::ceil(heading_range / heading_step));
+  Placement best;
+  double best_heading = heading_guess;
+  std::vector<Eigen::Vector2i> cells(above.size());
+  for (int k = -headings; k <= headings; ++k)
+  {
+    const double heading = heading_guess + k * heading_step;
+    const Eigen::Rotation2Df turn(static_cast<float>(heading));
+    for (std::size_t i = 0; i < above.size(); ++i)
+    {
+      cells[i] = grid.cell(turn * above[i] + offset);
+    }
+    const Placement placement =
+        bestShift(grid, cells, static_cast<int>(std::ceil(range / cell_size)));
+    if (placement.score > best.score)
+    {
+      best = placement;
+      best_heading = heading;
+    }
+  }
+  if (best.score == 0)
+  {
+    return std::nullopt;
+  }
+  Pose pose = T_target_source_guess;
+  pose.linear() =
+      Eigen::AngleAxisd(best_heading - heading_guess, Eigen::Vector3d::UnitZ()) * pose.linear();
+  pose.translation().head<2>() += cell_size * best.shift.cast<double>();
+  return pose;
+}
+}  // namespace dyslam

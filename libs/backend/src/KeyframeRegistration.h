@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <dyslam/core/NeighbourSearch.h>
+#include <dyslam/core/Pose.h>
+
+#include <Eigen/Core>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace dyslam
+{
+struct KeyframeRegistrationOptions
+{
+  double coarse_distance = 3.0;  //!< counterparts at most this far at first [m] ...
+  double fine_distance = 0.6;    //!< ... and at last
+  int max_iterations = 30;
+  int normal_neighbours = 10;
+  double normal_radius = 1.5;       //!< [m]
+  double robust_width = 0.2;        //!< point-to-plane distance from which weights fall [m]
+  double noise_floor = 0.05;        //!< least standard deviation of a point-to-plane distance [m]
+  double sigma_translation = 0.03;  //!< added to the covariance: neighbouring points err alike [m]
+  double sigma_rotation = 0.002;    //!< [rad]
+};
+
+struct KeyframeRegistrationResult
+{
+  Pose T_target_source = Pose::Identity();
+  Matrix6 information = Matrix6::Identity();  //!< over the tangent of T_target_source
+  bool converged = false;
+  int iterations = 0;
+  double overlap = 0;        //!< fraction of source points with a counterpart on a surface
+  double rmse = 0;           //!< of their point-to-plane distances [m]
+  double observability = 0;  //!< weakest against strongest direction of translation, 0..1
+};
+
+/** A cloud made ready to register others to. */
+class RegistrationTarget
+{
+ public:
+  RegistrationTarget(std::vector<Eigen::Vector3f> points,
+                     const KeyframeRegistrationOptions& options);
+
+  /** Point-to-plane Gauss-Newton with robust weights; counterparts narrow from coarse to fine. */
+  [[nodiscard]] KeyframeRegistrationResult align(const std::vector<Eigen::Vector3f>& source,
+                                                 const Pose& T_target_source_guess) const;
+
+  [[nodiscard]] const std::vector<Eigen::Vector3f>& points() const { return points_; }
+
+ private:
+  struct Normals
+  {
+    Matrix6 H = Matrix6::Zero();
+    Vector6 b = Vector6::Zero();
+    Eigen::Matrix3d translation = Eigen::Matrix3d::Zero();
+    double squares = 0;
+    double weights = 0;
+    std::size_t pairs = 0;
+  };
+  [[nodiscard]] Normals accumulate(const std::vector<Eigen::Vector3f>& source,
+                                   const Pose& T_target_source,
+                                   double max_distance) const;
+
+  KeyframeRegistrationOptions options_;
+  std::vector<Eigen::Vector3f> points_;
+  std::vector<Eigen::Vector3f> normals_;  //!< zero where there is no surface
+  KdTree tree_;
+};
+
+/** Where the source lies best over the target seen from above, by counting structure that meets in
+ * a grid: heading within `heading_range` of the guess, offset within `range` of it.
+ * \return the best planar pose with the guess's height, roll and pitch; nothing if nothing meets.
+ */
+[[nodiscard]] std::optional<Pose> correlateFromAbove(const std::vector<Eigen::Vector3f>& source,
+                                                     const std::vector<Eigen::Vector3f>& target,
+                                                     const Pose& T_target_source_guess,
+                                                     double range,
+                                                     double heading_range);
+}  // namespace dyslam

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstdint>
+#include <vector>
+
+namespace dyslam
+{
+/** The look of a place from above: the greatest height over the ground in each cell of a polar grid
+ * around the vehicle. A turn of the vehicle shifts its columns (the idea of Kim & Kim, "Scan
+ * Context", IROS 2018). */
+class PolarDescriptor
+{
+ public:
+  static constexpr std::size_t rings = 20;
+  static constexpr std::size_t sectors = 60;
+
+  PolarDescriptor() = default;
+  /** \param points vehicle frame [m] \param max_range of the outermost ring [m] */
+  PolarDescriptor(const std::vector<Eigen::Vector3f>& points, double max_range);
+
+  struct Match
+  {
+    double distance = 1;  //!< 0 same, 1 nothing in common
+    double heading = 0;   //!< of the other's vehicle in this one's frame [rad]
+  };
+  /** Best over all headings. */
+  [[nodiscard]] Match match(const PolarDescriptor& other) const;
+
+  /** Mean height per ring does not change with heading; this is how much it differs. */
+  [[nodiscard]] double ringDifference(const PolarDescriptor& other) const;
+
+ private:
+  std::array<std::uint8_t, rings * sectors> heights_{};  //!< 1/16 m, sector by sector
+  std::array<float, rings> ring_means_{};
+};
+}  // namespace dyslam
