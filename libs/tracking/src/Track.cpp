@@ -245,6 +245,7 @@ void Track::judgeMotion()
 void Track::miss()
 {
   ++misses_;
+  ++all_misses_;
   detection_ = -1;
 }
 
@@ -269,7 +270,7 @@ TrackedObject Track::object() const
   object.observed = detection_ >= 0;
   object.detection = detection_;
   object.age = age_;
-  object.score = score_sum_ / hits_;
+  object.score = score_sum_ / (hits_ + options_->score_prior + options_->miss_prior * all_misses_);
   return object;
 }
 }  // namespace dyslam

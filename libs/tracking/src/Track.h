@@ -73,7 +73,8 @@ class Track
   ObjectClass object_class_ = ObjectClass::unknown;
   double score_sum_ = 0;
   int hits_ = 1;
-  int misses_ = 0;
+  int misses_ = 0;  //!< in a row
+  int all_misses_ = 0;
   int age_ = 0;
   bool confirmed_ = false;
   bool dynamic_ = false;

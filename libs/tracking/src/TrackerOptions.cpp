@@ -93,6 +93,9 @@ void TrackerOptions::describe(OptionsVisitor& v)
   v.real("class_mismatch_cost", class_mismatch_cost, 0, 1000,
          "added to the cost of a pair of different kinds; above max_cost forbids it");
   v.real("size_gain", size_gain, 0, 1, "of one sighting's size");
+  v.real("score_prior", score_prior, 0, 1000,
+         "a track's score is the mean of its sightings' and this many zeros");
+  v.real("miss_prior", miss_prior, 0, 1000, "and this many zeros for every miss");
   v.degrees("yaw_rate_deg", yaw_rate, 0, 360, "how fast headings may turn, deg/s, one sigma");
   Prefixed vehicles(v, "vehicle_");
   vehicle.describe(vehicles);

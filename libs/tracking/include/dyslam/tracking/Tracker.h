@@ -58,6 +58,8 @@ struct TrackerOptions : Options
   bool complete_boxes = true;        //!< boxes of clusters grow to the size seen over time
   double class_mismatch_cost = 0.5;  //!< added to a pair of different kinds; 10 forbids it
   double size_gain = 0.2;            //!< of a sighting's size
+  double score_prior = 3;            //!< sightings scored 0 that every track starts with
+  double miss_prior = 1;             //!< how many sightings scored 0 a miss counts as
   double yaw_rate = 0.35;            //!< how fast headings may turn, one sigma [rad/s]
   ClassTracking vehicle;
   ClassTracking cyclist;

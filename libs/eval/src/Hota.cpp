@@ -1,0 +1,211 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/Assignment.h>
+#include <dyslam/eval/TrackMetrics.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <utility>
+
+#include "TrackPreparation.h"
+
+namespace dyslam
+{
+namespace
+{
+using track_evaluation::EvaluationFrame;
+using track_evaluation::Sequence;
+using Ids = std::pair<int, int>;
+
+constexpr double nothing = std::numeric_limits<double>::infinity();
+
+/** The frame without what the rules pass over: such reference boxes, estimates matched to them, and
+ * unmatched estimates that are excused. */
+EvaluationFrame relevant(const EvaluationFrame& frame, double min_iou)
+{
+  CostMatrix cost = frame.iou;
+  for (Eigen::Index i = 0; i < cost.size(); ++i)
+  {
+    double& c = cost.data()[i];
+    c = c >= min_iou ? 1 - c : nothing;
+  }
+  const Assignment matched = assignShortestPaths(cost);
+  std::vector<Eigen::Index> rows;
+  std::vector<Eigen::Index> columns;
+  EvaluationFrame kept;
+  for (std::size_t i = 0; i < frame.reference_id.size(); ++i)
+  {
+    if (!frame.passed_over[i])
+    {
+      rows.push_back(static_cast<Eigen::Index>(i));
+      kept.reference_id.push_back(frame.reference_id[i]);
+    }
+  }
+  for (std::size_t j = 0; j < frame.estimate_id.size(); ++j)
+  {
+    const int row = matched.row_of_column[j];
+    const bool passed_over =
+        row >= 0 ? frame.passed_over[static_cast<std::size_t>(row)] : frame.excusable[j];
+    if (!passed_over)
+    {
+      columns.push_back(static_cast<Eigen::Index>(j));
+      kept.estimate_id.push_back(frame.estimate_id[j]);
+    }
+  }
+  kept.iou.resize(static_cast<Eigen::Index>(rows.size()),
+                  static_cast<Eigen::Index>(columns.size()));
+  for (std::size_t i = 0; i < rows.size(); ++i)
+  {
+    for (std::size_t j = 0; j < columns.size(); ++j)
+    {
+      kept.iou(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)) =
+          frame.iou(rows[i], columns[j]);
+    }
+  }
+  return kept;
+}
+
+/** Sums over all sequences at one IoU threshold. */
+struct Sums
+{
+  double true_positives = 0;
+  double misses = 0;
+  double false_alarms = 0;
+  double overlap = 0;
+  double association = 0;  //!< sum over true positives of their pair's Jaccard index
+};
+
+class HotaSequence
+{
+ public:
+  explicit HotaSequence(const Sequence& sequence)
+  {
+    for (const EvaluationFrame& frame : sequence.frames)
+    {
+      frames_.push_back(relevant(frame, 0.5));
+    }
+    for (const EvaluationFrame& frame : frames_)
+    {
+      note(frame);
+    }
+  }
+
+  void add(double alpha, Sums& sums) const
+  {
+    std::map<Ids, double> pairs;
+    for (const EvaluationFrame& frame : frames_)
+    {
+      const Assignment matched = assignShortestPaths(matchingCost(frame), 0.0);
+      double hits = 0;
+      for (std::size_t i = 0; i < frame.reference_id.size(); ++i)
+      {
+        const int j = matched.column_of_row[i];
+        if (j >= 0 && frame.iou(static_cast<Eigen::Index>(i), j) >= alpha - 1e-9)
+        {
+          hits += 1;
+          sums.overlap += frame.iou(static_cast<Eigen::Index>(i), j);
+          pairs[{frame.reference_id[i], frame.estimate_id[static_cast<std::size_t>(j)]}] += 1;
+        }
+      }
+      sums.true_positives += hits;
+      sums.misses += static_cast<double>(frame.reference_id.size()) - hits;
+      sums.false_alarms += static_cast<double>(frame.estimate_id.size()) - hits;
+    }
+    for (const auto& [ids, count] : pairs)
+    {
+      sums.association +=
+          count * count / (reference_count_.at(ids.first) + estimate_count_.at(ids.second) - count);
+    }
+  }
+
+ private:
+  /** Who is likely to belong together over the whole sequence, before any threshold. */
+  void note(const EvaluationFrame& frame)
+  {
+    for (const int id : frame.reference_id)
+    {
+      reference_count_[id] += 1;
+    }
+    for (const int id : frame.estimate_id)
+    {
+      estimate_count_[id] += 1;
+    }
+    if (frame.iou.size() == 0)
+    {
+      return;
+    }
+    const Eigen::VectorXd rows = frame.iou.rowwise().sum();
+    const Eigen::RowVectorXd columns = frame.iou.colwise().sum();
+    for (Eigen::Index i = 0; i < frame.iou.rows(); ++i)
+    {
+      for (Eigen::Index j = 0; j < frame.iou.cols(); ++j)
+      {
+        if (frame.iou(i, j) > 0)
+        {
+          likely_[{frame.reference_id[static_cast<std::size_t>(i)],
+                   frame.estimate_id[static_cast<std::size_t>(j)]}] +=
+              frame.iou(i, j) / (rows[i] + columns[j] - frame.iou(i, j));
+        }
+      }
+    }
+  }
+
+  CostMatrix matchingCost(const EvaluationFrame& frame) const
+  {
+    CostMatrix cost = CostMatrix::Constant(frame.iou.rows(), frame.iou.cols(), nothing);
+    for (Eigen::Index i = 0; i < cost.rows(); ++i)
+    {
+      for (Eigen::Index j = 0; j < cost.cols(); ++j)
+      {
+        if (frame.iou(i, j) > 0)
+        {
+          const Ids ids{frame.reference_id[static_cast<std::size_t>(i)],
+                        frame.estimate_id[static_cast<std::size_t>(j)]};
+          const double together = likely_.at(ids);
+          const double jaccard = together / (reference_count_.at(ids.first) +
+                                             estimate_count_.at(ids.second) - together);
+          cost(i, j) = -jaccard * frame.iou(i, j);
+        }
+      }
+    }
+    return cost;
+  }
+
+  std::vector<EvaluationFrame> frames_;
+  std::map<int, double> reference_count_;
+  std::map<int, double> estimate_count_;
+  std::map<Ids, double> likely_;
+};
+}  // namespace
+
+Hota hota(const std::vector<TrackSequence>& sequences, const TrackRules& rules)
+{
+  std::vector<HotaSequence> prepared;
+  for (const Sequence& sequence : track_evaluation::prepare(sequences, rules))
+  {
+    prepared.emplace_back(sequence);
+  }
+  constexpr int alphas = 19;
+  const auto ratio = [](double a, double b) { return b > 0 ? a / b : 0.0; };
+  Hota mean;
+  for (int k = 1; k <= alphas; ++k)
+  {
+    Sums sums;
+    for (const HotaSequence& sequence : prepared)
+    {
+      sequence.add(0.05 * k, sums);
+    }
+    const double detection =
+        ratio(sums.true_positives, sums.true_positives + sums.misses + sums.false_alarms);
+    const double association = ratio(sums.association, sums.true_positives);
+    mean.detection += detection / alphas;
+    mean.association += association / alphas;
+    mean.hota += std::sqrt(detection * association) / alphas;
+    // With nothing found there is nothing to localise badly.
+    mean.localization +=
+        (sums.true_positives > 0 ? sums.overlap / sums.true_positives : 1.0) / alphas;
+  }
+  return mean;
+}
+}  // namespace dyslam

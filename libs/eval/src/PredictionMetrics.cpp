@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/eval/PredictionMetrics.h>
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+namespace dyslam
+{
+PredictionError predictionError(StepPredictor& predictor,
+                                const GroundPath& sightings,
+                                const GroundPath& truth,
+                                std::size_t warm_up)
+{
+  std::vector<double> errors;
+  double sum = 0;
+  std::size_t seen = 0;
+  for (const auto& [frame, position] : sightings)
+  {
+    predictor.see(frame, position);
+    ++seen;
+    const auto next = truth.find(frame + 1);
+    if (seen < warm_up || next == truth.end())
+    {
+      continue;
+    }
+    if (const auto predicted = predictor.predict(frame + 1))
+    {
+      errors.push_back((*predicted - next->second).norm());
+      sum += errors.back() * errors.back();
+    }
+  }
+  PredictionError result;
+  result.predictions = errors.size();
+  if (!errors.empty())
+  {
+    result.rmse = std::sqrt(sum / static_cast<double>(errors.size()));
+    std::sort(errors.begin(), errors.end());
+    result.median = errors[errors.size() / 2];
+    result.largest = errors.back();
+  }
+  return result;
+}
+}  // namespace dyslam

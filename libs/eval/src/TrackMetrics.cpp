@@ -1,0 +1,269 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/Assignment.h>
+#include <dyslam/eval/TrackMetrics.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <map>
+#include <utility>
+
+#include "TrackPreparation.h"
+
+namespace dyslam
+{
+using track_evaluation::EvaluationFrame;
+using track_evaluation::prepare;
+using track_evaluation::sameType;
+using track_evaluation::Sequence;
+
+namespace
+{
+/** Per frame of one reference track: the estimate's id or -1, and whether it is passed over. */
+struct Life
+{
+  std::vector<int> matched;
+  std::vector<bool> passed_over;
+};
+
+constexpr double every_track = -std::numeric_limits<double>::infinity();
+
+class ClearMotCount
+{
+ public:
+  ClearMotCount(const TrackRules& rules, double threshold) : rules_(rules)
+  {
+    result_.threshold = threshold;
+  }
+
+  void add(const Sequence& sequence)
+  {
+    std::map<int, Life> lives;
+    for (const EvaluationFrame& frame : sequence.frames)
+    {
+      addFrame(frame, sequence.mean_score, lives);
+    }
+    for (const auto& [id, life] : lives)
+    {
+      addLife(life);
+    }
+  }
+
+  ClearMot result() const
+  {
+    ClearMot r = result_;
+    const auto ratio = [](double a, double b) { return b > 0 ? a / b : 0.0; };
+    const auto tp = static_cast<double>(r.matches);
+    const auto fp = static_cast<double>(r.false_alarms);
+    const auto fn = static_cast<double>(r.misses);
+    r.precision = ratio(tp, tp + fp);
+    r.recall = ratio(tp, tp + fn);
+    r.f1 = ratio(2 * r.precision * r.recall, r.precision + r.recall);
+    r.motp = ratio(overlap_, tp);
+    r.mota = r.references > 0 ? 1 - (fn + fp + static_cast<double>(r.id_switches)) /
+                                        static_cast<double>(r.references)
+                              : 0;
+    r.mostly_tracked = ratio(mostly_tracked_, lives_);
+    r.mostly_lost = ratio(mostly_lost_, lives_);
+    return r;
+  }
+
+  const std::vector<double>& matchScores() const { return match_scores_; }
+
+ private:
+  void addFrame(const EvaluationFrame& frame,
+                const std::map<int, double>& mean_score,
+                std::map<int, Life>& lives)
+  {
+    std::vector<Eigen::Index> kept;
+    for (std::size_t j = 0; j < frame.estimate_id.size(); ++j)
+    {
+      if (mean_score.at(frame.estimate_id[j]) >= result_.threshold)
+      {
+        kept.push_back(static_cast<Eigen::Index>(j));
+      }
+    }
+    CostMatrix cost(frame.iou.rows(), static_cast<Eigen::Index>(kept.size()));
+    for (Eigen::Index i = 0; i < cost.rows(); ++i)
+    {
+      for (Eigen::Index j = 0; j < cost.cols(); ++j)
+      {
+        const double iou = frame.iou(i, kept[static_cast<std::size_t>(j)]);
+        cost(i, j) = iou >= rules_.min_iou ? 1 - iou : std::numeric_limits<double>::infinity();
+      }
+    }
+    const Assignment assignment = assignShortestPaths(cost);
+    for (std::size_t i = 0; i < frame.reference_id.size(); ++i)
+    {
+      const int j = assignment.column_of_row[i];
+      Life& life = lives[frame.reference_id[i]];
+      life.passed_over.push_back(frame.passed_over[i]);
+      life.matched.push_back(-1);
+      result_.references += frame.passed_over[i] ? 0 : 1;
+      if (j < 0)
+      {
+        result_.misses += frame.passed_over[i] ? 0 : 1;
+        continue;
+      }
+      const auto estimate = static_cast<std::size_t>(kept[static_cast<std::size_t>(j)]);
+      life.matched.back() = frame.estimate_id[estimate];
+      overlap_ += 1 - cost(static_cast<Eigen::Index>(i), j);
+      ++result_.matches;
+      match_scores_.push_back(mean_score.at(frame.estimate_id[estimate]));
+    }
+    for (std::size_t j = 0; j < kept.size(); ++j)
+    {
+      if (assignment.row_of_column[j] < 0 && !frame.excusable[static_cast<std::size_t>(kept[j])])
+      {
+        ++result_.false_alarms;
+      }
+    }
+  }
+
+  void addLife(const Life& life)
+  {
+    const std::size_t length = life.matched.size();
+    std::size_t counted = 0;
+    std::size_t tracked = 0;
+    int last = -1;  // id that had it, until it is passed over
+    for (std::size_t f = 0; f < length; ++f)
+    {
+      if (life.passed_over[f])
+      {
+        last = -1;
+        continue;
+      }
+      ++counted;
+      const int now = life.matched[f];
+      const int before = f > 0 ? life.matched[f - 1] : -1;
+      const int after = f + 1 < length ? life.matched[f + 1] : now;
+      if (now >= 0 && last >= 0)
+      {
+        const bool seen_before = before >= 0 || rules_.switches_across_gaps;
+        result_.id_switches += now != last && seen_before ? 1 : 0;
+        result_.fragmentations += before != now && after >= 0 ? 1 : 0;
+      }
+      if (now >= 0)
+      {
+        ++tracked;
+        last = now;
+      }
+    }
+    if (counted == 0)
+    {
+      return;
+    }
+    lives_ += 1;
+    const double share = static_cast<double>(tracked) / static_cast<double>(counted);
+    mostly_tracked_ += share > 0.8 ? 1 : 0;
+    mostly_lost_ += share < 0.2 ? 1 : 0;
+  }
+
+  const TrackRules& rules_;
+  ClearMot result_;
+  double overlap_ = 0;
+  double lives_ = 0;
+  double mostly_tracked_ = 0;
+  double mostly_lost_ = 0;
+  std::vector<double> match_scores_;
+};
+
+ClearMotCount count(const std::vector<Sequence>& sequences,
+                    const TrackRules& rules,
+                    double threshold)
+{
+  ClearMotCount counted(rules, threshold);
+  for (const Sequence& sequence : sequences)
+  {
+    counted.add(sequence);
+  }
+  return counted;
+}
+
+/** Thresholds at which the matches' scores give recalls 1/n, 2/n, ... as nearly as they can. */
+std::vector<std::pair<double, double>> recallThresholds(std::vector<double> scores,
+                                                        std::size_t references,
+                                                        int points)
+{
+  std::sort(scores.begin(), scores.end(), std::greater<>());
+  std::vector<std::pair<double, double>> result;
+  const auto total = static_cast<double>(references);
+  double aim = 0;
+  for (std::size_t i = 0; i < scores.size(); ++i)
+  {
+    const bool last = i + 1 == scores.size();
+    const double here = static_cast<double>(i + 1) / total;
+    const double next = last ? here : static_cast<double>(i + 2) / total;
+    if (!last && next - aim < aim - here)
+    {
+      continue;  // the next score comes nearer
+    }
+    result.emplace_back(scores[i], aim);
+    aim += 1.0 / points;
+  }
+  if (!result.empty())
+  {
+    result.erase(result.begin());  // recall 0
+  }
+  return result;
+}
+}  // namespace
+
+TrackRules TrackRules::kitti(const std::string& type)
+{
+  TrackRules rules;
+  rules.type = type;
+  if (sameType(type, "Car"))
+  {
+    rules.neighbours = {"Van"};
+  }
+  if (sameType(type, "Pedestrian"))
+  {
+    rules.neighbours = {"Person_sitting"};
+  }
+  return rules;
+}
+
+ClearMot clearMot(const std::vector<TrackSequence>& sequences, const TrackRules& rules)
+{
+  return clearMot(sequences, rules, every_track);
+}
+
+ClearMot clearMot(const std::vector<TrackSequence>& sequences,
+                  const TrackRules& rules,
+                  double threshold)
+{
+  return count(prepare(sequences, rules), rules, threshold).result();
+}
+
+RecallAverages averagesOverRecall(const std::vector<TrackSequence>& sequences,
+                                  const TrackRules& rules,
+                                  int recall_points)
+{
+  const std::vector<Sequence> prepared = prepare(sequences, rules);
+  const ClearMotCount all = count(prepared, rules, every_track);
+  const ClearMot whole = all.result();
+  RecallAverages averages;
+  averages.best = whole;
+  for (const auto& [threshold, recall] :
+       recallThresholds(all.matchScores(), whole.matches + whole.misses, recall_points))
+  {
+    RecallAverages::Point point;
+    point.recall = recall;
+    point.mot = count(prepared, rules, threshold).result();
+    // MOTA = 1 - errors / n, of which (1 - r) n misses are due to the recall aimed at.
+    const double smota = 1 - (1 - point.mot.mota - (1 - recall)) / recall;
+    point.smota = std::clamp(smota, 0.0, 1.0);
+    averages.samota += point.smota / recall_points;
+    averages.amota += point.mot.mota / recall_points;
+    averages.amotp += point.mot.motp / recall_points;
+    if (point.mot.mota > averages.best.mota)
+    {
+      averages.best = point.mot;
+    }
+    averages.points.push_back(point);
+  }
+  return averages;
+}
+}  // namespace dyslam

@@ -1,0 +1,172 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "TrackPreparation.h"
+
+#include <dyslam/core/BoxOverlap.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <string>
+#include <utility>
+
+namespace dyslam::track_evaluation
+{
+namespace
+{
+std::string lowered(std::string text)
+{
+  std::transform(text.begin(), text.end(), text.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return text;
+}
+
+double imageArea(const Eigen::Vector4d& box)
+{
+  return std::max(0.0, box[2] - box[0]) * std::max(0.0, box[3] - box[1]);
+}
+
+/** How much of image box a lies in b. */
+double imageShare(const Eigen::Vector4d& a, const Eigen::Vector4d& b)
+{
+  const double width = std::min(a[2], b[2]) - std::max(a[0], b[0]);
+  const double height = std::min(a[3], b[3]) - std::max(a[1], b[1]);
+  const double area = imageArea(a);
+  return width > 0 && height > 0 && area > 0 ? width * height / area : 0;
+}
+
+class Preparation
+{
+ public:
+  Preparation(const TrackSequence& input, const TrackRules& rules) : input_(input), rules_(rules)
+  {
+    const auto count = static_cast<std::size_t>(std::max(0, input.frames));
+    references_.resize(count);
+    areas_.resize(count);
+    estimates_.resize(count);
+  }
+
+  Sequence run()
+  {
+    distribute();
+    Sequence sequence;
+    std::map<int, std::pair<double, int>> sums;
+    for (std::size_t f = 0; f < references_.size(); ++f)
+    {
+      sequence.frames.push_back(frame(f));
+      for (const LabelledBox* box : estimates_[f])
+      {
+        sums[box->id].first += box->score;
+        sums[box->id].second += 1;
+      }
+    }
+    for (const auto& [id, sum] : sums)
+    {
+      sequence.mean_score[id] = sum.first / sum.second;
+    }
+    return sequence;
+  }
+
+ private:
+  using Boxes = std::vector<const LabelledBox*>;
+
+  bool inside(const LabelledBox& box) const { return box.frame >= 0 && box.frame < input_.frames; }
+  bool wanted(const LabelledBox& box) const
+  {
+    return rules_.type.empty() || sameType(box.type, rules_.type);
+  }
+  bool neighbour(const LabelledBox& box) const
+  {
+    return std::any_of(rules_.neighbours.begin(), rules_.neighbours.end(),
+                       [&](const std::string& type) { return sameType(type, box.type); });
+  }
+
+  void distribute()
+  {
+    for (const LabelledBox& box : input_.reference)
+    {
+      if (!inside(box))
+      {
+        continue;
+      }
+      const auto f = static_cast<std::size_t>(box.frame);
+      if (sameType(box.type, "DontCare"))
+      {
+        areas_[f].push_back(&box);
+      }
+      else if (box.id >= 0 && (wanted(box) || neighbour(box)))
+      {
+        references_[f].push_back(&box);
+      }
+    }
+    for (const LabelledBox& box : input_.estimate)
+    {
+      if (inside(box) && wanted(box))
+      {
+        estimates_[static_cast<std::size_t>(box.frame)].push_back(&box);
+      }
+    }
+  }
+
+  EvaluationFrame frame(std::size_t f) const
+  {
+    EvaluationFrame result;
+    for (const LabelledBox* box : references_[f])
+    {
+      result.reference_id.push_back(box->id);
+      result.passed_over.push_back(
+          (rules_.image_rules &&
+           (box->occluded > rules_.max_occluded || box->truncated > rules_.max_truncated)) ||
+          !wanted(*box));
+    }
+    for (const LabelledBox* box : estimates_[f])
+    {
+      result.estimate_id.push_back(box->id);
+      bool excusable = false;
+      if (rules_.image_rules)
+      {
+        excusable = std::abs(box->image_box[3] - box->image_box[1]) <= rules_.min_image_height;
+        for (const LabelledBox* area : areas_[f])
+        {
+          excusable =
+              excusable || imageShare(box->image_box, area->image_box) > rules_.max_dontcare;
+        }
+      }
+      result.excusable.push_back(excusable);
+    }
+    result.iou.resize(static_cast<Eigen::Index>(references_[f].size()),
+                      static_cast<Eigen::Index>(estimates_[f].size()));
+    for (std::size_t i = 0; i < references_[f].size(); ++i)
+    {
+      for (std::size_t j = 0; j < estimates_[f].size(); ++j)
+      {
+        result.iou(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)) =
+            boxIou(references_[f][i]->box, estimates_[f][j]->box);
+      }
+    }
+    return result;
+  }
+
+  const TrackSequence& input_;
+  const TrackRules& rules_;
+  std::vector<Boxes> references_;
+  std::vector<Boxes> areas_;
+  std::vector<Boxes> estimates_;
+};
+
+}  // namespace
+
+bool sameType(const std::string& a, const std::string& b)
+{
+  return lowered(a) == lowered(b);
+}
+
+std::vector<Sequence> prepare(const std::vector<TrackSequence>& sequences, const TrackRules& rules)
+{
+  std::vector<Sequence> prepared;
+  for (const TrackSequence& sequence : sequences)
+  {
+    prepared.push_back(Preparation(sequence, rules).run());
+  }
+  return prepared;
+}
+}  // namespace dyslam::track_evaluation
