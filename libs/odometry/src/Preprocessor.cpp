@@ -51,11 +51,11 @@ Cloud Preprocessor::prepare(const Scan& scan, const Pose& T_previous_current, do
   const bool by_azimuth =
       moving && !by_time &&
       (options_.deskew == DeskewMode::azimuth || options_.deskew == DeskewMode::automatic);
-  // Times are told as seconds since the stamp: the motion of one second, about time 0.
-  const SweepMotion motion = by_time
-                                 ? SweepMotion(scaled(T_previous_current, 1 / dt), 0)
-                                 : SweepMotion(by_azimuth ? T_previous_current : Pose::Identity(),
-                                               options_.sweep_reference);
+  const bool skewed = by_time || by_azimuth;
+  const Pose T_sweep = skewed ? T_previous_current : Pose::Identity();
+  const SweepMotion motion(T_sweep, 0);
+  const auto per_dt = static_cast<float>(moving ? 1 / dt : 0);
+  const auto reference = static_cast<float>(options_.sweep_reference);
   const Eigen::Matrix3f R = scan.T_vehicle_lidar.linear().cast<float>();
   const Eigen::Vector3f t = scan.T_vehicle_lidar.translation().cast<float>();
   const auto min2 = static_cast<float>(options_.min_range * options_.min_range);
@@ -65,6 +65,7 @@ Cloud Preprocessor::prepare(const Scan& scan, const Pose& T_previous_current, do
   {
     std::vector<Eigen::Vector3f> points;
     std::vector<std::uint32_t> source;
+    std::vector<float> phase;
   };
   std::vector<Part> parts(ThreadPool::chunkCount(count, chunk_size));
   pool_.forChunks(count, chunk_size,
@@ -83,17 +84,16 @@ Cloud Preprocessor::prepare(const Scan& scan, const Pose& T_previous_current, do
                         continue;
                       }
                       Eigen::Vector3f q = R * p + t;
-                      if (by_time)
+                      if (skewed)
                       {
-                        q = motion.toReference(q, scan.time[i]);
+                        const float phase = by_time ? scan.time[i] * per_dt
+                                                    : sweepFraction(p, options_.sweep) - reference;
+                        q = motion.toReference(q, phase);
                         if (!q.allFinite())
                         {
                           continue;
                         }
-                      }
-                      else if (by_azimuth)
-                      {
-                        q = motion.toReference(q, sweepFraction(p, options_.sweep));
+                        part.phase.push_back(phase);
                       }
                       part.points.push_back(q);
                       part.source.push_back(static_cast<std::uint32_t>(i));
@@ -101,12 +101,14 @@ Cloud Preprocessor::prepare(const Scan& scan, const Pose& T_previous_current, do
                   });
 
   Cloud cloud;
+  cloud.T_sweep = T_sweep;
   cloud.points.reserve(count);
   cloud.source.reserve(count);
   for (const Part& part : parts)
   {
     cloud.points.insert(cloud.points.end(), part.points.begin(), part.points.end());
     cloud.source.insert(cloud.source.end(), part.source.begin(), part.source.end());
+    cloud.phase.insert(cloud.phase.end(), part.phase.begin(), part.phase.end());
   }
   if (has_intensity)
   {

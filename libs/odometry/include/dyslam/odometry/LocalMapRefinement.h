@@ -24,11 +24,22 @@ enum class RefineMethod
 struct RefineOptions : Options
 {
   RefineMethod method = RefineMethod::point_to_plane;
-  double voxel_size = 0.5;         //!< of the map [m]
-  double sample_voxel_size = 1.0;  //!< scan points are thinned to one per cube of this side [m]
-  int max_points = 6000;           //!< cap on registered points per scan
-  double map_radius = 100;         //!< farther map cells are dropped [m]
-  int max_iterations = 12;
+  double cell_size = 0.5;             //!< of the map; surfaces are read from three cells across [m]
+  double cell_points = 200;           //!< a cell with this many points takes no more
+  double map_spacing = 0.1;           //!< nearer followers along a ring are left out [m]
+  double map_radius = 100;            //!< farther cells are dropped [m]
+  double sample_size = 0.8;           //!< registered points: one per cube of this side [m]
+  int max_points = 10000;             //!< cap on registered points per scan
+  int max_iterations = 25;            //!< per level of the map
+  double kernel = 0.06;               //!< scale of the robust kernel once the guess is good [m]
+  double max_kernel = 0.6;            //!< its start where guesses have been bad [m]
+  double start_deviation = 2;         //!< how wrong the guess of the first motion may be [m]
+  double guess_sigma = 0.3;           //!< how far guesses are trusted: translation [m]
+  double guess_sigma_angle = 0.0349;  //!< ... and rotation [rad]
+  /** Residuals of neighbouring points err together: that many count as one measurement. Calibrated
+   * on KITTI drive 0005, so that the reported covariance is that of the errors seen there. */
+  double correlated_points = 50;
+  double min_inlier_share = 0.2;  //!< with less agreement the registration has failed
 
   void describe(OptionsVisitor& visitor) override;
 };
@@ -36,14 +47,16 @@ struct RefineOptions : Options
 struct RefineResult
 {
   Pose T_odom_vehicle = Pose::Identity();
-  /** Motion since the frame before. Its information is that of the registration to the map, of
-   * r = log(T_measured^-1 T) at this frame: honest along directions the scene does not fix, where
-   * it is small. */
+  /** Motion since the frame before. Its information is that of the registration, of
+   * r = log(T_measured^-1 T), plus the little that the guess gives: it stays small, but positive,
+   * along directions that the scene leaves open. */
   MotionEstimate motion;
-  /** The scene leaves at least one direction of motion open; there the guess was kept. */
+  /** The scene fixes some direction of motion less well than the guess does. */
   bool degenerate = false;
-  double threshold = 0;  //!< correspondence distance in force [m]
-  std::size_t map_cells = 0;
+  double inlier_share = 0;    //!< of the registered points, those that agree with the map
+  double kernel = 0;          //!< scale of the robust kernel at the start [m]
+  std::size_t points = 0;     //!< registered
+  std::size_t map_cells = 0;  //!< after the frame joined
 };
 
 /** Registration of each scan to a local map that it then joins: scan to map odometry.
@@ -61,8 +74,11 @@ class LocalMapRefinement
 
   /** Register Frame::cloud, starting from a guess of the pose, and add it to the map.
    *
-   * The first frame with points only starts the map, at the guess. On trouble the guess is kept,
-   * motion.converged is false with a reason and the map stays as it is. */
+   * A deskewed cloud (Cloud::phase) is deskewed anew with the motion found, while it is found; the
+   * frame's own cloud stays as it is. The first frame only starts the map, at the guess; the second
+   * also mends the deskewing of the first. On trouble the guess is kept, motion.converged is false
+   * with a reason and the map stays as it is; after five such frames with points the map is begun
+   * anew. */
   RefineResult refine(const Frame& frame, const Pose& T_odom_vehicle_guess);
 
   /** Pose after the last frame. */

@@ -1,0 +1,211 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "ScanToMap.h"
+
+#include <dyslam/core/Deskew.h>
+
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+
+namespace dyslam
+{
+namespace
+{
+constexpr std::size_t chunk_size = 512;
+/** Blobs and lines say too little about a normal. */
+constexpr float least_planarity = 0.2F;
+/** Residuals beyond this many kernel scales are outliers. */
+constexpr float gate = 4;
+/** A surface is read anew when the point moved by this share of a cell. */
+constexpr float reread_share = 0.2F;
+/** Noise of a range measurement [m]: a floor under all residuals' spread. */
+constexpr double sensor_sigma = 0.015;
+constexpr double kernel_decay = 0.6;
+}  // namespace
+
+void RawPoints::clear()
+{
+  points.clear();
+  phase.clear();
+  weight.clear();
+}
+
+void RawPoints::deskewed(const Pose& T_sweep,
+                         ThreadPool& pool,
+                         std::vector<Eigen::Vector3f>& result) const
+{
+  result.resize(points.size());
+  if (phase.empty())
+  {
+    std::copy(points.begin(), points.end(), result.begin());
+    return;
+  }
+  const SweepMotion motion(T_sweep, 0);
+  pool.forChunks(points.size(), 8192,
+                 [&](std::size_t begin, std::size_t end, std::size_t)
+                 {
+                   for (std::size_t i = begin; i < end; ++i)
+                   {
+                     result[i] = motion.toReference(points[i], phase[i]);
+                   }
+                 });
+}
+
+void ScanToMap::Sums::add(const Sums& other)
+{
+  H += other.H;
+  g += other.g;
+  error += other.error;
+  weight += other.weight;
+  agreeing += other.agreeing;
+  inliers += other.inliers;
+}
+
+void ScanToMap::refresh(Match& match,
+                        const Eigen::Vector3f& q,
+                        const SurfaceMap& map,
+                        const VoxelCell& base) const
+{
+  match.at = q;
+  match.surface = map.surfaceAt(q, base);
+  const float planarity = match.surface.planarity;
+  match.offset = match.surface.normal.dot(match.surface.mean);
+  match.weight = planarity > least_planarity ? planarity * planarity : 0;
+}
+
+void ScanToMap::accumulate(const RawPoints& scan,
+                           const std::vector<Eigen::Matrix3f>& shapes,
+                           const SurfaceMap& map,
+                           const Iteration& iteration,
+                           Sums& total)
+{
+  const SweepMotion motion(iteration.T_motion, 0);
+  const Eigen::Matrix3f& R = iteration.R;
+  const float k2 = iteration.kernel * iteration.kernel;
+  const float reread = reread_share * map.cellSize();
+  const bool skewed = !scan.phase.empty();
+  const bool weighted = !scan.weight.empty();
+  parts_.resize(ThreadPool::chunkCount(scan.size(), chunk_size));
+  const auto body = [&](std::size_t begin, std::size_t end, std::size_t chunk)
+  {
+    Sums sums;
+    for (std::size_t i = begin; i < end; ++i)
+    {
+      const Eigen::Vector3f p =
+          skewed ? motion.toReference(scan.points[i], scan.phase[i]) : scan.points[i];
+      const Eigen::Vector3f q = R * p + iteration.t;
+      Match& match = matches_[i];
+      if (!((q - match.at).lpNorm<Eigen::Infinity>() <= reread))
+      {
+        refresh(match, q, map, iteration.base);
+      }
+      const float own_weight = weighted ? scan.weight[i] : 1.0F;
+      sums.weight += static_cast<double>(own_weight);
+      if (match.weight <= 0)
+      {
+        continue;
+      }
+      const float r = match.surface.normal.dot(q) - match.offset;
+      const float r2 = r * r;
+      if (!(r2 <= gate * gate * k2))
+      {
+        continue;
+      }
+      // Geman-McClure
+      const float robust = k2 / (k2 + r2);
+      const float base_weight = own_weight * robust * robust;
+      if (iteration.distributions)
+      {
+        const Eigen::Matrix3f C = R.transpose() * match.surface.covariance * R + shapes[i] +
+                                  Eigen::Matrix3f::Identity() * 4e-4F;
+        const Eigen::Matrix3d M = C.inverse().cast<double>();
+        const Eigen::Vector3d e = (R.transpose() * (q - match.surface.mean)).cast<double>();
+        Eigen::Matrix<double, 3, 6> J;
+        J << Eigen::Matrix3d::Identity(), -skew(p.cast<double>());
+        // In units of a plane's residual, so that both methods' sums mean the same.
+        const double w = static_cast<double>(base_weight) * 8e-4;
+        const Eigen::Matrix<double, 6, 3> JtM = w * J.transpose() * M;
+        sums.H.noalias() += JtM * J;
+        sums.g.noalias() += JtM * e;
+      }
+      else
+      {
+        const double w = static_cast<double>(base_weight * match.weight);
+        const Eigen::Vector3f n = R.transpose() * match.surface.normal;
+        Vector6 J;
+        J << n.cast<double>(), p.cross(n).cast<double>();
+        const Vector6 wJ = w * J;
+        sums.H.noalias() += wJ * J.transpose();
+        sums.g.noalias() += wJ * static_cast<double>(r);
+      }
+      sums.error += static_cast<double>(base_weight * r2);
+      sums.agreeing += static_cast<double>(base_weight);
+      ++sums.inliers;
+    }
+    parts_[chunk] = sums;
+  };
+  pool_.forChunks(scan.size(), chunk_size, body);
+  for (const Sums& part : parts_)
+  {
+    total.add(part);
+  }
+}
+
+ScanToMapResult ScanToMap::align(const RawPoints& scan,
+                                 const std::vector<Eigen::Matrix3f>& shapes,
+                                 const SurfaceMap& map,
+                                 const Pose& T_before,
+                                 const Pose& T_guess,
+                                 const ScanToMapSettings& settings)
+{
+  ScanToMapResult result;
+  result.T = T_guess;
+  matches_.resize(scan.size());
+  for (Match& match : matches_)
+  {
+    match.at.setConstant(1e9F);
+  }
+  Iteration iteration;
+  iteration.base = map.cellOf(T_guess.translation());
+  iteration.distributions = settings.distributions;
+  const Eigen::Vector3d corner = map.corner(iteration.base);
+  double kernel = std::max(settings.kernel, settings.start_kernel);
+  while (result.iterations < settings.max_iterations)
+  {
+    iteration.T_motion = T_before.inverse() * result.T;
+    iteration.R = result.T.linear().cast<float>();
+    iteration.t = (result.T.translation() - corner).cast<float>();
+    iteration.kernel = static_cast<float>(kernel);
+    Sums sums;
+    accumulate(scan, shapes, map, iteration, sums);
+    ++result.iterations;
+
+    const double variance = sums.error / std::max(sums.agreeing, 1e-9);
+    const double unit =
+        (variance + sensor_sigma * sensor_sigma) * std::max(1.0, settings.correlated_points);
+    result.rmse = std::sqrt(variance);
+    result.inliers = sums.inliers;
+    result.inlier_share = sums.weight > 0 ? sums.agreeing / sums.weight : 0;
+    result.information = sums.H / unit;
+
+    const Vector6 off_guess = logSE3(T_guess.inverse() * result.T);
+    const Matrix6 H = result.information + Matrix6(settings.guess_information.asDiagonal());
+    const Vector6 g = sums.g / unit + settings.guess_information.asDiagonal() * off_guess;
+    const Vector6 step = -(H + 1e-9 * Matrix6::Identity()).ldlt().solve(g);
+    if (!step.allFinite())
+    {
+      break;
+    }
+    result.T = orthonormalized(result.T * expSE3(step));
+    if (kernel <= settings.kernel && step.head<3>().norm() < 3e-4 && step.tail<3>().norm() < 3e-5)
+    {
+      result.settled = true;
+      break;
+    }
+    result.settled = step.head<3>().norm() < 1e-2 && step.tail<3>().norm() < 1e-3;
+    kernel = std::max(settings.kernel, kernel_decay * kernel);
+  }
+  return result;
+}
+}  // namespace dyslam

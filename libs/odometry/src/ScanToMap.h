@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "SurfaceMap.h"
+
+namespace dyslam
+{
+/** Points of one scan as measured, before deskewing. */
+struct RawPoints
+{
+  std::vector<Eigen::Vector3f> points;  //!< vehicle frame at the moment of measurement [m]
+  std::vector<float> phase;             //!< as Cloud::phase; empty if there is nothing to deskew
+  std::vector<float> weight;            //!< in [0, 1]; empty for 1
+
+  [[nodiscard]] std::size_t size() const { return points.size(); }
+  void clear();
+  /** All points in the vehicle frame at the stamp, if the vehicle moves by `T_sweep`. */
+  void deskewed(const Pose& T_sweep, ThreadPool& pool, std::vector<Eigen::Vector3f>& result) const;
+};
+
+struct ScanToMapSettings
+{
+  bool distributions = false;  //!< distribution to distribution instead of point to plane
+  double start_kernel = 0.5;   //!< [m]
+  double kernel = 0.05;        //!< [m]
+  int max_iterations = 20;
+  Vector6 guess_information = Vector6::Zero();  //!< diagonal [1/m^2, 1/rad^2]
+  double correlated_points = 1;
+};
+
+struct ScanToMapResult
+{
+  Pose T = Pose::Identity();
+  Matrix6 information = Matrix6::Zero();  //!< of the points alone, of log(T_measured^-1 T)
+  int iterations = 0;
+  std::size_t inliers = 0;
+  double inlier_share = 0;  //!< of the weight of all points
+  double rmse = 0;          //!< of the inliers [m]
+  bool settled = false;
+};
+
+/** Robust Gauss-Newton of one scan against a SurfaceMap; keeps its working memory. */
+class ScanToMap
+{
+ public:
+  explicit ScanToMap(ThreadPool& pool) : pool_(pool) {}
+
+  /** \param T_before pose of the frame before: the motion since then deskews the points
+   *  \param shapes covariances of the points in the vehicle frame, for distributions only */
+  ScanToMapResult align(const RawPoints& scan,
+                        const std::vector<Eigen::Matrix3f>& shapes,
+                        const SurfaceMap& map,
+                        const Pose& T_before,
+                        const Pose& T_guess,
+                        const ScanToMapSettings& settings);
+
+ private:
+  struct Match
+  {
+    Eigen::Vector3f at;  //!< where the surface was read
+    Surface surface;
+    float offset = 0;  //!< of the plane along its normal
+    float weight = 0;
+  };
+  struct Sums
+  {
+    Matrix6 H = Matrix6::Zero();
+    Vector6 g = Vector6::Zero();
+    double error = 0;
+    double weight = 0;
+    double agreeing = 0;
+    std::size_t inliers = 0;
+
+    void add(const Sums& other);
+  };
+  struct Iteration
+  {
+    Pose T_motion;  //!< since the frame before
+    Eigen::Matrix3f R;
+    Eigen::Vector3f t;
+    VoxelCell base;
+    float kernel = 0;
+    bool distributions = false;
+  };
+
+  void refresh(Match& match,
+               const Eigen::Vector3f& q,
+               const SurfaceMap& map,
+               const VoxelCell& base) const;
+  void accumulate(const RawPoints& scan,
+                  const std::vector<Eigen::Matrix3f>& shapes,
+                  const SurfaceMap& map,
+                  const Iteration& iteration,
+                  Sums& total);
+
+  ThreadPool& pool_;
+  std::vector<Match> matches_;
+  std::vector<Sums> parts_;
+};
+}  // namespace dyslam

@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <dyslam/core/Parallel.h>
+#include <dyslam/core/Pose.h>
+#include <dyslam/core/VoxelGrid.h>
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+namespace dyslam
+{
+/** The local surface around a place, told relative to a base point. */
+struct Surface
+{
+  Eigen::Vector3f normal = Eigen::Vector3f::Zero();
+  Eigen::Vector3f mean = Eigen::Vector3f::Zero();  //!< minus the base [m]
+  Eigen::Matrix3f covariance = Eigen::Matrix3f::Zero();
+  float planarity = 0;  //!< 1 plane, 0 line or blob
+  float count = 0;      //!< points behind it; 0 if there is no surface
+};
+
+/** A map of surfaces: moments of the points in each cell of a voxel hash.
+ *
+ * A surface is read from the 3x3x3 cells around a place, weighted by a quadratic B-spline, so that
+ * it changes smoothly with the place instead of jumping at cell borders. Cells are spread over a
+ * fixed number of shards, so that threads can add points without locks and with the same result
+ * for any number of threads. Positions are kept relative to their cell: no precision is lost far
+ * from the origin.
+ */
+class SurfaceMap
+{
+ public:
+  SurfaceMap(double cell_size, double max_count, ThreadPool& pool);
+
+  /** Add points given in a body's frame. \param weights one each, or empty for 1 */
+  void add(const std::vector<Eigen::Vector3f>& points,
+           const std::vector<float>& weights,
+           const Pose& T_map_body);
+
+  /** The same map in cells `factor` times as large. */
+  [[nodiscard]] SurfaceMap coarser(int factor) const;
+
+  /** Base cell for queries around a place. */
+  [[nodiscard]] VoxelCell cellOf(const Eigen::Vector3d& p) const;
+  [[nodiscard]] Eigen::Vector3d corner(const VoxelCell& c) const;
+
+  /** Surface around `p`, which like the answer is relative to the corner of `base`. */
+  [[nodiscard]] Surface surfaceAt(const Eigen::Vector3f& p, const VoxelCell& base) const;
+
+  /** Forget cells farther than `radius` from `center`. */
+  void crop(const Eigen::Vector3d& center, double radius);
+  void clear();
+  [[nodiscard]] std::size_t size() const;
+  [[nodiscard]] std::vector<Eigen::Vector3f> means() const;
+  [[nodiscard]] float cellSize() const { return size_; }
+
+ private:
+  /** Sums over points: weights, offsets from the cell's middle and their products. */
+  struct Moments
+  {
+    float count = 0;
+    Eigen::Vector3f sum = Eigen::Vector3f::Zero();
+    std::array<float, 6> products{0, 0, 0, 0, 0, 0};  //!< xx xy xz yy yz zz
+
+    /** Add `weight` times `other`, whose middle lies at `shift` from ours. */
+    void add(const Moments& other, float weight, const Eigen::Vector3f& shift);
+    void add(const Eigen::Vector3f& offset, float weight);
+  };
+  struct Cell
+  {
+    std::uint64_t key = 0;
+    VoxelCell cell;
+    Moments moments;
+  };
+  struct Shard
+  {
+    VoxelHash hash;
+    std::vector<Cell> cells;
+  };
+  struct Item
+  {
+    std::uint64_t key;
+    VoxelCell cell;
+    Eigen::Vector3f offset;
+    float weight;
+  };
+  static constexpr std::size_t shard_count = 8;
+
+  /** The cell's moments, new ones where it has none yet. */
+  Moments& momentsOf(std::uint64_t key, const VoxelCell& cell);
+
+  [[nodiscard]] static std::size_t shardOf(std::uint64_t key)
+  {
+    return static_cast<std::size_t>((key ^ (key >> 21) ^ (key >> 42)) % shard_count);
+  }
+
+  float size_;
+  float inverse_;
+  float max_count_;
+  ThreadPool& pool_;
+  std::array<Shard, shard_count> shards_;
+  std::vector<std::array<std::vector<Item>, shard_count>> buckets_;  //!< by chunk, reused
+};
+}  // namespace dyslam
