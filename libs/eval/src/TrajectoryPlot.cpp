@@ -23,6 +23,7 @@ const cv::Scalar white(255, 255, 255);
 const cv::Scalar ink(40, 40, 40);
 const cv::Scalar faint(228, 228, 228);
 const cv::Scalar frame_colour(150, 150, 150);
+const cv::Scalar reference_grey(185, 185, 185);
 // Blue, green, red; dark enough for white paper, apart for colour-blind eyes (Okabe and Ito).
 const std::array<cv::Scalar, 7> curve_colours{cv::Scalar(178, 114, 0),  cv::Scalar(0, 94, 213),
                                               cv::Scalar(115, 158, 0),  cv::Scalar(167, 121, 204),
@@ -282,8 +283,8 @@ void drawTopView(cv::Mat& page,
   std::vector<Curve> curves;
   Curve reference;
   reference.name = "reference";
-  reference.colour = cv::Scalar(60, 60, 60);
-  reference.thickness = 3 * supersampling;
+  reference.colour = reference_grey;
+  reference.thickness = 7 * supersampling;
   for (const auto& pose : items.front().pairs.reference)
   {
     reference.points.emplace_back(pose.translation()[a], pose.translation()[b]);
@@ -366,8 +367,8 @@ std::vector<std::uint8_t> renderTrajectoryPlot(const std::vector<TrajectoryPlotI
   std::vector<Curve> step_errors;
   std::vector<Curve> legend(1);
   legend.front().name = "reference (dot: start, square: end)";
-  legend.front().colour = cv::Scalar(60, 60, 60);
-  legend.front().thickness = 3 * supersampling;
+  legend.front().colour = reference_grey;
+  legend.front().thickness = 7 * supersampling;
   for (std::size_t i = 0; i < items.size(); ++i)
   {
     if (items[i].pairs.size() == 0)
@@ -384,7 +385,7 @@ std::vector<std::uint8_t> renderTrajectoryPlot(const std::vector<TrajectoryPlotI
       curve->colour = curve_colours[i % curve_colours.size()];
     }
   }
-  const int legend_height = static_cast<int>(legend.size()) * 24 * supersampling;
+  const int legend_height = (static_cast<int>(legend.size()) * 24 + 12) * supersampling;
   cv::Mat page(page_height + legend_height, page_width, CV_8UC3, white);
   text(page, options.title, {page_width / 2, 24 * supersampling}, Anchor::middle, 0.7);
   drawTopView(page, items, options);

@@ -34,6 +34,7 @@ class Table
   void addRow(std::vector<TableCell> cells);
 
   [[nodiscard]] std::size_t rows() const { return rows_.size(); }
+  [[nodiscard]] std::size_t columns() const { return columns_.size(); }
   [[nodiscard]] const std::string& title() const { return title_; }
 
   /** First column left-aligned, the others right-aligned; ends in a line feed. Columns in which

@@ -1,0 +1,136 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "LabelFolders.h"
+
+#include <dyslam/core/Error.h>
+#include <dyslam/io/Labels.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <map>
+#include <nlohmann/json.hpp>
+
+namespace dyslam
+{
+namespace
+{
+namespace fs = std::filesystem;
+
+/** `.label` files by name, of the folder or of `labels` in it. */
+std::map<std::string, std::string> labelFiles(const std::string& folder)
+{
+  if (!fs::is_directory(folder))
+  {
+    throw UserError(folder + ": is not a folder");
+  }
+  const fs::path inner = fs::path(folder) / "labels";
+  std::map<std::string, std::string> files;
+  for (const auto& entry : fs::directory_iterator(fs::is_directory(inner) ? inner : fs::path(folder)))
+  {
+    if (entry.path().extension() == ".label")
+    {
+      files[entry.path().stem().string()] = entry.path().string();
+    }
+  }
+  if (files.empty())
+  {
+    throw UserError(folder + ": has no .label files");
+  }
+  return files;
+}
+
+TableCell share(std::optional<double> value)
+{
+  return {value, 4};
+}
+
+nlohmann::ordered_json orNull(std::optional<double> value)
+{
+  return value ? nlohmann::ordered_json(*value) : nlohmann::ordered_json();
+}
+}  // namespace
+
+LabelComparison compareLabelFolders(const std::string& reference, const std::string& estimate)
+{
+  const auto reference_files = labelFiles(reference);
+  const auto estimated_files = labelFiles(estimate);
+  LabelComparison result;
+  result.reference_scans = reference_files.size();
+  result.estimated_scans = estimated_files.size();
+  for (const auto& [name, path] : reference_files)
+  {
+    const auto match = estimated_files.find(name);
+    if (match != estimated_files.end())
+    {
+      const auto labels = readLabels(path);
+      result.evaluator.add(labels, readLabels(match->second, labels.size()));
+    }
+  }
+  if (result.evaluator.scans() == 0)
+  {
+    throw UserError(estimate + ": no .label file has the name of one in " + reference);
+  }
+  return result;
+}
+
+Table segmentationTable(const NamedComparisons& results)
+{
+  Table table({"estimate", "scans", "of", "IoU moving", "precision", "recall", "IoU static",
+               "moving points", "points"});
+  for (const auto& [name, r] : results)
+  {
+    const SegmentationScores& s = r.evaluator.scores();
+    const std::size_t moving = s.true_positives + s.false_negatives;
+    const std::size_t all = moving + s.true_negatives + s.false_positives;
+    table.addRow({name, TableCell(static_cast<double>(r.evaluator.scans()), 0),
+                  TableCell(static_cast<double>(r.reference_scans), 0), share(s.iou()),
+                  share(s.precision()), share(s.recall()), share(s.staticIou()),
+                  TableCell(static_cast<double>(moving), 0),
+                  TableCell(static_cast<double>(all), 0)});
+  }
+  return table;
+}
+
+Table classTable(const LabelComparison& result)
+{
+  Table table({"class", "label", "points", "called moving", "share"});
+  for (const auto& [label, scores] : result.evaluator.perClass())
+  {
+    table.addRow({semanticKittiName(label), TableCell(label, 0),
+                  TableCell(static_cast<double>(scores.points), 0),
+                  TableCell(static_cast<double>(scores.called_moving), 0),
+                  TableCell(static_cast<double>(scores.called_moving) /
+                                static_cast<double>(std::max<std::size_t>(scores.points, 1)),
+                            4)});
+  }
+  return table;
+}
+
+std::string segmentationJson(const NamedComparisons& results)
+{
+  nlohmann::ordered_json json;
+  json["segmentation"] = nlohmann::ordered_json::array();
+  for (const auto& [name, r] : results)
+  {
+    const SegmentationScores& s = r.evaluator.scores();
+    nlohmann::ordered_json entry{{"name", name},
+                                 {"scans", r.evaluator.scans()},
+                                 {"reference_scans", r.reference_scans},
+                                 {"iou_moving", orNull(s.iou())},
+                                 {"precision", orNull(s.precision())},
+                                 {"recall", orNull(s.recall())},
+                                 {"iou_static", orNull(s.staticIou())},
+                                 {"true_positives", s.true_positives},
+                                 {"false_positives", s.false_positives},
+                                 {"false_negatives", s.false_negatives},
+                                 {"true_negatives", s.true_negatives},
+                                 {"ignored", s.ignored}};
+    for (const auto& [label, scores] : r.evaluator.perClass())
+    {
+      entry["classes"][semanticKittiName(label)] = {
+          {"label", label}, {"points", scores.points}, {"called_moving", scores.called_moving}};
+    }
+    json["segmentation"].push_back(entry);
+  }
+  return json.dump(2) + "\n";
+}
+}  // namespace dyslam

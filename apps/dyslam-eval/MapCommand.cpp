@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "MapCommand.h"
+
+#include <dyslam/core/Error.h>
+#include <dyslam/eval/MapMetrics.h>
+#include <dyslam/io/CloudFiles.h>
+#include <dyslam/io/Labels.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "OutputFiles.h"
+
+namespace dyslam
+{
+namespace
+{
+struct Arguments
+{
+  std::string reference;
+  std::string labels;
+  std::vector<std::string> estimates;
+  MapMetricsOptions metrics;
+  OutputFlags output;
+};
+
+/** Labels that stand in the intensity: 0 static and 1 dynamic (KTH's benchmark), or SemanticKITTI
+ * classes (ERASOR's maps). */
+std::vector<Label> labelsFromIntensity(const Scan& cloud, const std::string& path)
+{
+  if (cloud.intensity.size() != cloud.size())
+  {
+    throw UserError(path + ": has no labels; give --labels F.label, or put them in the intensity");
+  }
+  const bool only_flags = std::all_of(cloud.intensity.begin(), cloud.intensity.end(),
+                                      [](float v) { return v == 0.0F || v == 1.0F; });
+  std::vector<Label> labels;
+  for (const float v : cloud.intensity)
+  {
+    if (!(v >= 0) || v != std::floor(v) || v > 65535)
+    {
+      throw UserError(path + ": intensity " + std::to_string(v) +
+                      " is no label (0 static, 1 dynamic, or SemanticKITTI classes)");
+    }
+    labels.push_back(only_flags ? (v == 1.0F ? label_moving : label_static)
+                                : static_cast<Label>(v));
+  }
+  return labels;
+}
+
+std::vector<Label> referenceLabels(const Arguments& a, const Scan& cloud)
+{
+  const std::string beside =
+      std::filesystem::path(a.reference).replace_extension(".label").string();
+  if (!a.labels.empty() || std::filesystem::exists(beside))
+  {
+    return readLabels(a.labels.empty() ? beside : a.labels, cloud.size());
+  }
+  return labelsFromIntensity(cloud, a.reference);
+}
+
+nlohmann::ordered_json toJson(const MapScores& s)
+{
+  const auto orNull = [](std::optional<double> v)
+  { return v ? nlohmann::ordered_json(*v) : nlohmann::ordered_json(); };
+  return {{"static", s.static_total},
+          {"static_preserved", s.static_preserved},
+          {"dynamic", s.dynamic_total},
+          {"dynamic_rejected", s.dynamic_rejected},
+          {"unlabelled", s.unlabelled},
+          {"preservation", orNull(s.preservation())},
+          {"rejection", orNull(s.rejection())},
+          {"harmonic_mean", orNull(harmonicMean(s.preservation(), s.rejection()))}};
+}
+
+void run(const Arguments& a)
+{
+  const Scan reference = readCloud(a.reference);
+  const std::vector<Label> labels = referenceLabels(a, reference);
+  Table table({"map", "points", "SA [%]", "DA [%]", "HA [%]", "AA [%]", "PR [%]", "RR [%]", "F1"});
+  nlohmann::ordered_json json;
+  json["reference"] = a.reference;
+  json["point_radius_m"] = a.metrics.point_radius;
+  json["voxel_size_m"] = a.metrics.voxel_size;
+  json["maps"] = nlohmann::ordered_json::array();
+  const auto percent = [](std::optional<double> v)
+  { return TableCell(v ? std::optional<double>(100 * *v) : std::nullopt, 2); };
+  const auto names = shortNames(a.estimates);
+  for (std::size_t i = 0; i < a.estimates.size(); ++i)
+  {
+    const Scan estimate = readCloud(a.estimates[i]);
+    const MapEvaluation e = evaluateMap(reference.points, labels, estimate.points, a.metrics);
+    const auto sa = e.points.preservation();
+    const auto da = e.points.rejection();
+    const auto pr = e.voxels.preservation();
+    const auto rr = e.voxels.rejection();
+    table.addRow({names[i], TableCell(static_cast<double>(estimate.size()), 0), percent(sa),
+                  percent(da), percent(harmonicMean(sa, da)), percent(geometricMean(sa, da)),
+                  percent(pr), percent(rr), TableCell(harmonicMean(pr, rr), 4)});
+    json["maps"].push_back({{"name", names[i]},
+                            {"points", estimate.size()},
+                            {"by_point", toJson(e.points)},
+                            {"by_voxel", toJson(e.voxels)}});
+  }
+  a.output.put(table, json.dump(2) + "\n");
+}
+}  // namespace
+
+Subcommand mapCommand(CLI::App& app)
+{
+  const auto a = std::make_shared<Arguments>();
+  CLI::App* sub = app.add_subcommand(
+      "map", "How much of the static world a map kept and how much of the moving one it left out");
+  sub->add_option("--reference", a->reference,
+                  "map (pcd, ply) of all points; labels in F.label beside it or in its intensity")
+      ->required();
+  sub->add_option("--labels", a->labels, "SemanticKITTI labels of the reference's points");
+  sub->add_option("--estimate", a->estimates, "maps to judge (pcd, ply); any number")->required();
+  sub->add_option("--radius", a->metrics.point_radius,
+                  "a map point this near stands for a reference point (SA, DA) [m]")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  sub->add_option("--voxel", a->metrics.voxel_size, "side of the voxels (PR, RR) [m]")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  a->output.declare(*sub);
+  return {sub, [a] { run(*a); }};
+}
+}  // namespace dyslam

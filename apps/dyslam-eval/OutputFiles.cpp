@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "OutputFiles.h"
+
+#include <dyslam/core/Error.h>
+
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <iostream>
+#include <set>
+
+namespace dyslam
+{
+namespace
+{
+/** The last `parts` parts of a path; the very last without its extension. */
+std::string tail(const std::filesystem::path& path, int parts)
+{
+  std::filesystem::path name = path.has_filename() ? path.stem() : path.parent_path().filename();
+  std::filesystem::path folder =
+      path.has_filename() ? path.parent_path() : path.parent_path().parent_path();
+  for (int i = 1; i < parts && folder.has_filename(); ++i)
+  {
+    name = folder.filename() / name;
+    folder = folder.parent_path();
+  }
+  return name.string();
+}
+}  // namespace
+
+void writeOutput(const std::string& path, std::string_view content)
+{
+  const std::string temporary = path + ".tmp";
+  {
+    std::ofstream file(temporary, std::ios::binary);
+    file.write(content.data(), static_cast<std::streamsize>(content.size()));
+    file.close();
+    if (!file)
+    {
+      const std::string reason = std::strerror(errno);
+      std::remove(temporary.c_str());
+      throw UserError(path + ": cannot be written (" + reason + ")");
+    }
+  }
+  if (std::rename(temporary.c_str(), path.c_str()) != 0)
+  {
+    const std::string reason = std::strerror(errno);
+    std::remove(temporary.c_str());
+    throw UserError(path + ": cannot be written (" + reason + ")");
+  }
+}
+
+void OutputFlags::declare(CLI::App& app)
+{
+  app.add_option("--json", json, "write all figures to this JSON file");
+  app.add_option("--csv", csv, "write the table to this CSV file");
+}
+
+void OutputFlags::put(const Table& table, const std::string& json_text) const
+{
+  std::cout << table.toText();
+  if (!csv.empty())
+  {
+    writeOutput(csv, table.toCsv());
+  }
+  if (!json.empty())
+  {
+    writeOutput(json, json_text);
+  }
+}
+
+std::vector<std::string> shortNames(const std::vector<std::string>& paths)
+{
+  for (int parts = 1; parts < 6; ++parts)
+  {
+    std::vector<std::string> names;
+    for (const auto& path : paths)
+    {
+      names.push_back(tail(std::filesystem::path(path).lexically_normal(), parts));
+    }
+    if (std::set<std::string>(names.begin(), names.end()).size() == names.size())
+    {
+      return names;
+    }
+  }
+  return paths;
+}
+}  // namespace dyslam

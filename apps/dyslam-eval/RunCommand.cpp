@@ -1,0 +1,279 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "RunCommand.h"
+
+#include <dyslam/core/Error.h>
+#include <dyslam/eval/TrajectoryReports.h>
+#include <dyslam/io/GroundTruth.h>
+#include <dyslam/io/TrajectoryFiles.h>
+
+#include <filesystem>
+#include <fstream>
+#include <iostream>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "LabelFolders.h"
+#include "OutputFiles.h"
+
+namespace dyslam
+{
+namespace
+{
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+struct Arguments
+{
+  std::vector<std::string> folders;
+  std::string truth;
+  std::string align = "se3";
+  TrajectoryMetricsOptions metrics;
+  OutputFlags output;
+};
+
+/** What one run's folder and its truth tell. */
+struct RunScores
+{
+  std::string name;
+  Json report;
+  std::optional<TrajectoryReport> trajectory;
+  std::optional<TrajectoryReport> odometry;
+  std::optional<LabelComparison> labels;
+};
+
+Json readReport(const fs::path& folder)
+{
+  const fs::path path = folder / "report.json";
+  std::ifstream file(path);
+  if (!file)
+  {
+    std::cerr << "note: " << folder.string() << " has no report.json: the run did not finish\n";
+    return Json::object();
+  }
+  try
+  {
+    Json json = Json::parse(file);
+    if (json.is_object())
+    {
+      return json;
+    }
+  }
+  catch (const Json::exception&)
+  {
+  }
+  throw UserError(path.string() + ": is not the JSON report of a run");
+}
+
+std::optional<TrajectoryReport> evaluate(const fs::path& folder,
+                                         const char* file,
+                                         const TrajectoryMetricsOptions& metrics)
+{
+  const fs::path reference = folder / "reference_tum.txt";
+  const fs::path estimate = folder / file;
+  if (!fs::exists(reference) || !fs::exists(estimate))
+  {
+    return std::nullopt;
+  }
+  constexpr double tolerance = 1e-3;  // the run writes both with the scans' stamps
+  const PosePairs pairs =
+      associateByTime(readTum(reference.string()), readTum(estimate.string()), tolerance);
+  return evaluateTrajectory(estimate.string(), pairs, metrics);
+}
+
+/** The truth's folder: as given, or beside the rawlog that the report names. */
+std::string truthFolder(const Arguments& a, const Json& report)
+{
+  if (!a.truth.empty())
+  {
+    return a.truth;
+  }
+  const auto input = report.find("input");
+  if (input == report.end() || !input->is_string())
+  {
+    return "";
+  }
+  const std::string folder = groundTruthFolder(input->get<std::string>());
+  return fs::is_directory(folder) ? folder : "";
+}
+
+RunScores scoresOf(const std::string& folder, const Arguments& a)
+{
+  if (!fs::is_directory(folder))
+  {
+    throw UserError(folder + ": is not a folder");
+  }
+  if (!fs::exists(fs::path(folder) / "trajectory_tum.txt"))
+  {
+    throw UserError(folder + ": has no trajectory_tum.txt: is it the output folder of a run?");
+  }
+  RunScores scores;
+  scores.report = readReport(folder);
+  scores.trajectory = evaluate(folder, "trajectory_tum.txt", a.metrics);
+  scores.odometry = evaluate(folder, "odometry_tum.txt", a.metrics);
+  const std::string truth = truthFolder(a, scores.report);
+  const bool has_labels = fs::is_directory(fs::path(folder) / "labels");
+  if (has_labels && !truth.empty() && fs::is_directory(fs::path(truth) / "labels"))
+  {
+    scores.labels = compareLabelFolders(truth, folder);
+  }
+  return scores;
+}
+
+std::optional<double> number(const Json& json, const char* key)
+{
+  const auto it = json.find(key);
+  return it != json.end() && it->is_number() ? std::optional<double>(it->get<double>())
+                                             : std::nullopt;
+}
+
+void addRow(Table& table,
+            const RunScores& run,
+            const std::string& part,
+            const std::optional<TrajectoryReport>& trajectory,
+            bool whole)
+{
+  std::vector<TableCell> cells{run.name, part,
+                               TableCell(whole ? number(run.report, "frames") : std::nullopt, 0)};
+  const auto figure = [&](auto value, int digits)
+  { cells.emplace_back(trajectory ? value(*trajectory) : std::optional<double>(), digits); };
+  using Report = const TrajectoryReport&;
+  using Value = std::optional<double>;
+  figure([](Report r) -> Value { return r.length; }, 1);
+  const auto drift = [](Report r, double v)
+  { return r.drift.overall.segments > 0 ? Value(v) : Value(); };
+  figure([&](Report r) { return drift(r, r.drift.overall.translation_percent); }, 4);
+  figure([&](Report r) { return drift(r, r.drift.overall.rotation_deg_per_100m); }, 4);
+  figure([](Report r) -> Value { return r.relative.translation.rmse; }, 4);
+  figure([](Report r) -> Value { return r.relative.rotation_deg.rmse; }, 4);
+  figure([](Report r) -> Value { return r.absolute.translation.rmse; }, 3);
+  figure([](Report r) -> Value { return r.absolute.rotation_deg.rmse; }, 3);
+  figure([](Report r) { return r.forward_ratio; }, 4);
+  figure([](Report r) -> Value { return r.end.translation; }, 3);
+  const SegmentationScores* labels =
+      whole && run.labels ? &run.labels->evaluator.scores() : nullptr;
+  cells.emplace_back(labels ? labels->iou() : Value(), 4);
+  cells.emplace_back(labels ? labels->precision() : Value(), 4);
+  cells.emplace_back(labels ? labels->recall() : Value(), 4);
+  cells.emplace_back(whole ? number(run.report, "ms_per_scan") : Value(), 1);
+  table.addRow(std::move(cells));
+}
+
+Table runTable(const std::vector<RunScores>& runs)
+{
+  Table table({"run", "trajectory", "scans", "length [m]", "t_rel [%]", "r_rel [deg/100m]",
+               "RPE [m]", "RPE [deg]", "ATE [m]", "ATE [deg]", "forward", "end [m]", "IoU",
+               "precision", "recall", "ms/scan"});
+  for (const auto& run : runs)
+  {
+    addRow(table, run, "final", run.trajectory, true);
+    if (run.odometry)
+    {
+      addRow(table, run, "odometry", run.odometry, false);
+    }
+  }
+  return table;
+}
+
+/** Mean time of each stage, one column per run. */
+Table stageTable(const std::vector<RunScores>& runs)
+{
+  std::vector<std::string> columns{"stage [ms per scan]"};
+  std::vector<std::string> stages;
+  std::set<std::string> known;
+  for (const auto& run : runs)
+  {
+    columns.push_back(run.name);
+    for (const auto& [stage, time] : run.report.value("stage_ms", Json::object()).items())
+    {
+      if (known.insert(stage).second)
+      {
+        stages.push_back(stage);
+      }
+    }
+  }
+  Table table(columns);
+  for (const auto& stage : stages)
+  {
+    std::vector<TableCell> cells{stage};
+    for (const auto& run : runs)
+    {
+      cells.emplace_back(number(run.report.value("stage_ms", Json::object()), stage.c_str()), 2);
+    }
+    table.addRow(std::move(cells));
+  }
+  return table;
+}
+
+std::string runJson(const std::vector<RunScores>& runs)
+{
+  Json json;
+  json["runs"] = Json::array();
+  for (const auto& run : runs)
+  {
+    Json entry{{"name", run.name}, {"report", run.report}};
+    if (run.trajectory)
+    {
+      entry["trajectory"] = Json::parse(trajectoryJson({*run.trajectory}))["trajectories"][0];
+    }
+    if (run.odometry)
+    {
+      entry["odometry"] = Json::parse(trajectoryJson({*run.odometry}))["trajectories"][0];
+    }
+    if (run.labels)
+    {
+      entry["segmentation"] =
+          Json::parse(segmentationJson({{run.name, *run.labels}}))["segmentation"][0];
+    }
+    json["runs"].push_back(entry);
+  }
+  return json.dump(2) + "\n";
+}
+
+void run(const Arguments& a)
+{
+  Arguments arguments = a;
+  arguments.metrics.alignment = alignmentFromString(a.align);
+  const auto names = shortNames(a.folders);
+  std::vector<RunScores> runs;
+  for (std::size_t i = 0; i < a.folders.size(); ++i)
+  {
+    runs.push_back(scoresOf(a.folders[i], arguments));
+    runs.back().name = names[i];
+    if (!runs.back().trajectory)
+    {
+      std::cerr << "note: " << a.folders[i]
+                << " has no reference_tum.txt: its recording has no ground truth\n";
+    }
+  }
+  a.output.put(runTable(runs), runJson(runs));
+  const Table stages = stageTable(runs);
+  if (stages.rows() > 0)
+  {
+    std::cout << '\n' << stages.toText();
+  }
+}
+}  // namespace
+
+Subcommand runCommand(CLI::App& app)
+{
+  const auto a = std::make_shared<Arguments>();
+  CLI::App* sub = app.add_subcommand(
+      "run", "Everything that runs' folders and their truth allow, in one table");
+  sub->add_option("folders", a->folders, "output folders of dyslam")->required();
+  sub->add_option("--truth", a->truth, "ground-truth folder (.gt), if not beside the rawlog");
+  sub->add_option("--align", a->align, "alignment for absolute errors: none, first or se3")
+      ->check(CLI::IsMember({"none", "first", "se3"}))
+      ->capture_default_str();
+  sub->add_option("--lengths", a->metrics.lengths, "segment lengths of t_rel and r_rel [m]")
+      ->delimiter(',')
+      ->allow_extra_args(false)
+      ->check(CLI::PositiveNumber)
+      ->default_str("100,200,...,800");
+  a->output.declare(*sub);
+  return {sub, [a] { run(*a); }};
+}
+}  // namespace dyslam

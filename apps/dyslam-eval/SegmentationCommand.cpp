@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "SegmentationCommand.h"
+
+#include <iostream>
+#include <memory>
+#include <string>
+
+#include "LabelFolders.h"
+#include "OutputFiles.h"
+
+namespace dyslam
+{
+namespace
+{
+struct Arguments
+{
+  std::string reference;
+  std::string estimate;
+  OutputFlags output;
+};
+}  // namespace
+
+Subcommand segmentationCommand(CLI::App& app)
+{
+  const auto a = std::make_shared<Arguments>();
+  CLI::App* sub = app.add_subcommand(
+      "segmentation", "IoU, precision and recall of moving points (SemanticKITTI .label files)");
+  sub->add_option("--reference", a->reference, "folder of true labels, or a .gt folder")
+      ->required();
+  sub->add_option("--estimate", a->estimate, "folder of estimated labels, or a run's folder")
+      ->required();
+  a->output.declare(*sub);
+  return {sub, [a]
+          {
+            const LabelComparison result = compareLabelFolders(a->reference, a->estimate);
+            a->output.put(segmentationTable({{a->estimate, result}}),
+                          segmentationJson({{a->estimate, result}}));
+            std::cout << '\n' << classTable(result).toText();
+          }};
+}
+}  // namespace dyslam

@@ -1,0 +1,171 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "TrajectoryCommand.h"
+
+#include <dyslam/core/Error.h>
+#include <dyslam/eval/TrajectoryPlot.h>
+#include <dyslam/eval/TrajectoryReports.h>
+#include <dyslam/io/TrajectoryFiles.h>
+
+#include <iostream>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "OutputFiles.h"
+
+namespace dyslam
+{
+namespace
+{
+struct Arguments
+{
+  std::vector<std::string> references;
+  std::vector<std::string> estimates;
+  std::string align = "se3";
+  TrajectoryMetricsOptions metrics;
+  double tolerance = 0.01;
+  std::string plot;
+  std::string paper;
+  bool statistics = false;
+  bool per_length = false;
+  OutputFlags output;
+};
+
+PosePairs associate(const std::string& reference_path,
+                    const std::string& estimate_path,
+                    double tolerance)
+{
+  const TrajectoryFile reference = readTrajectory(reference_path);
+  const TrajectoryFile estimate = readTrajectory(estimate_path);
+  if (reference.trajectory.empty() || estimate.trajectory.empty())
+  {
+    throw UserError((reference.trajectory.empty() ? reference_path : estimate_path) +
+                    ": has no poses");
+  }
+  if (reference.format == TrajectoryFormat::tum && estimate.format == TrajectoryFormat::tum)
+  {
+    PosePairs pairs = associateByTime(reference.trajectory, estimate.trajectory, tolerance);
+    if (pairs.size() < 2)
+    {
+      throw UserError(estimate_path + ": only " + std::to_string(pairs.size()) + " of " +
+                      std::to_string(pairs.estimate_size) + " time stamps are within --tolerance " +
+                      std::to_string(tolerance) + " s of one in " + reference_path);
+    }
+    return pairs;
+  }
+  if (reference.trajectory.size() != estimate.trajectory.size())
+  {
+    std::cerr << "note: " << estimate_path << " has " << estimate.trajectory.size() << " poses, "
+              << reference_path << " " << reference.trajectory.size()
+              << "; without times they are compared line by line from the first\n";
+  }
+  return associateByIndex(reference.trajectory, estimate.trajectory);
+}
+
+/** What the estimates' rows have in common, for benchmarks of several sequences. */
+TrajectoryReport meanDrift(const std::vector<TrajectoryReport>& reports)
+{
+  TrajectoryReport mean;
+  mean.name = "mean";
+  const auto n = static_cast<double>(reports.size());
+  for (const auto& r : reports)
+  {
+    mean.pairs += r.pairs;
+    mean.length += r.length;
+    mean.drift.overall.segments += r.drift.overall.segments;
+    mean.drift.overall.translation_percent += r.drift.overall.translation_percent / n;
+    mean.drift.overall.rotation_deg_per_100m += r.drift.overall.rotation_deg_per_100m / n;
+  }
+  return mean;
+}
+
+void addMeanRow(Table& table, const std::vector<TrajectoryReport>& reports)
+{
+  const TrajectoryReport mean = meanDrift(reports);
+  std::vector<TableCell> cells{mean.name, TableCell(static_cast<double>(mean.pairs), 0),
+                               TableCell(mean.length, 1),
+                               TableCell(mean.drift.overall.translation_percent, 4),
+                               TableCell(mean.drift.overall.rotation_deg_per_100m, 4)};
+  while (cells.size() < table.columns())
+  {
+    cells.emplace_back("-");
+  }
+  table.addRow(std::move(cells));
+}
+
+void run(const Arguments& a)
+{
+  if (a.references.size() != 1 && a.references.size() != a.estimates.size())
+  {
+    throw UserError("give one --reference, or as many as there are estimates (" +
+                    std::to_string(a.references.size()) + " and " +
+                    std::to_string(a.estimates.size()) + " given)");
+  }
+  TrajectoryMetricsOptions metrics = a.metrics;
+  metrics.alignment = alignmentFromString(a.align);
+  const std::vector<std::string> names = shortNames(a.estimates);
+  std::vector<TrajectoryReport> reports;
+  std::vector<TrajectoryPlotItem> plots;
+  for (std::size_t i = 0; i < a.estimates.size(); ++i)
+  {
+    const std::string& reference = a.references[a.references.size() == 1 ? 0 : i];
+    const PosePairs pairs = associate(reference, a.estimates[i], a.tolerance);
+    reports.push_back(evaluateTrajectory(a.estimates[i], pairs, metrics));
+    reports.back().name = names[i];
+    plots.push_back({names[i], pairs});
+  }
+  Table table = a.paper.empty() ? trajectoryTable(reports) : trajectoryTable(reports, a.paper);
+  if (a.references.size() > 1)
+  {
+    addMeanRow(table, reports);
+  }
+  a.output.put(table, trajectoryJson(reports));
+  if (a.statistics)
+  {
+    std::cout << '\n' << errorStatisticsTable(reports).toText();
+  }
+  if (a.per_length)
+  {
+    std::cout << '\n' << driftTable(reports).toText();
+  }
+  if (a.plot.empty())
+  {
+    return;
+  }
+  if (a.references.size() > 1)
+  {
+    throw UserError("--plot draws estimates of one reference, but several were given");
+  }
+  const auto png = renderTrajectoryPlot(plots, {"", metrics.alignment, {}});
+  writeOutput(a.plot, {reinterpret_cast<const char*>(png.data()), png.size()});
+}
+}  // namespace
+
+Subcommand trajectoryCommand(CLI::App& app)
+{
+  const auto a = std::make_shared<Arguments>();
+  CLI::App* sub = app.add_subcommand(
+      "trajectory", "Errors of trajectories (TUM or KITTI files) against a reference");
+  sub->add_option("--reference", a->references, "true poses; one file, or one for each estimate")
+      ->required();
+  sub->add_option("--estimate", a->estimates, "poses to judge; any number of files")->required();
+  sub->add_option("--align", a->align, "alignment for absolute errors: none, first or se3")
+      ->check(CLI::IsMember({"none", "first", "se3"}))
+      ->capture_default_str();
+  sub->add_option("--lengths", a->metrics.lengths, "segment lengths of t_rel and r_rel [m]")
+      ->delimiter(',')
+      ->allow_extra_args(false)
+      ->check(CLI::PositiveNumber)
+      ->default_str("100,200,...,800");
+  sub->add_option("--tolerance", a->tolerance, "largest difference of time stamps [s]")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+  sub->add_flag("--statistics", a->statistics, "also max, mean, median, min, RMSE and std");
+  sub->add_flag("--per-length", a->per_length, "also t_rel and r_rel of each segment length");
+  sub->add_option("--paper", a->paper,
+                  "add the paper's figures for a sequence: odometry/00-10, tracking/04, campus/01");
+  sub->add_option("--plot", a->plot, "draw the trajectories and their errors to this PNG file");
+  a->output.declare(*sub);
+  return {sub, [a] { run(*a); }};
+}
+}  // namespace dyslam

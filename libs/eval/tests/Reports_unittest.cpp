@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/Error.h>
+#include <dyslam/eval/TrajectoryPlot.h>
+#include <dyslam/eval/TrajectoryReports.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <opencv2/imgcodecs.hpp>
+
+namespace dyslam
+{
+namespace
+{
+PosePairs circle(double drift)
+{
+  PosePairs pairs;
+  for (int i = 0; i < 300; ++i)
+  {
+    const double a = 0.02 * i;
+    pairs.stamps.push_back(i);
+    pairs.reference.push_back(poseFromYpr(100 * std::sin(a), 100 * (1 - std::cos(a)), 0, a, 0, 0));
+    pairs.estimate.push_back(
+        poseFromYpr((100 + drift * i) * std::sin(a), 100 * (1 - std::cos(a)), 0.1, a, 0, 0));
+  }
+  pairs.reference_size = pairs.estimate_size = pairs.stamps.size();
+  return pairs;
+}
+
+TEST(Table, AlignsColumnsAndLeavesOutEmptyOnes)
+{
+  Table table({"name", "value", "none"});
+  table.addRow({"a", TableCell(1.5, 2), "-"});
+  table.addRow({"longer", TableCell(std::nullopt, 2), TableCell(std::nan(""), 1)});
+  EXPECT_EQ(table.toText(), "name    value\n-------------\na        1.50\nlonger      -\n");
+  EXPECT_EQ(table.toMarkdown(), "| name | value |\n| --- | ---: |\n| a | 1.50 |\n| longer | - |\n");
+  EXPECT_EQ(table.toCsv(), "name,value,none\na,1.5,\nlonger,,\n");
+  EXPECT_THROW(table.addRow({"too short"}), std::invalid_argument);
+}
+
+TEST(Table, QuotesCsvAndPutsThePaperBeside)
+{
+  Table table({"name", "t_rel"});
+  table.addRow({"a,\"b\"", TableCell(0.4512345678, 2, 0.51)});
+  EXPECT_EQ(table.toCsv(), "name,t_rel\n\"a,\"\"b\"\"\",0.451234568\n");
+  EXPECT_NE(table.toText().find("0.45 (paper 0.51)"), std::string::npos);
+  EXPECT_EQ(Table({"a", "b"}).toText(), "a  b\n----\n");
+}
+
+TEST(TrajectoryReports, TableHasThePapersRows)
+{
+  const auto report = evaluateTrajectory("run", circle(0.01));
+  const auto text = trajectoryTable({report}, "odometry/04").toText();
+  EXPECT_NE(text.find("paper: DyLO "), std::string::npos) << text;
+  EXPECT_NE(text.find("2.06"), std::string::npos) << text;
+  EXPECT_NE(trajectoryTable({report}, "tracking/15").toText().find("0.366"), std::string::npos);
+  EXPECT_NE(trajectoryTable({report}, "campus/02").toText().find("0.144"), std::string::npos);
+  try
+  {
+    (void)trajectoryTable({report}, "odometry/4");
+    FAIL() << "an unknown sequence was accepted";
+  }
+  catch (const UserError& error)
+  {
+    EXPECT_NE(std::string(error.what()).find("odometry/04"), std::string::npos) << error.what();
+  }
+}
+
+TEST(TrajectoryReports, JsonHasNullWhereThereIsNoFigure)
+{
+  TrajectoryMetricsOptions options;
+  options.lengths = {10000};
+  const auto json = trajectoryJson({evaluateTrajectory("a \"b\"", circle(0.01), options)});
+  EXPECT_NE(json.find("\"t_rel_percent\": null"), std::string::npos) << json;
+  EXPECT_NE(json.find("\"a \\\"b\\\"\""), std::string::npos) << json;
+  EXPECT_NE(json.find("\"alignment\": \"se3\""), std::string::npos);
+  EXPECT_EQ(trajectoryJson({}), "{\n  \"trajectories\": []\n}\n");
+}
+
+TEST(TrajectoryReports, DriftAndStatisticsTables)
+{
+  const std::vector<TrajectoryReport> reports{evaluateTrajectory("a", circle(0.01)),
+                                              evaluateTrajectory("b", circle(0.02))};
+  EXPECT_EQ(driftTable(reports).rows(), 8U);
+  EXPECT_EQ(errorStatisticsTable(reports).rows(), 8U);
+  EXPECT_EQ(driftTable({}).rows(), 0U);
+}
+
+TEST(TrajectoryPlot, IsAPngWithTheCurvesColour)
+{
+  const std::vector<TrajectoryPlotItem> items{{"first", circle(0.05)}};
+  const auto bytes = renderTrajectoryPlot(items);
+  EXPECT_EQ(bytes, renderTrajectoryPlot(items));
+  const cv::Mat picture = cv::imdecode(bytes, cv::IMREAD_COLOR);
+  ASSERT_EQ(picture.cols, 1600);
+  ASSERT_GE(picture.rows, 800);
+  std::size_t blue = 0;
+  for (int y = 70; y < 730; ++y)
+  {
+    for (int x = 100; x < 790; ++x)
+    {
+      const auto& c = picture.at<cv::Vec3b>(y, x);
+      blue += c[0] > 150 && c[2] < 60 ? 1 : 0;
+    }
+  }
+  EXPECT_GT(blue, 500U);
+}
+
+TEST(TrajectoryPlot, OnePoseStandingStillAndNothing)
+{
+  PosePairs one;
+  one.stamps = {0};
+  one.reference = {Pose::Identity()};
+  one.estimate = {Pose::Identity()};
+  EXPECT_FALSE(renderTrajectoryPlot({{"one", one}}).empty());
+  PosePairs still = one;
+  still.stamps = {0, 1};
+  still.reference.push_back(Pose::Identity());
+  still.estimate.push_back(Pose::Identity());
+  EXPECT_FALSE(renderTrajectoryPlot({{"still", still}}).empty());
+  EXPECT_THROW((void)renderTrajectoryPlot({}), std::invalid_argument);
+  EXPECT_THROW((void)renderTrajectoryPlot({{"empty", PosePairs()}}), std::invalid_argument);
+}
+}  // namespace
+}  // namespace dyslam
