@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <dyslam/nets/DysegNet.h>
+
+#include <string>
+
+namespace dyslam
+{
+/** A network with the grid it was trained for. */
+struct DysegNetwork
+{
+  DysegNet net{nullptr};
+  BevOptions grid;
+};
+
+/** Writes weights, shape and grid into one file, as half-precision numbers. */
+void saveDyseg(const DysegNetwork& network, const std::string& file);
+/** \throws UserError naming the file if it is missing or is not a DySeg network. */
+[[nodiscard]] DysegNetwork loadDyseg(const std::string& file);
+}  // namespace dyslam

@@ -1,0 +1,141 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Includes torch: for nets, train and their tests only.
+#pragma once
+
+#include <dyslam/nets/DyloOptions.h>
+#include <dyslam/nets/ScanTensors.h>
+
+#include <vector>
+
+namespace dyslam
+{
+/** Sizes of the layers of an MLP, input first. */
+using Sizes = std::vector<std::int64_t>;
+
+/** leaky(x weight^T + bias): a 1x1 convolution over points [..., in] -> [..., out].
+ *
+ * On a CPU one fused pass over blocks of rows, the same result for any number of threads; elsewhere
+ * torch's own. `slope` is that of the leaky rectifier; 1 leaves it out. */
+[[nodiscard]] torch::Tensor pointLinear(const torch::Tensor& x,
+                                        const torch::Tensor& weight,
+                                        const torch::Tensor& bias,
+                                        double slope);
+
+/** Shared layers over points, each followed by a leaky rectifier; no normalisation. */
+class MlpImpl : public torch::nn::Module
+{
+ public:
+  /** \param sizes input, hidden..., output. \param linear_end no rectifier after the last. */
+  explicit MlpImpl(const Sizes& sizes, bool linear_end = false);
+  torch::Tensor forward(torch::Tensor x);
+  /** Scale the last layer's weights: small starts that leave what follows near its default. */
+  void scaleOutput(double factor);
+
+ private:
+  std::vector<torch::Tensor> weights_;
+  std::vector<torch::Tensor> biases_;
+  bool linear_end_;
+};
+TORCH_MODULE(Mlp);
+
+/** Points of a finer grid grouped around nodes of a coarser one, MLP, maximum. */
+class SetConvImpl : public torch::nn::Module
+{
+ public:
+  /** \param spacing angle between nodes [rad]; offsets are measured in it. */
+  SetConvImpl(std::int64_t in, const Sizes& mlp, double spacing);
+  /** \param features [M, in], or undefined for in = 0. \returns [N, mlp.back()]. */
+  torch::Tensor forward(const torch::Tensor& features,
+                        const ScanTensors::Level& from,
+                        const ScanTensors::Level& to,
+                        const Window& window);
+
+ private:
+  double spacing_;
+  Mlp mlp_{nullptr};
+};
+TORCH_MODULE(SetConv);
+
+/** What the cost volume found for each point of scan 1. */
+struct Correlation
+{
+  torch::Tensor embedding;  //!< [N, C] the correlation features E
+  torch::Tensor normal;     //!< [N, 3] attention-weighted normals of the candidates
+  torch::Tensor offset;     //!< [N] so that normal . p - offset is the point-to-plane residual
+  torch::Tensor target;     //!< [N, 3] soft correspondence
+  torch::Tensor valid;      //!< [N] 1 where there was a candidate
+};
+
+/** Attention over the nearest points of scan 2, then over neighbours in scan 1. */
+class AttentiveCostVolumeImpl : public torch::nn::Module
+{
+ public:
+  /** \param hidden, out sizes. \param candidates nearest points kept of a window. */
+  AttentiveCostVolumeImpl(std::int64_t features,
+                          std::int64_t hidden,
+                          std::int64_t out,
+                          std::int64_t half_rows,
+                          std::int64_t half_cols,
+                          std::int64_t candidates,
+                          double spacing);
+  /** \param warped [N, 3] scan 1's points, \param warped_normal [N, 3], where the pose so far puts
+   * them. \param level of scan 2 searched. \param patch neighbours within scan 1's grid. */
+  Correlation forward(const torch::Tensor& warped,
+                      const torch::Tensor& warped_normal,
+                      const torch::Tensor& valid,
+                      const torch::Tensor& features1,
+                      const ScanTensors& scan2,
+                      std::size_t level,
+                      const torch::Tensor& features2,
+                      const Window& patch);
+
+ private:
+  std::int64_t half_rows_, half_cols_, candidates_;
+  double spacing_;
+  Mlp embed_{nullptr}, attend_{nullptr}, patch_embed_{nullptr}, patch_attend_{nullptr};
+};
+TORCH_MODULE(AttentiveCostVolume);
+
+/** Coarse features to a finer grid, joined with what the finer grid has. */
+class SetUpConvImpl : public torch::nn::Module
+{
+ public:
+  SetUpConvImpl(std::int64_t coarse, std::int64_t fine, std::int64_t out, double spacing);
+  torch::Tensor forward(const torch::Tensor& coarse_features,
+                        const ScanTensors::Level& coarse,
+                        const torch::Tensor& fine_features,
+                        const ScanTensors::Level& fine,
+                        const Window& window);
+
+ private:
+  double spacing_;
+  Mlp gather_{nullptr}, join_{nullptr};
+};
+TORCH_MODULE(SetUpConv);
+
+/** Per point: how surely static, and how good a match. */
+struct MaskLogits
+{
+  torch::Tensor is_static;  //!< [N]; its sigmoid is the static confidence
+  torch::Tensor quality;    //!< [N]; its sigmoid is the match's relative precision
+};
+
+/** The dynamic mask network (paper Fig. 4, Eq. 1) and its two ablations. */
+class DynamicMaskImpl : public torch::nn::Module
+{
+ public:
+  DynamicMaskImpl(DyloMask kind, std::int64_t embedding, std::int64_t features);
+  MaskLogits forward(const torch::Tensor& embedding,
+                     const torch::Tensor& features,
+                     const torch::Tensor& valid);
+
+ private:
+  DyloMask kind_;
+  Mlp spatial_{nullptr}, channel_{nullptr}, mask_{nullptr};
+};
+TORCH_MODULE(DynamicMask);
+
+/** M = softmax over points of log sigmoid(is_static) + log sigmoid(quality); sums to 1, [N].
+ * Zero where not valid, all zero if nothing is. */
+[[nodiscard]] torch::Tensor maskWeights(const MaskLogits& logits, const torch::Tensor& valid);
+}  // namespace dyslam

@@ -1,0 +1,290 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <ATen/Parallel.h>
+#include <dyslam/nets/BevOps.h>
+#include <torch/torch.h>
+
+#include <Eigen/Core>
+#include <cmath>
+#include <vector>
+
+namespace dyslam
+{
+namespace
+{
+using torch::Tensor;
+using torch::autograd::AutogradContext;
+using torch::autograd::tensor_list;
+
+class PillarMax : public torch::autograd::Function<PillarMax>
+{
+ public:
+  static Tensor forward(AutogradContext* context,
+                        const Tensor& features,
+                        const Tensor& cell,
+                        std::int64_t cells)
+  {
+    const auto channels = features.size(1);
+    const auto values = features.contiguous();
+    auto out = torch::zeros({cells, channels}, values.options());
+    const bool wanted = features.requires_grad();
+    auto winner = wanted ? torch::full({cells, channels}, -1, torch::kInt32) : Tensor();
+    const float* in = values.data_ptr<float>();
+    const auto* to = cell.data_ptr<std::int32_t>();
+    auto* best = out.data_ptr<float>();
+    auto* who = wanted ? winner.data_ptr<std::int32_t>() : nullptr;
+    for (std::int64_t i = 0; i < features.size(0); ++i)
+    {
+      const float* f = in + i * channels;
+      float* b = best + to[i] * channels;
+      if (who == nullptr)
+      {
+        for (std::int64_t c = 0; c < channels; ++c)
+        {
+          b[c] = f[c] > b[c] ? f[c] : b[c];
+        }
+        continue;
+      }
+      for (std::int64_t c = 0; c < channels; ++c)
+      {
+        if (f[c] > b[c])
+        {
+          b[c] = f[c];
+          who[to[i] * channels + c] = static_cast<std::int32_t>(i);
+        }
+      }
+    }
+    context->saved_data["points"] = features.size(0);
+    if (wanted)
+    {
+      context->save_for_backward({winner, cell});
+    }
+    return out;
+  }
+
+  static tensor_list backward(AutogradContext* context, const tensor_list& gradients)
+  {
+    const auto saved = context->get_saved_variables();
+    const auto gradient = gradients[0].contiguous();
+    const auto channels = gradient.size(1);
+    auto out = torch::zeros({context->saved_data["points"].toInt(), channels}, gradient.options());
+    const auto* who = saved[0].data_ptr<std::int32_t>();
+    const auto* cell = saved[1].data_ptr<std::int32_t>();
+    const float* g = gradient.data_ptr<float>();
+    float* o = out.data_ptr<float>();
+    for (std::int64_t i = 0; i < out.size(0); ++i)
+    {
+      const std::int64_t base = cell[i] * channels;
+      for (std::int64_t c = 0; c < channels; ++c)
+      {
+        if (who[base + c] == i)
+        {
+          o[i * channels + c] = g[base + c];
+        }
+      }
+    }
+    return {out, Tensor(), Tensor()};
+  }
+};
+
+/** Where one cell's window lies in the target and how its corners are weighted. */
+struct Window
+{
+  std::int64_t x = 0;
+  std::int64_t y = 0;
+  float fx = 0;
+  float fy = 0;
+};
+
+Window windowAt(const float* centre, int radius)
+{
+  // Far outside is outside, however far.
+  constexpr float far_away = 1e6F;
+  const float cx = std::isfinite(centre[0]) ? std::clamp(centre[0], -far_away, far_away) : far_away;
+  const float cy = std::isfinite(centre[1]) ? std::clamp(centre[1], -far_away, far_away) : far_away;
+  Window w;
+  w.x = static_cast<std::int64_t>(std::floor(cx)) - radius;
+  w.y = static_cast<std::int64_t>(std::floor(cy)) - radius;
+  w.fx = cx - std::floor(cx);
+  w.fy = cy - std::floor(cy);
+  return w;
+}
+
+using Row = Eigen::Map<Eigen::ArrayXf>;
+using ConstRow = Eigen::Map<const Eigen::ArrayXf>;
+
+class Correlate : public torch::autograd::Function<Correlate>
+{
+ public:
+  static Tensor forward(AutogradContext* context,
+                        const Tensor& source_in,
+                        const Tensor& target_in,
+                        const Tensor& centre_in,
+                        std::int64_t radius_in)
+  {
+    const auto source = source_in.contiguous();
+    const auto target = target_in.contiguous();
+    const auto centre = centre_in.contiguous();
+    const int radius = static_cast<int>(radius_in);
+    const std::int64_t side = 2 * radius + 1;
+    const auto channels = source.size(1);
+    const auto height = target.size(0);
+    const auto width = target.size(1);
+    auto out = torch::empty({source.size(0), side * side}, source.options());
+    const float scale = 1.0F / std::sqrt(static_cast<float>(channels));
+    const float* s = source.data_ptr<float>();
+    const float* t = target.data_ptr<float>();
+    const float* c = centre.data_ptr<float>();
+    float* o = out.data_ptr<float>();
+    at::parallel_for(
+        0, source.size(0), 128,
+        [&](std::int64_t begin, std::int64_t end)
+        {
+          std::vector<float> dots(static_cast<std::size_t>((side + 1) * (side + 1)));
+          for (std::int64_t i = begin; i < end; ++i)
+          {
+            const Window w = windowAt(c + 2 * i, radius);
+            const ConstRow mine(s + i * channels, channels);
+            for (std::int64_t y = 0; y <= side; ++y)
+            {
+              for (std::int64_t x = 0; x <= side; ++x)
+              {
+                const auto tx = w.x + x;
+                const auto ty = w.y + y;
+                const bool inside = tx >= 0 && ty >= 0 && tx < width && ty < height;
+                dots[static_cast<std::size_t>(y * (side + 1) + x)] =
+                    inside ? (mine * ConstRow(t + (ty * width + tx) * channels, channels)).sum() *
+                                 scale
+                           : 0.0F;
+              }
+            }
+            for (std::int64_t y = 0; y < side; ++y)
+            {
+              const float* upper = &dots[static_cast<std::size_t>(y * (side + 1))];
+              const float* lower = upper + side + 1;
+              for (std::int64_t x = 0; x < side; ++x)
+              {
+                o[(i * side + y) * side + x] =
+                    (1 - w.fy) * ((1 - w.fx) * upper[x] + w.fx * upper[x + 1]) +
+                    w.fy * ((1 - w.fx) * lower[x] + w.fx * lower[x + 1]);
+              }
+            }
+          }
+        });
+    context->saved_data["radius"] = radius_in;
+    context->save_for_backward({source, target, centre});
+    return out;
+  }
+
+  static tensor_list backward(AutogradContext* context, const tensor_list& gradients)
+  {
+    const auto saved = context->get_saved_variables();
+    const auto& source = saved[0];
+    const auto& target = saved[1];
+    const auto gradient = gradients[0].contiguous();
+    const int radius = static_cast<int>(context->saved_data["radius"].toInt());
+    const std::int64_t side = 2 * radius + 1;
+    const auto channels = source.size(1);
+    const auto height = target.size(0);
+    const auto width = target.size(1);
+    auto to_source = torch::zeros_like(source);
+    auto to_target = torch::zeros_like(target);
+    const float scale = 1.0F / std::sqrt(static_cast<float>(channels));
+    const float* g = gradient.data_ptr<float>();
+    const float* s = source.data_ptr<float>();
+    const float* t = target.data_ptr<float>();
+    float* gs = to_source.data_ptr<float>();
+    float* gt = to_target.data_ptr<float>();
+    std::vector<float> corners(static_cast<std::size_t>((side + 1) * (side + 1)));
+    for (std::int64_t i = 0; i < source.size(0); ++i)
+    {
+      const Window w = windowAt(saved[2].data_ptr<float>() + 2 * i, radius);
+      std::fill(corners.begin(), corners.end(), 0.0F);
+      for (std::int64_t y = 0; y < side; ++y)
+      {
+        float* upper = &corners[static_cast<std::size_t>(y * (side + 1))];
+        float* lower = upper + side + 1;
+        for (std::int64_t x = 0; x < side; ++x)
+        {
+          const float v = g[(i * side + y) * side + x] * scale;
+          upper[x] += (1 - w.fy) * (1 - w.fx) * v;
+          upper[x + 1] += (1 - w.fy) * w.fx * v;
+          lower[x] += w.fy * (1 - w.fx) * v;
+          lower[x + 1] += w.fy * w.fx * v;
+        }
+      }
+      const ConstRow mine(s + i * channels, channels);
+      Row mine_gradient(gs + i * channels, channels);
+      for (std::int64_t y = 0; y <= side; ++y)
+      {
+        for (std::int64_t x = 0; x <= side; ++x)
+        {
+          const auto tx = w.x + x;
+          const auto ty = w.y + y;
+          if (tx < 0 || ty < 0 || tx >= width || ty >= height)
+          {
+            continue;
+          }
+          const float v = corners[static_cast<std::size_t>(y * (side + 1) + x)];
+          const auto place = (ty * width + tx) * channels;
+          mine_gradient += v * ConstRow(t + place, channels);
+          Row(gt + place, channels) += v * mine;
+        }
+      }
+    }
+    return {to_source, to_target, Tensor(), Tensor()};
+  }
+};
+
+Tensor pillarMaxOnDevice(const Tensor& features, const Tensor& cell, std::int64_t cells)
+{
+  const auto index = cell.to(torch::kInt64).unsqueeze(1).expand_as(features);
+  return torch::zeros({cells, features.size(1)}, features.options())
+      .scatter_reduce(0, index, features, "amax", true);
+}
+
+Tensor windowOffsets(int radius, const torch::TensorOptions& options)
+{
+  const auto line = torch::arange(-radius, radius + 1, options);
+  const auto grid = torch::meshgrid({line, line}, "ij");
+  return torch::stack({grid[1].reshape({-1}), grid[0].reshape({-1})}, 1);
+}
+}  // namespace
+
+Tensor pillarMax(const Tensor& features, const Tensor& cell, std::int64_t cells)
+{
+  return features.is_cuda() ? pillarMaxOnDevice(features, cell, cells)
+                            : PillarMax::apply(features, cell, cells);
+}
+
+Tensor correlate(const Tensor& source, const Tensor& target, const Tensor& centre, int radius)
+{
+  return source.is_cuda() ? correlateSlow(source, target, centre, radius)
+                          : Correlate::apply(source, target, centre, radius);
+}
+
+Tensor correlateSlow(const Tensor& source, const Tensor& target, const Tensor& centre, int radius)
+{
+  namespace F = torch::nn::functional;
+  const auto offsets = windowOffsets(radius, source.options());
+  const auto places = centre.detach().unsqueeze(1) + offsets.unsqueeze(0);  // N x K x 2
+  // grid_sample without aligned corners: cell i's centre is at (2 i + 1) / size - 1.
+  const auto size = torch::tensor(
+      {static_cast<float>(target.size(1)), static_cast<float>(target.size(0))}, source.options());
+  const auto grid = (2 * places + 1) / size - 1;
+  const auto sampled =
+      F::grid_sample(target.permute({2, 0, 1}).unsqueeze(0), grid.unsqueeze(0),
+                     F::GridSampleFuncOptions().align_corners(false).padding_mode(torch::kZeros));
+  return torch::einsum("nc,cnk->nk", {source, sampled.squeeze(0)}) /
+         std::sqrt(static_cast<double>(source.size(1)));
+}
+
+Tensor peakOffset(const Tensor& correlation, int radius)
+{
+  const auto offsets = windowOffsets(radius, correlation.options());
+  const auto best = offsets.index_select(0, correlation.argmax(1));
+  const auto near = (offsets.unsqueeze(0) - best.unsqueeze(1)).norm(2, 2).le(1.5);
+  const auto probability = correlation.softmax(1) * near;
+  const auto mass = probability.sum(1, true);
+  return torch::cat({probability.mm(offsets) / mass.clamp_min(1e-9), mass}, 1);
+}
+}  // namespace dyslam

@@ -1,0 +1,356 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/Scan.h>
+#include <dyslam/nets/BevScan.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace dyslam
+{
+namespace
+{
+constexpr float ground_cell = 3.2F;
+constexpr float lowest = -8;
+constexpr float highest = 8;
+constexpr float bin_height = 0.1F;
+constexpr int bins = static_cast<int>((highest - lowest) / bin_height);
+constexpr float unknown_height = 1e9F;
+constexpr float ghost_depth = 0.5F;
+constexpr float max_slope = 0.12F;
+
+constexpr float pi = 3.14159265F;
+constexpr float lowest_slope = -0.55F;
+constexpr float highest_slope = 0.41F;
+
+std::size_t at(int i)
+{
+  return static_cast<std::size_t>(i);
+}
+
+/** The lowest height with enough returns around it; unknown_height if there is none. */
+float supportedLow(const std::uint16_t* histogram)
+{
+  int total = 0;
+  for (int b = 0; b < bins; ++b)
+  {
+    total += histogram[b];
+  }
+  const int needed = std::max(2, std::min(12, total / 12));
+  for (int b = 0; b + 1 < bins; ++b)
+  {
+    const int here = histogram[b] + histogram[b + 1];
+    if (here >= needed)
+    {
+      const float share = static_cast<float>(histogram[b + 1]) / static_cast<float>(here);
+      return lowest + (static_cast<float>(b) + 0.5F + share) * bin_height;
+    }
+  }
+  return unknown_height;
+}
+}  // namespace
+
+void BevOptions::describe(OptionsVisitor& v)
+{
+  v.integer("cells", cells, 64, 2048, "along each side of the grid, a multiple of 16");
+  v.real("cell_size", cell_size, 0.05, 2, "m");
+  v.real("ground_clearance", ground_clearance, 0, 2, "m above ground that still counts as ground");
+  v.real("max_height", max_height, 1, 20, "m above ground, higher points are left out");
+}
+
+BevGround::BevGround(const std::vector<Eigen::Vector3f>& points, float reach)
+    : reach_(reach),
+      width_(static_cast<int>(std::ceil(2 * reach / ground_cell))),
+      height_(at(width_ * width_), 0.0F)
+{
+  std::vector<std::uint16_t> histogram(at(width_ * width_ * bins), 0);
+  for (const auto& p : points)
+  {
+    if (!isReturn(p) || std::abs(p.x()) >= reach_ || std::abs(p.y()) >= reach_ || p.z() <= lowest ||
+        p.z() >= highest)
+    {
+      continue;
+    }
+    const int ix = std::min(static_cast<int>((p.x() + reach_) / ground_cell), width_ - 1);
+    const int iy = std::min(static_cast<int>((p.y() + reach_) / ground_cell), width_ - 1);
+    const int bin = std::min(static_cast<int>((p.z() - lowest) / bin_height), bins - 1);
+    auto& count = histogram[at((iy * width_ + ix) * bins + bin)];
+    count = static_cast<std::uint16_t>(std::min(count + 1, 60000));
+  }
+  std::vector<std::uint8_t> known(height_.size(), 0);
+  for (std::size_t i = 0; i < height_.size(); ++i)
+  {
+    const float low = supportedLow(&histogram[i * at(bins)]);
+    known[i] = low < unknown_height ? 1 : 0;
+    height_[i] = known[i] != 0 ? low : 0;
+  }
+  makeConsistent(known);
+}
+
+void BevGround::makeConsistent(const std::vector<std::uint8_t>& known)
+{
+  if (std::find(known.begin(), known.end(), 1) == known.end())
+  {
+    return;
+  }
+  // From the sensor outwards, so that each cell has trusted neighbours on its inner side.
+  const float middle = 0.5F * static_cast<float>(width_ - 1);
+  std::vector<int> order(height_.size());
+  for (std::size_t i = 0; i < order.size(); ++i)
+  {
+    order[i] = static_cast<int>(i);
+  }
+  const auto ring = [&](int i)
+  {
+    return std::hypot(static_cast<float>(i % width_) - middle,
+                      static_cast<float>(i / width_) - middle);
+  };
+  std::sort(order.begin(), order.end(), [&](int a, int b) { return ring(a) < ring(b); });
+
+  std::vector<std::uint8_t> settled(height_.size(), 0);
+  std::vector<float> around;
+  for (const int i : order)
+  {
+    const int x = i % width_;
+    const int y = i / width_;
+    around.clear();
+    for (int reach = 1; reach <= 3 && around.size() < 3; ++reach)
+    {
+      around.clear();
+      for (int ny = std::max(0, y - reach); ny <= std::min(width_ - 1, y + reach); ++ny)
+      {
+        for (int nx = std::max(0, x - reach); nx <= std::min(width_ - 1, x + reach); ++nx)
+        {
+          if (settled[at(ny * width_ + nx)] != 0)
+          {
+            around.push_back(height_[at(ny * width_ + nx)]);
+          }
+        }
+      }
+    }
+    if (around.empty())
+    {
+      settled[at(i)] = known[at(i)];
+      continue;
+    }
+    std::nth_element(around.begin(),
+                     around.begin() + static_cast<std::ptrdiff_t>(around.size() / 2), around.end());
+    const float reference = around[around.size() / 2];
+    const float above = height_[at(i)] - reference;
+    if (known[at(i)] == 0 || above > 0.25F + max_slope * ground_cell || above < -ghost_depth)
+    {
+      height_[at(i)] = reference;
+    }
+    settled[at(i)] = 1;
+  }
+}
+
+float BevGround::heightAt(float x, float y) const
+{
+  const float last = static_cast<float>(width_ - 1);
+  const float u = std::clamp((x + reach_) / ground_cell - 0.5F, 0.0F, last - 1e-3F);
+  const float v = std::clamp((y + reach_) / ground_cell - 0.5F, 0.0F, last - 1e-3F);
+  const int ix = static_cast<int>(u);
+  const int iy = static_cast<int>(v);
+  const float fx = u - static_cast<float>(ix);
+  const float fy = v - static_cast<float>(iy);
+  const float* row = &height_[at(iy * width_ + ix)];
+  const float* next = row + width_;
+  return (1 - fy) * ((1 - fx) * row[0] + fx * row[1]) + fy * ((1 - fx) * next[0] + fx * next[1]);
+}
+
+namespace
+{
+struct RayBin
+{
+  int row = 0;
+  int column = 0;
+  float range = 0;
+};
+
+RayBin rayBin(const Eigen::Vector3f& p)
+{
+  RayBin bin;
+  const float flat = std::max(std::hypot(p.x(), p.y()), 1e-3F);
+  bin.range = std::hypot(flat, p.z());
+  bin.row = static_cast<int>(
+      std::floor((p.z() / flat - lowest_slope) / (highest_slope - lowest_slope) * BevRays::rows));
+  const float turn = (std::atan2(p.y(), p.x()) + pi) / (2 * pi);
+  bin.column = std::clamp(static_cast<int>(turn * BevRays::columns), 0, BevRays::columns - 1);
+  return bin;
+}
+}  // namespace
+
+BevRays::BevRays(const std::vector<Eigen::Vector3f>& points) : range_(at(rows * columns), 0.0F)
+{
+  for (const auto& p : points)
+  {
+    if (!isReturn(p))
+    {
+      continue;
+    }
+    const RayBin bin = rayBin(p);
+    if (bin.row < 0 || bin.row >= rows)
+    {
+      continue;
+    }
+    float& seen = range_[at(bin.row * columns + bin.column)];
+    seen = seen == 0 ? bin.range : std::min(seen, bin.range);
+  }
+}
+
+void BevRays::compare(const Eigen::Vector3f& point, float* out) const
+{
+  std::fill(out, out + channels, 0.0F);
+  const RayBin bin = rayBin(point);
+  if (range_.empty() || bin.row < 0 || bin.row >= rows)
+  {
+    return;
+  }
+  float nearest = 1e9F;
+  float best = 1e9F;
+  int seen = 0;
+  for (int row = std::max(0, bin.row - 1); row <= std::min(rows - 1, bin.row + 1); ++row)
+  {
+    for (int step = -1; step <= 1; ++step)
+    {
+      const int column = (bin.column + step + columns) % columns;
+      const float range = range_[at(row * columns + column)];
+      if (range > 0)
+      {
+        ++seen;
+        nearest = std::min(nearest, range);
+        best = std::min(best, std::abs(range - bin.range));
+      }
+    }
+  }
+  if (seen > 0)
+  {
+    out[0] = std::clamp((nearest - bin.range) / 2, -1.0F, 1.0F);
+    out[1] = std::min(best, 1.0F);
+    out[2] = static_cast<float>(seen) / 9;
+  }
+}
+
+namespace
+{
+/** Sorts kept points by cell with a counting sort; gives the first position of each cell. */
+std::vector<std::int32_t> sortByCell(const std::vector<Eigen::Vector3f>& points,
+                                     const std::vector<std::int32_t>& cell_of,
+                                     const std::vector<float>& height_of,
+                                     BevScan& scan)
+{
+  std::vector<std::int32_t> first(at(scan.cells * scan.cells + 1), 0);
+  for (const auto c : cell_of)
+  {
+    if (c >= 0)
+    {
+      ++first[at(c + 1)];
+    }
+  }
+  for (std::size_t i = 1; i < first.size(); ++i)
+  {
+    first[i] += first[i - 1];
+  }
+  const auto kept = at(first.back());
+  scan.points.resize(kept);
+  scan.height.resize(kept);
+  scan.source.resize(kept);
+  scan.cell.resize(kept);
+  std::vector<std::int32_t> next(first.begin(), first.end() - 1);
+  for (std::size_t i = 0; i < points.size(); ++i)
+  {
+    if (cell_of[i] >= 0)
+    {
+      const auto to = at(next[at(cell_of[i])]++);
+      scan.points[to] = points[i];
+      scan.height[to] = height_of[i];
+      scan.source[to] = static_cast<std::uint32_t>(i);
+      scan.cell[to] = cell_of[i];
+    }
+  }
+  return first;
+}
+
+void fillFeatures(const std::vector<std::int32_t>& first, BevScan& scan)
+{
+  scan.features.resize(scan.size() * BevScan::feature_count);
+  const float half = 0.5F * scan.cell_size;
+  for (std::size_t begin = 0; begin < scan.size();)
+  {
+    const int cell = scan.cell[begin];
+    const auto end = at(first[at(cell) + 1]);
+    float low = unknown_height;
+    float high = -unknown_height;
+    float sum = 0;
+    for (std::size_t i = begin; i < end; ++i)
+    {
+      low = std::min(low, scan.height[i]);
+      high = std::max(high, scan.height[i]);
+      sum += scan.height[i];
+    }
+    const float count = static_cast<float>(end - begin);
+    const float mean = sum / count;
+    const float x = scan.corner.x() + static_cast<float>(cell % scan.cells) * scan.cell_size + half;
+    const float y = scan.corner.y() + static_cast<float>(cell / scan.cells) * scan.cell_size + half;
+    for (std::size_t i = begin; i < end; ++i)
+    {
+      float* f = &scan.features[i * BevScan::feature_count];
+      f[0] = (scan.points[i].x() - x) / half;
+      f[1] = (scan.points[i].y() - y) / half;
+      f[2] = scan.height[i] - 1;
+      f[3] = scan.height[i] - mean;
+      f[4] = 0.5F * std::log(count);
+      f[5] = std::hypot(scan.points[i].x(), scan.points[i].y()) / 50;
+      f[6] = high - 1;
+      f[7] = low - 1;
+    }
+    begin = end;
+  }
+}
+}  // namespace
+
+BevScan makeBevScan(const std::vector<Eigen::Vector3f>& points,
+                    const BevOptions& options,
+                    const Eigen::Vector2f& centre)
+{
+  const BevGround ground(points);
+  BevScan scan;
+  scan.cells = options.cells;
+  scan.cell_size = static_cast<float>(options.cell_size);
+  scan.corner = centre - Eigen::Vector2f::Constant(options.halfExtent());
+  scan.rays = BevRays(points);
+
+  const auto clearance = static_cast<float>(options.ground_clearance);
+  const auto ceiling = static_cast<float>(options.max_height);
+  const float inverse = 1 / scan.cell_size;
+  std::vector<std::int32_t> cell_of(points.size(), -1);
+  std::vector<float> height_of(points.size(), 0.0F);
+  for (std::size_t i = 0; i < points.size(); ++i)
+  {
+    const auto& p = points[i];
+    if (!isReturn(p))
+    {
+      continue;
+    }
+    const float u = (p.x() - scan.corner.x()) * inverse;
+    const float v = (p.y() - scan.corner.y()) * inverse;
+    if (u < 0 || v < 0 || u >= static_cast<float>(scan.cells) ||
+        v >= static_cast<float>(scan.cells))
+    {
+      continue;
+    }
+    // Nothing below the ground gets in: mirrored beams make ghosts there.
+    height_of[i] = p.z() - ground.heightAt(p.x(), p.y());
+    if (height_of[i] >= clearance && height_of[i] <= ceiling)
+    {
+      const int ix = std::min(static_cast<int>(u), scan.cells - 1);
+      const int iy = std::min(static_cast<int>(v), scan.cells - 1);
+      cell_of[i] = iy * scan.cells + ix;
+    }
+  }
+  const auto first = sortByCell(points, cell_of, height_of, scan);
+  fillFeatures(first, scan);
+  return scan;
+}
+}  // namespace dyslam

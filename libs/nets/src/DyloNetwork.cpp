@@ -1,0 +1,295 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/nets/DyloNetwork.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+namespace dyslam
+{
+namespace
+{
+/** Angle between nodes of each level [rad], about. */
+constexpr std::array<double, PreparedScan::level_count> spacing = {0.02, 0.05, 0.1, 0.2, 0.4};
+
+/** Full sizes, as PWCLO-Net's. */
+std::int64_t scaled(double width, std::int64_t size)
+{
+  return std::max<std::int64_t>(4, std::lround(width * static_cast<double>(size)));
+}
+
+std::int64_t featureSize(double width, std::size_t level)
+{
+  constexpr std::array<std::int64_t, 5> sizes = {0, 16, 32, 64, 128};
+  return scaled(width, sizes[level]);
+}
+
+torch::Tensor nodeGeometry(const ScanTensors::Level& level)
+{
+  const torch::Tensor range = level.xyz.norm(2, 1, true);
+  return torch::cat({level.normal, level.planarity.unsqueeze(1), level.xyz / (range + 1),
+                     torch::log1p(range) / 4},
+                    1);
+}
+}  // namespace
+
+DyloNetworkImpl::DyloNetworkImpl(const DyloNetworkOptions& options) : options_(options)
+{
+  const double w = options.width;
+  const auto size = [w](std::int64_t full) { return scaled(w, full); };
+  const std::vector<std::vector<std::int64_t>> mlps = {{size(8), size(8), size(16)},
+                                                       {size(16), size(16), size(32)},
+                                                       {size(32), size(32), size(64)},
+                                                       {size(64), size(64), size(128)}};
+  for (std::size_t l = 0; l < mlps.size(); ++l)
+  {
+    const std::int64_t in = l == 0 ? 0 : featureSize(w, l);
+    encoder_.push_back(
+        register_module("encoder" + std::to_string(l + 1), SetConv(in, mlps[l], spacing[l + 1])));
+  }
+  first_join_ = register_module("first_join", Mlp(Sizes{size(16) + 8, size(16)}));
+
+  const std::int64_t embedding = size(64);
+  const std::int64_t hidden = size(128);
+  first_cost_ = register_module("first_cost", AttentiveCostVolume(featureSize(w, 3), hidden,
+                                                                  embedding, 2, 3, 32, spacing[3]));
+  cost_down_ =
+      register_module("cost_down", SetConv(embedding, Sizes{hidden, embedding}, spacing[4]));
+  coarsest_mask_ =
+      register_module("coarsest_mask", DynamicMask(options.mask, embedding, featureSize(w, 4)));
+  cost_up_ =
+      register_module("cost_up", SetUpConv(embedding + featureSize(w, 4),
+                                           embedding + featureSize(w, 3), embedding, spacing[4]));
+  // Stage 0 weighs level 3 by its own mask; the later ones are levels 3, 2 and 1.
+  for (std::size_t stage = 0; stage < 4; ++stage)
+  {
+    const std::size_t level = stage == 0 ? 3 : 4 - stage;
+    mask_.push_back(register_module("mask" + std::to_string(stage),
+                                    DynamicMask(options.mask, embedding, featureSize(w, level))));
+    if (options.head == DyloHead::regression)
+    {
+      Mlp head(Sizes{embedding, hidden, 7}, true);
+      head->scaleOutput(0.01);
+      regression_.push_back(register_module("regression" + std::to_string(stage), head));
+    }
+    if (stage == 0)
+    {
+      continue;
+    }
+    const std::string name = std::to_string(level);
+    cost_.push_back(register_module(
+        "cost" + name,
+        AttentiveCostVolume(featureSize(w, level), hidden, embedding, 1, 2, 6, spacing[level])));
+    up_.emplace_back(nullptr);
+    if (level < 3)
+    {
+      up_.back() = register_module(
+          "up" + name, SetUpConv(embedding, featureSize(w, level), embedding, spacing[level + 1]));
+    }
+    join_.push_back(register_module("join" + name, Mlp(Sizes{2 * embedding, hidden, embedding})));
+  }
+  isotropic_ = register_parameter("isotropic", torch::tensor({-2.F, -4.F, -6.F, -8.F}));
+  if (options.head == DyloHead::gauss_newton)
+  {
+    fine_embed_ = register_module(
+        "fine_embed", Mlp(Sizes{embedding + featureSize(w, 1) + 10, embedding, embedding}));
+    fine_mask_ =
+        register_module("fine_mask", DynamicMask(options.mask, embedding, featureSize(w, 1)));
+    bandwidth_ = register_parameter("bandwidth", torch::zeros({1}));
+  }
+}
+
+const Window& DyloNetworkImpl::window(
+    std::size_t from, std::size_t to, const EncodedScan& scan, std::int64_t rows, std::int64_t cols)
+{
+  const ScanTensors::Level& source = scan.scan.levels[from];
+  const ScanTensors::Level& target = scan.scan.levels[to];
+  const auto key = std::make_tuple(source.rows, static_cast<std::int64_t>(from),
+                                   static_cast<std::int64_t>(to), rows, cols);
+  const auto found = windows_.find(key);
+  if (found != windows_.end() && found->second.index.device() == target.xyz.device())
+  {
+    return found->second;
+  }
+  windows_[key] = windowBetween(source.rows, source.cols, target.rows, target.cols, rows, cols,
+                                target.xyz.device());
+  return windows_[key];
+}
+
+EncodedScan DyloNetworkImpl::encode(const ScanTensors& scan)
+{
+  EncodedScan encoded;
+  encoded.scan = scan;
+  constexpr std::array<std::array<std::int64_t, 2>, 4> windows = {{{4, 8}, {4, 8}, {4, 4}, {4, 4}}};
+  for (std::size_t l = 1; l < PreparedScan::level_count; ++l)
+  {
+    const Window& around = window(l - 1, l, encoded, windows[l - 1][0], windows[l - 1][1]);
+    torch::Tensor x = encoder_[l - 1]->forward(encoded.features[l - 1], scan.levels[l - 1],
+                                               scan.levels[l], around);
+    if (l == 1)
+    {
+      x = first_join_->forward(torch::cat({x, nodeGeometry(scan.levels[1])}, 1));
+    }
+    encoded.features[l] = x;
+  }
+  return encoded;
+}
+
+DyloStage DyloNetworkImpl::poseStage(std::size_t stage,
+                                     std::size_t level,
+                                     const PoseTensors& start,
+                                     const torch::Tensor& warped,
+                                     const Correlation& correlation,
+                                     const MaskLogits& logits,
+                                     const torch::Tensor& embedding)
+{
+  DyloStage result;
+  result.level = level;
+  result.logits = logits;
+  result.valid = correlation.valid;
+  result.weight = maskWeights(logits, correlation.valid);
+  result.normal = correlation.normal;
+  result.offset = correlation.offset;
+  result.target = correlation.target;
+  if (options_.head == DyloHead::regression)
+  {
+    const torch::Tensor pooled = (embedding * result.weight.unsqueeze(1)).sum(0, true);
+    const torch::Tensor out = regression_[stage]->forward(pooled).squeeze(0);
+    const torch::Tensor quaternion =
+        out.slice(0, 0, 4) + torch::tensor({1.F, 0.F, 0.F, 0.F}, out.options());
+    const PoseTensors update = {rotationOfQuaternion(quaternion), out.slice(0, 4, 7)};
+    result.pose = update * start;
+    return result;
+  }
+  const GaussNewtonStep step =
+      gaussNewtonStep({warped, correlation.normal, correlation.offset, correlation.target,
+                       result.weight, isotropic_[static_cast<std::int64_t>(stage)].exp()});
+  result.pose = step.update * start;
+  result.normal_matrix = step.normal_matrix;
+  return result;
+}
+
+DyloStage DyloNetworkImpl::fineStage(const EncodedScan& scan1,
+                                     const EncodedScan& scan2,
+                                     const PoseTensors& start,
+                                     const torch::Tensor& embedding)
+{
+  constexpr std::int64_t half_rows = 1;
+  constexpr std::int64_t half_cols = 4;
+  const ScanTensors::Level& nodes = scan1.scan.levels[1];
+  const torch::Tensor warped = start.apply(nodes.xyz);
+  const torch::Tensor own_normal = torch::matmul(nodes.normal, start.rotation.t());
+  const torch::Tensor range = warped.norm(2, 1);
+
+  // A window of about 0.8 m across, whatever the range.
+  const torch::Tensor dilation =
+      (0.1 / (range * (2 * M_PI / PreparedScan::columns)).clamp_min(1e-3))
+          .round()
+          .clamp(1, 16)
+          .to(torch::kLong);
+  const Window around = windowAround(warped, scan2.scan, scan2.scan.rows, PreparedScan::columns,
+                                     half_rows, half_cols, dilation);
+  const torch::Tensor usable = scan2.scan.image_valid.index_select(0, around.index.reshape({-1}))
+                                   .reshape(around.index.sizes()) *
+                               around.inside * nodes.valid.unsqueeze(1);
+  const torch::Tensor q = gather(scan2.scan.image_xyz, around.index);
+  const torch::Tensor d = q - warped.unsqueeze(1);
+  const torch::Tensor distance2 = d.square().sum(2);
+
+  const torch::Tensor gate = 0.5 + 0.05 * range;
+  torch::Tensor near = usable / (1 + distance2 / gate.square().unsqueeze(1));
+  near = near * near.gt(0.1);
+  const torch::Tensor mass = near.sum(1);
+  const torch::Tensor share = near / mass.clamp_min(1e-6).unsqueeze(1);
+  const torch::Tensor mean = (share.unsqueeze(2) * d).sum(1);
+  const torch::Tensor centred = (d - mean.unsqueeze(1)) * share.sqrt().unsqueeze(2);
+  const PlaneFit plane = fitPlanes(torch::matmul(centred.transpose(1, 2), centred));
+
+  DyloStage result;
+  result.level = 1;
+  result.valid = nodes.valid * mass.gt(1.5).to(torch::kFloat);
+  const torch::Tensor width = (0.15 + 0.02 * range) * bandwidth_.exp();
+  const torch::Tensor logits =
+      -0.5 * distance2 / width.square().unsqueeze(1) + (near.gt(0).to(torch::kFloat) - 1) * 1e4;
+  const torch::Tensor attention = torch::softmax(logits, 1);
+  const torch::Tensor toward = (attention.unsqueeze(2) * d).sum(1);
+  result.target = warped + toward;
+  result.normal = plane.normal;
+  result.offset = (plane.normal * result.target).sum(1);
+
+  const torch::Tensor residual = -(plane.normal * toward).sum(1).abs();
+  const torch::Tensor spread = plane.spread;
+  const torch::Tensor width2 = spread.select(1, 1) + spread.select(1, 0) + 1e-3;
+  const torch::Tensor features =
+      torch::stack({torch::asinh(residual / 0.05) / 3, torch::asinh(residual / 0.5),
+                    spread.select(1, 0) / width2, torch::asinh(spread.select(1, 0) / 0.05) / 3,
+                    spread.select(1, 1) / (spread.select(1, 2) + 1e-3), toward.norm(2, 1) / gate,
+                    mass / 27, (plane.normal * warped).sum(1).abs() / (range + 1e-3),
+                    (plane.normal * own_normal).sum(1).abs(), torch::log1p(range) / 4},
+                   1);
+  const torch::Tensor joined =
+      fine_embed_->forward(torch::cat({features, embedding, scan1.features[1]}, 1));
+  result.logits = fine_mask_->forward(joined, scan1.features[1], result.valid);
+  result.weight = maskWeights(result.logits, result.valid);
+  const GaussNewtonStep step =
+      gaussNewtonStep({warped, result.normal, result.offset, result.target, result.weight, {}});
+  result.pose = step.update * start;
+  result.normal_matrix = step.normal_matrix;
+  return result;
+}
+
+std::vector<DyloStage> DyloNetworkImpl::forward(const EncodedScan& scan1,
+                                                const EncodedScan& scan2,
+                                                const PoseTensors& start)
+{
+  std::vector<DyloStage> stages;
+  PoseTensors pose = start;
+  torch::Tensor embedding;
+  for (std::size_t stage = 0; stage < 4; ++stage)
+  {
+    const std::size_t level = stage == 0 ? 3 : 4 - stage;
+    const ScanTensors::Level& nodes = scan1.scan.levels[level];
+    const torch::Tensor& features = scan1.features[level];
+    const torch::Tensor warped = pose.apply(nodes.xyz);
+    const torch::Tensor normal = torch::matmul(nodes.normal, pose.rotation.t());
+    AttentiveCostVolume& cost = stage == 0 ? first_cost_ : cost_[stage - 1];
+    Correlation correlation =
+        cost->forward(warped, normal, nodes.valid, features, scan2.scan, level,
+                      scan2.features[level], window(level, level, scan1, 2, 2));
+    torch::Tensor here;
+    if (stage == 0)
+    {
+      const ScanTensors::Level& coarsest = scan1.scan.levels[4];
+      const torch::Tensor down =
+          cost_down_->forward(correlation.embedding, nodes, coarsest, window(3, 4, scan1, 4, 4));
+      const MaskLogits mask = coarsest_mask_->forward(down, scan1.features[4], coarsest.valid);
+      const torch::Tensor masked = down * torch::sigmoid(mask.is_static).unsqueeze(1);
+      here = cost_up_->forward(torch::cat({masked, scan1.features[4]}, 1), coarsest,
+                               torch::cat({correlation.embedding, features}, 1), nodes,
+                               window(4, 3, scan1, 2, 4));
+    }
+    else
+    {
+      const std::size_t before = stages.back().level;
+      const torch::Tensor up =
+          before == level ? embedding
+                          : up_[stage - 1]->forward(embedding, scan1.scan.levels[before], features,
+                                                    nodes, window(before, level, scan1, 2, 4));
+      here = join_[stage - 1]->forward(torch::cat({correlation.embedding, up}, 1));
+    }
+    const MaskLogits logits = mask_[stage]->forward(here, features, nodes.valid);
+    stages.push_back(poseStage(stage, level, pose, warped, correlation, logits, here));
+    embedding = here;
+    pose = stages.back().pose.detached();
+  }
+  if (options_.head == DyloHead::gauss_newton)
+  {
+    for (int pass = 0; pass < options_.fine_passes; ++pass)
+    {
+      stages.push_back(fineStage(scan1, scan2, pose, embedding));
+      pose = stages.back().pose.detached();
+    }
+  }
+  return stages;
+}
+}  // namespace dyslam

@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/nets/DysegFile.h>
+#include <dyslam/nets/DysegModel.h>
+#include <torch/torch.h>
+
+#include <cmath>
+
+namespace dyslam
+{
+namespace
+{
+/** Cells below this logit don't have their points looked at one by one. */
+constexpr float doubtful = -3.0F;
+
+float sigmoid(float x)
+{
+  return 1 / (1 + std::exp(-x));
+}
+}  // namespace
+
+class DysegModel::Encoded
+{
+ public:
+  Encoded(BevScan&& bev, std::size_t count) : scan(std::move(bev)), cells(scan), inputs(count) {}
+
+  BevScan scan;
+  DysegCells cells;
+  DysegEncoding encoding;
+  std::size_t inputs;
+};
+
+struct DysegModel::Impl
+{
+  DysegNetwork network;
+};
+
+DysegModel::DysegModel(const std::string& file, int threads)
+    : impl_(std::make_unique<Impl>(Impl{loadDyseg(file)}))
+{
+  torch::set_num_threads(std::max(1, threads));
+  impl_->network.net->eval();
+}
+
+DysegModel::DysegModel(const DysegNetworkOptions& network,
+                       const BevOptions& grid,
+                       std::uint64_t seed,
+                       int threads)
+    : impl_(std::make_unique<Impl>())
+{
+  torch::set_num_threads(std::max(1, threads));
+  torch::manual_seed(seed);
+  impl_->network.net = DysegNet(network);
+  impl_->network.grid = grid;
+}
+
+DysegModel::~DysegModel() = default;
+DysegModel::DysegModel(DysegModel&&) noexcept = default;
+DysegModel& DysegModel::operator=(DysegModel&&) noexcept = default;
+
+const BevOptions& DysegModel::grid() const
+{
+  return impl_->network.grid;
+}
+
+std::shared_ptr<const DysegModel::Encoded> DysegModel::encode(
+    const std::vector<Eigen::Vector3f>& points) const
+{
+  torch::InferenceMode inference;
+  auto encoded = std::make_shared<Encoded>(makeBevScan(points, grid()), points.size());
+  encoded->encoding = impl_->network.net->encode(encoded->scan);
+  return encoded;
+}
+
+DysegResult DysegModel::compare(const Encoded& current, const Encoded& past, int iterations) const
+{
+  torch::InferenceMode inference;
+  DysegResult result;
+  result.moving_probability.assign(current.inputs, 0.0F);
+  const auto& scan = current.scan;
+  if (scan.size() == 0 || past.scan.size() == 0)
+  {
+    return result;
+  }
+  auto& net = impl_->network.net;
+  const auto cells =
+      net->cells(scan, current.cells, current.encoding, past.encoding, std::max(1, iterations));
+  const auto logit = cells.logit.contiguous();
+  const auto residual = cells.residual.back().contiguous();
+  const float* l = logit.data_ptr<float>();
+  const float* r = residual.data_ptr<float>();
+  result.static_flow = cells.fit;
+  result.cell_centre = current.cells.quarter_place;
+  for (std::size_t i = 0; i < result.cell_centre.size(); ++i)
+  {
+    result.cell_flow.emplace_back(cells.static_motion.flowAt(result.cell_centre[i]) +
+                                  Eigen::Vector2f(r[2 * i], r[2 * i + 1]));
+    result.cell_moving_probability.push_back(sigmoid(l[i]));
+  }
+
+  std::vector<std::int32_t> which;
+  for (std::size_t i = 0; i < scan.size(); ++i)
+  {
+    if (l[current.cells.row_of_point[i]] > doubtful)
+    {
+      which.push_back(static_cast<std::int32_t>(i));
+    }
+  }
+  if (!which.empty())
+  {
+    const auto answer = net->points(scan, current.cells, current.encoding, past.encoding,
+                                    past.scan.rays, cells, which)
+                            .contiguous();
+    const float* a = answer.data_ptr<float>();
+    for (std::size_t q = 0; q < which.size(); ++q)
+    {
+      result.moving_probability[scan.source[static_cast<std::size_t>(which[q])]] = sigmoid(a[q]);
+    }
+  }
+  return result;
+}
+}  // namespace dyslam

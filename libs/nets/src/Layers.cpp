@@ -1,0 +1,387 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <ATen/Parallel.h>
+#include <dyslam/nets/Layers.h>
+
+#include <Eigen/Core>
+#include <cmath>
+#include <string>
+
+namespace dyslam
+{
+namespace
+{
+constexpr double leak = 0.1;
+constexpr std::int64_t block = 1024;
+constexpr double out_of_play = 1e4;
+
+template <typename T>
+using Matrix = Eigen::Matrix<T, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
+template <typename T>
+Eigen::Map<const Matrix<T>> viewOf(const torch::Tensor& t)
+{
+  return {t.data_ptr<T>(), t.size(0), t.size(1)};
+}
+
+template <typename T>
+void linearForward(const torch::Tensor& x,
+                   const torch::Tensor& weight,
+                   const torch::Tensor& bias,
+                   T slope,
+                   torch::Tensor& y)
+{
+  const auto in = viewOf<T>(x);
+  const auto w = viewOf<T>(weight);
+  const Eigen::Map<const Eigen::Matrix<T, 1, Eigen::Dynamic>> b(bias.data_ptr<T>(), bias.size(0));
+  Eigen::Map<Matrix<T>> out(y.data_ptr<T>(), y.size(0), y.size(1));
+  const Matrix<T> w_t = w.transpose();
+  const std::int64_t rows = x.size(0);
+  at::parallel_for(0, (rows + block - 1) / block, 1,
+                   [&](std::int64_t begin, std::int64_t end)
+                   {
+                     for (std::int64_t chunk = begin; chunk < end; ++chunk)
+                     {
+                       const std::int64_t first = chunk * block;
+                       const std::int64_t count = std::min(block, rows - first);
+                       auto part = out.middleRows(first, count);
+                       part.noalias() = in.middleRows(first, count) * w_t;
+                       part.rowwise() += b;
+                       if (slope != T(1))
+                       {
+                         part = part.cwiseMax(slope * part);
+                       }
+                     }
+                   });
+}
+
+template <typename T>
+void linearBackward(const torch::Tensor& x,
+                    const torch::Tensor& weight,
+                    const torch::Tensor& y,
+                    const torch::Tensor& grad,
+                    T slope,
+                    torch::Tensor& grad_x,
+                    torch::Tensor& grad_weight,
+                    torch::Tensor& grad_bias)
+{
+  const auto in = viewOf<T>(x);
+  const auto w = viewOf<T>(weight);
+  const auto out = viewOf<T>(y);
+  const auto g = viewOf<T>(grad);
+  Eigen::Map<Matrix<T>> gx(grad_x.data_ptr<T>(), grad_x.size(0), grad_x.size(1));
+  Eigen::Map<Matrix<T>> gw(grad_weight.data_ptr<T>(), grad_weight.size(0), grad_weight.size(1));
+  Eigen::Map<Eigen::Matrix<T, 1, Eigen::Dynamic>> gb(grad_bias.data_ptr<T>(), grad_bias.size(0));
+  const std::int64_t rows = x.size(0);
+  Matrix<T> part;
+  for (std::int64_t first = 0; first < rows; first += block)
+  {
+    const std::int64_t count = std::min(block, rows - first);
+    part = g.middleRows(first, count);
+    if (slope != T(1))
+    {
+      part.array() *= (out.middleRows(first, count).array() > T(0))
+                          .select(Matrix<T>::Constant(count, y.size(1), T(1)).array(), slope);
+    }
+    gx.middleRows(first, count).noalias() = part * w;
+    gw.noalias() += part.transpose() * in.middleRows(first, count);
+    gb += part.colwise().sum();
+  }
+}
+
+class PointLinearFunction : public torch::autograd::Function<PointLinearFunction>
+{
+ public:
+  static torch::Tensor forward(torch::autograd::AutogradContext* context,
+                               const torch::Tensor& x,
+                               const torch::Tensor& weight,
+                               const torch::Tensor& bias,
+                               double slope)
+  {
+    torch::Tensor y = torch::empty({x.size(0), weight.size(0)}, x.options());
+    if (x.scalar_type() == torch::kDouble)
+    {
+      linearForward<double>(x, weight, bias, slope, y);
+    }
+    else
+    {
+      linearForward<float>(x, weight, bias, static_cast<float>(slope), y);
+    }
+    context->save_for_backward({x, weight, y});
+    context->saved_data["slope"] = slope;
+    return y;
+  }
+
+  static torch::autograd::variable_list backward(torch::autograd::AutogradContext* context,
+                                                 const torch::autograd::variable_list& grads)
+  {
+    const auto saved = context->get_saved_variables();
+    const double slope = context->saved_data["slope"].toDouble();
+    const torch::Tensor grad = grads[0].contiguous();
+    torch::Tensor grad_x = torch::empty_like(saved[0]);
+    torch::Tensor grad_weight = torch::zeros_like(saved[1]);
+    torch::Tensor grad_bias = torch::zeros({saved[1].size(0)}, saved[1].options());
+    if (grad.scalar_type() == torch::kDouble)
+    {
+      linearBackward<double>(saved[0], saved[1], saved[2], grad, slope, grad_x, grad_weight,
+                             grad_bias);
+    }
+    else
+    {
+      linearBackward<float>(saved[0], saved[1], saved[2], grad, static_cast<float>(slope), grad_x,
+                            grad_weight, grad_bias);
+    }
+    return {grad_x, grad_weight, grad_bias, torch::Tensor()};
+  }
+};
+
+/** Offsets of grouped points in units of the nodes' spacing at that range, [N, K, 3]. */
+torch::Tensor localOffsets(const torch::Tensor& grouped,
+                           const torch::Tensor& centre,
+                           double spacing)
+{
+  const torch::Tensor unit = centre.norm(2, 1, true) * spacing + 0.2;
+  return ((grouped - centre.unsqueeze(1)) / unit.unsqueeze(1)).clamp(-8, 8);
+}
+
+/** Maximum over the valid of dimension 1; 0 where none is. */
+torch::Tensor maskedMax(const torch::Tensor& x, const torch::Tensor& valid)
+{
+  const torch::Tensor none = valid.sum(1, true).eq(0);
+  return (x + (valid.unsqueeze(2) - 1) * out_of_play).amax(1).masked_fill(none, 0);
+}
+
+/** Softmax over the valid of dimension 1; 0 where none is. */
+torch::Tensor maskedSoftmax(const torch::Tensor& logits, const torch::Tensor& valid)
+{
+  return torch::softmax(logits + (valid - 1) * out_of_play, 1) * valid;
+}
+}  // namespace
+
+torch::Tensor pointLinear(const torch::Tensor& x,
+                          const torch::Tensor& weight,
+                          const torch::Tensor& bias,
+                          double slope)
+{
+  const auto sizes = x.sizes();
+  const torch::Tensor flat = x.reshape({-1, sizes.back()});
+  torch::Tensor y;
+  if (x.device().is_cpu())
+  {
+    y = PointLinearFunction::apply(flat.contiguous(), weight.contiguous(), bias, slope);
+  }
+  else
+  {
+    y = torch::addmm(bias, flat, weight.t());
+    y = slope != 1 ? torch::leaky_relu(y, slope) : y;
+  }
+  std::vector<std::int64_t> shape(sizes.begin(), sizes.end());
+  shape.back() = weight.size(0);
+  return y.reshape(shape);
+}
+
+MlpImpl::MlpImpl(const std::vector<std::int64_t>& sizes, bool linear_end) : linear_end_(linear_end)
+{
+  for (std::size_t i = 0; i + 1 < sizes.size(); ++i)
+  {
+    const double deviation =
+        std::sqrt(2.0 / static_cast<double>(std::max<std::int64_t>(sizes[i], 1)));
+    weights_.push_back(register_parameter("weight" + std::to_string(i),
+                                          torch::randn({sizes[i + 1], sizes[i]}) * deviation));
+    biases_.push_back(register_parameter("bias" + std::to_string(i), torch::zeros({sizes[i + 1]})));
+  }
+}
+
+torch::Tensor MlpImpl::forward(torch::Tensor x)
+{
+  for (std::size_t i = 0; i < weights_.size(); ++i)
+  {
+    const bool linear = linear_end_ && i + 1 == weights_.size();
+    x = pointLinear(x, weights_[i], biases_[i], linear ? 1.0 : leak);
+  }
+  return x;
+}
+
+void MlpImpl::scaleOutput(double factor)
+{
+  const torch::NoGradGuard no_grad;
+  weights_.back().mul_(factor);
+}
+
+SetConvImpl::SetConvImpl(std::int64_t in, const std::vector<std::int64_t>& mlp, double spacing)
+    : spacing_(spacing)
+{
+  std::vector<std::int64_t> sizes = {in + 3};
+  sizes.insert(sizes.end(), mlp.begin(), mlp.end());
+  mlp_ = register_module("mlp", Mlp(sizes));
+}
+
+torch::Tensor SetConvImpl::forward(const torch::Tensor& features,
+                                   const ScanTensors::Level& from,
+                                   const ScanTensors::Level& to,
+                                   const Window& window)
+{
+  const auto shape = window.index.sizes();
+  const torch::Tensor valid =
+      from.valid.index_select(0, window.index.reshape({-1})).reshape(shape) * window.inside;
+  torch::Tensor x = localOffsets(gather(from.xyz, window.index), to.xyz, spacing_);
+  if (features.defined())
+  {
+    x = torch::cat({x, gather(features, window.index)}, 2);
+  }
+  return maskedMax(mlp_->forward(x), valid);
+}
+
+AttentiveCostVolumeImpl::AttentiveCostVolumeImpl(std::int64_t features,
+                                                 std::int64_t hidden,
+                                                 std::int64_t out,
+                                                 std::int64_t half_rows,
+                                                 std::int64_t half_cols,
+                                                 std::int64_t candidates,
+                                                 double spacing)
+    : half_rows_(half_rows), half_cols_(half_cols), candidates_(candidates), spacing_(spacing)
+{
+  constexpr std::int64_t geometry = 10;
+  embed_ = register_module("embed", Mlp(Sizes{2 * features + geometry, hidden, out, out}));
+  attend_ = register_module("attend", Mlp(Sizes{out + geometry, out / 2, 1}, true));
+  patch_embed_ = register_module("patch_embed", Mlp(Sizes{out + 3, hidden, out}));
+  patch_attend_ = register_module("patch_attend", Mlp(Sizes{2 * out, out / 2, 1}, true));
+}
+
+Correlation AttentiveCostVolumeImpl::forward(const torch::Tensor& warped,
+                                             const torch::Tensor& warped_normal,
+                                             const torch::Tensor& valid,
+                                             const torch::Tensor& features1,
+                                             const ScanTensors& scan2,
+                                             std::size_t level,
+                                             const torch::Tensor& features2,
+                                             const Window& patch)
+{
+  const ScanTensors::Level& grid = scan2.levels[level];
+  Window window = windowAround(warped, scan2, grid.rows, grid.cols, half_rows_, half_cols_);
+  torch::Tensor usable =
+      grid.valid.index_select(0, window.index.reshape({-1})).reshape(window.index.sizes()) *
+      window.inside * valid.unsqueeze(1);
+  if (window.index.size(1) > candidates_)
+  {
+    const torch::NoGradGuard no_grad;
+    const torch::Tensor distance =
+        (gather(grid.xyz, window.index) - warped.unsqueeze(1)).square().sum(2) + (1 - usable) * 1e8;
+    const torch::Tensor nearest = std::get<1>(distance.topk(candidates_, 1, false, true));
+    window.index = window.index.gather(1, nearest);
+    usable = usable.gather(1, nearest);
+  }
+  const std::int64_t n = window.index.size(0);
+  const std::int64_t k = window.index.size(1);
+  const torch::Tensor q = gather(grid.xyz, window.index);
+  const torch::Tensor normal = gather(grid.normal, window.index);
+  const torch::Tensor d = localOffsets(q, warped, spacing_);
+  const torch::Tensor range = warped.norm(2, 1, true);
+  const torch::Tensor geometry =
+      torch::cat({d, d.norm(2, 2, true), (normal * d).sum(2, true),
+                  (normal * warped_normal.unsqueeze(1)).sum(2, true),
+                  (warped / (range + 1)).unsqueeze(1).expand({n, k, 3}),
+                  (torch::log1p(range) / 4).unsqueeze(1).expand({n, k, 1})},
+                 2);
+  const torch::Tensor pair = torch::cat(
+      {geometry, features1.unsqueeze(1).expand({n, k, -1}), gather(features2, window.index)}, 2);
+  const torch::Tensor embedded = embed_->forward(pair);
+  const torch::Tensor attention =
+      maskedSoftmax(attend_->forward(torch::cat({embedded, geometry}, 2)).squeeze(2), usable);
+
+  Correlation result;
+  const torch::Tensor weight = attention.unsqueeze(2);
+  result.valid = usable.amax(1);
+  result.normal = (weight * normal).sum(1);
+  result.offset = (attention * (normal * q).sum(2)).sum(1);
+  result.target = (weight * q).sum(1);
+  const torch::Tensor first = (weight * embedded).sum(1);
+
+  const torch::Tensor around = gather(first, patch.index);
+  const torch::Tensor patch_valid =
+      result.valid.index_select(0, patch.index.reshape({-1})).reshape(patch.index.sizes()) *
+      patch.inside;
+  const torch::Tensor offsets = localOffsets(gather(warped, patch.index), warped, spacing_);
+  const torch::Tensor patched = patch_embed_->forward(torch::cat({around, offsets}, 2));
+  const torch::Tensor own = first.unsqueeze(1).expand({n, patch.index.size(1), -1});
+  const torch::Tensor patch_attention =
+      maskedSoftmax(patch_attend_->forward(torch::cat({patched, own}, 2)).squeeze(2), patch_valid);
+  result.embedding = first + (patch_attention.unsqueeze(2) * patched).sum(1);
+  return result;
+}
+
+SetUpConvImpl::SetUpConvImpl(std::int64_t coarse,
+                             std::int64_t fine,
+                             std::int64_t out,
+                             double spacing)
+    : spacing_(spacing)
+{
+  gather_ = register_module("gather", Mlp(Sizes{coarse + 3, out}));
+  join_ = register_module("join", Mlp(Sizes{out + fine, out}));
+}
+
+torch::Tensor SetUpConvImpl::forward(const torch::Tensor& coarse_features,
+                                     const ScanTensors::Level& coarse,
+                                     const torch::Tensor& fine_features,
+                                     const ScanTensors::Level& fine,
+                                     const Window& window)
+{
+  const torch::Tensor valid =
+      coarse.valid.index_select(0, window.index.reshape({-1})).reshape(window.index.sizes()) *
+      window.inside;
+  const torch::Tensor offsets = localOffsets(gather(coarse.xyz, window.index), fine.xyz, spacing_);
+  const torch::Tensor x =
+      gather_->forward(torch::cat({offsets, gather(coarse_features, window.index)}, 2));
+  return join_->forward(torch::cat({maskedMax(x, valid), fine_features}, 1));
+}
+
+DynamicMaskImpl::DynamicMaskImpl(DyloMask kind, std::int64_t embedding, std::int64_t features)
+    : kind_(kind)
+{
+  const std::int64_t in = kind == DyloMask::attention ? embedding + features : embedding;
+  if (kind == DyloMask::attention)
+  {
+    spatial_ = register_module("spatial", Mlp(Sizes{embedding + features, features, 1}, true));
+    channel_ = register_module(
+        "channel", Mlp(Sizes{features, std::max<std::int64_t>(features / 2, 4), features}, true));
+  }
+  if (kind != DyloMask::none)
+  {
+    mask_ = register_module("mask", Mlp(Sizes{in, embedding, embedding / 2, 2}, true));
+    mask_->scaleOutput(0.1);
+  }
+}
+
+MaskLogits DynamicMaskImpl::forward(const torch::Tensor& embedding,
+                                    const torch::Tensor& features,
+                                    const torch::Tensor& valid)
+{
+  if (kind_ == DyloMask::none)
+  {
+    const torch::Tensor certain = torch::full({embedding.size(0)}, 20.0, embedding.options());
+    return {certain, certain};
+  }
+  torch::Tensor x = embedding;
+  if (kind_ == DyloMask::attention)
+  {
+    // F' = F attended where E says so; F''' = F' with its telling channels raised (Fig. 4).
+    const torch::Tensor where =
+        torch::sigmoid(spatial_->forward(torch::cat({embedding, features}, 1)));
+    const torch::Tensor attended = features * where;
+    const torch::Tensor in_play = valid.unsqueeze(1);
+    const torch::Tensor mean = (attended * in_play).sum(0, true) / in_play.sum().clamp_min(1);
+    const torch::Tensor largest =
+        (attended + (in_play - 1) * out_of_play).amax(0, true).clamp_min(-10);
+    const torch::Tensor channels =
+        torch::sigmoid(channel_->forward(mean) + channel_->forward(largest));
+    x = torch::cat({embedding, attended * channels}, 1);
+  }
+  const torch::Tensor logits = mask_->forward(x) + torch::tensor({2.0F, 0.F}, x.options());
+  return {logits.select(1, 0), logits.select(1, 1)};
+}
+
+torch::Tensor maskWeights(const MaskLogits& logits, const torch::Tensor& valid)
+{
+  const torch::Tensor x = torch::log_sigmoid(logits.is_static) + torch::log_sigmoid(logits.quality);
+  return torch::softmax(x + (valid - 1) * out_of_play, 0) * valid;
+}
+}  // namespace dyslam

@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/nets/DyloNetwork.h>
+#include <gtest/gtest.h>
+
+#include "SyntheticScan.h"
+
+namespace dyslam
+{
+namespace
+{
+constexpr auto real = torch::kFloat;
+
+Pose motion(double forward)
+{
+  return poseFromYpr(forward, 0.02, 0, 0.01, 0, 0);
+}
+
+struct Pair
+{
+  ScanTensors scan1, scan2;
+};
+
+/** Scan 1 stands where `T_2_1` puts it in scan 2's frame. */
+Pair roomPair(const Pose& T_2_1, int beams = 64)
+{
+  return {toTensors(prepareScan(testing::room(beams, 1800, T_2_1))),
+          toTensors(prepareScan(testing::room(beams, 1800)))};
+}
+
+std::vector<DyloStage> run(DyloNetwork& net, const Pair& pair)
+{
+  return net->forward(net->encode(pair.scan1), net->encode(pair.scan2),
+                      PoseTensors::identity(real));
+}
+
+TEST(DyloNetwork, EveryShapeRunsAndHasGradientsEverywhere)
+{
+  const Pair pair = roomPair(motion(0.3));
+  for (const DyloHead head : {DyloHead::gauss_newton, DyloHead::regression})
+  {
+    for (const DyloMask mask : {DyloMask::none, DyloMask::lonet, DyloMask::attention})
+    {
+      torch::manual_seed(1);
+      DyloNetworkOptions options;
+      options.head = head;
+      options.mask = mask;
+      DyloNetwork net(options);
+      const auto stages = run(net, pair);
+      ASSERT_EQ(stages.size(), head == DyloHead::gauss_newton ? 6U : 4U);
+      torch::Tensor loss = torch::zeros({});
+      for (const DyloStage& stage : stages)
+      {
+        ASSERT_TRUE(stage.pose.translation.isfinite().all().item<bool>());
+        loss = loss + stage.pose.translation.square().sum() + stage.pose.rotation.square().sum() +
+               stage.pose.rotation.sum() + stage.target.square().mean();
+      }
+      loss.backward();
+      for (const auto& parameter : net->named_parameters())
+      {
+        const bool idle = head == DyloHead::regression && parameter.key() == "isotropic";
+        if (idle || !parameter.value().grad().defined())
+        {
+          // What only a mask reads stays idle without one.
+          EXPECT_TRUE(idle || mask == DyloMask::none) << parameter.key();
+          continue;
+        }
+        EXPECT_TRUE(parameter.value().grad().isfinite().all().item<bool>()) << parameter.key();
+      }
+    }
+  }
+}
+
+TEST(DyloNetwork, UntrainedGaussNewtonAlreadyMovesTheRightWay)
+{
+  torch::manual_seed(2);
+  DyloNetworkOptions options;
+  options.fine_passes = 6;
+  DyloNetwork net(options);
+  const torch::NoGradGuard no_grad;
+  for (const double forward : {0.15, -0.15})
+  {
+    const Pose truth = motion(forward);
+    const Pose estimate = run(net, roomPair(truth)).back().pose.toPose();
+    EXPECT_NEAR(estimate.translation().x(), forward, 0.05);
+    EXPECT_NEAR(rotationAngle(estimate.inverse() * truth), 0, 0.01);
+  }
+}
+
+TEST(DyloNetwork, SameScanTwiceStandsStill)
+{
+  torch::manual_seed(3);
+  DyloNetwork net(DyloNetworkOptions{});
+  const torch::NoGradGuard no_grad;
+  const Pose estimate = run(net, roomPair(Pose::Identity())).back().pose.toPose();
+  EXPECT_LT(logSE3(estimate).norm(), 0.02);
+}
+
+TEST(DyloNetwork, SurvivesEmptyAndSparseScans)
+{
+  torch::manual_seed(4);
+  DyloNetwork net(DyloNetworkOptions{});
+  const torch::NoGradGuard no_grad;
+  const ScanTensors empty = toTensors(prepareScan({}));
+  const ScanTensors full = toTensors(prepareScan(testing::room(16, 1800)));
+  for (const Pair& pair :
+       {Pair{empty, full}, Pair{full, empty}, Pair{empty, empty}, Pair{full, full}})
+  {
+    for (const DyloStage& stage : run(net, pair))
+    {
+      EXPECT_TRUE(stage.pose.translation.isfinite().all().item<bool>());
+      EXPECT_TRUE(stage.weight.isfinite().all().item<bool>());
+    }
+  }
+}
+
+TEST(DyloNetwork, SameSeedSameBytes)
+{
+  const Pair pair = roomPair(motion(0.3));
+  const torch::NoGradGuard no_grad;
+  std::vector<torch::Tensor> results;
+  for (int i = 0; i < 2; ++i)
+  {
+    torch::manual_seed(5);
+    DyloNetwork net(DyloNetworkOptions{});
+    results.push_back(run(net, pair).back().pose.translation);
+  }
+  EXPECT_TRUE(torch::equal(results[0], results[1]));
+}
+}  // namespace
+}  // namespace dyslam

@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/Error.h>
+#include <dyslam/nets/DysegFile.h>
+#include <dyslam/nets/DysegModel.h>
+#include <gtest/gtest.h>
+#include <torch/torch.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <limits>
+#include <random>
+
+namespace
+{
+using dyslam::BevOptions;
+using dyslam::DysegModel;
+using dyslam::DysegNetworkOptions;
+
+BevOptions smallGrid()
+{
+  BevOptions grid;
+  grid.cells = 128;
+  return grid;
+}
+
+/** Flat ground with some posts and walls. */
+std::vector<Eigen::Vector3f> street(unsigned seed)
+{
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<float> place(-20, 20);
+  std::uniform_real_distribution<float> height(-1.2F, 1.5F);
+  std::vector<Eigen::Vector3f> points;
+  for (int i = 0; i < 4000; ++i)
+  {
+    points.emplace_back(place(random), place(random), -1.7F);
+  }
+  for (int i = 0; i < 60; ++i)
+  {
+    const Eigen::Vector2f at(place(random), place(random));
+    for (int k = 0; k < 30; ++k)
+    {
+      points.emplace_back(at.x() + 0.01F * static_cast<float>(k % 7), at.y(), height(random));
+    }
+  }
+  return points;
+}
+
+TEST(DysegNet, EveryParameterLearns)
+{
+  torch::manual_seed(1);
+  dyslam::DysegNet net{DysegNetworkOptions()};
+  const auto current = dyslam::makeBevScan(street(1), smallGrid());
+  const auto past = dyslam::makeBevScan(street(2), smallGrid());
+  const dyslam::DysegCells occupied(current);
+  const auto a = net->encode(current);
+  const auto b = net->encode(past);
+  const auto cells = net->cells(current, occupied, a, b, 2);
+  std::vector<std::int32_t> which{0, 5, 10, 50};
+  const auto points = net->points(current, occupied, a, b, past.rays, cells, which);
+  const auto flow = net->pointFlow(current, occupied, cells, which);
+  ASSERT_EQ(points.size(0), 4);
+  ASSERT_EQ(flow.size(0), 4);
+  ASSERT_EQ(cells.residual.size(), 2U);
+  auto loss = points.square().sum() + flow.square().sum() + cells.logit.square().sum() +
+              cells.correlation.square().sum() + cells.coarse_correlation.square().sum();
+  for (const auto& r : cells.residual)
+  {
+    loss = loss + r.square().sum();
+  }
+  loss.backward();
+  for (const auto& p : net->named_parameters())
+  {
+    EXPECT_TRUE(p.value().grad().defined() && p.value().grad().abs().max().item<float>() > 0)
+        << p.key();
+  }
+}
+
+TEST(DysegModel, OnePerPointAndQuietOnNothing)
+{
+  const DysegModel model(DysegNetworkOptions(), smallGrid(), 1);
+  auto points = street(3);
+  points.emplace_back(std::numeric_limits<float>::quiet_NaN(), 0.0F, 0.0F);
+  const auto some = model.encode(points);
+  const auto result = model.compare(*some, *model.encode(street(4)));
+  ASSERT_EQ(result.moving_probability.size(), points.size());
+  for (const float p : result.moving_probability)
+  {
+    EXPECT_TRUE(p >= 0 && p <= 1);
+  }
+  EXPECT_EQ(result.moving_probability.front(), 0) << "ground";
+  EXPECT_EQ(result.cell_centre.size(), result.cell_flow.size());
+
+  const auto nothing = model.encode({});
+  EXPECT_TRUE(model.compare(*nothing, *some).moving_probability.empty());
+  const auto alone = model.compare(*some, *nothing);
+  EXPECT_EQ(*std::max_element(alone.moving_probability.begin(), alone.moving_probability.end()), 0);
+  EXPECT_FALSE(alone.static_flow.converged);
+  const auto one = model.encode({{3, 2, 1}});
+  EXPECT_EQ(model.compare(*one, *some).moving_probability.size(), 1U);
+}
+
+TEST(DysegFile, WeightsReturnAndWrongFilesAreRefused)
+{
+  torch::manual_seed(7);
+  const auto folder = std::filesystem::temp_directory_path();
+  const auto file = (folder / "dyslam_dyseg_test.pt").string();
+  dyslam::DysegNetwork network;
+  network.net = dyslam::DysegNet(DysegNetworkOptions());
+  network.grid = smallGrid();
+  saveDyseg(network, file);
+  const auto back = dyslam::loadDyseg(file);
+  EXPECT_EQ(back.grid.cells, 128);
+  const auto written = network.net->named_parameters();
+  for (const auto& p : back.net->named_parameters())
+  {
+    EXPECT_LT((p.value() - written[p.key()]).abs().max().item<float>(), 1e-3) << p.key();
+  }
+  EXPECT_THROW(DysegModel(file + ".missing"), dyslam::UserError);
+  std::ofstream(file) << "no weights";
+  EXPECT_THROW(DysegModel model(file), dyslam::UserError);
+  std::filesystem::remove(file);
+}
+}  // namespace
