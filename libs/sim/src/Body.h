@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <dyslam/core/Objects.h>
+#include <dyslam/core/Pose.h>
+
+#include <vector>
+
+#include "Mesh.h"
+
+namespace dyslam::sim
+{
+/** The look and build of a kind of actor. */
+struct BodyModel
+{
+  enum class Gait
+  {
+    rigid,
+    walking,  //!< shapes: torso, arm, thigh, shank
+    cycling   //!< shapes: bicycle with rider, thigh, shank
+  };
+  ObjectClass object_class = ObjectClass::car;
+  Gait gait = Gait::rigid;
+  Eigen::Vector3d size = Eigen::Vector3d::Ones();  //!< of the box: length, width, height [m]
+  double center_x = 0;                             //!< of the box along the body [m]
+  double wheelbase = 2.6;                          //!< between the points that keep to the path [m]
+  double scale = 1;                                //!< of the shapes: a person's height [m]
+  std::vector<int> shapes;
+};
+
+/** Where a body is and how it holds itself. */
+struct BodyState
+{
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();  //!< on the ground below the middle, map [m]
+  double yaw = 0, pitch = 0, roll = 0;                 //!< [rad]
+  double speed = 0;                                    //!< along the heading [m/s]
+  double phase = 0;                                    //!< of the gait or the pedals [rad]
+  double swing = 0;                                    //!< how far the limbs swing, 0..1
+};
+
+struct BodyPart
+{
+  int shape = 0;
+  Eigen::Affine3d transform = Eigen::Affine3d::Identity();  //!< shape to map
+};
+
+[[nodiscard]] Pose bodyPose(const BodyState& state);
+/** The parts of a body, always in the same order and number for one model. */
+[[nodiscard]] std::vector<BodyPart> bodyParts(const BodyModel& model, const BodyState& state);
+[[nodiscard]] int bodyPartCount(const BodyModel& model);
+}  // namespace dyslam::sim

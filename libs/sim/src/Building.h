@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "Mesh.h"
+#include "Random.h"
+
+namespace dyslam::sim
+{
+struct BuildingStyle
+{
+  float width = 14, depth = 10;  //!< along and away from the street [m]
+  int floors = 4;
+  float floor_height = 3.0F;
+  float bay = 3.0F;  //!< one window to a bay [m]
+  float window_width = 1.3F, window_height = 1.5F;
+  float recess = 0.18F;    //!< of the windows [m]
+  float balconies = 0.2F;  //!< share of bays above the ground floor
+  bool shop = false;       //!< large panes on the ground floor
+  bool gable = false;      //!< a pitched roof
+  Material wall = Material::plaster;
+};
+
+[[nodiscard]] BuildingStyle drawTownHouse(Rng& rng);
+[[nodiscard]] BuildingStyle drawHouse(Rng& rng);
+[[nodiscard]] BuildingStyle drawHall(Rng& rng);
+
+/** Origin at the front's left corner on the ground; x along the front, y into the building. */
+void addBuilding(Mesh& mesh,
+                 const BuildingStyle& style,
+                 const Eigen::Affine3f& transform,
+                 Rng& rng);
+}  // namespace dyslam::sim

@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <cmath>
+
+#include "Traffic.h"
+
+namespace dyslam::sim
+{
+namespace
+{
+constexpr double kActiveRadius = 230;
+}
+
+double egoCruise(const World& world, const SimulatorOptions& options)
+{
+  if (options.ego_speed > 0)
+  {
+    return options.ego_speed;
+  }
+  switch (world.kind)
+  {
+    case WorldKind::urban:
+      return 11;
+    case WorldKind::highway:
+      return 27;
+    case WorldKind::tunnel:
+      return 20;
+    case WorldKind::field:
+      return 4;
+    case WorldKind::campus:
+      break;
+  }
+  return options.ego == EgoKind::car ? 4 : 1.4;
+}
+
+double driverAcceleration(double v, double v0, double gap, double v_leader, double headway)
+{
+  constexpr double kAccelerate = 1.6, kBrake = 2.2, kJam = 2.0;
+  const double wanted =
+      kJam +
+      std::max(0.0, v * headway + v * (v - v_leader) / (2 * std::sqrt(kAccelerate * kBrake)));
+  const double interaction = gap > 0.1 ? wanted / gap : wanted / 0.1;
+  // The first term alone may not brake harder than comfort allows.
+  const double free = std::max(-kBrake, kAccelerate * (1 - std::pow(v / std::max(v0, 0.1), 4)));
+  return std::max(-8.0, free - kAccelerate * interaction * interaction);
+}
+
+Crowd::Crowd(const World& world, const SimulatorOptions& options) : world_(world), options_(options)
+{
+  switch (world.kind)
+  {
+    case WorldKind::urban:
+      groups_.push_back(makeStreetTraffic(*this, true));
+      groups_.push_back(makeBicycles(*this));
+      groups_.push_back(makeWalkers(*this));
+      break;
+    case WorldKind::campus:
+    case WorldKind::field:
+      groups_.push_back(makePathEgo(*this));
+      groups_.push_back(makeStreetTraffic(*this, false));
+      groups_.push_back(makeWalkers(*this));
+      break;
+    case WorldKind::highway:
+    case WorldKind::tunnel:
+      groups_.push_back(makeHighwayTraffic(*this));
+      break;
+  }
+}
+
+Crowd::~Crowd() = default;
+
+void Crowd::step(double dt)
+{
+  for (auto& group : groups_)
+  {
+    group->step(dt);
+  }
+  time_ += dt;
+}
+
+int Crowd::addActor(int model_index, float paint)
+{
+  Actor actor;
+  actor.model = model_index;
+  actor.paint = paint;
+  actors_.push_back(actor);
+  return static_cast<int>(actors_.size()) - 1;
+}
+
+const BodyModel& Crowd::model(int index) const
+{
+  return world_.bodies[static_cast<std::size_t>(actors_[static_cast<std::size_t>(index)].model)];
+}
+
+bool Crowd::active(const Eigen::Vector2d& position) const
+{
+  return (position - ego_.position).squaredNorm() < kActiveRadius * kActiveRadius;
+}
+
+void Crowd::stand(int index, const Eigen::Vector2d& position, double yaw)
+{
+  Actor& a = actor(index);
+  const BodyModel& m = model(index);
+  const Ground& ground = *world_.ground;
+  a.state.yaw = yaw;
+  if (m.gait == BodyModel::Gait::walking)
+  {
+    a.state.position = {position.x(), position.y(), ground.height(position)};
+    return;
+  }
+  const Eigen::Vector2d forward(std::cos(yaw), std::sin(yaw));
+  const double h = 0.5 * m.wheelbase;
+  const double front = ground.height(position + h * forward),
+               back = ground.height(position - h * forward);
+  a.state.position = {position.x(), position.y(), 0.5 * (front + back)};
+  a.state.pitch = -std::atan2(front - back, 2 * h);
+  if (m.size.y() > 1)
+  {
+    const Eigen::Vector2d left(-forward.y(), forward.x());
+    const double w = 0.4 * m.size.y();
+    a.state.roll =
+        std::atan2(ground.height(position + w * left) - ground.height(position - w * left), 2 * w);
+  }
+}
+}  // namespace dyslam::sim

@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "EgoMotion.h"
+
+#include <cmath>
+
+namespace dyslam::sim
+{
+EgoMotion::EgoMotion(EgoKind kind, std::uint64_t seed) : kind_(kind)
+{
+  Rng rng(combine(seed, 0xE60));
+  for (auto& w : wobble_)
+  {
+    w = rng.uniform(0, 6.283185);
+  }
+}
+
+Pose EgoMotion::mounting(EgoKind kind)
+{
+  switch (kind)
+  {
+    case EgoKind::robot:
+      return Pose(Eigen::Translation3d(0.1, 0, 0.75));
+    case EgoKind::handheld:
+      return Pose(Eigen::Translation3d(0, 0, 1.45));
+    case EgoKind::car:
+    case EgoKind::automatic:
+      break;
+  }
+  return Pose(Eigen::Translation3d(0, 0, 1.73));
+}
+
+Pose EgoMotion::update(const EgoState& ego, const Ground& ground, double time, double dt)
+{
+  const double wheelbase = kind_ == EgoKind::car ? 2.7 : 0.5;
+  const double track = kind_ == EgoKind::car ? 1.5 : 0.5;
+  const Eigen::Vector2d forward(std::cos(ego.yaw), std::sin(ego.yaw)),
+      left(-forward.y(), forward.x());
+  const auto height = [&](const Eigen::Vector2d& p) { return ground.height(p); };
+  const double front = height(ego.position + 0.5 * wheelbase * forward),
+               back = height(ego.position - 0.5 * wheelbase * forward);
+  const double port = height(ego.position + 0.5 * track * left),
+               starboard = height(ego.position - 0.5 * track * left);
+  const double slope = -std::atan2(front - back, wheelbase),
+               bank = std::atan2(port - starboard, track);
+
+  const double acceleration = first_ ? 0 : (ego.speed - speed_) / dt;
+  const double turn = first_ ? 0 : std::remainder(ego.yaw - yaw_, 6.283185307179586) / dt;
+  speed_ = ego.speed;
+  yaw_ = ego.yaw;
+  // Braking dips the nose (pitch > 0 is nose down), a left turn leans the body right (roll > 0).
+  const std::array<double, 3> load =
+      kind_ == EgoKind::car
+          ? std::array<double, 3>{slope - 0.006 * acceleration, bank + 0.005 * ego.speed * turn,
+                                  0.5 * (front + back)}
+          : std::array<double, 3>{slope, bank, 0.5 * (front + back)};
+  const std::array<double, 3> frequency =
+      kind_ == EgoKind::car ? std::array<double, 3>{9, 8.5, 10} : std::array<double, 3>{14, 14, 16};
+  for (std::size_t i = 0; i < 3; ++i)
+  {
+    if (first_)
+    {
+      x_[i] = load[i];
+    }
+    const double pull =
+        frequency[i] * frequency[i] * (load[i] - x_[i]) - 2 * 0.35 * frequency[i] * rate_[i];
+    rate_[i] += pull * dt;
+    x_[i] += rate_[i] * dt;
+  }
+  first_ = false;
+
+  Eigen::Vector3d shift = Eigen::Vector3d::Zero(),
+                  angles = Eigen::Vector3d::Zero();  // yaw, pitch, roll
+  const auto wave = [&](double hertz, std::size_t k)
+  { return std::sin(6.283185 * hertz * time + wobble_[k]); };
+  if (kind_ == EgoKind::handheld)
+  {
+    // Two steps to a stride; arms that are never still.
+    phase_ += 2.2 * (0.4 + 1.0 * ego.speed) * 6.283185 / 2 * dt;
+    const double walk = std::min(1.0, ego.speed);
+    shift = {0.01 * wave(0.7, 0), walk * 0.025 * std::sin(phase_) + 0.01 * wave(0.5, 1),
+             walk * 0.022 * std::cos(2 * phase_)};
+    angles = {0.05 * wave(0.4, 2) + walk * 0.02 * std::sin(phase_),
+              0.04 * wave(0.55, 3) + walk * 0.012 * std::sin(2 * phase_),
+              0.04 * wave(0.47, 4) + walk * 0.02 * std::cos(phase_)};
+  }
+  else if (kind_ == EgoKind::robot)
+  {
+    const double rough = std::min(1.0, ego.speed);
+    angles = {0, rough * 0.006 * wave(5.3, 5), rough * 0.008 * wave(4.1, 6)};
+    shift.z() = rough * 0.003 * wave(6.7, 7);
+  }
+  else
+  {
+    const double rough = std::min(1.0, ego.speed / 12);
+    angles = {0, rough * 0.0012 * wave(7.3, 5), rough * 0.0012 * wave(6.1, 6)};
+    shift.z() = rough * 0.004 * wave(8.7, 7);
+  }
+  return poseFromYpr(ego.position.x(), ego.position.y(), x_[2], ego.yaw, x_[0], x_[1]) *
+         poseFromYpr(shift.x(), shift.y(), shift.z(), angles.x(), angles.y(), angles.z());
+}
+}  // namespace dyslam::sim

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <dyslam/core/Pose.h>
+
+#include <array>
+#include <vector>
+
+#include "Traffic.h"
+
+namespace dyslam::sim
+{
+/** How the carrier moves in six degrees of freedom above its track: the suspension of a car, the
+ * gait of a robot or of a person with the sensor on a pole. */
+class EgoMotion
+{
+ public:
+  EgoMotion(EgoKind kind, std::uint64_t seed);
+
+  /** Call at every step with the planar state; gives the vehicle's pose in the map. */
+  [[nodiscard]] Pose update(const EgoState& ego, const Ground& ground, double time, double dt);
+
+  /** Lidar on the vehicle, whose origin is on the ground. */
+  [[nodiscard]] static Pose mounting(EgoKind kind);
+
+ private:
+  EgoKind kind_;
+  double phase_ = 0;
+  double speed_ = 0, yaw_ = 0;
+  bool first_ = true;
+  // Deflections and their rates: pitch [rad], roll [rad], height [m].
+  std::array<double, 3> x_{}, rate_{};
+  std::array<double, 9> wobble_{};
+};
+}  // namespace dyslam::sim

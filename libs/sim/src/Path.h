@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+namespace dyslam::sim
+{
+/** A smooth line in the plane by arc length. */
+class Path
+{
+ public:
+  struct Sample
+  {
+    Eigen::Vector2d position;
+    double heading;  //!< [rad]
+  };
+
+  Path() = default;
+  /** Through `points`; a closed path joins its end to its start. */
+  explicit Path(const std::vector<Eigen::Vector2d>& points, bool closed = false);
+
+  [[nodiscard]] double length() const { return length_; }
+  [[nodiscard]] bool empty() const { return points_.size() < 2; }
+  [[nodiscard]] bool closed() const { return closed_; }
+  /** At arc length s; clamped to the ends, or wrapped on a closed path. */
+  [[nodiscard]] Sample at(double s) const;
+  [[nodiscard]] const std::vector<Eigen::Vector2d>& points() const { return points_; }
+
+ private:
+  std::vector<Eigen::Vector2d> points_;
+  std::vector<double> s_;
+  double length_ = 0;
+  bool closed_ = false;
+};
+
+/** Corners of a polygon line replaced by arcs of about `radius`, then resampled every `step`. */
+[[nodiscard]] std::vector<Eigen::Vector2d> roundedCorners(
+    const std::vector<Eigen::Vector2d>& points, double radius, double step, bool closed);
+
+/** A turn from one pose to another by a cubic Bezier curve. */
+[[nodiscard]] std::vector<Eigen::Vector2d> bezier(const Eigen::Vector2d& from,
+                                                  double from_heading,
+                                                  const Eigen::Vector2d& to,
+                                                  double to_heading,
+                                                  int count);
+
+/** Angle in (-pi, pi]. */
+[[nodiscard]] double wrapAngle(double angle);
+}  // namespace dyslam::sim

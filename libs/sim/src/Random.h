@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+
+namespace dyslam::sim
+{
+/** A good 64-bit scrambler (splitmix64's finaliser). */
+inline std::uint64_t mix(std::uint64_t x)
+{
+  x += 0x9E3779B97F4A7C15ULL;
+  x = (x ^ (x >> 30)) * 0xBF58476D1CE4E5B9ULL;
+  x = (x ^ (x >> 27)) * 0x94D049BB133111EBULL;
+  return x ^ (x >> 31);
+}
+
+inline std::uint64_t combine(std::uint64_t a, std::uint64_t b)
+{
+  return mix(a ^ (b + 0x9E3779B97F4A7C15ULL + (a << 6) + (a >> 2)));
+}
+
+/** Uniform in [0, 1) from the top bits of a hash. */
+inline float unit(std::uint64_t hash)
+{
+  return static_cast<float>(hash >> 40) * 0x1p-24F;
+}
+
+/** About normal with deviation 1, bounded by 3.46, from one hash: the sum of four uniforms. */
+inline float normal(std::uint64_t hash)
+{
+  const auto part = [&](int shift)
+  { return static_cast<float>((hash >> shift) & 0xFFFFU) * (1.0F / 65535.0F); };
+  return (part(0) + part(16) + part(32) + part(48) - 2.0F) * 1.7320508F;
+}
+
+/** A small generator for making worlds and driving actors; never shared between threads. */
+class Rng
+{
+ public:
+  explicit Rng(std::uint64_t seed) : state_(mix(seed)) {}
+
+  std::uint64_t bits() { return mix(state_++); }
+  double uniform() { return static_cast<double>(bits() >> 11) * 0x1p-53; }
+  double uniform(double low, double high) { return low + (high - low) * uniform(); }
+  int below(int count) { return static_cast<int>(uniform() * count); }
+  bool chance(double probability) { return uniform() < probability; }
+  double gaussian() { return static_cast<double>(normal(bits())); }
+
+ private:
+  std::uint64_t state_;
+};
+
+namespace detail
+{
+inline float latticeValue(int x, int y, int z)
+{
+  auto h = static_cast<std::uint32_t>(x) * 0x8DA6B343U ^
+           static_cast<std::uint32_t>(y) * 0xD8163841U ^
+           static_cast<std::uint32_t>(z) * 0xCB1AB31FU;
+  h ^= h >> 15;
+  h *= 0x2C1B3C6DU;
+  h ^= h >> 12;
+  return static_cast<float>(h >> 8) * (2.0F / 16777215.0F) - 1.0F;
+}
+}  // namespace detail
+
+/** Smooth noise in [-1, 1], fixed in space, with features about one unit wide. */
+inline float latticeNoise(float x, float y, float z)
+{
+  const float fx = std::floor(x), fy = std::floor(y), fz = std::floor(z);
+  const int ix = static_cast<int>(fx), iy = static_cast<int>(fy), iz = static_cast<int>(fz);
+  const auto ease = [](float t) { return t * t * (3.0F - 2.0F * t); };
+  const float u = ease(x - fx), v = ease(y - fy), w = ease(z - fz);
+  const auto row = [&](int dy, int dz)
+  {
+    const float a = detail::latticeValue(ix, iy + dy, iz + dz);
+    return a + u * (detail::latticeValue(ix + 1, iy + dy, iz + dz) - a);
+  };
+  const float y0 = row(0, 0) + v * (row(1, 0) - row(0, 0));
+  const float y1 = row(0, 1) + v * (row(1, 1) - row(0, 1));
+  return y0 + w * (y1 - y0);
+}
+}  // namespace dyslam::sim

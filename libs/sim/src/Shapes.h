@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "Mesh.h"
+#include "Random.h"
+
+namespace dyslam::sim
+{
+// Vehicles: x forward, y left, z up, origin on the ground below the middle of the box.
+struct CarStyle
+{
+  float length = 4.4F, width = 1.8F, height = 1.48F;
+  float hood = 1.0F;         //!< length in front of the windscreen's foot
+  float trunk = 0.6F;        //!< length behind the rear window's foot; 0 for a steep back
+  float belt = 0.62F;        //!< height of the windows' lower edge, as a share of the height
+  float windscreen = 0.8F;   //!< horizontal length of the windscreen
+  float rear_window = 0.5F;  //!< horizontal length of the rear window
+  bool closed_rear = false;  //!< a van without rear side windows
+};
+[[nodiscard]] Mesh makeCar(const CarStyle& style);
+[[nodiscard]] CarStyle drawCarStyle(Rng& rng);
+[[nodiscard]] CarStyle drawVanStyle(Rng& rng);
+[[nodiscard]] Mesh makeTruck(float length, float width, float height, bool trailer);
+[[nodiscard]] Mesh makeBus(float length, float width, float height);
+[[nodiscard]] Mesh makeScooter();  //!< with its rider
+
+// People of height 1 m, to be scaled. The torso's origin is between the feet; limbs hang down from
+// their joint at the origin.
+[[nodiscard]] Mesh makeTorso(bool backpack, bool coat);
+[[nodiscard]] Mesh makeArm();
+[[nodiscard]] Mesh makeThigh();
+[[nodiscard]] Mesh makeShank();
+/** Bicycle and the rider's upper body in metres, origin on the ground below the middle. */
+[[nodiscard]] Mesh makeBicycle(bool rider);
+
+// Plants: origin at the foot.
+[[nodiscard]] Mesh makeTree(Rng& rng, float height, float crown_radius, float trunk_height);
+[[nodiscard]] Mesh makeConifer(Rng& rng, float height, float radius);
+[[nodiscard]] Mesh makeBush(Rng& rng, float radius, float height);
+[[nodiscard]] Mesh makeHedge(Rng& rng, float length, float width, float height);
+[[nodiscard]] Mesh makeGrassTuft(Rng& rng, float radius, float height);
+
+// Street furniture: origin at the foot, x away from the carriageway's direction of travel.
+[[nodiscard]] Mesh makeLampPost(float height, float arm);
+[[nodiscard]] Mesh makeSign(int kind);
+[[nodiscard]] Mesh makeTrafficLight();
+[[nodiscard]] Mesh makeBollard();
+[[nodiscard]] Mesh makeBin();
+[[nodiscard]] Mesh makeCabinet();
+[[nodiscard]] Mesh makeBench();
+[[nodiscard]] Mesh makeFence(int kind, float length, float height);  //!< along x from the origin
+[[nodiscard]] Mesh makeBusStop();
+}  // namespace dyslam::sim

@@ -1,0 +1,284 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/Error.h>
+#include <dyslam/core/Parallel.h>
+#include <dyslam/sim/Simulator.h>
+
+#include <cmath>
+
+#include "EgoMotion.h"
+#include "Sweep.h"
+#include "Traffic.h"
+
+namespace dyslam::sim
+{
+namespace
+{
+constexpr double kStep = 0.0125;         // of traffic and ego [s]
+constexpr double kEpoch = 1700000000.0;  // stamps look like recorded ones
+constexpr double kJump = 15;  // a body that moves further in one turn was put elsewhere [m]
+
+EgoKind carrier(const SimulatorOptions& options)
+{
+  if (options.ego != EgoKind::automatic)
+  {
+    return options.ego;
+  }
+  return options.world == WorldKind::campus ? EgoKind::robot : EgoKind::car;
+}
+
+SensorModel sensorFor(const SimulatorOptions& options)
+{
+  SensorModel sensor = sensorModel(options.sensor);
+  sensor.columns = options.columns > 0 ? options.columns : sensor.columns;
+  sensor.max_range = options.max_range > 0 ? options.max_range : sensor.max_range;
+  return sensor;
+}
+}  // namespace
+
+struct Simulator::Impl
+{
+  Impl(std::shared_ptr<const World> w, const SimulatorOptions& o, int threads)
+      : options(o),
+        world(std::move(w)),
+        model(sensorFor(o)),
+        pool(threads),
+        crowd(*world, options),
+        ego_motion(carrier(o), static_cast<std::uint64_t>(o.seed)),
+        T_vehicle_lidar(EgoMotion::mounting(carrier(o))),
+        moving_scene(world->device.handle())
+  {
+    while (crowd.time() < options.start_time)
+    {
+      stepOnce();
+    }
+    steps_per_turn = static_cast<int>(std::lround(model.period / kStep));
+    track.assign(1, ego_pose);
+    states.push_back(snapshot());
+    advanceTurn();
+    advanceTurn();
+  }
+
+  void stepOnce()
+  {
+    crowd.step(kStep);
+    ego_pose = ego_motion.update(crowd.ego(), *world->ground, crowd.time(), kStep);
+  }
+
+  std::vector<BodyState> snapshot() const
+  {
+    std::vector<BodyState> s;
+    s.reserve(crowd.actors().size());
+    for (const auto& a : crowd.actors())
+    {
+      s.push_back(a.state);
+    }
+    return s;
+  }
+
+  void advanceTurn()
+  {
+    for (int i = 0; i < steps_per_turn; ++i)
+    {
+      stepOnce();
+      track.push_back(ego_pose);
+    }
+    states.push_back(snapshot());
+  }
+
+  /** Vehicle pose `t` seconds after the start of the present turn. */
+  Pose vehicleAt(double t) const
+  {
+    const double x = t / kStep;
+    const auto i = std::min(static_cast<std::size_t>(std::max(0.0, x)), track.size() - 2);
+    return interpolate(track[i], track[i + 1], x - static_cast<double>(i));
+  }
+
+  SimulatedScan next();
+  void gatherBodies(const Eigen::Vector3d& center);
+  void describeObjects(const SweepScene& sweep,
+                       const std::vector<BodySighting>& sightings,
+                       SimulatedScan& scan) const;
+
+  SimulatorOptions options;
+  std::shared_ptr<const World> world;
+  SensorModel model;
+  ThreadPool pool;
+  Crowd crowd;
+  EgoMotion ego_motion;
+  Pose T_vehicle_lidar;
+  RayScene moving_scene;
+  Pose ego_pose = Pose::Identity();
+  int steps_per_turn = 8;
+  std::vector<Pose> track;  // from the start of the present turn, every kStep
+  std::vector<std::vector<BodyState>>
+      states;                      // at the start of the present turn, its end, the next end
+  std::vector<BodyMotion> bodies;  // those in reach
+  std::vector<std::size_t> body_actor;
+  std::size_t index = 0;
+};
+
+void Simulator::Impl::gatherBodies(const Eigen::Vector3d& center)
+{
+  bodies.clear();
+  body_actor.clear();
+  moving_scene.clear();
+  const double reach = model.max_range + 12;
+  for (std::size_t i = 0; i < crowd.actors().size(); ++i)
+  {
+    const BodyState &a = states[0][i], &b = states[1][i], &c = states[2][i];
+    if ((a.position - center).head<2>().norm() > reach ||
+        (b.position - a.position).norm() > kJump || (c.position - b.position).norm() > kJump)
+    {
+      continue;
+    }
+    const Actor& actor = crowd.actors()[i];
+    const BodyModel& body_model = world->bodies[static_cast<std::size_t>(actor.model)];
+    BodyMotion body;
+    // Speed over ground at the stamp, turning on the spot left out.
+    body.moving = (b.position - a.position).norm() / model.period > options.moving_speed;
+    const auto classes = semanticClasses(body_model.object_class);
+    body.semantic = body.moving ? classes.second : classes.first;
+    // Parked vehicles count from 1, those that may move from the top.
+    body.instance = static_cast<std::uint16_t>(65535 - i % 30000);
+    const bool still = !body.moving && (b.position - a.position).norm() < 1e-6 &&
+                       std::abs(b.yaw - a.yaw) < 1e-6 && std::abs(b.phase - a.phase) < 1e-6 &&
+                       b.swing == a.swing;
+    const auto parts_a = bodyParts(body_model, a), parts_b = bodyParts(body_model, b),
+               parts_c = bodyParts(body_model, c);
+    for (std::size_t p = 0; p < parts_a.size(); ++p)
+    {
+      body.parts.push_back({parts_a[p].transform, parts_b[p].transform, parts_c[p].transform});
+      SceneItem item;
+      item.reflectivity = actor.paint;
+      item.body = static_cast<std::int32_t>(bodies.size());
+      item.part = static_cast<std::int32_t>(p);
+      const Eigen::Affine3f start = parts_a[p].transform.cast<float>(),
+                            end = parts_b[p].transform.cast<float>();
+      moving_scene.addInstance(world->shapes[static_cast<std::size_t>(parts_a[p].shape)], start,
+                               still ? nullptr : &end, item);
+    }
+    bodies.push_back(std::move(body));
+    body_actor.push_back(i);
+  }
+  moving_scene.commit(RTC_BUILD_QUALITY_LOW);
+}
+
+void Simulator::Impl::describeObjects(const SweepScene& sweep,
+                                      const std::vector<BodySighting>& sightings,
+                                      SimulatedScan& scan) const
+{
+  const Pose T_lidar_map = sweep.T_map_lidar.inverse();
+  for (std::size_t i = 0; i < bodies.size(); ++i)
+  {
+    const std::size_t actor = body_actor[i];
+    const BodyModel& m = world->bodies[static_cast<std::size_t>(crowd.actors()[actor].model)];
+    const BodyState &a = states[0][actor], &b = states[1][actor];
+    SimulatedObject o;
+    o.id = static_cast<int>(bodies[i].instance);
+    o.object_class = m.object_class;
+    o.moving = bodies[i].moving;
+    o.points = sightings[i].points;
+    o.seen_time = o.points > 0 ? sightings[i].time / static_cast<double>(o.points) : 0;
+    o.velocity = T_lidar_map.linear() * (b.position - a.position) / model.period;
+    const auto boxAt = [&](double time)
+    {
+      const Pose pose = interpolate(bodyPose(a), bodyPose(b), time / model.period + 0.5);
+      Box box;
+      box.size = m.size;
+      box.center = T_lidar_map * (pose * Eigen::Vector3d(m.center_x, 0, 0.5 * m.size.z()));
+      const Eigen::Vector3d heading = T_lidar_map.linear() * pose.linear().col(0);
+      box.yaw = std::atan2(heading.y(), heading.x());
+      return box;
+    };
+    o.box = boxAt(0);
+    o.box_seen = boxAt(o.seen_time);
+    if (o.box.center.norm() < model.max_range)
+    {
+      scan.objects.push_back(o);
+    }
+  }
+}
+
+SimulatedScan Simulator::Impl::next()
+{
+  SimulatedScan scan;
+  scan.index = index;
+  scan.scan.stamp = kEpoch + model.period * (static_cast<double>(index) + 0.5);
+  scan.scan.T_vehicle_lidar = T_vehicle_lidar;
+  scan.scan.sensor_label = model.name;
+  scan.T_map_vehicle = vehicleAt(0.5 * model.period);
+  scan.T_map_vehicle_next = vehicleAt(1.5 * model.period);
+
+  SweepScene sweep;
+  sweep.still = &world->scene;
+  sweep.moving = &moving_scene;
+  sweep.bodies = &bodies;
+  sweep.T_map_lidar = scan.T_map_vehicle * T_vehicle_lidar;
+  sweep.T_map_lidar_next = scan.T_map_vehicle_next * T_vehicle_lidar;
+  sweep.seed = combine(combine(static_cast<std::uint64_t>(options.seed), 0x5CA7), index);
+  sweep.noise = options.noise;
+  sweep.motion_distortion = options.motion_distortion;
+  for (int c = 0; c < model.columns; ++c)
+  {
+    sweep.T_map_lidar_column.push_back(
+        options.motion_distortion ? vehicleAt(model.period * c / model.columns) * T_vehicle_lidar
+                                  : sweep.T_map_lidar);
+  }
+  gatherBodies(sweep.T_map_lidar.translation());
+  const auto sightings = castSweep(model, sweep, pool, scan);
+  describeObjects(sweep, sightings, scan);
+
+  // On to the next turn.
+  track.erase(track.begin(), track.begin() + steps_per_turn);
+  states.erase(states.begin());
+  advanceTurn();
+  ++index;
+  return scan;
+}
+
+Simulator::Simulator(const SimulatorOptions& options, int threads)
+    : Simulator(makeWorld(options), options, threads)
+{
+}
+
+Simulator::Simulator(std::shared_ptr<const World> world,
+                     const SimulatorOptions& options,
+                     int threads)
+{
+  validate(options, "simulator");
+  if (world->kind != options.world)
+  {
+    throw std::logic_error("the world given to Simulator is of another kind than its options say");
+  }
+  impl_ = std::make_unique<Impl>(std::move(world), options, threads);
+}
+
+Simulator::~Simulator() = default;
+Simulator::Simulator(Simulator&&) noexcept = default;
+Simulator& Simulator::operator=(Simulator&&) noexcept = default;
+
+SimulatedScan Simulator::next()
+{
+  return impl_->next();
+}
+
+const SensorModel& Simulator::sensor() const
+{
+  return impl_->model;
+}
+
+const SimulatorOptions& Simulator::options() const
+{
+  return impl_->options;
+}
+
+double Simulator::loopLength() const
+{
+  return impl_->world->loop_length;
+}
+
+std::shared_ptr<const World> Simulator::world() const
+{
+  return impl_->world;
+}
+}  // namespace dyslam::sim

@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "Ground.h"
+#include "Random.h"
+#include "Roads.h"
+
+namespace dyslam::sim
+{
+/** A straight street in local coordinates; the warp bends it in the world. */
+struct Street
+{
+  double center = 0;
+  double lane = 3.4;       //!< width of one lane; one lane each way [m]
+  double parking = 2.2;    //!< width of the strip on both sides; 0 for none [m]
+  double walk = 3;         //!< width of the pavement [m]
+  bool trees = false;      //!< in the pavement
+  double occupancy = 0.6;  //!< of the parking strips
+  [[nodiscard]] double half() const { return lane + parking; }
+};
+
+/** Streets at right angles in local coordinates: `along_v` at constant u and `along_u` at constant
+ * v. Blocks lie between them; a belt of blocks surrounds the outermost streets. */
+class StreetGrid : public Ground
+{
+ public:
+  enum class Zone
+  {
+    road,
+    parking,
+    walk,
+    block
+  };
+
+  StreetGrid(std::uint64_t seed, int blocks_u, int blocks_v, double block_size);
+
+  [[nodiscard]] Eigen::Vector2d toWorld(const Eigen::Vector2d& local) const override;
+  [[nodiscard]] Eigen::Vector2d toLocal(const Eigen::Vector2d& world) const override;
+  [[nodiscard]] double heightLocal(const Eigen::Vector2d& local) const override;
+
+  [[nodiscard]] Zone zone(double u, double v) const;
+  [[nodiscard]] Material surface(double u, double v) const;
+  [[nodiscard]] Mesh mesh() const;
+
+  std::vector<Street> along_v, along_u;
+  double belt = 45;  //!< depth of the surrounding blocks [m]
+
+  /** Edges of a block inside the pavements: u0, v0, u1, v1; indices from -1 to the street count. */
+  [[nodiscard]] std::array<double, 4> blockInside(int i, int j) const;
+  /** Edges of a block at the kerbs. */
+  [[nodiscard]] std::array<double, 4> blockKerb(int i, int j) const;
+  [[nodiscard]] double minU() const
+  {
+    return along_v.front().center - along_v.front().half() - belt;
+  }
+  [[nodiscard]] double maxU() const { return along_v.back().center + along_v.back().half() + belt; }
+  [[nodiscard]] double minV() const
+  {
+    return along_u.front().center - along_u.front().half() - belt;
+  }
+  [[nodiscard]] double maxV() const { return along_u.back().center + along_u.back().half() + belt; }
+
+ private:
+  Terrain terrain_;
+  double amplitude_u_, amplitude_v_, k_u_, k_v_, phase_u_, phase_v_;
+  std::uint64_t seed_;
+};
+
+/** Lanes, junctions and turns of the grid, and a closed route round the middle `ring_u x ring_v`
+ * blocks from block (first_u, first_v). */
+[[nodiscard]] LaneNetwork makeLanes(
+    const StreetGrid& grid, int first_u, int first_v, int ring_u, int ring_v, bool clockwise);
+/** Pavements round every block and crossings near the junctions. */
+[[nodiscard]] WalkNetwork makeWalks(const StreetGrid& grid);
+/** Rides round blocks at the edge of the carriageway, with the traffic. */
+[[nodiscard]] std::vector<Path> makeBicycleLoops(const StreetGrid& grid);
+}  // namespace dyslam::sim

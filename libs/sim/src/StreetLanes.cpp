@@ -1,0 +1,254 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Lanes, walks and bicycle loops of a street grid.
+#include <cmath>
+#include <map>
+
+#include "StreetGrid.h"
+
+namespace dyslam::sim
+{
+namespace
+{
+using P = Eigen::Vector2d;
+
+/** Compass: 0 = +u, 1 = +v, 2 = -u, 3 = -v. */
+struct LaneKey
+{
+  int i, j, direction;
+  bool operator<(const LaneKey& o) const
+  {
+    return std::tie(i, j, direction) < std::tie(o.i, o.j, o.direction);
+  }
+};
+
+constexpr double kSetback = 5.0;  // of the stop line from the crossing carriageway's edge
+
+Path warped(const StreetGrid& grid, const P& from, const P& to)
+{
+  std::vector<P> points;
+  const int count = std::max(2, static_cast<int>((to - from).norm() / 2));
+  for (int k = 0; k <= count; ++k)
+  {
+    points.push_back(grid.toWorld(from + (to - from) * k / count));
+  }
+  return Path(points);
+}
+
+/** The lane that leaves junction (i, j) in a direction, driving on the right. */
+Path laneFrom(const StreetGrid& grid, const LaneKey& k)
+{
+  const auto& su = grid.along_v;
+  const auto& sv = grid.along_u;
+  const auto at = [](const std::vector<Street>& s, int index) -> const Street&
+  { return s[static_cast<std::size_t>(index)]; };
+  if (k.direction % 2 == 0)
+  {
+    const double sign = k.direction == 0 ? 1 : -1;
+    const Street &here = at(su, k.i), &there = at(su, k.i + static_cast<int>(sign)),
+                 &street = at(sv, k.j);
+    const double v = street.center - sign * 0.5 * street.lane;
+    return warped(grid, {here.center + sign * (here.half() + kSetback), v},
+                  {there.center - sign * (there.half() + kSetback), v});
+  }
+  const double sign = k.direction == 1 ? 1 : -1;
+  const Street &here = at(sv, k.j), &there = at(sv, k.j + static_cast<int>(sign)),
+               &street = at(su, k.i);
+  const double u = street.center + sign * 0.5 * street.lane;
+  return warped(grid, {u, here.center + sign * (here.half() + kSetback)},
+                {u, there.center - sign * (there.half() + kSetback)});
+}
+}  // namespace
+
+LaneNetwork makeLanes(
+    const StreetGrid& grid, int first_u, int first_v, int ring_u, int ring_v, bool clockwise)
+{
+  LaneNetwork net;
+  const int nu = static_cast<int>(grid.along_v.size()), nv = static_cast<int>(grid.along_u.size());
+  const auto junction = [&](int i, int j) { return i * nv + j; };
+  constexpr std::array<std::array<int, 2>, 4> kStep{{{1, 0}, {0, 1}, {-1, 0}, {0, -1}}};
+  std::map<LaneKey, int> ids;
+  Rng rng(combine(static_cast<std::uint64_t>(nu * 131 + nv), 7));
+  for (int i = 0; i < nu; ++i)
+  {
+    for (int j = 0; j < nv; ++j)
+    {
+      for (int d = 0; d < 4; ++d)
+      {
+        const int ti = i + kStep[static_cast<std::size_t>(d)][0],
+                  tj = j + kStep[static_cast<std::size_t>(d)][1];
+        if (ti < 0 || tj < 0 || ti >= nu || tj >= nv)
+        {
+          continue;
+        }
+        Lane lane;
+        lane.path = laneFrom(grid, {i, j, d});
+        lane.speed_limit = rng.uniform(10, 15);
+        ids[{i, j, d}] = static_cast<int>(net.lanes.size());
+        net.lanes.push_back(lane);
+      }
+    }
+  }
+  net.junctions = nu * nv;
+  std::map<std::pair<int, int>, int> turn_between;
+  for (const auto& [from, from_id] : std::map<LaneKey, int>(ids))
+  {
+    const int i = from.i + kStep[static_cast<std::size_t>(from.direction)][0],
+              j = from.j + kStep[static_cast<std::size_t>(from.direction)][1];
+    for (const int turn : {3, 0, 1})  // right, straight on, left
+    {
+      const auto to = ids.find({i, j, (from.direction + turn) % 4});
+      if (to == ids.end())
+      {
+        continue;
+      }
+      Lane lane;
+      const auto start = net.lanes[static_cast<std::size_t>(from_id)].path.at(1e9);
+      const auto end = net.lanes[static_cast<std::size_t>(to->second)].path.at(0);
+      lane.path = Path(bezier(start.position, start.heading, end.position, end.heading, 14));
+      lane.junction = junction(i, j);
+      lane.speed_limit = turn == 0 ? 11 : turn == 3 ? 5.0 : 6.0;
+      lane.next = {to->second};
+      const int id = static_cast<int>(net.lanes.size());
+      net.lanes.push_back(lane);
+      net.lanes[static_cast<std::size_t>(from_id)].next.push_back(id);
+      turn_between[{from_id, to->second}] = id;
+    }
+  }
+  net.findConflicts();
+
+  // Junctions of the ring in order, anticlockwise first.
+  std::vector<std::array<int, 2>> corners;
+  const int u1 = first_u + ring_u, v1 = first_v + ring_v;
+  for (int i = first_u; i < u1; ++i)
+  {
+    corners.push_back({i, first_v});
+  }
+  for (int j = first_v; j < v1; ++j)
+  {
+    corners.push_back({u1, j});
+  }
+  for (int i = u1; i > first_u; --i)
+  {
+    corners.push_back({i, v1});
+  }
+  for (int j = v1; j > first_v; --j)
+  {
+    corners.push_back({first_u, j});
+  }
+  if (clockwise)
+  {
+    std::reverse(corners.begin(), corners.end());
+  }
+  std::vector<int> route;
+  for (std::size_t k = 0; k < corners.size(); ++k)
+  {
+    const auto &a = corners[k], &b = corners[(k + 1) % corners.size()];
+    for (int d = 0; d < 4; ++d)
+    {
+      if (a[0] + kStep[static_cast<std::size_t>(d)][0] == b[0] &&
+          a[1] + kStep[static_cast<std::size_t>(d)][1] == b[1])
+      {
+        route.push_back(ids.at({a[0], a[1], d}));
+      }
+    }
+  }
+  for (std::size_t k = 0; k < route.size(); ++k)
+  {
+    net.ego_route.push_back(route[k]);
+    net.ego_route.push_back(turn_between.at({route[k], route[(k + 1) % route.size()]}));
+  }
+  return net;
+}
+
+WalkNetwork makeWalks(const StreetGrid& grid)
+{
+  WalkNetwork net;
+  const int nu = static_cast<int>(grid.along_v.size()), nv = static_cast<int>(grid.along_u.size());
+  // Corner nodes of every block, in the middle of the pavement: south-west, south-east, north-east,
+  // north-west. Blocks of the belt run out of the world on their far sides.
+  std::map<std::array<int, 3>, int> corner;
+  for (int i = -1; i < nu; ++i)
+  {
+    for (int j = -1; j < nv; ++j)
+    {
+      const auto kerb = grid.blockKerb(i, j), inside = grid.blockInside(i, j);
+      std::array<double, 4> mid{};
+      for (std::size_t k = 0; k < 4; ++k)
+      {
+        mid[k] = 0.5 * (kerb[k] + inside[k]) + (k < 2 ? 0.2 : -0.2);
+      }
+      const std::array<P, 4> corners{P(mid[0], mid[1]), P(mid[2], mid[1]), P(mid[2], mid[3]),
+                                     P(mid[0], mid[3])};
+      for (int c = 0; c < 4; ++c)
+      {
+        corner[{i, j, c}] = net.addNode(grid.toWorld(corners[static_cast<std::size_t>(c)]));
+      }
+      for (int c = 0; c < 4; ++c)
+      {
+        const bool outside = (c == 0 && j < 0) || (c == 1 && i == nu - 1) ||
+                             (c == 2 && j == nv - 1) || (c == 3 && i < 0);
+        if (outside)
+        {
+          continue;
+        }
+        // Nodes along the side keep people on bent streets.
+        const P a = corners[static_cast<std::size_t>(c)],
+                b = corners[static_cast<std::size_t>((c + 1) % 4)];
+        int previous = corner[{i, j, c}];
+        const int pieces = std::max(1, static_cast<int>((b - a).norm() / 15));
+        for (int k = 1; k < pieces; ++k)
+        {
+          const int node = net.addNode(grid.toWorld(a + (b - a) * k / pieces));
+          net.addLink(previous, node, false, 1.6);
+          previous = node;
+        }
+        // The fourth side joins the first corner, which exists already.
+        net.addLink(previous, corner[{i, j, (c + 1) % 4}], false, 1.6);
+      }
+    }
+  }
+  for (int i = -1; i < nu; ++i)
+  {
+    for (int j = -1; j < nv; ++j)
+    {
+      if (i + 1 < nu)
+      {
+        net.addLink(corner[{i, j, 1}], corner[{i + 1, j, 0}], true, 2.0);
+        net.addLink(corner[{i, j, 2}], corner[{i + 1, j, 3}], true, 2.0);
+      }
+      if (j + 1 < nv)
+      {
+        net.addLink(corner[{i, j, 3}], corner[{i, j + 1, 0}], true, 2.0);
+        net.addLink(corner[{i, j, 2}], corner[{i, j + 1, 1}], true, 2.0);
+      }
+    }
+  }
+  return net;
+}
+
+std::vector<Path> makeBicycleLoops(const StreetGrid& grid)
+{
+  std::vector<Path> loops;
+  const int nu = static_cast<int>(grid.along_v.size()), nv = static_cast<int>(grid.along_u.size());
+  for (int i = 0; i + 1 < nu; ++i)
+  {
+    for (int j = 0; j + 1 < nv; ++j)
+    {
+      const auto e = grid.blockKerb(i, j);
+      // With the block on the right, that is clockwise, clear of parked vehicles.
+      const auto off = [&](const std::vector<Street>& s, int k)
+      { return s[static_cast<std::size_t>(k)].parking + 0.75; };
+      const double u0 = e[0] - off(grid.along_v, i), u1 = e[2] + off(grid.along_v, i + 1);
+      const double v0 = e[1] - off(grid.along_u, j), v1 = e[3] + off(grid.along_u, j + 1);
+      std::vector<P> points =
+          roundedCorners({P(u0, v0), P(u0, v1), P(u1, v1), P(u1, v0)}, 5.0, 1.0, true);
+      for (auto& p : points)
+      {
+        p = grid.toWorld(p);
+      }
+      loops.emplace_back(points, true);
+    }
+  }
+  return loops;
+}
+}  // namespace dyslam::sim

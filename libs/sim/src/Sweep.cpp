@@ -1,0 +1,415 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Sweep.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "Random.h"
+
+namespace dyslam::sim
+{
+namespace
+{
+constexpr int kPacket = 8;
+constexpr std::size_t kColumnsPerChunk = 32;
+
+/** What one ray met, before the sensor's errors. */
+struct Hit
+{
+  float range = 0;  // 0 for nothing
+  float cosine = 1;
+  std::int32_t item = 0;  // index in the still scene, or -1 - index in the moving scene
+  std::int32_t quad = 0;
+};
+
+enum Draw : std::uint64_t
+{
+  kDrawCone,
+  kDrawRange,
+  kDrawLoss,
+  kDrawMixed,
+  kDrawIntensity,
+  kDrawCount
+};
+
+struct BeamTable
+{
+  std::vector<float> cos_elevation, sin_elevation, cos_offset, sin_offset, time, bias;
+};
+
+BeamTable tabulate(const SensorModel& sensor)
+{
+  BeamTable t;
+  for (std::size_t i = 0; i < sensor.beams.size(); ++i)
+  {
+    const Beam& b = sensor.beams[i];
+    // Errors of this type's unit: the same in every run, as a real sensor keeps its own.
+    const std::uint64_t h = combine(0x5E4504, i);
+    const double elevation =
+        b.elevation + sensor.beam_angle_error * static_cast<double>(normal(combine(h, 1)));
+    const double offset = b.azimuth_offset - 6.283185307179586 * b.fire_time / sensor.period;
+    t.cos_elevation.push_back(static_cast<float>(std::cos(elevation)));
+    t.sin_elevation.push_back(static_cast<float>(std::sin(elevation)));
+    t.cos_offset.push_back(static_cast<float>(std::cos(offset)));
+    t.sin_offset.push_back(static_cast<float>(std::sin(offset)));
+    t.time.push_back(static_cast<float>(b.fire_time));
+    t.bias.push_back(static_cast<float>(sensor.beam_range_bias) * normal(combine(h, 2)));
+  }
+  return t;
+}
+
+/** Points and truth of one chunk of columns. */
+struct ChunkOutput
+{
+  std::vector<Eigen::Vector3f> points, deskewed, flow;
+  std::vector<float> intensity, time;
+  std::vector<std::uint16_t> ring;
+  std::vector<std::uint32_t> label;
+  std::vector<std::uint8_t> moving;
+  std::vector<BodySighting> sightings;
+};
+
+class Caster
+{
+ public:
+  Caster(const SensorModel& sensor, const SweepScene& scene)
+      : sensor_(sensor), scene_(scene), beams_(tabulate(sensor)), beam_count_(sensor.beams.size())
+  {
+    hits_.resize(beam_count_ * static_cast<std::size_t>(sensor.columns));
+  }
+
+  void trace(std::size_t begin, std::size_t end)
+  {
+    for (std::size_t c = begin; c < end; c += kPacket)
+    {
+      const std::size_t count = std::min<std::size_t>(kPacket, end - c);
+      for (std::size_t b = 0; b < beam_count_; ++b)
+      {
+        tracePacket(c, count, b);
+      }
+    }
+  }
+
+  void resolve(std::size_t begin, std::size_t end, ChunkOutput& out) const;
+
+ private:
+  std::uint64_t hash(std::size_t column, std::size_t beam, Draw draw) const
+  {
+    return mix(scene_.seed +
+               ((column * beam_count_ + beam) * kDrawCount + draw) * 0x9E3779B97F4A7C15ULL);
+  }
+
+  /** Nominal direction in the lidar frame; as the sensor reports it. */
+  Eigen::Vector3f direction(float cos_azimuth, float sin_azimuth, std::size_t b) const
+  {
+    const float c = cos_azimuth * beams_.cos_offset[b] - sin_azimuth * beams_.sin_offset[b];
+    const float s = sin_azimuth * beams_.cos_offset[b] + cos_azimuth * beams_.sin_offset[b];
+    return {beams_.cos_elevation[b] * c, beams_.cos_elevation[b] * s, beams_.sin_elevation[b]};
+  }
+
+  float sweepFraction(std::size_t column) const
+  {
+    return scene_.motion_distortion
+               ? static_cast<float>(column) / static_cast<float>(sensor_.columns)
+               : 0.5F;
+  }
+
+  void tracePacket(std::size_t column, std::size_t count, std::size_t b);
+  void resolveHit(std::size_t column,
+                  std::size_t b,
+                  const Pose& T_map_lidar,
+                  const Eigen::Isometry3f& T_stamp_column,
+                  const Eigen::Isometry3f& T_next_stamp,
+                  const Eigen::Vector3f& ray,
+                  ChunkOutput& out) const;
+
+  const SensorModel& sensor_;
+  const SweepScene& scene_;
+  BeamTable beams_;
+  std::size_t beam_count_;
+  std::vector<Hit> hits_;
+};
+
+void Caster::tracePacket(std::size_t column, std::size_t count, std::size_t b)
+{
+  alignas(32) RTCRayHit8 packet;
+  alignas(32) int valid[kPacket];
+  for (std::size_t k = 0; k < kPacket; ++k)
+  {
+    const std::size_t c = column + std::min(k, count - 1);
+    valid[k] = k < count ? -1 : 0;
+    const auto azimuth = static_cast<float>(sensor_.azimuth(static_cast<double>(c)));
+    Eigen::Vector3f d = direction(std::cos(azimuth), std::sin(azimuth), b);
+    if (scene_.noise)
+    {
+      // Anywhere in the beam's cone: frays edges and roughens grazing hits.
+      const std::uint64_t h = hash(c, b, kDrawCone);
+      const auto spread = static_cast<float>(sensor_.divergence) * 0.6F;
+      const Eigen::Vector3f side(-d.y(), d.x(), 0);
+      d += spread * (normal(h) * side + normal(mix(h)) * Eigen::Vector3f::UnitZ());
+      d.normalize();
+    }
+    const Pose& pose = scene_.T_map_lidar_column[c];
+    const Eigen::Vector3f o = pose.translation().cast<float>();
+    const Eigen::Vector3f w = pose.linear().cast<float>() * d;
+    packet.ray.org_x[k] = o.x();
+    packet.ray.org_y[k] = o.y();
+    packet.ray.org_z[k] = o.z();
+    packet.ray.dir_x[k] = w.x();
+    packet.ray.dir_y[k] = w.y();
+    packet.ray.dir_z[k] = w.z();
+    packet.ray.tnear[k] = static_cast<float>(sensor_.min_range);
+    packet.ray.tfar[k] = static_cast<float>(sensor_.max_range);
+    packet.ray.time[k] = sweepFraction(c);
+    packet.ray.mask[k] = ~0U;
+    packet.ray.id[k] = static_cast<unsigned>(k);
+    packet.ray.flags[k] = 0;
+    packet.hit.geomID[k] = RTC_INVALID_GEOMETRY_ID;
+    packet.hit.instID[0][k] = RTC_INVALID_GEOMETRY_ID;
+  }
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+  rtcIntersect8(valid, scene_.still->handle(), &context, &packet);
+  float still_far[kPacket];
+  std::copy(packet.ray.tfar, packet.ray.tfar + kPacket, still_far);
+  if (!scene_.moving->empty())
+  {
+    rtcIntersect8(valid, scene_.moving->handle(), &context, &packet);
+  }
+  for (std::size_t k = 0; k < count; ++k)
+  {
+    if (packet.hit.geomID[k] == RTC_INVALID_GEOMETRY_ID)
+    {
+      continue;
+    }
+    Hit& hit = hits_[(column + k) * beam_count_ + b];
+    const bool moved = packet.ray.tfar[k] < still_far[k];
+    const unsigned instance = packet.hit.instID[0][k];
+    const auto item = static_cast<std::int32_t>(
+        instance != RTC_INVALID_GEOMETRY_ID ? instance : packet.hit.geomID[k]);
+    hit.item = moved ? -1 - item : item;
+    hit.quad = static_cast<std::int32_t>(packet.hit.primID[k]);
+    hit.range = packet.ray.tfar[k];
+    Eigen::Vector3f normal_local(packet.hit.Ng_x[k], packet.hit.Ng_y[k], packet.hit.Ng_z[k]);
+    const Eigen::Vector3f w(packet.ray.dir_x[k], packet.ray.dir_y[k], packet.ray.dir_z[k]);
+    if (instance != RTC_INVALID_GEOMETRY_ID)
+    {
+      // Embree gives an instance's normal in its own frame.
+      const RayScene& scene = moved ? *scene_.moving : *scene_.still;
+      normal_local = scene.items()[static_cast<std::size_t>(item)].turn * normal_local;
+    }
+    hit.cosine = std::abs(normal_local.normalized().dot(w));
+  }
+}
+
+void Caster::resolve(std::size_t begin, std::size_t end, ChunkOutput& out) const
+{
+  const Pose T_lidar_map = scene_.T_map_lidar.inverse();
+  const Eigen::Isometry3f T_next_stamp =
+      (scene_.T_map_lidar_next.inverse() * scene_.T_map_lidar).cast<float>();
+  out.sightings.assign(scene_.bodies->size(), {});
+  for (std::size_t c = begin; c < end; ++c)
+  {
+    const Pose& T_map_lidar = scene_.T_map_lidar_column[c];
+    const Eigen::Isometry3f T_stamp_column = (T_lidar_map * T_map_lidar).cast<float>();
+    const auto azimuth = static_cast<float>(sensor_.azimuth(static_cast<double>(c)));
+    const float cos_azimuth = std::cos(azimuth), sin_azimuth = std::sin(azimuth);
+    for (std::size_t b = 0; b < beam_count_; ++b)
+    {
+      if (hits_[c * beam_count_ + b].range > 0)
+      {
+        resolveHit(c, b, T_map_lidar, T_stamp_column, T_next_stamp,
+                   direction(cos_azimuth, sin_azimuth, b), out);
+      }
+    }
+  }
+}
+
+void Caster::resolveHit(std::size_t column,
+                        std::size_t b,
+                        const Pose& T_map_lidar,
+                        const Eigen::Isometry3f& T_stamp_column,
+                        const Eigen::Isometry3f& T_next_stamp,
+                        const Eigen::Vector3f& ray,
+                        ChunkOutput& out) const
+{
+  const Hit& hit = hits_[column * beam_count_ + b];
+  const bool moved = hit.item < 0;
+  const SceneItem& item = moved ? scene_.moving->items()[static_cast<std::size_t>(-1 - hit.item)]
+                                : scene_.still->items()[static_cast<std::size_t>(hit.item)];
+  const Material material = item.mesh->materials[static_cast<std::size_t>(hit.quad)];
+  const MaterialProperties& m = properties(material);
+  const double fraction = static_cast<double>(sweepFraction(column));
+  float range = hit.range;
+  float reflectivity = m.reflectivity;
+  if (item.reflectivity >= 0 && (material == Material::paint || material == Material::cloth))
+  {
+    reflectivity = item.reflectivity;
+  }
+  const PartMotion* part = nullptr;
+  if (moved)
+  {
+    part = &(*scene_.bodies)[static_cast<std::size_t>(item.body)]
+                .parts[static_cast<std::size_t>(item.part)];
+  }
+  if (scene_.noise)
+  {
+    // Relief fixed to the surface: on bodies it goes with them.
+    Eigen::Vector3d on_surface = T_map_lidar * (range * ray).cast<double>();
+    if (part != nullptr)
+    {
+      on_surface = part->at(fraction).inverse() * on_surface;
+    }
+    const Eigen::Vector3f p = m.relief_per_metre * on_surface.cast<float>();
+    const float relief = latticeNoise(p.x(), p.y(), p.z());
+    range += m.roughness * relief / std::max(hit.cosine, 0.12F);
+    reflectivity =
+        std::max(0.02F, reflectivity +
+                            m.spread * latticeNoise(0.7F * p.x() + 31, 0.7F * p.y(), 0.7F * p.z()));
+
+    const float gloss = 1 - m.gloss * (1 - hit.cosine) * (1 - hit.cosine);
+    const float signal = reflectivity * gloss * std::sqrt(hit.cosine) / 0.1F *
+                         static_cast<float>(sensor_.reference_range * sensor_.reference_range) /
+                         (range * range);
+    const float seen = signal * signal / (1 + signal * signal) * (1 - m.loss) *
+                       (1 - static_cast<float>(sensor_.random_loss));
+    if (unit(hash(column, b, kDrawLoss)) > seen)
+    {
+      return;
+    }
+    // Between two surfaces in one beam's cone.
+    const std::uint64_t mixed = hash(column, b, kDrawMixed);
+    const Hit& beside =
+        hits_[((column + 1) % static_cast<std::size_t>(sensor_.columns)) * beam_count_ + b];
+    const float step = beside.range - hit.range;
+    if (beside.range > 0 && std::abs(step) > 0.25F && std::abs(step) < 2.5F && unit(mixed) < 0.18F)
+    {
+      range += step * unit(mix(mixed));
+    }
+    range += static_cast<float>(sensor_.range_noise) *
+                 (0.7F + 0.3F / std::sqrt(std::min(1.0F, signal) + 0.02F)) *
+                 normal(hash(column, b, kDrawRange)) +
+             beams_.bias[b];
+    if (sensor_.range_resolution > 0)
+    {
+      const auto grid = static_cast<float>(sensor_.range_resolution);
+      range = grid * std::round(range / grid);
+    }
+    if (range < static_cast<float>(sensor_.min_range))
+    {
+      return;
+    }
+  }
+  const float shade = 0.35F + 0.65F * hit.cosine;
+  const float brightness =
+      reflectivity * shade *
+      (scene_.noise ? 1 + 0.08F * normal(hash(column, b, kDrawIntensity)) : 1.0F);
+
+  const Eigen::Vector3f point = range * ray;
+  const Eigen::Vector3f deskewed = T_stamp_column * point;
+  Eigen::Vector3f flow;
+  std::uint16_t semantic = m.semantic != 0 ? m.semantic : item.semantic;
+  std::uint16_t instance = item.instance;
+  bool moving = false;
+  const float time =
+      scene_.motion_distortion
+          ? static_cast<float>(sensor_.columnTime(static_cast<double>(column))) + beams_.time[b]
+          : 0.0F;
+  if (part != nullptr)
+  {
+    const BodyMotion& body = (*scene_.bodies)[static_cast<std::size_t>(item.body)];
+    moving = body.moving;
+    semantic = body.semantic;
+    instance = body.instance;
+    const Eigen::Vector3d local =
+        part->at(fraction).inverse() * (T_map_lidar * point.cast<double>());
+    const Eigen::Vector3d next =
+        scene_.T_map_lidar_next.inverse() * (part->nextAt(fraction) * local);
+    flow = next.cast<float>() - deskewed;
+    auto& sighting = out.sightings[static_cast<std::size_t>(item.body)];
+    ++sighting.points;
+    sighting.time += static_cast<double>(time);
+  }
+  else
+  {
+    flow = T_next_stamp * deskewed - deskewed;
+  }
+  out.points.push_back(point);
+  out.deskewed.push_back(deskewed);
+  out.flow.push_back(flow);
+  out.intensity.push_back(std::round(255 * std::clamp(brightness, 0.0F, 1.0F)) / 255);
+  out.time.push_back(time);
+  out.ring.push_back(static_cast<std::uint16_t>(b));
+  out.label.push_back(static_cast<std::uint32_t>(semantic) | static_cast<std::uint32_t>(instance)
+                                                                 << 16);
+  out.moving.push_back(moving ? 1 : 0);
+}
+
+template <typename T>
+void append(std::vector<T>& to, const std::vector<T>& from)
+{
+  to.insert(to.end(), from.begin(), from.end());
+}
+
+Eigen::Affine3d blend(const Eigen::Affine3d& a, const Eigen::Affine3d& b, double fraction)
+{
+  Eigen::Affine3d m;
+  m.matrix() = (1 - fraction) * a.matrix() + fraction * b.matrix();
+  return m;
+}
+}  // namespace
+
+Eigen::Affine3d PartMotion::at(double fraction) const
+{
+  return blend(start, end, fraction);
+}
+
+Eigen::Affine3d PartMotion::nextAt(double fraction) const
+{
+  return blend(end, next_end, fraction);
+}
+
+std::vector<BodySighting> castSweep(const SensorModel& sensor,
+                                    const SweepScene& scene,
+                                    ThreadPool& pool,
+                                    SimulatedScan& scan)
+{
+  Caster caster(sensor, scene);
+  const auto columns = static_cast<std::size_t>(sensor.columns);
+  pool.forChunks(columns, kColumnsPerChunk,
+                 [&](std::size_t begin, std::size_t end, std::size_t)
+                 { caster.trace(begin, end); });
+  std::vector<ChunkOutput> chunks(ThreadPool::chunkCount(columns, kColumnsPerChunk));
+  pool.forChunks(columns, kColumnsPerChunk,
+                 [&](std::size_t begin, std::size_t end, std::size_t chunk)
+                 { caster.resolve(begin, end, chunks[chunk]); });
+
+  std::size_t total = 0;
+  for (const auto& c : chunks)
+  {
+    total += c.points.size();
+  }
+  std::vector<BodySighting> sightings(scene.bodies->size());
+  scan.scan.points.reserve(total);
+  scan.deskewed.reserve(total);
+  scan.flow.reserve(total);
+  for (const auto& c : chunks)
+  {
+    append(scan.scan.points, c.points);
+    append(scan.scan.intensity, c.intensity);
+    append(scan.scan.time, c.time);
+    append(scan.scan.ring, c.ring);
+    append(scan.deskewed, c.deskewed);
+    append(scan.flow, c.flow);
+    append(scan.label, c.label);
+    append(scan.moving, c.moving);
+    for (std::size_t i = 0; i < sightings.size(); ++i)
+    {
+      sightings[i].points += c.sightings[i].points;
+      sightings[i].time += c.sightings[i].time;
+    }
+  }
+  return sightings;
+}
+}  // namespace dyslam::sim

@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <dyslam/sim/Simulator.h>
+
+#include <deque>
+#include <memory>
+#include <vector>
+
+#include "Body.h"
+#include "Ground.h"
+#include "Random.h"
+#include "RayScene.h"
+#include "Roads.h"
+
+namespace dyslam::sim
+{
+/** Static geometry, its meaning, the shapes of everything that moves, and the ways they take. */
+class World
+{
+ public:
+  World(WorldKind world_kind, std::uint64_t world_seed)
+      : kind(world_kind), seed(world_seed), scene(device.handle())
+  {
+  }
+
+  // Building blocks for the generators
+  /** Registers a shape for instancing. */
+  int addShape(Mesh mesh);
+  /** A static instance of a shape; `instance` as in the labels, 0 for none. */
+  void place(int shape,
+             const Eigen::Affine3f& transform,
+             std::uint16_t semantic = 0,
+             std::uint16_t instance = 0,
+             float reflectivity = -1);
+  /** At a place of the ground, upright, turned by `yaw` in the world. */
+  void placeOnGround(int shape, const Eigen::Vector2d& world_position, double yaw, float scale = 1);
+  /** A parked vehicle or a bicycle: a body model standing still for good. */
+  void park(int model, const Eigen::Vector2d& world_position, double yaw, Rng& rng);
+  [[nodiscard]] std::uint16_t nextInstance()
+  {
+    return static_cast<std::uint16_t>(1 + instances_++ % 65000);
+  }
+  /** Ends the building: the scene is made and the world is not changed any more. */
+  void finish();
+
+  WorldKind kind;
+  std::uint64_t seed;
+  std::unique_ptr<Ground> ground;
+  LaneNetwork roads;                //!< urban, campus, field
+  WalkNetwork walks;                //!< urban, campus
+  std::vector<Path> bicycle_loops;  //!< closed, at the edge of the carriageway
+  Path ego_path;                    //!< of walking and field egos: closed
+  Path highway;                     //!< centre line, closed: highway, tunnel
+  int highway_lanes = 3;            //!< each way
+  double highway_lane_width = 3.6;  //!< [m]
+  double highway_median = 1.6;      //!< from the centre line to the first lane's inner edge [m]
+  double loop_length = 0;           //!< [m]
+
+  std::vector<BodyModel> bodies;
+  std::vector<int> cars, vans, trucks, buses, riders, people, cyclists,
+      parked_bicycles;  //!< in bodies
+
+  RayDevice device;
+  std::deque<Mesh> meshes;  //!< world frame
+  std::deque<Mesh> shape_meshes;
+  std::vector<RayScene> shapes;
+  RayScene scene;  //!< all that stands still
+
+ private:
+  struct Placement
+  {
+    int shape;
+    Eigen::Affine3f transform;
+    SceneItem item;
+  };
+  std::vector<Placement> placements_;
+  int instances_ = 0;
+};
+
+/** Body models of every kind, each in several variants. */
+void addBodies(World& world, Rng& rng);
+
+[[nodiscard]] int drawVehicle(const World& world, Rng& rng, double heavy_share);
+/** Paint and clothes from black to white, as seen on the road. */
+[[nodiscard]] float drawPaint(Rng& rng);
+/** Class in SemanticKITTI's numbers of a body that stands (first) or moves (second). */
+[[nodiscard]] std::pair<std::uint16_t, std::uint16_t> semanticClasses(ObjectClass object_class);
+
+void buildUrban(World& world, const SimulatorOptions& options);
+void buildCampus(World& world, const SimulatorOptions& options);
+void buildHighway(World& world, const SimulatorOptions& options);  //!< and tunnel
+void buildField(World& world, const SimulatorOptions& options);
+}  // namespace dyslam::sim

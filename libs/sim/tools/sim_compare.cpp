@@ -1,0 +1,361 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Pictures and statistics of simulated scans beside real ones, for doc/simulator.md.
+//   sim_compare --world urban --sensor HDL64E --scans 20 [--real DIR_OF_BIN] [--every N] -o PREFIX
+// Writes PREFIX_{sim,real}_{range,bev}.png and prints one table of statistics.
+#include <dyslam/core/Error.h>
+#include <dyslam/sim/Simulator.h>
+
+#include <CLI/CLI.hpp>
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <iostream>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+#include <unordered_map>
+
+namespace
+{
+using dyslam::Scan;
+constexpr double kPi = 3.14159265358979;
+
+Scan readBin(const std::string& path)
+{
+  std::ifstream in(path, std::ios::binary);
+  if (!in)
+  {
+    throw dyslam::UserError(path + ": cannot be read");
+  }
+  Scan scan;
+  std::array<float, 4> v{};
+  while (in.read(reinterpret_cast<char*>(v.data()), sizeof(v)))
+  {
+    if (v[0] != 0 || v[1] != 0 || v[2] != 0)
+    {
+      scan.points.emplace_back(v[0], v[1], v[2]);
+      scan.intensity.push_back(v[3] > 1 ? v[3] / 255 : v[3]);
+    }
+  }
+  return scan;
+}
+
+/** Row of the sensor's nearest beam by elevation, for real and simulated scans alike. */
+class RowFinder
+{
+ public:
+  explicit RowFinder(const dyslam::sim::SensorModel& sensor)
+  {
+    for (const auto& b : sensor.beams)
+    {
+      elevations_.push_back(b.elevation);
+    }
+  }
+  int row(const Eigen::Vector3f& p) const
+  {
+    const double e =
+        std::atan2(static_cast<double>(p.z()), static_cast<double>(p.head<2>().norm()));
+    const auto above = std::lower_bound(elevations_.begin(), elevations_.end(), e);
+    const auto i = static_cast<int>(above - elevations_.begin());
+    if (i == 0 || (i < rows() && std::abs(elevations_[static_cast<std::size_t>(i)] - e) <
+                                     std::abs(elevations_[static_cast<std::size_t>(i - 1)] - e)))
+    {
+      return std::min(i, rows() - 1);
+    }
+    return i - 1;
+  }
+  int rows() const { return static_cast<int>(elevations_.size()); }
+
+ private:
+  std::vector<double> elevations_;
+};
+
+cv::Mat rangeImage(const Scan& scan, const RowFinder& finder, int columns)
+{
+  cv::Mat image(finder.rows(), columns, CV_32F, cv::Scalar(0));
+  for (const auto& p : scan.points)
+  {
+    const double a = std::atan2(static_cast<double>(p.y()), static_cast<double>(p.x()));
+    const int c = std::clamp(static_cast<int>((kPi - a) / (2 * kPi) * columns), 0, columns - 1);
+    float& cell = image.at<float>(finder.rows() - 1 - finder.row(p), c);
+    const float r = p.norm();
+    cell = cell == 0 || r < cell ? r : cell;
+  }
+  return image;
+}
+
+void saveRangeImage(const cv::Mat& range, const std::string& path, double max_range)
+{
+  cv::Mat shade(range.size(), CV_8U), mask = range == 0;
+  for (int y = 0; y < range.rows; ++y)
+  {
+    for (int x = 0; x < range.cols; ++x)
+    {
+      const double f =
+          std::sqrt(std::min(1.0, static_cast<double>(range.at<float>(y, x)) / max_range));
+      shade.at<unsigned char>(y, x) = static_cast<unsigned char>(255 * (1 - f));
+    }
+  }
+  cv::Mat colour, large;
+  cv::applyColorMap(shade, colour, cv::COLORMAP_TURBO);
+  colour.setTo(cv::Scalar(0, 0, 0), mask);
+  cv::resize(colour, large, cv::Size(range.cols, range.rows * std::max(1, 256 / range.rows)), 0, 0,
+             cv::INTER_NEAREST);
+  cv::imwrite(path, large);
+}
+
+void saveBev(const Scan& scan,
+             const std::vector<std::uint8_t>* moving,
+             const std::string& path,
+             double half)
+{
+  const int size = 900;
+  cv::Mat image(size, size, CV_8UC3, cv::Scalar(0, 0, 0));
+  for (std::size_t i = 0; i < scan.points.size(); ++i)
+  {
+    const auto& p = scan.points[i];
+    const int x = static_cast<int>((half - static_cast<double>(p.y())) / (2 * half) * size);
+    const int y = static_cast<int>((half - static_cast<double>(p.x())) / (2 * half) * size);
+    if (x < 0 || y < 0 || x >= size || y >= size)
+    {
+      continue;
+    }
+    const double h = std::clamp((static_cast<double>(p.z()) + 2.0) / 5.0, 0.0, 1.0);
+    cv::Vec3b colour(static_cast<unsigned char>(255 * (1 - h)),
+                     static_cast<unsigned char>(120 + 135 * h),
+                     static_cast<unsigned char>(60 + 195 * h));
+    if (moving != nullptr && (*moving)[i] != 0)
+    {
+      colour = cv::Vec3b(40, 40, 255);
+    }
+    image.at<cv::Vec3b>(y, x) = colour;
+  }
+  cv::imwrite(path, image);
+}
+
+/** Means over scans. */
+struct Statistics
+{
+  int scans = 0;
+  double points = 0, filled = 0, ground = 0, ground_roughness = 0, plane_roughness = 0,
+         isolated = 0, intensity = 0;
+  std::array<double, 9> range{};  // share up to 5 10 15 20 30 40 60 80 more
+  std::vector<double> ring;
+
+  void add(const Scan& scan, const RowFinder& finder, int columns);
+};
+
+constexpr std::array<double, 8> kRangeEdges{{5, 10, 15, 20, 30, 40, 60, 80}};
+
+/** Spread of the points in a cell about the cell's own plane: root mean square of the distances. */
+double planeSpread(const std::vector<Eigen::Vector3d>& points, Eigen::Vector3d& normal)
+{
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  for (const auto& p : points)
+  {
+    mean += p;
+  }
+  mean /= static_cast<double>(points.size());
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
+  for (const auto& p : points)
+  {
+    covariance += (p - mean) * (p - mean).transpose();
+  }
+  covariance /= static_cast<double>(points.size());
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(covariance);
+  normal = solver.eigenvectors().col(0);
+  return std::sqrt(std::max(0.0, solver.eigenvalues()[0]));
+}
+
+double median(std::vector<double>& v)
+{
+  if (v.empty())
+  {
+    return 0;
+  }
+  std::nth_element(v.begin(), v.begin() + static_cast<std::ptrdiff_t>(v.size() / 2), v.end());
+  return v[v.size() / 2];
+}
+
+void Statistics::add(const Scan& scan, const RowFinder& finder, int columns)
+{
+  ++scans;
+  ring.resize(static_cast<std::size_t>(finder.rows()));
+  const auto n = static_cast<double>(scan.points.size());
+  points += n;
+  std::unordered_map<long, std::vector<Eigen::Vector3d>> cells;  // of half a metre
+  std::unordered_map<long, double> lowest;                       // of a metre, seen from above
+  for (std::size_t i = 0; i < scan.points.size(); ++i)
+  {
+    const Eigen::Vector3d p = scan.points[i].cast<double>();
+    const double r = p.norm();
+    ++ring[static_cast<std::size_t>(finder.row(scan.points[i]))];
+    const auto bin =
+        std::upper_bound(kRangeEdges.begin(), kRangeEdges.end(), r) - kRangeEdges.begin();
+    range[static_cast<std::size_t>(bin)] += 1 / n;
+    intensity += static_cast<double>(scan.intensity.empty() ? 0.0F : scan.intensity[i]) / n;
+    const auto key = [](double x, double y, double z, double s)
+    {
+      return (std::lround(std::floor(x / s)) + 4096) |
+             (std::lround(std::floor(y / s)) + 4096) << 16 |
+             (std::lround(std::floor(z / s)) + 4096) << 32;
+    };
+    if (r < 30)
+    {
+      cells[key(p.x(), p.y(), p.z(), 0.5)].push_back(p);
+    }
+    const long flat = key(p.x(), p.y(), 0, 1.0);
+    const auto found = lowest.find(flat);
+    lowest[flat] = found == lowest.end() ? p.z() : std::min(found->second, p.z());
+  }
+  for (const auto& q : scan.points)
+  {
+    const long flat = (std::lround(std::floor(q.x())) + 4096) |
+                      (std::lround(std::floor(q.y())) + 4096) << 16 | 4096L << 32;
+    ground += static_cast<double>(q.z()) < lowest[flat] + 0.15 && q.z() < 0 ? 1 / n : 0;
+  }
+  std::vector<double> level, upright;
+  for (const auto& [unused, cell] : cells)
+  {
+    Eigen::Vector3d normal;
+    if (cell.size() >= 12)
+    {
+      const double spread = planeSpread(cell, normal);
+      (std::abs(normal.z()) > 0.9 ? level : upright).push_back(spread);
+    }
+  }
+  ground_roughness += median(level);
+  plane_roughness += median(upright);
+  const cv::Mat image = rangeImage(scan, finder, columns);
+  // Holes: empty cells whose left and right neighbours are filled at like range.
+  double full = 0, holes = 0, lonely = 0;
+  for (int y = 0; y < image.rows; ++y)
+  {
+    for (int x = 1; x + 1 < image.cols; ++x)
+    {
+      const float here = image.at<float>(y, x), left = image.at<float>(y, x - 1),
+                  right = image.at<float>(y, x + 1);
+      full += here > 0 ? 1 : 0;
+      holes += here == 0 && left > 0 && right > 0 && std::abs(left - right) < 0.5F ? 1 : 0;
+      lonely += here > 0 && left > 0 && right > 0 && std::abs(here - left) > 0.3F &&
+                        std::abs(here - right) > 0.3F && std::abs(left - right) > 0.3F
+                    ? 1
+                    : 0;
+    }
+  }
+  filled += 1 - holes / (full + holes);
+  isolated += lonely / full;
+}
+
+void print(const char* name, const Statistics& s)
+{
+  const double k = 1.0 / s.scans;
+  std::printf(
+      "%s: %d scans\n  points %.0f, holes %.3f, between edges %.4f, ground share %.3f, mean "
+      "intensity %.3f\n  rms about plane in 0.5 m cells: level %.4f m, upright %.4f m\n",
+      name, s.scans, s.points * k, 1 - s.filled * k, s.isolated * k, s.ground * k, s.intensity * k,
+      s.ground_roughness * k, s.plane_roughness * k);
+  std::printf("  range share");
+  for (std::size_t i = 0; i < s.range.size(); ++i)
+  {
+    std::printf(" %s%.0f:%.3f", i < kRangeEdges.size() ? "<" : ">",
+                kRangeEdges[std::min(i, kRangeEdges.size() - 1)], s.range[i] * k);
+  }
+  std::printf("\n  per ring");
+  for (std::size_t i = 0; i<s.ring.size(); i += s.ring.size()> 32 ? 4 : 1)
+  {
+    std::printf(" %zu:%.0f", i, s.ring[i] * k);
+  }
+  std::printf("\n");
+}
+}  // namespace
+
+int main(int argc, char** argv)
+{
+  CLI::App app("Simulated scans beside real ones: pictures and statistics");
+  std::string world = "urban", sensor = "HDL64E", real, output, ego = "automatic";
+  int scans = 10, every = 5, seed = 1, picture = 0, picture_columns = 1440;
+  double traffic = 0.4, half = 50, loop = 400, speed = 0;
+  app.add_option("--world", world);
+  app.add_option("--sensor", sensor);
+  app.add_option("--traffic", traffic);
+  app.add_option("--seed", seed);
+  app.add_option("--loop", loop);
+  app.add_option("--speed", speed);
+  app.add_option("--ego", ego);
+  app.add_option("--scans", scans);
+  app.add_option("--every", every, "simulated scans between two that are counted");
+  app.add_option("--picture", picture, "which of the counted scans is drawn");
+  app.add_option("--half", half, "half side of the bird's eye view [m]");
+  app.add_option("--columns", picture_columns, "of the range image");
+  app.add_option("--real", real, "folder of .bin scans");
+  app.add_option("-o", output, "prefix of the pictures")->required();
+  CLI11_PARSE(app, argc, argv);
+  try
+  {
+    dyslam::sim::SimulatorOptions options;
+    options.world = dyslam::sim::worldKindFromString(world);
+    options.sensor = dyslam::sim::sensorKindFromString(sensor);
+    options.traffic = traffic;
+    options.seed = seed;
+    options.loop_length = loop;
+    options.ego_speed = speed;
+    options.ego = ego == "car"        ? dyslam::sim::EgoKind::car
+                  : ego == "handheld" ? dyslam::sim::EgoKind::handheld
+                  : ego == "robot"    ? dyslam::sim::EgoKind::robot
+                                      : dyslam::sim::EgoKind::automatic;
+    dyslam::sim::Simulator simulator(options, 2);
+    const RowFinder finder(simulator.sensor());
+    Statistics simulated, recorded;
+    for (int i = 0; i < scans; ++i)
+    {
+      dyslam::sim::SimulatedScan scan = simulator.next();
+      for (int k = 1; k < every; ++k)
+      {
+        (void)simulator.next();
+      }
+      simulated.add(scan.scan, finder, picture_columns);
+      if (i == picture)
+      {
+        saveRangeImage(rangeImage(scan.scan, finder, picture_columns), output + "_sim_range.png",
+                       60);
+        saveBev(scan.scan, &scan.moving, output + "_sim_bev.png", half);
+      }
+    }
+    print("simulated", simulated);
+    if (!real.empty())
+    {
+      std::vector<std::string> files;
+      for (const auto& entry : std::filesystem::directory_iterator(real))
+      {
+        if (entry.path().extension() == ".bin")
+        {
+          files.push_back(entry.path().string());
+        }
+      }
+      std::sort(files.begin(), files.end());
+      const std::size_t step =
+          std::max<std::size_t>(1, files.size() / static_cast<std::size_t>(scans));
+      for (std::size_t i = 0; i < files.size(); i += step)
+      {
+        const Scan scan = readBin(files[i]);
+        recorded.add(scan, finder, picture_columns);
+        if (i == 0)
+        {
+          saveRangeImage(rangeImage(scan, finder, picture_columns), output + "_real_range.png", 60);
+          saveBev(scan, nullptr, output + "_real_bev.png", half);
+        }
+      }
+      print("real", recorded);
+    }
+  }
+  catch (const std::exception& error)
+  {
+    std::cerr << error.what() << "\n";
+    return 1;
+  }
+  return 0;
+}
