@@ -3,94 +3,88 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
 
 namespace dyslam
 {
-namespace
+MovingCells::MovingCells(const std::vector<Eigen::Vector3f>& points,
+                         const ResidualSegmenterOptions& options)
+    : options_(options),
+      cells_per_metre_(static_cast<float>(1 / options.cell_size)),
+      half_width_(static_cast<int>(std::ceil(options.max_range / options.cell_size)) + 1),
+      width_(2 * half_width_ + 1),
+      cells_(static_cast<std::size_t>(width_) * static_cast<std::size_t>(width_))
 {
-struct Cell
-{
-  float lowest = 1e9F;
-  int points = 0;  //!< above ground
-  int moving = 0;
-  int still = 0;
-  int object = -1;
-};
-
-/** A square grid around the vehicle. */
-class Grid
-{
- public:
-  Grid(double reach, double cell_size)
-      : inverse_(static_cast<float>(1 / cell_size)),
-        half_(static_cast<int>(std::ceil(reach / cell_size)) + 1),
-        width_(2 * half_ + 1),
-        cells_(static_cast<std::size_t>(width_) * static_cast<std::size_t>(width_))
+  std::vector<int> cell_of(points.size());
+  for (std::size_t i = 0; i < points.size(); ++i)
   {
-  }
-  /** Index of the cell above which a point lies; -1 outside. */
-  [[nodiscard]] int indexOf(const Eigen::Vector3f& p) const
-  {
-    const int x = static_cast<int>(std::floor(p.x() * inverse_)) + half_;
-    const int y = static_cast<int>(std::floor(p.y() * inverse_)) + half_;
-    return x < 1 || y < 1 || x >= width_ - 1 || y >= width_ - 1 ? -1 : y * width_ + x;
-  }
-  [[nodiscard]] Cell& operator[](int i) { return cells_[static_cast<std::size_t>(i)]; }
-  [[nodiscard]] const Cell& operator[](int i) const { return cells_[static_cast<std::size_t>(i)]; }
-  [[nodiscard]] int width() const { return width_; }
-  [[nodiscard]] int size() const { return static_cast<int>(cells_.size()); }
-
- private:
-  float inverse_;
-  int half_;
-  int width_;
-  std::vector<Cell> cells_;
-};
-
-float lowestAround(const Grid& grid, int cell)
-{
-  float lowest = 1e9F;
-  for (int dy = -1; dy <= 1; ++dy)
-  {
-    for (int dx = -1; dx <= 1; ++dx)
+    cell_of[i] = cellOf(points[i]);
+    if (cell_of[i] >= 0)
     {
-      lowest = std::min(lowest, grid[cell + dy * grid.width() + dx].lowest);
+      at(cell_of[i]).lowest = std::min(at(cell_of[i]).lowest, points[i].z());
     }
+  }
+  for (std::size_t i = 0; i < points.size(); ++i)
+  {
+    const int cell = cell_of[i];
+    if (cell >= 0 &&
+        points[i].z() >= lowestAround(cell) + static_cast<float>(options_.ground_clearance))
+    {
+      candidates_.push_back(static_cast<std::uint32_t>(i));
+      candidate_cells_.push_back(cell);
+    }
+  }
+}
+
+int MovingCells::cellOf(const Eigen::Vector3f& p) const
+{
+  if (p.head<2>().norm() > static_cast<float>(options_.max_range))
+  {
+    return -1;
+  }
+  const int x = static_cast<int>(std::floor(p.x() * cells_per_metre_)) + half_width_;
+  const int y = static_cast<int>(std::floor(p.y() * cells_per_metre_)) + half_width_;
+  return x < 1 || y < 1 || x >= width_ - 1 || y >= width_ - 1 ? -1 : y * width_ + x;
+}
+
+float MovingCells::lowestAround(int cell) const
+{
+  float lowest = 1e9F;
+  for (int row = cell - width_; row <= cell + width_; row += width_)
+  {
+    lowest = std::min({lowest, at(row - 1).lowest, at(row).lowest, at(row + 1).lowest});
   }
   return lowest;
 }
 
-bool isMovingCell(const Cell& cell)
+int MovingCells::labelObjects()
 {
-  return cell.moving > 0 && cell.moving > cell.still;
-}
-
-/** Gives every connected set of moving cells a number; returns how many there are. */
-int labelObjects(Grid& grid)
-{
+  const auto is_moving = [](const Cell& cell)
+  { return cell.moving > 0 && cell.moving > cell.still; };
+  const int cell_count = static_cast<int>(cells_.size());
   int objects = 0;
   std::vector<int> open;
-  for (int seed = grid.width() + 1; seed < grid.size() - grid.width() - 1; ++seed)
+  for (int seed = 0; seed < cell_count; ++seed)
   {
-    if (grid[seed].object >= 0 || !isMovingCell(grid[seed]))
+    if (at(seed).object >= 0 || !is_moving(at(seed)))
     {
       continue;
     }
-    grid[seed].object = objects;
+    at(seed).object = objects;
     open.assign(1, seed);
     while (!open.empty())
     {
+      // Cells with points never lie on the rim, so all eight neighbours exist.
       const int cell = open.back();
       open.pop_back();
-      for (const int step : {-grid.width() - 1, -grid.width(), -grid.width() + 1, -1, 1,
-                             grid.width() - 1, grid.width(), grid.width() + 1})
+      for (const int row : {cell - width_, cell, cell + width_})
       {
-        const int next = cell + step;
-        if (next >= 0 && next < grid.size() && grid[next].object < 0 && isMovingCell(grid[next]))
+        for (const int next : {row - 1, row, row + 1})
         {
-          grid[next].object = objects;
-          open.push_back(next);
+          if (at(next).object < 0 && is_moving(at(next)))
+          {
+            at(next).object = objects;
+            open.push_back(next);
+          }
         }
       }
     }
@@ -98,65 +92,42 @@ int labelObjects(Grid& grid)
   }
   return objects;
 }
-}  // namespace
 
-std::vector<bool> movingCells(const std::vector<Eigen::Vector3f>& points,
-                              const std::vector<std::int8_t>& votes,
-                              const ResidualSegmenterOptions& options)
+std::vector<std::uint32_t> MovingCells::moving(const std::vector<std::int8_t>& votes)
 {
-  Grid grid(options.max_range, options.cell_size);
-  std::vector<int> cell_of(points.size());
-  for (std::size_t i = 0; i < points.size(); ++i)
+  for (std::size_t i = 0; i < candidates_.size(); ++i)
   {
-    cell_of[i] = grid.indexOf(points[i]);
-    if (cell_of[i] >= 0)
-    {
-      grid[cell_of[i]].lowest = std::min(grid[cell_of[i]].lowest, points[i].z());
-    }
-  }
-  for (std::size_t i = 0; i < points.size(); ++i)
-  {
-    const int at = cell_of[i];
-    if (at < 0)
-    {
-      continue;
-    }
-    if (points[i].z() < lowestAround(grid, at) + static_cast<float>(options.ground_clearance))
-    {
-      cell_of[i] = -1;
-      continue;
-    }
-    Cell& cell = grid[at];
+    Cell& cell = at(candidate_cells_[i]);
     ++cell.points;
     cell.moving += votes[i] > 0 ? 1 : 0;
     cell.still += votes[i] < 0 ? 1 : 0;
   }
-
-  struct Tally
+  const auto objects = static_cast<std::size_t>(labelObjects());
+  std::vector<int> point_count(objects, 0);
+  std::vector<int> moving_count(objects, 0);
+  for (const Cell& cell : cells_)
   {
-    int points = 0;
-    int moving = 0;
-  };
-  std::vector<Tally> tallies(static_cast<std::size_t>(labelObjects(grid)));
-  for (int i = 0; i < grid.size(); ++i)
-  {
-    if (grid[i].object >= 0)
+    if (cell.object >= 0)
     {
-      tallies[static_cast<std::size_t>(grid[i].object)].points += grid[i].points;
-      tallies[static_cast<std::size_t>(grid[i].object)].moving += grid[i].moving;
+      point_count[static_cast<std::size_t>(cell.object)] += cell.points;
+      moving_count[static_cast<std::size_t>(cell.object)] += cell.moving;
     }
   }
-  std::vector<bool> moving(points.size(), false);
-  for (std::size_t i = 0; i < points.size(); ++i)
+  std::vector<std::uint32_t> result;
+  for (std::size_t i = 0; i < candidates_.size(); ++i)
   {
-    const int object = cell_of[i] < 0 ? -1 : grid[cell_of[i]].object;
-    if (object >= 0)
+    const int object = at(candidate_cells_[i]).object;
+    if (object < 0)
     {
-      const Tally& tally = tallies[static_cast<std::size_t>(object)];
-      moving[i] =
-          tally.moving >= options.min_points && tally.moving >= options.min_share * tally.points;
+      continue;
+    }
+    const auto o = static_cast<std::size_t>(object);
+    if (moving_count[o] >= options_.min_points &&
+        moving_count[o] >= options_.min_share * point_count[o])
+    {
+      result.push_back(candidates_[i]);
     }
   }
-  return moving;
+  return result;
 }
 }  // namespace dyslam

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/Deskew.h>
 #include <dyslam/dyseg/ResidualSegmenter.h>
 
 #include <algorithm>
@@ -11,8 +12,8 @@ namespace dyslam
 namespace
 {
 constexpr double pi = 3.14159265358979323846;
-constexpr double lowest_elevation = -0.6;
-constexpr double highest_elevation = 0.6;
+constexpr double lowest_slope = -0.6;
+constexpr double highest_slope = 0.6;
 constexpr std::size_t chunk_size = 4096;
 
 struct Direction
@@ -28,7 +29,7 @@ void ResidualSegmenterOptions::describe(OptionsVisitor& v)
   v.integer("history", history, 1, 100, "scans back to the oldest one compared");
   v.integer("compared", compared, 1, 20, "earlier scans that each point is compared with");
   v.degrees("azimuth_bin_deg", azimuth_bin, 0.05, 5, "column width of the range images");
-  v.degrees("elevation_bin_deg", elevation_bin, 0.05, 5, "row height of the range images");
+  v.real("slope_bin", slope_bin, 0.001, 0.1, "row height of the range images, z per distance");
   v.real("margin", margin, 0.01, 10, "m a point must lie before what was seen");
   v.real("margin_per_range", margin_per_range, 0, 1, "m of margin more per m of range");
   v.real("max_range", max_range, 1, 1000, "m, points beyond are static");
@@ -42,7 +43,7 @@ void ResidualSegmenterOptions::describe(OptionsVisitor& v)
 ResidualSegmenter::ResidualSegmenter(const ResidualSegmenterOptions& options, ThreadPool& pool)
     : options_(options),
       pool_(pool),
-      rows_(static_cast<int>((highest_elevation - lowest_elevation) / options.elevation_bin)),
+      rows_(static_cast<int>((highest_slope - lowest_slope) / options.slope_bin)),
       columns_(static_cast<int>(2 * pi / options.azimuth_bin))
 {
   validate(options_, "residual");
@@ -50,18 +51,19 @@ ResidualSegmenter::ResidualSegmenter(const ResidualSegmenterOptions& options, Th
 
 namespace
 {
+/** Row and column by slope and azimuth; the row may lie outside the image. */
 Direction directionOf(const Eigen::Vector3f& p, int rows, int columns)
 {
+  const SweepModel counter_clockwise{1, pi};
+  const float horizontal = std::sqrt(p.x() * p.x() + p.y() * p.y());
+  const float slope = p.z() / std::max(horizontal, 1e-6F);
+  constexpr float span = static_cast<float>(highest_slope - lowest_slope);
   Direction d;
   d.range = p.norm();
-  const float azimuth = std::atan2(p.y(), p.x());
-  const float elevation = std::asin(std::clamp(p.z() / std::max(d.range, 1e-6F), -1.0F, 1.0F));
-  d.column = static_cast<int>((azimuth + static_cast<float>(pi)) / static_cast<float>(2 * pi) *
-                              static_cast<float>(columns));
+  d.column = static_cast<int>(sweepFraction(p, counter_clockwise) * static_cast<float>(columns));
   d.column = std::clamp(d.column, 0, columns - 1);
-  d.row = static_cast<int>(std::floor((elevation - static_cast<float>(lowest_elevation)) /
-                                      static_cast<float>(highest_elevation - lowest_elevation) *
-                                      static_cast<float>(rows)));
+  const float row = (slope - static_cast<float>(lowest_slope)) / span * static_cast<float>(rows);
+  d.row = row < 0 ? -1 : static_cast<int>(std::min(row, static_cast<float>(rows)));
   return d;
 }
 }  // namespace
@@ -114,7 +116,7 @@ int ResidualSegmenter::vote(const PastScan& past, const Eigen::Vector3f& point) 
       nearest = std::min(nearest, range);
     }
   }
-  return seen >= 2 && d.range < nearest - margin ? 1 : 0;
+  return seen >= 2 && d.range < nearest - margin ? 2 : 0;
 }
 
 std::vector<const ResidualSegmenter::PastScan*> ResidualSegmenter::comparedScans() const
@@ -137,32 +139,30 @@ std::vector<const ResidualSegmenter::PastScan*> ResidualSegmenter::comparedScans
 void ResidualSegmenter::segment(Frame& frame)
 {
   const auto& points = frame.cloud.points;
-  frame.moving_probability.assign(points.size(), 0.0F);
+  frame.moving_probability.assign(points.size(), 0.1F);
   const auto scans = comparedScans();
   if (!scans.empty())
   {
-    std::vector<std::int8_t> votes(points.size(), 0);
+    MovingCells cells(points, options_);
+    const auto& candidates = cells.candidates();
+    std::vector<std::int8_t> votes(candidates.size(), 0);
     for (const PastScan* past : scans)
     {
       const Eigen::Isometry3f T_past_vehicle =
           (past->T_lidar_odom * frame.T_odom_vehicle).cast<float>();
-      pool_.forChunks(points.size(), chunk_size,
+      pool_.forChunks(candidates.size(), chunk_size,
                       [&](std::size_t begin, std::size_t end, std::size_t)
                       {
                         for (std::size_t i = begin; i < end; ++i)
                         {
-                          if (points[i].norm() < static_cast<float>(options_.max_range))
-                          {
-                            votes[i] = static_cast<std::int8_t>(
-                                votes[i] + vote(*past, T_past_vehicle * points[i]));
-                          }
+                          const Eigen::Vector3f p = T_past_vehicle * points[candidates[i]];
+                          votes[i] = static_cast<std::int8_t>(votes[i] + vote(*past, p));
                         }
                       });
     }
-    const auto moving = movingCells(points, votes, options_);
-    for (std::size_t i = 0; i < points.size(); ++i)
+    for (const std::uint32_t i : cells.moving(votes))
     {
-      frame.moving_probability[i] = moving[i] ? 0.9F : 0.1F;
+      frame.moving_probability[i] = 0.9F;
     }
   }
   past_.push_front(project(frame));

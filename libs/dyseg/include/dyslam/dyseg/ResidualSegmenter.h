@@ -9,17 +9,17 @@ namespace dyslam
 {
 struct ResidualSegmenterOptions : Options
 {
-  int history = 10;                  //!< how far back the oldest compared scan lies
-  int compared = 4;                  //!< how many scans of the history are compared
-  double azimuth_bin = 0.0069813;    //!< rad
-  double elevation_bin = 0.0087266;  //!< rad
-  double margin = 0.3;               //!< m, by which a point must lie before what was seen
-  double margin_per_range = 0.015;   //!< m of further margin per m of range
-  double max_range = 60;             //!< m, points beyond are called static
-  double ground_clearance = 0.25;  //!< m above the lowest point nearby that still counts as ground
-  double cell_size = 0.4;          //!< m, of the grid in which single votes become objects
-  int min_points = 8;              //!< in a moving object
-  double min_share = 0.5;          //!< of an object's points that must have voted moving
+  int history = 30;                //!< how far back the oldest compared scan lies
+  int compared = 6;                //!< how many scans of the history are compared
+  double azimuth_bin = 0.0052360;  //!< column width of the range images [rad]
+  double slope_bin = 0.007;        //!< row height, in z per horizontal distance
+  double margin = 0.2;             //!< a point must lie this far before what was seen ...
+  double margin_per_range = 0.01;  //!< ... and this much more per metre of its range [m]
+  double max_range = 60;           //!< points beyond are called static [m]
+  double ground_clearance = 0.15;  //!< points this little above the lowest nearby are ground [m]
+  double cell_size = 0.4;          //!< of the grid in which single votes become objects [m]
+  int min_points = 8;              //!< that voted moving, in a moving object
+  double min_share = 0.3;          //!< of an object's points that must have voted moving
 
   void describe(OptionsVisitor& visitor) override;
 };
@@ -27,11 +27,11 @@ struct ResidualSegmenterOptions : Options
 /** Moving points by seeing through: a point where an earlier ray went on freely has come there
  * since.
  *
- * Each point is looked up in range images of a few earlier scans. Nearer than what was seen there,
- * by a margin, votes for moving; the same range votes for static; farther says nothing, it was
- * hidden. Votes are gathered in connected grid cells above ground, so that single noisy points do
- * not count. No learning: this is the baseline that a network has to beat. It needs poses good to
- * the margin.
+ * Each point above ground is looked up in range images of a few earlier scans. Nearer than what was
+ * seen there, by a margin, votes for moving; the same range votes, half as strongly, for static (a
+ * mover overlaps where it was before); farther says nothing, it was hidden. Votes are gathered in
+ * connected grid cells, so that single noisy points do not count. No learning: this is the baseline
+ * that a network has to beat. It needs poses good to the margin.
  */
 class ResidualSegmenter : public MovingSegmenter
 {
@@ -52,7 +52,7 @@ class ResidualSegmenter : public MovingSegmenter
   };
 
   [[nodiscard]] PastScan project(const Frame& frame) const;
-  /** +1 seen through, -1 seen there, 0 hidden or unknown. */
+  /** 2 seen through, -1 seen there, 0 hidden or unknown; point in the past scan's lidar frame. */
   [[nodiscard]] int vote(const PastScan& past, const Eigen::Vector3f& point) const;
   [[nodiscard]] std::vector<const PastScan*> comparedScans() const;
 
