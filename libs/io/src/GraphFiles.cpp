@@ -12,6 +12,8 @@
 #include <string_view>
 #include <vector>
 
+#include "MrptConversions.h"
+
 namespace dyslam
 {
 namespace
@@ -194,19 +196,6 @@ Matrix6 lifted(const Eigen::Matrix3d& planar)
   information(3, 3) = planar(2, 2);
   information(4, 4) = planar(2, 2);
   return information;
-}
-
-mrpt::poses::CPose3D toMrpt(const Pose& pose)
-{
-  return mrpt::poses::CPose3D(mrpt::math::CMatrixDouble44(pose.matrix()));
-}
-
-Pose fromMrpt(const mrpt::poses::CPose3D& pose)
-{
-  Pose result = Pose::Identity();
-  result.linear() = pose.getRotationMatrix().asEigen();
-  result.translation() = Eigen::Vector3d(pose.x(), pose.y(), pose.z());
-  return result;
 }
 
 class GraphReader
@@ -424,7 +413,7 @@ void appendRollPitchYawPose(TextWriter& out, const mrpt::poses::CPose3D& pose)
 
 void appendQuaternionPose(TextWriter& out, const mrpt::poses::CPose3D& pose)
 {
-  Eigen::Quaterniond q(fromMrpt(pose).linear());
+  Eigen::Quaterniond q(toPose(pose).linear());
   if (q.w() < 0)
   {
     q.coeffs() = -q.coeffs();
@@ -477,7 +466,7 @@ void writeG2o(const Graph& graph, const std::string& path)
   {
     out << "EDGE_SE3:QUAT" << ids.first << ids.second;
     appendQuaternionPose(out, edge.mean);
-    const Matrix6 information = informationFromYpr(fromMrpt(edge.mean), edge.cov_inv.asEigen());
+    const Matrix6 information = informationFromYpr(toPose(edge.mean), edge.cov_inv.asEigen());
     out << informationToQuaternion(information) << "\n";
   }
   out.save(path);

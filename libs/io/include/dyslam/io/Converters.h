@@ -62,7 +62,8 @@ struct KittiConverterOptions : Options
 /** Writes a KITTI folder, official or plain (`velodyne/NNNNNN.bin` and whatever files the options
  * name), as a rawlog with its ground-truth sidecar. Every point is kept in its order.
  *
- * The vehicle frame is the lidar's; the world is the first scan's. \throws UserError. */
+ * The vehicle frame is the lidar's, the world that of the pose file. Boxes and labels keep their
+ * meaning, frames are counted from 0 as in the rawlog. \throws UserError. */
 ConversionResult convertKitti(const std::string& input,
                               const std::string& output,
                               const KittiConverterOptions& options,

@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/io/Converters.h>
+
+#include <map>
+#include <string>
+
+#include "../common/AppMain.h"
+#include "../common/ConversionReport.h"
+#include "../common/Progress.h"
+
+namespace
+{
+using namespace dyslam;
+
+struct Arguments
+{
+  std::string input;
+  std::string output;
+  KittiConverterOptions options;
+  bool quiet = false;
+};
+
+const std::map<std::string, KittiKind> kinds{
+    {"odometry", KittiKind::odometry}, {"raw", KittiKind::raw}, {"tracking", KittiKind::tracking}};
+const std::map<std::string, PoseFrame> pose_frames{
+    {"auto", PoseFrame::automatic}, {"lidar", PoseFrame::lidar}, {"camera", PoseFrame::camera}};
+
+void declare(CLI::App& app, Arguments& arguments)
+{
+  KittiConverterOptions& o = arguments.options;
+  app.description("Converts a KITTI recording to an MRPT rawlog with its ground truth beside it");
+  app.add_option("--kind", o.kind, "odometry, raw or tracking")
+      ->required()
+      ->transform(CLI::CheckedTransformer(kinds).description(""));
+  app.add_option("-i,--input", arguments.input, "folder of the recording")->required();
+  app.add_option("-o,--output", arguments.output, "rawlog to write")->required();
+  app.add_option("--calib", o.calib, "calibration file, or folder with raw's three files");
+  app.add_option("--poses", o.poses, "true poses, TUM or KITTI");
+  app.add_option("--pose-frame", o.pose_frame, "whose poses those are: auto, lidar or camera")
+      ->transform(CLI::CheckedTransformer(pose_frames).description(""));
+  app.add_option("--oxts", o.oxts, "GNSS/INS file or folder: truth where there are no poses");
+  app.add_option("--labels", o.labels, "folder of .label files, one label per point");
+  app.add_option("--boxes", o.boxes, "label_02 file, or folder of SUSTechPOINTS json");
+  app.add_option("--sequence", o.sequence, "of tracking's official layout, such as 0000");
+  app.add_option("--dt", o.dt, "seconds between scans; default: the layout's times, else 0.1034");
+  app.add_flag("--kitti-vertical-angle-correction", o.vertical_angle_correction,
+               "turn points up by 0.205 deg, as odometry's scans need");
+  app.add_option("--skip-first-n", o.skip_first_n, "scans to pass over");
+  app.add_option("--only-first-n", o.only_first_n, "scans to convert after those");
+  app.add_flag("--external-storage", o.external_storage, "clouds in files of their own");
+  app.add_flag("-q,--quiet", arguments.quiet, "no progress");
+}
+
+void run(const Arguments& arguments)
+{
+  ConversionResult result;
+  {
+    Progress progress("kitti2rawlog", "scans", arguments.quiet);
+    result = convertKitti(arguments.input, arguments.output, arguments.options,
+                          [&progress](double fraction, std::size_t scans)
+                          { progress.update(fraction, scans); });
+    progress.finish(result.scans);
+  }
+  report(result, arguments.output);
+}
+}  // namespace
+
+int main(int argc, char** argv)
+{
+  Arguments arguments;
+  return dyslam::runApp(
+      argc, argv, [&](CLI::App& app) { declare(app, arguments); }, [&] { run(arguments); });
+}

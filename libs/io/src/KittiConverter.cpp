@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/Error.h>
+#include <dyslam/io/CloudFiles.h>
+#include <dyslam/io/Converters.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <map>
+
+#include "ConversionOutput.h"
+#include "KittiLayout.h"
+
+namespace dyslam
+{
+namespace
+{
+/** KITTI odometry's scans were unwrapped with vertical angles 0.205 degrees too low. */
+constexpr float vertical_angle_error = 0.205F * 3.14159265F / 180.0F;
+
+/** Turns each point up about the horizontal axis square to its direction. */
+void correctVerticalAngles(Scan& scan)
+{
+  for (Eigen::Vector3f& point : scan.points)
+  {
+    const Eigen::Vector3f axis(point.y(), -point.x(), 0);
+    const float length = axis.norm();
+    if (point.allFinite() && length > 0)
+    {
+      point = Eigen::AngleAxisf(vertical_angle_error, axis / length) * point;
+    }
+  }
+}
+}  // namespace
+
+void KittiConverterOptions::describe(OptionsVisitor& visitor)
+{
+  visitor.choice("kind", kind,
+                 {{"odometry", KittiKind::odometry},
+                  {"raw", KittiKind::raw},
+                  {"tracking", KittiKind::tracking}},
+                 "which of KITTI's layouts");
+  visitor.text("calib", calib, "calib file or folder; empty: where the layout has it");
+  visitor.text("poses", poses, "TUM or KITTI poses");
+  visitor.text("oxts", oxts, "GNSS/INS file or folder, used where there are no poses");
+  visitor.text("labels", labels, "folder of .label files");
+  visitor.text("boxes", boxes, "label_02 file, or folder of SUSTechPOINTS json");
+  visitor.text("sequence", sequence, "of tracking's official layout, such as 0000");
+  visitor.choice(
+      "pose_frame", pose_frame,
+      {{"auto", PoseFrame::automatic}, {"lidar", PoseFrame::lidar}, {"camera", PoseFrame::camera}},
+      "whose poses the pose file has");
+  visitor.real("dt", dt, 0, 3600, "seconds between scans; 0: the layout's times, else 0.1034");
+  visitor.flag("vertical_angle_correction", vertical_angle_correction, "turn points up 0.205 deg");
+  visitor.integer("skip_first_n", skip_first_n, 0, 1000000000, "scans to pass over");
+  visitor.integer("only_first_n", only_first_n, 0, 1000000000, "scans to convert; 0: all");
+  visitor.flag("external_storage", external_storage, "clouds in files of their own");
+  visitor.integer("compression_level", compression_level, 0, 9, "of gzip");
+}
+
+ConversionResult convertKitti(const std::string& input,
+                              const std::string& output,
+                              const KittiConverterOptions& options,
+                              const ConversionProgress& progress)
+{
+  validate(options, "kitti2rawlog");
+  const KittiLayout layout = readKittiLayout(input, options);
+  std::multimap<std::size_t, const LabelledBox*> boxes;
+  for (const LabelledBox& box : layout.boxes)
+  {
+    boxes.emplace(static_cast<std::size_t>(std::max(0, box.frame)), &box);
+  }
+  const std::size_t begin =
+      std::min(layout.entries.size(), static_cast<std::size_t>(options.skip_first_n));
+  const std::size_t count =
+      options.only_first_n == 0
+          ? layout.entries.size() - begin
+          : std::min(layout.entries.size() - begin, static_cast<std::size_t>(options.only_first_n));
+  if (count == 0)
+  {
+    throw UserError(input + ": has " + std::to_string(layout.entries.size()) +
+                    " scans; --skip-first-n leaves none");
+  }
+  ConversionOutput out(output, options.external_storage, options.compression_level);
+  for (std::size_t i = begin; i < begin + count; ++i)
+  {
+    const KittiLayout::Entry& entry = layout.entries[i];
+    Scan scan = readBin(entry.scan);
+    scan.stamp = entry.stamp;
+    scan.sensor_label = "velodyne";
+    if (options.vertical_angle_correction)
+    {
+      correctVerticalAngles(scan);
+    }
+    out.write(scan, entry.T_world_lidar);
+    if (!entry.labels.empty())
+    {
+      out.addLabels(readLabels(entry.labels, scan.size()));
+    }
+    const auto range = boxes.equal_range(entry.number);
+    std::for_each(range.first, range.second, [&out](const auto& box) { out.addBox(*box.second); });
+    if (progress)
+    {
+      progress(static_cast<double>(i + 1 - begin) / static_cast<double>(count), i + 1 - begin);
+    }
+  }
+  ConversionResult result = out.close();
+  result.warnings = layout.warnings;
+  return result;
+}
+}  // namespace dyslam

@@ -1,0 +1,427 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "KittiLayout.h"
+
+#include <dyslam/core/Error.h>
+#include <dyslam/io/CloudFiles.h>
+#include <dyslam/io/TrajectoryFiles.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <filesystem>
+
+#include "TextFile.h"
+
+namespace dyslam
+{
+namespace fs = std::filesystem;
+
+namespace
+{
+constexpr double kitti_dt = 0.1034;  //!< [s] HDL-64E at about 9.67 Hz
+
+bool allDigits(const std::string& text)
+{
+  return !text.empty() && text.size() < 12 &&
+         text.find_first_not_of("0123456789") == std::string::npos;
+}
+
+bool hasScans(const fs::path& folder)
+{
+  if (!fs::is_directory(folder))
+  {
+    return false;
+  }
+  const auto files = fs::directory_iterator(folder);
+  return std::any_of(begin(files), end(files),
+                     [](const auto& entry) { return entry.path().extension() == ".bin"; });
+}
+
+/** Gathers one layout; each method finds one kind of file. */
+class LayoutReader
+{
+ public:
+  LayoutReader(const std::string& input, const KittiConverterOptions& options)
+      : input_(fs::path(input).lexically_normal()), options_(options)
+  {
+    if (!fs::is_directory(input))
+    {
+      throw UserError(input + ": no such folder");
+    }
+    if (!input_.has_filename())
+    {
+      input_ = input_.parent_path();
+    }
+  }
+
+  KittiLayout read()
+  {
+    findScans();
+    readCalib();
+    findLabels();
+    readStamps();
+    readPoses();
+    readBoxes();
+    return std::move(layout_);
+  }
+
+ private:
+  void findScans()
+  {
+    std::vector<fs::path> candidates;
+    if (options_.kind == KittiKind::raw)
+    {
+      candidates.push_back(input_ / "velodyne_points" / "data");
+    }
+    if (options_.kind == KittiKind::tracking && fs::is_directory(input_ / "velodyne"))
+    {
+      findSequence();
+      candidates.push_back(input_ / "velodyne" / sequence_);
+    }
+    candidates.push_back(input_ / "velodyne");
+    candidates.push_back(input_);
+    const auto found = std::find_if(candidates.begin(), candidates.end(), hasScans);
+    if (found == candidates.end())
+    {
+      throw UserError(input_.string() + ": has no scans (looked for .bin files in " +
+                      candidates.front().string() + ")");
+    }
+    for (const std::string& file : listCloudFiles(found->string()))
+    {
+      KittiLayout::Entry entry;
+      entry.scan = file;
+      layout_.entries.push_back(entry);
+    }
+    numberScans();
+  }
+
+  /** Tracking's official layout holds many sequences beside each other. */
+  void findSequence()
+  {
+    sequence_ = options_.sequence;
+    if (!sequence_.empty() || hasScans(input_ / "velodyne"))
+    {
+      return;
+    }
+    std::vector<std::string> names;
+    for (const auto& entry : fs::directory_iterator(input_ / "velodyne"))
+    {
+      if (entry.is_directory() && allDigits(entry.path().filename().string()))
+      {
+        names.push_back(entry.path().filename().string());
+      }
+    }
+    if (names.size() > 1)
+    {
+      throw UserError(input_.string() + ": holds " + std::to_string(names.size()) +
+                      " sequences; choose one with --sequence");
+    }
+    sequence_ = names.empty() ? "" : names.front();
+  }
+
+  /** File names are frame numbers, with gaps where KITTI lost a scan; else they are just counted.
+   */
+  void numberScans()
+  {
+    auto& entries = layout_.entries;
+    const bool named =
+        std::all_of(entries.begin(), entries.end(),
+                    [](const auto& entry) { return allDigits(fs::path(entry.scan).stem()); });
+    for (std::size_t i = 0; i < entries.size(); ++i)
+    {
+      entries[i].number = named ? std::stoull(fs::path(entries[i].scan).stem().string()) : i;
+      if (i > 0 && entries[i].number <= entries[i - 1].number)
+      {
+        throw UserError(entries[i].scan + ": has the same number as " + entries[i - 1].scan);
+      }
+    }
+  }
+
+  [[nodiscard]] std::string firstExisting(const std::string& given,
+                                          const std::vector<fs::path>& candidates) const
+  {
+    if (!given.empty())
+    {
+      if (!fs::exists(given))
+      {
+        throw UserError(given + ": no such file or folder");
+      }
+      return given;
+    }
+    for (const fs::path& candidate : candidates)
+    {
+      if (fs::exists(candidate))
+      {
+        return candidate.string();
+      }
+    }
+    return {};
+  }
+
+  void readCalib()
+  {
+    std::vector<fs::path> candidates{input_ / "calib.txt"};
+    if (!sequence_.empty())
+    {
+      candidates.insert(candidates.begin(), input_ / "calib" / (sequence_ + ".txt"));
+    }
+    if (options_.kind == KittiKind::raw)
+    {
+      for (const fs::path& folder : {input_, input_.parent_path()})
+      {
+        if (fs::exists(folder / "calib_velo_to_cam.txt"))
+        {
+          candidates.push_back(folder);
+        }
+      }
+    }
+    calib_path_ = firstExisting(options_.calib, candidates);
+    if (!calib_path_.empty())
+    {
+      calib_ = readKittiCalib(calib_path_);
+    }
+  }
+
+  const KittiCalib& requireCalib(const std::string& for_what) const
+  {
+    if (calib_path_.empty())
+    {
+      throw UserError(input_.string() + ": has no calib.txt, which is needed for " + for_what +
+                      "; name it with --calib");
+    }
+    return calib_;
+  }
+
+  void findLabels()
+  {
+    const std::string folder = firstExisting(
+        options_.labels,
+        {input_ / "labels",
+         fs::path(layout_.entries.front().scan).replace_extension(".label").string()});
+    if (folder.empty())
+    {
+      return;
+    }
+    const fs::path root = fs::is_directory(folder) ? fs::path(folder) : input_;
+    std::size_t found = 0;
+    for (auto& entry : layout_.entries)
+    {
+      const fs::path file = root / (fs::path(entry.scan).stem().string() + ".label");
+      if (fs::exists(file))
+      {
+        entry.labels = file.string();
+        ++found;
+      }
+    }
+    if (found == 0 && !options_.labels.empty())
+    {
+      throw UserError(folder + ": has no .label file named as a scan, such as " +
+                      fs::path(layout_.entries.front().scan).stem().string() + ".label");
+    }
+    if (found > 0 && found < layout_.entries.size())
+    {
+      layout_.warnings.push_back(folder + ": labels for " + std::to_string(found) + " of " +
+                                 std::to_string(layout_.entries.size()) + " scans");
+    }
+  }
+
+  void readStamps()
+  {
+    auto& entries = layout_.entries;
+    std::vector<double> times;
+    std::string source;
+    if (options_.dt == 0)
+    {
+      source =
+          firstExisting("", {input_ / "times.txt", input_ / "velodyne_points" / "timestamps.txt"});
+      if (!source.empty())
+      {
+        times =
+            fs::path(source).filename() == "timestamps.txt" ? readDates(source) : readTimes(source);
+      }
+    }
+    has_times_ = !times.empty();
+    const double dt = options_.dt > 0 ? options_.dt : kitti_dt;
+    for (std::size_t i = 0; i < entries.size(); ++i)
+    {
+      const std::size_t number = entries[i].number;
+      if (!has_times_)
+      {
+        entries[i].stamp = static_cast<double>(number - entries.front().number) * dt;
+        continue;
+      }
+      if (number >= times.size())
+      {
+        throw UserError(source + ": has " + std::to_string(times.size()) +
+                        " times, none for scan " + std::to_string(number));
+      }
+      entries[i].stamp = times[number];
+    }
+  }
+
+  /** Raw's `2011-09-26 13:02:25.951199337`, taken as UTC. */
+  static std::vector<double> readDates(const std::string& path)
+  {
+    TextFile file(path, " \t\r-:");
+    std::vector<double> times;
+    while (file.next())
+    {
+      file.requireFields(6, "a date and time");
+      const int year = file.integer(0) - (file.integer(1) <= 2 ? 1 : 0);
+      // Days since 1970 of a Gregorian date, with March as the year's first month.
+      const int month = (file.integer(1) + 9) % 12;
+      const int days = 365 * year + year / 4 - year / 100 + year / 400 + (153 * month + 2) / 5 +
+                       file.integer(2) - 1 - 719468;
+      times.push_back(86400.0 * days + 3600.0 * file.integer(3) + 60.0 * file.integer(4) +
+                      file.number(5));
+    }
+    return times;
+  }
+
+  void readPoses()
+  {
+    std::vector<fs::path> candidates{input_ / "poses.txt"};
+    if (options_.kind == KittiKind::odometry)
+    {
+      const std::string sequence = input_.filename().string();
+      candidates.push_back(input_.parent_path().parent_path() / "poses" / (sequence + ".txt"));
+    }
+    const std::string path = firstExisting(options_.poses, candidates);
+    if (path.empty())
+    {
+      readOxtsPoses();
+      return;
+    }
+    const TrajectoryFile file = readTrajectory(path);
+    if (file.format == TrajectoryFormat::tum && has_times_)
+    {
+      for (auto& entry : layout_.entries)
+      {
+        entry.T_world_lidar = file.trajectory.at(entry.stamp);
+      }
+    }
+    else
+    {
+      std::vector<Pose> poses;
+      for (const StampedPose& pose : file.trajectory)
+      {
+        poses.push_back(pose.pose);
+      }
+      if (isCameraFrame(path, file.format))
+      {
+        poses = cameraToLidarPoses(poses, requireCalib("poses of the camera").T_cam_velo);
+      }
+      assign(poses);
+    }
+    warnAboutMissing(path);
+  }
+
+  [[nodiscard]] bool isCameraFrame(const std::string& path, TrajectoryFormat format) const
+  {
+    if (options_.pose_frame != PoseFrame::automatic)
+    {
+      return options_.pose_frame == PoseFrame::camera;
+    }
+    const std::string name = fs::path(path).filename().string();
+    return options_.kind == KittiKind::odometry && format == TrajectoryFormat::kitti &&
+           name.find("velo") == std::string::npos && name.find("lidar") == std::string::npos;
+  }
+
+  void readOxtsPoses()
+  {
+    std::vector<fs::path> candidates{input_ / "oxts.txt"};
+    if (!sequence_.empty())
+    {
+      candidates.insert(candidates.begin(), input_ / "oxts" / (sequence_ + ".txt"));
+    }
+    if (options_.kind == KittiKind::raw)
+    {
+      candidates.push_back(input_ / "oxts");
+    }
+    const std::string path = firstExisting(options_.oxts, candidates);
+    if (path.empty())
+    {
+      return;
+    }
+    if (!requireCalib("poses of oxts").has_imu)
+    {
+      throw UserError(calib_path_ + ": has no IMU mounting (Tr_imu_velo), needed for oxts");
+    }
+    assign(imuToLidarPoses(oxtsPoses(readOxts(path)), calib_.T_velo_imu));
+    warnAboutMissing(path);
+  }
+
+  /** Pose files have a line for each frame number, or for each scan there is. */
+  void assign(const std::vector<Pose>& poses)
+  {
+    auto& entries = layout_.entries;
+    const bool by_number = poses.size() > entries.back().number;
+    for (std::size_t i = 0; i < entries.size(); ++i)
+    {
+      const std::size_t line = by_number ? entries[i].number : i;
+      if (line < poses.size())
+      {
+        entries[i].T_world_lidar = poses[line];
+      }
+    }
+  }
+
+  void warnAboutMissing(const std::string& path)
+  {
+    const auto missing =
+        std::count_if(layout_.entries.begin(), layout_.entries.end(),
+                      [](const auto& entry) { return !entry.T_world_lidar.has_value(); });
+    if (missing > 0)
+    {
+      layout_.warnings.push_back(path + ": has no pose for " + std::to_string(missing) + " of " +
+                                 std::to_string(layout_.entries.size()) + " scans");
+    }
+  }
+
+  void readBoxes()
+  {
+    std::vector<fs::path> candidates{input_ / "label_02.txt", input_ / "label_json"};
+    if (!sequence_.empty())
+    {
+      candidates.insert(candidates.begin(), input_ / "label_02" / (sequence_ + ".txt"));
+    }
+    const std::string path = firstExisting(options_.boxes, candidates);
+    if (path.empty())
+    {
+      return;
+    }
+    if (!fs::is_directory(path))
+    {
+      layout_.boxes = readKittiTracking(path, requireCalib("boxes of the camera").T_cam_velo);
+      return;
+    }
+    for (auto& entry : layout_.entries)
+    {
+      const fs::path file = fs::path(path) / (fs::path(entry.scan).stem().string() + ".json");
+      if (fs::exists(file))
+      {
+        const auto boxes = readSustechJson(file.string(), static_cast<int>(entry.number));
+        layout_.boxes.insert(layout_.boxes.end(), boxes.begin(), boxes.end());
+      }
+    }
+    if (layout_.boxes.empty() && !options_.boxes.empty())
+    {
+      throw UserError(path + ": has no .json boxes named as a scan");
+    }
+  }
+
+  fs::path input_;
+  const KittiConverterOptions& options_;
+  KittiLayout layout_;
+  std::string sequence_;
+  std::string calib_path_;
+  KittiCalib calib_;
+  bool has_times_ = false;
+};
+}  // namespace
+
+KittiLayout readKittiLayout(const std::string& input, const KittiConverterOptions& options)
+{
+  return LayoutReader(input, options).read();
+}
+}  // namespace dyslam

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <dyslam/core/Objects.h>
+#include <dyslam/core/Trajectory.h>
+#include <dyslam/io/Converters.h>
+#include <dyslam/io/KittiFiles.h>
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace dyslam
+{
+/** Where everything of a KITTI recording lies, and its truth, ready to be written scan by scan. */
+struct KittiLayout
+{
+  struct Entry
+  {
+    std::string scan;        //!< .bin file
+    std::string labels;      //!< .label file, empty if there is none
+    std::string boxes_json;  //!< SUSTechPOINTS boxes, empty if there are none
+    std::size_t number = 0;  //!< in KITTI's counting: other files refer to it
+    double stamp = 0;
+    std::optional<Pose> T_world_lidar;
+  };
+  std::vector<Entry> entries;
+  std::vector<LabelledBox> boxes;  //!< lidar frame; LabelledBox::frame is an Entry::number
+  std::vector<std::string> warnings;
+};
+
+/** Finds the files of an official or plain layout, or those the options name, and reads the truth.
+ * \throws UserError. */
+[[nodiscard]] KittiLayout readKittiLayout(const std::string& input,
+                                          const KittiConverterOptions& options);
+}  // namespace dyslam
