@@ -97,26 +97,28 @@ int ResidualSegmenter::vote(const PastScan& past, const Eigen::Vector3f& point) 
   const float margin =
       static_cast<float>(options_.margin) + static_cast<float>(options_.margin_per_range) * d.range;
   float nearest = 1e9F;
-  int seen = 0;
-  for (int row = d.row - 1; row <= d.row + 1; ++row)
+  bool seen_in_row[3] = {false, false, false};
+  for (int up = -1; up <= 1; ++up)
   {
-    for (int step = -1; step <= 1; ++step)
+    for (int side = -1; side <= 1; ++side)
     {
-      const int column = (d.column + step + columns_) % columns_;
-      const float range = past.range[static_cast<std::size_t>(row * columns_ + column)];
+      const int column = (d.column + side + columns_) % columns_;
+      const float range = past.range[static_cast<std::size_t>((d.row + up) * columns_ + column)];
       if (range == 0)
       {
         continue;
       }
-      ++seen;
       if (std::abs(range - d.range) < margin)
       {
         return -1;
       }
+      seen_in_row[up + 1] = true;
       nearest = std::min(nearest, range);
     }
   }
-  return seen >= 2 && d.range < nearest - margin ? 2 : 0;
+  // Rays on one side only may have passed just over an edge that stood there all along.
+  const bool enclosed = seen_in_row[0] && seen_in_row[2];
+  return enclosed && d.range < nearest - margin ? 2 : 0;
 }
 
 std::vector<const ResidualSegmenter::PastScan*> ResidualSegmenter::comparedScans() const

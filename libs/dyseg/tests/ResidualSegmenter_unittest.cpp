@@ -70,7 +70,7 @@ Counts count(const Frame& frame, const Eigen::Vector2d& body)
   {
     const Eigen::Vector3d p = frame.T_odom_vehicle * frame.cloud.points[i].cast<double>();
     const bool on_body =
-        std::abs(p.x() - body.x()) < 2.05 && std::abs(p.y() - body.y()) < 0.95 && p.z() > -1.4;
+        std::abs(p.x() - body.x()) < 2.05 && std::abs(p.y() - body.y()) < 0.95 && p.z() > -1.65;
     const bool moving = frame.moving_probability[i] > 0.5F;
     (on_body ? counts.body : counts.other)++;
     if (moving)
