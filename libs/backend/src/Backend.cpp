@@ -56,7 +56,7 @@ Matrix6 stepCovariance(const MotionEstimate& motion, const BackendOptions& optio
 
 mrpt::poses::CPose3DPDFGaussianInf makeEdge(const Pose& mean, const Matrix6& information)
 {
-  return {toMrpt(mean), mrpt::math::CMatrixDouble66(informationToYpr(mean, information))};
+  return {toMrptPose(mean), mrpt::math::CMatrixDouble66(informationToYpr(mean, information))};
 }
 
 std::vector<Eigen::Vector3f> staticPoints(const Frame& frame, double threshold)
@@ -144,7 +144,7 @@ void Backend::State::addKeyframe(const Frame& frame)
   keyframe.T_map_vehicle =
       keyframes.empty() ? frame.T_odom_vehicle : keyframes.back().T_map_vehicle * T_keyframe_now;
   const std::size_t id = keyframes.size();
-  static_cast<mrpt::poses::CPose3D&>(graph.nodes[id]) = toMrpt(keyframe.T_map_vehicle);
+  static_cast<mrpt::poses::CPose3D&>(graph.nodes[id]) = toMrptPose(keyframe.T_map_vehicle);
   if (id > 0)
   {
     Matrix6 information = covariance.inverse();
@@ -193,7 +193,7 @@ void Backend::State::optimise()
   last_result = solver.solve(graph);
   for (std::size_t i = 0; i < keyframes.size(); ++i)
   {
-    keyframes[i].T_map_vehicle = fromMrpt(graph.nodes[i]);
+    keyframes[i].T_map_vehicle = fromMrptPose(graph.nodes[i]);
     T_map_keyframe[i] = keyframes[i].T_map_vehicle;
   }
   waiting_loops = 0;

@@ -150,12 +150,12 @@ bool isPlanar(const GraphData& data)
 }
 }  // namespace
 
-mrpt::poses::CPose3D toMrpt(const Pose& pose)
+mrpt::poses::CPose3D toMrptPose(const Pose& pose)
 {
   return mrpt::poses::CPose3D(mrpt::math::CMatrixDouble44(pose.matrix()));
 }
 
-Pose fromMrpt(const mrpt::poses::CPose3D& pose)
+Pose fromMrptPose(const mrpt::poses::CPose3D& pose)
 {
   Pose result = Pose::Identity();
   result.linear() = pose.getRotationMatrix().asEigen();
@@ -182,7 +182,7 @@ GraphData unroll(const mrpt::graphs::CNetworkOfPoses3DInf& graph, IndefiniteInfo
   for (const auto& [id, pose] : graph.nodes)
   {
     const std::size_t i = indexOf(data.ids, id);
-    data.poses[i] = fromMrpt(pose);
+    data.poses[i] = fromMrptPose(pose);
     data.has_pose[i] = true;
     if (!data.poses[i].matrix().allFinite())
     {
@@ -196,7 +196,7 @@ GraphData unroll(const mrpt::graphs::CNetworkOfPoses3DInf& graph, IndefiniteInfo
     GraphEdge edge;
     edge.from = indexOf(data.ids, pair.first);
     edge.to = indexOf(data.ids, pair.second);
-    edge.T_from_to = fromMrpt(measured.mean);
+    edge.T_from_to = fromMrptPose(measured.mean);
     edge.information = informationFromYpr(edge.T_from_to, measured.cov_inv.asEigen());
     edge.loop = pair.second != pair.first + 1 && pair.first != pair.second + 1;
     requireGood(data, edge);

@@ -10,8 +10,8 @@
 
 namespace dyslam
 {
-[[nodiscard]] mrpt::poses::CPose3D toMrpt(const Pose& pose);
-[[nodiscard]] Pose fromMrpt(const mrpt::poses::CPose3D& pose);
+[[nodiscard]] mrpt::poses::CPose3D toMrptPose(const Pose& pose);
+[[nodiscard]] Pose fromMrptPose(const mrpt::poses::CPose3D& pose);
 
 /** An edge between nodes counted from 0, information over the tangent of the measurement. */
 struct GraphEdge

@@ -232,7 +232,7 @@ PoseGraphResult PoseGraphSolver::solve(PoseGraph& graph) const
   for (std::size_t i = 0; i < data.size(); ++i)
   {
     auto& node = graph.nodes[data.ids[i]];
-    static_cast<mrpt::poses::CPose3D&>(node) = toMrpt(data.poses[i]);
+    static_cast<mrpt::poses::CPose3D&>(node) = toMrptPose(data.poses[i]);
   }
   return result;
 }

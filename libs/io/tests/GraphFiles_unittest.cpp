@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "TestFolder.h"
-
 #include <dyslam/core/Error.h>
 #include <dyslam/core/PoseInformation.h>
 #include <dyslam/io/GraphFiles.h>
@@ -12,6 +10,8 @@
 #include <fstream>
 #include <random>
 #include <string>
+
+#include "TestFolder.h"
 
 namespace dyslam
 {
@@ -50,7 +50,8 @@ Graph randomGraph(unsigned seed)
       const Vector6 x = Vector6::NullaryExpr([&] { return n(rng); });
       const Matrix6 a = Matrix6::NullaryExpr([&] { return n(rng); });
       const Matrix6 information = a * a.transpose() + Matrix6::Identity();
-      graph.insertEdge(id, id + 1, {toMrptPose(expSE3(x)), mrpt::math::CMatrixDouble66(information)});
+      graph.insertEdge(id, id + 1,
+                       {toMrptPose(expSE3(x)), mrpt::math::CMatrixDouble66(information)});
     }
   }
   return graph;
@@ -80,7 +81,7 @@ class GraphFiles : public ::testing::Test
  protected:
   std::string write(const std::string& text)
   {
-    const std::string path = folder_.path("graph.g2o");
+    const std::string path = folder_.file("graph.g2o");
     std::ofstream(path) << text;
     return path;
   }
@@ -109,40 +110,40 @@ class GraphFiles : public ::testing::Test
 TEST_F(GraphFiles, GraphTextKeepsEveryDigit)
 {
   const Graph graph = randomGraph(1);
-  writeGraph(graph, folder_.path("a.graph"));
-  expectSame(graph, readPoseGraph(folder_.path("a.graph")), 1e-13);
+  writeGraph(graph, folder_.file("a.graph"));
+  expectSame(graph, readPoseGraph(folder_.file("a.graph")), 1e-13);
 }
 
 TEST_F(GraphFiles, MrptReadsOurGraphTextAlike)
 {
   const Graph graph = randomGraph(2);
-  writeGraph(graph, folder_.path("a.graph"));
+  writeGraph(graph, folder_.file("a.graph"));
   Graph theirs;
-  theirs.loadFromTextFile(folder_.path("a.graph"));
+  theirs.loadFromTextFile(folder_.file("a.graph"));
   expectSame(graph, theirs, 1e-13);
 }
 
 TEST_F(GraphFiles, WeReadMrptsGraphTextAlike)
 {
   const Graph graph = randomGraph(3);
-  graph.saveToTextFile(folder_.path("a.graph"));
-  expectSame(graph, readPoseGraph(folder_.path("a.graph")), 1e-4);  // MRPT writes six digits
+  graph.saveToTextFile(folder_.file("a.graph"));
+  expectSame(graph, readPoseGraph(folder_.file("a.graph")), 1e-4);  // MRPT writes six digits
 }
 
 TEST_F(GraphFiles, G2oTextKeepsEveryDigit)
 {
   const Graph graph = randomGraph(4);
-  writeG2o(graph, folder_.path("a.g2o"));
-  expectSame(graph, readPoseGraph(folder_.path("a.g2o")), 1e-9);
+  writeG2o(graph, folder_.file("a.g2o"));
+  expectSame(graph, readPoseGraph(folder_.file("a.g2o")), 1e-9);
 }
 
 TEST_F(GraphFiles, G2oInformationIsAboutHalfTheRotation)
 {
-  const Graph graph = readPoseGraph(
-      write("VERTEX_SE3:QUAT 0 0 0 0 0 0 0 1\n"
-            "VERTEX_SE3:QUAT 1 1 2 3 0 0 0 1\n"
-            "EDGE_SE3:QUAT 0 1 1 2 3 0 0 0 1 "
-            "10 0 0 0 0 0 20 0 0 0 0 30 0 0 0 400 0 0 500 0 600\n"));
+  const Graph graph =
+      readPoseGraph(write("VERTEX_SE3:QUAT 0 0 0 0 0 0 0 1\n"
+                          "VERTEX_SE3:QUAT 1 1 2 3 0 0 0 1\n"
+                          "EDGE_SE3:QUAT 0 1 1 2 3 0 0 0 1 "
+                          "10 0 0 0 0 0 20 0 0 0 0 30 0 0 0 400 0 0 500 0 600\n"));
   const Matrix6 information = graph.edges.begin()->second.cov_inv.asEigen();
   Vector6 expected;
   expected << 10, 20, 30, 150, 125, 100;  // yaw pitch roll, a quarter each
@@ -151,9 +152,9 @@ TEST_F(GraphFiles, G2oInformationIsAboutHalfTheRotation)
 
 TEST_F(GraphFiles, PlanarLinesAreLifted)
 {
-  const Graph graph = readPoseGraph(
-      write("# a comment\n\nVERTEX_SE2 4 0 0 0\r\nVERTEX_SE2 5 1 2 1.5\nFIX 5\n"
-            "EDGE_SE2 4 5 1 2 1.5 10 1 2 30 3 500\n"));
+  const Graph graph =
+      readPoseGraph(write("# a comment\n\nVERTEX_SE2 4 0 0 0\r\nVERTEX_SE2 5 1 2 1.5\nFIX 5\n"
+                          "EDGE_SE2 4 5 1 2 1.5 10 1 2 30 3 500\n"));
   EXPECT_EQ(graph.root, 5U);
   const auto& edge = graph.edges.begin()->second;
   const Pose mean = toPose(edge.mean);
@@ -189,9 +190,9 @@ TEST_F(GraphFiles, ErrorsNameFileLineAndField)
   expectError("EDGE2 1 2 1 2 1.5 10 0 0 30 0 500\n", "write VERTEX_SE2 and EDGE_SE2");
   expectError(vertex + "FIX 0\nFIX 1\n", ":3: a second FIX");
   expectError("", "has no VERTEX or EDGE line");
-  EXPECT_THROW((void)readPoseGraph(folder_.path("missing.graph")), UserError);
-  EXPECT_THROW(writeGraph(randomGraph(1), folder_.path("no/such/folder.graph")), UserError);
-  EXPECT_THROW(writeG2o(randomGraph(1), folder_.path("no/such/folder.g2o")), UserError);
+  EXPECT_THROW((void)readPoseGraph(folder_.file("missing.graph")), UserError);
+  EXPECT_THROW(writeGraph(randomGraph(1), folder_.file("no/such/folder.graph")), UserError);
+  EXPECT_THROW(writeG2o(randomGraph(1), folder_.file("no/such/folder.g2o")), UserError);
 }
 
 TEST_F(GraphFiles, GraphSlamProgramAcceptsOurFile)
@@ -208,16 +209,15 @@ TEST_F(GraphFiles, GraphSlamProgramAcceptsOurFile)
   {
     static_cast<mrpt::poses::CPose3D&>(graph.nodes[id]) = toMrptPose(pose);
     pose = pose * poseFromYpr(1.1, 0.02, 0, M_PI / 2 - 0.05, 0, 0);
-    graph.insertEdge(id,
-                     (id + 1) % 4,
+    graph.insertEdge(id, (id + 1) % 4,
                      {toMrptPose(step), mrpt::math::CMatrixDouble66(100 * Matrix6::Identity())});
   }
-  writeGraph(graph, folder_.path("in.graph"));
-  const std::string command = "graph-slam --3d --levmarq --no-span -i " + folder_.path("in.graph") +
-                              " -o " + folder_.path("out.graph") + " >" + folder_.path("log") +
+  writeGraph(graph, folder_.file("in.graph"));
+  const std::string command = "graph-slam --3d --levmarq --no-span -i " + folder_.file("in.graph") +
+                              " -o " + folder_.file("out.graph") + " >" + folder_.file("log") +
                               " 2>&1";
   ASSERT_EQ(std::system(command.c_str()), 0);
-  const Graph out = readPoseGraph(folder_.path("out.graph"));
+  const Graph out = readPoseGraph(folder_.file("out.graph"));
   ASSERT_EQ(out.nodes.size(), 4U);
   ASSERT_EQ(out.edges.size(), 4U);
   Pose expected = Pose::Identity();

@@ -1,0 +1,215 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/backend/Backend.h>
+#include <dyslam/core/PoseInformation.h>
+#include <gtest/gtest.h>
+#include <mrpt/graphs/CNetworkOfPoses.h>
+
+#include <Eigen/Dense>
+
+#include "SyntheticScans.h"
+
+namespace dyslam
+{
+namespace
+{
+using test::BoxWorld;
+using test::driveAround;
+
+struct Drive
+{
+  std::vector<Frame> frames;
+  std::vector<Pose> truth;
+};
+
+/** Frames whose odometry turns and stretches every step a little too far. */
+Drive makeDrive(const BoxWorld& world, std::vector<Pose> truth, double turn, double stretch)
+{
+  Drive drive;
+  drive.truth = std::move(truth);
+  Pose T_odom_vehicle = Pose::Identity();
+  for (std::size_t i = 0; i < drive.truth.size(); ++i)
+  {
+    Frame frame;
+    frame.index = i;
+    frame.scan.stamp = 100 + 0.1 * static_cast<double>(i);
+    frame.cloud.points = world.scan(drive.truth[i], static_cast<unsigned>(i));
+    if (i > 0)
+    {
+      Pose step = drive.truth[i - 1].inverse() * drive.truth[i];
+      step.translation() *= 1 + stretch;
+      step = step * poseFromYpr(0, 0, 0, turn, 0, 0);
+      T_odom_vehicle = T_odom_vehicle * step;
+      frame.refined.T_previous_current = step;
+    }
+    frame.refined.converged = true;
+    frame.refined.information = 1e6 * Matrix6::Identity();
+    frame.T_odom_vehicle = T_odom_vehicle;
+    drive.frames.push_back(std::move(frame));
+  }
+  return drive;
+}
+
+/** Position error over all frames, both trajectories starting at the same pose [m]. */
+double rmsError(const Trajectory& estimate, const std::vector<Pose>& truth)
+{
+  double sum = 0;
+  for (std::size_t i = 0; i < truth.size(); ++i)
+  {
+    const Pose expected = truth.front().inverse() * truth[i];
+    const Pose got = estimate[0].pose.inverse() * estimate[i].pose;
+    sum += (expected.translation() - got.translation()).squaredNorm();
+  }
+  return std::sqrt(sum / static_cast<double>(truth.size()));
+}
+
+Backend run(Drive& drive, const BackendOptions& options = {})
+{
+  Backend backend(options, LoopCloserOptions{}, BackendSolverOptions{});
+  for (Frame& frame : drive.frames)
+  {
+    backend.addFrame(frame);
+  }
+  backend.finish();
+  return backend;
+}
+
+TEST(Backend, LoopsLowerTheTrajectoryError)
+{
+  const BoxWorld world(21, 30, 20);
+  Drive drive = makeDrive(world, driveAround(30, 20, 280, 0.75), 0.0008, 0.01);
+  BackendOptions odometry;
+  odometry.mode = BackendMode::odometry;
+  const Backend without = run(drive, odometry);
+  const double before = rmsError(without.optimizedTrajectory(), drive.truth);
+  EXPECT_TRUE(without.loops().empty());
+  EXPECT_EQ(without.revision(), 0U);
+
+  const Backend backend = run(drive);
+  const double after = rmsError(backend.optimizedTrajectory(), drive.truth);
+  RecordProperty("rms_before", std::to_string(before));
+  RecordProperty("rms_after", std::to_string(after));
+  std::printf("position RMS %.3f m by odometry, %.3f m with %zu loops, %zu optimisations\n", before,
+              after, backend.loopCounts()[LoopVerdict::accepted], backend.revision());
+  EXPECT_GT(before, 2);
+  EXPECT_LT(after, 0.35 * before);
+  EXPECT_GT(backend.revision(), 0U);
+  EXPECT_TRUE(backend.lastOptimisation().converged);
+
+  // Frames, keyframes and graph tell the same story.
+  const auto keyframes = backend.keyframes();
+  const Trajectory trajectory = backend.optimizedTrajectory();
+  ASSERT_EQ(trajectory.size(), drive.frames.size());
+  EXPECT_EQ(backend.graph().nodes.size(), keyframes.size());
+  std::size_t marked = 0;
+  for (const Frame& frame : drive.frames)
+  {
+    marked += frame.is_keyframe ? 1 : 0;
+  }
+  EXPECT_EQ(marked, keyframes.size());
+  for (const KeyframePose& keyframe : keyframes)
+  {
+    EXPECT_TRUE(drive.frames[keyframe.frame].is_keyframe);
+    EXPECT_EQ(trajectory[keyframe.frame].stamp, keyframe.stamp);
+    EXPECT_TRUE(trajectory[keyframe.frame].pose.isApprox(keyframe.T_map_vehicle, 1e-9));
+  }
+  // Online, the last frame already stood where loops put it.
+  EXPECT_LT((drive.frames.back().T_map_vehicle().translation() -
+             trajectory[trajectory.size() - 1].pose.translation())
+                .norm(),
+            0.3);
+}
+
+TEST(Backend, TwoRunsGiveTheSameBytes)
+{
+  const BoxWorld world(22, 20, 15);
+  Drive drive = makeDrive(world, driveAround(20, 15, 170, 0.75), 0.001, 0.01);
+  const Trajectory a = run(drive).optimizedTrajectory();
+  const Trajectory b = run(drive).optimizedTrajectory();
+  ASSERT_EQ(a.size(), b.size());
+  for (std::size_t i = 0; i < a.size(); ++i)
+  {
+    EXPECT_EQ(a[i].pose.matrix(), b[i].pose.matrix());
+  }
+}
+
+TEST(Backend, EdgesCarryTheComposedMotionAndCovariance)
+{
+  // Two steps of known information between keyframes; the sum checked by sampling.
+  BackendOptions options;
+  options.keyframe_distance = 1.9;
+  options.keyframe_angle = 1;
+  options.odometry_sigma_translation = 1e-5;
+  options.odometry_sigma_rotation = 1e-6;
+  Backend backend(options, LoopCloserOptions{}, BackendSolverOptions{});
+  const Pose step = poseFromYpr(1, 0.1, 0, 0.3, 0, 0);
+  Vector6 sigma;
+  sigma << 0.02, 0.01, 0.03, 0.004, 0.005, 0.01;
+  for (std::size_t i = 0; i < 3; ++i)
+  {
+    Frame frame;
+    frame.index = i;
+    frame.scan.stamp = static_cast<double>(i);
+    frame.refined.converged = true;
+    frame.refined.information = sigma.cwiseAbs2().cwiseInverse().asDiagonal();
+    frame.T_odom_vehicle = i == 0 ? Pose::Identity() : i == 1 ? step : step * step;
+    backend.addFrame(frame);
+    EXPECT_EQ(frame.is_keyframe, i != 1);
+  }
+  ASSERT_EQ(backend.graph().edges.size(), 1U);
+  const auto& edge = backend.graph().edges.begin()->second;
+  const Matrix6 information = informationFromYpr(step * step, edge.cov_inv.asEigen());
+
+  std::mt19937 rng(1);
+  std::normal_distribution<double> n;
+  Matrix6 covariance = Matrix6::Zero();
+  constexpr int samples = 40000;
+  for (int k = 0; k < samples; ++k)
+  {
+    const Vector6 x = Vector6::NullaryExpr([&] { return n(rng); }).cwiseProduct(sigma);
+    const Vector6 y = Vector6::NullaryExpr([&] { return n(rng); }).cwiseProduct(sigma);
+    const Vector6 e = logSE3((step * step).inverse() * step * expSE3(x) * step * expSE3(y));
+    covariance += e * e.transpose() / samples;
+  }
+  const Matrix6 product = information * covariance;
+  EXPECT_LT((product - Matrix6::Identity()).cwiseAbs().maxCoeff(), 0.06) << product;
+}
+
+TEST(Backend, UnconvergedOrSenselessInformationMeansLittleTrust)
+{
+  double information[3] = {0, 0, 0};
+  for (int kind = 0; kind < 3; ++kind)
+  {
+    Backend backend(BackendOptions{}, LoopCloserOptions{}, BackendSolverOptions{});
+    for (std::size_t i = 0; i < 2; ++i)
+    {
+      Frame frame;
+      frame.index = i;
+      frame.refined.converged = kind != 1;
+      frame.refined.information = (kind == 2 ? NAN : 1e8) * Matrix6::Identity();
+      frame.T_odom_vehicle = poseFromYpr(2.0 * static_cast<double>(i), 0, 0, 0, 0, 0);
+      backend.addFrame(frame);
+    }
+    information[kind] = backend.graph().edges.begin()->second.cov_inv(0, 0);
+  }
+  EXPECT_NEAR(information[0], 1 / (1e-4 + 1e-8), 1);
+  EXPECT_NEAR(information[1], 1 / 1e-2, 0.01);
+  EXPECT_NEAR(information[2], 1 / 1e-4, 1);
+}
+
+TEST(Backend, EmptyRunAndOneFrame)
+{
+  Backend backend(BackendOptions{}, LoopCloserOptions{}, BackendSolverOptions{});
+  backend.finish();
+  EXPECT_TRUE(backend.optimizedTrajectory().empty());
+  EXPECT_TRUE(backend.graph().nodes.empty());
+  Frame frame;
+  frame.T_odom_vehicle = poseFromYpr(1, 2, 3, 0.5, 0, 0);
+  backend.addFrame(frame);
+  backend.finish();
+  EXPECT_TRUE(frame.is_keyframe);
+  EXPECT_EQ(backend.optimizedTrajectory().size(), 1U);
+  EXPECT_TRUE(backend.optimizedTrajectory()[0].pose.isApprox(frame.T_odom_vehicle, 1e-12));
+  EXPECT_TRUE(frame.T_map_odom.isApprox(Pose::Identity(), 1e-12));
+}
+}  // namespace
+}  // namespace dyslam

@@ -1,0 +1,183 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/backend/LoopCloser.h>
+#include <dyslam/core/Error.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <map>
+#include <stdexcept>
+
+#include "SyntheticScans.h"
+
+namespace dyslam
+{
+namespace
+{
+using test::BoxWorld;
+using test::driveAround;
+
+struct Drive
+{
+  std::vector<Pose> truth;
+  std::vector<Pose> drifting;
+};
+
+/** The estimate of a vehicle whose every step turns and stretches a little too far. */
+std::vector<Pose> drifted(const std::vector<Pose>& truth, double turn, double stretch)
+{
+  std::vector<Pose> result = {truth.front()};
+  for (std::size_t i = 1; i < truth.size(); ++i)
+  {
+    Pose step = truth[i - 1].inverse() * truth[i];
+    step.translation() *= 1 + stretch;
+    result.push_back(result.back() * step * poseFromYpr(0, 0, 0, turn, 0, 0));
+  }
+  return result;
+}
+
+std::vector<Loop> runThrough(const BoxWorld& world,
+                             const std::vector<Pose>& truth,
+                             const std::vector<Pose>& estimate,
+                             const LoopCloserOptions& options = {})
+{
+  LoopCloser closer(options);
+  std::vector<Loop> loops;
+  double path = 0;
+  for (std::size_t i = 0; i < truth.size(); ++i)
+  {
+    path += i == 0 ? 0 : (truth[i].translation() - truth[i - 1].translation()).norm();
+    closer.add({i, path, world.scan(truth[i], static_cast<unsigned>(i))});
+    const auto present =
+        std::vector<Pose>(estimate.begin(), estimate.begin() + static_cast<std::ptrdiff_t>(i) + 1);
+    const std::vector<Loop> found = closer.search(present);
+    loops.insert(loops.end(), found.begin(), found.end());
+  }
+  const std::vector<Loop> rest = closer.finish();
+  loops.insert(loops.end(), rest.begin(), rest.end());
+  return loops;
+}
+
+std::map<std::string, int> countsOf(const std::vector<Loop>& loops)
+{
+  std::map<std::string, int> counts;
+  for (const Loop& loop : loops)
+  {
+    ++counts[toString(loop.verdict)];
+  }
+  return counts;
+}
+
+std::string textOf(const std::vector<Loop>& loops)
+{
+  std::string text;
+  for (const auto& [name, count] : countsOf(loops))
+  {
+    text += name + " " + std::to_string(count) + ", ";
+  }
+  return text;
+}
+
+TEST(LoopCloser, FindsTheSecondRoundAndMeasuresItWell)
+{
+  const BoxWorld world(11, 30, 20);
+  const std::vector<Pose> truth = driveAround(30, 20, 240, 1.5);
+  const std::vector<Loop> loops = runThrough(world, truth, drifted(truth, 0.001, 0.01));
+  int accepted = 0;
+  for (const Loop& loop : loops)
+  {
+    if (loop.verdict == LoopVerdict::accepted)
+    {
+      const Pose error = (truth[loop.from].inverse() * truth[loop.to]).inverse() * loop.T_from_to;
+      EXPECT_LT(error.translation().norm(), 0.15) << loop.from << " " << loop.to;
+      EXPECT_LT(rotationAngle(error), 0.01);
+      ++accepted;
+    }
+  }
+  EXPECT_GT(accepted, 15) << textOf(loops);
+}
+
+TEST(LoopCloser, SeesTheSameStreetDrivenTheOtherWay)
+{
+  const BoxWorld world(12, 30, 20);
+  std::vector<Pose> truth = driveAround(30, 20, 45, 1.5);
+  const std::size_t outward = truth.size();
+  for (std::size_t i = outward; i-- > 0;)
+  {
+    truth.push_back(truth[i] * poseFromYpr(0.3, -0.8, 0, M_PI, 0, 0));
+  }
+  LoopCloserOptions options;
+  options.min_path = 20;
+  const std::vector<Loop> loops = runThrough(world, truth, drifted(truth, 0.0005, 0.005), options);
+  int accepted = 0;
+  for (const Loop& loop : loops)
+  {
+    if (loop.verdict == LoopVerdict::accepted)
+    {
+      const Pose error = (truth[loop.from].inverse() * truth[loop.to]).inverse() * loop.T_from_to;
+      EXPECT_LT(error.translation().norm(), 0.15) << loop.from << " " << loop.to;
+      ++accepted;
+    }
+  }
+  EXPECT_GT(accepted, 5) << textOf(loops);
+}
+
+TEST(LoopCloser, AcceptsNothingWhereNothingIsSeenAgain)
+{
+  // A straight street whose estimate is bent into a circle: every place seems to come again.
+  const BoxWorld world(13, 120, 20);
+  std::vector<Pose> truth;
+  for (int i = 0; i < 120; ++i)
+  {
+    truth.push_back(poseFromYpr(-90 + 1.5 * i, -20, 1.7, 0, 0, 0));
+  }
+  const std::vector<Pose> bent = drifted(truth, 2 * M_PI / 50, 0);
+  LoopCloserOptions options;
+  options.max_descriptor_distance = 1;  // leave it all to the verification
+  const std::vector<Loop> loops = runThrough(world, truth, bent, options);
+  EXPECT_GT(loops.size(), 20U);
+  for (const Loop& loop : loops)
+  {
+    EXPECT_NE(loop.verdict, LoopVerdict::accepted)
+        << loop.from << " " << loop.to << " overlap " << loop.overlap << " rmse " << loop.rmse;
+  }
+}
+
+TEST(LoopCloser, EmptyCloudsMakeNoLoops)
+{
+  LoopCloserOptions options;
+  options.min_path = 1;
+  LoopCloser closer(options);
+  std::vector<Pose> poses;
+  for (std::size_t i = 0; i < 10; ++i)
+  {
+    std::vector<Eigen::Vector3f> points;
+    if (i % 3 == 1)
+    {
+      points.assign(1, Eigen::Vector3f(1, 2, 3));
+    }
+    if (i % 3 == 2)
+    {
+      points.assign(10, Eigen::Vector3f::Constant(NAN));
+    }
+    closer.add({i, static_cast<double>(i), points});
+    poses.push_back(Pose::Identity());
+    for (const Loop& loop : closer.search(poses))
+    {
+      EXPECT_NE(loop.verdict, LoopVerdict::accepted);
+    }
+  }
+}
+
+TEST(LoopCloser, ContractIsChecked)
+{
+  LoopCloser closer(LoopCloserOptions{});
+  EXPECT_TRUE(closer.search({}).empty());
+  EXPECT_THROW(closer.add({3, 0, {}}), std::invalid_argument);
+  closer.add({0, 0, {}});
+  EXPECT_THROW((void)closer.search({}), std::invalid_argument);
+  LoopCloserOptions bad;
+  bad.min_overlap = 2;
+  EXPECT_THROW(LoopCloser{bad}, UserError);
+}
+}  // namespace
+}  // namespace dyslam
