@@ -15,6 +15,8 @@ namespace
 /** Gains of height and climb; roads slope slowly. */
 constexpr double height_gain = 0.5;
 constexpr double climb_gain = 0.1;
+/** Of a smaller sighting's size, when parts may be hidden. */
+constexpr double shrink_gain = 0.005;
 
 constexpr double square(double x)
 {
@@ -78,7 +80,10 @@ void Track::remember(const Sighting& sighting)
   object_class_ = static_cast<ObjectClass>(most - class_votes_.begin());
   if (sighting.from_points)
   {
-    object_class_ = refineClass(object_class_, box_.size, dynamic_ ? velocity_.norm() : 0.0);
+    // The size gathered over time says more than what was seen of it each time.
+    const ObjectClass by_size = guessClass(box_.size);
+    object_class_ = refineClass(by_size == ObjectClass::unknown ? object_class_ : by_size,
+                                box_.size, dynamic_ ? velocity_.norm() : 0.0);
   }
   score_sum_ += sighting.score;
   detection_ = sighting.index;
@@ -101,21 +106,25 @@ void Track::predict(double stamp)
   yaw_variance_ += square(options_->yaw_rate * dt);
 }
 
-/** What was seen, its heading and sides named as the track's are. */
-Box Track::aligned(const Sighting& sighting) const
+Box Track::seenAs(const Sighting& sighting) const
 {
   Box seen = sighting.box;
-  if (sighting.from_points)
+  if (!sighting.from_points)
   {
-    // The longer visible side need not be the length: take the axis nearer to the track's.
-    const double apart = std::abs(wrapAngle(2 * (seen.yaw - box_.yaw)));
-    if (apart > M_PI / 2 && hits_ >= 3)
-    {
-      seen.yaw += M_PI / 2;
-      std::swap(seen.size.x(), seen.size.y());
-    }
+    return seen;
   }
-  seen.yaw = wrapAngle(seen.yaw);
+  // The longer visible side need not be the length: take the axis nearer to the track's.
+  if (hits_ >= 3 && std::abs(wrapAngle(2 * (seen.yaw - box_.yaw))) > M_PI / 2)
+  {
+    seen.yaw = wrapAngle(seen.yaw + M_PI / 2);
+    std::swap(seen.size.x(), seen.size.y());
+  }
+  if (options_->complete_boxes)
+  {
+    seen.center.head<2>() -= sighting.sensor;
+    seen = completedBox(seen, box_.size);
+    seen.center.head<2>() += sighting.sensor;
+  }
   return seen;
 }
 
@@ -123,18 +132,9 @@ void Track::match(const Sighting& sighting)
 {
   ++hits_;
   misses_ = 0;
-  Box seen = aligned(sighting);
+  resize(sighting);
+  const Box seen = seenAs(sighting);
   turnTo(sighting, seen.yaw);
-  resize(sighting, seen.size);
-  if (sighting.from_points && options_->complete_boxes)
-  {
-    // What is hidden lies behind the visible sides, seen from the sensor.
-    Box relative = seen;
-    relative.center.head<2>() -= sighting.sensor;
-    relative = completedBox(relative, box_.size);
-    seen.center.head<2>() = relative.center.head<2>() + sighting.sensor;
-    seen.size = relative.size;
-  }
   moveTo(sighting, seen);
   remember(sighting);
   const MotionPrediction now =
@@ -204,18 +204,23 @@ void Track::turnAlongMotion()
   }
 }
 
-void Track::resize(const Sighting& sighting, const Eigen::Vector3d& seen_size)
+void Track::resize(const Sighting& sighting)
 {
   if (!sighting.from_points)
   {
-    box_.size += options_->size_gain * (seen_size - box_.size);
+    box_.size += options_->size_gain * (sighting.box.size - box_.size);
     return;
   }
   // Clusters show at most what is there: grow readily, shrink hardly.
+  Eigen::Vector3d seen = sighting.box.size;
+  if (hits_ >= 3 && std::abs(wrapAngle(2 * (sighting.box.yaw - box_.yaw))) > M_PI / 2)
+  {
+    std::swap(seen.x(), seen.y());
+  }
   for (int k = 0; k < 3; ++k)
   {
-    const double gain = seen_size[k] > box_.size[k] ? options_->size_gain : 0.02;
-    box_.size[k] += gain * (seen_size[k] - box_.size[k]);
+    const double gain = seen[k] > box_.size[k] ? options_->size_gain : shrink_gain;
+    box_.size[k] += gain * (seen[k] - box_.size[k]);
   }
 }
 

@@ -36,6 +36,10 @@ class Track
   void match(const Sighting& sighting);
   void miss();
 
+  /** What was seen, taken as this object: its sides named as the track's are, what is hidden of a
+   * cluster added behind the visible sides. */
+  [[nodiscard]] Box seenAs(const Sighting& sighting) const;
+
   [[nodiscard]] const Box& box() const { return box_; }
   [[nodiscard]] const Eigen::Matrix2d& positionCovariance() const { return position_covariance_; }
   [[nodiscard]] const ClassTracking& kind() const { return kindOf(*options_, object_class_); }
@@ -53,9 +57,8 @@ class Track
   void moveTo(const Sighting& sighting, const Box& seen);
   void turnTo(const Sighting& sighting, double seen_yaw);
   void turnAlongMotion();
-  void resize(const Sighting& sighting, const Eigen::Vector3d& seen_size);
+  void resize(const Sighting& sighting);
   void judgeMotion();
-  [[nodiscard]] Box aligned(const Sighting& sighting) const;
 
   const TrackerOptions* options_;
   int id_;

@@ -3,6 +3,7 @@
 #include <dyslam/core/BoxOverlap.h>
 #include <dyslam/tracking/Tracker.h>
 
+#include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
@@ -69,7 +70,8 @@ struct Tracker::Implementation
                   const Sighting& sighting) const
   {
     const ClassTracking& kind = track.kind();
-    const Eigen::Vector2d apart = (sighting.box.center - track.box().center).head<2>();
+    const Box seen = track.seenAs(sighting);
+    const Eigen::Vector2d apart = (seen.center - track.box().center).head<2>();
     if (apart.squaredNorm() > kind.gate_distance * kind.gate_distance)
     {
       return forbidden;
@@ -82,15 +84,16 @@ struct Tracker::Implementation
     double cost = kind.position_weight * sigmas;
     if (&kind != &kindOf(options, sighting.object_class) &&
         sighting.object_class != ObjectClass::unknown &&
-        track.objectClass() != ObjectClass::unknown)
+        track.objectClass() != ObjectClass::unknown &&
+        !(sighting.from_points && sighting.box.size.x() < track.box().size.x()))
     {
       cost += options.class_mismatch_cost;
     }
-    const double angle = std::abs(wrapAngle(sighting.box.yaw - track.box().yaw));
+    const double angle = std::abs(wrapAngle(seen.yaw - track.box().yaw));
     cost += kind.heading_weight * std::min(angle, M_PI - angle) / (M_PI / 2);
     if (kind.overlap_weight > 0 || kind.min_overlap > -1)
     {
-      const double overlap = boxOverlap(track.box(), sighting.box).giou;
+      const double overlap = boxOverlap(track.box(), seen).giou;
       if (overlap < kind.min_overlap)
       {
         return forbidden;
@@ -98,6 +101,28 @@ struct Tracker::Implementation
       cost += kind.overlap_weight * 0.5 * (1 - overlap);
     }
     return cost / kind.max_cost;
+  }
+
+  /** Whether a cluster is a piece of an object that is tracked already: windows and poles cut
+   * bodies in two. */
+  bool isPiece(const Sighting& sighting) const
+  {
+    constexpr double margin = 0.3;  // [m]
+    return sighting.from_points &&
+           std::any_of(tracks.begin(), tracks.end(),
+                       [&](const Track& track)
+                       {
+                         if (track.misses() > 0)
+                         {
+                           return false;  // it may be this very object, missed
+                         }
+                         const Box& box = track.box();
+                         const Eigen::Vector2d apart = (sighting.box.center - box.center).head<2>();
+                         const Eigen::Rotation2Dd turn(-box.yaw);
+                         const Eigen::Vector2d inside = (turn * apart).cwiseAbs();
+                         return inside.x() < 0.5 * box.size.x() + margin &&
+                                inside.y() < 0.5 * box.size.y() + margin;
+                       });
   }
 
   /** Match the given tracks with the given sightings; what is left of each comes back. */
@@ -202,6 +227,9 @@ std::vector<TrackedObject> Tracker::update(double stamp,
   self.tracks.erase(std::remove_if(self.tracks.begin(), self.tracks.end(),
                                    [](const Track& track) { return track.dead(); }),
                     self.tracks.end());
+  strong.erase(std::remove_if(strong.begin(), strong.end(),
+                              [&](std::size_t i) { return self.isPiece(sightings[i]); }),
+               strong.end());
   for (const std::size_t i : strong)
   {
     self.tracks.emplace_back(self.next_id++, stamp, sightings[i], self.options);
