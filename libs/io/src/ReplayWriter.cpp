@@ -1,0 +1,355 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/Error.h>
+#include <dyslam/core/VoxelGrid.h>
+#include <dyslam/io/ReplayWriter.h>
+#include <mrpt/maps/CPointsMapXYZI.h>
+#include <mrpt/obs/CObservation3DScene.h>
+#include <mrpt/obs/CObservationPointCloud.h>
+#include <mrpt/obs/CObservationRobotPose.h>
+#include <mrpt/opengl/COpenGLScene.h>
+#include <mrpt/opengl/stock_objects.h>
+#include <mrpt/serialization/CArchive.h>
+
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <stdexcept>
+
+#include "GzStream.h"
+#include "MrptConversions.h"
+#include "SceneParts.h"
+
+namespace dyslam
+{
+namespace fs = std::filesystem;
+using mrpt::img::TColor;
+
+namespace
+{
+const TColor moving_colour(255, 40, 40);
+const TColor path_colour(255, 255, 255);
+constexpr double arrow_seconds = 1.0;  // an arrow is as long as the way in this time
+
+/** Points of one kind with their intensities. */
+struct Part
+{
+  std::vector<Eigen::Vector3f> points;
+  std::vector<float> intensity;
+};
+
+/** To 1/256: a viewer cannot tell, and gzip halves the file. */
+float coarse(float v)
+{
+  return std::round(v * 256.0F) / 256.0F;
+}
+
+std::vector<bool> movingPoints(const Frame& frame, double threshold)
+{
+  std::vector<bool> moving(frame.cloud.size(), false);
+  if (frame.moving_probability.size() == moving.size())
+  {
+    for (std::size_t i = 0; i < moving.size(); ++i)
+    {
+      moving[i] = static_cast<double>(frame.moving_probability[i]) > threshold;
+    }
+  }
+  for (const auto& object : frame.objects)
+  {
+    const bool has_points = object.dynamic && object.detection >= 0 &&
+                            static_cast<std::size_t>(object.detection) < frame.detections.size();
+    if (!has_points)
+    {
+      continue;
+    }
+    for (const auto i : frame.detections[static_cast<std::size_t>(object.detection)].points)
+    {
+      if (i < moving.size())
+      {
+        moving[i] = true;
+      }
+    }
+  }
+  return moving;
+}
+
+Part partOf(const Frame& frame, const std::vector<bool>& moving, bool wanted, double voxel_size)
+{
+  Part part;
+  const bool has_intensity = frame.cloud.intensity.size() == frame.cloud.size();
+  for (std::size_t i = 0; i < frame.cloud.size(); ++i)
+  {
+    if (moving[i] == wanted && frame.cloud.points[i].allFinite())
+    {
+      part.points.push_back(frame.cloud.points[i].unaryExpr(&coarse));
+      part.intensity.push_back(has_intensity ? coarse(frame.cloud.intensity[i]) : 0.0F);
+    }
+  }
+  if (voxel_size <= 0)
+  {
+    return part;
+  }
+  Part thinned;
+  for (const auto i : voxelDownsample(part.points, voxel_size).index)
+  {
+    thinned.points.push_back(part.points[i]);
+    thinned.intensity.push_back(part.intensity[i]);
+  }
+  return thinned;
+}
+
+/** At most `most` of the points, evenly taken. */
+Part atMost(const Part& part, std::size_t most)
+{
+  if (part.points.size() <= most)
+  {
+    return part;
+  }
+  Part result;
+  for (std::size_t k = 0; k < most; ++k)
+  {
+    const std::size_t i = k * part.points.size() / most;
+    result.points.push_back(part.points[i]);
+    result.intensity.push_back(part.intensity[i]);
+  }
+  return result;
+}
+
+mrpt::maps::CPointsMapXYZI::Ptr pointsMap(const Part& part)
+{
+  auto map = mrpt::maps::CPointsMapXYZI::Create();
+  map->resize(part.points.size());
+  for (std::size_t i = 0; i < part.points.size(); ++i)
+  {
+    const auto& p = part.points[i];
+    map->setPointFast(i, p.x(), p.y(), p.z());
+    map->setPointColor_fast(i, part.intensity[i], 0, 0);
+  }
+  return map;
+}
+
+std::string labelOf(const TrackedObject& object)
+{
+  char text[80];
+  std::snprintf(text, sizeof text, "%s %d: %.1f m/s", toString(object.object_class).c_str(),
+                object.id, object.velocity.norm());
+  return text;
+}
+
+void insertObject(mrpt::opengl::COpenGLScene& scene,
+                  const TrackedObject& object,
+                  const Pose& T_vehicle_odom)
+{
+  const TColor colour = object.dynamic ? objectColour(object.id) : TColor(150, 150, 150);
+  scene.insert(wireBox(object.box, T_vehicle_odom, colour));
+  const Eigen::Vector3d top = object.box.center + Eigen::Vector3d(0, 0, 0.5 * object.box.size.z());
+  scene.insert(
+      textAt(labelOf(object), T_vehicle_odom * (top + Eigen::Vector3d(0, 0, 0.4)), colour));
+  if (const auto shape = arrow(T_vehicle_odom * top,
+                               T_vehicle_odom * (top + arrow_seconds * object.velocity), colour))
+  {
+    scene.insert(shape);
+  }
+}
+}  // namespace
+
+void ReplayWriterOptions::describe(OptionsVisitor& v)
+{
+  v.real("moving_threshold", moving_threshold, 0, 1,
+         "points with a moving probability above are `moving`");
+  v.integer("every_nth_scan", every_nth_scan, 1, 100000, "1: every scan");
+  v.real("voxel_size", voxel_size, 0, 10,
+         "m, one point of the static cloud per cube of this side, 0 keeps all");
+  v.integer("scene_points", scene_points, 0, 10000000,
+            "at most so many points in the 3D scene, 0: no scene");
+  v.integer("trajectory_points", trajectory_points, 2, 1000000,
+            "at most so many poses of the trajectory in a scene");
+  v.flag("confirmed_only", confirmed_only, "draw confirmed tracks only");
+  v.integer("compression_level", compression_level, 0, 9, "of gzip: 0 none, 1 fast, 9 small");
+}
+
+struct ReplayWriter::Impl
+{
+  std::string path;
+  ReplayWriterOptions options;
+  GzOutput file;
+  std::size_t seen = 0;
+  std::size_t written = 0;
+  std::size_t path_stride = 1;
+  std::vector<Eigen::Vector3d> odometry_path;  // every path_stride-th position
+  bool closed = false;
+
+  Impl(const std::string& path_in, const ReplayWriterOptions& options_in)
+      : path(path_in),
+        options(options_in),
+        file(checkedTemporary(path_in), options_in.compression_level)
+  {
+  }
+
+  static std::string checkedTemporary(const std::string& path)
+  {
+    if (fs::is_directory(path))
+    {
+      throw UserError(path + ": is a folder, give the name of a file");
+    }
+    return path + ".tmp";
+  }
+
+  void put(const mrpt::serialization::CSerializable& object)
+  {
+    auto archive = mrpt::serialization::archiveFrom(file);
+    archive << object;
+  }
+
+  void putCloud(const Frame& frame, const char* label, const Part& part)
+  {
+    mrpt::obs::CObservationPointCloud observation;
+    observation.timestamp = toMrptTime(frame.scan.stamp);
+    observation.sensorLabel = label;
+    observation.pointcloud = pointsMap(part);
+    put(observation);
+  }
+
+  void putPose(const Frame& frame, const char* label, const Pose& pose)
+  {
+    mrpt::obs::CObservationRobotPose observation;
+    observation.timestamp = toMrptTime(frame.scan.stamp);
+    observation.sensorLabel = label;
+    observation.pose.mean = toMrpt(pose);
+    observation.pose.cov.setZero();
+    put(observation);
+  }
+
+  /** Remembers the position; the path is halved where it gets too long. */
+  void extendPath(const Frame& frame)
+  {
+    if (!frame.T_odom_vehicle.matrix().allFinite() || seen % path_stride != 0)
+    {
+      return;
+    }
+    odometry_path.push_back(frame.T_odom_vehicle.translation());
+    if (odometry_path.size() >= static_cast<std::size_t>(options.trajectory_points))
+    {
+      std::vector<Eigen::Vector3d> halved;
+      for (std::size_t i = 0; i < odometry_path.size(); i += 2)
+      {
+        halved.push_back(odometry_path[i]);
+      }
+      odometry_path = std::move(halved);
+      path_stride *= 2;
+    }
+  }
+
+  void putScene(const Frame& frame, const Part& standing, const Part& moving)
+  {
+    mrpt::obs::CObservation3DScene observation;
+    observation.timestamp = toMrptTime(frame.scan.stamp);
+    observation.scene = mrpt::opengl::COpenGLScene::Create();
+    auto& scene = *observation.scene;
+    const auto most = static_cast<std::size_t>(options.scene_points);
+    const Part drawn = atMost(standing, most);
+    scene.insert(heightColoured(drawn.points, drawn.intensity, 2.0F));
+    scene.insert(plainColoured(atMost(moving, most).points, moving_colour, 4.0F));
+    scene.insert(mrpt::opengl::stock_objects::CornerXYZSimple(2.0F, 3.0F));
+    if (frame.T_odom_vehicle.matrix().allFinite())
+    {
+      const Pose T_vehicle_odom = frame.T_odom_vehicle.inverse();
+      std::vector<Eigen::Vector3d> way;
+      for (const auto& p : odometry_path)
+      {
+        way.emplace_back(T_vehicle_odom * p);
+      }
+      way.emplace_back(Eigen::Vector3d::Zero());
+      if (const auto line = polyline(way, path_colour, 3.0F))
+      {
+        scene.insert(line);
+      }
+      for (const auto& object : frame.objects)
+      {
+        if (object.confirmed || !options.confirmed_only)
+        {
+          insertObject(scene, object, T_vehicle_odom);
+        }
+      }
+    }
+    put(observation);
+  }
+};
+
+ReplayWriter::ReplayWriter(const std::string& path, const ReplayWriterOptions& options)
+{
+  validate(options, "replay");
+  impl_ = std::make_unique<Impl>(path, options);
+}
+
+ReplayWriter::~ReplayWriter()
+{
+  try
+  {
+    if (impl_)
+    {
+      close();
+    }
+  }
+  catch (const std::exception&)
+  {
+    // close() is there for callers who want to know.
+  }
+}
+
+ReplayWriter::ReplayWriter(ReplayWriter&&) noexcept = default;
+ReplayWriter& ReplayWriter::operator=(ReplayWriter&&) noexcept = default;
+
+void ReplayWriter::write(const Frame& frame)
+{
+  Impl& m = *impl_;
+  if (m.closed)
+  {
+    throw std::logic_error("ReplayWriter is closed");
+  }
+  m.extendPath(frame);
+  if (m.seen++ % static_cast<std::size_t>(m.options.every_nth_scan) != 0)
+  {
+    return;
+  }
+  const auto moving = movingPoints(frame, m.options.moving_threshold);
+  const Part standing_part = partOf(frame, moving, false, m.options.voxel_size);
+  const Part moving_part = partOf(frame, moving, true, 0);
+  if (frame.T_map_vehicle().matrix().allFinite())
+  {
+    m.putPose(frame, "estimate", frame.T_map_vehicle());
+  }
+  if (frame.T_world_vehicle_truth)
+  {
+    m.putPose(frame, "ground_truth", *frame.T_world_vehicle_truth);
+  }
+  m.putCloud(frame, "static", standing_part);
+  m.putCloud(frame, "moving", moving_part);
+  if (m.options.scene_points > 0)
+  {
+    m.putScene(frame, standing_part, moving_part);
+  }
+  ++m.written;
+}
+
+void ReplayWriter::close()
+{
+  Impl& m = *impl_;
+  if (m.closed)
+  {
+    return;
+  }
+  m.closed = true;
+  m.file.close();
+  std::error_code error;
+  fs::rename(m.path + ".tmp", m.path, error);
+  if (error)
+  {
+    throw UserError(m.path + ": cannot be written: " + error.message());
+  }
+}
+
+std::size_t ReplayWriter::framesWritten() const
+{
+  return impl_->written;
+}
+}  // namespace dyslam

@@ -1,0 +1,144 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/Error.h>
+#include <dyslam/io/SceneExport.h>
+#include <mrpt/opengl/CGridPlaneXY.h>
+#include <mrpt/opengl/COpenGLScene.h>
+#include <mrpt/opengl/stock_objects.h>
+#include <mrpt/serialization/CArchive.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+
+#include "GzStream.h"
+#include "MrptConversions.h"
+#include "SceneParts.h"
+
+namespace dyslam
+{
+using mrpt::img::TColor;
+
+namespace
+{
+const TColor estimate_colour(255, 255, 255);
+const TColor reference_colour(255, 120, 200);
+
+std::vector<Eigen::Vector3d> positions(const Trajectory& trajectory)
+{
+  std::vector<Eigen::Vector3d> result;
+  for (const auto& stamped : trajectory)
+  {
+    if (stamped.pose.matrix().allFinite())
+    {
+      result.emplace_back(stamped.pose.translation());
+    }
+  }
+  return result;
+}
+
+void insert(mrpt::opengl::COpenGLScene& scene,
+            const mrpt::opengl::CRenderizable::Ptr& object,
+            const std::string& name)
+{
+  if (object)
+  {
+    object->setName(name);
+    scene.insert(object);
+  }
+}
+
+mrpt::opengl::CRenderizable::Ptr gridUnder(const std::vector<Eigen::Vector3d>& path)
+{
+  Eigen::Vector3d low = Eigen::Vector3d::Constant(-20);
+  Eigen::Vector3d high = Eigen::Vector3d::Constant(20);
+  low.z() = path.empty() ? 0 : path.front().z();
+  for (const auto& p : path)
+  {
+    low = low.cwiseMin(p);
+    high = high.cwiseMax(p);
+  }
+  constexpr double margin = 30;
+  constexpr double step = 10;
+  const auto down = [](double v)
+  { return static_cast<float>(std::floor((v - margin) / step) * step); };
+  const auto up = [](double v)
+  { return static_cast<float>(std::ceil((v + margin) / step) * step); };
+  auto grid = mrpt::opengl::CGridPlaneXY::Create(down(low.x()), up(high.x()), down(low.y()),
+                                                 up(high.y()), static_cast<float>(low.z()) - 3.0F,
+                                                 static_cast<float>(step));
+  grid->setColor_u8(TColor(70, 70, 70));
+  return grid;
+}
+
+void insertBoxes(mrpt::opengl::COpenGLScene& scene, const std::vector<LabelledBox>& boxes)
+{
+  for (const auto& object : boxes)
+  {
+    const TColor colour = objectColour(object.id);
+    const std::string name = "object " + std::to_string(object.id);
+    insert(scene, wireBox(object.box, Pose::Identity(), colour), name);
+    const Eigen::Vector3d over(0, 0, 0.5 * object.box.size.z() + 0.5);
+    insert(scene,
+           textAt(toString(object.object_class) + " " + std::to_string(object.id),
+                  object.box.center + over, colour),
+           name + " label");
+  }
+}
+
+mrpt::opengl::COpenGLScene sceneOf(const SceneContent& content)
+{
+  mrpt::opengl::COpenGLScene scene;
+  const auto path = positions(content.trajectory);
+  scene.getViewport()->setCustomBackgroundColor(mrpt::img::TColorf(0.10F, 0.11F, 0.13F));
+  insert(scene, gridUnder(path), "grid");
+  if (!content.points.empty())
+  {
+    insert(scene, heightColoured(content.points, content.intensity, 2.0F), "map");
+  }
+  insert(scene, polyline(positions(content.reference), reference_colour, 2.0F), "reference");
+  insert(scene, polyline(path, estimate_colour, 3.0F), "trajectory");
+  if (!path.empty())
+  {
+    auto corner = mrpt::opengl::stock_objects::CornerXYZSimple(3.0F, 3.0F);
+    corner->setPose(toMrpt(content.trajectory[content.trajectory.size() - 1].pose));
+    insert(scene, corner, "vehicle");
+    auto& camera = scene.getViewport()->getCamera();
+    const Eigen::Vector3d& end = path.back();
+    camera.setPointingAt(static_cast<float>(end.x()), static_cast<float>(end.y()),
+                         static_cast<float>(end.z()));
+    camera.setZoomDistance(60.0F);
+    camera.setAzimuthDegrees(-135.0F);
+    camera.setElevationDegrees(40.0F);
+  }
+  insertBoxes(scene, content.boxes);
+  for (std::size_t i = 0; i < content.object_paths.size(); ++i)
+  {
+    insert(scene, polyline(content.object_paths[i], objectColour(static_cast<int>(i)), 2.0F),
+           "object path " + std::to_string(i));
+  }
+  return scene;
+}
+}  // namespace
+
+void writeScene(const SceneContent& content, const std::string& path)
+{
+  const std::string temporary = path + ".tmp";
+  if (std::filesystem::is_directory(path))
+  {
+    throw UserError(path + ": is a folder, give the name of a file");
+  }
+  {
+    constexpr int compression_level = 6;
+    GzOutput file(temporary, compression_level);
+    auto archive = mrpt::serialization::archiveFrom(file);
+    archive << sceneOf(content);
+    file.close();
+  }
+  std::error_code error;
+  std::filesystem::rename(temporary, path, error);
+  if (error)
+  {
+    throw UserError(path + ": cannot be written: " + error.message());
+  }
+}
+}  // namespace dyslam

@@ -1,0 +1,195 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "SceneParts.h"
+
+#include <mrpt/opengl/CArrow.h>
+#include <mrpt/opengl/CSetOfLines.h>
+#include <mrpt/opengl/CText.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "MrptConversions.h"
+
+namespace dyslam
+{
+using mrpt::img::TColor;
+
+namespace
+{
+std::uint8_t toByte(float v)
+{
+  return static_cast<std::uint8_t>(std::lround(std::clamp(v, 0.0F, 255.0F)));
+}
+
+/** Heights that frame all but the outermost points. */
+std::pair<float, float> heightRange(const std::vector<Eigen::Vector3f>& points)
+{
+  std::vector<float> heights;
+  for (const auto& p : points)
+  {
+    if (p.allFinite())
+    {
+      heights.push_back(p.z());
+    }
+  }
+  if (heights.empty())
+  {
+    return {0, 1};
+  }
+  const auto at = [&](double share)
+  {
+    const auto nth = heights.begin() +
+                     static_cast<std::ptrdiff_t>(share * static_cast<double>(heights.size() - 1));
+    std::nth_element(heights.begin(), nth, heights.end());
+    return *nth;
+  };
+  const float low = at(0.02);
+  return {low, std::max(at(0.98), low + 1.0F)};
+}
+}  // namespace
+
+TColor rampColour(float share)
+{
+  constexpr std::array<std::array<float, 3>, 6> stops{{{48, 70, 200},
+                                                       {30, 170, 220},
+                                                       {60, 210, 120},
+                                                       {200, 220, 60},
+                                                       {250, 150, 40},
+                                                       {220, 50, 40}}};
+  const float at = std::clamp(share, 0.0F, 1.0F) * static_cast<float>(stops.size() - 1);
+  const auto low = std::min(static_cast<std::size_t>(at), stops.size() - 2);
+  const float rest = at - static_cast<float>(low);
+  const auto mix = [&](std::size_t c)
+  { return toByte(stops[low][c] + rest * (stops[low + 1][c] - stops[low][c])); };
+  return TColor(mix(0), mix(1), mix(2));
+}
+
+TColor objectColour(int id)
+{
+  constexpr std::array<std::array<std::uint8_t, 3>, 8> colours{{{230, 60, 60},
+                                                                {60, 180, 75},
+                                                                {255, 190, 25},
+                                                                {70, 130, 255},
+                                                                {245, 130, 48},
+                                                                {190, 70, 220},
+                                                                {70, 220, 230},
+                                                                {240, 90, 200}}};
+  const auto& c = colours[static_cast<std::size_t>(std::abs(id)) % colours.size()];
+  return TColor(c[0], c[1], c[2]);
+}
+
+mrpt::opengl::CPointCloudColoured::Ptr heightColoured(const std::vector<Eigen::Vector3f>& points,
+                                                      const std::vector<float>& intensity,
+                                                      float point_size)
+{
+  auto cloud = mrpt::opengl::CPointCloudColoured::Create();
+  cloud->setPointSize(point_size);
+  const auto [low, high] = heightRange(points);
+  const bool has_intensity = intensity.size() == points.size();
+  for (std::size_t i = 0; i < points.size(); ++i)
+  {
+    const auto& p = points[i];
+    if (!p.allFinite())
+    {
+      continue;
+    }
+    const TColor colour = rampColour((p.z() - low) / (high - low));
+    const float lit = has_intensity ? 0.65F + 0.6F * std::clamp(intensity[i], 0.0F, 1.0F) : 1.0F;
+    const auto part = [lit](std::uint8_t c)
+    { return static_cast<float>(toByte(lit * static_cast<float>(c))) / 255.0F; };
+    cloud->push_back(p.x(), p.y(), p.z(), part(colour.R), part(colour.G), part(colour.B));
+  }
+  return cloud;
+}
+
+mrpt::opengl::CPointCloudColoured::Ptr plainColoured(const std::vector<Eigen::Vector3f>& points,
+                                                     const TColor& colour,
+                                                     float point_size)
+{
+  auto cloud = mrpt::opengl::CPointCloudColoured::Create();
+  cloud->setPointSize(point_size);
+  const mrpt::img::TColorf c(colour);
+  for (const auto& p : points)
+  {
+    if (p.allFinite())
+    {
+      cloud->push_back(p.x(), p.y(), p.z(), c.R, c.G, c.B);
+    }
+  }
+  return cloud;
+}
+
+mrpt::opengl::CRenderizable::Ptr wireBox(const Box& box, const Pose& T, const TColor& colour)
+{
+  auto lines = mrpt::opengl::CSetOfLines::Create();
+  const Eigen::Vector3d h = 0.5 * box.size;
+  const auto line = [&](double x0, double y0, double z0, double x1, double y1, double z1)
+  { lines->appendLine(x0 * h.x(), y0 * h.y(), z0 * h.z(), x1 * h.x(), y1 * h.y(), z1 * h.z()); };
+  for (const double a : {-1.0, 1.0})
+  {
+    for (const double b : {-1.0, 1.0})
+    {
+      line(-1, a, b, 1, a, b);
+      line(a, -1, b, a, 1, b);
+      line(a, b, -1, a, b, 1);
+    }
+  }
+  line(1, -1, -1, 1, 1, 1);  // a cross marks the front
+  line(1, 1, -1, 1, -1, 1);
+  lines->setLineWidth(2.0F);
+  lines->setColor_u8(colour);
+  Pose T_frame_box = Pose::Identity();
+  T_frame_box.linear() = Eigen::AngleAxisd(box.yaw, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+  T_frame_box.translation() = box.center;
+  lines->setPose(toMrpt(T * T_frame_box));
+  return lines;
+}
+
+mrpt::opengl::CRenderizable::Ptr textAt(const std::string& words,
+                                        const Eigen::Vector3d& at,
+                                        const TColor& colour)
+{
+  auto label = mrpt::opengl::CText::Create(words);
+  label->setFont("sans", 20);
+  label->setColor_u8(colour);
+  label->setLocation(at.x(), at.y(), at.z());
+  return label;
+}
+
+mrpt::opengl::CRenderizable::Ptr arrow(const Eigen::Vector3d& a,
+                                       const Eigen::Vector3d& b,
+                                       const TColor& colour)
+{
+  constexpr double shortest = 0.2;
+  if (!((b - a).norm() > shortest))
+  {
+    return nullptr;
+  }
+  const auto f = [](double v) { return static_cast<float>(v); };
+  auto shape = mrpt::opengl::CArrow::Create(f(a.x()), f(a.y()), f(a.z()), f(b.x()), f(b.y()),
+                                            f(b.z()), 0.25F, 0.06F, 0.2F);
+  shape->setColor_u8(colour);
+  return shape;
+}
+
+mrpt::opengl::CRenderizable::Ptr polyline(const std::vector<Eigen::Vector3d>& points,
+                                          const TColor& colour,
+                                          float width)
+{
+  if (points.size() < 2)
+  {
+    return nullptr;
+  }
+  auto lines = mrpt::opengl::CSetOfLines::Create();
+  for (std::size_t i = 0; i + 1 < points.size(); ++i)
+  {
+    const auto& a = points[i];
+    const auto& b = points[i + 1];
+    lines->appendLine(a.x(), a.y(), a.z(), b.x(), b.y(), b.z());
+  }
+  lines->setLineWidth(width);
+  lines->setColor_u8(colour);
+  return lines;
+}
+}  // namespace dyslam

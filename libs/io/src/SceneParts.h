@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <dyslam/core/Objects.h>
+#include <dyslam/core/Pose.h>
+#include <mrpt/img/TColor.h>
+#include <mrpt/opengl/CPointCloudColoured.h>
+#include <mrpt/opengl/CRenderizable.h>
+
+#include <Eigen/Core>
+#include <string>
+#include <vector>
+
+namespace dyslam
+{
+/** Colour of a share in [0, 1]: dark blue over green and yellow to red. */
+[[nodiscard]] mrpt::img::TColor rampColour(float share);
+/** One of a few well told apart colours, by an object's id. */
+[[nodiscard]] mrpt::img::TColor objectColour(int id);
+
+/** Points coloured by height between the 2nd and the 98th percentile, brightness by intensity (may
+ * be empty). */
+[[nodiscard]] mrpt::opengl::CPointCloudColoured::Ptr heightColoured(
+    const std::vector<Eigen::Vector3f>& points,
+    const std::vector<float>& intensity,
+    float point_size);
+[[nodiscard]] mrpt::opengl::CPointCloudColoured::Ptr plainColoured(
+    const std::vector<Eigen::Vector3f>& points, const mrpt::img::TColor& colour, float point_size);
+
+/** Wire box with a bar at its front. \param T takes the box's frame to the scene's. */
+[[nodiscard]] mrpt::opengl::CRenderizable::Ptr wireBox(const Box& box,
+                                                       const Pose& T,
+                                                       const mrpt::img::TColor& colour);
+[[nodiscard]] mrpt::opengl::CRenderizable::Ptr textAt(const std::string& words,
+                                                      const Eigen::Vector3d& at,
+                                                      const mrpt::img::TColor& colour);
+/** Arrow from a to b; null for one that is too short to draw. */
+[[nodiscard]] mrpt::opengl::CRenderizable::Ptr arrow(const Eigen::Vector3d& a,
+                                                     const Eigen::Vector3d& b,
+                                                     const mrpt::img::TColor& colour);
+/** A line through points; null for fewer than two. */
+[[nodiscard]] mrpt::opengl::CRenderizable::Ptr polyline(const std::vector<Eigen::Vector3d>& points,
+                                                        const mrpt::img::TColor& colour,
+                                                        float width);
+}  // namespace dyslam
