@@ -100,26 +100,42 @@ bool Crowd::active(const Eigen::Vector2d& position) const
 void Crowd::stand(int index, const Eigen::Vector2d& position, double yaw)
 {
   Actor& a = actor(index);
-  const BodyModel& m = model(index);
-  const Ground& ground = *world_.ground;
+  a.state.position.head<2>() = position;
   a.state.yaw = yaw;
+}
+
+void Crowd::settle()
+{
+  for (std::size_t i = 0; i < actors_.size(); ++i)
+  {
+    if (!actors_[i].frozen)
+    {
+      lean(actors_[i], model(static_cast<int>(i)));
+    }
+  }
+}
+
+void Crowd::lean(Actor& a, const BodyModel& m) const
+{
+  const Ground& ground = *world_.ground;
+  const Eigen::Vector2d position = a.state.position.head<2>();
   if (m.gait == BodyModel::Gait::walking)
   {
-    a.state.position = {position.x(), position.y(), ground.height(position)};
+    a.state.position.z() = ground.height(position);
     return;
   }
-  const Eigen::Vector2d forward(std::cos(yaw), std::sin(yaw));
+  const Eigen::Vector2d forward(std::cos(a.state.yaw), std::sin(a.state.yaw));
   const double h = 0.5 * m.wheelbase;
-  const double front = ground.height(position + h * forward),
-               back = ground.height(position - h * forward);
-  a.state.position = {position.x(), position.y(), 0.5 * (front + back)};
+  const double front = ground.height(position + h * forward);
+  const double back = ground.height(position - h * forward);
+  a.state.position.z() = 0.5 * (front + back);
   a.state.pitch = -std::atan2(front - back, 2 * h);
   if (m.size.y() > 1)
   {
     const Eigen::Vector2d left(-forward.y(), forward.x());
     const double w = 0.4 * m.size.y();
-    a.state.roll =
-        std::atan2(ground.height(position + w * left) - ground.height(position - w * left), 2 * w);
+    const double port = ground.height(position + w * left);
+    a.state.roll = std::atan2(port - ground.height(position - w * left), 2 * w);
   }
 }
 }  // namespace dyslam::sim

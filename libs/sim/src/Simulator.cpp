@@ -13,7 +13,7 @@ namespace dyslam::sim
 {
 namespace
 {
-constexpr double kStep = 0.0125;         // of traffic and ego [s]
+constexpr double kStep = 0.025;          // of traffic and ego [s]
 constexpr double kEpoch = 1700000000.0;  // stamps look like recorded ones
 constexpr double kJump = 15;  // a body that moves further in one turn was put elsewhere [m]
 
@@ -64,8 +64,9 @@ struct Simulator::Impl
     ego_pose = ego_motion.update(crowd.ego(), *world->ground, crowd.time(), kStep);
   }
 
-  std::vector<BodyState> snapshot() const
+  std::vector<BodyState> snapshot()
   {
+    crowd.settle();
     std::vector<BodyState> s;
     s.reserve(crowd.actors().size());
     for (const auto& a : crowd.actors())

@@ -36,6 +36,8 @@ class Crowd
   Crowd& operator=(const Crowd&) = delete;
 
   void step(double dt);
+  /** Brings every body's height and lean up to date with the ground under its axles. */
+  void settle();
 
   [[nodiscard]] const std::vector<Actor>& actors() const { return actors_; }
   [[nodiscard]] const EgoState& ego() const { return ego_; }
@@ -50,7 +52,7 @@ class Crowd
   EgoState& ego() { return ego_; }
   /** Beyond this from the ego nothing is simulated. */
   [[nodiscard]] bool active(const Eigen::Vector2d& position) const;
-  /** Puts a body on the ground, leaning with the slope under its axles. */
+  /** Puts a body somewhere in the plane; settle() does the rest. */
   void stand(int actor, const Eigen::Vector2d& position, double yaw);
 
   /** A part of the crowd: vehicles on streets, people, ... */
@@ -62,6 +64,8 @@ class Crowd
   };
 
  private:
+  void lean(Actor& actor, const BodyModel& model) const;
+
   const World& world_;
   const SimulatorOptions& options_;
   std::vector<Actor> actors_;
@@ -85,6 +89,4 @@ class Crowd
  */
 [[nodiscard]] double driverAcceleration(
     double v, double v0, double gap, double v_leader, double headway);
-/** Free way along `path points` of a corridor before any other active actor that is not a vehicle:
- * distance to it, or a large number. */
 }  // namespace dyslam::sim

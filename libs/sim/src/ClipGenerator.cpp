@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/sim/ClipGenerator.h>
+
+#include <algorithm>
+
+#include "Random.h"
+
+namespace dyslam::sim
+{
+void ClipOptions::describe(OptionsVisitor& visitor)
+{
+  simulator.describe(visitor);
+  visitor.flag("any_world", any_world, "draw the kind of world for each clip, urban most often");
+  visitor.integer("scans", scans, 1, 1000, "consecutive scans in a clip");
+  visitor.integer("clips_per_world", clips_per_world, 1, 100000,
+                  "neighbouring clips that share a world");
+  visitor.real("min_traffic", min_traffic, 0, 1, "lower bound of the traffic drawn for a clip");
+  visitor.real("max_traffic", max_traffic, 0, 1, "upper bound of the traffic drawn for a clip");
+}
+
+ClipGenerator::ClipGenerator(const ClipOptions& options, int threads)
+    : options_(options), threads_(threads)
+{
+  validate(options, "clips");
+}
+
+SimulatorOptions ClipGenerator::clipOptions(std::uint64_t index) const
+{
+  const std::uint64_t world_number = index / static_cast<std::uint64_t>(options_.clips_per_world);
+  const std::uint64_t base = combine(static_cast<std::uint64_t>(options_.simulator.seed), 0xC11B);
+  Rng world_rng(combine(base, world_number));
+  Rng clip_rng(combine(combine(base, world_number), index + 1));
+  SimulatorOptions o = options_.simulator;
+  if (options_.any_world)
+  {
+    const double u = world_rng.uniform();
+    o.world = u < 0.5    ? WorldKind::urban
+              : u < 0.72 ? WorldKind::campus
+              : u < 0.92 ? WorldKind::highway
+              : u < 0.96 ? WorldKind::tunnel
+                         : WorldKind::field;
+  }
+  // The seed names the world; traffic, start and speed differ from clip to clip.
+  o.seed = static_cast<int>(world_rng.bits() >> 34);
+  o.traffic =
+      clip_rng.uniform(options_.min_traffic, std::max(options_.min_traffic, options_.max_traffic));
+  o.start_fraction = clip_rng.uniform();
+  o.start_time = std::min(o.start_time, 3.0) + clip_rng.uniform(0, 4);
+  if (options_.simulator.ego_speed <= 0)
+  {
+    switch (o.world)
+    {
+      case WorldKind::urban:
+        o.ego_speed = clip_rng.uniform(4, 15);
+        break;
+      case WorldKind::highway:
+        o.ego_speed = clip_rng.uniform(15, 32);
+        break;
+      case WorldKind::tunnel:
+        o.ego_speed = clip_rng.uniform(10, 25);
+        break;
+      case WorldKind::campus:
+        o.ego = clip_rng.chance(0.3) ? EgoKind::handheld : EgoKind::robot;
+        o.ego_speed = clip_rng.uniform(0.5, 3);
+        break;
+      case WorldKind::field:
+        o.ego_speed = clip_rng.uniform(1, 8);
+        break;
+    }
+  }
+  return o;
+}
+
+std::vector<SimulatedScan> ClipGenerator::clip(std::uint64_t index) const
+{
+  const SimulatorOptions o = clipOptions(index);
+  const std::uint64_t world_number =
+      index / static_cast<std::uint64_t>(options_.clips_per_world) + 1;
+  if (!world_ || world_number_ != world_number)
+  {
+    world_ = makeWorld(o);
+    world_number_ = world_number;
+  }
+  SimulatorOptions driven = o;
+  driven.seed = static_cast<int>(combine(static_cast<std::uint64_t>(o.seed), index) >> 34);
+  Simulator simulator(world_, driven, threads_);
+  std::vector<SimulatedScan> scans;
+  for (int i = 0; i < options_.scans; ++i)
+  {
+    scans.push_back(simulator.next());
+  }
+  return scans;
+}
+}  // namespace dyslam::sim

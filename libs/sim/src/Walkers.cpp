@@ -1,0 +1,444 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// People on foot, cyclists on campus paths, cyclists on the road, and an ego among them.
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "Traffic.h"
+
+namespace dyslam::sim
+{
+namespace
+{
+constexpr double kPi = 3.14159265358979;
+constexpr double kFar = 1e9;
+
+bool isVehicle(ObjectClass c)
+{
+  return c != ObjectClass::pedestrian && c != ObjectClass::cyclist;
+}
+
+/** Distance to the nearest body within `half_width` of the line ahead, and who it is. */
+std::pair<double, int> bodyAhead(const Crowd& crowd,
+                                 int self,
+                                 const Eigen::Vector2d& position,
+                                 double yaw,
+                                 double half_width,
+                                 double reach)
+{
+  const Eigen::Vector2d forward(std::cos(yaw), std::sin(yaw));
+  double best = kFar;
+  int who = -1;
+  const auto& actors = crowd.actors();
+  for (std::size_t i = 0; i < actors.size(); ++i)
+  {
+    if (static_cast<int>(i) == self || actors[i].frozen)
+    {
+      continue;
+    }
+    const Eigen::Vector2d d = actors[i].state.position.head<2>() - position;
+    if (std::abs(d.x()) > reach + 5 || std::abs(d.y()) > reach + 5)
+    {
+      continue;
+    }
+    const BodyModel& m = crowd.model(static_cast<int>(i));
+    // Extent of the other one along and across our way.
+    const double turn = actors[i].state.yaw - yaw;
+    const double along =
+        0.5 * (std::abs(std::cos(turn)) * m.size.x() + std::abs(std::sin(turn)) * m.size.y());
+    const double across =
+        0.5 * (std::abs(std::sin(turn)) * m.size.x() + std::abs(std::cos(turn)) * m.size.y());
+    const double x = forward.dot(d) - along;
+    const double y = std::abs(forward.x() * d.y() - forward.y() * d.x()) - across;
+    if (forward.dot(d) > 0 && x < reach && y < half_width && x < best)
+    {
+      best = x;
+      who = static_cast<int>(i);
+    }
+  }
+  return {best, who};
+}
+
+struct Walker
+{
+  int actor = 0;
+  bool rides = false;
+  int from = 0, to = 0, link = 0, next_link = 0;
+  double side = 0.4;  // to the right of the links' middle [m]
+  double wish = 1.3, v = 0;
+  double yaw = 0;
+  Eigen::Vector2d position = Eigen::Vector2d::Zero(), target = Eigen::Vector2d::Zero();
+  double pause_until = 0;
+  double stuck = 0;
+  bool at_rest = false;  // stands about for good
+};
+
+class Walkers : public Crowd::Group
+{
+ public:
+  explicit Walkers(Crowd& crowd)
+      : crowd_(crowd),
+        net_(crowd.world().walks),
+        rng_(combine(static_cast<std::uint64_t>(crowd.options().seed), 0x3A1C))
+  {
+    if (net_.links.empty() || crowd.options().traffic <= 0)
+    {
+      return;
+    }
+    const bool campus = crowd.world().kind == WorldKind::campus;
+    const double per_metre =
+        crowd.options().traffic * (campus                                   ? 0.10
+                                   : crowd.world().kind == WorldKind::field ? 0.01
+                                                                            : 0.05);
+    for (std::size_t l = 0; l < net_.links.size(); ++l)
+    {
+      const auto& link = net_.links[l];
+      if (link.crossing)
+      {
+        continue;
+      }
+      const double length = (net_.nodes[static_cast<std::size_t>(link.b)] -
+                             net_.nodes[static_cast<std::size_t>(link.a)])
+                                .norm();
+      const double expected = length * per_metre;
+      const int count =
+          static_cast<int>(expected) + (rng_.chance(expected - std::floor(expected)) ? 1 : 0);
+      for (int k = 0; k < count; ++k)
+      {
+        add(static_cast<int>(l), campus && rng_.chance(0.25));
+      }
+    }
+  }
+
+  void step(double dt) override
+  {
+    for (auto& w : walkers_)
+    {
+      const bool active = crowd_.active(w.position);
+      crowd_.actor(w.actor).frozen = !active;
+      if (active)
+      {
+        walk(w, dt);
+      }
+    }
+  }
+
+ private:
+  const Eigen::Vector2d& node(int i) const { return net_.nodes[static_cast<std::size_t>(i)]; }
+
+  void add(int link_index, bool rides)
+  {
+    const auto& link = net_.links[static_cast<std::size_t>(link_index)];
+    Walker w;
+    w.rides = rides;
+    const auto& kinds = rides ? crowd_.world().cyclists : crowd_.world().people;
+    w.actor =
+        crowd_.addActor(kinds[static_cast<std::size_t>(rng_.below(static_cast<int>(kinds.size())))],
+                        drawPaint(rng_));
+    const bool forward = rng_.chance(0.5);
+    w.from = forward ? link.a : link.b;
+    w.to = forward ? link.b : link.a;
+    w.link = link_index;
+    w.side = rng_.uniform(0.1, 0.5 * link.width);
+    w.wish = rides ? rng_.uniform(2.5, 5.0) : std::max(0.5, 1.3 + 0.3 * rng_.gaussian());
+    w.at_rest = !rides && rng_.chance(0.15);
+    w.v = w.at_rest ? 0 : w.wish;
+    const Eigen::Vector2d d = (node(w.to) - node(w.from)).normalized();
+    w.yaw = std::atan2(d.y(), d.x());
+    w.position = node(w.from) + rng_.uniform() * (node(w.to) - node(w.from)) +
+                 w.side * Eigen::Vector2d(d.y(), -d.x());
+    if (w.at_rest)
+    {
+      w.yaw = rng_.uniform(-kPi, kPi);
+    }
+    chooseNext(w);
+    crowd_.actor(w.actor).state.phase = rng_.uniform(0, 2 * kPi);
+    crowd_.actor(w.actor).state.swing = w.at_rest ? 0 : 1;
+    walkers_.push_back(w);
+    crowd_.stand(w.actor, w.position, w.yaw);
+    crowd_.actor(w.actor).state.speed = w.v;
+  }
+
+  /** The link after `to`, and the corner that a walker on its side of both links passes. */
+  void chooseNext(Walker& w)
+  {
+    const auto& links = net_.links_of_node[static_cast<std::size_t>(w.to)];
+    w.next_link = w.link;
+    for (int attempt = 0; attempt < 6 && w.next_link == w.link; ++attempt)
+    {
+      const int candidate =
+          links[static_cast<std::size_t>(rng_.below(static_cast<int>(links.size())))];
+      const bool crossing = net_.links[static_cast<std::size_t>(candidate)].crossing;
+      w.next_link = crossing && !rng_.chance(0.4) ? w.link : candidate;
+    }
+    const int after = other(w.next_link, w.to);
+    const Eigen::Vector2d d0 = (node(w.to) - node(w.from)).normalized(),
+                          d1 = (node(after) - node(w.to)).normalized();
+    const Eigen::Vector2d r0(d0.y(), -d0.x()), r1(d1.y(), -d1.x());
+    const double along = 1 + r0.dot(r1);
+    w.target = node(w.to) + (along > 0.4 ? Eigen::Vector2d(w.side * (r0 + r1) / along)
+                                         : Eigen::Vector2d(w.side * r1));
+  }
+
+  int other(int link, int from) const
+  {
+    const auto& l = net_.links[static_cast<std::size_t>(link)];
+    return l.a == from ? l.b : l.a;
+  }
+
+  bool mayCross(int link) const
+  {
+    const auto& l = net_.links[static_cast<std::size_t>(link)];
+    const Eigen::Vector2d middle = 0.5 * (node(l.a) + node(l.b));
+    const auto comes = [&](const Eigen::Vector2d& p, double yaw, double speed, double half_length)
+    {
+      const Eigen::Vector2d d = middle - p;
+      const double ahead = d.x() * std::cos(yaw) + d.y() * std::sin(yaw);
+      const double distance = d.norm();
+      return distance < half_length + 4.5 ||
+             (speed > 0.3 && ahead > 0 && distance < half_length + 5 + 4.5 * speed);
+    };
+    if (crowd_.world().kind == WorldKind::urban &&
+        comes(crowd_.ego().position, crowd_.ego().yaw, crowd_.ego().speed, 2.2))
+    {
+      return false;
+    }
+    const auto& actors = crowd_.actors();
+    for (std::size_t i = 0; i < actors.size(); ++i)
+    {
+      const BodyModel& m = crowd_.model(static_cast<int>(i));
+      if (!actors[i].frozen && isVehicle(m.object_class) &&
+          comes(actors[i].state.position.head<2>(), actors[i].state.yaw, actors[i].state.speed,
+                0.5 * m.size.x()))
+      {
+        return false;
+      }
+    }
+    return true;
+  }
+
+  void walk(Walker& w, double dt)
+  {
+    BodyState& state = crowd_.actor(w.actor).state;
+    if (w.at_rest)
+    {
+      state.swing = 0;
+      state.speed = 0;
+      return;
+    }
+    Eigen::Vector2d d = w.target - w.position;
+    if (d.norm() < (w.rides ? 1.6 : 0.5))
+    {
+      const auto& next = net_.links[static_cast<std::size_t>(w.next_link)];
+      if (!next.crossing || net_.links[static_cast<std::size_t>(w.link)].crossing ||
+          mayCross(w.next_link))
+      {
+        const int after = other(w.next_link, w.to);
+        w.from = w.to;
+        w.to = after;
+        w.link = w.next_link;
+        chooseNext(w);
+        d = w.target - w.position;
+      }
+      else
+      {
+        w.pause_until = crowd_.time() + 0.4;
+      }
+    }
+    if (!w.rides && rng_.chance(0.004 * dt))
+    {
+      w.pause_until = crowd_.time() + rng_.uniform(2, 12);
+    }
+    const double way = std::atan2(d.y(), d.x());
+    double wish = crowd_.time() < w.pause_until ? 0 : w.wish;
+    // Slower round corners, and behind others; round them if they stand.
+    const double off = wrapAngle(way - w.yaw);
+    wish *= std::max(0.25, std::cos(std::min(std::abs(off), 1.4)));
+    const auto [gap, who] =
+        bodyAhead(crowd_, w.actor, w.position, w.yaw, w.rides ? 0.45 : 0.3, w.rides ? 3.5 : 1.6);
+    double dodge = 0;
+    if (who >= 0)
+    {
+      const double room = w.rides ? 1.2 : 0.5;
+      wish = std::min(wish, std::max(0.0, 1.2 * (gap - room)) + (w.stuck > 1.5 ? 0.3 : 0.0));
+      dodge = w.stuck > 0.5 || gap < 1.2 ? -0.7 : -0.35;  // to the right
+    }
+    // The ego is a body, too.
+    const Eigen::Vector2d to_ego = crowd_.ego().position - w.position;
+    if (to_ego.norm() < (w.rides ? 2.5 : 1.5) &&
+        to_ego.x() * std::cos(w.yaw) + to_ego.y() * std::sin(w.yaw) > 0)
+    {
+      wish = std::min(wish, 0.5 * w.wish);
+      dodge = -0.8;
+      wish = to_ego.norm() < 0.9 ? 0.2 : wish;
+    }
+    w.stuck = w.v < 0.15 && crowd_.time() >= w.pause_until ? w.stuck + dt : 0;
+    const double rate = w.rides ? 1.5 : 2.5;
+    w.v += std::clamp(wish - w.v, -2 * rate * dt, rate * dt);
+    const double turn =
+        std::clamp(wrapAngle(way + dodge - w.yaw), -1.0, 1.0) * (w.rides ? 1.8 : 3.0);
+    w.yaw = wrapAngle(w.yaw + turn * dt * std::min(1.0, 0.2 + w.v));
+    w.position += w.v * dt * Eigen::Vector2d(std::cos(w.yaw), std::sin(w.yaw));
+    if (w.rides)
+    {
+      state.phase += w.v / 5.2 * 2 * kPi * dt;  // 5.2 m for a turn of the pedals
+      state.roll = 0;
+    }
+    else
+    {
+      // A stride of two steps is about 0.85 body heights at full speed.
+      state.phase += 2 * kPi * w.v / (0.55 + 0.65 * w.v) * dt;
+      state.swing += std::clamp(
+          std::min(1.0, 0.25 + 0.6 * w.v) * (w.v > 0.05 ? 1 : 0) - state.swing, -3 * dt, 3 * dt);
+    }
+    crowd_.stand(w.actor, w.position, w.yaw);
+    state.speed = w.v;
+  }
+
+  Crowd& crowd_;
+  const WalkNetwork& net_;
+  Rng rng_;
+  std::vector<Walker> walkers_;
+};
+
+/** Cyclists on closed paths at the edge of the carriageway. */
+class Bicycles : public Crowd::Group
+{
+ public:
+  explicit Bicycles(Crowd& crowd)
+      : crowd_(crowd), rng_(combine(static_cast<std::uint64_t>(crowd.options().seed), 0xB1C1))
+  {
+    for (const auto& loop : crowd.world().bicycle_loops)
+    {
+      const double traffic = crowd.options().traffic;
+      const double spacing = traffic > 0 ? 45 / traffic : kFar;
+      for (double s = rng_.uniform(0, 1) * spacing; s < loop.length() - 6;
+           s += spacing * rng_.uniform(0.5, 1.5) + 5)
+      {
+        Rider r;
+        r.loop = &loop;
+        r.s = s;
+        r.wish = rng_.uniform(3.2, 6.5);
+        r.v = r.wish;
+        const auto& kinds = crowd.world().cyclists;
+        r.actor = crowd.addActor(
+            kinds[static_cast<std::size_t>(rng_.below(static_cast<int>(kinds.size())))],
+            drawPaint(rng_));
+        riders_.push_back(r);
+        const auto at = loop.at(s);
+        crowd.stand(r.actor, at.position, at.heading);
+      }
+    }
+  }
+
+  void step(double dt) override
+  {
+    for (auto& r : riders_)
+    {
+      const auto at = r.loop->at(r.s);
+      const bool active = crowd_.active(at.position);
+      Actor& actor = crowd_.actor(r.actor);
+      actor.frozen = !active;
+      if (!active)
+      {
+        continue;
+      }
+      const auto [gap, who] = bodyAhead(crowd_, r.actor, at.position, at.heading, 0.35, 8);
+      double wish = r.wish;
+      if (who >= 0 && r.stuck < 4)
+      {
+        wish = std::min(wish, std::max(0.0, 0.9 * (gap - 1.4)));
+      }
+      const double bend = std::abs(wrapAngle(r.loop->at(r.s + 4).heading - at.heading));
+      wish = std::min(wish, bend > 0.3 ? 2.8 : kFar);
+      r.stuck = r.v < 0.2 ? r.stuck + dt : std::max(0.0, r.stuck - 0.3 * dt);
+      r.v += std::clamp(wish - r.v, -3 * dt, 1.0 * dt);
+      r.v = std::max(0.0, r.v);
+      r.s += r.v * dt;
+      const auto now = r.loop->at(r.s);
+      crowd_.stand(r.actor, now.position, now.heading);
+      actor.state.roll = 0;
+      actor.state.speed = r.v;
+      actor.state.phase += r.v / 5.2 * 2 * kPi * dt;
+    }
+  }
+
+ private:
+  struct Rider
+  {
+    const Path* loop = nullptr;
+    int actor = 0;
+    double s = 0, v = 0, wish = 4, stuck = 0;
+  };
+  Crowd& crowd_;
+  Rng rng_;
+  std::vector<Rider> riders_;
+};
+
+/** The ego on a closed path of its own. */
+class PathEgo : public Crowd::Group
+{
+ public:
+  explicit PathEgo(Crowd& crowd)
+      : crowd_(crowd), rng_(combine(static_cast<std::uint64_t>(crowd.options().seed), 0xE605))
+  {
+    s_ = crowd.options().start_fraction * crowd.world().ego_path.length();
+    next_stop_ = rng_.uniform(15, 40);
+    place();
+  }
+
+  void step(double dt) override
+  {
+    const Path& path = crowd_.world().ego_path;
+    double wish = egoCruise(crowd_.world(), crowd_.options());
+    if (crowd_.options().stops && crowd_.time() > next_stop_)
+    {
+      stop_until_ = crowd_.time() + rng_.uniform(1.5, 5);
+      next_stop_ = stop_until_ + rng_.uniform(20, 60);
+    }
+    wish = crowd_.time() < stop_until_ ? 0 : wish;
+    const double bend = std::abs(wrapAngle(path.at(s_ + 1.5).heading - path.at(s_).heading));
+    wish = std::min(
+        wish, bend > 0.2 ? std::max(0.6, 0.5 * egoCruise(crowd_.world(), crowd_.options())) : kFar);
+    const auto [gap, who] =
+        bodyAhead(crowd_, -1, crowd_.ego().position, crowd_.ego().yaw, 0.45, 2.5 + 1.5 * v_);
+    if (who >= 0 && stuck_ < 5)
+    {
+      wish = std::min(wish, std::max(0.0, 0.8 * (gap - 1.0)));
+    }
+    stuck_ = v_ < 0.1 && who >= 0 ? stuck_ + dt : std::max(0.0, stuck_ - 0.5 * dt);
+    v_ = std::max(0.0, v_ + std::clamp(wish - v_, -1.8 * dt, 0.9 * dt));
+    s_ += v_ * dt;
+    place();
+  }
+
+ private:
+  void place()
+  {
+    const Path& path = crowd_.world().ego_path;
+    const auto front = path.at(s_ + 0.4), back = path.at(s_ - 0.4);
+    const Eigen::Vector2d d = front.position - back.position;
+    crowd_.ego() = {0.5 * (front.position + back.position), std::atan2(d.y(), d.x()), v_};
+  }
+
+  Crowd& crowd_;
+  Rng rng_;
+  double s_ = 0, v_ = 0, next_stop_ = 0, stop_until_ = 0, stuck_ = 0;
+};
+}  // namespace
+
+std::unique_ptr<Crowd::Group> makeWalkers(Crowd& crowd)
+{
+  return std::make_unique<Walkers>(crowd);
+}
+
+std::unique_ptr<Crowd::Group> makeBicycles(Crowd& crowd)
+{
+  return std::make_unique<Bicycles>(crowd);
+}
+
+std::unique_ptr<Crowd::Group> makePathEgo(Crowd& crowd)
+{
+  return std::make_unique<PathEgo>(crowd);
+}
+}  // namespace dyslam::sim
