@@ -143,6 +143,25 @@ Placement bestShift(const GridFromAbove& grid, const std::vector<Eigen::Vector2i
 }
 }  // namespace
 
+double RegistrationTarget::overlap(const std::vector<Eigen::Vector3f>& source,
+                                   const Pose& T_target_source) const
+{
+  const float ground = groundHeight(source);
+  const Eigen::Isometry3f T = T_target_source.cast<float>();
+  std::size_t standing = 0;
+  std::size_t met = 0;
+  for (const Eigen::Vector3f& p : source)
+  {
+    if (p.z() > ground + least_height)
+    {
+      Neighbour near;
+      ++standing;
+      met += tree_.nearest(T * p, near, static_cast<float>(options_.fine_distance)) ? 1 : 0;
+    }
+  }
+  return standing > 0 ? static_cast<double>(met) / static_cast<double>(standing) : 0;
+}
+
 RegistrationTarget::RegistrationTarget(std::vector<Eigen::Vector3f> points,
                                        const KeyframeRegistrationOptions& options)
     : options_(options), points_(std::move(points)), tree_(points_)
@@ -166,7 +185,8 @@ RegistrationTarget::Normals RegistrationTarget::accumulate(
 {
   Normals sum;
   const Eigen::Isometry3f T = T_target_source.cast<float>();
-  const double width2 = options_.robust_width * options_.robust_width;
+  const double width = options_.robust_width * std::max(1.0, max_distance / options_.fine_distance);
+  const double width2 = width * width;
   for (const Eigen::Vector3f& p : source)
   {
     Neighbour near;
@@ -217,7 +237,7 @@ KeyframeRegistrationResult RegistrationTarget::align(const std::vector<Eigen::Ve
       result.converged = true;
       break;
     }
-    distance = std::max(options_.fine_distance, distance * (still ? 0.5 : 0.8));
+    distance = std::max(options_.fine_distance, distance * (still ? 0.5 : 0.85));
   }
   const Normals sum = accumulate(source, result.T_target_source, options_.fine_distance);
   if (sum.pairs < least_pairs)
@@ -226,7 +246,7 @@ KeyframeRegistrationResult RegistrationTarget::align(const std::vector<Eigen::Ve
     return result;
   }
   result.T_target_source = orthonormalized(result.T_target_source);
-  result.overlap = static_cast<double>(sum.pairs) / static_cast<double>(source.size());
+  result.overlap = overlap(source, result.T_target_source);
   result.rmse = std::sqrt(sum.squares / sum.weights);
   const Eigen::Vector3d strengths =
       Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(sum.translation).eigenvalues();

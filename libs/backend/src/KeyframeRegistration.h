@@ -30,7 +30,7 @@ struct KeyframeRegistrationResult
   Matrix6 information = Matrix6::Identity();  //!< over the tangent of T_target_source
   bool converged = false;
   int iterations = 0;
-  double overlap = 0;        //!< fraction of source points with a counterpart on a surface
+  double overlap = 0;        //!< fraction of source points over the ground that have a counterpart
   double rmse = 0;           //!< of their point-to-plane distances [m]
   double observability = 0;  //!< weakest against strongest direction of translation, 0..1
 };
@@ -58,6 +58,8 @@ class RegistrationTarget
     double weights = 0;
     std::size_t pairs = 0;
   };
+  [[nodiscard]] double overlap(const std::vector<Eigen::Vector3f>& source,
+                               const Pose& T_target_source) const;
   [[nodiscard]] Normals accumulate(const std::vector<Eigen::Vector3f>& source,
                                    const Pose& T_target_source,
                                    double max_distance) const;

@@ -313,7 +313,8 @@ void LoopCloserOptions::describe(OptionsVisitor& visitor)
   visitor.real("descriptor_range", descriptor_range, 5, 130, "points that appearance uses [m]");
   visitor.integer("submap_keyframes", submap_keyframes, 0, 50, "neighbours on each side merged");
   visitor.real("voxel_size", voxel_size, 0.05, 5, "of the clouds that are registered [m]");
-  visitor.real("min_overlap", min_overlap, 0, 1, "fraction of points that meet a surface");
+  visitor.real("min_overlap", min_overlap, 0, 1,
+               "fraction of points over the ground that meet others");
   visitor.real("max_rmse", max_rmse, 0, 10, "of their point-to-plane distances [m]");
   visitor.real("min_observability", min_observability, 0, 1,
                "weakest against strongest direction of translation");

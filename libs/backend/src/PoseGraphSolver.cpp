@@ -77,16 +77,16 @@ double chi2Of(const GraphData& data, const PoseGraphSolverOptions& options)
   return sum;
 }
 
-std::unique_ptr<ceres::LossFunction> makeLoss(const PoseGraphSolverOptions& options)
+std::unique_ptr<ceres::LossFunction> makeLoss(RobustKernel kernel, double width)
 {
-  switch (options.loop_kernel)
+  switch (kernel)
   {
     case RobustKernel::huber:
-      return std::make_unique<ceres::HuberLoss>(options.kernel_width);
+      return std::make_unique<ceres::HuberLoss>(width);
     case RobustKernel::cauchy:
-      return std::make_unique<ceres::CauchyLoss>(options.kernel_width);
+      return std::make_unique<ceres::CauchyLoss>(width);
     case RobustKernel::dcs:
-      return makeDcsLoss(options.kernel_width);
+      return makeDcsLoss(width);
     case RobustKernel::none:
       break;
   }
@@ -128,49 +128,131 @@ void setStart(GraphData& data, GraphStart start)
   }
 }
 
-/** Runs Ceres from data.poses and puts the answer there. */
-ceres::Solver::Summary optimise(GraphData& data, const PoseGraphSolverOptions& options)
+/** A graph as Ceres sees it. Further kinds of factors join as further residual blocks. */
+class GraphProblem
 {
-  ceres::Problem::Options problem_options;
-  problem_options.loss_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
-  problem_options.manifold_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
-  problem_options.disable_all_safety_checks = true;
-  PoseManifold manifold;
-  const std::unique_ptr<ceres::LossFunction> loss = makeLoss(options);
-  const bool planar = inPlane(data, options);
-  const ErrorCoordinates coordinates = coordinatesFor(data, options);
-  Blocks blocks(data, planar);
-  ceres::Problem problem(problem_options);
-  for (std::size_t i = 0; i < data.size(); ++i)
+ public:
+  GraphProblem(const GraphData& data, const PoseGraphSolverOptions& options)
+      : data_(data),
+        options_(options),
+        planar_(inPlane(data, options)),
+        coordinates_(coordinatesFor(data, options)),
+        blocks_(data, planar_),
+        loss_(nullptr, ceres::TAKE_OWNERSHIP),
+        problem_(problemOptions())
   {
-    problem.AddParameterBlock(blocks.block(i), blocks.width(), planar ? nullptr : &manifold);
+    for (std::size_t i = 0; i < data.size(); ++i)
+    {
+      problem_.AddParameterBlock(blocks_.block(i), blocks_.width(), planar_ ? nullptr : &manifold_);
+    }
+    problem_.SetParameterBlockConstant(blocks_.block(data.root));
+    for (const GraphEdge& edge : data.edges)
+    {
+      auto cost = planar_ ? makePlanarEdgeCost(edge) : makeEdgeCost(coordinates_, edge);
+      const bool robust = edge.loop && options.loop_kernel != RobustKernel::none;
+      problem_.AddResidualBlock(cost.release(), robust ? &loss_ : nullptr, blocks_.block(edge.from),
+                                blocks_.block(edge.to));
+    }
   }
-  problem.SetParameterBlockConstant(blocks.block(data.root));
-  for (const GraphEdge& edge : data.edges)
+
+  ceres::Solver::Summary solve(double kernel_width, int max_iterations, double tolerance)
   {
-    auto cost = planar ? makePlanarEdgeCost(edge) : makeEdgeCost(coordinates, edge);
-    problem.AddResidualBlock(cost.release(), edge.loop ? loss.get() : nullptr,
-                             blocks.block(edge.from), blocks.block(edge.to));
+    loss_.Reset(makeLoss(options_.loop_kernel, kernel_width).release(), ceres::TAKE_OWNERSHIP);
+    ceres::Solver::Options ceres_options;
+    setLinearSolver(ceres_options, options_.linear_solver);
+    ceres_options.max_num_iterations = max_iterations;
+    ceres_options.function_tolerance = tolerance;
+    ceres_options.gradient_tolerance = 1e-14;
+    ceres_options.parameter_tolerance = 1e-12;
+    ceres_options.initial_trust_region_radius = 1e8;
+    ceres_options.num_threads = options_.threads;
+    ceres_options.logging_type = ceres::SILENT;
+    ceres::Solver::Summary summary;
+    ceres::Solve(ceres_options, &problem_, &summary);
+    return summary;
   }
-  ceres::Solver::Options ceres_options;
-  setLinearSolver(ceres_options, options.linear_solver);
-  ceres_options.max_num_iterations = options.max_iterations;
-  ceres_options.function_tolerance = options.tolerance;
-  ceres_options.gradient_tolerance = 1e-14;
-  ceres_options.parameter_tolerance = 1e-12;
-  ceres_options.initial_trust_region_radius = 1e8;
-  ceres_options.num_threads = options.threads;
-  ceres_options.logging_type = ceres::SILENT;
-  ceres::Solver::Summary summary;
-  ceres::Solve(ceres_options, &problem, &summary);
+
+  /** Largest whitened misfit of a loop edge. */
+  [[nodiscard]] double worstLoop()
+  {
+    double worst = 0;
+    for (const GraphEdge& edge : data_.edges)
+    {
+      if (edge.loop)
+      {
+        const Vector6 error =
+            edgeError(coordinates_, edge.T_from_to, blocks_.pose(edge.from), blocks_.pose(edge.to));
+        worst = std::max(worst, std::sqrt(error.dot(edge.information * error)));
+      }
+    }
+    return worst;
+  }
+
+  [[nodiscard]] Pose pose(std::size_t i) { return blocks_.pose(i); }
+
+ private:
+  static ceres::Problem::Options problemOptions()
+  {
+    ceres::Problem::Options options;
+    options.loss_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
+    options.manifold_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
+    options.disable_all_safety_checks = true;
+    return options;
+  }
+
+  const GraphData& data_;
+  const PoseGraphSolverOptions& options_;
+  bool planar_;
+  ErrorCoordinates coordinates_;
+  Blocks blocks_;
+  PoseManifold manifold_;
+  ceres::LossFunctionWrapper loss_;
+  ceres::Problem problem_;
+};
+
+int stepsOf(const ceres::Solver::Summary& summary)
+{
+  return std::max(0, static_cast<int>(summary.iterations.size()) - 1);
+}
+
+/** Narrows the kernel from the worst misfit to its width (graduated non-convexity), so that loops
+ * that only look wrong because of drift are not thrown out at the start. */
+int narrowKernel(GraphProblem& problem, const PoseGraphSolverOptions& options)
+{
+  constexpr double narrowing = 3;
+  constexpr int steps_per_width = 10;
+  int steps = 0;
+  double width = 2 * problem.worstLoop();
+  while (width > options.kernel_width && steps < options.max_iterations)
+  {
+    steps += stepsOf(
+        problem.solve(width, std::min(steps_per_width, options.max_iterations - steps), 1e-3));
+    width = std::min(width / narrowing, problem.worstLoop());
+  }
+  return steps;
+}
+
+/** Optimises from data.poses and puts the answer there and into the result. */
+void optimise(GraphData& data, const PoseGraphSolverOptions& options, PoseGraphResult& result)
+{
+  GraphProblem problem(data, options);
+  if (options.loop_kernel != RobustKernel::none)
+  {
+    result.iterations = narrowKernel(problem, options);
+  }
+  const ceres::Solver::Summary summary =
+      problem.solve(options.kernel_width, std::max(0, options.max_iterations - result.iterations),
+                    options.tolerance);
+  result.iterations += stepsOf(summary);
+  result.converged = summary.termination_type == ceres::CONVERGENCE;
+  result.reason = summary.message;
   for (std::size_t i = 0; i < data.size(); ++i)
   {
     if (i != data.root)
     {
-      data.poses[i] = blocks.pose(i);
+      data.poses[i] = problem.pose(i);
     }
   }
-  return summary;
 }
 }  // namespace
 
@@ -224,11 +306,8 @@ PoseGraphResult PoseGraphSolver::solve(PoseGraph& graph) const
   result.start_chi2 = chi2Of(data, options_);
   setStart(data, options_.start);
   result.initial_chi2 = chi2Of(data, options_);
-  const ceres::Solver::Summary summary = optimise(data, options_);
+  optimise(data, options_, result);
   result.final_chi2 = chi2Of(data, options_);
-  result.iterations = summary.num_successful_steps + summary.num_unsuccessful_steps - 1;
-  result.converged = summary.termination_type == ceres::CONVERGENCE;
-  result.reason = summary.message;
   for (std::size_t i = 0; i < data.size(); ++i)
   {
     auto& node = graph.nodes[data.ids[i]];

@@ -24,7 +24,7 @@ struct LoopCloserOptions : Options
   double descriptor_range = 60;                //!< points that the appearance is made of [m]
   int submap_keyframes = 2;  //!< neighbours on each side merged into the older keyframe's cloud
   double voxel_size = 0.5;   //!< of the clouds that are registered [m]
-  double min_overlap = 0.6;  //!< fraction of points that meet a surface
+  double min_overlap = 0.6;  //!< fraction of points over the ground that meet others
   double max_rmse = 0.2;     //!< of their point-to-plane distances [m]
   double min_observability = 0.02;  //!< weakest against strongest direction of translation
   int min_support = 1;              //!< other loops of nearby keyframes that must agree
