@@ -89,6 +89,7 @@ DyloNetworkImpl::DyloNetworkImpl(const DyloNetworkOptions& options) : options_(o
     join_.push_back(register_module("join" + name, Mlp(Sizes{2 * embedding, hidden, embedding})));
   }
   isotropic_ = register_parameter("isotropic", torch::tensor({-2.F, -4.F, -6.F, -8.F}));
+  noise_ = register_parameter("noise", torch::tensor({-0.7F, -1.F, -1.5F, -2.F, -3.F}));
   if (options.head == DyloHead::gauss_newton)
   {
     fine_embed_ = register_module(
@@ -151,6 +152,7 @@ DyloStage DyloNetworkImpl::poseStage(std::size_t stage,
   result.normal = correlation.normal;
   result.offset = correlation.offset;
   result.target = correlation.target;
+  result.noise = noise_[static_cast<std::int64_t>(stage)].exp();
   if (options_.head == DyloHead::regression)
   {
     const torch::Tensor pooled = (embedding * result.weight.unsqueeze(1)).sum(0, true);
@@ -216,6 +218,7 @@ DyloStage DyloNetworkImpl::fineStage(const EncodedScan& scan1,
   result.target = warped + toward;
   result.normal = plane.normal;
   result.offset = (plane.normal * result.target).sum(1);
+  result.noise = noise_[4].exp();
 
   const torch::Tensor residual = -(plane.normal * toward).sum(1).abs();
   const torch::Tensor spread = plane.spread;

@@ -52,7 +52,7 @@ TEST(DyloNetwork, EveryShapeRunsAndHasGradientsEverywhere)
       {
         ASSERT_TRUE(stage.pose.translation.isfinite().all().item<bool>());
         loss = loss + stage.pose.translation.square().sum() + stage.pose.rotation.square().sum() +
-               stage.pose.rotation.sum() + stage.target.square().mean();
+               stage.pose.rotation.sum() + stage.target.square().mean() + stage.noise;
       }
       loss.backward();
       for (const auto& parameter : net->named_parameters())

@@ -28,6 +28,7 @@ struct DyloStage
   torch::Tensor valid;   //!< [N] points that found a match
   // Matches found from the pose before this stage (head gauss_newton):
   torch::Tensor normal, offset, target;
+  torch::Tensor noise;          //!< deviation of a residual that the mask trusts fully [m]
   torch::Tensor normal_matrix;  //!< [6, 6], of weights that sum to 1
 };
 
@@ -82,6 +83,7 @@ class DyloNetworkImpl : public torch::nn::Module
   torch::Tensor isotropic_;  //!< logarithm, per stage
   Mlp fine_embed_{nullptr};
   DynamicMask fine_mask_{nullptr};
+  torch::Tensor noise_;      //!< logarithm, per stage; the fine passes share the last
   torch::Tensor bandwidth_;  //!< logarithm of the fine attention's width
   std::map<std::tuple<std::int64_t, std::int64_t, std::int64_t, std::int64_t, std::int64_t>, Window>
       windows_;

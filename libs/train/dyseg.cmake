@@ -1,0 +1,18 @@
+# SPDX-License-Identifier: BSD-3-Clause
+# Training of DySeg's network.
+dyslam_add_library(NAME train_dyseg
+  SOURCES
+    src/DysegBodies.cpp
+    src/DysegData.cpp
+    src/DysegLosses.cpp
+    src/DysegScores.cpp
+    src/DysegSources.cpp
+    src/DysegTrainer.cpp
+  PUBLIC dyslam::core dyslam::nets_dyseg
+  PRIVATE dyslam::sim ${TORCH_LIBRARIES})
+
+dyslam_add_test(NAME train_dyseg
+  SOURCES
+    tests/DysegData_unittest.cpp
+    tests/DysegLosses_unittest.cpp
+  LIBRARIES dyslam::train_dyseg ${TORCH_LIBRARIES})

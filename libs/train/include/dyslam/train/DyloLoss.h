@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Includes torch: for train and its tests only.
+#pragma once
+
+#include <dyslam/core/Options.h>
+#include <dyslam/nets/DyloNetwork.h>
+
+#include <vector>
+
+namespace dyslam
+{
+struct DyloLossOptions : Options
+{
+  double flow = 0.2;     //!< of soft correspondences against the true motion
+  double precision = 1;  //!< likelihood of the residuals at the true pose under mask and noise
+  double moving = 0.3;   //!< cross-entropy of static confidence where labels are known
+
+  void describe(OptionsVisitor& visitor) override;
+};
+
+/** Loss with its learned balances: per stage ||t - t*|| e^-s_x + s_x + ||q - q*|| e^-s_q + s_q,
+ * levels weighted 1.6, 0.8, 0.4, 0.2 coarse to fine as in PWCLO-Net, further passes 0.2 each, and
+ * what supervises points: flow, residual likelihood, moving labels. */
+class DyloLossImpl : public torch::nn::Module
+{
+ public:
+  explicit DyloLossImpl(const DyloLossOptions& options);
+
+  struct Terms
+  {
+    torch::Tensor total, pose, flow, precision, moving;
+    std::vector<double> translation_error;  //!< per stage [m]
+  };
+  /** \param labels [level] 0 unknown, 1 still, 2 moving per node of scan 1 (levels 1 and 3 are
+   * read, 2 too). */
+  Terms forward(const std::vector<DyloStage>& stages,
+                const ScanTensors& scan1,
+                const PoseTensors& truth,
+                const std::vector<torch::Tensor>& labels);
+
+ private:
+  DyloLossOptions options_;
+  torch::Tensor s_x_, s_q_;  //!< per stage
+};
+TORCH_MODULE(DyloLoss);
+}  // namespace dyslam

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <dyslam/core/Config.h>
+
+#include <functional>
+#include <string>
+
+namespace dyslam
+{
+struct DyloTrainRequest
+{
+  std::string
+      output;  //!< folder for checkpoint.pt, dylo.pt, log.csv, validation.csv, effective.ini
+  bool resume = false;  //!< go on from checkpoint.pt there
+  std::string device = "cpu";
+  bool validate_only = false;  //!< print the validation table of what is in the folder, then stop
+  std::function<void(const std::string&)> report;  //!< one line of progress at a time
+};
+
+/** Trains DyLO by the sections [train], [network], [loss], [augmentation] and [data] of `config`.
+ * The same config and seed give the same weights on one CPU thread, stopped and resumed or not.
+ * \throws UserError. */
+void trainDylo(const Config& config, const DyloTrainRequest& request);
+}  // namespace dyslam

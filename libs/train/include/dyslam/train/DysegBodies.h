@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <dyslam/core/Pose.h>
+#include <dyslam/train/RandomDraws.h>
+
+#include <Eigen/Core>
+#include <string>
+#include <vector>
+
+namespace dyslam
+{
+/** A box or an ellipsoid of a made-up body, axes along the body's. */
+struct BodyPart
+{
+  Eigen::Vector3f centre;  //!< body frame: x ahead, z up from the ground [m]
+  Eigen::Vector3f half;    //!< half lengths along the axes [m]
+  bool round = false;      //!< an ellipsoid
+};
+
+/** A made-up body that scans can be cast against. */
+struct CastBody
+{
+  std::string kind;
+  std::vector<BodyPart> parts;
+  float radius = 0;  //!< of a circle around the body's origin that holds it, seen from above [m]
+};
+
+enum class BodyKind
+{
+  car,
+  van,
+  truck,
+  pedestrian,
+  cyclist,
+  random  //!< some boxes and ellipsoids: no class at all
+};
+
+[[nodiscard]] CastBody makeBody(BodyKind kind, RandomDraws& draws);
+
+/** Lets a scan's own rays hit a body: a point whose ray meets the body before it comes to lie on the
+ * body. What the body hides disappears with that, and it is sampled as the sensor would.
+ *
+ * \param T_sensor_body upright pose of the body, its origin on the ground
+ * \param points sensor at the origin; changed \return positions of the points that now lie on it.
+ */
+std::vector<std::uint32_t> castBody(const CastBody& body,
+                                    const Pose& T_sensor_body,
+                                    float range_noise,
+                                    RandomDraws& draws,
+                                    std::vector<Eigen::Vector3f>& points);
+}  // namespace dyslam

@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <dyslam/core/Options.h>
+#include <dyslam/nets/RigidFlow.h>
+#include <dyslam/train/RandomDraws.h>
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace dyslam
+{
+/** Some consecutive scans of one drive with what is known about every point. */
+struct DysegClip
+{
+  static constexpr std::int32_t still = 0;
+  static constexpr std::int32_t unknown = -1;
+
+  struct Object
+  {
+    Pose T_sensor_object = Pose::Identity();
+    bool moving = false;
+    bool doubtful = false;  //!< too slow to call, or badly labelled: ignored
+  };
+  struct Frame
+  {
+    std::vector<Eigen::Vector3f> points;  //!< sensor at the origin [m]; (0,0,0) for no return
+    std::vector<std::int32_t> object;     //!< id > 0, still or unknown
+    Pose T_world_sensor = Pose::Identity();
+    std::map<std::int32_t, Object> objects;
+  };
+
+  std::string name;
+  double period = 0.1;  //!< between frames [s]
+  std::vector<Frame> frames;
+};
+
+/** A pair of scans with truth per point of the first, as the network is trained and judged. */
+struct DysegSample
+{
+  static constexpr std::uint8_t static_point = 0;
+  static constexpr std::uint8_t moving_point = 1;
+  static constexpr std::uint8_t ignored_point = 255;
+
+  std::vector<Eigen::Vector3f> current;
+  std::vector<Eigen::Vector3f> past;
+  std::vector<std::uint8_t> label;     //!< of each current point
+  std::vector<Eigen::Vector2f> flow;   //!< of each, current to past, in the plane; NaN if unknown [m]
+  Pose T_past_current = Pose::Identity();
+  double elapsed = 0.1;                //!< s
+  std::vector<Eigen::Vector2f> movers; //!< centres of what moves, to choose crops by
+};
+
+/** Frame `current` of a clip against frame `past`. Ids must be of the clip. */
+[[nodiscard]] DysegSample makeSample(const DysegClip& clip, std::size_t current, std::size_t past);
+
+/** A scan as if it had been taken twice, from two places: itself, moved, thinned and with new noise.
+ * Nothing moves in it. */
+[[nodiscard]] DysegSample doubleScan(const std::vector<Eigen::Vector3f>& points,
+                                     const Pose& T_past_current,
+                                     RandomDraws& draws);
+
+struct DysegAugmentOptions : Options
+{
+  int bodies = 7;              //!< at most, cast into a pair
+  double moving_share = 0.6;   //!< of cast bodies; the others of the same shapes stand
+  double dropout = 0.3;        //!< at most, share of points left out of a scan
+  double range_noise = 0.02;   //!< m, on cast bodies
+  void describe(OptionsVisitor& visitor) override;
+};
+
+/** Casts bodies into both scans of a pair, some moving and some standing; then turns, mirrors and
+ * thins the pair. */
+void augment(const DysegAugmentOptions& options, RandomDraws& draws, DysegSample& sample);
+
+/** vls128_run88: boxes of SUSTechPOINTS beside scans. \param folder of the run. \throws UserError. */
+[[nodiscard]] DysegClip loadBoxedRun(const std::string& folder, std::size_t first, std::size_t last);
+
+/** A run with SemanticKITTI labels per point (0 unknown, 252-259 moving) and poses per scan. The
+ * motions of its objects are not known, so movers have no flow. \throws UserError. */
+[[nodiscard]] DysegClip loadLabelledRun(const std::string& folder,
+                                        const std::string& pose_file,
+                                        std::size_t first,
+                                        std::size_t last);
+
+/** `scans` consecutive scans from the simulator. \param deskewed or as the sensor gives them. */
+[[nodiscard]] DysegClip simulateClip(std::uint64_t seed, int scans, bool deskewed);
+}  // namespace dyslam

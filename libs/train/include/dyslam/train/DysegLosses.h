@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <dyslam/nets/DysegNet.h>
+#include <dyslam/train/DysegData.h>
+
+#include <vector>
+
+namespace dyslam
+{
+/** What is known about the occupied cells of a scan at one resolution. */
+struct DysegCellTruth
+{
+  std::vector<Eigen::Vector2f> flow;  //!< current to past [m]; NaN if unknown
+  std::vector<std::uint8_t> label;    //!< as DysegSample
+};
+
+/** Truth of cells from the truth of the kept points in them: moving if some points move.
+ * \param row_of_point row of each kept point's cell \param places centres of the cells. */
+[[nodiscard]] DysegCellTruth cellTruth(const DysegSample& sample,
+                                       const BevScan& scan,
+                                       const std::vector<std::int32_t>& row_of_point,
+                                       const std::vector<Eigen::Vector2f>& places,
+                                       const PlanarMotion& ego);
+
+/** Cross-entropy of correlation windows against the true offset, shared by the four cells around it.
+ *
+ * Cells whose offset is NaN or outside the window don't count; static and moving cells weigh the
+ * same in sum. \param offset N x 2 (x, y) from the window's centre [cells] \param moving N flags.
+ */
+[[nodiscard]] torch::Tensor correlationLoss(const torch::Tensor& correlation,
+                                            const torch::Tensor& offset,
+                                            const torch::Tensor& moving,
+                                            int radius);
+
+/** Lovasz hinge: a convex stand-in for 1 - IoU of the positive class (Berman et al. 2018). */
+[[nodiscard]] torch::Tensor lovaszHinge(const torch::Tensor& logit, const torch::Tensor& label);
+
+/** Mean over static plus mean over moving, each if there are any. */
+[[nodiscard]] torch::Tensor balancedMean(const torch::Tensor& value, const torch::Tensor& moving);
+
+struct DysegLoss
+{
+  torch::Tensor total;
+  double matching = 0;
+  double flow = 0;
+  double cell = 0;
+  double point = 0;
+};
+
+struct DysegLossOptions : Options
+{
+  int iterations = 2;         //!< flow updates in training
+  double decay = 0.8;         //!< weight of an update's flow against the next one's
+  int points = 3072;          //!< judged one by one in a pair
+  double first_noise = 0.35;  //!< m, error of the guide at 1/4 resolution; its yaw 1.5 deg per m
+  double second_noise = 0.04; //!< m, error of the static flow in training
+  void describe(OptionsVisitor& visitor) override;
+};
+
+/** One pair through the network and all its losses. \param grid and \param centre of the crop. */
+[[nodiscard]] DysegLoss dysegLoss(DysegNet& net,
+                                  const DysegSample& sample,
+                                  const BevOptions& grid,
+                                  const Eigen::Vector2f& centre,
+                                  const DysegLossOptions& options,
+                                  RandomDraws& draws);
+}  // namespace dyslam

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <dyslam/nets/DysegModel.h>
+#include <dyslam/train/DysegData.h>
+
+#include <cstdint>
+#include <vector>
+
+namespace dyslam
+{
+/** Sums from which the scores of moving-object segmentation and flow come. */
+struct DysegScores
+{
+  std::uint64_t hits = 0;    //!< moving, called moving
+  std::uint64_t alarms = 0;  //!< static, called moving
+  std::uint64_t misses = 0;  //!< moving, called static
+  double static_error = 0;   //!< sum of end-point errors of static cells [m]
+  double moving_error = 0;   //!< of moving cells [m]
+  std::uint64_t static_cells = 0;
+  std::uint64_t moving_cells = 0;
+  double translation_error = 0;  //!< sum of the static flow's errors [m]
+  double yaw_error = 0;          //!< [rad]
+  std::uint64_t pairs = 0;
+
+  [[nodiscard]] double iou() const;
+  [[nodiscard]] double precision() const;
+  [[nodiscard]] double recall() const;
+  void add(const DysegScores& other);
+};
+
+/** One pair through the whole network, judged on all labelled points of the scan. */
+[[nodiscard]] DysegScores scorePair(const DysegModel& model,
+                                    const DysegSample& sample,
+                                    int iterations = 1,
+                                    float threshold = 0.5F);
+}  // namespace dyslam

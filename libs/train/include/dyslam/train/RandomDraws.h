@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+
+namespace dyslam
+{
+/** Small seeded random numbers (splitmix64) whose draws are the same on every platform. */
+class RandomDraws
+{
+ public:
+  RandomDraws(std::uint64_t seed, std::uint64_t index)
+      : state_(seed * 0x9E3779B97F4A7C15ULL + index * 0xD1B54A32D192ED03ULL)
+  {
+    bits();
+    bits();
+  }
+
+  std::uint64_t bits()
+  {
+    state_ += 0x9E3779B97F4A7C15ULL;
+    std::uint64_t z = state_;
+    z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9ULL;
+    z = (z ^ (z >> 27)) * 0x94D049BB133111EBULL;
+    return z ^ (z >> 31);
+  }
+  /** In [0, 1). */
+  double uniform() { return static_cast<double>(bits() >> 11) * 0x1.0p-53; }
+  double uniform(double low, double high) { return low + (high - low) * uniform(); }
+  /** In [0, count); count at least 1. */
+  std::size_t below(std::size_t count) { return static_cast<std::size_t>(bits() % count); }
+  bool chance(double probability) { return uniform() < probability; }
+  double normal(double deviation)
+  {
+    const double radius = std::sqrt(-2 * std::log(1 - uniform()));
+    return deviation * radius * std::cos(6.283185307179586 * uniform());
+  }
+
+ private:
+  std::uint64_t state_;
+};
+}  // namespace dyslam

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <dyslam/train/Augmentation.h>
+#include <dyslam/train/Recordings.h>
+
+namespace dyslam
+{
+/** Pairs of scans up to `most_gap` steps apart, either way round, from recordings with poses. */
+class RecordingPairSource : public PairSource
+{
+ public:
+  RecordingPairSource(std::vector<Recording> recordings,
+                      std::vector<Body> bodies,
+                      const AugmentationOptions& augmentation,
+                      int most_gap,
+                      std::uint64_t seed);
+  [[nodiscard]] std::string name() const override { return "recordings"; }
+  [[nodiscard]] TrainingPair pair(std::uint64_t index) const override;
+
+ private:
+  std::vector<Recording> recordings_;
+  std::vector<Body> bodies_;
+  AugmentationOptions augmentation_;
+  int most_gap_;
+  std::uint64_t seed_;
+};
+
+/** One scan made into two: its points are dealt out to both, one of them moves by a drawn motion.
+ * For variety of places, not for accuracy: both halves show the same rings. */
+class SingleScanSource : public PairSource
+{
+ public:
+  SingleScanSource(std::vector<std::vector<Eigen::Vector3f>> scans,
+                   std::vector<Body> bodies,
+                   const AugmentationOptions& augmentation,
+                   std::uint64_t seed);
+  [[nodiscard]] std::string name() const override { return "single scans"; }
+  [[nodiscard]] TrainingPair pair(std::uint64_t index) const override;
+
+ private:
+  std::vector<std::vector<Eigen::Vector3f>> scans_;
+  std::vector<Body> bodies_;
+  AugmentationOptions augmentation_;
+  std::uint64_t seed_;
+};
+}  // namespace dyslam

@@ -1,0 +1,271 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/Error.h>
+#include <dyslam/nets/PreparedScan.h>
+#include <dyslam/train/Augmentation.h>
+#include <dyslam/train/Recordings.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <limits>
+#include <map>
+
+namespace dyslam
+{
+namespace
+{
+/** Nearest range of a body by direction, widened by a cell, to hide what lies behind. */
+class Shadow
+{
+ public:
+  explicit Shadow(const std::vector<Eigen::Vector3f>& body)
+      : range_(static_cast<std::size_t>(rows * cols), std::numeric_limits<float>::max())
+  {
+    for (const Eigen::Vector3f& p : body)
+    {
+      const auto [row, col] = cell(p);
+      for (int i = std::max(0, row - 1); i <= std::min(rows - 1, row + 1); ++i)
+      {
+        for (int j = col - 1; j <= col + 1; ++j)
+        {
+          float& nearest = range_[static_cast<std::size_t>(i * cols + (j + cols) % cols)];
+          nearest = std::min(nearest, p.norm());
+        }
+      }
+    }
+  }
+
+  [[nodiscard]] bool hides(const Eigen::Vector3f& p) const
+  {
+    const auto [row, col] = cell(p);
+    return p.norm() > range_[static_cast<std::size_t>(row * cols + col)] + 0.1F;
+  }
+
+ private:
+  static constexpr int rows = 80;
+  static constexpr int cols = 720;
+
+  static std::pair<int, int> cell(const Eigen::Vector3f& p)
+  {
+    const float slope = p.z() / std::max(std::hypot(p.x(), p.y()), 1e-3F);
+    return {static_cast<int>(std::clamp((slope + 0.5F) * rows, 0.F, rows - 1.F)),
+            imageColumn(p.x(), p.y(), cols)};
+  }
+
+  std::vector<float> range_;
+};
+
+void hideBehind(const Body& body, std::vector<Eigen::Vector3f>& points)
+{
+  if (body.empty())
+  {
+    return;
+  }
+  const Shadow shadow(body);
+  for (Eigen::Vector3f& p : points)
+  {
+    if (p.allFinite() && shadow.hides(p))
+    {
+      p.setConstant(std::numeric_limits<float>::quiet_NaN());
+    }
+  }
+}
+
+void moveAll(const Pose& motion, std::vector<Eigen::Vector3f>& points)
+{
+  const Eigen::Isometry3f m = motion.cast<float>();
+  for (Eigen::Vector3f& p : points)
+  {
+    p = m * p;
+  }
+}
+
+void mirrorPair(TrainingPair& pair)
+{
+  for (auto* points : {&pair.points1, &pair.points2})
+  {
+    for (Eigen::Vector3f& p : *points)
+    {
+      p.y() = -p.y();
+    }
+  }
+  const Eigen::Vector3d flip(1, -1, 1);
+  pair.T_2_1.linear() = flip.asDiagonal() * pair.T_2_1.linear() * flip.asDiagonal();
+  pair.T_2_1.translation().y() *= -1;
+}
+
+void disturb(double noise, double dropout, RandomDraws& draws, std::vector<Eigen::Vector3f>& points)
+{
+  for (Eigen::Vector3f& p : points)
+  {
+    if (!p.allFinite())
+    {
+      continue;
+    }
+    if (draws.chance(dropout))
+    {
+      p.setConstant(std::numeric_limits<float>::quiet_NaN());
+      continue;
+    }
+    // A sum of uniform numbers is near enough to a normal one, and cheap.
+    const double error = noise * 1.225 * (draws.uniform(-1, 1) + draws.uniform(-1, 1));
+    p *= 1 + static_cast<float>(error) / std::max(p.norm(), 0.5F);
+  }
+}
+
+/** Leaves only every `keep`-th of 64 beams. */
+void thinBeams(int keep, int offset, std::vector<Eigen::Vector3f>& points)
+{
+  const PreparedScan scan = prepareScan(points);
+  for (Eigen::Vector3f& p : points)
+  {
+    const float slope = p.z() / std::max(std::hypot(p.x(), p.y()), 1e-3F);
+    if (p.allFinite() &&
+        scan.row_of_slope[static_cast<std::size_t>(slopeBin(slope))] % keep != offset)
+    {
+      p.setConstant(std::numeric_limits<float>::quiet_NaN());
+    }
+  }
+}
+
+void pasteBodies(const AugmentationOptions& options,
+                 const std::vector<Body>& bodies,
+                 RandomDraws& draws,
+                 TrainingPair& pair)
+{
+  const std::size_t count = 1 + draws.below(static_cast<std::size_t>(options.most_bodies));
+  const bool jam = draws.chance(options.co_moving / 2);
+  const double step = pair.T_2_1.translation().norm();
+  for (std::size_t i = 0; i < count; ++i)
+  {
+    Body body = bodies[draws.below(bodies.size())];
+    const Pose turn = poseFromYpr(0, 0, 0, draws.uniform(-M_PI, M_PI), 0, 0);
+    moveAll(turn, body);
+    const double kind = draws.uniform();
+    Pose T_2_1_body = pair.T_2_1;
+    PointLabel label = PointLabel::still;
+    if (jam || kind < options.co_moving)
+    {
+      // Stays where it is in the sensor's view, nearly.
+      T_2_1_body =
+          poseFromYpr(draws.normal(0.02), draws.normal(0.01), 0, draws.normal(0.002), 0, 0);
+      label = (pair.T_2_1.translation() - T_2_1_body.translation()).norm() > 0.05
+                  ? PointLabel::moving
+                  : PointLabel::unknown;
+    }
+    else if (kind < 0.85)
+    {
+      // Moves over ground: along, against or across, by up to twice the ego's step.
+      const double heading =
+          draws.chance(0.7) ? (draws.chance(0.5) ? 0 : M_PI) : draws.uniform(-M_PI, M_PI);
+      const double length = draws.uniform(0.05, 2 * step + 0.3);
+      const Eigen::Vector3d moved(length * std::cos(heading), length * std::sin(heading), 0);
+      T_2_1_body = pair.T_2_1 * Eigen::Translation3d(-moved);
+      label = PointLabel::moving;
+    }
+    pasteBody(body, T_2_1_body, label, pair);
+  }
+}
+}  // namespace
+
+void AugmentationOptions::describe(OptionsVisitor& visitor)
+{
+  visitor.real("translation", translation, 0, 5, "deviation of T_aug along x [m]");
+  visitor.degrees("yaw", yaw, 0, 45, "deviation of T_aug's yaw");
+  visitor.real("mirror", mirror, 0, 1, "probability of a mirrored scene");
+  visitor.real("turned", turned, 0, 1, "probability of a common random heading");
+  visitor.real("range_noise", range_noise, 0, 1, "largest deviation of added range noise [m]");
+  visitor.real("point_dropout", point_dropout, 0, 1, "largest share of points left out");
+  visitor.real("beam_dropout", beam_dropout, 0, 1, "probability of fewer beams");
+  visitor.real("bodies", bodies, 0, 1, "probability of pasted bodies");
+  visitor.integer("most_bodies", most_bodies, 1, 100, "pasted at a time");
+  visitor.real("co_moving", co_moving, 0, 1, "share of bodies that move as the ego does");
+}
+
+std::vector<Body> loadBodies(const std::string& folder, std::size_t min_points)
+{
+  std::vector<Body> bodies;
+  for (const std::string& file : binFiles(folder))
+  {
+    const std::string label_file = std::filesystem::path(file).replace_extension(".label").string();
+    std::ifstream labels(label_file, std::ios::binary);
+    if (!labels)
+    {
+      continue;
+    }
+    std::map<std::uint32_t, Body> instances;
+    for (const Eigen::Vector3f& p : readBinPoints(file))
+    {
+      std::uint32_t label = 0;
+      if (!labels.read(reinterpret_cast<char*>(&label), 4))
+      {
+        throw UserError(label_file + ": holds fewer labels than the scan has points");
+      }
+      if ((label & 0xFFFFU) == 252 && p.allFinite())
+      {
+        instances[label >> 16].push_back(p);
+      }
+    }
+    for (auto& [number, body] : instances)
+    {
+      if (body.size() >= min_points)
+      {
+        bodies.push_back(std::move(body));
+      }
+    }
+  }
+  return bodies;
+}
+
+void pasteBody(const Body& body, const Pose& T_2_1_body, PointLabel label, TrainingPair& pair)
+{
+  Body earlier = body;
+  moveAll(T_2_1_body, earlier);
+  hideBehind(body, pair.points1);
+  hideBehind(earlier, pair.points2);
+  pair.points1.insert(pair.points1.end(), body.begin(), body.end());
+  pair.points2.insert(pair.points2.end(), earlier.begin(), earlier.end());
+  pair.labels1.resize(pair.points1.size(), label);
+}
+
+void augment(const AugmentationOptions& options,
+             const std::vector<Body>& bodies,
+             RandomDraws& draws,
+             TrainingPair& pair)
+{
+  pair.labels1.resize(pair.points1.size(), PointLabel::unknown);
+  if (draws.chance(options.turned))
+  {
+    const Pose turn = poseFromYpr(0, 0, 0, draws.uniform(-M_PI, M_PI), 0, 0);
+    moveAll(turn, pair.points1);
+    moveAll(turn, pair.points2);
+    pair.T_2_1 = turn * pair.T_2_1 * turn.inverse();
+  }
+  if (!bodies.empty() && draws.chance(options.bodies))
+  {
+    pasteBodies(options, bodies, draws, pair);
+  }
+  if (draws.chance(options.mirror))
+  {
+    mirrorPair(pair);
+  }
+  if (draws.chance(options.beam_dropout))
+  {
+    const int keep = draws.chance(0.5) ? 2 : 4;
+    const int offset = static_cast<int>(draws.below(static_cast<std::size_t>(keep)));
+    thinBeams(keep, offset, pair.points1);
+    thinBeams(keep, offset, pair.points2);
+  }
+  const double noise = draws.uniform(0, options.range_noise);
+  const double dropout = draws.uniform(0, options.point_dropout);
+  disturb(noise, dropout, draws, pair.points1);
+  disturb(noise, dropout, draws, pair.points2);
+  const double t = options.translation;
+  const Pose T_aug = poseFromYpr(draws.normal(t), draws.normal(t / 2), draws.normal(t / 4),
+                                 draws.normal(options.yaw), draws.normal(options.yaw / 3),
+                                 draws.normal(options.yaw / 3));
+  moveAll(T_aug, pair.points1);
+  pair.T_2_1 = pair.T_2_1 * T_aug.inverse();
+}
+}  // namespace dyslam

@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "DyloTrainOptions.h"
+
+#include <dyslam/core/Error.h>
+
+#include <cstdlib>
+#include <sstream>
+
+namespace dyslam
+{
+void TrainOptions::describe(OptionsVisitor& visitor)
+{
+  visitor.integer("seed", seed, 0, 1 << 30, "of weights and data");
+  visitor.integer("steps", steps, 1, 100000000, "of the optimiser");
+  visitor.integer("batch", batch, 1, 1024, "pairs per step");
+  visitor.real("learning_rate", learning_rate, 1e-9, 1, "at the start");
+  visitor.real("last_learning_rate", last_learning_rate, 1e-12, 1, "at the end");
+  visitor.word("schedule", schedule, {"exponential", "cosine"}, "from the first rate to the last");
+  visitor.real("clip", clip, 1e-6, 1e6, "largest norm of a gradient");
+  visitor.integer("threads", threads, 1, 256, "of a CPU");
+  visitor.real("checkpoint_minutes", checkpoint_minutes, 0.01, 1e6, "between checkpoints");
+  visitor.integer("validate_every", validate_every, 1, 100000000, "steps");
+  visitor.integer("report_every", report_every, 1, 1000000, "steps");
+}
+
+void DataOptions::describe(OptionsVisitor& visitor)
+{
+  visitor.text("base", base, "folder of the data; a leading $NAME is an environment variable");
+  visitor.text("recordings", recordings,
+               "folder;poses;first;last[;deskew][;labels=folder], several separated by |");
+  visitor.text("singles", singles, "folders of single scans, separated by |");
+  visitor.text("bodies", bodies, "folders of labelled scans that bodies are cut from, by |");
+  visitor.text("validation", validation, "as recordings, never trained on");
+  visitor.integer("most_gap", most_gap, 1, 100, "steps between the scans of a pair");
+  visitor.real("recordings_weight", recordings_weight, 0, 1e6, "share of pairs");
+  visitor.real("singles_weight", singles_weight, 0, 1e6, "share of pairs");
+  visitor.real("simulator_weight", simulator_weight, 0, 1e6, "share of pairs");
+}
+
+std::vector<std::string> listItems(const std::string& text)
+{
+  std::vector<std::string> items;
+  std::istringstream stream(text);
+  for (std::string item; std::getline(stream, item, '|');)
+  {
+    const auto begin = item.find_first_not_of(' ');
+    if (begin != std::string::npos)
+    {
+      items.push_back(item.substr(begin, item.find_last_not_of(' ') - begin + 1));
+    }
+  }
+  return items;
+}
+
+std::string dataBase(const std::string& base)
+{
+  if (base.empty() || base.front() != '$')
+  {
+    return base;
+  }
+  const std::size_t slash = base.find('/');
+  const std::string name = base.substr(1, slash == std::string::npos ? slash : slash - 1);
+  const char* value = std::getenv(name.c_str());
+  if (value == nullptr)
+  {
+    throw UserError("[data] base is " + base + ", but the environment variable " + name +
+                    " is not set");
+  }
+  return value + (slash == std::string::npos ? "" : base.substr(slash));
+}
+
+std::vector<Recording> loadRecordings(const std::string& list,
+                                      const std::string& base,
+                                      bool by_own_motion)
+{
+  std::vector<Recording> recordings;
+  for (const std::string& item : listItems(list))
+  {
+    recordings.push_back(loadRecording(parseRecording(item, base), by_own_motion));
+  }
+  return recordings;
+}
+}  // namespace dyslam

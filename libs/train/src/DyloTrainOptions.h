@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <dyslam/core/Options.h>
+#include <dyslam/train/PairSource.h>
+#include <dyslam/train/Recordings.h>
+
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace dyslam
+{
+struct TrainOptions : Options
+{
+  int seed = 1;
+  int steps = 8000;
+  int batch = 2;
+  double learning_rate = 1e-3;
+  double last_learning_rate = 1e-6;
+  std::string schedule = "exponential";
+  double clip = 5;
+  int threads = 1;
+  double checkpoint_minutes = 3;
+  int validate_every = 500;
+  int report_every = 20;
+
+  void describe(OptionsVisitor& visitor) override;
+};
+
+struct DataOptions : Options
+{
+  std::string base = "$DYSLAM_DATA";
+  std::string recordings;
+  std::string singles;
+  std::string bodies;
+  std::string validation;
+  int most_gap = 5;
+  double recordings_weight = 1;
+  double singles_weight = 0.1;
+  double simulator_weight = 0;
+
+  void describe(OptionsVisitor& visitor) override;
+};
+
+/** Items of a list separated by '|'. */
+[[nodiscard]] std::vector<std::string> listItems(const std::string& text);
+/** The folder that `base` names; a leading $NAME is read from the environment. \throws UserError.
+ */
+[[nodiscard]] std::string dataBase(const std::string& base);
+[[nodiscard]] std::vector<Recording> loadRecordings(const std::string& list,
+                                                    const std::string& base,
+                                                    bool by_own_motion);
+}  // namespace dyslam

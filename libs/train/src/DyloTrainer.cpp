@@ -1,0 +1,375 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/Error.h>
+#include <dyslam/nets/DyloModel.h>
+#include <dyslam/train/Augmentation.h>
+#include <dyslam/train/DyloLoss.h>
+#include <dyslam/train/DyloTrainer.h>
+#include <dyslam/train/RealPairSource.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+
+#include "DyloTrainOptions.h"
+#include "DyloValidation.h"
+#include "SimulatorPairSource.h"
+
+namespace dyslam
+{
+namespace
+{
+using Clock = std::chrono::steady_clock;
+
+double secondsSince(Clock::time_point begin)
+{
+  return std::chrono::duration<double>(Clock::now() - begin).count();
+}
+
+std::unique_ptr<PairSource> makeSource(const DataOptions& data,
+                                       const AugmentationOptions& augmentation,
+                                       const std::string& base,
+                                       std::uint64_t seed)
+{
+  std::vector<Body> bodies;
+  for (const std::string& folder : listItems(data.bodies))
+  {
+    for (Body& body : loadBodies(base + "/" + folder, 120))
+    {
+      bodies.push_back(std::move(body));
+    }
+  }
+  auto mixed = std::make_unique<MixedPairSource>(seed);
+  if (data.recordings_weight > 0 && !data.recordings.empty())
+  {
+    mixed->add(std::make_unique<RecordingPairSource>(loadRecordings(data.recordings, base, true),
+                                                     bodies, augmentation, data.most_gap, seed),
+               data.recordings_weight);
+  }
+  if (data.singles_weight > 0 && !data.singles.empty())
+  {
+    std::vector<std::vector<Eigen::Vector3f>> scans;
+    for (const std::string& folder : listItems(data.singles))
+    {
+      for (const std::string& file : binFiles(base + "/" + folder))
+      {
+        scans.push_back(readBinPoints(file));
+      }
+    }
+    mixed->add(std::make_unique<SingleScanSource>(std::move(scans), bodies, augmentation, seed),
+               data.singles_weight);
+  }
+  if (data.simulator_weight > 0)
+  {
+    mixed->add(makeSimulatorPairSource(augmentation, data.most_gap, seed), data.simulator_weight);
+  }
+  if (mixed->empty())
+  {
+    throw UserError("[data]: name recordings, singles or give simulator_weight; there is no data");
+  }
+  return mixed;
+}
+
+/** Labels of the nodes of levels 1 to 4. */
+std::vector<torch::Tensor> nodeLabels(const PreparedScan& scan,
+                                      const std::vector<PointLabel>& labels)
+{
+  std::vector<torch::Tensor> result(PreparedScan::level_count);
+  for (std::size_t l = 1; l < PreparedScan::level_count; ++l)
+  {
+    const auto& cells = scan.levels[l].cell;
+    result[l] = torch::zeros({static_cast<std::int64_t>(cells.size())}, torch::kLong);
+    for (std::size_t n = 0; n < cells.size(); ++n)
+    {
+      const std::int32_t source =
+          cells[n] >= 0 ? scan.source[static_cast<std::size_t>(cells[n])] : -1;
+      if (source >= 0 && !labels.empty())
+      {
+        result[l].data_ptr<std::int64_t>()[n] =
+            static_cast<std::int64_t>(labels[static_cast<std::size_t>(source)]);
+      }
+    }
+  }
+  return result;
+}
+
+class Trainer
+{
+ public:
+  Trainer(const Config& config, const DyloTrainRequest& request);
+  void run();
+
+ private:
+  void save();
+  void resume();
+  void validate();
+  [[nodiscard]] double learningRate() const;
+  DyloLossImpl::Terms trainPair(std::uint64_t index);
+  void log(const DyloLossImpl::Terms& terms, double gradient);
+
+  const DyloTrainRequest& request_;
+  TrainOptions options_;
+  DataOptions data_;
+  AugmentationOptions augmentation_;
+  DyloNetwork network_{nullptr};
+  DyloLoss loss_{nullptr};
+  std::unique_ptr<torch::optim::Adam> optimizer_;
+  std::unique_ptr<PairSource> source_;
+  std::vector<Recording> validation_;
+  torch::Device device_;
+  std::int64_t step_ = 0;
+  std::int64_t first_step_ = 0;
+  double data_seconds_ = 0;
+  Clock::time_point begin_;
+};
+
+Trainer::Trainer(const Config& config, const DyloTrainRequest& request)
+    : request_(request), device_(request.device == "cuda" ? torch::kCUDA : torch::kCPU)
+{
+  if (request.device != "cpu" && request.device != "cuda")
+  {
+    throw UserError("--device " + request.device + ": choose cpu or cuda");
+  }
+  if (request.device == "cuda" && !torch::cuda::is_available())
+  {
+    throw UserError("--device cuda: this machine or this libtorch has no CUDA; use --device cpu");
+  }
+  ConfigLoader loader(config);
+  options_ = loader.get<TrainOptions>("train");
+  const auto shape = loader.get<DyloNetworkOptions>("network");
+  const auto loss = loader.get<DyloLossOptions>("loss");
+  augmentation_ = loader.get<AugmentationOptions>("augmentation");
+  data_ = loader.get<DataOptions>("data");
+  loader.requireAllUsed();
+
+  torch::set_num_threads(options_.threads);
+  torch::manual_seed(static_cast<std::uint64_t>(options_.seed));
+  network_ = DyloNetwork(shape);
+  loss_ = DyloLoss(loss);
+  network_->to(device_);
+  loss_->to(device_);
+  std::vector<torch::Tensor> parameters = network_->parameters();
+  for (const torch::Tensor& parameter : loss_->parameters())
+  {
+    parameters.push_back(parameter);
+  }
+  optimizer_ = std::make_unique<torch::optim::Adam>(
+      parameters, torch::optim::AdamOptions(options_.learning_rate).betas({0.9, 0.999}));
+
+  std::filesystem::create_directories(request.output);
+  if (request.resume || request.validate_only)
+  {
+    resume();
+  }
+  else if (std::filesystem::exists(request.output + "/checkpoint.pt"))
+  {
+    throw UserError(request.output +
+                    "/checkpoint.pt: is there already; add --resume or choose another folder");
+  }
+  const std::string base = dataBase(data_.base);
+  validation_ = loadRecordings(data_.validation, base, false);
+  if (!request.validate_only)
+  {
+    std::ofstream(request.output + "/effective.ini") << loader.effective().toIni();
+    source_ = makeSource(data_, augmentation_, base, static_cast<std::uint64_t>(options_.seed));
+  }
+}
+
+double Trainer::learningRate() const
+{
+  const double done = static_cast<double>(step_) / options_.steps;
+  if (options_.schedule == "cosine")
+  {
+    return options_.last_learning_rate +
+           0.5 * (options_.learning_rate - options_.last_learning_rate) *
+               (1 + std::cos(M_PI * std::min(done, 1.0)));
+  }
+  return options_.learning_rate *
+         std::pow(options_.last_learning_rate / options_.learning_rate, std::min(done, 1.0));
+}
+
+DyloLossImpl::Terms Trainer::trainPair(std::uint64_t index)
+{
+  const auto begin = Clock::now();
+  const TrainingPair pair = source_->pair(index);
+  const PreparedScan prepared1 = prepareScan(pair.points1);
+  const PreparedScan prepared2 = prepareScan(pair.points2);
+  std::vector<torch::Tensor> labels = nodeLabels(prepared1, pair.labels1);
+  for (torch::Tensor& label : labels)
+  {
+    label = label.defined() ? label.to(device_) : label;
+  }
+  const ScanTensors scan1 = toTensors(prepared1, device_);
+  const ScanTensors scan2 = toTensors(prepared2, device_);
+  data_seconds_ += secondsSince(begin);
+
+  const auto options = torch::dtype(torch::kFloat).device(device_);
+  const auto stages = network_->forward(network_->encode(scan1), network_->encode(scan2),
+                                        PoseTensors::identity(options));
+  DyloLossImpl::Terms terms =
+      loss_->forward(stages, scan1, PoseTensors::from(pair.T_2_1, options), labels);
+  (terms.total / options_.batch).backward();
+  return terms;
+}
+
+void Trainer::run()
+{
+  begin_ = Clock::now();
+  first_step_ = step_;
+  if (request_.validate_only)
+  {
+    validate();
+    return;
+  }
+  auto saved = Clock::now();
+  request_.report("training on: " + source_->name());
+  while (step_ < options_.steps)
+  {
+    const double rate = learningRate();
+    for (auto& group : optimizer_->param_groups())
+    {
+      static_cast<torch::optim::AdamOptions&>(group.options()).lr(rate);
+    }
+    optimizer_->zero_grad();
+    DyloLossImpl::Terms terms;
+    for (int b = 0; b < options_.batch; ++b)
+    {
+      terms = trainPair(static_cast<std::uint64_t>(step_ * options_.batch + b));
+    }
+    std::vector<torch::Tensor> parameters;
+    for (auto& group : optimizer_->param_groups())
+    {
+      parameters.insert(parameters.end(), group.params().begin(), group.params().end());
+    }
+    const double gradient = torch::nn::utils::clip_grad_norm_(parameters, options_.clip);
+    if (std::isfinite(gradient))
+    {
+      optimizer_->step();
+    }
+    ++step_;
+    log(terms, gradient);
+    if (step_ % options_.validate_every == 0)
+    {
+      validate();
+    }
+    if (secondsSince(saved) > 60 * options_.checkpoint_minutes || step_ == options_.steps)
+    {
+      save();
+      saved = Clock::now();
+    }
+  }
+}
+
+void Trainer::log(const DyloLossImpl::Terms& terms, double gradient)
+{
+  if (step_ % options_.report_every != 0)
+  {
+    return;
+  }
+  const std::string file = request_.output + "/log.csv";
+  const bool fresh = !std::filesystem::exists(file);
+  std::ofstream csv(file, std::ios::app);
+  if (fresh)
+  {
+    csv << "step,learning_rate,loss,pose,flow,precision,moving,gradient,first_stage_m,last_stage_"
+           "m\n";
+  }
+  csv << step_ << ',' << learningRate() << ',' << terms.total.item<double>() << ','
+      << terms.pose.item<double>() << ',' << terms.flow.item<double>() << ','
+      << terms.precision.item<double>() << ',' << terms.moving.item<double>() << ',' << gradient
+      << ',' << terms.translation_error.front() << ',' << terms.translation_error.back() << '\n';
+  const auto done = static_cast<double>(step_ - first_step_);
+  const double per_step = secondsSince(begin_) / done;
+  char line[240];
+  std::snprintf(line, sizeof line,
+                "step %lld/%d  loss %.3f  t %.3f -> %.4f m  |g| %.2f  %.0f ms/pair (data %.0f)  "
+                "%.0f min left",
+                static_cast<long long>(step_), options_.steps, terms.total.item<double>(),
+                terms.translation_error.front(), terms.translation_error.back(), gradient,
+                1e3 * per_step / options_.batch, 1e3 * data_seconds_ / done / options_.batch,
+                per_step * static_cast<double>(options_.steps - step_) / 60);
+  request_.report(line);
+}
+
+void Trainer::validate()
+{
+  if (validation_.empty())
+  {
+    return;
+  }
+  const auto rows = validateDylo(network_, validation_, device_);
+  request_.report("validation at step " + std::to_string(step_) + "\n" + validationTable(rows));
+  const std::string file = request_.output + "/validation.csv";
+  const bool fresh = !std::filesystem::exists(file);
+  std::ofstream csv(file, std::ios::app);
+  if (fresh)
+  {
+    csv << "step,recording,t_mean_m,t_rmse_m,r_mean_deg,r_rmse_deg,forward_ratio\n";
+  }
+  for (const ValidationRow& row : rows)
+  {
+    csv << step_ << ',' << row.recording << ',' << row.network.translation_mean << ','
+        << row.network.translation_rmse << ',' << row.network.rotation_mean_deg << ','
+        << row.network.rotation_rmse_deg << ',' << row.network.forward_ratio << '\n';
+  }
+}
+
+void Trainer::save()
+{
+  torch::serialize::OutputArchive archive;
+  torch::serialize::OutputArchive network;
+  torch::serialize::OutputArchive loss;
+  torch::serialize::OutputArchive optimizer;
+  network_->save(network);
+  loss_->save(loss);
+  optimizer_->save(optimizer);
+  archive.write("network", network);
+  archive.write("loss", loss);
+  archive.write("optimizer", optimizer);
+  archive.write("step", torch::IValue(step_));
+  // Written beside and renamed, so that a stop in between leaves the old one whole.
+  const std::string path = request_.output + "/checkpoint.pt";
+  archive.save_to(path + ".new");
+  std::filesystem::rename(path + ".new", path);
+  saveDylo(network_, request_.output + "/dylo.pt.new");
+  std::filesystem::rename(request_.output + "/dylo.pt.new", request_.output + "/dylo.pt");
+}
+
+void Trainer::resume()
+{
+  const std::string path = request_.output + "/checkpoint.pt";
+  if (!std::filesystem::exists(path))
+  {
+    throw UserError(path + ": there is no checkpoint to go on from");
+  }
+  try
+  {
+    torch::serialize::InputArchive archive;
+    archive.load_from(path, device_);
+    torch::serialize::InputArchive network;
+    torch::serialize::InputArchive loss;
+    torch::serialize::InputArchive optimizer;
+    archive.read("network", network);
+    archive.read("loss", loss);
+    archive.read("optimizer", optimizer);
+    network_->load(network);
+    loss_->load(loss);
+    optimizer_->load(optimizer);
+    torch::IValue step;
+    archive.read("step", step);
+    step_ = step.toInt();
+  }
+  catch (const std::exception&)
+  {
+    throw UserError(path + ": does not fit the [network] of the config, or is damaged");
+  }
+}
+}  // namespace
+
+void trainDylo(const Config& config, const DyloTrainRequest& request)
+{
+  Trainer(config, request).run();
+}
+}  // namespace dyslam

@@ -1,0 +1,264 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/Scan.h>
+#include <dyslam/nets/BevScan.h>
+#include <dyslam/train/DysegBodies.h>
+#include <dyslam/train/DysegData.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace dyslam
+{
+namespace
+{
+const Eigen::Vector2f no_flow = Eigen::Vector2f::Constant(std::numeric_limits<float>::quiet_NaN());
+constexpr double pi = 3.14159265358979323846;
+constexpr double claimed_speed = 0.3;  // m/s: slower bodies are neither moving nor static
+
+Eigen::Vector2f flowOf(const Eigen::Isometry3f& motion, const Eigen::Vector3f& p)
+{
+  return (motion * p - p).head<2>();
+}
+}  // namespace
+
+DysegSample makeSample(const DysegClip& clip, std::size_t current, std::size_t past)
+{
+  const auto& now = clip.frames.at(current);
+  const auto& then = clip.frames.at(past);
+  DysegSample sample;
+  sample.current = now.points;
+  sample.past = then.points;
+  sample.T_past_current = then.T_world_sensor.inverse() * now.T_world_sensor;
+  sample.elapsed =
+      clip.period * std::abs(static_cast<double>(current) - static_cast<double>(past));
+  sample.label.assign(now.points.size(), DysegSample::static_point);
+  sample.flow.assign(now.points.size(), no_flow);
+
+  struct Motion
+  {
+    std::uint8_t label = DysegSample::static_point;
+    bool known = false;
+    Eigen::Isometry3f T_past_current = Eigen::Isometry3f::Identity();
+  };
+  const Eigen::Isometry3f ego = sample.T_past_current.cast<float>();
+  std::map<std::int32_t, Motion> motions;
+  motions[DysegClip::still] = {DysegSample::static_point, true, ego};
+  motions[DysegClip::unknown] = {DysegSample::ignored_point, false, ego};
+  for (const auto& [id, object] : now.objects)
+  {
+    Motion m{DysegSample::static_point, true, ego};
+    if (object.moving || object.doubtful)
+    {
+      m.label = object.doubtful ? DysegSample::ignored_point : DysegSample::moving_point;
+      const auto earlier = then.objects.find(id);
+      m.known = earlier != then.objects.end();
+      if (m.known)
+      {
+        m.T_past_current =
+            (earlier->second.T_sensor_object * object.T_sensor_object.inverse()).cast<float>();
+      }
+    }
+    if (m.label == DysegSample::moving_point)
+    {
+      sample.movers.push_back(object.T_sensor_object.translation().head<2>().cast<float>());
+    }
+    motions[id] = m;
+  }
+  for (std::size_t i = 0; i < now.points.size(); ++i)
+  {
+    const auto found = motions.find(now.object[i]);
+    const Motion& m = found == motions.end() ? motions[DysegClip::unknown] : found->second;
+    sample.label[i] = m.label;
+    if (m.known)
+    {
+      sample.flow[i] = flowOf(m.T_past_current, now.points[i]);
+    }
+  }
+  return sample;
+}
+
+DysegSample doubleScan(const std::vector<Eigen::Vector3f>& points,
+                       const Pose& T_past_current,
+                       RandomDraws& draws)
+{
+  DysegSample sample;
+  sample.current = points;
+  sample.T_past_current = T_past_current;
+  const Eigen::Isometry3f motion = T_past_current.cast<float>();
+  sample.label.assign(points.size(), DysegSample::static_point);
+  sample.flow.resize(points.size());
+  for (std::size_t i = 0; i < points.size(); ++i)
+  {
+    const auto& p = points[i];
+    sample.flow[i] = flowOf(motion, p);
+    if (isReturn(p))
+    {
+      const Eigen::Vector3f moved = motion * p;
+      const auto noise = static_cast<float>(draws.normal(0.02));
+      sample.past.emplace_back(moved * (1 + noise / std::max(1.0F, moved.norm())));
+    }
+  }
+  return sample;
+}
+
+void DysegAugmentOptions::describe(OptionsVisitor& v)
+{
+  v.integer("bodies", bodies, 0, 100, "cast into a pair at most");
+  v.real("moving_share", moving_share, 0, 1, "of the cast bodies");
+  v.real("dropout", dropout, 0, 0.9, "largest share of points left out of a scan");
+  v.real("range_noise", range_noise, 0, 0.5, "m, on cast bodies");
+}
+
+namespace
+{
+BodyKind drawKind(RandomDraws& draws)
+{
+  constexpr BodyKind kinds[] = {BodyKind::car,        BodyKind::car,     BodyKind::van,
+                                BodyKind::truck,      BodyKind::pedestrian, BodyKind::pedestrian,
+                                BodyKind::pedestrian, BodyKind::cyclist, BodyKind::random,
+                                BodyKind::random,     BodyKind::random};
+  return kinds[draws.below(std::size(kinds))];
+}
+
+double drawSpeed(const CastBody& body, RandomDraws& draws)
+{
+  if (body.kind == "pedestrian")
+  {
+    return draws.uniform(0.6, 2.2);
+  }
+  if (body.kind == "random" && draws.chance(0.5))
+  {
+    return draws.uniform(0.6, 4);
+  }
+  return std::exp(draws.uniform(std::log(1.0), std::log(18.0)));
+}
+
+/** True if something already stands (or hangs) where a body shall be. */
+bool taken(const std::vector<Eigen::Vector3f>& points, const Pose& T_sensor_body, float radius)
+{
+  const Eigen::Vector2f centre = T_sensor_body.translation().head<2>().cast<float>();
+  const auto ground = static_cast<float>(T_sensor_body.translation().z());
+  const float reach = radius * radius;
+  int inside = 0;
+  for (const auto& p : points)
+  {
+    if ((p.head<2>() - centre).squaredNorm() < reach && p.z() > ground + 0.3F &&
+        p.z() < ground + 2.5F)
+    {
+      ++inside;
+    }
+  }
+  return inside > 4;
+}
+
+void castOne(const DysegAugmentOptions& options,
+             const BevGround& ground_now,
+             const BevGround& ground_then,
+             RandomDraws& draws,
+             DysegSample& sample)
+{
+  const CastBody body = makeBody(drawKind(draws), draws);
+  const bool moving = draws.chance(options.moving_share);
+  const double speed = moving ? drawSpeed(body, draws) : 0;
+  // Near places more often: that is where points are.
+  const double distance = 4 + 41 * std::pow(draws.uniform(), 1.3);
+  const double bearing = draws.uniform(-pi, pi);
+  const double heading = draws.uniform(-pi, pi);
+  Pose T_now = poseFromYpr(distance * std::cos(bearing), distance * std::sin(bearing), 0, heading, 0, 0);
+  // Where it was `elapsed` before, in the current frame: backwards along its heading, turning.
+  const double length = speed * sample.elapsed * (draws.chance(0.1) ? -1 : 1);
+  const double turn = moving ? draws.normal(0.3) * sample.elapsed : 0;
+  Pose T_then_in_now = T_now * poseFromYpr(-length, 0, 0, -turn, 0, 0);
+  Pose T_then = sample.T_past_current * T_then_in_now;
+  const auto settle = [](const BevGround& ground, Pose& pose)
+  {
+    pose.translation().z() = ground.heightAt(static_cast<float>(pose.translation().x()),
+                                             static_cast<float>(pose.translation().y()));
+    const double yaw = yawPitchRoll(pose).x();
+    pose.linear() = expSO3(Eigen::Vector3d(0, 0, yaw));
+  };
+  settle(ground_now, T_now);
+  settle(ground_then, T_then);
+  if (taken(sample.current, T_now, body.radius) || taken(sample.past, T_then, body.radius))
+  {
+    return;
+  }
+  const auto noise = static_cast<float>(options.range_noise);
+  const auto on_body = castBody(body, T_now, noise, draws, sample.current);
+  castBody(body, T_then, noise, draws, sample.past);
+  const Eigen::Isometry3f motion =
+      (moving ? T_then * T_now.inverse() : sample.T_past_current).cast<float>();
+  for (const auto i : on_body)
+  {
+    sample.label[i] = !moving ? DysegSample::static_point
+                      : speed < claimed_speed ? DysegSample::ignored_point
+                                              : DysegSample::moving_point;
+    sample.flow[i] = flowOf(motion, sample.current[i]);
+  }
+  if (moving && on_body.size() > 15)
+  {
+    sample.movers.push_back(T_now.translation().head<2>().cast<float>());
+  }
+}
+
+void turnAndMirror(RandomDraws& draws, DysegSample& sample)
+{
+  const Eigen::Rotation2Df turn(static_cast<float>(draws.uniform(-pi, pi)));
+  Eigen::Matrix2f change = turn.toRotationMatrix();
+  if (draws.chance(0.5))
+  {
+    change.col(1) *= -1;
+  }
+  const auto apply = [&](std::vector<Eigen::Vector3f>& points)
+  {
+    for (auto& p : points)
+    {
+      p.head<2>() = (change * p.head<2>()).eval();
+    }
+  };
+  apply(sample.current);
+  apply(sample.past);
+  for (auto& f : sample.flow)
+  {
+    f = (change * f).eval();
+  }
+  for (auto& m : sample.movers)
+  {
+    m = (change * m).eval();
+  }
+  Eigen::Matrix3d full = Eigen::Matrix3d::Identity();
+  full.topLeftCorner<2, 2>() = change.cast<double>();
+  sample.T_past_current.linear() = full * sample.T_past_current.linear() * full.transpose();
+  sample.T_past_current.translation() = full * sample.T_past_current.translation();
+}
+
+void thin(double share, RandomDraws& draws, std::vector<Eigen::Vector3f>& points)
+{
+  for (auto& p : points)
+  {
+    if (draws.chance(share))
+    {
+      p.setZero();
+    }
+  }
+}
+}  // namespace
+
+void augment(const DysegAugmentOptions& options, RandomDraws& draws, DysegSample& sample)
+{
+  if (options.bodies > 0)
+  {
+    const BevGround ground_now(sample.current);
+    const BevGround ground_then(sample.past);
+    const std::size_t bodies = draws.below(static_cast<std::size_t>(options.bodies) + 1);
+    for (std::size_t i = 0; i < bodies; ++i)
+    {
+      castOne(options, ground_now, ground_then, draws, sample);
+    }
+  }
+  turnAndMirror(draws, sample);
+  thin(draws.uniform(0, options.dropout), draws, sample.current);
+  thin(draws.uniform(0, options.dropout), draws, sample.past);
+}
+}  // namespace dyslam
