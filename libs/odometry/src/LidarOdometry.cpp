@@ -2,18 +2,22 @@
 #include <dyslam/core/Error.h>
 #include <dyslam/odometry/LidarOdometry.h>
 
+#include "GicpOdometry.h"
+#include "IcpOdometry.h"
+#include "LoamOdometry.h"
 #include "SimpleOdometry.h"
 
 namespace dyslam
 {
 std::vector<std::string> odometryMethods()
 {
-  return {"constant_velocity", "zero_motion"};
+  return {"constant_velocity", "zero_motion", "icp_po2po", "icp_po2pl", "gicp",
+          "loam_no_mapping",   "loam"};
 }
 
 std::unique_ptr<LidarOdometry> makeOdometry(const std::string& method,
-                                            ConfigLoader& /*loader*/,
-                                            ThreadPool& /*pool*/)
+                                            ConfigLoader& loader,
+                                            ThreadPool& pool)
 {
   if (method == "constant_velocity")
   {
@@ -22,6 +26,20 @@ std::unique_ptr<LidarOdometry> makeOdometry(const std::string& method,
   if (method == "zero_motion")
   {
     return std::make_unique<SimpleOdometry>(SimpleOdometry::Kind::zero_motion);
+  }
+  if (method == "icp_po2po" || method == "icp_po2pl")
+  {
+    const auto residual = method == "icp_po2po" ? IcpOdometry::Residual::point_to_point
+                                                : IcpOdometry::Residual::point_to_plane;
+    return std::make_unique<IcpOdometry>(residual, loader.get<IcpOptions>(method), pool);
+  }
+  if (method == "gicp")
+  {
+    return std::make_unique<GicpOdometry>(loader.get<GicpOptions>(method), pool);
+  }
+  if (method == "loam" || method == "loam_no_mapping")
+  {
+    return std::make_unique<LoamOdometry>(method == "loam", loader.get<LoamOptions>(method), pool);
   }
   const std::string nearest = nearestWord(method, odometryMethods());
   throw UserError("odometry.method: unknown method '" + method + "'" +

@@ -8,12 +8,6 @@ namespace dyslam
 namespace
 {
 constexpr std::size_t chunk_size = 8192;
-
-/** Twist-wise multiple of a motion. */
-Pose scaled(const Pose& T, double factor)
-{
-  return expSE3(factor * logSE3(T));
-}
 }  // namespace
 
 void PreprocessOptions::describe(OptionsVisitor& v)

@@ -122,7 +122,8 @@ void ScanToMap::accumulate(const RawPoints& scan,
         const Eigen::Matrix3d M = C.inverse().cast<double>();
         const Eigen::Vector3d e = (R.transpose() * (q - match.surface.mean)).cast<double>();
         Eigen::Matrix<double, 3, 6> J;
-        J << Eigen::Matrix3d::Identity(), -skew(p.cast<double>());
+        J.leftCols<3>().setIdentity();
+        J.rightCols<3>() = -skew(p.cast<double>());
         // In units of a plane's residual, so that both methods' sums mean the same.
         const double w = static_cast<double>(base_weight) * 8e-4;
         const Eigen::Matrix<double, 6, 3> JtM = w * J.transpose() * M;
@@ -134,7 +135,8 @@ void ScanToMap::accumulate(const RawPoints& scan,
         const double w = static_cast<double>(base_weight * match.weight);
         const Eigen::Vector3f n = R.transpose() * match.surface.normal;
         Vector6 J;
-        J << n.cast<double>(), p.cross(n).cast<double>();
+        J.head<3>() = n.cast<double>();
+        J.tail<3>() = p.cross(n).cast<double>();
         const Vector6 wJ = w * J;
         sums.H.noalias() += wJ * J.transpose();
         sums.g.noalias() += wJ * static_cast<double>(r);

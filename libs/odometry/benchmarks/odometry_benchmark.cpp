@@ -1,0 +1,324 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// All odometry methods and the refinement on the same frames: one table of accuracy and time.
+//
+//   odometry_benchmark DIR [--poses FILE] [--frames N] [--first N] [--threads N]
+//                      [--methods a,b,...] [--set section.key=value]...
+//
+// DIR holds .bin files (float32 x y z intensity), or a folder velodyne/ with them. FILE has 12
+// numbers a line, the sensor's poses; without it only times and the ends are printed. Each method
+// is its own constant-velocity prediction, except that constant_velocity repeats the reference's
+// last motion. Rows `refine:*` are the refinement with the constant-velocity prediction.
+#include <dyslam/core/Error.h>
+#include <dyslam/odometry/LidarOdometry.h>
+#include <dyslam/odometry/LocalMapRefinement.h>
+#include <dyslam/odometry/Preprocessor.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <ctime>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <iostream>
+#include <sstream>
+
+namespace
+{
+using namespace dyslam;
+
+struct Arguments
+{
+  std::string folder;
+  std::string poses;
+  std::size_t first = 0;
+  std::size_t frames = 100000;
+  int threads = 2;
+  std::vector<std::string> methods;
+  Config config;
+};
+
+struct Row
+{
+  std::vector<Pose> poses;
+  std::vector<double> wall_ms;
+  std::vector<double> cpu_ms;
+  std::size_t failures = 0;
+  /** Normalised squared error of the motions: mean 6 if the information is honest. */
+  double normalised_error = 0;
+};
+
+Scan readScan(const std::filesystem::path& file)
+{
+  std::ifstream in(file, std::ios::binary);
+  std::vector<char> bytes((std::istreambuf_iterator<char>(in)), std::istreambuf_iterator<char>());
+  Scan scan;
+  const std::size_t count = bytes.size() / 16;
+  scan.points.resize(count);
+  scan.intensity.resize(count);
+  for (std::size_t i = 0; i < count; ++i)
+  {
+    std::memcpy(scan.points[i].data(), bytes.data() + 16 * i, 12);
+    std::memcpy(&scan.intensity[i], bytes.data() + 16 * i + 12, 4);
+  }
+  return scan;
+}
+
+std::vector<Pose> readPoses(const std::string& file)
+{
+  std::vector<Pose> poses;
+  std::ifstream in(file);
+  if (!file.empty() && !in)
+  {
+    throw UserError(file + ": cannot be read");
+  }
+  std::string line;
+  while (std::getline(in, line))
+  {
+    std::istringstream numbers(line);
+    Pose pose = Pose::Identity();
+    for (int k = 0; k < 12; ++k)
+    {
+      numbers >> pose.matrix()(k / 4, k % 4);
+    }
+    if (numbers)
+    {
+      poses.push_back(orthonormalized(pose));
+    }
+  }
+  return poses;
+}
+
+Arguments parse(int argc, char** argv)
+{
+  Arguments a;
+  for (int i = 1; i < argc; ++i)
+  {
+    const std::string key = argv[i];
+    if (key.rfind("--", 0) != 0)
+    {
+      a.folder = key;
+      continue;
+    }
+    if (i + 1 >= argc)
+    {
+      throw UserError(key + " needs a value");
+    }
+    const std::string value = argv[++i];
+    if (key == "--poses")
+    {
+      a.poses = value;
+    }
+    else if (key == "--frames")
+    {
+      a.frames = std::stoul(value);
+    }
+    else if (key == "--first")
+    {
+      a.first = std::stoul(value);
+    }
+    else if (key == "--threads")
+    {
+      a.threads = std::stoi(value);
+    }
+    else if (key == "--set")
+    {
+      a.config.set(value);
+    }
+    else if (key == "--methods")
+    {
+      std::istringstream names(value);
+      for (std::string name; std::getline(names, name, ',');)
+      {
+        a.methods.push_back(name);
+      }
+    }
+    else
+    {
+      throw UserError(key + ": unknown flag");
+    }
+  }
+  if (a.folder.empty())
+  {
+    throw UserError("name a folder with .bin files");
+  }
+  if (a.methods.empty())
+  {
+    a.methods = odometryMethods();
+    a.methods.insert(a.methods.end(), {"refine:point_to_plane", "refine:gicp"});
+  }
+  return a;
+}
+
+std::vector<Scan> readScans(const Arguments& a)
+{
+  std::filesystem::path folder = a.folder;
+  if (std::filesystem::is_directory(folder / "velodyne"))
+  {
+    folder /= "velodyne";
+  }
+  std::vector<std::filesystem::path> files;
+  for (const auto& entry : std::filesystem::directory_iterator(folder))
+  {
+    if (entry.path().extension() == ".bin")
+    {
+      files.push_back(entry.path());
+    }
+  }
+  std::sort(files.begin(), files.end());
+  std::vector<Scan> scans;
+  for (std::size_t i = a.first; i < std::min(files.size(), a.first + a.frames); ++i)
+  {
+    scans.push_back(readScan(files[i]));
+  }
+  if (scans.empty())
+  {
+    throw UserError(folder.string() + ": no .bin files");
+  }
+  return scans;
+}
+
+double cpuMs()
+{
+  return 1e3 * static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
+}
+
+/** One step of a method: frame and prediction in, motion out. */
+using Step = std::function<MotionEstimate(const Frame&, const Pose&)>;
+
+Row runMethod(const std::string& method,
+              const Arguments& a,
+              const std::vector<Scan>& scans,
+              const std::vector<Pose>& reference)
+{
+  ThreadPool pool(a.threads);
+  Config config = a.config;
+  const bool refining = method.rfind("refine:", 0) == 0;
+  if (refining)
+  {
+    config.set("refine.method=" + method.substr(7));
+  }
+  ConfigLoader loader(config);
+  const Preprocessor preprocessor(loader.get<PreprocessOptions>("preprocess"), pool);
+  LocalMapRefinement refinement(loader.get<RefineOptions>("refine"), pool);
+  std::unique_ptr<LidarOdometry> odometry;
+  Step step = [&](const Frame& frame, const Pose& prediction)
+  { return refinement.refine(frame, refinement.pose() * prediction).motion; };
+  if (!refining)
+  {
+    odometry = makeOdometry(method, loader, pool);
+    step = [&](const Frame& frame, const Pose& prediction)
+    { return odometry->process(frame, prediction); };
+  }
+
+  Row row;
+  Pose T = Pose::Identity();
+  Pose motion = Pose::Identity();
+  std::size_t judged = 0;
+  for (std::size_t i = 0; i < scans.size(); ++i)
+  {
+    if (method == "constant_velocity" && i >= 2 && i - 1 < reference.size())
+    {
+      motion = reference[i - 2].inverse() * reference[i - 1];
+    }
+    Frame frame;
+    frame.index = i;
+    frame.scan = scans[i];
+    const auto start = std::chrono::steady_clock::now();
+    const double cpu_start = cpuMs();
+    frame.cloud = preprocessor.prepare(frame.scan, motion, 1.0);
+    const MotionEstimate estimate = step(frame, motion);
+    row.cpu_ms.push_back(cpuMs() - cpu_start);
+    row.wall_ms.push_back(
+        std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start)
+            .count());
+    row.failures += estimate.converged ? 0U : 1U;
+    motion = i > 0 ? estimate.T_previous_current : Pose::Identity();
+    T = orthonormalized(T * motion);
+    row.poses.push_back(T);
+    if (i > 0 && i < reference.size())
+    {
+      const Vector6 e = logSE3(motion.inverse() * reference[i - 1].inverse() * reference[i]);
+      row.normalised_error += e.dot(estimate.information * e);
+      ++judged;
+    }
+  }
+  row.normalised_error /= static_cast<double>(std::max<std::size_t>(1, judged));
+  return row;
+}
+
+double medianOf(std::vector<double> values)
+{
+  std::sort(values.begin(), values.end());
+  return values[values.size() / 2];
+}
+
+void print(const std::string& method, const Row& row, const std::vector<Pose>& reference)
+{
+  constexpr double degree = 3.14159265358979323846 / 180;
+  const std::size_t count = std::min(row.poses.size(), reference.size());
+  double t_mean = 0;
+  double t_square = 0;
+  double r_mean = 0;
+  double r_square = 0;
+  double forward = 0;
+  double forward_true = 0;
+  for (std::size_t i = 1; i < count; ++i)
+  {
+    const Pose truth = reference[i - 1].inverse() * reference[i];
+    const Pose found = row.poses[i - 1].inverse() * row.poses[i];
+    const Pose error = truth.inverse() * found;
+    const double t = error.translation().norm();
+    const double r = rotationAngle(error) / degree;
+    t_mean += t;
+    t_square += t * t;
+    r_mean += r;
+    r_square += r * r;
+    forward += found.translation().x();
+    forward_true += truth.translation().x();
+  }
+  const double n = std::max(1.0, static_cast<double>(count) - 1);
+  const double end = count == 0 ? 0
+                                : ((row.poses[0].inverse() * row.poses[count - 1]).translation() -
+                                   (reference[0].inverse() * reference[count - 1]).translation())
+                                      .norm();
+  std::printf(
+      "| %-21s | %6.4f | %6.4f | %6.4f | %6.4f | %6.3f | %6.4f | %6.1f | %6.1f | %6.1f | %6.1f | "
+      "%zu |\n",
+      method.c_str(), t_mean / n, std::sqrt(t_square / n), r_mean / n, std::sqrt(r_square / n), end,
+      forward_true == 0 ? 0 : forward / forward_true,
+      *std::min_element(row.wall_ms.begin() + (row.wall_ms.size() > 1 ? 1 : 0), row.wall_ms.end()),
+      medianOf(row.wall_ms), medianOf(row.cpu_ms), row.normalised_error, row.failures);
+  std::fflush(stdout);
+}
+}  // namespace
+
+int main(int argc, char** argv)
+{
+  try
+  {
+    const Arguments a = parse(argc, argv);
+    const std::vector<Scan> scans = readScans(a);
+    std::vector<Pose> reference = readPoses(a.poses);
+    reference.erase(reference.begin(), reference.begin() + static_cast<std::ptrdiff_t>(std::min(
+                                                               a.first, reference.size())));
+    std::printf("%zu frames, %d threads\n", scans.size(), a.threads);
+    std::printf(
+        "| method | RPE m mean | RMSE | RPE deg mean | RMSE | end m | forward | ms min | ms median "
+        "|"
+        " CPU ms | e'Ie | failed |\n|---|---|---|---|---|---|---|---|---|---|---|---|\n");
+    for (const std::string& method : a.methods)
+    {
+      print(method, runMethod(method, a, scans, reference), reference);
+    }
+    return EXIT_SUCCESS;
+  }
+  catch (const std::exception& e)
+  {
+    std::cerr << "odometry_benchmark: " << e.what() << "\n";
+    return EXIT_FAILURE;
+  }
+}

@@ -1,0 +1,152 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "GicpOdometry.h"
+
+#include <dyslam/core/Normals.h>
+#include <dyslam/core/VoxelGrid.h>
+#include <pcl/point_types.h>
+#include <pcl/registration/gicp.h>
+
+#include <algorithm>
+
+#include "RowAlignment.h"
+
+namespace dyslam
+{
+namespace
+{
+using PclCloud = pcl::PointCloud<pcl::PointXYZ>;
+/** Points that the information is taken from. */
+constexpr std::size_t information_points = 3000;
+}  // namespace
+
+void GicpOptions::describe(OptionsVisitor& v)
+{
+  v.real("sample_size", sample_size, 0.05, 10,
+         "points of both scans: one per cube of this side [m]");
+  v.real("max_distance", max_distance, 0.01, 100, "of matches [m]");
+  v.integer("neighbours", neighbours, 5, 100, "for covariances");
+  v.integer("max_iterations", max_iterations, 1, 500, "at most");
+  v.real("correlated_points", correlated_points, 1, 1e6, "points that count as one measurement");
+}
+
+struct GicpOdometry::Pcl
+{
+  PclCloud::Ptr source;
+  PclCloud::Ptr target;
+};
+
+GicpOdometry::GicpOdometry(const GicpOptions& options, ThreadPool& pool)
+    : options_(options), pool_(pool), pcl_(std::make_unique<Pcl>())
+{
+}
+GicpOdometry::~GicpOdometry() = default;
+
+std::string GicpOdometry::extract(const Frame& frame)
+{
+  const std::vector<float> weights = pointWeights(frame);
+  const VoxelSample sample = voxelDownsample(frame.cloud.points, options_.sample_size);
+  points_.clear();
+  pcl_->source = pcl::make_shared<PclCloud>();
+  for (std::size_t i = 0; i < sample.index.size(); ++i)
+  {
+    if (weights.empty() || weights[sample.index[i]] >= 0.5F)
+    {
+      const Eigen::Vector3f& p = sample.points[i];
+      points_.push_back(p);
+      pcl_->source->push_back(pcl::PointXYZ(p.x(), p.y(), p.z()));
+    }
+  }
+  // PCL's GICP reads as many neighbours without asking whether there are that many.
+  const auto needed = static_cast<std::size_t>(options_.neighbours) + 1;
+  if (points_.size() < needed)
+  {
+    return "only " + std::to_string(points_.size()) + " points are left after thinning";
+  }
+  return {};
+}
+
+MotionEstimate GicpOdometry::align(const Pose& T_reference_current_guess)
+{
+  MotionEstimate estimate;
+  estimate.information.setZero();
+  pcl::GeneralizedIterativeClosestPoint<pcl::PointXYZ, pcl::PointXYZ> gicp;
+  gicp.setMaximumIterations(options_.max_iterations);
+  gicp.setMaxCorrespondenceDistance(options_.max_distance);
+  gicp.setCorrespondenceRandomness(options_.neighbours);
+  gicp.setInputSource(pcl_->source);
+  gicp.setInputTarget(pcl_->target);
+  PclCloud moved;
+  try
+  {
+    gicp.align(moved, T_reference_current_guess.matrix().cast<float>());
+  }
+  catch (const pcl::PCLException& e)
+  {
+    estimate.reason = std::string("PCL: ") + e.what();
+    return estimate;
+  }
+  Pose T;
+  T.matrix() = gicp.getFinalTransformation().cast<double>();
+  T = orthonormalized(T);
+  estimate.T_previous_current = T;
+
+  // PCL gives no information: point-to-plane rows at the result.
+  const std::size_t step = std::max<std::size_t>(1, points_.size() / information_points);
+  const auto match =
+      [&](std::size_t begin, std::size_t end, const Pose& at, double gate, RowSums& sums)
+  {
+    std::vector<Neighbour> neighbours;
+    std::vector<Eigen::Vector3f> patch;
+    for (std::size_t k = begin; k < end; ++k)
+    {
+      const Eigen::Vector3f& p = points_[k * step];
+      const Eigen::Vector3f q = (at * p.cast<double>()).cast<float>();
+      tree_.nearest(q, 8, neighbours, static_cast<float>(gate));
+      patch.clear();
+      for (const Neighbour& n : neighbours)
+      {
+        patch.push_back(reference_[n.index]);
+      }
+      const LocalShape shape = fitLocalShape(patch, Eigen::Vector3f::Zero());
+      if (!shape.valid() || shape.planarity() < 0.2F)
+      {
+        continue;
+      }
+      const double r = static_cast<double>(shape.normal.dot(q - shape.mean));
+      sums.addRow(shape.normal.cast<double>(), p.cast<double>(), at.linear(), r,
+                  robustWeight(r * r, 0.1) * static_cast<double>(shape.planarity()));
+      ++sums.inliers;
+    }
+  };
+  RowAlignmentSettings settings;
+  settings.max_iterations = 1;
+  settings.start_kernel = settings.kernel = options_.max_distance;
+  settings.correlated_points = options_.correlated_points / static_cast<double>(step);
+  const MotionEstimate rows = alignByRows(points_.size() / step, match, T, settings, pool_);
+  estimate.information = rows.information;
+  estimate.inliers = rows.inliers;
+  estimate.rmse = rows.rmse;
+  estimate.iterations = 1;
+  estimate.converged =
+      gicp.hasConverged() && T.matrix().allFinite() && rows.inliers >= settings.fewest_inliers;
+  if (!estimate.converged)
+  {
+    estimate.reason = rows.inliers < settings.fewest_inliers ? rows.reason : "PCL did not converge";
+  }
+  return estimate;
+}
+
+void GicpOdometry::accept(const Pose& /*T_reference_current*/)
+{
+  pcl_->target = pcl_->source;
+  reference_ = points_;
+  tree_ = KdTree(reference_);
+}
+
+void GicpOdometry::clear()
+{
+  pcl_ = std::make_unique<Pcl>();
+  reference_.clear();
+  tree_ = KdTree();
+}
+}  // namespace dyslam

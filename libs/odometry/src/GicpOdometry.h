@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <dyslam/core/NeighbourSearch.h>
+
+#include <memory>
+
+#include "ScanToScan.h"
+
+namespace dyslam
+{
+/** Ini section `[gicp]`. */
+struct GicpOptions : Options
+{
+  double sample_size = 0.5;   //!< points of both scans: one per cube of this side [m]
+  double max_distance = 1.0;  //!< of matches [m]
+  int neighbours = 20;        //!< for covariances
+  int max_iterations = 30;
+  double correlated_points = 50;  //!< points that count as one measurement
+
+  void describe(OptionsVisitor& visitor) override;
+};
+
+/** Generalised ICP by PCL, scan to scan. PCL's takes no weights: points more likely moving than not
+ * are left out. */
+class GicpOdometry final : public ScanToScan
+{
+ public:
+  GicpOdometry(const GicpOptions& options, ThreadPool& pool);
+  ~GicpOdometry() override;
+  [[nodiscard]] std::string name() const override { return "gicp"; }
+
+ protected:
+  std::string extract(const Frame& frame) override;
+  MotionEstimate align(const Pose& T_reference_current_guess) override;
+  void accept(const Pose& T_reference_current) override;
+  void clear() override;
+
+ private:
+  struct Pcl;
+  GicpOptions options_;
+  ThreadPool& pool_;
+  std::vector<Eigen::Vector3f> points_;     //!< of the frame
+  std::vector<Eigen::Vector3f> reference_;  //!< of the reference frame
+  KdTree tree_;                             //!< of reference_
+  std::unique_ptr<Pcl> pcl_;
+};
+}  // namespace dyslam

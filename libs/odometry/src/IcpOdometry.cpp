@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "IcpOdometry.h"
+
+#include <dyslam/core/VoxelGrid.h>
+
+#include "RowAlignment.h"
+
+namespace dyslam
+{
+namespace
+{
+/** Neighbourhoods less flat than this have no plane. */
+constexpr float least_planarity = 0.2F;
+}  // namespace
+
+void IcpOptions::describe(OptionsVisitor& v)
+{
+  v.real("sample_size", sample_size, 0.05, 10, "moving points: one per cube of this side [m]");
+  v.real("reference_size", reference_size, 0.05, 10, "reference points likewise [m]");
+  v.real("max_distance", max_distance, 0.01, 100, "of matches, at first [m]");
+  v.real("end_distance", end_distance, 0.01, 100, "of matches, in the end [m]");
+  v.real("kernel", kernel, 0.001, 10, "scale of the robust kernel [m]");
+  v.integer("neighbours", neighbours, 3, 100, "for normals (point to plane)");
+  v.real("normal_radius", normal_radius, 0.01, 10, "for normals: neighbours within [m]");
+  v.integer("max_iterations", max_iterations, 1, 500, "at most");
+  v.real("correlated_points", correlated_points, 1, 1e6, "points that count as one measurement");
+}
+
+std::string IcpOdometry::extract(const Frame& frame)
+{
+  dense_ = voxelDownsample(frame.cloud.points, options_.reference_size).points;
+  const VoxelSample sample = voxelDownsample(frame.cloud.points, options_.sample_size);
+  sample_ = sample.points;
+  const std::vector<float> weights = pointWeights(frame);
+  weights_.clear();
+  if (!weights.empty())
+  {
+    for (const std::uint32_t i : sample.index)
+    {
+      weights_.push_back(weights[i]);
+    }
+  }
+  return {};
+}
+
+MotionEstimate IcpOdometry::align(const Pose& T_reference_current_guess)
+{
+  const bool planes = residual_ == Residual::point_to_plane;
+  const auto match =
+      [&](std::size_t begin, std::size_t end, const Pose& T, double gate, RowSums& sums)
+  {
+    const Eigen::Matrix3d R = T.linear();
+    Neighbour nearest;
+    for (std::size_t i = begin; i < end; ++i)
+    {
+      const Eigen::Vector3d p = sample_[i].cast<double>();
+      const Eigen::Vector3d q = T * p;
+      if (!reference_.tree.nearest(q.cast<float>(), nearest, static_cast<float>(gate)))
+      {
+        continue;
+      }
+      const double own = weights_.empty() ? 1.0 : static_cast<double>(weights_[i]);
+      if (planes)
+      {
+        const LocalShape& shape = reference_.shapes[nearest.index];
+        if (!shape.valid() || shape.planarity() < least_planarity)
+        {
+          continue;
+        }
+        const Eigen::Vector3d n = shape.normal.cast<double>();
+        const double r = n.dot(q - shape.mean.cast<double>());
+        const double flat = static_cast<double>(shape.planarity());
+        sums.addRow(n, p, R, r, own * flat * flat * robustWeight(r * r, options_.kernel));
+      }
+      else
+      {
+        const Eigen::Vector3d d = q - reference_.points[nearest.index].cast<double>();
+        const double w = own * robustWeight(d.squaredNorm(), gate);
+        sums.addRow(Eigen::Vector3d::UnitX(), p, R, d.x(), w);
+        sums.addRow(Eigen::Vector3d::UnitY(), p, R, d.y(), w);
+        sums.addRow(Eigen::Vector3d::UnitZ(), p, R, d.z(), w);
+      }
+      ++sums.inliers;
+    }
+  };
+  RowAlignmentSettings settings;
+  settings.max_iterations = options_.max_iterations;
+  settings.start_kernel = options_.max_distance;
+  settings.kernel = options_.end_distance;
+  settings.correlated_points = options_.correlated_points;
+  return alignByRows(sample_.size(), match, T_reference_current_guess, settings, pool_);
+}
+
+void IcpOdometry::accept(const Pose& /*T_reference_current*/)
+{
+  reference_.points.swap(dense_);
+  reference_.tree = KdTree(reference_.points);
+  if (residual_ == Residual::point_to_plane)
+  {
+    reference_.shapes = estimateNormals(
+        reference_.points, reference_.tree, static_cast<std::size_t>(options_.neighbours),
+        static_cast<float>(options_.normal_radius), Eigen::Vector3f::Zero(), pool_);
+  }
+}
+}  // namespace dyslam

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <dyslam/core/NeighbourSearch.h>
+#include <dyslam/core/Normals.h>
+
+#include "ScanToScan.h"
+
+namespace dyslam
+{
+/** Ini sections `[icp_po2po]` and `[icp_po2pl]`. */
+struct IcpOptions : Options
+{
+  double sample_size = 0.6;      //!< moving points: one per cube of this side [m]
+  double reference_size = 0.25;  //!< reference points likewise [m]
+  double max_distance = 1.5;     //!< of matches, at first [m]
+  double end_distance = 0.4;     //!< ... and in the end [m]
+  double kernel = 0.1;           //!< scale of the robust kernel [m]
+  int neighbours = 10;           //!< for normals (point to plane)
+  double normal_radius = 1.0;    //!< ... and within [m]
+  int max_iterations = 40;
+  double correlated_points = 50;  //!< points that count as one measurement
+
+  void describe(OptionsVisitor& visitor) override;
+};
+
+/** Scan-to-scan ICP, point to point or point to plane, with exact nearest neighbours. */
+class IcpOdometry final : public ScanToScan
+{
+ public:
+  enum class Residual
+  {
+    point_to_point,
+    point_to_plane
+  };
+  IcpOdometry(Residual residual, const IcpOptions& options, ThreadPool& pool)
+      : residual_(residual), options_(options), pool_(pool)
+  {
+  }
+  [[nodiscard]] std::string name() const override
+  {
+    return residual_ == Residual::point_to_point ? "icp_po2po" : "icp_po2pl";
+  }
+
+ protected:
+  std::string extract(const Frame& frame) override;
+  MotionEstimate align(const Pose& T_reference_current_guess) override;
+  void accept(const Pose& T_reference_current) override;
+  void clear() override { reference_ = Reference(); }
+
+ private:
+  struct Reference
+  {
+    std::vector<Eigen::Vector3f> points;
+    std::vector<LocalShape> shapes;
+    KdTree tree;
+  };
+
+  Residual residual_;
+  IcpOptions options_;
+  ThreadPool& pool_;
+  std::vector<Eigen::Vector3f> dense_;   //!< of the frame, for when it becomes the reference
+  std::vector<Eigen::Vector3f> sample_;  //!< of the frame
+  std::vector<float> weights_;           //!< of sample_, or empty
+  Reference reference_;
+};
+}  // namespace dyslam

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <dyslam/core/Frame.h>
+#include <dyslam/core/Options.h>
+
+#include <cstdint>
+#include <vector>
+
+namespace dyslam
+{
+/** Ini sections `[loam]` and `[loam_no_mapping]`. */
+struct LoamOptions : Options
+{
+  double edge_curvature = 0.02;    //!< a point is an edge above this (1)
+  double plane_curvature = 0.005;  //!< ... and part of a plane below this (1)
+  int edges = 4;                   //!< sharpest per sixth of a ring: registered
+  int target_edges = 20;           //!< ... and to register to
+  int planes = 8;                  //!< flattest per sixth of a ring: registered
+  double plane_size = 0.3;         //!< plane points to register to: one per cube of this side [m]
+  double max_distance = 2;         //!< of matches between scans, at first [m]
+  double end_distance = 0.7;       //!< ... and in the end, and to the map [m]
+  double kernel = 0.1;             //!< scale of the robust kernel [m]
+  int max_iterations = 30;
+  double map_edge_size = 0.3;     //!< spacing of the map's edges [m]
+  double map_plane_size = 0.5;    //!< ... and plane points [m]
+  double map_radius = 80;         //!< farther points are dropped [m]
+  double correlated_points = 20;  //!< points that count as one measurement
+
+  void describe(OptionsVisitor& visitor) override;
+};
+
+/** A point on an edge or a plane. */
+struct LoamPoint
+{
+  Eigen::Vector3f p;  //!< vehicle frame [m]
+  std::uint16_t ring;
+  float weight;
+};
+
+struct LoamFeatures
+{
+  std::vector<LoamPoint> edges;          //!< the sharpest
+  std::vector<LoamPoint> target_edges;   //!< less sharp ones too
+  std::vector<LoamPoint> planes;         //!< the flattest
+  std::vector<LoamPoint> target_planes;  //!< all flat ones, thinned
+};
+
+/** Edge and plane points of a frame by the curvature along its rings (Zhang and Singh, LOAM, 2014).
+ * Empty if the rings cannot be told. */
+[[nodiscard]] LoamFeatures loamFeatures(const Frame& frame, const LoamOptions& options);
+}  // namespace dyslam

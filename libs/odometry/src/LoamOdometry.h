@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <dyslam/core/NeighbourSearch.h>
+#include <dyslam/core/VoxelGrid.h>
+
+#include "LoamFeatures.h"
+#include "RowAlignment.h"
+#include "ScanToScan.h"
+
+namespace dyslam
+{
+/** LOAM: edge and plane points registered to the scan before and, with mapping, to a local map. */
+class LoamOdometry final : public ScanToScan
+{
+ public:
+  LoamOdometry(bool mapping, const LoamOptions& options, ThreadPool& pool)
+      : mapping_(mapping), options_(options), pool_(pool)
+  {
+  }
+  [[nodiscard]] std::string name() const override { return mapping_ ? "loam" : "loam_no_mapping"; }
+
+ protected:
+  std::string extract(const Frame& frame) override;
+  MotionEstimate align(const Pose& T_reference_current_guess) override;
+  void accept(const Pose& T_reference_current) override;
+  void clear() override;
+
+ private:
+  /** Points of one kind of feature that others are registered to. */
+  struct Target
+  {
+    std::vector<Eigen::Vector3f> points;
+    std::vector<std::uint16_t> rings;  //!< empty for a map
+    KdTree tree;
+
+    void set(const std::vector<LoamPoint>& features);
+  };
+  /** Map points of one kind, one per cube. */
+  struct FeatureMap
+  {
+    Target target;
+    void add(const std::vector<LoamPoint>& features, const Pose& T, double size, double radius);
+  };
+
+  [[nodiscard]] MotionEstimate toScan(const Pose& T_guess);
+  [[nodiscard]] MotionEstimate toMap(const Pose& T_guess);
+  [[nodiscard]] RowAlignmentSettings settings(double start) const;
+
+  bool mapping_;
+  LoamOptions options_;
+  ThreadPool& pool_;
+  LoamFeatures features_;  //!< of the frame
+  Target edges_;           //!< of the reference
+  Target planes_;
+  FeatureMap edge_map_;
+  FeatureMap plane_map_;
+  Pose T_map_reference_ = Pose::Identity();
+};
+}  // namespace dyslam

@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "ScanToScan.h"
+
+#include <algorithm>
+
+#include "SimpleOdometry.h"
+
+namespace dyslam
+{
+namespace
+{
+/** After that many failures in a row the reference is too old. */
+constexpr int patience = 3;
+}  // namespace
+
+MotionEstimate ScanToScan::process(const Frame& frame, const Pose& T_previous_current_prediction)
+{
+  MotionEstimate estimate;
+  const Pose prediction = orthonormalized(T_previous_current_prediction);
+  estimate.T_previous_current = has_reference_ ? prediction : Pose::Identity();
+  estimate.information.setZero();
+  estimate.reason = cloudTrouble(frame);
+  if (estimate.reason.empty())
+  {
+    estimate.reason = extract(frame);
+  }
+  const Pose guess = T_reference_previous_ * estimate.T_previous_current;
+  if (!estimate.reason.empty())
+  {
+    T_reference_previous_ = has_reference_ ? guess : Pose::Identity();
+    return estimate;
+  }
+  if (!has_reference_)
+  {
+    accept(Pose::Identity());
+    has_reference_ = true;
+    estimate.converged = true;
+    return estimate;
+  }
+  MotionEstimate found = align(guess);
+  if (!found.converged)
+  {
+    found.T_previous_current = prediction;
+    T_reference_previous_ = guess;
+    if (++failures_ >= patience)
+    {
+      accept(guess);
+      T_reference_previous_.setIdentity();
+      failures_ = 0;
+    }
+    return found;
+  }
+  accept(found.T_previous_current);
+  found.T_previous_current =
+      orthonormalized(T_reference_previous_.inverse() * found.T_previous_current);
+  T_reference_previous_.setIdentity();
+  failures_ = 0;
+  return found;
+}
+
+void ScanToScan::reset()
+{
+  has_reference_ = false;
+  T_reference_previous_.setIdentity();
+  failures_ = 0;
+  clear();
+}
+
+std::vector<float> pointWeights(const Frame& frame)
+{
+  const std::size_t count = frame.cloud.size();
+  const bool has_moving = frame.moving_probability.size() == count;
+  const bool has_static = frame.static_confidence.size() == count;
+  std::vector<float> weights;
+  if (!has_moving && !has_static)
+  {
+    return weights;
+  }
+  weights.resize(count, 1.0F);
+  for (std::size_t i = 0; i < count; ++i)
+  {
+    float w = has_moving ? 1 - frame.moving_probability[i] : 1.0F;
+    w *= has_static ? frame.static_confidence[i] : 1.0F;
+    weights[i] = w > 0 ? std::min(w, 1.0F) : 0.0F;
+  }
+  return weights;
+}
+}  // namespace dyslam
