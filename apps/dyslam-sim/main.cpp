@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/Error.h>
+
+#include <filesystem>
+#include <iostream>
+#include <string>
+
+#include "../common/AppMain.h"
+#include "../common/Progress.h"
+#include "Benchmark.h"
+#include "Recorder.h"
+
+namespace
+{
+using namespace dyslam;
+using namespace dyslam::sim;
+
+struct Arguments
+{
+  Recording recording;
+  std::string world = "urban", sensor = "HDL64E", ego = "automatic";
+  std::string benchmark, only;
+  bool no_noise = false, no_distortion = false, no_stops = false, no_flow = false, quiet = false;
+};
+
+void declare(CLI::App& app, Arguments& a)
+{
+  SimulatorOptions& o = a.recording.simulator;
+  app.description(
+      "Simulates a spinning LiDAR in a living place: a rawlog and its exact truth beside it");
+  app.add_option("--world", a.world, "urban, campus, highway, tunnel or field (urban)");
+  app.add_option("--sensor", a.sensor, "HDL64E, HDL32E, VLP16, OS1-64 or OS1-128 (HDL64E)");
+  app.add_option("--traffic", o.traffic, "0 nothing moves .. 1 jammed (0.4)");
+  app.add_option("--seconds", a.recording.seconds, "how long (10)");
+  app.add_option("--seed", o.seed, "world, traffic and noise (1)");
+  app.add_option("-o,--output", a.recording.output, "rawlog to write");
+  app.add_option("--ego", a.ego,
+                 "what carries the sensor: car, robot or handheld (what suits the world)");
+  app.add_option("--speed", o.ego_speed, "cruising speed [m/s] (what suits the world)");
+  app.add_option("--loop", o.loop_length, "about how long the closed loop is [m] (400)");
+  app.add_flag("--one-loop", a.recording.one_loop,
+               "stop when the loop is closed, or after --seconds");
+  app.add_option("--columns", o.columns, "firings in one turn (the sensor's)");
+  app.add_option("--max-range", o.max_range, "[m] (the sensor's)");
+  app.add_flag("--compact", a.recording.compact,
+               "coordinates on a grid of 1/256 m, for small files");
+  app.add_flag("--no-flow", a.no_flow, "leave the per-point flow out of the truth");
+  app.add_flag("--no-noise", a.no_noise, "every ray that hits returns the exact range");
+  app.add_flag("--no-distortion", a.no_distortion, "a whole scan is taken at its stamp");
+  app.add_flag("--no-stops", a.no_stops, "the ego stops for others only");
+  app.add_option("--threads", a.recording.threads, "0 takes the machine's number (0)");
+  app.add_option("--benchmark", a.benchmark,
+                 "write the standing benchmark set to this folder instead");
+  app.add_option("--only", a.only, "of the benchmark set, this recording alone");
+  app.add_flag("-q,--quiet", a.quiet, "no progress");
+}
+
+EgoKind egoKind(const std::string& name)
+{
+  const std::vector<std::pair<std::string, EgoKind>> kinds{{"automatic", EgoKind::automatic},
+                                                           {"car", EgoKind::car},
+                                                           {"robot", EgoKind::robot},
+                                                           {"handheld", EgoKind::handheld}};
+  for (const auto& [word, kind] : kinds)
+  {
+    if (word == name)
+    {
+      return kind;
+    }
+  }
+  throw UserError("--ego: '" + name + "' is none of car, robot, handheld");
+}
+
+void recordOne(const Recording& recording, bool quiet)
+{
+  RecordingResult result;
+  {
+    Progress progress("dyslam-sim", "scans", quiet);
+    result = record(recording,
+                    [&](double fraction, std::size_t scans) { progress.update(fraction, scans); });
+    progress.finish(result.scans);
+  }
+  std::printf(
+      "%s: %zu scans, %zu points (%.1f %% moving), %zu moving bodies seen, %.1f m driven, loop "
+      "%.1f m; truth in %s\n",
+      recording.output.c_str(), result.scans, result.points,
+      100.0 * static_cast<double>(result.moving_points) /
+          static_cast<double>(std::max<std::size_t>(1, result.points)),
+      result.objects, result.distance, result.loop_length, result.ground_truth.c_str());
+}
+
+void run(Arguments& a)
+{
+  if (!a.benchmark.empty())
+  {
+    std::filesystem::create_directories(a.benchmark);
+    for (auto& named : benchmarkSet(a.benchmark, a.only))
+    {
+      named.recording.threads = a.recording.threads;
+      recordOne(named.recording, a.quiet);
+    }
+    return;
+  }
+  if (!a.only.empty())
+  {
+    throw UserError("--only goes with --benchmark");
+  }
+  if (a.recording.output.empty())
+  {
+    throw UserError("say where to write with -o x.rawlog, or --benchmark DIR");
+  }
+  if (!(a.recording.seconds > 0))
+  {
+    throw UserError("--seconds: must be above 0");
+  }
+  SimulatorOptions& o = a.recording.simulator;
+  o.world = worldKindFromString(a.world);
+  o.sensor = sensorKindFromString(a.sensor);
+  o.ego = egoKind(a.ego);
+  o.noise = !a.no_noise;
+  o.motion_distortion = !a.no_distortion;
+  o.stops = !a.no_stops;
+  a.recording.flow = !a.no_flow;
+  recordOne(a.recording, a.quiet);
+}
+}  // namespace
+
+int main(int argc, char** argv)
+{
+  Arguments arguments;
+  return dyslam::runApp(
+      argc, argv, [&](CLI::App& app) { declare(app, arguments); }, [&] { run(arguments); });
+}
