@@ -170,6 +170,8 @@ struct StaticMap::Impl
   void lookThrough(const VisibilityImage& image, const Pose& T_map_vehicle);
   void restitch(const std::vector<Pose>& new_poses, double new_voxel_size);
   void keepWithinLimit();
+  /** Voxels that are part of the cleaned map. */
+  [[nodiscard]] std::vector<bool> keptVoxels() const;
   [[nodiscard]] std::vector<float> groundHeights(VoxelHash& columns) const;
 
   StaticMapOptions options;
@@ -408,35 +410,69 @@ void StaticMap::rebuild(const std::vector<Pose>& T_map_vehicle)
   impl_->keepWithinLimit();
 }
 
+std::vector<bool> StaticMap::Impl::keptVoxels() const
+{
+  VoxelHash columns;
+  const std::vector<float> ground =
+      options.visibility ? groundHeights(columns) : std::vector<float>();
+  std::vector<bool> kept(voxels.size());
+  for (std::size_t i = 0; i < voxels.size(); ++i)
+  {
+    const Voxel& voxel = voxels[i];
+    kept[i] = voxel.hits >= options.min_hits;
+    const bool seen_through = options.visibility &&
+                              voxel.seen_through >= options.visibility_min_views &&
+                              voxel.seen_through >= options.visibility_ratio * voxel.hits;
+    if (seen_through)
+    {
+      const Eigen::Vector3d c = centroidOf(voxel);
+      const float floor = ground[columns.find(squareOf(c.x(), c.y(), column_size))];
+      kept[i] = kept[i] && c.z() <= static_cast<double>(floor) + options.ground_clearance;
+    }
+  }
+  return kept;
+}
+
 MapPoints StaticMap::points() const
 {
   const Impl& m = *impl_;
-  VoxelHash columns;
-  const std::vector<float> ground =
-      m.options.visibility ? m.groundHeights(columns) : std::vector<float>();
-  const auto removed = [&](const Voxel& voxel, const Eigen::Vector3d& center)
-  {
-    if (!m.options.visibility || voxel.seen_through < m.options.visibility_min_views ||
-        voxel.seen_through < m.options.visibility_ratio * voxel.hits)
-    {
-      return false;
-    }
-    const float floor = ground[columns.find(Impl::squareOf(center.x(), center.y(), column_size))];
-    return center.z() > static_cast<double>(floor) + m.options.ground_clearance;
-  };
+  const std::vector<bool> kept = m.keptVoxels();
   MapPoints result;
-  for (const Voxel& voxel : m.voxels)
+  for (std::size_t i = 0; i < m.voxels.size(); ++i)
   {
-    const Eigen::Vector3d center = m.centroidOf(voxel);
-    if (voxel.hits < m.options.min_hits || removed(voxel, center))
+    const Voxel& voxel = m.voxels[i];
+    if (kept[i])
     {
-      continue;
+      result.points.push_back(m.centroidOf(voxel).cast<float>());
+      result.intensity.push_back(voxel.intensity / static_cast<float>(voxel.points));
+      result.hits.push_back(voxel.hits);
     }
-    result.points.push_back(center.cast<float>());
-    result.intensity.push_back(voxel.intensity / static_cast<float>(voxel.points));
-    result.hits.push_back(voxel.hits);
   }
   return result;
+}
+
+void StaticMap::forEachStaticCloud(
+    const std::function<void(std::size_t, const KeyframeCloud&)>& take) const
+{
+  const Impl& m = *impl_;
+  const std::vector<bool> kept = m.keptVoxels();
+  for (std::size_t k = 0; k < m.keyframes.size(); ++k)
+  {
+    const KeyframeCloud all = m.keyframes.cloud(k);
+    KeyframeCloud cloud;
+    for (std::size_t i = 0; i < all.size() && m.poses[k].matrix().allFinite(); ++i)
+    {
+      const VoxelCell cell = cellOf(m.poses[k] * all.points[i].cast<double>(), m.voxel_size);
+      const std::uint32_t voxel = m.index.find(voxelKey(cell));
+      if (all.is_static[i] != 0 && voxel != VoxelHash::none && kept[voxel])
+      {
+        cloud.points.push_back(all.points[i]);
+        cloud.intensity.push_back(all.intensity[i]);
+        cloud.is_static.push_back(1);
+      }
+    }
+    take(k, cloud);
+  }
 }
 
 const KeyframeStore& StaticMap::keyframes() const

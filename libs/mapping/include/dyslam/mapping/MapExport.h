@@ -23,7 +23,7 @@ struct MapExportOptions : Options
  * it is whole. The same map gives the same bytes. An empty map gives a valid file without points.
  */
 
-/** Map points as `.pcd` (binary; x y z intensity) or `.ply` (binary; the same and hits). */
+/** Map points as `.pcd` (binary; x y z intensity) or `.ply` (the same). */
 void writeMapCloud(const MapPoints& points, const std::string& path);
 
 /** MRPT's CSimpleMap: per keyframe its pose and the static points as CObservationPointCloud. */

@@ -8,6 +8,7 @@
 #include <Eigen/Core>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <vector>
 
@@ -71,6 +72,11 @@ class StaticMap
 
   /** The cleaned map, in the order in which voxels were first met. */
   [[nodiscard]] MapPoints points() const;
+
+  /** Calls `take` with the points of every keyframe (vehicle frame) that are in the cleaned map,
+   * keyframes in order; one cloud is in memory at a time. */
+  void forEachStaticCloud(
+      const std::function<void(std::size_t keyframe, const KeyframeCloud& cloud)>& take) const;
 
   [[nodiscard]] const KeyframeStore& keyframes() const;
   /** Poses the map is stitched at, one per keyframe. */

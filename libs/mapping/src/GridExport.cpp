@@ -1,0 +1,256 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/Error.h>
+#include <dyslam/core/VoxelGrid.h>
+#include <dyslam/mapping/MapExport.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <cstdio>
+#include <filesystem>
+#include <limits>
+#include <opencv2/imgcodecs.hpp>
+#include <vector>
+
+#include "WriteFile.h"
+
+namespace dyslam
+{
+namespace
+{
+// What ROS' map_server reads with negate 0: dark is occupied, bright is free.
+constexpr std::uint8_t occupied = 0;
+constexpr std::uint8_t free_space = 254;
+constexpr std::uint8_t unknown = 205;
+
+constexpr double column = 1.0;  // side of the columns whose lowest points are the ground [m]
+constexpr int azimuth_bins = 1440;
+constexpr double ray_range = 40.0;  // farther returns do not clear cells [m]
+
+std::uint64_t columnKey(double x, double y, int dx = 0, int dy = 0)
+{
+  return voxelKey({static_cast<std::int32_t>(std::floor(x / column)) + dx,
+                   static_cast<std::int32_t>(std::floor(y / column)) + dy, 0});
+}
+
+/** Height of the ground anywhere near map points. */
+class Ground
+{
+ public:
+  explicit Ground(const MapPoints& map)
+  {
+    for (const auto& p : map.points)
+    {
+      const auto next = static_cast<std::uint32_t>(lowest_.size());
+      const auto found = index_.findOrInsert(columnKey(p.x(), p.y()), next);
+      if (found == next)
+      {
+        lowest_.push_back(p.z());
+        columns_.emplace_back(p.x(), p.y());
+      }
+      lowest_[found] = std::min(lowest_[found], p.z());
+    }
+    for (const auto& at : columns_)
+    {
+      height_.push_back(nearby(at));
+    }
+  }
+
+  /** Height of a point over the ground; of points off the map, not a number. */
+  [[nodiscard]] double above(const Eigen::Vector3d& p) const
+  {
+    const auto found = index_.find(columnKey(p.x(), p.y()));
+    return found == VoxelHash::none ? std::numeric_limits<double>::quiet_NaN()
+                                    : p.z() - static_cast<double>(height_[found]);
+  }
+
+ private:
+  /** Lower quartile of the columns around: neither a ghost below the road nor a wall decides. */
+  [[nodiscard]] float nearby(const Eigen::Vector2d& at) const
+  {
+    std::vector<float> heights;
+    for (int dx = -2; dx <= 2; ++dx)
+    {
+      for (int dy = -2; dy <= 2; ++dy)
+      {
+        const auto found = index_.find(columnKey(at.x(), at.y(), dx, dy));
+        if (found != VoxelHash::none)
+        {
+          heights.push_back(lowest_[found]);
+        }
+      }
+    }
+    const auto quartile = heights.begin() + static_cast<std::ptrdiff_t>(heights.size() / 4);
+    std::nth_element(heights.begin(), quartile, heights.end());
+    return *quartile;
+  }
+
+  VoxelHash index_;
+  std::vector<float> lowest_;
+  std::vector<float> height_;
+  std::vector<Eigen::Vector2d> columns_;
+};
+
+/** Cells on a plane; cell (0, 0) has its lower left corner at the origin. */
+struct Grid
+{
+  double resolution = 0.1;
+  Eigen::Vector2d origin = Eigen::Vector2d::Zero();
+  cv::Mat cells;  // row 0 is the highest y, as pictures have it
+
+  [[nodiscard]] cv::Point cellOf(double x, double y) const
+  {
+    return {static_cast<int>(std::floor((x - origin.x()) / resolution)),
+            cells.rows - 1 - static_cast<int>(std::floor((y - origin.y()) / resolution))};
+  }
+  [[nodiscard]] bool has(const cv::Point& c) const
+  {
+    return c.x >= 0 && c.y >= 0 && c.x < cells.cols && c.y < cells.rows;
+  }
+};
+
+Grid emptyGrid(const MapPoints& map, const MapExportOptions& options)
+{
+  Grid grid;
+  grid.resolution = options.grid_resolution;
+  if (map.size() == 0)
+  {
+    grid.cells = cv::Mat(1, 1, CV_8U, cv::Scalar(unknown));
+    return grid;
+  }
+  Eigen::Vector2d low = Eigen::Vector2d::Constant(std::numeric_limits<double>::infinity());
+  Eigen::Vector2d high = -low;
+  for (const auto& p : map.points)
+  {
+    const Eigen::Vector2d q = p.head<2>().cast<double>();
+    low = low.cwiseMin(q);
+    high = high.cwiseMax(q);
+  }
+  const auto count = [&](int axis) {
+    return std::floor(high[axis] / grid.resolution) - std::floor(low[axis] / grid.resolution) + 1;
+  };
+  while (count(0) * count(1) > options.grid_max_cells)
+  {
+    grid.resolution *= 2;
+  }
+  grid.origin = (low / grid.resolution).array().floor() * grid.resolution;
+  grid.cells =
+      cv::Mat(static_cast<int>(count(1)), static_cast<int>(count(0)), CV_8U, cv::Scalar(unknown));
+  return grid;
+}
+
+/** Marks the cells from a to b (b excluded) as free. */
+void clearRay(Grid& grid, const Eigen::Vector2d& a, const Eigen::Vector2d& b)
+{
+  const double length = (b - a).norm();
+  const int steps = static_cast<int>(length / (0.5 * grid.resolution));
+  for (int i = 0; i < steps; ++i)
+  {
+    const Eigen::Vector2d p = a + (b - a) * (static_cast<double>(i) / steps);
+    const cv::Point cell = grid.cellOf(p.x(), p.y());
+    if (grid.has(cell))
+    {
+      grid.cells.at<std::uint8_t>(cell) = free_space;
+    }
+  }
+}
+
+/** In every direction the farthest thing seen below the obstacles' upper border clears its ray. */
+void clearRays(Grid& grid, const StaticMap& map, const Ground& ground, double highest)
+{
+  constexpr double pi = 3.14159265358979323846;
+  map.forEachStaticCloud(
+      [&](std::size_t k, const KeyframeCloud& cloud)
+      {
+        const Pose& T = map.poses()[k];
+        const Eigen::Vector2d sensor =
+            (T * map.keyframes().info(k).sensor.cast<double>()).head<2>();
+        std::vector<double> farthest(azimuth_bins, 0.0);
+        std::vector<Eigen::Vector2d> ends(azimuth_bins);
+        for (const auto& point : cloud.points)
+        {
+          const Eigen::Vector3d p = T * point.cast<double>();
+          const Eigen::Vector2d d = p.head<2>() - sensor;
+          const double range = d.norm();
+          if (range > ray_range || !(ground.above(p) <= highest))
+          {
+            continue;
+          }
+          const auto bin = static_cast<std::size_t>((std::atan2(d.y(), d.x()) + pi) / (2 * pi) *
+                                                    (azimuth_bins - 1));
+          if (range > farthest[bin])
+          {
+            farthest[bin] = range;
+            ends[bin] = p.head<2>();
+          }
+        }
+        for (std::size_t bin = 0; bin < ends.size(); ++bin)
+        {
+          if (farthest[bin] > 0)
+          {
+            clearRay(grid, sensor, ends[bin]);
+          }
+        }
+      });
+}
+
+void markPoints(Grid& grid, const MapPoints& map, const Ground& ground, const MapExportOptions& o)
+{
+  for (const bool obstacles : {false, true})
+  {
+    for (const auto& point : map.points)
+    {
+      const Eigen::Vector3d p = point.cast<double>();
+      const double height = ground.above(p);
+      const bool is_obstacle = height >= o.obstacle_min_height && height <= o.obstacle_max_height;
+      const bool is_ground = height < o.obstacle_min_height;
+      if (obstacles ? is_obstacle : is_ground)
+      {
+        grid.cells.at<std::uint8_t>(grid.cellOf(p.x(), p.y())) = obstacles ? occupied : free_space;
+      }
+    }
+  }
+}
+
+std::string yamlOf(const Grid& grid, const std::string& image)
+{
+  char text[512];
+  std::snprintf(text, sizeof text,
+                "image: %s\nmode: trinary\nresolution: %.6g\norigin: [%.6f, %.6f, 0.0]\n"
+                "negate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n",
+                image.c_str(), grid.resolution, grid.origin.x(), grid.origin.y());
+  return text;
+}
+}  // namespace
+
+void writeOccupancyGrid(const StaticMap& map,
+                        const std::string& path,
+                        const MapExportOptions& options)
+{
+  validate(options, "map_export");
+  if (options.obstacle_min_height >= options.obstacle_max_height)
+  {
+    throw UserError("map_export: obstacle_min_height must be below obstacle_max_height");
+  }
+  const MapPoints points = map.points();
+  Grid grid = emptyGrid(points, options);
+  const Ground ground(points);
+  clearRays(grid, map, ground, options.obstacle_max_height);
+  markPoints(grid, points, ground, options);
+
+  std::vector<std::uint8_t> png;
+  if (!cv::imencode(".png", grid.cells, png))
+  {
+    throw UserError(path + ": encoding the picture failed");
+  }
+  writeFile(path,
+            [&](std::ostream& out)
+            {
+              out.write(reinterpret_cast<const char*>(png.data()),
+                        static_cast<std::streamsize>(png.size()));
+            });
+  const std::filesystem::path file(path);
+  const std::string yaml = std::filesystem::path(path).replace_extension(".yaml").string();
+  writeFile(yaml, [&](std::ostream& out) { out << yamlOf(grid, file.filename().string()); });
+}
+}  // namespace dyslam
