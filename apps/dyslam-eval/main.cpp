@@ -2,8 +2,12 @@
 #include <vector>
 
 #include "../common/AppMain.h"
+#include "KittiMotCommand.h"
+#include "MapCommand.h"
+#include "PredictionCommand.h"
 #include "RunCommand.h"
 #include "SegmentationCommand.h"
+#include "TracksCommand.h"
 #include "TrajectoryCommand.h"
 
 int main(int argc, char** argv)
@@ -13,9 +17,11 @@ int main(int argc, char** argv)
       argc, argv,
       [&](CLI::App& app)
       {
-        app.description("Errors of trajectories, moving-point labels and maps against the truth");
+        app.description("Errors of trajectories, labels, maps and tracks against the truth");
         app.require_subcommand(1);
         commands = {dyslam::trajectoryCommand(app), dyslam::segmentationCommand(app),
+                    dyslam::mapCommand(app),        dyslam::tracksCommand(app),
+                    dyslam::predictionCommand(app), dyslam::kittiMotCommand(app),
                     dyslam::runCommand(app)};
       },
       [&]

@@ -1,0 +1,234 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "PredictionCommand.h"
+
+#include <dyslam/core/Error.h>
+#include <dyslam/eval/PredictionMetrics.h>
+
+#include <array>
+#include <iostream>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "KittiTracking.h"
+#include "OutputFiles.h"
+
+namespace dyslam
+{
+namespace
+{
+struct Arguments
+{
+  std::string data;
+  std::string boxes;
+  std::string oxts;
+  std::string calib;
+  std::string detections;
+  int track = -1;
+  OutputFlags output;
+};
+
+constexpr std::array<int, 7> windows{5, 10, 15, 20, 30, 40, 50};
+constexpr int table5_window = 30;
+const std::array<const char*, 6> degree_names{"degree 0", "linear",  "quadratic",
+                                              "cubic",    "quartic", "quintic"};
+
+/** The paper's Table 4: rows degree 1 to 5, columns as `windows`. */
+constexpr double paper_table4[5][7] = {{0.24, 0.23, 0.26, 0.28, 0.43, 0.62, 0.84},
+                                       {0.41, 0.30, 0.26, 0.21, 0.23, 0.28, 0.32},
+                                       {1.30, 0.48, 0.39, 0.33, 0.26, 0.27, 0.28},
+                                       {1.34, 0.77, 0.60, 0.49, 0.38, 0.31, 0.33},
+                                       {1.37, 1.50, 1.00, 0.74, 0.56, 0.43, 0.40}};
+/** Table 5: constant velocity, then degrees 1 to 4; six targets and their mean. */
+constexpr double paper_table5[5][7] = {{1.33, 1.49, 1.37, 1.42, 0.57, 0.65, 1.14},
+                                       {1.21, 0.65, 0.54, 0.28, 0.41, 0.45, 0.59},
+                                       {0.71, 0.64, 0.60, 0.21, 0.14, 0.22, 0.42},
+                                       {0.64, 0.81, 0.85, 0.33, 0.13, 0.23, 0.50},
+                                       {0.81, 1.07, 1.17, 0.49, 0.18, 0.29, 0.67}};
+
+double rmse(StepPredictor& predictor, const KittiTarget& target, int warm_up)
+{
+  return predictionError(predictor, target.sightings, target.truth,
+                         static_cast<std::size_t>(warm_up))
+      .rmse;
+}
+
+double fixedRmse(const KittiTarget& target, int degree, int window)
+{
+  return rmse(*polynomialStep(degree, window), target, window);
+}
+
+/** On the frames that a full window of `window` has. */
+double adaptiveRmse(const KittiTarget& target, int window)
+{
+  return rmse(*adaptiveStep(), target, window);
+}
+
+template <typename Rmse>
+double meanOver(const std::vector<KittiTarget>& targets, Rmse&& of)
+{
+  double sum = 0;
+  for (const KittiTarget& target : targets)
+  {
+    sum += of(target);
+  }
+  return sum / static_cast<double>(targets.size());
+}
+
+std::vector<std::string> windowColumns()
+{
+  std::vector<std::string> columns{"RMSE [m] by window"};
+  for (const int window : windows)
+  {
+    columns.push_back(std::to_string(window));
+  }
+  return columns;
+}
+
+/** Every degree and window on the mean of the targets, and the adaptive predictor on the same
+ * frames below. */
+Table gridTable(const std::vector<KittiTarget>& targets,
+                const std::string& title,
+                bool beside_paper,
+                nlohmann::ordered_json& json)
+{
+  Table table(windowColumns(), title);
+  for (int degree = 1; degree <= 5; ++degree)
+  {
+    std::vector<TableCell> row{degree_names[static_cast<std::size_t>(degree)]};
+    for (std::size_t w = 0; w < windows.size(); ++w)
+    {
+      const double ours =
+          meanOver(targets, [&](const KittiTarget& t) { return fixedRmse(t, degree, windows[w]); });
+      const std::optional<double> paper =
+          beside_paper ? std::optional<double>(paper_table4[degree - 1][w]) : std::nullopt;
+      row.emplace_back(ours, 3, paper);
+      json["grid"][std::to_string(degree)][std::to_string(windows[w])] = ours;
+    }
+    table.addRow(row);
+  }
+  std::vector<TableCell> row{"adaptive"};
+  for (const int window : windows)
+  {
+    const double ours =
+        meanOver(targets, [&](const KittiTarget& t) { return adaptiveRmse(t, window); });
+    row.emplace_back(ours, 3);
+    json["grid"]["adaptive"][std::to_string(window)] = ours;
+  }
+  table.addRow(row);
+  return table;
+}
+
+/** Table 5: window 30, the targets in columns. */
+Table targetTable(const std::vector<KittiTarget>& targets,
+                  const std::string& title,
+                  nlohmann::ordered_json& json)
+{
+  std::vector<std::string> columns{"RMSE [m], K = 30"};
+  for (const KittiTarget& target : targets)
+  {
+    columns.push_back(target.name);
+  }
+  columns.emplace_back("mean");
+  Table table(columns, title);
+  const auto addRow = [&](const std::string& name, const double* paper, auto&& of)
+  {
+    std::vector<TableCell> row{name};
+    double sum = 0;
+    for (std::size_t i = 0; i < targets.size(); ++i)
+    {
+      const double ours = of(targets[i]);
+      sum += ours;
+      row.emplace_back(ours, 3, paper ? std::optional<double>(paper[i]) : std::nullopt);
+      json["table5"][name][targets[i].name] = ours;
+    }
+    const double mean = sum / static_cast<double>(targets.size());
+    row.emplace_back(mean, 3, paper ? std::optional<double>(paper[targets.size()]) : std::nullopt);
+    json["table5"][name]["mean"] = mean;
+    table.addRow(row);
+  };
+  addRow("constant velocity", paper_table5[0],
+         [](const KittiTarget& t) { return rmse(*constantVelocityStep(), t, 2); });
+  for (int degree = 1; degree <= 5; ++degree)
+  {
+    addRow(degree_names[static_cast<std::size_t>(degree)],
+           degree <= 4 ? paper_table5[degree] : nullptr,
+           [&](const KittiTarget& t) { return fixedRmse(t, degree, table5_window); });
+  }
+  addRow("adaptive", nullptr, [](const KittiTarget& t) { return adaptiveRmse(t, table5_window); });
+  return table;
+}
+
+void runPaperTables(const Arguments& a)
+{
+  nlohmann::ordered_json json;
+  for (const bool detections : {false, true})
+  {
+    const std::string from = detections ? "PointRCNN detections" : "labels";
+    const std::vector<KittiTarget> targets = readPaperTargets(a.data, detections);
+    const std::vector<KittiTarget> target10{targets[3]};
+    auto& one = json[from]["10/0"];
+    auto& all = json[from]["mean of six"];
+    std::cout << gridTable(target10, "Table 4, target 10/0, from " + from, true, one).toText()
+              << "\n"
+              << targetTable(targets, "Table 5, from " + from, all).toText() << "\n";
+    const Table means = gridTable(
+        targets, "Mean of the six targets, from " + from + "; adaptive on the same frames", false,
+        all);
+    if (detections)
+    {
+      a.output.put(means, json.dump(2) + "\n");
+    }
+    else
+    {
+      std::cout << means.toText() << "\n";
+    }
+  }
+}
+
+void run(const Arguments& a)
+{
+  if (!a.data.empty())
+  {
+    runPaperTables(a);
+    return;
+  }
+  if (a.boxes.empty() || a.oxts.empty() || a.calib.empty() || a.track < 0)
+  {
+    throw UserError(
+        "prediction: give --data DIR for the paper's targets, or --boxes, --oxts, --calib and "
+        "--track for one");
+  }
+  const std::vector<KittiTarget> targets{
+      readKittiTarget(a.boxes, a.oxts, a.calib, a.track, a.detections)};
+  nlohmann::ordered_json json;
+  const Table table = gridTable(targets, "", false, json);
+  const double constant = rmse(*constantVelocityStep(), targets.front(), 2);
+  json["constant velocity"] = constant;
+  std::cout << "constant velocity: " << TableCell(constant, 3).text << " m\n";
+  a.output.put(table, json.dump(2) + "\n");
+}
+}  // namespace
+
+Subcommand predictionCommand(CLI::App& app)
+{
+  const auto a = std::make_shared<Arguments>();
+  CLI::App* sub = app.add_subcommand(
+      "prediction",
+      "One-step errors of trajectory prediction by degree and window (KITTI tracking)");
+  sub->add_option("--data", a->data,
+                  "KITTI tracking folder (label_02, oxts, calib, det_pointrcnn): the paper's six "
+                  "targets, its figures beside ours")
+      ->check(CLI::ExistingDirectory);
+  sub->add_option("--boxes", a->boxes, "labels of one sequence (label_02/NNNN.txt)");
+  sub->add_option("--oxts", a->oxts, "its GNSS/INS readings");
+  sub->add_option("--calib", a->calib, "its calibration");
+  sub->add_option("--track", a->track, "id of the target");
+  sub->add_option("--detections", a->detections,
+                  "predict from these detections (AB3DMOT's csv), not from the labels");
+  a->output.declare(*sub);
+  return {sub, [a] { run(*a); }};
+}
+}  // namespace dyslam
