@@ -58,7 +58,7 @@ struct Pipeline::Stages
         tracker(config.get<TrackerOptions>("tracker")),
         backend(config.get<BackendOptions>("backend"),
                 config.get<LoopCloserOptions>("loop"),
-                config.get<PoseGraphSolverOptions>("solver")),
+                config.get<BackendSolverOptions>("solver")),
         map(config.get<StaticMapOptions>("map"))
   {
   }

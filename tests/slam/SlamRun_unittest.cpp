@@ -1,0 +1,276 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Whole runs on a small simulated recording: from the rawlog to every file of the output folder.
+#include <dyslam/core/Error.h>
+#include <dyslam/eval/TrajectoryMetrics.h>
+#include <dyslam/io/GroundTruth.h>
+#include <dyslam/io/Labels.h>
+#include <dyslam/io/RawlogSource.h>
+#include <dyslam/io/RawlogWriter.h>
+#include <dyslam/io/TrajectoryFiles.h>
+#include <dyslam/pipeline/SlamRun.h>
+#include <dyslam/sim/Simulator.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+#include <limits>
+#include <map>
+#include <sstream>
+
+namespace fs = std::filesystem;
+
+namespace dyslam
+{
+namespace
+{
+constexpr int scan_count = 40;
+
+std::string contentOf(const fs::path& path)
+{
+  std::ifstream file(path, std::ios::binary);
+  std::stringstream text;
+  text << file.rdbuf();
+  return text.str();
+}
+
+/** Every file of a run by name, without those that hold times of the clock. */
+std::map<std::string, std::string> filesOf(const fs::path& folder)
+{
+  std::map<std::string, std::string> files;
+  for (const auto& entry : fs::recursive_directory_iterator(folder))
+  {
+    const std::string name = fs::relative(entry.path(), folder).string();
+    if (entry.is_regular_file() && name != "report.json" && name != "effective.ini")
+    {
+      files[name] = contentOf(entry.path());
+    }
+  }
+  return files;
+}
+
+class SlamRun : public ::testing::Test
+{
+ protected:
+  static void SetUpTestSuite()
+  {
+    folder_ = fs::temp_directory_path() / ("dyslam_slam_run_" + std::to_string(::getpid()));
+    fs::create_directories(folder_);
+    writeRecording(recording(), false);
+  }
+  static void TearDownTestSuite() { fs::remove_all(folder_); }
+
+  static std::string recording() { return (folder_ / "town.rawlog").string(); }
+
+  /** \param spoiled puts an empty scan and bad points amid the good ones. */
+  static void writeRecording(const std::string& path, bool spoiled)
+  {
+    sim::SimulatorOptions options;
+    options.sensor = sim::SensorKind::vlp16;
+    options.columns = 900;
+    options.traffic = 0.5;
+    options.seed = 11;
+    sim::Simulator simulator(options, 1);
+    RawlogWriter writer(path);
+    for (int i = 0; i < scan_count; ++i)
+    {
+      auto simulated = simulator.next();
+      Scan& scan = simulated.scan;
+      if (spoiled && i == 20)
+      {
+        scan.points.clear();
+        scan.intensity.clear();
+        scan.time.clear();
+        scan.ring.clear();
+      }
+      else if (spoiled && i > 5)
+      {
+        const float nan = std::numeric_limits<float>::quiet_NaN();
+        scan.points.at(100) = Eigen::Vector3f(nan, 0, 0);
+        scan.points.at(101) = Eigen::Vector3f(0, std::numeric_limits<float>::infinity(), 0);
+        scan.points.at(102).setZero();
+      }
+      writer.write(scan, simulated.T_map_vehicle);
+    }
+    writer.close();
+  }
+
+  static SlamRunSettings settings(const std::string& output)
+  {
+    SlamRunSettings s;
+    s.rawlog = recording();
+    s.output_folder = (folder_ / output).string();
+    s.config =
+        Config::fromFile(std::string(DYSLAM_SOURCE_DIR) + "/share/dyslam/config_files/vlp16.ini");
+    s.labels = true;
+    return s;
+  }
+
+  static TrajectoryReport errorsOf(const fs::path& run)
+  {
+    const auto pairs = associateByTime(readTum((run / "reference_tum.txt").string()),
+                                       readTum((run / "trajectory_tum.txt").string()), 1e-3);
+    return evaluateTrajectory("run", pairs);
+  }
+
+  static std::string errorOf(const SlamRunSettings& s)
+  {
+    try
+    {
+      (void)runSlam(s);
+    }
+    catch (const UserError& error)
+    {
+      return error.what();
+    }
+    return "no error";
+  }
+
+  static fs::path folder_;
+};
+fs::path SlamRun::folder_;
+
+TEST_F(SlamRun, LeavesEveryFileAndASmallError)
+{
+  auto s = settings("whole");
+  const SlamRunReport report = runSlam(s);
+  EXPECT_EQ(report.frames, static_cast<std::size_t>(scan_count));
+  EXPECT_EQ(report.unconverged, 0U);
+  EXPECT_GT(report.map_points, 1000U);
+  EXPECT_TRUE(report.has_reference);
+  for (const auto& name :
+       {"effective.ini", "odometry_tum.txt", "trajectory_tum.txt", "trajectory_kitti.txt",
+        "reference_tum.txt", "tracks.csv", "tracks.txt", "graph.graph", "graph.g2o",
+        "map_static.pcd", "map_static.ply", "keyframes.simplemap", "map.3Dscene", "replay.rawlog",
+        "trajectory.png", "report.json"})
+  {
+    EXPECT_GT(contentOf(fs::path(s.output_folder) / name).size(), 0U) << name;
+  }
+  const auto errors = errorsOf(s.output_folder);
+  EXPECT_EQ(errors.pairs, static_cast<std::size_t>(scan_count));
+  EXPECT_LT(errors.end.percent, 2.0);
+  EXPECT_LT(errors.relative.translation.rmse, 0.05);
+}
+
+TEST_F(SlamRun, LabelsAreOnePerInputPoint)
+{
+  auto s = settings("labels");
+  (void)runSlam(s);
+  const auto truth_size = [&](int frame)
+  {
+    RawlogSourceOptions options;
+    options.skip_first_n = frame;
+    RawlogSource source(s.rawlog, options);
+    return source.next()->scan.size();
+  };
+  EXPECT_EQ(readLabels(s.output_folder + "/labels/000000.label").size(), truth_size(0));
+  EXPECT_EQ(readLabels(s.output_folder + "/labels/000039.label").size(), truth_size(39));
+}
+
+TEST_F(SlamRun, SameBytesTwiceAndForAnyThreadCount)
+{
+  auto one = settings("one");
+  one.config.set("pipeline.threads=1");
+  (void)runSlam(one);
+  auto again = settings("again");
+  again.config.set("pipeline.threads=1");
+  (void)runSlam(again);
+  auto three = settings("three");
+  three.config.set("pipeline.threads=3");
+  (void)runSlam(three);
+  const auto expected = filesOf(one.output_folder);
+  for (const auto* folder : {&again.output_folder, &three.output_folder})
+  {
+    const auto files = filesOf(*folder);
+    ASSERT_EQ(files.size(), expected.size());
+    for (const auto& [name, content] : expected)
+    {
+      if (name != "trajectory.png")  // its title is the folder's name
+      {
+        EXPECT_TRUE(files.at(name) == content) << *folder << "/" << name << " differs";
+      }
+    }
+  }
+}
+
+TEST_F(SlamRun, EffectiveIniGivesTheSameRun)
+{
+  auto first = settings("first");
+  first.config.set("refine.voxel_size=0.7");
+  (void)runSlam(first);
+  auto second = settings("second");
+  second.config = Config::fromFile(first.output_folder + "/effective.ini");
+  (void)runSlam(second);
+  EXPECT_EQ(contentOf(first.output_folder + "/trajectory_tum.txt"),
+            contentOf(second.output_folder + "/trajectory_tum.txt"));
+  EXPECT_EQ(contentOf(first.output_folder + "/effective.ini"),
+            contentOf(second.output_folder + "/effective.ini"));
+}
+
+TEST_F(SlamRun, ATruncatedRawlogLeavesTheResultsBeforeTheCut)
+{
+  const std::string whole = contentOf(recording());
+  const std::string cut = (folder_ / "cut.rawlog").string();
+  std::ofstream(cut, std::ios::binary)
+      .write(whole.data(), static_cast<long>(whole.size() * 6 / 10));
+  auto s = settings("cut");
+  s.rawlog = cut;
+  EXPECT_NE(errorOf(s).find("cut.rawlog"), std::string::npos);
+  const auto errors = errorsOf(s.output_folder);
+  EXPECT_GT(errors.pairs, 15U);
+  EXPECT_LT(errors.pairs, static_cast<std::size_t>(scan_count));
+  EXPECT_GT(contentOf(s.output_folder + "/report.json").size(), 0U);
+}
+
+TEST_F(SlamRun, EmptyScansAndBadPointsDoNotStopIt)
+{
+  auto s = settings("spoiled");
+  s.rawlog = (folder_ / "spoiled.rawlog").string();
+  writeRecording(s.rawlog, true);
+  const auto report = runSlam(s);
+  EXPECT_EQ(report.frames, static_cast<std::size_t>(scan_count));
+  EXPECT_EQ(report.unconverged, 1U);
+  EXPECT_LT(errorsOf(s.output_folder).end.percent, 3.0);
+}
+
+TEST_F(SlamRun, BadConfigIsNamedBeforeAnythingIsWritten)
+{
+  const auto errorWith = [](const std::string& assignment)
+  {
+    auto s = settings("never");
+    s.config.set(assignment);
+    return errorOf(s);
+  };
+  EXPECT_NE(errorWith("odometri.method=gicp").find("did you mean [odometry]"), std::string::npos);
+  EXPECT_NE(errorWith("odometry.methode=gicp").find("did you mean 'method'"), std::string::npos);
+  EXPECT_NE(errorWith("odometry.method=gicpp").find("did you mean gicp"), std::string::npos);
+  EXPECT_NE(errorWith("refine.voxel_size=-1").find("out of range"), std::string::npos);
+  EXPECT_NE(errorWith("refine.voxel_size=wide").find("not a number"), std::string::npos);
+  EXPECT_FALSE(fs::exists(folder_ / "never"));
+}
+
+TEST_F(SlamRun, AnOutputFolderThatCannotBeMadeIsNamed)
+{
+  auto s = settings("x");
+  s.output_folder = "/proc/dyslam-out";
+  EXPECT_NE(errorOf(s).find("/proc/dyslam-out"), std::string::npos);
+  std::ofstream(folder_ / "file") << "x";
+  s.output_folder = (folder_ / "file" / "below").string();
+  EXPECT_NE(errorOf(s).find("output"), std::string::npos);
+}
+
+TEST_F(SlamRun, EveryOdometryMethodRuns)
+{
+  for (const auto* method : {"constant_velocity", "icp_po2po", "icp_po2pl", "gicp", "loam"})
+  {
+    auto s = settings(std::string("method_") + method);
+    s.labels = false;
+    s.config.set(std::string("odometry.method=") + method);
+    s.config.set("input.only_first_n=15");
+    s.config.set("output.replay=false");
+    EXPECT_EQ(runSlam(s).frames, 15U) << method;
+    EXPECT_LT(errorsOf(s.output_folder).end.percent, 5.0) << method;
+  }
+}
+}  // namespace
+}  // namespace dyslam
