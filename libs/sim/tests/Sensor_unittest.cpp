@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/Error.h>
+#include <dyslam/sim/Simulator.h>
+#include <gtest/gtest.h>
+
+#include <set>
+
+namespace
+{
+using namespace dyslam;
+using namespace dyslam::sim;
+constexpr double kDegree = 3.14159265358979323846 / 180;
+
+TEST(Sensor, BeamTablesAreTheDataSheets)
+{
+  const auto check = [](SensorKind kind, std::size_t beams, double lowest, double highest)
+  {
+    const SensorModel m = sensorModel(kind);
+    ASSERT_EQ(m.beams.size(), beams) << m.name;
+    EXPECT_NEAR(m.beams.front().elevation, lowest * kDegree, 0.02 * kDegree) << m.name;
+    EXPECT_NEAR(m.beams.back().elevation, highest * kDegree, 0.02 * kDegree) << m.name;
+    for (std::size_t i = 1; i < beams; ++i)
+    {
+      EXPECT_GT(m.beams[i].elevation, m.beams[i - 1].elevation) << m.name << " ring " << i;
+    }
+    for (const Beam& b : m.beams)
+    {
+      EXPECT_GE(b.fire_time, 0) << m.name;
+      EXPECT_LT(b.fire_time, 1.001 * m.period / m.columns) << m.name;
+    }
+  };
+  check(SensorKind::hdl64e, 64, -24.33, 2.0);
+  check(SensorKind::hdl32e, 32, -30.67, 10.67);
+  check(SensorKind::vlp16, 16, -15, 15);
+  check(SensorKind::os1_64, 64, -22.5, 22.5);
+  check(SensorKind::os1_128, 128, -22.5, 22.5);
+}
+
+TEST(Sensor, VelodyneLasersFireInTurn)
+{
+  // VLP-16: laser ids 0..15 look to -15, 1, -13, 3, ... and fire every 2.304 us.
+  const SensorModel m = sensorModel(SensorKind::vlp16);
+  EXPECT_NEAR(m.beams[0].fire_time, 0, 1e-12);
+  EXPECT_NEAR(m.beams[8].elevation, 1 * kDegree, 1e-9);
+  EXPECT_NEAR(m.beams[8].fire_time, 2.304e-6, 1e-12);
+  EXPECT_NEAR(m.beams[1].fire_time, 2 * 2.304e-6, 1e-12);
+  EXPECT_NEAR(m.beams[15].fire_time, 15 * 2.304e-6, 1e-12);
+}
+
+TEST(Sensor, SweepsClockwiseThroughStraightAheadAtTheStamp)
+{
+  const SensorModel m = sensorModel(SensorKind::hdl64e);
+  EXPECT_NEAR(m.azimuth(0), 180 * kDegree, 1e-9);
+  EXPECT_NEAR(m.azimuth(0.5 * m.columns), 0, 1e-9);
+  EXPECT_NEAR(m.columnTime(0.5 * m.columns), 0, 1e-12);
+  EXPECT_NEAR(m.columnTime(0), -0.05, 1e-12);
+  EXPECT_NEAR(m.azimuth(0.75 * m.columns), -90 * kDegree, 1e-9);
+}
+
+TEST(Sensor, NamesGoRoundAndBadOnesAreToldTheNearest)
+{
+  for (const auto kind : {SensorKind::hdl64e, SensorKind::hdl32e, SensorKind::vlp16,
+                          SensorKind::os1_64, SensorKind::os1_128})
+  {
+    EXPECT_EQ(sensorKindFromString(toString(kind)), kind);
+  }
+  EXPECT_EQ(sensorKindFromString("hdl64e"), SensorKind::hdl64e);
+  EXPECT_THROW((void)sensorKindFromString("HDL65E"), UserError);
+  EXPECT_THROW((void)worldKindFromString("town"), UserError);
+  EXPECT_EQ(worldKindFromString("tunnel"), WorldKind::tunnel);
+}
+
+TEST(SimulatorOptions, RejectsWhatIsOutOfRange)
+{
+  SimulatorOptions options;
+  options.traffic = 1.5;
+  EXPECT_THROW(Simulator{options}, UserError);
+  options.traffic = 0.5;
+  options.loop_length = -1;
+  EXPECT_THROW(Simulator{options}, UserError);
+}
+
+TEST(SimulatorOptions, SurviveSavingAndLoading)
+{
+  SimulatorOptions options;
+  options.world = WorldKind::campus;
+  options.sensor = SensorKind::os1_128;
+  options.traffic = 0.123456789;
+  options.seed = 77;
+  options.ego = EgoKind::handheld;
+  options.motion_distortion = false;
+  Config config;
+  save(options, config, "simulator");
+  SimulatorOptions again;
+  load(again, Config::fromText(config.toIni(), "test"), "simulator");
+  EXPECT_EQ(again.world, options.world);
+  EXPECT_EQ(again.sensor, options.sensor);
+  EXPECT_DOUBLE_EQ(again.traffic, options.traffic);
+  EXPECT_EQ(again.seed, options.seed);
+  EXPECT_EQ(again.ego, options.ego);
+  EXPECT_FALSE(again.motion_distortion);
+}
+
+TEST(Sensor, PointsLieOnTheirBeamsAndCarryTheirTime)
+{
+  SimulatorOptions options;
+  options.sensor = SensorKind::vlp16;
+  options.columns = 360;
+  options.traffic = 0.3;
+  Simulator simulator(options);
+  const SensorModel& m = simulator.sensor();
+  const SimulatedScan scan = simulator.next();
+  ASSERT_GT(scan.scan.size(), 1000U);
+  std::set<int> rings;
+  for (std::size_t i = 0; i < scan.scan.size(); ++i)
+  {
+    const Eigen::Vector3d p = scan.scan.points[i].cast<double>();
+    const Beam& beam = m.beams[scan.scan.ring[i]];
+    rings.insert(scan.scan.ring[i]);
+    EXPECT_NEAR(std::atan2(p.z(), p.head<2>().norm()), beam.elevation, 0.1 * kDegree);
+    // The head turns on between the column's start and this beam's firing.
+    const double azimuth = -2 * 180 * kDegree * static_cast<double>(scan.scan.time[i]) / m.period;
+    EXPECT_NEAR(std::remainder(std::atan2(p.y(), p.x()) - azimuth, 360 * kDegree), 0,
+                0.02 * kDegree);
+    EXPECT_GE(scan.scan.intensity[i], 0);
+    EXPECT_LE(scan.scan.intensity[i], 1);
+  }
+  EXPECT_GT(rings.size(), 12U);
+}
+}  // namespace
