@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <dyslam/core/Parallel.h>
+#include <dyslam/core/Trajectory.h>
+#include <dyslam/io/GroundTruth.h>
+#include <dyslam/io/SceneExport.h>
+#include <dyslam/io/TrajectoryFiles.h>
+#include <dyslam/mapping/MapExport.h>
+#include <dyslam/mapping/StaticMap.h>
+#include <dyslam/odometry/Preprocessor.h>
+
+#include <cstddef>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace dyslam
+{
+struct MapBuilderOptions
+{
+  StaticMapOptions map;
+  PreprocessOptions preprocess;
+  std::string labels;              //!< folder of NNNNNN.label, or one with such a `labels` folder
+  std::string tracks;              //!< objects' boxes; those that move are left out of the map
+  double keyframe_distance = 1.0;  //!< [m]
+  double keyframe_angle = 0.17;    //!< [rad]
+  double tolerance = 0.01;         //!< of time stamps against the trajectory's [s]
+  int threads = 0;                 //!< 0: the machine's number
+};
+
+/** Builds the static map of a recording along a known trajectory. */
+class MapBuilder
+{
+ public:
+  /** Reads labels' folder and tracks. \throws UserError. */
+  MapBuilder(const TrajectoryFile& trajectory, const MapBuilderOptions& options);
+
+  /** The next scan of the recording, in order. Those the trajectory has no pose for are skipped. */
+  void add(Frame frame);
+
+  [[nodiscard]] const StaticMap& map() const { return map_; }
+  [[nodiscard]] std::size_t skipped() const { return skipped_; }
+  /** What a scene shows: the map, the way, the moving objects. */
+  [[nodiscard]] SceneContent scene() const;
+
+ private:
+  /** Position of the scan's pose in the trajectory. */
+  [[nodiscard]] std::optional<std::size_t> poseOf(const Frame& frame) const;
+  [[nodiscard]] bool isKeyframe(const Pose& T_map_vehicle) const;
+  void fillCloud(Frame& frame, std::size_t pose) const;
+  void fillMoving(Frame& frame) const;
+  void noteObjects(const Frame& frame);
+
+  TrajectoryFile trajectory_;
+  MapBuilderOptions options_;
+  std::string label_folder_;
+  std::multimap<int, LabelledBox> boxes_;  // by frame, lidar frame
+  std::map<int, std::vector<Eigen::Vector3d>> object_paths_;
+  std::map<int, LabelledBox> last_boxes_;  // map frame
+  std::map<int, bool> moves_;              // by object
+  ThreadPool pool_;
+  Preprocessor preprocessor_;
+  StaticMap map_;
+  std::optional<Pose> last_keyframe_;
+  std::size_t skipped_ = 0;
+};
+}  // namespace dyslam
