@@ -2,7 +2,6 @@
 #include "KeyframeRegistration.h"
 
 #include <dyslam/core/Normals.h>
-#include <dyslam/core/Parallel.h>
 
 #include <Eigen/Dense>
 #include <algorithm>
@@ -33,6 +32,19 @@ float groundHeight(const std::vector<Eigen::Vector3f>& points)
   return *tenth;
 }
 
+/** Evenly picked points, about `limit` at most. */
+template <typename Point>
+std::vector<Point> thinned(const std::vector<Point>& points, std::size_t limit)
+{
+  const std::size_t step = points.size() / limit + 1;
+  std::vector<Point> result;
+  for (std::size_t i = 0; i < points.size(); i += step)
+  {
+    result.push_back(points[i]);
+  }
+  return result;
+}
+
 /** Points well over the ground, evenly thinned. */
 std::vector<Eigen::Vector2f> structureOf(const std::vector<Eigen::Vector3f>& points,
                                          std::size_t limit)
@@ -46,13 +58,7 @@ std::vector<Eigen::Vector2f> structureOf(const std::vector<Eigen::Vector3f>& poi
       all.emplace_back(p.head<2>());
     }
   }
-  const std::size_t step = all.size() / limit + 1;
-  std::vector<Eigen::Vector2f> thinned;
-  for (std::size_t i = 0; i < all.size(); i += step)
-  {
-    thinned.push_back(all[i]);
-  }
-  return thinned;
+  return thinned(all, limit);
 }
 
 /** Cells that hold structure: 2, cells beside them: 1. */
@@ -166,22 +172,30 @@ RegistrationTarget::RegistrationTarget(std::vector<Eigen::Vector3f> points,
                                        const KeyframeRegistrationOptions& options)
     : options_(options), points_(std::move(points)), tree_(points_)
 {
-  ThreadPool pool(1);
-  const std::vector<LocalShape> shapes =
-      estimateNormals(points_, tree_, static_cast<std::size_t>(options.normal_neighbours),
-                      static_cast<float>(options.normal_radius), Eigen::Vector3f::Zero(), pool);
-  normals_.reserve(shapes.size());
-  for (const LocalShape& shape : shapes)
+  normals_.assign(points_.size(), Eigen::Vector3f::Constant(NAN));
+}
+
+const Eigen::Vector3f& RegistrationTarget::normalAt(std::uint32_t index)
+{
+  Eigen::Vector3f& normal = normals_[index];
+  if (std::isnan(normal.x()))
   {
+    tree_.nearest(points_[index], static_cast<std::size_t>(options_.normal_neighbours), neighbours_,
+                  static_cast<float>(options_.normal_radius));
+    patch_.clear();
+    for (const Neighbour& neighbour : neighbours_)
+    {
+      patch_.push_back(points_[neighbour.index]);
+    }
+    const LocalShape shape = fitLocalShape(patch_, Eigen::Vector3f::Zero());
     const bool surface = shape.valid() && shape.spread.x() < 0.3F * shape.spread.y();
-    normals_.push_back(surface ? shape.normal : Eigen::Vector3f(Eigen::Vector3f::Zero()));
+    normal = surface ? shape.normal : Eigen::Vector3f(Eigen::Vector3f::Zero());
   }
+  return normal;
 }
 
 RegistrationTarget::Normals RegistrationTarget::accumulate(
-    const std::vector<Eigen::Vector3f>& source,
-    const Pose& T_target_source,
-    double max_distance) const
+    const std::vector<Eigen::Vector3f>& source, const Pose& T_target_source, double max_distance)
 {
   Normals sum;
   const Eigen::Isometry3f T = T_target_source.cast<float>();
@@ -191,12 +205,15 @@ RegistrationTarget::Normals RegistrationTarget::accumulate(
   {
     Neighbour near;
     const Eigen::Vector3f moved = T * p;
-    if (!tree_.nearest(moved, near, static_cast<float>(max_distance)) ||
-        normals_[near.index].isZero(0))
+    if (!tree_.nearest(moved, near, static_cast<float>(max_distance)))
     {
       continue;
     }
-    const Eigen::Vector3d n = normals_[near.index].cast<double>();
+    const Eigen::Vector3d n = normalAt(near.index).cast<double>();
+    if (n.isZero(0))
+    {
+      continue;
+    }
     const double distance = n.dot((moved - points_[near.index]).cast<double>());
     // Geman-McClure
     const double scale = width2 / (width2 + distance * distance);
@@ -215,9 +232,11 @@ RegistrationTarget::Normals RegistrationTarget::accumulate(
   return sum;
 }
 
-KeyframeRegistrationResult RegistrationTarget::align(const std::vector<Eigen::Vector3f>& source,
-                                                     const Pose& T_target_source_guess) const
+KeyframeRegistrationResult RegistrationTarget::align(const std::vector<Eigen::Vector3f>& all,
+                                                     const Pose& T_target_source_guess)
 {
+  const std::vector<Eigen::Vector3f> source =
+      thinned(all, static_cast<std::size_t>(options_.max_points));
   KeyframeRegistrationResult result;
   result.T_target_source = T_target_source_guess;
   double distance = options_.coarse_distance;

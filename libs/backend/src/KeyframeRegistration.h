@@ -5,6 +5,7 @@
 #include <dyslam/core/Pose.h>
 
 #include <Eigen/Core>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
@@ -16,6 +17,7 @@ struct KeyframeRegistrationOptions
   double coarse_distance = 3.0;  //!< counterparts at most this far at first [m] ...
   double fine_distance = 0.6;    //!< ... and at last
   int max_iterations = 30;
+  int max_points = 2500;  //!< of the source that are used, evenly picked
   int normal_neighbours = 10;
   double normal_radius = 1.5;       //!< [m]
   double robust_width = 0.2;        //!< point-to-plane distance from which weights fall [m]
@@ -42,9 +44,10 @@ class RegistrationTarget
   RegistrationTarget(std::vector<Eigen::Vector3f> points,
                      const KeyframeRegistrationOptions& options);
 
-  /** Point-to-plane Gauss-Newton with robust weights; counterparts narrow from coarse to fine. */
+  /** Point-to-plane Gauss-Newton with robust weights; counterparts narrow from coarse to fine.
+   * Not const: normals are computed where they are first needed. */
   [[nodiscard]] KeyframeRegistrationResult align(const std::vector<Eigen::Vector3f>& source,
-                                                 const Pose& T_target_source_guess) const;
+                                                 const Pose& T_target_source_guess);
 
   [[nodiscard]] const std::vector<Eigen::Vector3f>& points() const { return points_; }
 
@@ -60,13 +63,16 @@ class RegistrationTarget
   };
   [[nodiscard]] double overlap(const std::vector<Eigen::Vector3f>& source,
                                const Pose& T_target_source) const;
+  [[nodiscard]] const Eigen::Vector3f& normalAt(std::uint32_t index);
   [[nodiscard]] Normals accumulate(const std::vector<Eigen::Vector3f>& source,
                                    const Pose& T_target_source,
-                                   double max_distance) const;
+                                   double max_distance);
 
   KeyframeRegistrationOptions options_;
   std::vector<Eigen::Vector3f> points_;
-  std::vector<Eigen::Vector3f> normals_;  //!< zero where there is no surface
+  std::vector<Eigen::Vector3f> normals_;  //!< zero where there is no surface, NaN: not yet known
+  std::vector<Neighbour> neighbours_;     //!< scratch
+  std::vector<Eigen::Vector3f> patch_;    //!< scratch
   KdTree tree_;
 };
 

@@ -18,7 +18,7 @@ namespace
 {
 constexpr float quantum = 0.004F;               // of stored coordinates [m]
 constexpr double correlation_range = 5;         // around the guess [m]
-constexpr double correlation_heading = 0.07;    // a little more than half a sector
+constexpr double correlation_heading = 0.1;     // nearly a sector of the descriptor [rad]
 constexpr double agreement_translation = 0.75;  // between loops that support each other [m]
 constexpr double agreement_rotation = 0.06;     // [rad]
 constexpr std::size_t shortlist = 12;           // compared in full per keyframe
@@ -199,7 +199,7 @@ Loop LoopCloser::State::verify(const Candidate& candidate,
     loop.verdict = LoopVerdict::appearance;
     return loop;
   }
-  const RegistrationTarget target = submapAround(candidate.id, poses);
+  RegistrationTarget target = submapAround(candidate.id, poses);
   const Pose turned = poseFromYpr(0, 0, 0, candidate.match.heading, 0, 0);
   const Pose guess =
       correlateFromAbove(source, target.points(), turned, correlation_range, correlation_heading)
@@ -207,7 +207,10 @@ Loop LoopCloser::State::verify(const Candidate& candidate,
   KeyframeRegistrationResult registration = target.align(source, guess);
   if (!registration.converged || registration.overlap < options.min_overlap)
   {
-    const KeyframeRegistrationResult other = target.align(source, estimate);
+    const Pose second = correlateFromAbove(source, target.points(), estimate, correlation_range,
+                                           correlation_heading)
+                            .value_or(estimate);
+    const KeyframeRegistrationResult other = target.align(source, second);
     if (other.converged && other.overlap > registration.overlap)
     {
       registration = other;

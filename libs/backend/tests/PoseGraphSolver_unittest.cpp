@@ -356,8 +356,8 @@ INSTANTIATE_TEST_SUITE_P(Sets,
                          {
                            std::string name = parameter.param.name;
                            name.erase(std::remove(name.begin(), name.end(), '-'), name.end());
-                           return name +
-                                  (parameter.param.start == GraphStart::file ? "_file" : "_chordal");
+                           return name + (parameter.param.start == GraphStart::file ? "_file"
+                                                                                    : "_chordal");
                          });
 }  // namespace
 }  // namespace dyslam

@@ -43,7 +43,7 @@ TEST(KeyframeRegistration, FindsKnownMotionsThereAndBack)
 {
   const BoxWorld world(1, 40, 25);
   const Pose a = poseFromYpr(0, -25, 1.7, 0.1, 0, 0);
-  const RegistrationTarget target(sampled(world.scan(a, 1)), {});
+  RegistrationTarget target(sampled(world.scan(a, 1)), {});
   for (const Pose& motion : {poseFromYpr(0, 0, 0, 0, 0, 0), poseFromYpr(1.5, 0.4, 0, 0.1, 0, 0),
                              poseFromYpr(-1, 1, 0.1, -0.15, 0.02, -0.02)})
   {
@@ -67,7 +67,7 @@ TEST(KeyframeRegistration, FindsKnownMotionsThereAndBack)
 TEST(KeyframeRegistration, AnotherPlaceDoesNotOverlap)
 {
   const BoxWorld world(2, 40, 25);
-  const RegistrationTarget target(sampled(world.scan(poseFromYpr(0, -25, 1.7, 0, 0, 0), 1)), {});
+  RegistrationTarget target(sampled(world.scan(poseFromYpr(0, -25, 1.7, 0, 0, 0), 1)), {});
   const auto other = sampled(world.scan(poseFromYpr(40, 5, 1.7, M_PI / 2, 0, 0), 2));
   const auto result = target.align(other, Pose::Identity());
   EXPECT_TRUE(!result.converged || result.overlap < 0.6) << result.overlap;
@@ -160,8 +160,10 @@ TEST_F(RealScans, AScanMovedByAKnownMotionIsFound)
 {
   const auto points = frame(20);
   ASSERT_GT(points.size(), 50000U);
-  const RegistrationTarget target(sampled(points), {});
-  for (const Pose& T : {poseFromYpr(2, 0.5, 0, 0.1, 0, 0), poseFromYpr(-1, -1, 0.2, -0.2, 0, 0.02)})
+  RegistrationTarget target(sampled(points), {});
+  for (const Pose& T :
+       {poseFromYpr(2, 0.5, 0, 0.05, 0, 0), poseFromYpr(0.5, 0, 0.2, -0.03, 0.01, 0.02),
+        poseFromYpr(-3, -1, 0.1, -0.2, 0, 0.02)})
   {
     std::vector<Eigen::Vector3f> moved;
     const Eigen::Isometry3f back = T.inverse().cast<float>();
@@ -169,7 +171,10 @@ TEST_F(RealScans, AScanMovedByAKnownMotionIsFound)
     {
       moved.emplace_back(back * p);
     }
-    const auto result = target.align(sampled(moved), Pose::Identity());
+    const auto source = sampled(moved);
+    const auto guess = correlateFromAbove(source, target.points(), Pose::Identity(), 5, 0.25);
+    ASSERT_TRUE(guess.has_value());
+    const auto result = target.align(source, *guess);
     EXPECT_TRUE(result.converged);
     const Pose error = T.inverse() * result.T_target_source;
     EXPECT_LT(error.translation().norm(), 0.03);
@@ -180,24 +185,46 @@ TEST_F(RealScans, AScanMovedByAKnownMotionIsFound)
 
 TEST_F(RealScans, UnrelatedScansAreToldApart)
 {
-  const auto here = frame(0);
+  const auto here = frame(20);
   ASSERT_GT(here.size(), 50000U);
-  const RegistrationTarget target(sampled(here), {});
+  RegistrationTarget target(sampled(here), {});
   const PolarDescriptor descriptor(here, 60);
-  const auto near_by = frame(3);
-  const auto same = descriptor.match(PolarDescriptor(near_by, 60));
-  const auto aligned = target.align(sampled(near_by), Pose::Identity());
-  EXPECT_TRUE(aligned.converged);
-  EXPECT_GT(aligned.overlap, 0.6);
-  int compared = 0;
-  for (int number = 60; number <= 109; number += 7)
+  const auto check =
+      [&](const std::string& name, const std::vector<Eigen::Vector3f>& there, bool same)
   {
-    const auto there = frame(number);
-    const auto other = descriptor.match(PolarDescriptor(there, 60));
-    EXPECT_GT(other.distance, same.distance) << number;
-    ++compared;
+    ASSERT_GT(there.size(), 10000U) << name;
+    const auto match = descriptor.match(PolarDescriptor(there, 60));
+    const auto source = sampled(there);
+    const Pose turned = poseFromYpr(0, 0, 0, match.heading, 0, 0);
+    const auto result = target.align(
+        source, correlateFromAbove(source, target.points(), turned, 5, 0.1).value_or(turned));
+    if (same)
+    {
+      EXPECT_TRUE(result.converged) << name;
+      EXPECT_GT(result.overlap, 0.75) << name;
+      EXPECT_LT(result.rmse, 0.1) << name;
+      EXPECT_LT(match.distance, 0.4) << name;
+    }
+    else
+    {
+      EXPECT_LT(result.overlap, 0.4) << name;
+      EXPECT_GT(match.distance, 0.4) << name;
+    }
+  };
+  for (const int number : {18, 21, 24, 27})
+  {
+    check("frame " + std::to_string(number), frame(number), true);
   }
-  EXPECT_GT(compared, 5);
+  for (const int number : {60, 80, 100})
+  {
+    check("frame " + std::to_string(number), frame(number), false);
+  }
+  for (int number = 10; number < 40; number += 3)
+  {
+    char name[16];
+    std::snprintf(name, sizeof name, "%06d.bin", number);
+    check(name, readBin(data_ + "/hdl64_singles_sceneflow/" + name), false);
+  }
 }
 }  // namespace
 }  // namespace dyslam

@@ -18,7 +18,7 @@ struct LoopCloserOptions : Options
   double drift_per_metre = 0.03;  //!< ... and its growth per metre driven in between
   double max_search_radius = 50;  //!< [m]
   double max_correction_angle = 0.7853981634;  //!< a loop may turn the estimate by this [rad]
-  int interval = 1;                            //!< look for loops at every n-th keyframe
+  int interval = 2;                            //!< look for loops at every n-th keyframe
   int candidates = 2;                          //!< registered per keyframe, at most
   double max_descriptor_distance = 0.4;        //!< 0 same appearance, 1 nothing in common
   double descriptor_range = 60;                //!< points that the appearance is made of [m]
