@@ -45,7 +45,8 @@ void makeRandom(Builder& b, RandomDraws& draws)
   const std::size_t parts = 2 + draws.below(4);
   for (std::size_t i = 0; i < parts; ++i)
   {
-    const auto within = [&](double share) { return static_cast<float>(draws.uniform(-share, share)); };
+    const auto within = [&](double share)
+    { return static_cast<float>(draws.uniform(-share, share)); };
     const auto part = [&] { return static_cast<float>(draws.uniform(0.25, 0.8)); };
     const float h = height * part();
     b.add(draws.chance(0.5), size * within(0.3), size * within(0.2),

@@ -30,8 +30,7 @@ DysegSample makeSample(const DysegClip& clip, std::size_t current, std::size_t p
   sample.current = now.points;
   sample.past = then.points;
   sample.T_past_current = then.T_world_sensor.inverse() * now.T_world_sensor;
-  sample.elapsed =
-      clip.period * std::abs(static_cast<double>(current) - static_cast<double>(past));
+  sample.elapsed = clip.period * std::abs(static_cast<double>(current) - static_cast<double>(past));
   sample.label.assign(now.points.size(), DysegSample::static_point);
   sample.flow.assign(now.points.size(), no_flow);
 
@@ -114,9 +113,9 @@ namespace
 {
 BodyKind drawKind(RandomDraws& draws)
 {
-  constexpr BodyKind kinds[] = {BodyKind::car,        BodyKind::car,     BodyKind::van,
+  constexpr BodyKind kinds[] = {BodyKind::car,        BodyKind::car,        BodyKind::van,
                                 BodyKind::truck,      BodyKind::pedestrian, BodyKind::pedestrian,
-                                BodyKind::pedestrian, BodyKind::cyclist, BodyKind::random,
+                                BodyKind::pedestrian, BodyKind::cyclist,    BodyKind::random,
                                 BodyKind::random,     BodyKind::random};
   return kinds[draws.below(std::size(kinds))];
 }
@@ -165,7 +164,8 @@ void castOne(const DysegAugmentOptions& options,
   const double distance = 4 + 41 * std::pow(draws.uniform(), 1.3);
   const double bearing = draws.uniform(-pi, pi);
   const double heading = draws.uniform(-pi, pi);
-  Pose T_now = poseFromYpr(distance * std::cos(bearing), distance * std::sin(bearing), 0, heading, 0, 0);
+  Pose T_now =
+      poseFromYpr(distance * std::cos(bearing), distance * std::sin(bearing), 0, heading, 0, 0);
   // Where it was `elapsed` before, in the current frame: backwards along its heading, turning.
   const double length = speed * sample.elapsed * (draws.chance(0.1) ? -1 : 1);
   const double turn = moving ? draws.normal(0.3) * sample.elapsed : 0;
@@ -191,7 +191,7 @@ void castOne(const DysegAugmentOptions& options,
       (moving ? T_then * T_now.inverse() : sample.T_past_current).cast<float>();
   for (const auto i : on_body)
   {
-    sample.label[i] = !moving ? DysegSample::static_point
+    sample.label[i] = !moving                 ? DysegSample::static_point
                       : speed < claimed_speed ? DysegSample::ignored_point
                                               : DysegSample::moving_point;
     sample.flow[i] = flowOf(motion, sample.current[i]);

@@ -132,8 +132,8 @@ Tensor correlationLoss(const Tensor& correlation,
       const auto bin = (low.select(1, 1) + dy).clamp_max(static_cast<double>(side - 1)) *
                            static_cast<double>(side) +
                        (low.select(1, 0) + dx).clamp_max(static_cast<double>(side - 1));
-      loss = loss -
-             share * log_probability.gather(1, bin.to(torch::kInt64).unsqueeze(1)).squeeze(1);
+      loss =
+          loss - share * log_probability.gather(1, bin.to(torch::kInt64).unsqueeze(1)).squeeze(1);
     }
   }
   return balancedMean(loss, moving.index_select(0, index));
@@ -196,7 +196,9 @@ std::vector<std::int32_t> drawPoints(const DysegSample& sample,
       continue;
     }
     const bool suspected = cell_logit[static_cast<std::size_t>(cells.row_of_point[i])] > -2;
-    (label == DysegSample::moving_point ? moving : suspected ? hard : other)
+    (label == DysegSample::moving_point ? moving
+     : suspected                        ? hard
+                                        : other)
         .push_back(static_cast<std::int32_t>(i));
   }
   std::vector<std::int32_t> chosen;
@@ -236,7 +238,8 @@ Tensor seenOffsets(const std::vector<Eigen::Vector2f>& flow,
     const Eigen::Vector2f to = (places[i] + flow[i] - past.corner) / size;
     const int x = static_cast<int>(std::floor(to.x()));
     const int y = static_cast<int>(std::floor(to.y()));
-    if (x >= 0 && y >= 0 && x < side && y < side && seen[static_cast<std::size_t>(y * side + x)] != 0)
+    if (x >= 0 && y >= 0 && x < side && y < side &&
+        seen[static_cast<std::size_t>(y * side + x)] != 0)
     {
       offset[i] = (flow[i] - centre.flowAt(places[i])) / size;
     }
@@ -299,9 +302,8 @@ DysegLoss dysegLoss(DysegNet& net,
   const auto offset = seenOffsets(truth.flow, cells.quarter_place, guide.first, past, 4);
   auto total =
       matching_weight *
-      (correlationLoss(
-           out.coarse_correlation, coarse_offset.to(device),
-           flagsOf(coarse_truth.label, DysegSample::moving_point).to(device), radius) +
+      (correlationLoss(out.coarse_correlation, coarse_offset.to(device),
+                       flagsOf(coarse_truth.label, DysegSample::moving_point).to(device), radius) +
        correlationLoss(out.correlation, offset.to(device), moving, radius));
   loss.matching = total.item<double>();
 
@@ -320,12 +322,12 @@ DysegLoss dysegLoss(DysegNet& net,
     double weight = 1;
     for (auto r = out.residual.rbegin(); r != out.residual.rend(); ++r, weight *= options.decay)
     {
-      const auto error = (r->index_select(0, known_index) -
-                          residual_truth.index_select(0, known_index))
-                             .square()
-                             .sum(1)
-                             .add(1e-4)
-                             .sqrt();
+      const auto error =
+          (r->index_select(0, known_index) - residual_truth.index_select(0, known_index))
+              .square()
+              .sum(1)
+              .add(1e-4)
+              .sqrt();
       flow_loss = flow_loss + weight * balancedMean(error, moving.index_select(0, known_index));
     }
     loss.flow = flow_loss.item<double>();
@@ -333,8 +335,11 @@ DysegLoss dysegLoss(DysegNet& net,
   }
 
   // Cells.
-  const auto judged =
-      flagsOf(truth.label, DysegSample::ignored_point).logical_not().to(device).nonzero().squeeze(1);
+  const auto judged = flagsOf(truth.label, DysegSample::ignored_point)
+                          .logical_not()
+                          .to(device)
+                          .nonzero()
+                          .squeeze(1);
   const auto cell_label = moving.index_select(0, judged);
   const auto cell_error = nnf::binary_cross_entropy_with_logits(
       out.logit.index_select(0, judged), cell_label.to(torch::kFloat32),
@@ -361,7 +366,8 @@ DysegLoss dysegLoss(DysegNet& net,
     }
     const auto answer = net->points(current, cells, a, b, past.rays, out, which);
     const auto truth_flag = flagsOf(label, DysegSample::moving_point).to(device);
-    const auto point_error = nnf::binary_cross_entropy_with_logits(answer, truth_flag.to(torch::kFloat32));
+    const auto point_error =
+        nnf::binary_cross_entropy_with_logits(answer, truth_flag.to(torch::kFloat32));
     auto point_loss = point_error;
     if (truth_flag.any().item<bool>())
     {
@@ -380,8 +386,8 @@ DysegLoss dysegLoss(DysegNet& net,
                              .sum(1)
                              .add(1e-4)
                              .sqrt();
-      total = total +
-              upsampled_weight * balancedMean(error, truth_flag.index_select(0, fine_known));
+      total =
+          total + upsampled_weight * balancedMean(error, truth_flag.index_select(0, fine_known));
     }
   }
   loss.total = total;

@@ -38,8 +38,8 @@ enum class BodyKind
 
 [[nodiscard]] CastBody makeBody(BodyKind kind, RandomDraws& draws);
 
-/** Lets a scan's own rays hit a body: a point whose ray meets the body before it comes to lie on the
- * body. What the body hides disappears with that, and it is sampled as the sensor would.
+/** Lets a scan's own rays hit a body: a point whose ray meets the body before it comes to lie on
+ * the body. What the body hides disappears with that, and it is sampled as the sensor would.
  *
  * \param T_sensor_body upright pose of the body, its origin on the ground
  * \param points sensor at the origin; changed \return positions of the points that now lie on it.

@@ -47,28 +47,29 @@ struct DysegSample
 
   std::vector<Eigen::Vector3f> current;
   std::vector<Eigen::Vector3f> past;
-  std::vector<std::uint8_t> label;     //!< of each current point
-  std::vector<Eigen::Vector2f> flow;   //!< of each, current to past, in the plane; NaN if unknown [m]
+  std::vector<std::uint8_t> label;  //!< of each current point
+  std::vector<Eigen::Vector2f>
+      flow;  //!< of each, current to past, in the plane; NaN if unknown [m]
   Pose T_past_current = Pose::Identity();
-  double elapsed = 0.1;                //!< s
-  std::vector<Eigen::Vector2f> movers; //!< centres of what moves, to choose crops by
+  double elapsed = 0.1;                 //!< s
+  std::vector<Eigen::Vector2f> movers;  //!< centres of what moves, to choose crops by
 };
 
 /** Frame `current` of a clip against frame `past`. Ids must be of the clip. */
 [[nodiscard]] DysegSample makeSample(const DysegClip& clip, std::size_t current, std::size_t past);
 
-/** A scan as if it had been taken twice, from two places: itself, moved, thinned and with new noise.
- * Nothing moves in it. */
+/** A scan as if it had been taken twice, from two places: itself, moved, thinned and with new
+ * noise. Nothing moves in it. */
 [[nodiscard]] DysegSample doubleScan(const std::vector<Eigen::Vector3f>& points,
                                      const Pose& T_past_current,
                                      RandomDraws& draws);
 
 struct DysegAugmentOptions : Options
 {
-  int bodies = 7;              //!< at most, cast into a pair
-  double moving_share = 0.6;   //!< of cast bodies; the others of the same shapes stand
-  double dropout = 0.3;        //!< at most, share of points left out of a scan
-  double range_noise = 0.02;   //!< m, on cast bodies
+  int bodies = 7;             //!< at most, cast into a pair
+  double moving_share = 0.6;  //!< of cast bodies; the others of the same shapes stand
+  double dropout = 0.3;       //!< at most, share of points left out of a scan
+  double range_noise = 0.02;  //!< m, on cast bodies
   void describe(OptionsVisitor& visitor) override;
 };
 
@@ -76,8 +77,11 @@ struct DysegAugmentOptions : Options
  * thins the pair. */
 void augment(const DysegAugmentOptions& options, RandomDraws& draws, DysegSample& sample);
 
-/** vls128_run88: boxes of SUSTechPOINTS beside scans. \param folder of the run. \throws UserError. */
-[[nodiscard]] DysegClip loadBoxedRun(const std::string& folder, std::size_t first, std::size_t last);
+/** vls128_run88: boxes of SUSTechPOINTS beside scans. \param folder of the run. \throws UserError.
+ */
+[[nodiscard]] DysegClip loadBoxedRun(const std::string& folder,
+                                     std::size_t first,
+                                     std::size_t last);
 
 /** A run with SemanticKITTI labels per point (0 unknown, 252-259 moving) and poses per scan. The
  * motions of its objects are not known, so movers have no flow. \throws UserError. */

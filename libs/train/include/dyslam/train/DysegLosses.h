@@ -23,7 +23,8 @@ struct DysegCellTruth
                                        const std::vector<Eigen::Vector2f>& places,
                                        const PlanarMotion& ego);
 
-/** Cross-entropy of correlation windows against the true offset, shared by the four cells around it.
+/** Cross-entropy of correlation windows against the true offset, shared by the four cells around
+ * it.
  *
  * Cells whose offset is NaN or outside the window don't count; static and moving cells weigh the
  * same in sum. \param offset N x 2 (x, y) from the window's centre [cells] \param moving N flags.
@@ -50,11 +51,11 @@ struct DysegLoss
 
 struct DysegLossOptions : Options
 {
-  int iterations = 2;         //!< flow updates in training
-  double decay = 0.8;         //!< weight of an update's flow against the next one's
-  int points = 3072;          //!< judged one by one in a pair
-  double first_noise = 0.35;  //!< m, error of the guide at 1/4 resolution; its yaw 1.5 deg per m
-  double second_noise = 0.04; //!< m, error of the static flow in training
+  int iterations = 2;          //!< flow updates in training
+  double decay = 0.8;          //!< weight of an update's flow against the next one's
+  int points = 3072;           //!< judged one by one in a pair
+  double first_noise = 0.35;   //!< m, error of the guide at 1/4 resolution; its yaw 1.5 deg per m
+  double second_noise = 0.04;  //!< m, error of the static flow in training
   void describe(OptionsVisitor& visitor) override;
 };
 

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <dyslam/core/Options.h>
+#include <dyslam/nets/BevScan.h>
+#include <dyslam/nets/DysegOptions.h>
+
+#include <functional>
+#include <memory>
+#include <string>
+
+namespace dyslam
+{
+struct DysegTrainerOptions : Options
+{
+  std::string data;  //!< folder with the real data; empty: simulated data only
+  std::string boxed_run = "vls128_run88";  //!< under `data`; empty for none
+  int boxed_last = 47;                     //!< its last training frame
+  std::string labelled_run;                //!< folder under `data` with labels; empty for none
+  std::string labelled_poses = "poses_icp_raw_velo.txt";  //!< in that folder
+  int labelled_last = 79;                                 //!< its last training frame
+  std::string single_scans = "hdl64_singles_sceneflow,hdl64_singles_object/velodyne";
+  double simulated_share = 0.5;  //!< of pairs; the rest is real, if there is any
+  double single_share = 0.3;     //!< of real pairs
+  int simulated_pool = 150;      //!< clips kept; the oldest is replaced
+  int simulate_every = 8;        //!< steps between new clips
+  int crop = 256;                //!< cells along each side in training
+  int steps = 100000;
+  double minutes = 0;  //!< stop after this long, whatever the steps; 0: no limit
+  int batch = 2;       //!< pairs in a step
+  double learning_rate = 1.5e-3;
+  double decay_from = 0.6;  //!< share of the run after which the rate goes down to 2 %
+  double weight_decay = 1e-4;
+  int checkpoint_every = 100;  //!< steps
+  int validate_every = 1500;   //!< steps
+  int seed = 1;
+
+  void describe(OptionsVisitor& visitor) override;
+};
+
+/** Trains DySeg's network and writes what it has into a folder.
+ *
+ * `dyseg.pt` the weights so far (a running mean), `state.pt` everything to go on from, `train.csv`
+ * and `validation.csv`. The data of a step depends on seed and step, except which simulated clips
+ * are at hand after a run was resumed.
+ */
+class DysegTrainer
+{
+ public:
+  DysegTrainer(const DysegTrainerOptions& options,
+               const DysegNetworkOptions& network,
+               const BevOptions& grid,
+               std::string folder);
+  ~DysegTrainer();
+
+  /** Go on from the folder's state. \throws UserError if there is none or it does not fit. */
+  void resume();
+  /** Start from the weights of a file. \throws UserError. */
+  void startFrom(const std::string& weights);
+  /** \param say gets a line of progress now and then. */
+  void run(const std::function<void(const std::string&)>& say);
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+}  // namespace dyslam

@@ -1,0 +1,477 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/Error.h>
+#include <dyslam/core/Scan.h>
+#include <dyslam/nets/DysegFile.h>
+#include <dyslam/train/DysegLosses.h>
+#include <dyslam/train/DysegScores.h>
+#include <dyslam/train/DysegTrainer.h>
+#include <torch/torch.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <deque>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+namespace dyslam
+{
+namespace
+{
+namespace fs = std::filesystem;
+using Clock = std::chrono::steady_clock;
+
+constexpr int warm_up = 100;  // steps
+constexpr double clip_norm = 2;
+constexpr double last_rate = 0.02;
+constexpr double mean_decay = 0.998;
+constexpr int clip_scans = 3;
+constexpr std::uint64_t training_seeds = 500000000;
+constexpr std::uint64_t validation_seeds = 900000000;  // never drawn in training
+
+std::vector<std::string> split(const std::string& text)
+{
+  std::vector<std::string> parts;
+  std::istringstream in(text);
+  for (std::string part; std::getline(in, part, ',');)
+  {
+    if (!part.empty())
+    {
+      parts.push_back(part);
+    }
+  }
+  return parts;
+}
+
+std::vector<Eigen::Vector3f> readBin(const std::string& file)
+{
+  std::ifstream in(file, std::ios::binary);
+  std::vector<Eigen::Vector3f> points;
+  for (float v[4]; in.read(reinterpret_cast<char*>(v), sizeof(v));)
+  {
+    const Eigen::Vector3f p(v[0], v[1], v[2]);
+    points.push_back(isReturn(p) ? p : Eigen::Vector3f(0, 0, 0));
+  }
+  return points;
+}
+
+/** Where a crop lies: around a mover if there is one, else somewhere. */
+Eigen::Vector2f drawCentre(const DysegSample& sample, float half, RandomDraws& draws)
+{
+  const float reach = 51.2F - half;
+  const auto within = [&](float r) { return static_cast<float>(draws.uniform(-r, r)); };
+  Eigen::Vector2f centre(within(0.8F * reach), within(0.8F * reach));
+  if (!sample.movers.empty() && draws.chance(0.85))
+  {
+    const float spread = 0.7F * half;
+    centre = sample.movers[draws.below(sample.movers.size())] +
+             Eigen::Vector2f(within(spread), within(spread));
+  }
+  return centre.cwiseMax(-reach).cwiseMin(reach);
+}
+}  // namespace
+
+void DysegTrainerOptions::describe(OptionsVisitor& v)
+{
+  v.text("data", data, "folder with the real data; empty: simulated data only");
+  v.text("boxed_run", boxed_run, "run with boxes, under data; empty for none");
+  v.integer("boxed_last", boxed_last, 0, 1000000, "its last frame for training");
+  v.text("labelled_run", labelled_run, "run with labels per point, under data; empty for none");
+  v.text("labelled_poses", labelled_poses, "poses, in that run's folder");
+  v.integer("labelled_last", labelled_last, 0, 1000000, "its last frame for training");
+  v.text("single_scans", single_scans, "folders of scans under data, separated by commas");
+  v.real("simulated_share", simulated_share, 0, 1, "of pairs");
+  v.real("single_share", single_share, 0, 1, "of the real pairs");
+  v.integer("simulated_pool", simulated_pool, 1, 100000, "simulated clips kept in memory");
+  v.integer("simulate_every", simulate_every, 1, 100000, "steps between new clips");
+  v.integer("crop", crop, 64, 2048, "cells along each side in training, a multiple of 16");
+  v.integer("steps", steps, 1, 100000000, "optimiser steps");
+  v.real("minutes", minutes, 0, 1e6, "stop after this long; 0 for no limit");
+  v.integer("batch", batch, 1, 1000, "pairs in a step");
+  v.real("learning_rate", learning_rate, 0, 1, "of AdamW");
+  v.real("decay_from", decay_from, 0, 1, "share of the run after which the rate goes down");
+  v.real("weight_decay", weight_decay, 0, 1, "of AdamW");
+  v.integer("checkpoint_every", checkpoint_every, 1, 1000000, "steps");
+  v.integer("validate_every", validate_every, 1, 1000000, "steps");
+  v.integer("seed", seed, 0, 2000000000, "of everything random");
+}
+
+struct DysegTrainer::Impl
+{
+  DysegTrainerOptions options;
+  BevOptions grid;
+  BevOptions crop;
+  std::string folder;
+  DysegNet net{nullptr};
+  DysegNet mean{nullptr};  //!< running mean of the weights
+  std::unique_ptr<torch::optim::AdamW> optimizer;
+  int step = 0;
+  double minutes_before = 0;
+  Clock::time_point start = Clock::now();
+
+  std::vector<DysegClip> runs;
+  std::vector<std::vector<Eigen::Vector3f>> singles;
+  std::deque<DysegClip> pool;
+  std::vector<std::pair<std::string, std::vector<DysegSample>>> validation;
+
+  [[nodiscard]] double minutes() const
+  {
+    return minutes_before + std::chrono::duration<double>(Clock::now() - start).count() / 60;
+  }
+  [[nodiscard]] std::string file(const char* name) const { return folder + "/" + name; }
+  [[nodiscard]] double rate() const;
+  [[nodiscard]] DysegSample draw(RandomDraws& draws) const;
+  void loadReal();
+  void makeValidation();
+  void refillPool();
+  DysegLoss learn();
+  void updateMean();
+  void save();
+  void validateNow(const std::function<void(const std::string&)>& say);
+};
+
+double DysegTrainer::Impl::rate() const
+{
+  double progress = static_cast<double>(step) / options.steps;
+  if (options.minutes > 0)
+  {
+    progress = std::max(progress, minutes() / options.minutes);
+  }
+  double rate = options.learning_rate * std::min(1.0, (step + 1.0) / warm_up);
+  if (progress > options.decay_from && options.decay_from < 1)
+  {
+    const double done = std::min(1.0, (progress - options.decay_from) / (1 - options.decay_from));
+    rate *= last_rate + (1 - last_rate) * 0.5 * (1 + std::cos(3.14159265 * done));
+  }
+  return rate;
+}
+
+void DysegTrainer::Impl::loadReal()
+{
+  if (options.data.empty())
+  {
+    return;
+  }
+  const auto under = [&](const std::string& part) { return options.data + "/" + part; };
+  if (!options.boxed_run.empty())
+  {
+    runs.push_back(
+        loadBoxedRun(under(options.boxed_run), 0, static_cast<std::size_t>(options.boxed_last)));
+  }
+  if (!options.labelled_run.empty())
+  {
+    const auto run = under(options.labelled_run);
+    runs.push_back(loadLabelledRun(run, run + "/" + options.labelled_poses, 0,
+                                   static_cast<std::size_t>(options.labelled_last)));
+  }
+  for (const auto& part : split(options.single_scans))
+  {
+    std::vector<std::string> files;
+    for (const auto& entry : fs::directory_iterator(under(part)))
+    {
+      if (entry.path().extension() == ".bin")
+      {
+        files.push_back(entry.path().string());
+      }
+    }
+    std::sort(files.begin(), files.end());
+    for (const auto& f : files)
+    {
+      singles.push_back(readBin(f));
+    }
+  }
+}
+
+void DysegTrainer::Impl::makeValidation()
+{
+  std::vector<DysegSample> simulated;
+  for (std::uint64_t i = 0; i < 8; ++i)
+  {
+    const auto clip = simulateClip(validation_seeds + i, 2, true);
+    simulated.push_back(makeSample(clip, 1, 0));
+  }
+  validation.emplace_back("simulated", std::move(simulated));
+  if (options.data.empty())
+  {
+    return;
+  }
+  std::vector<DysegSample> boxed;
+  const auto run = loadBoxedRun(options.data + "/vls128_run88", 47, 63);
+  for (std::size_t i = 2; i < run.frames.size(); i += 2)
+  {
+    boxed.push_back(makeSample(run, i, i - 1));
+  }
+  validation.emplace_back("vls128_run88 48-63", std::move(boxed));
+  const auto folder_0005 = options.data + "/kitti_raw_2011_09_26_drive_0005";
+  const auto drive = loadLabelledRun(folder_0005, folder_0005 + "/poses_icp_raw_velo.txt", 79, 109);
+  std::vector<DysegSample> labelled;
+  for (std::size_t i = 1; i < drive.frames.size(); i += 3)
+  {
+    labelled.push_back(makeSample(drive, i, i - 1));
+  }
+  validation.emplace_back("drive 0005 80-109", std::move(labelled));
+}
+
+void DysegTrainer::Impl::refillPool()
+{
+  if (options.simulated_share <= 0)
+  {
+    return;
+  }
+  const auto number = static_cast<std::uint64_t>(step / options.simulate_every);
+  const auto seed = training_seeds + static_cast<std::uint64_t>(options.seed) * 1000003 + number;
+  pool.push_back(simulateClip(seed, clip_scans, number % 3 != 0));
+  if (pool.size() > static_cast<std::size_t>(options.simulated_pool))
+  {
+    pool.pop_front();
+  }
+}
+
+DysegSample DysegTrainer::Impl::draw(RandomDraws& draws) const
+{
+  const bool real = !runs.empty() || !singles.empty();
+  if (!pool.empty() && (!real || draws.chance(options.simulated_share)))
+  {
+    const auto& clip = pool[draws.below(pool.size())];
+    const std::size_t a = draws.below(clip.frames.size());
+    const std::size_t b = (a + 1 + draws.below(clip.frames.size() - 1)) % clip.frames.size();
+    return makeSample(clip, a, b);
+  }
+  if (!singles.empty() && (runs.empty() || draws.chance(options.single_share)))
+  {
+    const auto& scan = singles[draws.below(singles.size())];
+    const double ahead = draws.chance(0.15) ? 0 : draws.uniform(-1.5, 2.5);
+    const Pose motion = poseFromYpr(ahead, draws.normal(0.05), draws.normal(0.02),
+                                    draws.normal(0.02), draws.normal(0.003), draws.normal(0.003));
+    return doubleScan(scan, motion, draws);
+  }
+  if (runs.empty())
+  {
+    throw UserError("training has no data: set data, or simulated_share above 0");
+  }
+  const auto& run = runs[draws.below(runs.size())];
+  const std::size_t gap = 1 + draws.below(3);
+  const std::size_t later = gap + draws.below(run.frames.size() - gap);
+  return draws.chance(0.7) ? makeSample(run, later, later - gap)
+                           : makeSample(run, later - gap, later);
+}
+
+DysegLoss DysegTrainer::Impl::learn()
+{
+  optimizer->zero_grad();
+  DysegLoss sum;
+  for (int b = 0; b < options.batch; ++b)
+  {
+    RandomDraws draws(static_cast<std::uint64_t>(options.seed),
+                      static_cast<std::uint64_t>(step) * 64 + static_cast<std::uint64_t>(b));
+    auto sample = draw(draws);
+    augment(DysegAugmentOptions(), draws, sample);
+    const auto centre = drawCentre(sample, crop.halfExtent(), draws);
+    auto loss = dysegLoss(net, sample, crop, centre, DysegLossOptions(), draws);
+    if (!loss.total.defined() || !std::isfinite(loss.total.item<double>()))
+    {
+      continue;
+    }
+    (loss.total / options.batch).backward();
+    sum.matching += loss.matching / options.batch;
+    sum.flow += loss.flow / options.batch;
+    sum.cell += loss.cell / options.batch;
+    sum.point += loss.point / options.batch;
+  }
+  torch::nn::utils::clip_grad_norm_(net->parameters(), clip_norm);
+  static_cast<torch::optim::AdamWOptions&>(optimizer->param_groups()[0].options()).lr(rate());
+  optimizer->step();
+  updateMean();
+  return sum;
+}
+
+void DysegTrainer::Impl::updateMean()
+{
+  torch::NoGradGuard no_gradient;
+  const double keep = std::min(mean_decay, (1.0 + step) / (10.0 + step));
+  const auto from = net->parameters();
+  const auto to = mean->parameters();
+  for (std::size_t i = 0; i < to.size(); ++i)
+  {
+    to[i].mul_(keep).add_(from[i], 1 - keep);
+  }
+}
+
+void DysegTrainer::Impl::save()
+{
+  // Written beside and renamed, so that an interrupted run keeps its last state.
+  saveDyseg({mean, grid}, file("dyseg.pt.new"));
+  torch::serialize::OutputArchive archive;
+  torch::serialize::OutputArchive net_part;
+  torch::serialize::OutputArchive mean_part;
+  torch::serialize::OutputArchive optimizer_part;
+  net->save(net_part);
+  mean->save(mean_part);
+  optimizer->save(optimizer_part);
+  archive.write("net", net_part);
+  archive.write("mean", mean_part);
+  archive.write("optimizer", optimizer_part);
+  archive.write("step", c10::IValue(static_cast<std::int64_t>(step)));
+  archive.write("minutes", c10::IValue(minutes()));
+  archive.save_to(file("state.pt.new"));
+  fs::rename(file("dyseg.pt.new"), file("dyseg.pt"));
+  fs::rename(file("state.pt.new"), file("state.pt"));
+}
+
+void DysegTrainer::Impl::validateNow(const std::function<void(const std::string&)>& say)
+{
+  saveDyseg({mean, grid}, file("validate.pt"));
+  const DysegModel model(file("validate.pt"), torch::get_num_threads());
+  std::ofstream csv(file("validation.csv"), std::ios::app);
+  for (const auto& [name, samples] : validation)
+  {
+    DysegScores s;
+    for (const auto& sample : samples)
+    {
+      s.add(scorePair(model, sample));
+    }
+    char line[256];
+    std::snprintf(line, sizeof(line), "%d,%s,%.4f,%.4f,%.4f,%.4f,%.4f,%.4f,%.5f", step,
+                  name.c_str(), s.iou(), s.precision(), s.recall(),
+                  s.static_error / std::max<double>(1, static_cast<double>(s.static_cells)),
+                  s.moving_error / std::max<double>(1, static_cast<double>(s.moving_cells)),
+                  s.translation_error / static_cast<double>(s.pairs),
+                  s.yaw_error / static_cast<double>(s.pairs));
+    csv << line << '\n';
+    say("validation (step, set, IoU, precision, recall, EPE static, EPE moving, ego m, ego rad): " +
+        std::string(line));
+  }
+}
+
+DysegTrainer::DysegTrainer(const DysegTrainerOptions& options,
+                           const DysegNetworkOptions& network,
+                           const BevOptions& grid,
+                           std::string folder)
+    : impl_(std::make_unique<Impl>())
+{
+  validate(options, "train");
+  fs::create_directories(folder);
+  impl_->options = options;
+  impl_->grid = grid;
+  impl_->crop = grid;
+  impl_->crop.cells = std::min(options.crop, grid.cells);
+  impl_->folder = std::move(folder);
+  torch::manual_seed(static_cast<std::uint64_t>(options.seed));
+  impl_->net = DysegNet(network);
+  impl_->mean = DysegNet(network);
+  {
+    torch::NoGradGuard no_gradient;
+    const auto from = impl_->net->parameters();
+    const auto to = impl_->mean->parameters();
+    for (std::size_t i = 0; i < to.size(); ++i)
+    {
+      to[i].copy_(from[i]);
+    }
+  }
+  impl_->optimizer = std::make_unique<torch::optim::AdamW>(
+      impl_->net->parameters(),
+      torch::optim::AdamWOptions(options.learning_rate).weight_decay(options.weight_decay));
+}
+
+DysegTrainer::~DysegTrainer() = default;
+
+void DysegTrainer::startFrom(const std::string& weights)
+{
+  const auto loaded = loadDyseg(weights);
+  torch::NoGradGuard no_gradient;
+  const auto source = loaded.net->named_parameters();
+  for (auto* net : {&impl_->net, &impl_->mean})
+  {
+    for (auto& p : (*net)->named_parameters())
+    {
+      if (!source.contains(p.key()) || source[p.key()].sizes() != p.value().sizes())
+      {
+        throw UserError(weights + ": weights of another shape of network");
+      }
+      p.value().copy_(source[p.key()]);
+    }
+  }
+}
+
+void DysegTrainer::resume()
+{
+  const auto path = impl_->file("state.pt");
+  if (!fs::exists(path))
+  {
+    throw UserError(path + ": no state to resume from");
+  }
+  try
+  {
+    torch::serialize::InputArchive archive;
+    torch::serialize::InputArchive net_part;
+    torch::serialize::InputArchive mean_part;
+    torch::serialize::InputArchive optimizer_part;
+    archive.load_from(path);
+    archive.read("net", net_part);
+    archive.read("mean", mean_part);
+    archive.read("optimizer", optimizer_part);
+    impl_->net->load(net_part);
+    impl_->mean->load(mean_part);
+    impl_->optimizer->load(optimizer_part);
+    c10::IValue value;
+    archive.read("step", value);
+    impl_->step = static_cast<int>(value.toInt());
+    archive.read("minutes", value);
+    impl_->minutes_before = value.toDouble();
+  }
+  catch (const c10::Error&)
+  {
+    throw UserError(path + ": state of another network or version");
+  }
+}
+
+void DysegTrainer::run(const std::function<void(const std::string&)>& say)
+{
+  Impl& t = *impl_;
+  t.loadReal();
+  t.makeValidation();
+  say("data: " + std::to_string(t.runs.size()) + " real runs, " + std::to_string(t.singles.size()) +
+      " single scans");
+  t.start = Clock::now();
+  std::ofstream csv(t.file("train.csv"), std::ios::app);
+  DysegLoss mean;
+  int counted = 0;
+  while (t.step < t.options.steps && (t.options.minutes <= 0 || t.minutes() < t.options.minutes))
+  {
+    if (t.pool.empty() || t.step % t.options.simulate_every == 0)
+    {
+      t.refillPool();
+    }
+    const auto loss = t.learn();
+    mean.matching += loss.matching;
+    mean.flow += loss.flow;
+    mean.cell += loss.cell;
+    mean.point += loss.point;
+    ++counted;
+    ++t.step;
+    if (t.step % 20 == 0)
+    {
+      char line[200];
+      std::snprintf(line, sizeof(line), "%d,%.2f,%.6f,%.4f,%.4f,%.4f,%.4f", t.step, t.minutes(),
+                    t.rate(), mean.matching / counted, mean.flow / counted, mean.cell / counted,
+                    mean.point / counted);
+      csv << line << std::endl;
+      say("step, minutes, rate, matching, flow, cell, point: " + std::string(line));
+      mean = DysegLoss();
+      counted = 0;
+    }
+    if (t.step % t.options.checkpoint_every == 0)
+    {
+      t.save();
+    }
+    if (t.step % t.options.validate_every == 0)
+    {
+      t.validateNow(say);
+    }
+  }
+  t.save();
+  t.validateNow(say);
+}
+}  // namespace dyslam

@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/train/DysegLosses.h>
+#include <gtest/gtest.h>
+#include <torch/torch.h>
+
+#include <cmath>
+#include <limits>
+
+namespace
+{
+using torch::Tensor;
+
+/** The Lovasz extension by its definition: errors sorted, each times how much IoU it costs. */
+double slowLovasz(const std::vector<float>& logit, const std::vector<int>& label)
+{
+  std::vector<std::size_t> order(logit.size());
+  std::vector<double> error(logit.size());
+  for (std::size_t i = 0; i < order.size(); ++i)
+  {
+    order[i] = i;
+    error[i] = 1 - logit[i] * (2 * label[i] - 1);
+  }
+  std::sort(order.begin(), order.end(),
+            [&](std::size_t a, std::size_t b) { return error[a] > error[b]; });
+  // Jaccard loss when the first k are wrong.
+  const auto jaccard = [&](std::size_t wrong)
+  {
+    int lost = 0;
+    int positives = 0;
+    int extra = 0;
+    for (std::size_t k = 0; k < order.size(); ++k)
+    {
+      positives += label[order[k]];
+      if (k < wrong)
+      {
+        (label[order[k]] == 1 ? lost : extra) += 1;
+      }
+    }
+    return 1 - static_cast<double>(positives - lost) / (positives + extra);
+  };
+  double sum = 0;
+  for (std::size_t k = 0; k < order.size(); ++k)
+  {
+    sum += std::max(0.0, error[order[k]]) * (jaccard(k + 1) - jaccard(k));
+  }
+  return sum;
+}
+
+TEST(DysegLosses, LovaszAgreesWithItsDefinition)
+{
+  const std::vector<float> logit{0.3F, -1.2F, 2.0F, 0.7F, -0.4F, 1.9F};
+  const std::vector<int> label{1, 0, 1, 0, 1, 0};
+  const auto fast = dyslam::lovaszHinge(torch::tensor(logit), torch::tensor(label));
+  EXPECT_NEAR(fast.item<double>(), slowLovasz(logit, label), 1e-5);
+  const auto sure = dyslam::lovaszHinge(torch::tensor({5.0F, -5.0F}), torch::tensor({1, 0}));
+  EXPECT_EQ(sure.item<float>(), 0);
+  EXPECT_EQ(dyslam::lovaszHinge(torch::zeros({0}), torch::zeros({0})).item<float>(), 0);
+}
+
+TEST(DysegLosses, CorrelationLossIsLeastAtTheTrueOffset)
+{
+  const auto offset = torch::tensor({{1.0F, -2.0F}});
+  const auto moving = torch::tensor({false});
+  const auto peakAt = [](int x, int y)
+  {
+    auto c = torch::zeros({1, 49});
+    c[0][(y + 3) * 7 + x + 3] = 10;
+    return c;
+  };
+  const auto loss = [&](const Tensor& c)
+  { return dyslam::correlationLoss(c, offset, moving, 3).item<double>(); };
+  EXPECT_LT(loss(peakAt(1, -2)), 0.01);
+  EXPECT_GT(loss(peakAt(-2, 1)), 5);
+  // Halfway between two cells, each gets half.
+  const auto half = torch::tensor({{0.5F, 0.0F}});
+  const auto value = dyslam::correlationLoss(torch::zeros({1, 49}), half, moving, 3).item<double>();
+  EXPECT_NEAR(value, std::log(49), 1e-5);
+}
+
+TEST(DysegLosses, UnknownAndFarOffsetsDontCount)
+{
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  const auto offset = torch::tensor({{nan, nan}, {9.0F, 0.0F}});
+  const auto c = torch::randn({2, 49}).requires_grad_();
+  const auto loss = dyslam::correlationLoss(c, offset, torch::tensor({false, true}), 3);
+  EXPECT_EQ(loss.item<float>(), 0);
+}
+
+TEST(DysegLosses, MoversWeighAsMuchAsTheStatic)
+{
+  const auto value = torch::tensor({1.0F, 1.0F, 1.0F, 5.0F});
+  const auto moving = torch::tensor({false, false, false, true});
+  EXPECT_FLOAT_EQ(dyslam::balancedMean(value, moving).item<float>(), 6);
+  EXPECT_FLOAT_EQ(dyslam::balancedMean(value, torch::zeros({4}, torch::kBool)).item<float>(), 2);
+}
+}  // namespace
