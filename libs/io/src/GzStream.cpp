@@ -120,13 +120,23 @@ std::size_t GzOutput::Write(const void* buffer, std::size_t count)
   for (std::size_t done = 0; done < count;)
   {
     const std::size_t step = std::min(count - done, largest_step);
-    if (gzwrite(file_, from + done, static_cast<unsigned>(step)) != static_cast<int>(step))
+    if (!failure_.empty() ||
+        gzwrite(file_, from + done, static_cast<unsigned>(step)) != static_cast<int>(step))
     {
-      throw UserError(path_ + ": cannot be written: " + std::strerror(errno));
+      failure_ = failure_.empty() ? std::strerror(errno) : failure_;
+      return count;
     }
     done += step;
   }
   return count;
+}
+
+void GzOutput::check() const
+{
+  if (!failure_.empty())
+  {
+    throw UserError(path_ + ": cannot be written: " + failure_);
+  }
 }
 
 std::size_t GzOutput::Read(void*, std::size_t)
@@ -142,6 +152,7 @@ void GzOutput::close()
   }
   const int code = gzclose_w(file_);
   file_ = nullptr;
+  check();
   if (code != Z_OK)
   {
     throw UserError(path_ + ": cannot be written to its end: " + std::strerror(errno));

@@ -250,11 +250,13 @@ struct PcapSource::Impl
                                                                     : lasers == 32 ? "HDL32"
                                                                                    : "HDL64");
     }
-    (void)openBinary(file);
+    const std::string text = readWhole(file);
     mrpt::obs::VelodyneCalibration result;
     const auto extension = std::filesystem::path(file).extension();
     const bool yaml = extension == ".yaml" || extension == ".yml";
-    if (!(yaml ? result.loadFromYAMLFile(file) : result.loadFromXMLFile(file)) ||
+    // MRPT prints its complaints, so plainly wrong files are not shown to it.
+    const bool plausible = text.find(yaml ? "lasers" : "boost_serialization") != std::string::npos;
+    if (!plausible || !(yaml ? result.loadFromYAMLText(text) : result.loadFromXMLText(text)) ||
         result.laser_corrections.size() != lasers)
     {
       throw UserError(file + ": is no calibration of a " + nameOf(model) + " (" +

@@ -11,6 +11,7 @@
 #include <deque>
 #include <map>
 #include <regex>
+#include <utility>
 
 #include "MrptConversions.h"
 #include "ObservationScans.h"
@@ -25,7 +26,6 @@ using mrpt::obs::CObservation;
 constexpr std::size_t max_dropped_in_a_row = 10;
 constexpr double same_time = 1e-6;    //!< stamps this near are one [s]
 constexpr double truth_memory = 2.0;  //!< how long old true poses are kept [s]
-constexpr std::size_t max_companions = 16;
 
 bool endsWith(const std::string& text, const std::string& end)
 {
@@ -64,14 +64,15 @@ struct RawlogSource::Impl
   std::regex wanted;
   std::string label;  //!< of the lidar in use, once it is known
 
-  /** A scan not yet decoded, and its number in the file. */
+  /** A scan not yet decoded, its times and rings if it has them, and its number in the file. */
   struct Numbered
   {
     CObservation::Ptr observation;
+    CObservation::Ptr companion;
     std::size_t index = 0;
   };
-  Numbered pending;  //!< the scan to be delivered next; null at the end
-  std::deque<CObservation::Ptr> companions;
+  Numbered pending;             //!< the scan to be delivered next; null at the end
+  CObservation::Ptr companion;  //!< read, its scan not yet
   std::deque<StampedPose> truths;
   std::optional<UserError> postponed;  //!< found while looking ahead
 
@@ -179,11 +180,7 @@ struct RawlogSource::Impl
     }
     if (endsWith(observation->sensorLabel, time_ring_suffix))
     {
-      companions.push_back(observation);
-      if (companions.size() > max_companions)
-      {
-        companions.pop_front();
-      }
+      companion = observation;
       return false;
     }
     return isWanted(*observation);
@@ -237,9 +234,10 @@ struct RawlogSource::Impl
           continue;
         }
         const std::size_t index = scans_seen++;
+        CObservation::Ptr own = std::exchange(companion, nullptr);
         if (acceptStamp(*observation) && index >= static_cast<std::size_t>(options.skip_first_n))
         {
-          return {observation, index};
+          return {observation, std::move(own), index};
         }
       }
     }
@@ -250,23 +248,18 @@ struct RawlogSource::Impl
     return {};
   }
 
-  void addTimeRing(Scan& scan)
+  void addTimeRing(CObservation* own, Scan& scan)
   {
-    const std::string name = scan.sensor_label + time_ring_suffix;
-    while (!companions.empty())
+    if (own == nullptr)
     {
-      const auto companion = companions.front();
-      const double stamp = toStamp(companion->timestamp);
-      if (stamp > scan.stamp + same_time)
-      {
-        return;
-      }
-      companions.pop_front();
-      if (companion->sensorLabel == name && std::abs(stamp - scan.stamp) <= same_time &&
-          !applyTimeRing(*companion, stream.externalFolder(), scan))
-      {
-        warn("times and rings that do not fit their scan were passed over");
-      }
+      return;
+    }
+    const bool fits = own->sensorLabel == scan.sensor_label + time_ring_suffix &&
+                      std::abs(toStamp(own->timestamp) - scan.stamp) <= same_time &&
+                      applyTimeRing(*own, stream.externalFolder(), scan);
+    if (!fits)
+    {
+      warn("times and rings that do not fit their scan were passed over");
     }
   }
 
@@ -323,13 +316,13 @@ struct RawlogSource::Impl
     }
   }
 
-  std::optional<Frame> deliver()
+  Frame deliver(const Numbered& scan)
   {
     Frame frame;
-    frame.index = pending.index;
+    frame.index = scan.index;
     try
     {
-      frame.scan = scanFromObservation(*pending.observation, stream.externalFolder());
+      frame.scan = scanFromObservation(*scan.observation, stream.externalFolder());
     }
     catch (const UserError&)
     {
@@ -340,7 +333,7 @@ struct RawlogSource::Impl
       throw UserError(stream.path() + ": scan " + std::to_string(frame.index) +
                       " is damaged: " + messageOf(error));
     }
-    addTimeRing(frame.scan);
+    addTimeRing(scan.companion.get(), frame.scan);
     scaleIntensity(frame.scan);
     if (frame.scan.size() == 0)
     {
@@ -371,11 +364,10 @@ struct RawlogSource::Impl
       }
       return std::nullopt;
     }
-    // The next scan is looked up first: truth and companions may stand behind their scan.
+    // The next scan is looked up first: truth may stand behind its scan.
     Numbered following = nextScan();
-    auto frame = deliver();
-    pending = std::move(following);
-    return frame;
+    const Numbered current = std::exchange(pending, std::move(following));
+    return deliver(current);
   }
 };
 

@@ -7,8 +7,10 @@
 #include <mrpt/obs/CObservationRobotPose.h>
 #include <mrpt/serialization/CArchive.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <limits>
 #include <stdexcept>
 
 #include "GzStream.h"
@@ -124,6 +126,7 @@ struct RawlogWriter::Impl
   {
     auto archive = mrpt::serialization::archiveFrom(file);
     archive << object;
+    file.check();
   }
 
   void putCloud(const Scan& scan, const std::string& label, const mrpt::maps::CPointsMap::Ptr& map)
@@ -142,7 +145,8 @@ struct RawlogWriter::Impl
 
   void putExternally(CObservationPointCloud& observation, const std::string& label) const
   {
-    const std::string name = label + "_" + numberedName(frames, ".gz");
+    std::string name = label + "_" + numberedName(frames, ".gz");
+    std::replace(name.begin(), name.end(), '/', '_');
     GzOutput out((fs::path(externalFolder()) / name).string(), options.compression_level);
     auto archive = mrpt::serialization::archiveFrom(out);
     archive << *observation.pointcloud;

@@ -3,9 +3,9 @@
 #include <dyslam/io/RawlogSource.h>
 #include <dyslam/io/RawlogWriter.h>
 
-#include <cmath>
 #include <limits>
 
+#include "SyntheticScans.h"
 #include "TestFolder.h"
 
 namespace dyslam
@@ -14,51 +14,6 @@ namespace
 {
 constexpr float nan = std::numeric_limits<float>::quiet_NaN();
 constexpr float inf = std::numeric_limits<float>::infinity();
-
-Scan someScan(std::size_t number, std::size_t points)
-{
-  Scan scan;
-  scan.stamp = 100.0 + 0.1 * static_cast<double>(number);
-  for (std::size_t i = 0; i < points; ++i)
-  {
-    const auto value = static_cast<float>(i);
-    scan.points.emplace_back(value + 0.25F, -value, static_cast<float>(number));
-    scan.intensity.push_back(static_cast<float>(i % 100) / 100.0F);
-  }
-  scan.T_vehicle_lidar = poseFromYpr(1, 0.5, 1.7, 0.1, -0.05, 0.02);
-  scan.sensor_label = "velodyne";
-  return scan;
-}
-
-Pose somePose(std::size_t number)
-{
-  const auto n = static_cast<double>(number);
-  return poseFromYpr(n, 0.1 * n, -0.01 * n, 0.02 * n, 0.01 * n, -0.005 * n);
-}
-
-void writeScans(const std::string& path, std::size_t count, const RawlogWriterOptions& options = {})
-{
-  RawlogWriter writer(path, options);
-  for (std::size_t i = 0; i < count; ++i)
-  {
-    writer.write(someScan(i, 50 + i), somePose(i));
-  }
-  writer.close();
-}
-
-void expectSamePoints(const Scan& expected, const Scan& scan)
-{
-  ASSERT_EQ(expected.size(), scan.size());
-  for (std::size_t i = 0; i < scan.size(); ++i)
-  {
-    for (int k = 0; k < 3; ++k)
-    {
-      const float a = expected.points[i][k];
-      const float b = scan.points[i][k];
-      EXPECT_TRUE(a == b || (std::isnan(a) && std::isnan(b))) << i << ": " << a << " " << b;
-    }
-  }
-}
 }  // namespace
 
 class RawlogRoundTrip : public ::testing::TestWithParam<bool>
@@ -82,7 +37,7 @@ TEST_P(RawlogRoundTrip, KeepsEverything)
     EXPECT_EQ(i, frame->index);
     EXPECT_EQ(expected.stamp, frame->scan.stamp);
     EXPECT_EQ("velodyne", frame->scan.sensor_label);
-    expectSamePoints(expected, frame->scan);
+    EXPECT_TRUE(samePoints(expected, frame->scan));
     EXPECT_EQ(expected.intensity, frame->scan.intensity);
     EXPECT_TRUE(frame->scan.time.empty());
     EXPECT_TRUE(frame->scan.ring.empty());
@@ -91,9 +46,240 @@ TEST_P(RawlogRoundTrip, KeepsEverything)
     EXPECT_TRUE(frame->T_world_vehicle_truth->isApprox(somePose(i), 1e-12));
   }
   EXPECT_FALSE(source.next());
+  EXPECT_FALSE(source.next());
   EXPECT_EQ(5U, source.framesRead());
   EXPECT_DOUBLE_EQ(1.0, source.progress());
   EXPECT_TRUE(source.warnings().empty());
 }
+
+TEST_P(RawlogRoundTrip, KeepsTimeAndRing)
+{
+  const TestFolder folder;
+  RawlogWriterOptions options;
+  options.external_storage = GetParam();
+  // Neither, both, only time, only ring: in one file, so that nothing sticks.
+  std::vector<Scan> scans;
+  for (std::size_t i = 0; i < 8; ++i)
+  {
+    scans.push_back(someScan(i, 20));
+    for (std::size_t k = 0; k < 20; ++k)
+    {
+      if (i % 4 == 1 || i % 4 == 2)
+      {
+        scans.back().time.push_back(0.1F * static_cast<float>(k) - 0.7F);
+      }
+      if (i % 4 == 1 || i % 4 == 3)
+      {
+        scans.back().ring.push_back(static_cast<std::uint16_t>(k * 3000));
+      }
+    }
+  }
+  {
+    RawlogWriter writer(folder.file("a.rawlog"), options);
+    for (const Scan& scan : scans)
+    {
+      writer.write(scan);
+    }
+    writer.close();
+  }
+  RawlogSource source(folder.file("a.rawlog"));
+  for (const Scan& scan : scans)
+  {
+    const auto frame = source.next();
+    ASSERT_TRUE(frame);
+    EXPECT_TRUE(samePoints(scan, frame->scan));
+    EXPECT_EQ(scan.time, frame->scan.time);
+    EXPECT_EQ(scan.ring, frame->scan.ring);
+    EXPECT_FALSE(frame->T_world_vehicle_truth);
+  }
+  EXPECT_FALSE(source.next());
+}
+
+TEST_P(RawlogRoundTrip, KeepsInvalidPointsAndEmptyScans)
+{
+  const TestFolder folder;
+  RawlogWriterOptions options;
+  options.external_storage = GetParam();
+  Scan odd = someScan(1, 1);
+  odd.points = {{nan, 1, 2}, {inf, -inf, 0}, {0, 0, 0}, {1, 2, 3}, {nan, nan, nan}};
+  odd.intensity = {0, 1, nan, 0.5F, 0};
+  Scan plain = someScan(3, 4);
+  plain.intensity.clear();
+  {
+    RawlogWriter writer(folder.file("a.rawlog"), options);
+    writer.write(someScan(0, 10));
+    writer.write(odd);
+    writer.write(someScan(2, 0));
+    writer.write(plain);
+    writer.close();
+  }
+  RawlogSource source(folder.file("a.rawlog"));
+  ASSERT_TRUE(source.next());
+  const auto invalid = source.next();
+  ASSERT_TRUE(invalid);
+  EXPECT_TRUE(samePoints(odd, invalid->scan));
+  EXPECT_EQ(5U, invalid->scan.intensity.size());
+  const auto empty = source.next();
+  ASSERT_TRUE(empty);
+  EXPECT_EQ(2U, empty->index);
+  EXPECT_EQ(0U, empty->scan.size());
+  const auto last = source.next();
+  ASSERT_TRUE(last);
+  EXPECT_TRUE(samePoints(plain, last->scan));
+  EXPECT_TRUE(last->scan.intensity.empty());
+  ASSERT_EQ(1U, source.warnings().size());
+  EXPECT_TRUE(contains(source.warnings().front(), "empty scan"));
+}
 INSTANTIATE_TEST_SUITE_P(Storage, RawlogRoundTrip, ::testing::Bool());
+
+TEST(RawlogSource, SkipsAndLimits)
+{
+  const TestFolder folder;
+  writeScans(folder.file("a.rawlog"), 10);
+  RawlogSourceOptions options;
+  options.skip_first_n = 3;
+  options.only_first_n = 4;
+  RawlogSource source(folder.file("a.rawlog"), options);
+  for (std::size_t i = 3; i < 7; ++i)
+  {
+    const auto frame = source.next();
+    ASSERT_TRUE(frame);
+    EXPECT_EQ(i, frame->index);
+    EXPECT_EQ(50 + i, frame->scan.size());
+  }
+  EXPECT_FALSE(source.next());
+  EXPECT_EQ(4U, source.framesRead());
+
+  options.skip_first_n = 10;
+  RawlogSource none(folder.file("a.rawlog"), options);
+  const auto message = messageOfError<UserError>([&] { (void)none.next(); });
+  EXPECT_TRUE(contains(message, "skip_first_n = 10")) << message;
+  options.skip_first_n = -1;
+  EXPECT_THROW(RawlogSource(folder.file("a.rawlog"), options), UserError);
+}
+
+TEST(RawlogSource, ChoosesTheSensor)
+{
+  const TestFolder folder;
+  {
+    RawlogWriter writer(folder.file("a.rawlog"));
+    for (std::size_t i = 0; i < 6; ++i)
+    {
+      Scan scan = someScan(i, 10 + i);
+      scan.sensor_label = i % 2 == 0 ? "front" : "rear";
+      scan.ring.assign(scan.size(), static_cast<std::uint16_t>(i));
+      writer.write(scan);
+    }
+    writer.close();
+  }
+  RawlogSourceOptions options;
+  RawlogSource first(folder.file("a.rawlog"), options);
+  std::size_t frames = 0;
+  while (const auto frame = first.next())
+  {
+    EXPECT_EQ("front", frame->scan.sensor_label);
+    EXPECT_EQ(frames, frame->index);
+    EXPECT_EQ(2 * frames, frame->scan.ring.front());
+    ++frames;
+  }
+  EXPECT_EQ(3U, frames);
+  ASSERT_EQ(1U, first.warnings().size());
+  EXPECT_TRUE(contains(first.warnings().front(), "'rear'"));
+
+  options.sensor_label = "re.*";
+  RawlogSource rear(folder.file("a.rawlog"), options);
+  EXPECT_EQ("rear", rear.next()->scan.sensor_label);
+  EXPECT_EQ("rear", rear.sensorLabel());
+
+  options.sensor_label = "roof";
+  auto message = messageOfError<UserError>([&] { RawlogSource(folder.file("a.rawlog"), options); });
+  EXPECT_TRUE(contains(message, "'front', 'rear'")) << message;
+  options.sensor_label = "(";
+  message = messageOfError<UserError>([&] { RawlogSource(folder.file("a.rawlog"), options); });
+  EXPECT_TRUE(contains(message, "regular expression")) << message;
+}
+
+TEST(RawlogSource, BringsBigIntensitiesToOne)
+{
+  const TestFolder folder;
+  {
+    RawlogWriter writer(folder.file("a.rawlog"));
+    for (std::size_t i = 0; i < 2; ++i)
+    {
+      Scan scan = someScan(i, 3);
+      scan.intensity = {0.0F, 51.0F, i == 0 ? 255.0F : 0.5F};
+      writer.write(scan);
+    }
+    writer.close();
+  }
+  RawlogSource source(folder.file("a.rawlog"));
+  EXPECT_FLOAT_EQ(0.2F, source.next()->scan.intensity[1]);
+  EXPECT_FLOAT_EQ(0.5F / 255.0F, source.next()->scan.intensity[2]);
+  RawlogSourceOptions options;
+  options.intensity_scale = 2;
+  RawlogSource scaled(folder.file("a.rawlog"), options);
+  EXPECT_FLOAT_EQ(102.0F, scaled.next()->scan.intensity[1]);
+}
+
+TEST(RawlogWriter, SameInputGivesTheSameBytes)
+{
+  const TestFolder folder;
+  writeScans(folder.file("a.rawlog"), 3);
+  writeScans(folder.file("b.rawlog"), 3);
+  EXPECT_EQ(folder.read("a.rawlog"), folder.read("b.rawlog"));
+}
+
+TEST(RawlogWriter, GivesTheNameOnlyToWholeFiles)
+{
+  const TestFolder folder;
+  folder.write("a.rawlog", "an earlier one");
+  {
+    RawlogWriter writer(folder.file("a.rawlog"));
+    writer.write(someScan(0, 10));
+    EXPECT_EQ("an earlier one", folder.read("a.rawlog"));
+    EXPECT_EQ(1U, writer.framesWritten());
+    EXPECT_THROW(writer.write(
+                     []
+                     {
+                       Scan scan = someScan(1, 5);
+                       scan.intensity.pop_back();
+                       return scan;
+                     }()),
+                 std::logic_error);
+    Scan timeless = someScan(1, 5);
+    timeless.stamp = std::numeric_limits<double>::quiet_NaN();
+    EXPECT_THROW(writer.write(timeless), UserError);
+  }
+  // What came before the error is there and whole.
+  EXPECT_FALSE(std::filesystem::exists(folder.file("a.rawlog.tmp")));
+  RawlogSource source(folder.file("a.rawlog"));
+  EXPECT_TRUE(source.next());
+  EXPECT_FALSE(source.next());
+}
+
+TEST(RawlogWriter, RefusesWhatCannotBeWritten)
+{
+  const TestFolder folder;
+  EXPECT_THROW(RawlogWriter(folder.file("none/a.rawlog")), UserError);
+  EXPECT_THROW(RawlogWriter{folder.path()}, UserError);
+  folder.write("file", "");
+  EXPECT_THROW(RawlogWriter(folder.file("file/a.rawlog")), UserError);
+  RawlogWriterOptions options;
+  options.compression_level = 12;
+  EXPECT_THROW(RawlogWriter(folder.file("a.rawlog"), options), UserError);
+  if (std::filesystem::exists("/dev/full"))
+  {
+    std::filesystem::create_symlink("/dev/full", folder.file("full.rawlog.tmp"));
+    RawlogWriter full(folder.file("full.rawlog"));
+    EXPECT_THROW(
+        {
+          for (std::size_t i = 0; i < 20; ++i)
+          {
+            full.write(someScan(i, 50000));
+          }
+          full.close();
+        },
+        UserError);
+  }
+}
 }  // namespace dyslam

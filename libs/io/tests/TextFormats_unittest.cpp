@@ -3,26 +3,243 @@
 #include <dyslam/io/GroundTruth.h>
 #include <dyslam/io/TrajectoryFiles.h>
 
+#include <cmath>
+#include <limits>
+
 #include "TestFolder.h"
 
 namespace dyslam
 {
-TEST(TrajectoryFiles, TumRoundTrip)
+namespace
 {
-  const TestFolder folder;
+Trajectory someTrajectory()
+{
   Trajectory trajectory;
   for (int i = 0; i < 20; ++i)
   {
     trajectory.push_back(1317384506.123456 + 0.1 * i,
                          poseFromYpr(1000.123456789 + i, -2e-7 * i, 3, 0.3 * i, 0.1, -0.2));
   }
+  return trajectory;
+}
+
+template <typename Call>
+void expectError(Call&& call, const std::string& part)
+{
+  const std::string message = messageOfError<UserError>(call);
+  EXPECT_TRUE(contains(message, part)) << message;
+}
+}  // namespace
+
+TEST(TrajectoryFiles, TumRoundTrip)
+{
+  const TestFolder folder;
+  const Trajectory trajectory = someTrajectory();
   writeTum(folder.file("a.txt"), trajectory);
   const Trajectory read = readTum(folder.file("a.txt"));
   ASSERT_EQ(trajectory.size(), read.size());
   for (std::size_t i = 0; i < read.size(); ++i)
   {
     EXPECT_EQ(trajectory[i].stamp, read[i].stamp);
-    EXPECT_TRUE(trajectory[i].pose.matrix().isApprox(read[i].pose.matrix(), 1e-11));
+    EXPECT_TRUE(trajectory[i].pose.isApprox(read[i].pose, 1e-11));
   }
+  writeTum(folder.file("empty.txt"), {});
+  EXPECT_TRUE(readTum(folder.file("empty.txt")).empty());
+}
+
+TEST(TrajectoryFiles, TumIsXyzwAndWellWritten)
+{
+  const TestFolder folder;
+  Trajectory trajectory;
+  trajectory.push_back(0.5, poseFromYpr(1, 2, 3, M_PI / 2, 0, 0));
+  writeTum(folder.file("a.txt"), trajectory);
+  EXPECT_EQ("0.500000000 1 2 3 0 0 0.707106781187 0.707106781187\n", folder.read("a.txt"));
+}
+
+TEST(TrajectoryFiles, KittiRoundTrip)
+{
+  const TestFolder folder;
+  const Trajectory trajectory = someTrajectory();
+  writeKittiPoses(folder.file("a.txt"), trajectory);
+  const auto read = readKittiPoses(folder.file("a.txt"));
+  ASSERT_EQ(trajectory.size(), read.size());
+  for (std::size_t i = 0; i < read.size(); ++i)
+  {
+    EXPECT_TRUE(trajectory[i].pose.isApprox(read[i], 1e-11));
+  }
+}
+
+TEST(TrajectoryFiles, TellsTheKinds)
+{
+  const TestFolder folder;
+  writeTum(folder.file("tum.txt"), someTrajectory());
+  writeKittiPoses(folder.file("kitti.txt"), someTrajectory());
+  EXPECT_EQ(TrajectoryFormat::tum, readTrajectory(folder.file("tum.txt")).format);
+  const auto kitti = readTrajectory(folder.file("kitti.txt"));
+  EXPECT_EQ(TrajectoryFormat::kitti, kitti.format);
+  EXPECT_EQ(19.0, kitti.trajectory[19].stamp);
+  folder.write("comma.csv", "# t,x,y,z,qx,qy,qz,qw\n\n1.5,1,2,3,0,0,0,1\n");
+  EXPECT_EQ(1.5, readTrajectory(folder.file("comma.csv")).trajectory[0].stamp);
+}
+
+TEST(TrajectoryFiles, ErrorsNameFileAndLine)
+{
+  const TestFolder folder;
+  const std::string good = "1 0 0 0 0 0 0 1\n";
+  expectError([&] { (void)readTum(folder.write("a", good + "2 0 0\n")); }, "a:2: has 3 fields");
+  expectError([&] { (void)readTum(folder.write("a", good + "2 0 0 zero 0 0 0 1\n")); },
+              "a:2: 'zero' is not a number");
+  expectError([&] { (void)readTum(folder.write("a", good + "2 0 nan 0 0 0 0 1\n")); },
+              "a:2: 'nan' is not a finite number");
+  expectError([&] { (void)readTum(folder.write("a", good + "2 0 0 0 0 0 0 2\n")); },
+              "a:2: the quaternion's length");
+  expectError([&] { (void)readTum(folder.write("a", good + good)); }, "a:2: the time");
+  expectError([&] { (void)readKittiPoses(folder.write("a", "1 0 0 0 0 5 0 0 0 0 1 0\n")); },
+              "a:1: columns");
+  expectError([&] { (void)readKittiPoses(folder.write("a", "-1 0 0 0 0 1 0 0 0 0 1 0\n")); },
+              "a:1: columns");
+  expectError([&] { (void)readTrajectory(folder.write("a", "1 2 3\n")); }, "a:1: has 3 fields");
+  expectError([&] { (void)readTrajectory(folder.write("a", "\n# nothing\n")); }, "no poses");
+  expectError([&] { (void)readTrajectory(folder.file("none")); }, "no such file");
+  expectError([&] { (void)readTrajectory(folder.path()); }, "is a folder");
+  expectError([&] { writeTum(folder.file("no/such/a.txt"), {}); }, "cannot be written");
+  EXPECT_THROW((void)withTimes(std::vector<Pose>(3), std::vector<double>(2)), UserError);
+}
+
+TEST(TrajectoryFiles, CameraAndLidarPoses)
+{
+  // The camera looks along the lidar's x; it is 0.3 m ahead of it and 0.1 m below.
+  Pose T_cam_velo = Pose::Identity();
+  T_cam_velo.linear() << 0, -1, 0, 0, 0, -1, 1, 0, 0;
+  T_cam_velo.translation() = Eigen::Vector3d(0, -0.1, -0.3);
+  // Driving 2 m ahead and turning left: along z and about -y for the camera.
+  const Pose lidar = poseFromYpr(2, 0.5, 0, 0.3, 0, 0);
+  const auto camera = lidarToCameraPoses({Pose::Identity(), lidar}, T_cam_velo);
+  EXPECT_TRUE(camera[0].isApprox(Pose::Identity(), 1e-12));
+  EXPECT_TRUE(camera[1].linear().isApprox(expSO3(Eigen::Vector3d(0, -0.3, 0)), 1e-12));
+  // Where the camera is after the motion, by hand.
+  const Eigen::Vector3d camera_in_lidar = T_cam_velo.inverse().translation();
+  const Eigen::Vector3d moved = T_cam_velo * (lidar * camera_in_lidar);
+  EXPECT_TRUE(camera[1].translation().isApprox(moved, 1e-12));
+  EXPECT_TRUE(cameraToLidarPoses(camera, T_cam_velo)[1].isApprox(lidar, 1e-12));
+}
+
+TEST(TrajectoryFiles, RealPosesOfCameraAndLidar)
+{
+  DYSLAM_REQUIRE_DATA();
+  const std::string folder = *dataFolder() + "/kitti_odometry_text/";
+  for (const char* sequence : {"00", "04", "10"})
+  {
+    const auto camera = readKittiPoses(folder + "poses_gt_cam0/" + sequence + ".txt");
+    EXPECT_GT(camera.size(), 200U);
+    EXPECT_EQ(camera.size(), readTimes(folder + "calib_times/" + sequence + "/times.txt").size());
+  }
+}
+
+TEST(Labels, RoundTripAndBits)
+{
+  const TestFolder folder;
+  const std::vector<Label> labels{0, 1, makeLabel(252, 7), makeLabel(40, 65535), 259};
+  writeLabels(folder.file("a.label"), labels);
+  EXPECT_EQ(labels, readLabels(folder.file("a.label")));
+  EXPECT_EQ(labels, readLabels(folder.file("a.label"), 5));
+  EXPECT_EQ(std::string("\xfc\x00\x07\x00", 4), folder.read("a.label").substr(8, 4));
+  EXPECT_EQ(252, semanticOf(labels[2]));
+  EXPECT_EQ(7, instanceOf(labels[2]));
+  EXPECT_TRUE(isMoving(labels[2]) && isMoving(259) && isMoving(251 + 1));
+  EXPECT_FALSE(isMoving(251) || isMoving(260) || isMoving(40) || isMoving(0));
+  EXPECT_TRUE(isIgnored(0) && isIgnored(1) && isIgnored(makeLabel(0, 3)));
+  EXPECT_FALSE(isIgnored(9));
+  expectError([&] { (void)readLabels(folder.file("a.label"), 4); }, "has 5 labels");
+  expectError([&] { (void)readLabels(folder.write("b.label", "abc")); }, "cut short");
+  writeLabels(folder.file("c.label"), {});
+  EXPECT_TRUE(readLabels(folder.file("c.label")).empty());
+}
+
+TEST(GroundTruth, SidecarRoundTrip)
+{
+  const TestFolder folder;
+  EXPECT_EQ(folder.file("a.gt"), groundTruthFolder(folder.file("a.rawlog")));
+  EXPECT_FALSE(GroundTruthReader::besides(folder.file("a.rawlog")));
+  const std::vector<Label> labels{9, makeLabel(254, 3), 0};
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  const std::vector<Eigen::Vector3f> flow{{1, 2, 3}, {nan, nan, nan}, {0, -1, 0.5F}};
+  LabelledBox box;
+  box.frame = 2;
+  box.id = 5;
+  box.object_class = ObjectClass::pedestrian;
+  box.box.center = {1.25, -2.5, 0.125};
+  box.box.size = {0.5, 0.75, 1.75};
+  box.box.yaw = -1.5;
+  box.occluded = 1;
+  {
+    GroundTruthWriter writer(folder.file("a.gt"));
+    writer.addPose(1.0, Pose::Identity());
+    writer.addPose(2.0, poseFromYpr(1, 2, 3, 0.5, 0, 0));
+    writer.addLabels(2, labels);
+    writer.addFlow(0, flow);
+    writer.addBox(box);
+    LabelledBox earlier = box;
+    earlier.frame = 0;
+    writer.addBox(earlier);
+  }
+  const auto reader = GroundTruthReader::besides(folder.file("a.rawlog"));
+  ASSERT_TRUE(reader);
+  EXPECT_EQ(2U, reader->poses().size());
+  EXPECT_TRUE(reader->hasLabels() && reader->hasFlow());
+  EXPECT_EQ(labels, reader->labels(2, 3));
+  EXPECT_FALSE(reader->labels(1, 3));
+  expectError([&] { (void)reader->labels(2, 4); }, "000002.label");
+  const auto read_flow = reader->flow(0, 3);
+  ASSERT_TRUE(read_flow);
+  EXPECT_EQ(flow[2], (*read_flow)[2]);
+  EXPECT_TRUE(std::isnan((*read_flow)[1].x()));
+  expectError([&] { (void)reader->flow(0, 2); }, "36 bytes");
+  EXPECT_EQ(0, reader->tracks().front().frame);
+  EXPECT_TRUE(reader->boxes(1).empty());
+  ASSERT_EQ(1U, reader->boxes(2).size());
+  const LabelledBox read = reader->boxes(2).front();
+  EXPECT_EQ(5, read.id);
+  EXPECT_EQ("Pedestrian", read.type);
+  EXPECT_EQ(ObjectClass::pedestrian, read.object_class);
+  EXPECT_EQ(box.box.center, read.box.center);
+  EXPECT_EQ(box.box.size, read.box.size);
+  EXPECT_EQ(box.box.yaw, read.box.yaw);
+  EXPECT_EQ(1, read.occluded);
+}
+
+TEST(GroundTruth, WritingAgainLeavesNothingOld)
+{
+  const TestFolder folder;
+  for (const std::size_t frames : {5U, 2U})
+  {
+    GroundTruthWriter writer(folder.file("a.gt"));
+    for (std::size_t i = 0; i < frames; ++i)
+    {
+      writer.addLabels(i, {1, 2});
+    }
+    if (frames == 5)
+    {
+      writer.addPose(0, Pose::Identity());
+    }
+  }
+  folder.write("a.gt/notes.md", "mine");
+  const GroundTruthReader reader(folder.file("a.gt"));
+  EXPECT_TRUE(reader.labels(1, 2));
+  EXPECT_FALSE(reader.labels(2, 2));
+  EXPECT_TRUE(reader.poses().empty());
+  EXPECT_TRUE(std::filesystem::exists(folder.file("a.gt/notes.md")));
+}
+
+TEST(GroundTruth, BadFiles)
+{
+  const TestFolder folder;
+  expectError([&] { GroundTruthReader(folder.file("none.gt")); }, "no such folder");
+  folder.write("a.gt/tracks.txt", "0 1 Car 0 0 -10 0 0 0 0 1 2 3 4 5 6\n");
+  expectError([&] { GroundTruthReader(folder.file("a.gt")); }, "tracks.txt:1: has 16 fields");
+  folder.write("a.gt/tracks.txt", "x 1 Car 0 0 -10 0 0 0 0 1 2 3 4 5 6 0\n");
+  expectError([&] { GroundTruthReader(folder.file("a.gt")); }, "tracks.txt:1: 'x'");
+  folder.write("file.gt", "");
+  EXPECT_THROW(GroundTruthWriter(folder.file("file.gt")), UserError);
 }
 }  // namespace dyslam

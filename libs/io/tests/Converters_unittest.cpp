@@ -1,0 +1,324 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/Error.h>
+#include <dyslam/io/CloudFiles.h>
+#include <dyslam/io/Converters.h>
+#include <dyslam/io/GroundTruth.h>
+#include <dyslam/io/RawlogSource.h>
+#include <dyslam/io/TrajectoryFiles.h>
+
+#include <cmath>
+
+#include "SyntheticScans.h"
+#include "TestFolder.h"
+
+namespace dyslam
+{
+namespace
+{
+const char* const tracking_calib =
+    "R_rect 1 0 0 0 1 0 0 0 1\nTr_velo_cam 0 -1 0 0 0 0 -1 0 1 0 0 0\n"
+    "Tr_imu_velo 1 0 0 0 0 1 0 0 0 0 1 0\n";
+
+std::string number(std::size_t i, std::size_t digits)
+{
+  const std::string text = std::to_string(i);
+  return std::string(digits - text.size(), '0') + text;
+}
+
+void makeFolderOf(const TestFolder& folder, const std::string& name)
+{
+  std::filesystem::create_directories(folder.file(name));
+}
+
+void writeBins(const TestFolder& folder,
+               const std::string& name,
+               std::size_t count,
+               std::size_t digits = 6)
+{
+  makeFolderOf(folder, name);
+  for (std::size_t i = 0; i < count; ++i)
+  {
+    const Scan scan = someScan(i, 10 + i);
+    writeBin(folder.file(name + "/" + number(i, digits) + ".bin"), scan.points, scan.intensity);
+  }
+}
+
+std::vector<Frame> readAll(const std::string& path)
+{
+  RawlogSource source(path);
+  std::vector<Frame> frames;
+  while (auto frame = source.next())
+  {
+    frames.push_back(std::move(*frame));
+  }
+  return frames;
+}
+
+std::string oxtsLine(double metres_north)
+{
+  const double latitude = 49.0 + metres_north / 111319.49;
+  return std::to_string(latitude) + " 8.4 110 0 0 1.5707963267949" +
+         std::string(" 0 0 10 1 2 0 0 0 0 0 0 0 0 0 0 0 0 0.05 0 4 10 4 4 0\n");
+}
+}  // namespace
+
+TEST(KittiConverter, PlainOdometryWithEverything)
+{
+  const TestFolder folder;
+  writeBins(folder, "in/velodyne", 4);
+  folder.write("in/calib.txt", "Tr: 0 -1 0 0 0 0 -1 0 1 0 0 0\n");
+  folder.write("in/times.txt", "0\n0.1\n0.21\n0.33\n");
+  // Camera 0 drives along its z.
+  folder.write("in/poses.txt",
+               "1 0 0 0 0 1 0 0 0 0 1 0\n1 0 0 0 0 1 0 0 0 0 1 1\n1 0 0 0 0 1 0 0 0 0 1 2\n");
+  writeLabels((makeFolderOf(folder, "in/labels"), folder.file("in/labels/000002.label")),
+              std::vector<Label>(12, 252));
+  const auto result =
+      convertKitti(folder.file("in"), folder.file("x.rawlog"), KittiConverterOptions{});
+  EXPECT_EQ(4U, result.scans);
+  EXPECT_EQ(10U + 11 + 12 + 13, result.points);
+  EXPECT_EQ(3U, result.poses);
+  EXPECT_EQ(1U, result.label_files);
+  EXPECT_EQ(folder.file("x.gt"), result.ground_truth);
+  EXPECT_EQ(2U, result.warnings.size());  // labels and poses lack scans
+
+  const auto frames = readAll(folder.file("x.rawlog"));
+  ASSERT_EQ(4U, frames.size());
+  EXPECT_TRUE(samePoints(someScan(3, 13), frames[3].scan));
+  EXPECT_EQ(someScan(3, 13).intensity, frames[3].scan.intensity);
+  EXPECT_EQ(0.21, frames[2].scan.stamp);
+  ASSERT_TRUE(frames[2].T_world_vehicle_truth);
+  EXPECT_TRUE(frames[2].T_world_vehicle_truth->isApprox(poseFromYpr(2, 0, 0, 0, 0, 0), 1e-9));
+  EXPECT_FALSE(frames[3].T_world_vehicle_truth);
+  const GroundTruthReader truth(folder.file("x.gt"));
+  EXPECT_EQ(3U, truth.poses().size());
+  EXPECT_EQ(252U, truth.labels(2, 12).value().front());
+}
+
+TEST(KittiConverter, OfficialOdometryFindsPosesOfItsSequence)
+{
+  const TestFolder folder;
+  writeBins(folder, "dataset/sequences/07/velodyne", 2);
+  folder.write("dataset/sequences/07/calib.txt", "Tr: 0 -1 0 0 0 0 -1 0 1 0 0 0\n");
+  folder.write("dataset/poses/07.txt", "1 0 0 0 0 1 0 0 0 0 1 0\n1 0 0 0 0 1 0 0 0 0 1 3\n");
+  KittiConverterOptions options;
+  const auto result =
+      convertKitti(folder.file("dataset/sequences/07/"), folder.file("x.rawlog"), options);
+  EXPECT_EQ(2U, result.poses);
+  const auto frames = readAll(folder.file("x.rawlog"));
+  EXPECT_NEAR(3, frames.at(1).T_world_vehicle_truth->translation().x(), 1e-9);
+  EXPECT_NEAR(0.1034, frames.at(1).scan.stamp, 1e-9);
+}
+
+TEST(KittiConverter, OfficialTrackingWithBoxesAndALostScan)
+{
+  const TestFolder folder;
+  writeBins(folder, "training/velodyne/0001", 4);
+  writeBins(folder, "training/velodyne/0002", 1);
+  std::filesystem::remove(folder.file("training/velodyne/0001/000001.bin"));
+  folder.write("training/calib/0001.txt", tracking_calib);
+  folder.write("training/oxts/0001.txt", oxtsLine(0) + oxtsLine(1) + oxtsLine(2) + oxtsLine(3));
+  const std::string box = " 5 Car 0 0 0 1 2 3 4 1.5 1.8 4 0 1 20 -1.5707963\n";
+  folder.write("training/label_02/0001.txt", "0" + box + "1" + box + "2" + box + "2" + box);
+  KittiConverterOptions options;
+  options.kind = KittiKind::tracking;
+  const auto message = messageOfError<UserError>(
+      [&] { convertKitti(folder.file("training"), folder.file("x.rawlog"), options); });
+  EXPECT_TRUE(contains(message, "--sequence")) << message;
+
+  options.sequence = "0001";
+  options.dt = 0.1;
+  const auto result = convertKitti(folder.file("training"), folder.file("x.rawlog"), options);
+  EXPECT_EQ(3U, result.scans);
+  EXPECT_EQ(3U, result.boxes);
+  EXPECT_EQ(3U, result.poses);
+  const auto frames = readAll(folder.file("x.rawlog"));
+  EXPECT_NEAR(0.2, frames.at(1).scan.stamp, 1e-9);
+  EXPECT_EQ(12U, frames[1].scan.size());
+  // Oxts text above has six decimals of a degree: 0.1 m.
+  EXPECT_NEAR(2, frames[1].T_world_vehicle_truth->translation().x(), 0.2);
+  const GroundTruthReader truth(folder.file("x.gt"));
+  ASSERT_EQ(2U, truth.boxes(1).size());
+  EXPECT_TRUE(truth.boxes(1)[0].box.center.isApprox(Eigen::Vector3d(20, 0, -0.25), 1e-6));
+  EXPECT_TRUE(truth.boxes(2).empty());
+}
+
+TEST(KittiConverter, OfficialRaw)
+{
+  const TestFolder folder;
+  const std::string drive = "2011_09_26/2011_09_26_drive_0001_sync/";
+  writeBins(folder, drive + "velodyne_points/data", 2, 10);
+  folder.write(drive + "velodyne_points/timestamps.txt",
+               "2011-09-26 13:02:25.951199337\n2011-09-26 13:02:26.055098\n");
+  folder.write(drive + "oxts/data/0000000000.txt", oxtsLine(0));
+  folder.write(drive + "oxts/data/0000000001.txt", oxtsLine(1));
+  folder.write("2011_09_26/calib_cam_to_cam.txt", "R_rect_00: 1 0 0 0 1 0 0 0 1\n");
+  folder.write("2011_09_26/calib_velo_to_cam.txt", "R: 0 -1 0 0 0 -1 1 0 0\nT: 0 0 0\n");
+  folder.write("2011_09_26/calib_imu_to_velo.txt", "R: 1 0 0 0 1 0 0 0 1\nT: 0 0 0\n");
+  KittiConverterOptions options;
+  options.kind = KittiKind::raw;
+  const auto result = convertKitti(folder.file(drive), folder.file("x.rawlog"), options);
+  EXPECT_EQ(2U, result.scans);
+  EXPECT_EQ(2U, result.poses);
+  const auto frames = readAll(folder.file("x.rawlog"));
+  EXPECT_NEAR(1317042145.9511993, frames.at(0).scan.stamp, 1e-6);
+  EXPECT_NEAR(0.1038987, frames.at(1).scan.stamp - frames[0].scan.stamp, 1e-6);
+}
+
+TEST(KittiConverter, VerticalAngleCorrection)
+{
+  const TestFolder folder;
+  makeFolderOf(folder, "in/velodyne");
+  writeBin(folder.file("in/velodyne/000000.bin"), {{20, 0, 0}, {0, -5, -1}, {0, 0, 0}, {0, 0, 3}},
+           {0, 0, 0, 0});
+  KittiConverterOptions options;
+  options.vertical_angle_correction = true;
+  convertKitti(folder.file("in"), folder.file("x.rawlog"), options);
+  const auto points = readAll(folder.file("x.rawlog")).at(0).scan.points;
+  const double angle = 0.205 * M_PI / 180;
+  EXPECT_NEAR(20 * std::sin(angle), points[0].z(), 1e-5);
+  EXPECT_NEAR(20 * std::cos(angle), points[0].x(), 1e-5);
+  EXPECT_NEAR(std::atan2(-1, 5) + angle, std::atan2(points[1].z(), -points[1].y()), 1e-6);
+  EXPECT_NEAR(0, points[1].x(), 1e-6);
+  EXPECT_EQ(Eigen::Vector3f(0, 0, 0), points[2]);
+  EXPECT_EQ(Eigen::Vector3f(0, 0, 3), points[3]);
+}
+
+TEST(KittiConverter, SkipsAndLimitsRenumberTheTruth)
+{
+  const TestFolder folder;
+  writeBins(folder, "in/velodyne", 5);
+  folder.write("in/label_02.txt", "3 5 Car 0 0 0 1 2 3 4 1.5 1.8 4 0 1 20 0\n");
+  folder.write("in/calib.txt", tracking_calib);
+  KittiConverterOptions options;
+  options.kind = KittiKind::tracking;
+  options.skip_first_n = 2;
+  options.only_first_n = 2;
+  std::size_t told = 0;
+  const auto result = convertKitti(folder.file("in"), folder.file("x.rawlog"), options,
+                                   [&told](double, std::size_t scans) { told = scans; });
+  EXPECT_EQ(2U, result.scans);
+  EXPECT_EQ(2U, told);
+  EXPECT_EQ(1U, GroundTruthReader(folder.file("x.gt")).boxes(1).size());
+  options.skip_first_n = 5;
+  EXPECT_THROW(convertKitti(folder.file("in"), folder.file("x.rawlog"), options), UserError);
+}
+
+TEST(KittiConverter, Errors)
+{
+  const TestFolder folder;
+  KittiConverterOptions options;
+  const auto message = [&]
+  {
+    return messageOfError<UserError>(
+        [&] { convertKitti(folder.file("in"), folder.file("x.rawlog"), options); });
+  };
+  EXPECT_TRUE(contains(message(), "no such folder"));
+  makeFolderOf(folder, "in/velodyne");
+  EXPECT_TRUE(contains(message(), "has no scans"));
+  writeBins(folder, "in/velodyne", 2);
+  options.poses = folder.file("none.txt");
+  EXPECT_TRUE(contains(message(), "none.txt: no such file"));
+  options.poses = folder.write("poses.txt", "1 0 0 0 0 1 0 0 0 0 1 0\n");
+  EXPECT_TRUE(contains(message(), "--calib"));
+  options.poses = "";
+  options.oxts = folder.write("oxts.txt", oxtsLine(0));
+  EXPECT_TRUE(contains(message(), "--calib"));
+  options.oxts = "";
+  folder.write("in/labels/000000.label", std::string(4 * 9, '\0'));
+  EXPECT_TRUE(contains(message(), "has 9 labels, but the scan has 10 points"));
+  folder.write("in/velodyne/000001.bin", "cut");
+  std::filesystem::remove(folder.file("in/labels/000000.label"));
+  EXPECT_TRUE(contains(message(), "000001.bin"));
+  // The scan before the bad one is kept in a file that is whole.
+  EXPECT_EQ(1U, readAll(folder.file("x.rawlog")).size());
+}
+
+TEST(ScanConverter, FoldersOfEachKind)
+{
+  const TestFolder folder;
+  for (const std::string kind : {"bin", "pcd", "ply"})
+  {
+    makeFolderOf(folder, kind);
+    for (std::size_t i = 0; i < 3; ++i)
+    {
+      Scan scan = someScan(i, 5 + i);
+      scan.intensity.back() = 255;
+      writeCloud(folder.file(kind + "/" + std::to_string(8 + i) + "." + kind), scan.points,
+                 scan.intensity);
+    }
+    ScanConverterOptions options;
+    options.sensor = "my-lidar";
+    options.dt = 0.05;
+    const auto result = convertScans(folder.file(kind), folder.file(kind + ".rawlog"), options);
+    EXPECT_EQ(3U, result.scans);
+    EXPECT_EQ("", result.ground_truth);
+    const auto frames = readAll(folder.file(kind + ".rawlog"));
+    ASSERT_EQ(3U, frames.size());
+    EXPECT_TRUE(samePoints(someScan(2, 7), frames[2].scan));
+    EXPECT_EQ(1.0F, frames[2].scan.intensity.back());
+    EXPECT_NEAR(0.1, frames[2].scan.stamp, 1e-9);
+    EXPECT_EQ("my-lidar", frames[2].scan.sensor_label);
+  }
+}
+
+TEST(ScanConverter, PosesAndStaleTruth)
+{
+  const TestFolder folder;
+  writeBins(folder, "in", 2);
+  writeKittiPoses(folder.file("poses.txt"), std::vector<Pose>{somePose(0), somePose(1)});
+  ScanConverterOptions options;
+  options.poses = folder.file("poses.txt");
+  EXPECT_EQ(2U, convertScans(folder.file("in"), folder.file("x.rawlog"), options).poses);
+  EXPECT_TRUE(
+      readAll(folder.file("x.rawlog"))[1].T_world_vehicle_truth->isApprox(somePose(1), 1e-9));
+  options.poses = "";
+  EXPECT_EQ(0U, convertScans(folder.file("in"), folder.file("x.rawlog"), options).poses);
+  EXPECT_TRUE(GroundTruthReader(folder.file("x.gt")).poses().empty());
+}
+
+TEST(ScanConverter, Errors)
+{
+  const TestFolder folder;
+  ScanConverterOptions options;
+  const auto message = [&](const std::string& input)
+  {
+    return messageOfError<UserError>([&]
+                                     { convertScans(input, folder.file("x.rawlog"), options); });
+  };
+  EXPECT_TRUE(contains(message(folder.file("none")), "no such file"));
+  makeFolderOf(folder, "in");
+  EXPECT_TRUE(contains(message(folder.file("in")), "has no .bin"));
+  EXPECT_TRUE(contains(message(folder.write("a.bin", "")), "single scan"));
+  EXPECT_TRUE(contains(message(folder.write("a.pcap", "nonsense")), "not a network capture"));
+  options.sensor = "VLS128";
+  EXPECT_TRUE(contains(message(folder.file("a.pcap")), "VLS128"));
+}
+
+TEST(KittiConverter, RealDriveKeepsEveryPoint)
+{
+  DYSLAM_REQUIRE_DATA();
+  const TestFolder folder;
+  const std::string input = *dataFolder() + "/kitti_raw_2011_09_26_drive_0005";
+  KittiConverterOptions options;
+  options.kind = KittiKind::raw;
+  options.poses = input + "/poses_icp_deskewed_velo.txt";
+  options.skip_first_n = 30;
+  options.only_first_n = 3;
+  const auto result = convertKitti(input, folder.file("x.rawlog"), options);
+  EXPECT_EQ(3U, result.label_files);
+  EXPECT_GT(result.boxes, 0U);
+  const auto poses = readKittiPoses(options.poses);
+  const GroundTruthReader truth(folder.file("x.gt"));
+  for (const Frame& frame : readAll(folder.file("x.rawlog")))
+  {
+    const std::string name = number(30 + frame.index, 6);
+    const Scan scan = readBin(input + "/velodyne/" + name + ".bin");
+    EXPECT_TRUE(samePoints(scan, frame.scan));
+    EXPECT_EQ(scan.intensity, frame.scan.intensity);
+    EXPECT_TRUE(frame.T_world_vehicle_truth->isApprox(poses[30 + frame.index], 1e-9));
+    EXPECT_EQ(readLabels(input + "/labels/" + name + ".label"),
+              truth.labels(frame.index, scan.size()));
+  }
+}
+}  // namespace dyslam

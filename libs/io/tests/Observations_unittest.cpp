@@ -1,0 +1,251 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/Error.h>
+#include <dyslam/io/RawlogSource.h>
+#include <mrpt/io/CFileGZOutputStream.h>
+#include <mrpt/maps/CColouredPointsMap.h>
+#include <mrpt/maps/CSimplePointsMap.h>
+#include <mrpt/obs/CActionCollection.h>
+#include <mrpt/obs/CObservation3DRangeScan.h>
+#include <mrpt/obs/CObservationPointCloud.h>
+#include <mrpt/obs/CObservationRobotPose.h>
+#include <mrpt/obs/CObservationVelodyneScan.h>
+#include <mrpt/obs/CSensoryFrame.h>
+#include <mrpt/serialization/CArchive.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "TestFolder.h"
+
+namespace dyslam
+{
+namespace
+{
+using namespace mrpt::obs;
+
+/** A rawlog written object by object, as other programs would. */
+class ObjectWriter
+{
+ public:
+  explicit ObjectWriter(const std::string& path) : file_(path) {}
+  void operator()(const mrpt::serialization::CSerializable& object)
+  {
+    auto archive = mrpt::serialization::archiveFrom(file_);
+    archive << object;
+  }
+
+ private:
+  mrpt::io::CFileGZOutputStream file_;
+};
+
+CObservationPointCloud::Ptr cloud(double stamp, float x)
+{
+  auto observation = CObservationPointCloud::Create();
+  observation->timestamp = mrpt::Clock::fromDouble(stamp);
+  observation->sensorLabel = "lidar";
+  auto map = mrpt::maps::CSimplePointsMap::Create();
+  map->insertPoint(x, 2, 3);
+  observation->pointcloud = map;
+  return observation;
+}
+
+CObservationRobotPose truth(double stamp, double x, const std::string& label = "ground_truth")
+{
+  CObservationRobotPose observation;
+  observation.timestamp = mrpt::Clock::fromDouble(stamp);
+  observation.sensorLabel = label;
+  observation.pose.mean.x(x);
+  return observation;
+}
+}  // namespace
+
+TEST(RawlogSource, ReadsActionsAndSensoryFrames)
+{
+  const TestFolder folder;
+  {
+    ObjectWriter write(folder.file("a.rawlog"));
+    for (int i = 0; i < 3; ++i)
+    {
+      write(CActionCollection());
+      CSensoryFrame frame;
+      frame.insert(std::make_shared<CObservationRobotPose>(truth(10.0 + i, i)));
+      frame.insert(cloud(10.0 + i, static_cast<float>(i)));
+      write(frame);
+    }
+  }
+  RawlogSource source(folder.file("a.rawlog"));
+  for (int i = 0; i < 3; ++i)
+  {
+    const auto frame = source.next();
+    ASSERT_TRUE(frame);
+    EXPECT_EQ(static_cast<float>(i), frame->scan.points.at(0).x());
+    ASSERT_TRUE(frame->T_world_vehicle_truth);
+    EXPECT_EQ(i, frame->T_world_vehicle_truth->translation().x());
+  }
+  EXPECT_FALSE(source.next());
+}
+
+TEST(RawlogSource, InterpolatesTruthOfOtherTimes)
+{
+  const TestFolder folder;
+  {
+    ObjectWriter write(folder.file("a.rawlog"));
+    write(truth(10.0, 0));
+    write(*cloud(10.05, 0));
+    write(truth(10.1, 1));
+    write(truth(10.12, 77, "wheels"));
+    write(*cloud(10.16, 1));
+    write(truth(10.2, 2));
+    write(*cloud(10.5, 2));  // too far from both neighbours
+    write(truth(11.0, 10));
+    write(*cloud(11.0, 3));
+    write(*cloud(12.0, 4));  // after the last
+  }
+  RawlogSource source(folder.file("a.rawlog"));
+  const auto x = [](const std::optional<Frame>& frame)
+  { return frame->T_world_vehicle_truth.value().translation().x(); };
+  EXPECT_NEAR(0.5, x(source.next()), 1e-5);
+  EXPECT_NEAR(1.6, x(source.next()), 1e-5);
+  EXPECT_FALSE(source.next()->T_world_vehicle_truth);
+  EXPECT_NEAR(10.0, x(source.next()), 1e-9);
+  EXPECT_FALSE(source.next()->T_world_vehicle_truth);
+
+  RawlogSourceOptions options;
+  options.ground_truth_label = "";
+  EXPECT_FALSE(RawlogSource(folder.file("a.rawlog"), options).next()->T_world_vehicle_truth);
+}
+
+TEST(RawlogSource, ReadsColouredClouds)
+{
+  const TestFolder folder;
+  {
+    auto observation = cloud(1.0, 0);
+    auto map = mrpt::maps::CColouredPointsMap::Create();
+    map->insertPointRGB(1, 2, 3, 0.3F, 0.6F, 0.9F);
+    observation->pointcloud = map;
+    ObjectWriter(folder.file("a.rawlog"))(*observation);
+  }
+  const auto frame = RawlogSource(folder.file("a.rawlog")).next();
+  ASSERT_TRUE(frame);
+  EXPECT_EQ(Eigen::Vector3f(1, 2, 3), frame->scan.points.at(0));
+  EXPECT_NEAR(0.6F, frame->scan.intensity.at(0), 1e-3F);
+}
+
+TEST(RawlogSource, ReadsRangeImages)
+{
+  const TestFolder folder;
+  {
+    CObservation3DRangeScan observation;
+    observation.timestamp = mrpt::Clock::fromDouble(5.0);
+    observation.sensorLabel = "camera";
+    observation.sensorPose.z(1.5);
+    observation.hasRangeImage = true;
+    observation.rangeUnits = 0.001F;
+    observation.rangeImage_setSize(4, 6);
+    observation.rangeImage.fill(2000);
+    observation.rangeImage(0, 0) = 0;  // no return
+    observation.range_is_depth = true;
+    observation.cameraParams.ncols = 6;
+    observation.cameraParams.nrows = 4;
+    observation.cameraParams.setIntrinsicParamsFromValues(5, 5, 3, 2);
+    ObjectWriter(folder.file("a.rawlog"))(observation);
+  }
+  const auto frame = RawlogSource(folder.file("a.rawlog")).next();
+  ASSERT_TRUE(frame);
+  EXPECT_EQ(1.5, frame->scan.T_vehicle_lidar.translation().z());
+  const auto& points = frame->scan.points;
+  EXPECT_EQ(23, std::count_if(points.begin(), points.end(), isReturn));
+  for (const auto& point : points)
+  {
+    // A flat wall 2 m ahead, in the sensor's own frame (x ahead).
+    EXPECT_TRUE(!isReturn(point) || std::abs(point.x() - 2.0F) < 1e-4F) << point.transpose();
+  }
+}
+
+TEST(RawlogSource, NamesAMissingExternalFile)
+{
+  const TestFolder folder;
+  {
+    auto observation = cloud(1.0, 0);
+    observation->setAsExternalStorage("gone.bin",
+                                      CObservationPointCloud::ExternalStorageFormat::KittiBinFile);
+    ObjectWriter(folder.file("a.rawlog"))(*observation);
+  }
+  RawlogSource source(folder.file("a.rawlog"));
+  const auto message = messageOfError<UserError>([&] { (void)source.next(); });
+  EXPECT_TRUE(contains(message, "gone.bin: no such file")) << message;
+}
+
+TEST(RawlogSource, ReadsExternalKittiAndTextFiles)
+{
+  const TestFolder folder;
+  const std::array<float, 8> values{1, 2, 3, 0.5F, 4, 5, 6, 0.25F};
+  folder.write("a_Images/0.bin",
+               std::string(reinterpret_cast<const char*>(values.data()), sizeof values));
+  folder.write("a_Images/1.txt", "1 2 3 0.5\n4 5 6 0.25\n");
+  {
+    ObjectWriter write(folder.file("a.rawlog"));
+    auto bin = cloud(1.0, 0);
+    bin->setAsExternalStorage("0.bin", CObservationPointCloud::ExternalStorageFormat::KittiBinFile);
+    write(*bin);
+    auto text = cloud(2.0, 0);
+    text->setAsExternalStorage("1.txt",
+                               CObservationPointCloud::ExternalStorageFormat::PlainTextFile);
+    write(*text);
+  }
+  RawlogSource source(folder.file("a.rawlog"));
+  for (int i = 0; i < 2; ++i)
+  {
+    const auto frame = source.next();
+    ASSERT_TRUE(frame);
+    ASSERT_EQ(2U, frame->scan.size());
+    EXPECT_EQ(Eigen::Vector3f(4, 5, 6), frame->scan.points[1]);
+    EXPECT_EQ(0.25F, frame->scan.intensity.at(1));
+  }
+}
+
+TEST(RawlogSource, VelodynePacketsAgreeWithMrptWhereMrptReadsThem)
+{
+  DYSLAM_REQUIRE_DATA();
+  const std::string path = *dataFolder() + "/misc_16beam_and_formats/test_velodyne_VLP16.rawlog";
+  const auto frame = RawlogSource(path).next();
+  ASSERT_TRUE(frame);
+  const Scan& scan = frame->scan;
+  // All 32 returns of each block: twice what MRPT's own conversion keeps.
+  EXPECT_EQ(22591U, scan.size());
+  EXPECT_EQ(scan.size(), scan.ring.size());
+  EXPECT_EQ(15, *std::max_element(scan.ring.begin(), scan.ring.end()));
+  EXPECT_NEAR(0.0995, *std::max_element(scan.time.begin(), scan.time.end()), 0.0005);
+  EXPECT_NEAR(0.09, scan.T_vehicle_lidar.translation().z(), 1e-6);
+  for (std::size_t i = 0; i < scan.size(); ++i)
+  {
+    const auto& p = scan.points[i];
+    const double elevation = std::atan2(p.z(), p.head<2>().norm()) * 180 / M_PI;
+    ASSERT_NEAR(-15.0 + 2.0 * scan.ring[i], elevation, 0.01);
+  }
+}
+
+TEST(RawlogSource, RotatingScanIsTheSameSceneAsItsPackets)
+{
+  DYSLAM_REQUIRE_DATA();
+  const std::string folder = *dataFolder() + "/misc_16beam_and_formats/";
+  const auto rotating = RawlogSource(folder + "rot_scan_velodyne.rawlog").next();
+  const auto packets = RawlogSource(folder + "test_velodyne_VLP16.rawlog").next();
+  ASSERT_TRUE(rotating && packets);
+  EXPECT_EQ(11305U, rotating->scan.size());
+  EXPECT_EQ(packets->scan.stamp, rotating->scan.stamp);
+  std::vector<float> distances;
+  for (std::size_t i = 0; i < rotating->scan.size(); i += 11)
+  {
+    float best = 1e9F;
+    for (std::size_t k = 0; k < packets->scan.size(); ++k)
+    {
+      best = std::min(best, (rotating->scan.points[i] - packets->scan.points[k]).norm());
+    }
+    distances.push_back(best);
+  }
+  std::sort(distances.begin(), distances.end());
+  EXPECT_LT(distances[distances.size() / 2], 0.02F);
+  EXPECT_LT(distances[distances.size() * 99 / 100], 0.2F);
+}
+}  // namespace dyslam

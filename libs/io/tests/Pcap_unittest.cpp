@@ -1,0 +1,198 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/Error.h>
+#include <dyslam/io/PcapSource.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+
+#include "TestFolder.h"
+
+namespace dyslam
+{
+namespace
+{
+template <typename T>
+void append(std::string& bytes, T value)
+{
+  bytes.append(reinterpret_cast<const char*>(&value), sizeof value);
+}
+
+/** A VLP-16 at 10 Hz inside a sphere of 10 m, as a capture file. */
+std::string captured(std::size_t packets, std::uint8_t model_byte = 0x22, double first_azimuth = 0)
+{
+  std::string file;
+  append<std::uint32_t>(file, 0xa1b2c3d4);
+  append<std::uint16_t>(file, 2);
+  append<std::uint16_t>(file, 4);
+  file += std::string(8, '\0');
+  append<std::uint32_t>(file, 65535);
+  append<std::uint32_t>(file, 1);
+  constexpr double packet_time = 12 * 2 * 55.296e-6;
+  for (std::size_t n = 0; n < packets; ++n)
+  {
+    std::string udp;
+    for (std::size_t block = 0; block < 12; ++block)
+    {
+      const double seconds =
+          (static_cast<double>(n) + static_cast<double>(block) / 12) * packet_time;
+      append<std::uint16_t>(udp, 0xeeff);
+      append(udp,
+             static_cast<std::uint16_t>(std::fmod(first_azimuth + seconds * 3600.0, 360.0) * 100));
+      for (std::size_t k = 0; k < 32; ++k)
+      {
+        append<std::uint16_t>(udp, k % 16 == 3 ? 0 : 5000);  // laser 3 sees nothing
+        udp += static_cast<char>(51);
+      }
+    }
+    const double time = 3599.5 + static_cast<double>(n) * packet_time;  // over the full hour
+    append(udp, static_cast<std::uint32_t>(std::fmod(time, 3600.0) * 1e6));
+    udp += static_cast<char>(0x37);
+    udp += static_cast<char>(model_byte);
+    std::string frame(12, '\0');
+    frame += std::string("\x08\x00\x45\x00", 4) + std::string(7, '\0') + "\x11" +
+             std::string(10, '\0') + std::string("\x09\x40\x09\x40", 4);
+    frame += static_cast<char>((udp.size() + 8) >> 8U);
+    frame += static_cast<char>((udp.size() + 8) & 0xffU);
+    frame += std::string(2, '\0') + udp;
+    const double captured_at = 1000.0 + static_cast<double>(n) * packet_time;
+    append(file, static_cast<std::uint32_t>(captured_at));
+    append(file, static_cast<std::uint32_t>(std::fmod(captured_at, 1.0) * 1e6));
+    append(file, static_cast<std::uint32_t>(frame.size()));
+    append(file, static_cast<std::uint32_t>(frame.size()));
+    file += frame;
+  }
+  return file;
+}
+
+struct Revolutions
+{
+  std::vector<Scan> scans;
+  std::vector<std::string> warnings;
+};
+
+Revolutions readAll(const std::string& path, const PcapSourceOptions& options = {})
+{
+  PcapSource source(path, options);
+  Revolutions result;
+  while (auto scan = source.next())
+  {
+    result.scans.push_back(std::move(*scan));
+  }
+  result.warnings = source.warnings();
+  return result;
+}
+}  // namespace
+
+TEST(PcapSource, CutsRevolutionsAndPlacesPoints)
+{
+  const TestFolder folder;
+  const std::string path = folder.write("a.pcap", captured(300));  // 3.98 turns from 0 degrees
+  PcapSourceOptions options;
+  options.cut_azimuth = 0;
+  const auto revolutions = readAll(path, options).scans;
+  ASSERT_EQ(3U, revolutions.size());  // the last is broken
+  for (std::size_t n = 0; n < 3; ++n)
+  {
+    const Scan& scan = revolutions[n];
+    EXPECT_NEAR(1000.0 + 0.1 * static_cast<double>(n), scan.stamp, 0.002);
+    EXPECT_NEAR(0.1 / (2 * 55.296e-6) * 30, static_cast<double>(scan.size()), 64);
+    for (std::size_t i = 0; i < scan.size(); ++i)
+    {
+      const auto& p = scan.points[i];
+      ASSERT_NEAR(10.0F, p.norm(), 1e-3F);
+      ASSERT_NEAR(-15.0 + 2.0 * scan.ring[i], std::asin(p.z() / 10.0F) * 180 / M_PI, 0.01);
+      ASSERT_NE(9, scan.ring[i]);  // laser 3, at +3 degrees, saw nothing
+      // Clockwise from ahead at 10 Hz.
+      const double azimuth = std::fmod(2 * M_PI - std::atan2(p.y(), p.x()), 2 * M_PI);
+      const double when = scan.stamp - 1000.0 - 0.1 * static_cast<double>(n) + scan.time[i];
+      const double error = std::remainder(azimuth - when * 20 * M_PI, 2 * M_PI);
+      ASSERT_NEAR(0, error, 0.0006) << i;
+      ASSERT_FLOAT_EQ(0.2F, scan.intensity[i]);
+    }
+  }
+  options.keep_partial = true;
+  EXPECT_EQ(4U, readAll(path, options).scans.size());
+}
+
+TEST(PcapSource, DropsTheBrokenFirstAndLast)
+{
+  const TestFolder folder;
+  const std::string path = folder.write("a.pcap", captured(300, 0x22, 90));
+  PcapSourceOptions options;
+  options.cut_azimuth = 0;
+  EXPECT_EQ(3U, readAll(path, options).scans.size());
+  options.keep_partial = true;
+  EXPECT_EQ(5U, readAll(path, options).scans.size());
+}
+
+TEST(PcapSource, TrustsThePaceMoreThanTheModelByte)
+{
+  const TestFolder folder;
+  const auto result = readAll(folder.write("a.pcap", captured(200, 0x21)));
+  ASSERT_FALSE(result.scans.empty());
+  EXPECT_EQ("VLP16", result.scans.front().sensor_label);
+  ASSERT_EQ(1U, result.warnings.size());
+  EXPECT_TRUE(contains(result.warnings.front(), "taken as VLP16"));
+}
+
+TEST(PcapSource, RefusesWhatItCannotRead)
+{
+  const TestFolder folder;
+  const auto message = [&](const std::string& path)
+  { return messageOfError<UserError>([&] { readAll(path); }); };
+  EXPECT_TRUE(contains(message(folder.file("none.pcap")), "no such file"));
+  EXPECT_TRUE(contains(message(folder.write("a", "")), "not a network capture"));
+  EXPECT_TRUE(contains(message(folder.write("b", std::string(500, 'x'))), "not a network capture"));
+  EXPECT_TRUE(contains(message(folder.write("c", captured(0))), "no Velodyne data packets"));
+
+  const std::string whole = captured(300);
+  std::size_t frames = 0;
+  const auto cut = messageOfError<UserError>(
+      [&]
+      {
+        PcapSource source(folder.write("d", whole.substr(0, whole.size() - 700)));
+        while (source.next())
+        {
+          ++frames;
+        }
+      });
+  EXPECT_TRUE(contains(cut, "is cut short or damaged after 299 packets")) << cut;
+  EXPECT_GE(frames, 2U);
+  PcapSourceOptions options;
+  options.calibration_file = folder.write("e.xml", "<nothing/>");
+  EXPECT_THROW(readAll(folder.write("f", whole), options), UserError);
+}
+
+TEST(PcapSource, RealCaptures)
+{
+  DYSLAM_REQUIRE_DATA();
+  struct Expected
+  {
+    const char* name;
+    std::size_t all, whole;
+    VelodyneModel model;
+    double period;
+  };
+  for (const Expected& e :
+       {Expected{"vlp-16-test-90deg-1-50-frames", 51, 49, VelodyneModel::vlp16, 0.05},
+        Expected{"sample_velodyne_vlp16_gps", 5, 3, VelodyneModel::vlp16, 0.1},
+        Expected{"sample_velodyne_hdl32", 3, 1, VelodyneModel::hdl32e, 0.1},
+        Expected{"monterey-first-100-packets", 19, 17, VelodyneModel::hdl32e, 0.085}})
+  {
+    const std::string path = *dataFolder() + "/misc_16beam_and_formats/" + e.name + ".pcap";
+    EXPECT_EQ(e.model, PcapSource(path).model());
+    const auto scans = readAll(path).scans;
+    EXPECT_EQ(e.whole, scans.size()) << e.name;
+    PcapSourceOptions options;
+    options.keep_partial = true;
+    EXPECT_EQ(e.all, readAll(path, options).scans.size()) << e.name;
+    for (std::size_t i = 1; i < scans.size(); ++i)
+    {
+      EXPECT_NEAR(e.period, scans[i].stamp - scans[i - 1].stamp, 0.003) << e.name;
+      EXPECT_NEAR(e.period, scans[i].time.back(), 0.003) << e.name;
+    }
+  }
+}
+}  // namespace dyslam

@@ -1,0 +1,223 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/Error.h>
+#include <dyslam/io/RawlogSource.h>
+#include <mrpt/io/CFileGZOutputStream.h>
+#include <mrpt/maps/CSimpleMap.h>
+#include <mrpt/obs/CObservation2DRangeScan.h>
+#include <mrpt/obs/CObservationOdometry.h>
+#include <mrpt/serialization/CArchive.h>
+#include <zlib.h>
+
+#include <array>
+
+#include "SyntheticScans.h"
+#include "TestFolder.h"
+
+namespace dyslam
+{
+namespace
+{
+/** Opens and reads all; the count of frames and the message of the error, if any. */
+struct Outcome
+{
+  std::size_t frames = 0;
+  std::string error;
+};
+
+Outcome readAll(const std::string& path)
+{
+  Outcome outcome;
+  try
+  {
+    RawlogSource source(path);
+    while (source.next())
+    {
+      ++outcome.frames;
+    }
+  }
+  catch (const UserError& error)
+  {
+    outcome.error = error.what();
+    EXPECT_TRUE(contains(outcome.error, path)) << outcome.error;
+    EXPECT_FALSE(contains(outcome.error, "\n")) << outcome.error;
+  }
+  return outcome;
+}
+
+std::string unzipped(const std::string& path)
+{
+  std::string content;
+  std::array<char, 4096> buffer{};
+  gzFile file = gzopen(path.c_str(), "rb");
+  for (int got = 0; (got = gzread(file, buffer.data(), buffer.size())) > 0;)
+  {
+    content.append(buffer.data(), static_cast<std::size_t>(got));
+  }
+  gzclose(file);
+  return content;
+}
+
+template <typename... Objects>
+void writeObjects(const std::string& path, const Objects&... objects)
+{
+  mrpt::io::CFileGZOutputStream file(path);
+  auto archive = mrpt::serialization::archiveFrom(file);
+  (archive << ... << objects);
+}
+}  // namespace
+
+TEST(RawlogRobustness, MissingEmptyAndFolder)
+{
+  const TestFolder folder;
+  EXPECT_TRUE(contains(readAll(folder.file("none.rawlog")).error, "no such file"));
+  EXPECT_TRUE(contains(readAll(folder.write("a.rawlog", "")).error, "is empty"));
+  EXPECT_TRUE(contains(readAll(folder.path()).error, "is a folder"));
+}
+
+TEST(RawlogRobustness, GarbageIsRefused)
+{
+  const TestFolder folder;
+  EXPECT_TRUE(contains(readAll(folder.write("a", "x")).error, "a: "));
+  EXPECT_TRUE(contains(readAll(folder.write("b", std::string(100000, 'q'))).error, "not a rawlog"));
+  EXPECT_TRUE(contains(readAll(folder.write("c", "# .PCD v0.7 - Point Cloud Data\nVERSION 0.7\n" +
+                                                     std::string(300, ' ')))
+                           .error,
+                       "not a rawlog"));
+  std::string noise;
+  unsigned state = 12345;
+  for (int i = 0; i < 5000; ++i)
+  {
+    state = state * 1664525U + 1013904223U;
+    noise += static_cast<char>(state >> 24U);
+  }
+  EXPECT_FALSE(readAll(folder.write("d", noise)).error.empty());
+}
+
+TEST(RawlogRobustness, PlainUncompressedIsRead)
+{
+  const TestFolder folder;
+  writeScans(folder.file("a.rawlog"), 4);
+  const std::string path = folder.write("plain.rawlog", unzipped(folder.file("a.rawlog")));
+  const Outcome outcome = readAll(path);
+  EXPECT_EQ(4U, outcome.frames);
+  EXPECT_EQ("", outcome.error);
+}
+
+TEST(RawlogRobustness, CutFilesDeliverWhatIsWholeAndThenSayIt)
+{
+  const TestFolder folder;
+  writeScans(folder.file("a.rawlog"), 6);
+  for (const bool plain : {false, true})
+  {
+    const std::string whole = plain ? unzipped(folder.file("a.rawlog")) : folder.read("a.rawlog");
+    std::size_t most = 0;
+    for (std::size_t size = 1; size < whole.size(); size += 37)
+    {
+      const Outcome outcome = readAll(folder.write("cut.rawlog", whole.substr(0, size)));
+      // Between two objects a plain file cannot know that more should follow.
+      if (!plain)
+      {
+        EXPECT_FALSE(outcome.error.empty()) << size;
+      }
+      EXPECT_GE(outcome.frames, most) << size;
+      most = std::max(most, outcome.frames);
+    }
+    EXPECT_GE(most, 5U);
+  }
+  const std::string whole = folder.read("a.rawlog");
+  const Outcome late =
+      readAll(folder.write("late.rawlog", whole.substr(0, whole.size() - whole.size() / 12)));
+  EXPECT_TRUE(contains(late.error, "is cut short")) << late.error;
+  EXPECT_GE(late.frames, 4U);
+}
+
+TEST(RawlogRobustness, FlippedBytesNeverCrash)
+{
+  const TestFolder folder;
+  writeScans(folder.file("a.rawlog"), 3);
+  for (const bool plain : {false, true})
+  {
+    const std::string whole = plain ? unzipped(folder.file("a.rawlog")) : folder.read("a.rawlog");
+    for (std::size_t at = 0; at < whole.size(); at += plain ? 61 : 17)
+    {
+      std::string damaged = whole;
+      damaged[at] = static_cast<char>(damaged[at] ^ 0x55);
+      const Outcome outcome = readAll(folder.write("damaged.rawlog", damaged));
+      EXPECT_LE(outcome.frames, 3U);
+    }
+  }
+}
+
+TEST(RawlogRobustness, OtherMrptFilesAreRefused)
+{
+  const TestFolder folder;
+  writeObjects(folder.file("a.simplemap"), mrpt::maps::CSimpleMap());
+  const Outcome outcome = readAll(folder.file("a.simplemap"));
+  EXPECT_TRUE(contains(outcome.error, "CSimpleMap")) << outcome.error;
+}
+
+TEST(RawlogRobustness, WithoutScansSaysWhatThereIs)
+{
+  const TestFolder folder;
+  mrpt::obs::CObservation2DRangeScan flat;
+  writeObjects(folder.file("flat.rawlog"), flat, flat, mrpt::obs::CObservationOdometry());
+  Outcome outcome = readAll(folder.file("flat.rawlog"));
+  EXPECT_TRUE(contains(outcome.error, "no 3D scans")) << outcome.error;
+  EXPECT_TRUE(contains(outcome.error, "2 CObservation2DRangeScan")) << outcome.error;
+  EXPECT_TRUE(contains(outcome.error, "2D scans cannot be used")) << outcome.error;
+
+  writeObjects(folder.file("odometry.rawlog"), mrpt::obs::CObservationOdometry());
+  outcome = readAll(folder.file("odometry.rawlog"));
+  EXPECT_TRUE(contains(outcome.error, "1 CObservationOdometry")) << outcome.error;
+  EXPECT_FALSE(contains(outcome.error, "2D")) << outcome.error;
+}
+
+TEST(RawlogRobustness, RepeatedAndBackwardStampsAreDropped)
+{
+  const TestFolder folder;
+  const std::vector<double> stamps{1.0, 1.1, 1.1, 1.2, 0.5, 1.15, 1.3};
+  {
+    RawlogWriter writer(folder.file("a.rawlog"));
+    for (std::size_t i = 0; i < stamps.size(); ++i)
+    {
+      Scan scan = someScan(i, 10 + i);
+      scan.stamp = stamps[i];
+      scan.ring.assign(scan.size(), static_cast<std::uint16_t>(i));
+      writer.write(scan, somePose(i));
+    }
+    writer.close();
+  }
+  RawlogSource source(folder.file("a.rawlog"));
+  std::vector<std::size_t> indices;
+  while (const auto frame = source.next())
+  {
+    indices.push_back(frame->index);
+    EXPECT_EQ(10 + frame->index, frame->scan.size());
+    ASSERT_EQ(frame->scan.size(), frame->scan.ring.size());
+    EXPECT_EQ(frame->index, frame->scan.ring.front());
+  }
+  EXPECT_EQ((std::vector<std::size_t>{0, 1, 3, 6}), indices);
+  EXPECT_EQ(3U, source.framesDropped());
+  ASSERT_EQ(2U, source.warnings().size());
+  EXPECT_TRUE(contains(source.warnings()[0], "time stamp of the one before"));
+  EXPECT_TRUE(contains(source.warnings()[1], "goes back was dropped (2 times)"));
+}
+
+TEST(RawlogRobustness, StampsThatStandStillAreAnError)
+{
+  const TestFolder folder;
+  {
+    RawlogWriter writer(folder.file("a.rawlog"));
+    for (std::size_t i = 0; i < 30; ++i)
+    {
+      Scan scan = someScan(i, 10);
+      scan.stamp = i < 3 ? scan.stamp : 100.2;
+      writer.write(scan);
+    }
+    writer.close();
+  }
+  const Outcome outcome = readAll(folder.file("a.rawlog"));
+  EXPECT_EQ(3U, outcome.frames);
+  EXPECT_TRUE(contains(outcome.error, "stand still or run backwards from scan 3")) << outcome.error;
+}
+}  // namespace dyslam
