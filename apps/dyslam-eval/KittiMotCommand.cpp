@@ -89,7 +89,7 @@ void run(const Arguments& a)
     TrackRules rules = TrackRules::kitti(type);
     rules.min_iou = a.min_iou;
     const RecallAverages averages = averagesOverRecall(tracked.sequences, rules);
-    const Hota higher_order = hota(tracked.sequences, rules);
+    const Hota higher_order = hota(tracksAbove(tracked.sequences, averages.best.threshold), rules);
     const ClearMot& best = averages.best;
     const double speed = tracked.frames / seconds;
     const auto percent = [](double x) { return TableCell(100 * x, 2); };

@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <set>
 #include <string>
 #include <vector>
@@ -94,13 +95,19 @@ void run(const Arguments& a)
     const RecallAverages averages = averagesOverRecall(sequences, rules);
     const std::string name = type.empty() ? "all" : type;
     const auto percent = [](double x) { return TableCell(100 * x, 2); };
+    // Forty points of recall say nothing about fewer boxes.
+    const auto average = [&](double x)
+    {
+      const bool enough = mot.references >= 40;
+      return TableCell(enough ? std::optional<double>(100 * x) : std::nullopt, 2);
+    };
     const auto whole = [](std::size_t n) { return TableCell(static_cast<double>(n), 0); };
     table.addRow({name, whole(mot.references), percent(mot.mota), percent(mot.motp),
                   percent(mot.recall), percent(mot.precision), whole(mot.id_switches),
                   whole(mot.fragmentations), whole(mot.false_alarms), whole(mot.misses),
                   percent(mot.mostly_tracked), percent(mot.mostly_lost), percent(higher_order.hota),
                   percent(higher_order.detection), percent(higher_order.association),
-                  percent(averages.samota), percent(averages.amota), percent(averages.amotp)});
+                  average(averages.samota), average(averages.amota), average(averages.amotp)});
     json[name] = {{"references", mot.references},
                   {"mota", mot.mota},
                   {"motp", mot.motp},

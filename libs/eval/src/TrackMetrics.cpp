@@ -237,6 +237,28 @@ ClearMot clearMot(const std::vector<TrackSequence>& sequences,
   return count(prepare(sequences, rules), rules, threshold).result();
 }
 
+std::vector<TrackSequence> tracksAbove(std::vector<TrackSequence> sequences, double threshold)
+{
+  for (TrackSequence& sequence : sequences)
+  {
+    std::map<int, std::pair<double, int>> sums;
+    for (const LabelledBox& box : sequence.estimate)
+    {
+      sums[box.id].first += box.score;
+      sums[box.id].second += 1;
+    }
+    const auto below = [&](const LabelledBox& box)
+    {
+      const auto& [sum, count] = sums.at(box.id);
+      return !(sum / count >= threshold);
+    };
+    sequence.estimate.erase(
+        std::remove_if(sequence.estimate.begin(), sequence.estimate.end(), below),
+        sequence.estimate.end());
+  }
+  return sequences;
+}
+
 RecallAverages averagesOverRecall(const std::vector<TrackSequence>& sequences,
                                   const TrackRules& rules,
                                   int recall_points)

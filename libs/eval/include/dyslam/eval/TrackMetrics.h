@@ -60,6 +60,10 @@ struct ClearMot
                                 const TrackRules& rules,
                                 double threshold);
 
+/** The same without estimated tracks of a mean score below `threshold`. */
+[[nodiscard]] std::vector<TrackSequence> tracksAbove(std::vector<TrackSequence> sequences,
+                                                     double threshold);
+
 /** AB3DMOT's averages over recall (Weng et al., 2020), and CLEAR-MOT where MOTA is best. */
 struct RecallAverages
 {
