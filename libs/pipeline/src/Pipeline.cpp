@@ -19,6 +19,8 @@ namespace
 {
 using mrpt::system::CTimeLoggerEntry;
 
+constexpr double usual_period = 0.1;  // s, of a revolution, before the second scan tells it
+
 struct OdometryOptions : Options
 {
   std::string method = "constant_velocity";
@@ -107,7 +109,8 @@ void Pipeline::process(Frame& frame)
   const Pose prediction = s.predictedMotion(dt);
   {
     const CTimeLoggerEntry timed(s.times, "preprocess");
-    frame.cloud = s.preprocessor.prepare(frame.scan, prediction, dt);
+    // The first scan's motion is not known yet: refinement undoes it once the second one tells it.
+    frame.cloud = s.preprocessor.prepare(frame.scan, prediction, s.first ? usual_period : dt);
   }
   if (s.segmenter && !s.segmenter->needsPose())
   {
