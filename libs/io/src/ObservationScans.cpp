@@ -129,18 +129,14 @@ Scan fromVelodyne(CObservationVelodyneScan& observation)
 
 const VelodyneCalibration& calibrationOfRows(const CObservationRotatingScan& observation)
 {
-  const char* model = observation.rowCount == 16   ? "VLP16"
-                      : observation.rowCount == 32 ? "HDL32"
-                      : observation.rowCount == 64 ? "HDL64"
-                                                   : "";
-  const auto& calibration = VelodyneCalibration::LoadDefaultCalibration(model);
-  if (calibration.laser_corrections.size() != observation.rowCount)
+  if (observation.rowCount != 16 && observation.rowCount != 32)
   {
     throw UserError("CObservationRotatingScan '" + observation.sensorLabel + "' of model '" +
                     observation.lidarModel + "' has " + std::to_string(observation.rowCount) +
-                    " rows: the beam angles are known for 16, 32 and 64 (Velodyne) only");
+                    " rows: beam angles are known for 16 (VLP-16) and 32 (HDL-32E) only");
   }
-  return calibration;
+  return VelodyneCalibration::LoadDefaultCalibration(observation.rowCount == 16 ? "VLP16"
+                                                                                : "HDL32");
 }
 
 /** Columns in use. MRPT's fromVelodyne() makes as many times more columns as there are lasers and

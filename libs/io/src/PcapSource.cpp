@@ -244,25 +244,14 @@ struct PcapSource::Impl
                                : model == VelodyneModel::hdl32e ? 32
                                                                 : 64;
     const std::string& file = options.calibration_file;
-    if (file.empty())
+    if (file.empty() && lasers == 64)
     {
-      return mrpt::obs::VelodyneCalibration::LoadDefaultCalibration(lasers == 16   ? "VLP16"
-                                                                    : lasers == 32 ? "HDL32"
-                                                                                   : "HDL64");
+      // Every HDL-64E differs, and MRPT's common calibration of it cannot be loaded in 2.5.8.
+      throw UserError(path + ": an HDL64E needs its own calibration; name it with --calibration");
     }
-    const std::string text = readWhole(file);
-    mrpt::obs::VelodyneCalibration result;
-    const auto extension = std::filesystem::path(file).extension();
-    const bool yaml = extension == ".yaml" || extension == ".yml";
-    // MRPT prints its complaints, so plainly wrong files are not shown to it.
-    const bool plausible = text.find(yaml ? "lasers" : "boost_serialization") != std::string::npos;
-    if (!plausible || !(yaml ? result.loadFromYAMLText(text) : result.loadFromXMLText(text)) ||
-        result.laser_corrections.size() != lasers)
-    {
-      throw UserError(file + ": is no calibration of a " + nameOf(model) + " (" +
-                      std::to_string(lasers) + " lasers)");
-    }
-    return result;
+    return file.empty() ? mrpt::obs::VelodyneCalibration::LoadDefaultCalibration(
+                              lasers == 16 ? "VLP16" : "HDL32")
+                        : readVelodyneCalibration(file, lasers);
   }
 
   [[nodiscard]] bool nextPacket(Packet& packet)

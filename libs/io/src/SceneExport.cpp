@@ -93,7 +93,7 @@ mrpt::opengl::COpenGLScene sceneOf(const SceneContent& content)
   insert(scene, gridUnder(path), "grid");
   if (!content.points.empty())
   {
-    insert(scene, heightColoured(content.points, content.intensity, 2.0F), "map");
+    insert(scene, heightColoured(content.points, content.intensity, 3.0F), "map");
   }
   insert(scene, polyline(positions(content.reference), reference_colour, 2.0F), "reference");
   insert(scene, polyline(path, estimate_colour, 3.0F), "trajectory");

@@ -7,6 +7,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <string>
 #include <vector>
 
 namespace dyslam
@@ -57,6 +58,11 @@ struct VelodynePacketView
 
 /** Seconds from one laser's shot to the next one's; 0 for models where it is not known. */
 [[nodiscard]] double laserPeriod(std::size_t lasers);
+
+/** Reads a maker's XML, or the YAML that ROS drivers use. \throws UserError if it is neither or is
+ * not of `lasers` lasers. */
+[[nodiscard]] mrpt::obs::VelodyneCalibration readVelodyneCalibration(const std::string& path,
+                                                                     std::size_t lasers);
 
 /** Turns packets of VLP-16 (16 lasers), HDL-32E (32) and HDL-64E (64) into points.
  *

@@ -165,6 +165,33 @@ TEST(PcapSource, RefusesWhatItCannotRead)
   EXPECT_THROW(readAll(folder.write("f", whole), options), UserError);
 }
 
+TEST(PcapSource, OwnCalibration)
+{
+  const TestFolder folder;
+  std::string yaml = "lasers:\n";
+  for (int i = 15; i >= 0; --i)
+  {
+    yaml += "- {dist_correction: 0.5, laser_id: " + std::to_string(i) +
+            ",\n  rot_correction: 0.1, vert_correction: " + std::to_string(0.02 * i) + "}\n";
+  }
+  PcapSourceOptions options;
+  options.calibration_file = folder.write("a.yaml", yaml + "num_lasers: 16\n");
+  const std::string path = folder.write("a.pcap", captured(300));
+  const auto scans = readAll(path, options).scans;
+  ASSERT_FALSE(scans.empty());
+  for (std::size_t i = 0; i < scans[0].size(); ++i)
+  {
+    const auto& p = scans[0].points[i];
+    ASSERT_NEAR(10.5, p.norm(), 1e-3);
+    ASSERT_NEAR(0.02 * scans[0].ring[i], std::asin(p.z() / 10.5), 1e-4);
+  }
+  options.model = VelodyneModel::hdl64e;
+  EXPECT_THROW(readAll(path, options), UserError);
+  options.calibration_file = "";
+  EXPECT_TRUE(
+      contains(messageOfError<UserError>([&] { readAll(path, options); }), "--calibration"));
+}
+
 TEST(PcapSource, RealCaptures)
 {
   DYSLAM_REQUIRE_DATA();
