@@ -2,8 +2,6 @@
 #include "MapBuilder.h"
 
 #include <dyslam/core/Error.h>
-#include <dyslam/core/VoxelGrid.h>
-#include <dyslam/io/Labels.h>
 
 #include <algorithm>
 #include <cmath>
@@ -105,20 +103,30 @@ void MapBuilder::fillCloud(Frame& frame, std::size_t pose) const
   frame.cloud = preprocessor_.prepare(frame.scan, T_previous_current, dt);
 }
 
+/** One label per point of the cloud. */
+std::vector<Label> MapBuilder::labelsOf(const Frame& frame) const
+{
+  char name[32];
+  std::snprintf(name, sizeof name, "%06zu.label", frame.index);
+  const std::string path = (fs::path(label_folder_) / name).string();
+  const auto labels = readLabels(path, frame.scan.size());
+  std::vector<Label> result;
+  result.reserve(frame.cloud.size());
+  for (const auto i : frame.cloud.source)
+  {
+    result.push_back(labels[i]);
+  }
+  return result;
+}
+
 void MapBuilder::fillMoving(Frame& frame) const
 {
   if (!label_folder_.empty())
   {
-    char name[32];
-    std::snprintf(name, sizeof name, "%06zu.label", frame.index);
-    const std::string path = (fs::path(label_folder_) / name).string();
-    const auto labels = readLabels(path, frame.scan.size());
-    frame.moving_probability.resize(frame.cloud.size());
-    for (std::size_t i = 0; i < frame.cloud.size(); ++i)
+    for (const Label label : labelsOf(frame))
     {
-      const Label label = labels[frame.cloud.source[i]];
-      frame.moving_probability[i] =
-          isMoving(label) || semanticOf(label) == semanticOf(label_moving) ? 1.0F : 0.0F;
+      const bool moving = isMoving(label) || semanticOf(label) == semanticOf(label_moving);
+      frame.moving_probability.push_back(moving ? 1.0F : 0.0F);
     }
   }
   const auto [begin, end] = boxes_.equal_range(static_cast<int>(frame.index));
@@ -147,6 +155,51 @@ void MapBuilder::noteObjects(const Frame& frame)
   }
 }
 
+void MapBuilder::collectLabelled(const Frame& frame)
+{
+  std::vector<Label> labels = label_folder_.empty()
+                                  ? std::vector<Label>(frame.cloud.size(), label_static)
+                                  : labelsOf(frame);
+  constexpr double margin = 0.1;
+  for (const auto& object : frame.objects)
+  {
+    for (std::size_t i = 0; i < labels.size() && object.dynamic; ++i)
+    {
+      const Eigen::Vector3d p = frame.T_odom_vehicle * frame.cloud.points[i].cast<double>();
+      const Eigen::Vector3d d =
+          Eigen::AngleAxisd(-object.box.yaw, Eigen::Vector3d::UnitZ()) * (p - object.box.center);
+      const Eigen::Vector3d half = 0.5 * object.box.size + Eigen::Vector3d(margin, margin, 0.0);
+      // What touches the ground is the ground.
+      if ((d.cwiseAbs() - half).maxCoeff() <= 0 && d.z() > 0.25 - half.z())
+      {
+        labels[i] = label_moving;
+      }
+    }
+  }
+  const auto inverse = static_cast<float>(1.0 / options_.labelled_voxel);
+  for (std::size_t i = 0; i < labels.size(); ++i)
+  {
+    if (isIgnored(labels[i]))
+    {
+      continue;
+    }
+    const Eigen::Vector3f p =
+        (frame.T_odom_vehicle * frame.cloud.points[i].cast<double>()).cast<float>();
+    const auto next = static_cast<std::uint32_t>(labelled_.points.size());
+    const auto found = labelled_index_.findOrInsert(voxelKey(voxelCell(p, inverse)), next);
+    const bool moving = isMoving(labels[i]) || semanticOf(labels[i]) == semanticOf(label_moving);
+    if (found == next)
+    {
+      labelled_.points.push_back(p);
+      labelled_.labels.push_back(labels[i]);
+    }
+    else if (!moving)
+    {
+      labelled_.labels[found] = labels[i];
+    }
+  }
+}
+
 void MapBuilder::add(Frame frame)
 {
   const auto pose = poseOf(frame);
@@ -164,6 +217,10 @@ void MapBuilder::add(Frame frame)
   last_keyframe_ = frame.T_odom_vehicle;
   fillCloud(frame, *pose);
   fillMoving(frame);
+  if (options_.labelled_map)
+  {
+    collectLabelled(frame);
+  }
   map_.insert(frame);
 }
 

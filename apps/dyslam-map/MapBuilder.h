@@ -3,7 +3,9 @@
 
 #include <dyslam/core/Parallel.h>
 #include <dyslam/core/Trajectory.h>
+#include <dyslam/core/VoxelGrid.h>
 #include <dyslam/io/GroundTruth.h>
+#include <dyslam/io/Labels.h>
 #include <dyslam/io/SceneExport.h>
 #include <dyslam/io/TrajectoryFiles.h>
 #include <dyslam/mapping/MapExport.h>
@@ -28,6 +30,15 @@ struct MapBuilderOptions
   double keyframe_angle = 0.17;    //!< [rad]
   double tolerance = 0.01;         //!< of time stamps against the trajectory's [s]
   int threads = 0;                 //!< 0: the machine's number
+  bool labelled_map = false;       //!< collect labelledMap() as well
+  double labelled_voxel = 0.1;     //!< its voxels [m]
+};
+
+/** Every point of a recording, thinned, with its true label: what maps are judged against. */
+struct LabelledMap
+{
+  std::vector<Eigen::Vector3f> points;  //!< map frame
+  std::vector<Label> labels;            //!< a voxel that ever held something static is static
 };
 
 /** Builds the static map of a recording along a known trajectory. */
@@ -44,14 +55,18 @@ class MapBuilder
   [[nodiscard]] std::size_t skipped() const { return skipped_; }
   /** What a scene shows: the map, the way, the moving objects. */
   [[nodiscard]] SceneContent scene() const;
+  /** The labels are those of the labels' folder and of moving objects' boxes. */
+  [[nodiscard]] const LabelledMap& labelledMap() const { return labelled_; }
 
  private:
   /** Position of the scan's pose in the trajectory. */
   [[nodiscard]] std::optional<std::size_t> poseOf(const Frame& frame) const;
   [[nodiscard]] bool isKeyframe(const Pose& T_map_vehicle) const;
   void fillCloud(Frame& frame, std::size_t pose) const;
+  [[nodiscard]] std::vector<Label> labelsOf(const Frame& frame) const;
   void fillMoving(Frame& frame) const;
   void noteObjects(const Frame& frame);
+  void collectLabelled(const Frame& frame);
 
   TrajectoryFile trajectory_;
   MapBuilderOptions options_;
@@ -65,5 +80,7 @@ class MapBuilder
   StaticMap map_;
   std::optional<Pose> last_keyframe_;
   std::size_t skipped_ = 0;
+  LabelledMap labelled_;
+  VoxelHash labelled_index_;
 };
 }  // namespace dyslam

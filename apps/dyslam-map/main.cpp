@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/Error.h>
 #include <dyslam/core/SharedFiles.h>
+#include <dyslam/io/CloudFiles.h>
 #include <dyslam/io/RawlogSource.h>
 
 #include <cstdio>
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -23,6 +25,7 @@ struct Arguments
   dyslam::MapBuilderOptions builder;
   dyslam::RawlogSourceOptions source;
   dyslam::MapExportOptions exports;
+  std::string labelled_map;
   bool quiet = false;
 };
 
@@ -33,8 +36,7 @@ void declare(CLI::App& app, Arguments& a)
   app.add_option("--trajectory", a.trajectory, "poses of the scans: TUM, or KITTI line by line")
       ->required();
   app.add_option("-o,--output", a.outputs,
-                 "map.{pcd,ply,bt,ot,simplemap,3Dscene,png}; any number (png: grid with its yaml)")
-      ->required();
+                 "map.{pcd,ply,bt,ot,simplemap,3Dscene,png}; any number (png: grid with its yaml)");
   app.add_option("--labels", a.builder.labels,
                  "folder of .label files: moving points are left out");
   app.add_option("--tracks", a.builder.tracks, "tracks.txt: objects that move are left out");
@@ -53,6 +55,10 @@ void declare(CLI::App& app, Arguments& a)
       ->check(CLI::NonNegativeNumber);
   app.add_option("--only-first-n", a.source.only_first_n, "scans to use after those; 0: all")
       ->check(CLI::NonNegativeNumber);
+  app.add_option(
+      "--labelled-map", a.labelled_map,
+      "also write all points with the true labels of --labels or --tracks (F.ply, F.label): "
+      "the reference for dyslam-eval map");
   app.add_flag("-q,--quiet", a.quiet, "no progress");
 }
 
@@ -104,7 +110,12 @@ void write(const dyslam::MapBuilder& builder, const std::string& path, const Arg
 
 void run(Arguments& a)
 {
+  if (a.outputs.empty() && a.labelled_map.empty())
+  {
+    throw dyslam::UserError("nothing to write: give at least one --output");
+  }
   loadConfig(a);
+  a.builder.labelled_map = !a.labelled_map.empty();
   for (const auto& path : a.outputs)
   {
     (void)dyslam::mapFormatOf(path);  // a bad ending is told before the work, not after
@@ -130,6 +141,13 @@ void run(Arguments& a)
   for (const auto& path : a.outputs)
   {
     write(builder, path, a);
+  }
+  if (!a.labelled_map.empty())
+  {
+    const auto& labelled = builder.labelledMap();
+    dyslam::writeCloud(a.labelled_map, labelled.points);
+    dyslam::writeLabels(std::filesystem::path(a.labelled_map).replace_extension(".label").string(),
+                        labelled.labels);
   }
   std::printf("%zu scans, %zu without a pose, %zu keyframes, %zu map points of %.2f m\n",
               source.framesRead(), builder.skipped(), builder.map().keyframes().size(),
