@@ -42,11 +42,11 @@ SensorModel hdl64e()
   m.period = 0.1;
   m.min_range = 0.9;
   m.max_range = 120;
-  m.range_noise = 0.015;
+  m.range_noise = 0.007;
   m.range_resolution = 0.002;
-  m.reference_range = 75;
+  m.reference_range = 62;
   m.divergence = 0.001;
-  m.beam_range_bias = 0.010;
+  m.beam_range_bias = 0.004;
   m.beam_angle_error = 0.02 * kDegree;
   return m;
 }

@@ -217,6 +217,7 @@ SimulatedScan Simulator::Impl::next()
   sweep.T_map_lidar = scan.T_map_vehicle * T_vehicle_lidar;
   sweep.T_map_lidar_next = scan.T_map_vehicle_next * T_vehicle_lidar;
   sweep.seed = combine(combine(static_cast<std::uint64_t>(options.seed), 0x5CA7), index);
+  sweep.on_car = options.noise && carrier(options) == EgoKind::car;
   sweep.noise = options.noise;
   sweep.motion_distortion = options.motion_distortion;
   for (int c = 0; c < model.columns; ++c)

@@ -105,8 +105,8 @@ class StreetTraffic : public Crowd::Group
   void populate()
   {
     const double traffic = crowd_.options().traffic;
-    const double spacing = traffic > 0 ? 7.5 / std::pow(traffic, 1.6) : kFar;
     const bool streets = crowd_.world().kind == WorldKind::urban;
+    const double spacing = traffic > 0 ? (streets ? 7.5 : 22.0) / std::pow(traffic, 1.6) : kFar;
     for (std::size_t l = 0; l < net_.lanes.size(); ++l)
     {
       const Lane& here = net_.lanes[l];

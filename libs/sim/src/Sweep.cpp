@@ -107,6 +107,22 @@ class Caster
     return {beams_.cos_elevation[b] * c, beams_.cos_elevation[b] * s, beams_.sin_elevation[b]};
   }
 
+  /** Rays that end on the roof and the rack of the car that carries the sensor. */
+  bool hidden(float azimuth, std::size_t b) const
+  {
+    if (!scene_.on_car)
+    {
+      return false;
+    }
+    const float a = std::abs(azimuth);
+    const float limit = a > 2.55F   ? -0.315F + 0.10F * (3.1416F - a)
+                        : a > 2.05F ? -0.40F
+                        : a > 1.9F  ? -0.37F
+                        : a < 0.4F  ? -0.395F - 0.08F * a
+                                    : -1.0F;
+    return beams_.sin_elevation[b] < limit;
+  }
+
   float sweepFraction(std::size_t column) const
   {
     return scene_.motion_distortion
@@ -142,11 +158,12 @@ void Caster::tracePacket(std::size_t column, std::size_t count, std::size_t b)
     Eigen::Vector3f d = direction(std::cos(azimuth), std::sin(azimuth), b);
     if (scene_.noise)
     {
-      // Anywhere in the beam's cone: frays edges and roughens grazing hits.
+      // Anywhere in the beam's cone: frays edges. Less upwards, for on the ground the
+      // echo is that of the whole spot.
       const std::uint64_t h = hash(c, b, kDrawCone);
       const auto spread = static_cast<float>(sensor_.divergence) * 0.6F;
       const Eigen::Vector3f side(-d.y(), d.x(), 0);
-      d += spread * (normal(h) * side + normal(mix(h)) * Eigen::Vector3f::UnitZ());
+      d += spread * (normal(h) * side + 0.2F * normal(mix(h)) * Eigen::Vector3f::UnitZ());
       d.normalize();
     }
     const Pose& pose = scene_.T_map_lidar_column[c];
@@ -217,7 +234,7 @@ void Caster::resolve(std::size_t begin, std::size_t end, ChunkOutput& out) const
     const float cos_azimuth = std::cos(azimuth), sin_azimuth = std::sin(azimuth);
     for (std::size_t b = 0; b < beam_count_; ++b)
     {
-      if (hits_[c * beam_count_ + b].range > 0)
+      if (hits_[c * beam_count_ + b].range > 0 && !hidden(azimuth, b))
       {
         resolveHit(c, b, T_map_lidar, T_stamp_column, T_next_stamp,
                    direction(cos_azimuth, sin_azimuth, b), out);
@@ -274,7 +291,10 @@ void Caster::resolveHit(std::size_t column,
                          (range * range);
     const float seen = signal * signal / (1 + signal * signal) * (1 - m.loss) *
                        (1 - static_cast<float>(sensor_.random_loss));
-    if (unit(hash(column, b, kDrawLoss)) > seen)
+    // Glass loses whole patches, not single beams.
+    const float patch = 0.5F + 0.5F * latticeNoise(1.3F * p.x() + 7, 1.3F * p.y(), 1.3F * p.z());
+    const float draw = unit(hash(column, b, kDrawLoss));
+    if ((m.loss > 0.2F ? 0.25F * draw + 0.75F * patch : draw) > seen)
     {
       return;
     }

@@ -40,6 +40,7 @@ struct SweepScene
   std::uint64_t seed = 0;                    //!< of this sweep
   bool noise = true;
   bool motion_distortion = true;
+  bool on_car = false;  //!< its roof hides some of the lowest rays
 };
 
 struct BodySighting

@@ -84,7 +84,7 @@ class BlockBuilder
       park(sw, width, height);
       return;
     }
-    const bool dense = character < 6;
+    const bool dense = character < 5;
     const double depth = dense ? 14 : 20;
     const int nu = static_cast<int>(grid_.along_v.size()),
               nv = static_cast<int>(grid_.along_u.size());
@@ -154,13 +154,19 @@ class BlockBuilder
           world_.placeOnGround(any(furnishing_.signs, rng_), grid_.toWorld(where),
                                yaw + 3.14159265);
         }
-        else if (rng_.chance(0.02))
+        else if (rng_.chance(0.05))
         {
           world_.placeOnGround(any(furnishing_.clutter, rng_),
                                grid_.toWorld(local(s, side * (street.half() + street.walk - 0.5))),
                                yaw);
         }
-        else if (rng_.chance(0.01))
+        else if (rng_.chance(0.03))
+        {
+          const P wall = local(s, side * (street.half() + street.walk - 0.35));
+          world_.placeOnGround(any(furnishing_.bushes, rng_), grid_.toWorld(wall),
+                               rng_.uniform(0, 6.28), 0.6F);
+        }
+        else if (rng_.chance(0.02))
         {
           world_.park(any(world_.parked_bicycles, rng_),
                       grid_.toWorld(local(s, side * (street.half() + street.walk - 0.4))),
@@ -304,7 +310,7 @@ class BlockBuilder
       row(side, s - 1, width + 2, 0.4,
           u < 0.4 ? any(furnishing_.hedges, rng_) : any(furnishing_.fences, rng_));
     }
-    const int plants = rng_.below(4);
+    const int plants = rng_.below(8);
     for (int k = 0; k < plants; ++k)
     {
       const P where =
