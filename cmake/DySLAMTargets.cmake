@@ -3,6 +3,10 @@
 
 function(dyslam_set_warnings target)
   target_compile_options(${target} PRIVATE -Wall -Wextra -Wpedantic -Wshadow -Wconversion)
+  if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+    # With AVX, GCC 12 gives false alarms inside Eigen's templates (and PCL's, through them).
+    target_compile_options(${target} PRIVATE -Wno-array-bounds -Wno-maybe-uninitialized -Wno-stringop-overflow)
+  endif()
   if(DYSLAM_WERROR)
     target_compile_options(${target} PRIVATE -Werror)
   endif()

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/nets/DyloNetwork.h>
+#include <dyslam/nets/Grouping.h>
 
 #include <algorithm>
 #include <cmath>
@@ -93,10 +94,10 @@ DyloNetworkImpl::DyloNetworkImpl(const DyloNetworkOptions& options) : options_(o
   if (options.head == DyloHead::gauss_newton)
   {
     fine_embed_ = register_module(
-        "fine_embed", Mlp(Sizes{embedding + featureSize(w, 1) + 10, embedding, embedding}));
+        "fine_embed",
+        Mlp(Sizes{embedding + featureSize(w, 1) + Surfaces::feature_size, embedding, embedding}));
     fine_mask_ =
         register_module("fine_mask", DynamicMask(options.mask, embedding, featureSize(w, 1)));
-    bandwidth_ = register_parameter("bandwidth", torch::zeros({1}));
   }
 }
 
@@ -176,62 +177,20 @@ DyloStage DyloNetworkImpl::fineStage(const EncodedScan& scan1,
                                      const PoseTensors& start,
                                      const torch::Tensor& embedding)
 {
-  constexpr std::int64_t half_rows = 1;
-  constexpr std::int64_t half_cols = 4;
   const ScanTensors::Level& nodes = scan1.scan.levels[1];
   const torch::Tensor warped = start.apply(nodes.xyz);
   const torch::Tensor own_normal = torch::matmul(nodes.normal, start.rotation.t());
-  const torch::Tensor range = warped.norm(2, 1);
-
-  // A window of about 0.8 m across, whatever the range.
-  const torch::Tensor dilation =
-      (0.1 / (range * (2 * M_PI / PreparedScan::columns)).clamp_min(1e-3))
-          .round()
-          .clamp(1, 16)
-          .to(torch::kLong);
-  const Window around = windowAround(warped, scan2.scan, scan2.scan.rows, PreparedScan::columns,
-                                     half_rows, half_cols, dilation);
-  const torch::Tensor usable = scan2.scan.image_valid.index_select(0, around.index.reshape({-1}))
-                                   .reshape(around.index.sizes()) *
-                               around.inside * nodes.valid.unsqueeze(1);
-  const torch::Tensor q = gather(scan2.scan.image_xyz, around.index);
-  const torch::Tensor d = q - warped.unsqueeze(1);
-  const torch::Tensor distance2 = d.square().sum(2);
-
-  const torch::Tensor gate = 0.5 + 0.05 * range;
-  torch::Tensor near = usable / (1 + distance2 / gate.square().unsqueeze(1));
-  near = near * near.gt(0.1);
-  const torch::Tensor mass = near.sum(1);
-  const torch::Tensor share = near / mass.clamp_min(1e-6).unsqueeze(1);
-  const torch::Tensor mean = (share.unsqueeze(2) * d).sum(1);
-  const torch::Tensor centred = (d - mean.unsqueeze(1)) * share.sqrt().unsqueeze(2);
-  const PlaneFit plane = fitPlanes(torch::matmul(centred.transpose(1, 2), centred));
+  const Surfaces surfaces = surfacesAround(warped, own_normal, nodes.valid, scan2.scan);
 
   DyloStage result;
   result.level = 1;
-  result.valid = nodes.valid * mass.gt(1.5).to(torch::kFloat);
-  const torch::Tensor width = (0.15 + 0.02 * range) * bandwidth_.exp();
-  const torch::Tensor logits =
-      -0.5 * distance2 / width.square().unsqueeze(1) + (near.gt(0).to(torch::kFloat) - 1) * 1e4;
-  const torch::Tensor attention = torch::softmax(logits, 1);
-  const torch::Tensor toward = (attention.unsqueeze(2) * d).sum(1);
-  result.target = warped + toward;
-  result.normal = plane.normal;
-  result.offset = (plane.normal * result.target).sum(1);
+  result.valid = surfaces.valid;
+  result.normal = surfaces.normal;
+  result.offset = surfaces.offset;
+  result.target = surfaces.target;
   result.noise = noise_[4].exp();
-
-  const torch::Tensor residual = -(plane.normal * toward).sum(1).abs();
-  const torch::Tensor spread = plane.spread;
-  const torch::Tensor width2 = spread.select(1, 1) + spread.select(1, 0) + 1e-3;
-  const torch::Tensor features =
-      torch::stack({torch::asinh(residual / 0.05) / 3, torch::asinh(residual / 0.5),
-                    spread.select(1, 0) / width2, torch::asinh(spread.select(1, 0) / 0.05) / 3,
-                    spread.select(1, 1) / (spread.select(1, 2) + 1e-3), toward.norm(2, 1) / gate,
-                    mass / 27, (plane.normal * warped).sum(1).abs() / (range + 1e-3),
-                    (plane.normal * own_normal).sum(1).abs(), torch::log1p(range) / 4},
-                   1);
   const torch::Tensor joined =
-      fine_embed_->forward(torch::cat({features, embedding, scan1.features[1]}, 1));
+      fine_embed_->forward(torch::cat({surfaces.features, embedding, scan1.features[1]}, 1));
   result.logits = fine_mask_->forward(joined, scan1.features[1], result.valid);
   result.weight = maskWeights(result.logits, result.valid);
   const GaussNewtonStep step =

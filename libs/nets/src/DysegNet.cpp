@@ -27,6 +27,18 @@ nn::Conv2d conv3(std::int64_t in, std::int64_t out, std::int64_t stride = 1)
   return nn::Conv2d(nn::Conv2dOptions(in, out, 3).padding(1).stride(stride));
 }
 
+/** A view of foreign memory; a copy while gradients are recorded, for they outlive the scan. */
+Tensor shared(const Tensor& view)
+{
+  return torch::GradMode::is_enabled() ? view.clone() : view;
+}
+
+Tensor featuresOf(const BevScan& scan)
+{
+  return shared(torch::from_blob(const_cast<float*>(scan.features.data()),
+                                 {static_cast<std::int64_t>(scan.size()), BevScan::feature_count}));
+}
+
 Tensor toTensor(const std::vector<std::int32_t>& values)
 {
   return torch::tensor(values, torch::kInt32).to(torch::kInt64);
@@ -195,11 +207,9 @@ DysegEncoding DysegNetImpl::encode(const BevScan& scan)
 {
   const auto device = pillar_->weight.device();
   const auto count = static_cast<std::int64_t>(scan.size());
-  const auto features =
-      torch::from_blob(const_cast<float*>(scan.features.data()), {count, BevScan::feature_count})
-          .to(device);
+  const auto features = featuresOf(scan).to(device);
   const auto cell =
-      torch::from_blob(const_cast<std::int32_t*>(scan.cell.data()), {count}, torch::kInt32)
+      shared(torch::from_blob(const_cast<std::int32_t*>(scan.cell.data()), {count}, torch::kInt32))
           .to(device);
   DysegEncoding e;
   e.points = pillar_deep_(pillar_(features).relu()).relu();
@@ -356,10 +366,7 @@ Tensor DysegNetImpl::points(const BevScan& scan,
   const auto place = g.fine_place.to(device);
   const auto residual = cells.residual.back().detach().index_select(0, row);
   const auto moved = place + residual / (2 * scan.cell_size);
-  const auto features =
-      torch::from_blob(const_cast<float*>(scan.features.data()),
-                       {static_cast<std::int64_t>(scan.size()), BevScan::feature_count})
-          .to(device);
+  const auto features = featuresOf(scan).to(device);
   const auto input = torch::cat(
       {cells.feature.index_select(0, row), residual,
        cells.logit.detach().index_select(0, row).unsqueeze(1),

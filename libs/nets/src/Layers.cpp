@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <ATen/Parallel.h>
+#include <dyslam/nets/Grouping.h>
 #include <dyslam/nets/Layers.h>
 
 #include <Eigen/Core>
@@ -134,20 +135,11 @@ class PointLinearFunction : public torch::autograd::Function<PointLinearFunction
   }
 };
 
-/** Offsets of grouped points in units of the nodes' spacing at that range, [N, K, 3]. */
-torch::Tensor localOffsets(const torch::Tensor& grouped,
-                           const torch::Tensor& centre,
-                           double spacing)
+/** [N, K] 1 where a window's node holds a point. */
+torch::Tensor usableOf(const torch::Tensor& valid, const Window& window)
 {
-  const torch::Tensor unit = centre.norm(2, 1, true) * spacing + 0.2;
-  return ((grouped - centre.unsqueeze(1)) / unit.unsqueeze(1)).clamp(-8, 8);
-}
-
-/** Maximum over the valid of dimension 1; 0 where none is. */
-torch::Tensor maskedMax(const torch::Tensor& x, const torch::Tensor& valid)
-{
-  const torch::Tensor none = valid.sum(1, true).eq(0);
-  return (x + (valid.unsqueeze(2) - 1) * out_of_play).amax(1).masked_fill(none, 0);
+  return valid.index_select(0, window.index.reshape({-1})).reshape(window.index.sizes()) *
+         window.inside;
 }
 
 /** Softmax over the valid of dimension 1; 0 where none is. */
@@ -207,12 +199,33 @@ void MlpImpl::scaleOutput(double factor)
   weights_.back().mul_(factor);
 }
 
-SetConvImpl::SetConvImpl(std::int64_t in, const std::vector<std::int64_t>& mlp, double spacing)
-    : spacing_(spacing)
+GroupedMlpImpl::GroupedMlpImpl(std::int64_t geometry,
+                               std::int64_t features,
+                               const Sizes& sizes,
+                               bool linear_start)
+    : slope_(linear_start ? 1.0 : leak)
 {
-  std::vector<std::int64_t> sizes = {in + 3};
-  sizes.insert(sizes.end(), mlp.begin(), mlp.end());
-  mlp_ = register_module("mlp", Mlp(sizes));
+  const auto in = static_cast<double>(geometry + features);
+  weight_ = register_parameter(
+      "weight", torch::randn({sizes.front(), geometry + features}) * std::sqrt(2.0 / in));
+  bias_ = register_parameter("bias", torch::zeros({sizes.front()}));
+  if (sizes.size() > 1)
+  {
+    rest_ = register_module("rest", Mlp(sizes));
+  }
+}
+
+torch::Tensor GroupedMlpImpl::forward(const torch::Tensor& geometry,
+                                      const torch::Tensor& features,
+                                      const torch::Tensor& index)
+{
+  const torch::Tensor x = groupedLinear(geometry, features, index, weight_, bias_, slope_);
+  return rest_.is_empty() ? x : rest_->forward(x);
+}
+
+SetConvImpl::SetConvImpl(std::int64_t in, const Sizes& mlp, double spacing) : spacing_(spacing)
+{
+  mlp_ = register_module("mlp", GroupedMlp(3, in, mlp));
 }
 
 torch::Tensor SetConvImpl::forward(const torch::Tensor& features,
@@ -220,15 +233,8 @@ torch::Tensor SetConvImpl::forward(const torch::Tensor& features,
                                    const ScanTensors::Level& to,
                                    const Window& window)
 {
-  const auto shape = window.index.sizes();
-  const torch::Tensor valid =
-      from.valid.index_select(0, window.index.reshape({-1})).reshape(shape) * window.inside;
-  torch::Tensor x = localOffsets(gather(from.xyz, window.index), to.xyz, spacing_);
-  if (features.defined())
-  {
-    x = torch::cat({x, gather(features, window.index)}, 2);
-  }
-  return maskedMax(mlp_->forward(x), valid);
+  const torch::Tensor offsets = groupOffsets(from.xyz, to.xyz, window.index, spacing_);
+  return groupMax(mlp_->forward(offsets, features, window.index), usableOf(from.valid, window));
 }
 
 AttentiveCostVolumeImpl::AttentiveCostVolumeImpl(std::int64_t features,
@@ -240,11 +246,13 @@ AttentiveCostVolumeImpl::AttentiveCostVolumeImpl(std::int64_t features,
                                                  double spacing)
     : half_rows_(half_rows), half_cols_(half_cols), candidates_(candidates), spacing_(spacing)
 {
-  constexpr std::int64_t geometry = 10;
-  embed_ = register_module("embed", Mlp(Sizes{2 * features + geometry, hidden, out, out}));
-  attend_ = register_module("attend", Mlp(Sizes{out + geometry, out / 2, 1}, true));
-  patch_embed_ = register_module("patch_embed", Mlp(Sizes{out + 3, hidden, out}));
-  patch_attend_ = register_module("patch_attend", Mlp(Sizes{2 * out, out / 2, 1}, true));
+  own_ = register_module("own", Mlp(Sizes{features, hidden}, true));
+  embed_ = register_module("embed",
+                           GroupedMlp(Candidates::geometry_size, features, Sizes{hidden}, true));
+  embed_rest_ = register_module("embed_rest", Mlp(Sizes{hidden, out, out}));
+  attend_ = register_module("attend", Mlp(Sizes{out, out / 2, 1}, true));
+  patch_embed_ = register_module("patch_embed", GroupedMlp(3, out, Sizes{hidden, out}));
+  patch_attend_ = register_module("patch_attend", Mlp(Sizes{out, out / 2, 1}, true));
 }
 
 Correlation AttentiveCostVolumeImpl::forward(const torch::Tensor& warped,
@@ -257,55 +265,31 @@ Correlation AttentiveCostVolumeImpl::forward(const torch::Tensor& warped,
                                              const Window& patch)
 {
   const ScanTensors::Level& grid = scan2.levels[level];
-  Window window = windowAround(warped, scan2, grid.rows, grid.cols, half_rows_, half_cols_);
-  torch::Tensor usable =
-      grid.valid.index_select(0, window.index.reshape({-1})).reshape(window.index.sizes()) *
-      window.inside * valid.unsqueeze(1);
-  if (window.index.size(1) > candidates_)
-  {
-    const torch::NoGradGuard no_grad;
-    const torch::Tensor distance =
-        (gather(grid.xyz, window.index) - warped.unsqueeze(1)).square().sum(2) + (1 - usable) * 1e8;
-    const torch::Tensor nearest = std::get<1>(distance.topk(candidates_, 1, false, true));
-    window.index = window.index.gather(1, nearest);
-    usable = usable.gather(1, nearest);
-  }
-  const std::int64_t n = window.index.size(0);
-  const std::int64_t k = window.index.size(1);
-  const torch::Tensor q = gather(grid.xyz, window.index);
-  const torch::Tensor normal = gather(grid.normal, window.index);
-  const torch::Tensor d = localOffsets(q, warped, spacing_);
-  const torch::Tensor range = warped.norm(2, 1, true);
-  const torch::Tensor geometry =
-      torch::cat({d, d.norm(2, 2, true), (normal * d).sum(2, true),
-                  (normal * warped_normal.unsqueeze(1)).sum(2, true),
-                  (warped / (range + 1)).unsqueeze(1).expand({n, k, 3}),
-                  (torch::log1p(range) / 4).unsqueeze(1).expand({n, k, 1})},
-                 2);
-  const torch::Tensor pair = torch::cat(
-      {geometry, features1.unsqueeze(1).expand({n, k, -1}), gather(features2, window.index)}, 2);
-  const torch::Tensor embedded = embed_->forward(pair);
+  const Neighbours near =
+      nearestInWindow(warped, valid, scan2, level, half_rows_, half_cols_, candidates_);
+  const Candidates candidates =
+      candidateGeometry(warped, warped_normal, grid, near.index, spacing_);
+  const torch::Tensor hidden =
+      torch::leaky_relu(embed_->forward(candidates.geometry, features2, near.index) +
+                            own_->forward(features1).unsqueeze(1),
+                        leak);
+  const torch::Tensor embedded = embed_rest_->forward(hidden);
   const torch::Tensor attention =
-      maskedSoftmax(attend_->forward(torch::cat({embedded, geometry}, 2)).squeeze(2), usable);
+      maskedSoftmax(attend_->forward(embedded).squeeze(2), near.usable).unsqueeze(1);
 
   Correlation result;
-  const torch::Tensor weight = attention.unsqueeze(2);
-  result.valid = usable.amax(1);
-  result.normal = (weight * normal).sum(1);
-  result.offset = (attention * (normal * q).sum(2)).sum(1);
-  result.target = (weight * q).sum(1);
-  const torch::Tensor first = (weight * embedded).sum(1);
+  result.valid = near.usable.amax(1);
+  const torch::Tensor plane = torch::bmm(attention, candidates.planes).squeeze(1);
+  result.normal = plane.slice(1, 0, 3);
+  result.offset = plane.select(1, 3);
+  result.target = plane.slice(1, 4, 7);
+  const torch::Tensor first = torch::bmm(attention, embedded).squeeze(1);
 
-  const torch::Tensor around = gather(first, patch.index);
-  const torch::Tensor patch_valid =
-      result.valid.index_select(0, patch.index.reshape({-1})).reshape(patch.index.sizes()) *
-      patch.inside;
-  const torch::Tensor offsets = localOffsets(gather(warped, patch.index), warped, spacing_);
-  const torch::Tensor patched = patch_embed_->forward(torch::cat({around, offsets}, 2));
-  const torch::Tensor own = first.unsqueeze(1).expand({n, patch.index.size(1), -1});
+  const torch::Tensor offsets = groupOffsets(warped, warped, patch.index, spacing_);
+  const torch::Tensor patched = patch_embed_->forward(offsets, first, patch.index);
   const torch::Tensor patch_attention =
-      maskedSoftmax(patch_attend_->forward(torch::cat({patched, own}, 2)).squeeze(2), patch_valid);
-  result.embedding = first + (patch_attention.unsqueeze(2) * patched).sum(1);
+      maskedSoftmax(patch_attend_->forward(patched).squeeze(2), usableOf(result.valid, patch));
+  result.embedding = first + torch::bmm(patch_attention.unsqueeze(1), patched).squeeze(1);
   return result;
 }
 
@@ -315,7 +299,7 @@ SetUpConvImpl::SetUpConvImpl(std::int64_t coarse,
                              double spacing)
     : spacing_(spacing)
 {
-  gather_ = register_module("gather", Mlp(Sizes{coarse + 3, out}));
+  gather_ = register_module("gather", GroupedMlp(3, coarse, Sizes{out}));
   join_ = register_module("join", Mlp(Sizes{out + fine, out}));
 }
 
@@ -325,13 +309,10 @@ torch::Tensor SetUpConvImpl::forward(const torch::Tensor& coarse_features,
                                      const ScanTensors::Level& fine,
                                      const Window& window)
 {
-  const torch::Tensor valid =
-      coarse.valid.index_select(0, window.index.reshape({-1})).reshape(window.index.sizes()) *
-      window.inside;
-  const torch::Tensor offsets = localOffsets(gather(coarse.xyz, window.index), fine.xyz, spacing_);
-  const torch::Tensor x =
-      gather_->forward(torch::cat({offsets, gather(coarse_features, window.index)}, 2));
-  return join_->forward(torch::cat({maskedMax(x, valid), fine_features}, 1));
+  const torch::Tensor offsets = groupOffsets(coarse.xyz, fine.xyz, window.index, spacing_);
+  const torch::Tensor x = gather_->forward(offsets, coarse_features, window.index);
+  const torch::Tensor gathered = groupMax(x, usableOf(coarse.valid, window));
+  return join_->forward(torch::cat({gathered, fine_features}, 1));
 }
 
 DynamicMaskImpl::DynamicMaskImpl(DyloMask kind, std::int64_t embedding, std::int64_t features)

@@ -145,11 +145,8 @@ TEST(SetConv, EqualsALoopOverPoints)
       const torch::Tensor unit = to.xyz[node].norm() * 0.4 + 0.2;
       torch::Tensor x =
           torch::cat({((from.xyz[other] - to.xyz[node]) / unit).clamp(-8, 8), features[other]});
-      for (int layer = 0; layer < 2; ++layer)
-      {
-        const std::string n = std::to_string(layer);
-        x = torch::leaky_relu(torch::mv(p["mlp.weight" + n], x) + p["mlp.bias" + n], 0.1);
-      }
+      x = torch::leaky_relu(torch::mv(p["mlp.weight"], x) + p["mlp.bias"], 0.1);
+      x = torch::leaky_relu(torch::mv(p["mlp.rest.weight0"], x) + p["mlp.rest.bias0"], 0.1);
       best = best.defined() ? torch::maximum(best, x) : x;
     }
     const torch::Tensor expected = best.defined() ? best : torch::zeros({12});

@@ -24,6 +24,12 @@ struct IcpOptions : Options
   void describe(OptionsVisitor& visitor) override;
 };
 
+/** Point-to-point residuals also measure how far apart the samples lie: they say less each. */
+struct IcpPointToPointOptions : IcpOptions
+{
+  IcpPointToPointOptions() { correlated_points = 250; }
+};
+
 /** Scan-to-scan ICP, point to point or point to plane, with exact nearest neighbours. */
 class IcpOdometry final : public ScanToScan
 {

@@ -27,11 +27,15 @@ std::unique_ptr<LidarOdometry> makeOdometry(const std::string& method,
   {
     return std::make_unique<SimpleOdometry>(SimpleOdometry::Kind::zero_motion);
   }
-  if (method == "icp_po2po" || method == "icp_po2pl")
+  if (method == "icp_po2po")
   {
-    const auto residual = method == "icp_po2po" ? IcpOdometry::Residual::point_to_point
-                                                : IcpOdometry::Residual::point_to_plane;
-    return std::make_unique<IcpOdometry>(residual, loader.get<IcpOptions>(method), pool);
+    return std::make_unique<IcpOdometry>(
+        IcpOdometry::Residual::point_to_point, loader.get<IcpPointToPointOptions>(method), pool);
+  }
+  if (method == "icp_po2pl")
+  {
+    return std::make_unique<IcpOdometry>(
+        IcpOdometry::Residual::point_to_plane, loader.get<IcpOptions>(method), pool);
   }
   if (method == "gicp")
   {

@@ -39,7 +39,8 @@ void rotateIn(Factor& factor, Equation row)
 }
 
 /** The fit of the given degree: its columns lead the factor. */
-void solve(const Factor& factor, int degree, Eigen::Ref<Eigen::MatrixX2d> coefficients)
+template <typename Block>
+void solve(const Factor& factor, int degree, Block&& coefficients)
 {
   coefficients.setZero();
   for (int k = degree; k >= 0; --k)
@@ -72,14 +73,6 @@ double slopeLeverage(const Factor& factor, int degree)
 }
 }  // namespace
 
-const std::vector<AdaptivePredictor::Fit>& AdaptivePredictor::bank()
-{
-  static const std::vector<Fit> fits{{1, 3},  {1, 4},  {1, 5},  {2, 5},  {1, 7},  {2, 7},  {1, 10},
-                                     {2, 10}, {1, 15}, {2, 15}, {3, 15}, {2, 20}, {3, 20}, {2, 30},
-                                     {3, 30}, {4, 30}, {3, 40}, {4, 40}, {5, 40}, {4, 50}, {5, 50}};
-  return fits;
-}
-
 AdaptivePredictor::AdaptivePredictor(const AdaptiveOptions& options) : options_(options)
 {
   if (!(options.memory > 0 && options.memory <= 1) || !(options.regularisation > 0) ||
@@ -88,10 +81,8 @@ AdaptivePredictor::AdaptivePredictor(const AdaptiveOptions& options) : options_(
     throw std::invalid_argument(
         "AdaptivePredictor: memory must be in (0, 1], regularisation and prior_weight above 0");
   }
-  const auto members = static_cast<Eigen::Index>(bank().size());
-  coefficients_ = Eigen::MatrixX2d::Zero(members * terms, 2);
-  slope_leverage_ = Eigen::VectorXd::Zero(members);
-  error_covariance_ = Eigen::MatrixXd::Zero(members, members);
+  coefficients_.setZero();
+  error_covariance_.setZero();
   reweigh();
 }
 
@@ -107,7 +98,7 @@ bool AdaptivePredictor::add(const TimedPosition& sighting)
     learn(sighting);
   }
   history_.push_back(sighting);
-  if (history_.size() > static_cast<std::size_t>(bank().back().window))
+  if (history_.size() > static_cast<std::size_t>(bank.back().window))
   {
     history_.pop_front();
   }
@@ -117,7 +108,7 @@ bool AdaptivePredictor::add(const TimedPosition& sighting)
 
 void AdaptivePredictor::learn(const TimedPosition& sighting)
 {
-  Eigen::MatrixX2d errors = predictAll(sighting.stamp);
+  Positions errors = memberPredictions(sighting.stamp);
   errors.rowwise() -= sighting.position.transpose();
   const Eigen::RowVector2d own = weights_.transpose() * errors;
   own_errors_ = options_.memory * own_errors_ + own.transpose() * own;
@@ -129,26 +120,25 @@ void AdaptivePredictor::learn(const TimedPosition& sighting)
 
 void AdaptivePredictor::reweigh()
 {
-  const Eigen::Index members = error_covariance_.rows();
-  velocity_weights_ = Eigen::VectorXd::Zero(members);
+  velocity_weights_ = Weights::Zero();
   if (error_count_ == 0)
   {
-    weights_ = Eigen::VectorXd::Zero(members);
+    weights_ = Weights::Zero();
     weights_[0] = 1;  // all agree while the history is as short as this
     velocity_weights_[0] = 1;
     return;
   }
-  const Eigen::VectorXd variance = error_covariance_.diagonal() / error_count_;
+  const Weights variance = error_covariance_.diagonal() / error_count_;
   const double least = std::max(variance.minCoeff(), 1e-12);
-  Eigen::MatrixXd damped = error_covariance_ / error_count_;
+  Eigen::Matrix<double, members, members> damped = error_covariance_ / error_count_;
   damped.diagonal().array() += options_.regularisation * least;
-  weights_ = damped.llt().solve(Eigen::VectorXd::Ones(members));
+  weights_ = damped.llt().solve(Weights::Ones());
   weights_ /= weights_.sum();
 
   // Velocities and far predictions: steep polynomials have no say, weights stay positive.
   for (Eigen::Index i = 0; i < members; ++i)
   {
-    if (bank()[static_cast<std::size_t>(i)].degree <= 2)
+    if (bank[static_cast<std::size_t>(i)].degree <= 2)
     {
       const double ratio = (least + 1e-12) / (variance[i] + 1e-12);
       velocity_weights_[i] = ratio * ratio;
@@ -166,9 +156,9 @@ void AdaptivePredictor::refit()
   time_scale_ = span > 0 ? span : 1;
   const auto count = static_cast<int>(history_.size());
   int rows = 0;
-  for (std::size_t member = 0; member < bank().size(); ++member)
+  for (std::size_t member = 0; member < bank.size(); ++member)
   {
-    const Fit& fit = bank()[member];
+    const Fit& fit = bank[member];
     for (; rows < std::min(fit.window, count); ++rows)
     {
       const TimedPosition& sighting = history_[static_cast<std::size_t>(count - 1 - rows)];
@@ -186,11 +176,11 @@ void AdaptivePredictor::refit()
     slope_leverage_[static_cast<Eigen::Index>(member)] =
         slopeLeverage(factor, degree) / (time_scale_ * time_scale_);
     solve(factor, degree,
-          coefficients_.middleRows(static_cast<Eigen::Index>(member) * terms, terms));
+          coefficients_.middleRows<terms>(static_cast<Eigen::Index>(member) * terms));
   }
 }
 
-Eigen::MatrixX2d AdaptivePredictor::predictAll(double stamp) const
+AdaptivePredictor::Positions AdaptivePredictor::memberPredictions(double stamp) const
 {
   const double tau = (stamp - history_.back().stamp) / time_scale_;
   Eigen::Matrix<double, 1, terms> powers;
@@ -199,8 +189,7 @@ Eigen::MatrixX2d AdaptivePredictor::predictAll(double stamp) const
   {
     powers[k] = powers[k - 1] * tau;
   }
-  const auto members = static_cast<Eigen::Index>(bank().size());
-  Eigen::MatrixX2d predictions(members, 2);
+  Positions predictions;
   for (Eigen::Index i = 0; i < members; ++i)
   {
     predictions.row(i) = powers * coefficients_.middleRows<terms>(i * terms);
@@ -216,14 +205,13 @@ MotionPrediction AdaptivePredictor::predict(double stamp) const
   {
     return prediction;
   }
-  const auto members = static_cast<Eigen::Index>(bank().size());
   const double usual = history_.size() > 1 ? (history_.back().stamp - history_.front().stamp) /
                                                  static_cast<double>(history_.size() - 1)
                                            : 0.0;
   const double ahead = stamp - history_.back().stamp;
   // The weights were learnt one sighting ahead; beyond that the combination moves on straight.
   const double near = history_.size() > 1 ? std::min(ahead, 1.5 * usual) : ahead;
-  const Eigen::MatrixX2d predictions = predictAll(history_.back().stamp + near);
+  const Positions predictions = memberPredictions(history_.back().stamp + near);
   const double tau = near / time_scale_;
   for (Eigen::Index i = 0; i < members; ++i)
   {
@@ -241,7 +229,7 @@ MotionPrediction AdaptivePredictor::predict(double stamp) const
   prediction.samples = history_.size();
   Eigen::Index heaviest = 0;
   velocity_weights_.maxCoeff(&heaviest);
-  prediction.degree = std::min(bank()[static_cast<std::size_t>(heaviest)].degree,
+  prediction.degree = std::min(bank[static_cast<std::size_t>(heaviest)].degree,
                                static_cast<int>(history_.size()) - 1);
 
   const double prior = options_.prior_sigma * options_.prior_sigma;

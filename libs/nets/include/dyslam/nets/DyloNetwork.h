@@ -83,8 +83,7 @@ class DyloNetworkImpl : public torch::nn::Module
   torch::Tensor isotropic_;  //!< logarithm, per stage
   Mlp fine_embed_{nullptr};
   DynamicMask fine_mask_{nullptr};
-  torch::Tensor noise_;      //!< logarithm, per stage; the fine passes share the last
-  torch::Tensor bandwidth_;  //!< logarithm of the fine attention's width
+  torch::Tensor noise_;  //!< logarithm, per stage; the fine passes share the last
   std::map<std::tuple<std::int64_t, std::int64_t, std::int64_t, std::int64_t, std::int64_t>, Window>
       windows_;
 };

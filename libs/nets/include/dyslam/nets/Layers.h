@@ -38,6 +38,28 @@ class MlpImpl : public torch::nn::Module
 };
 TORCH_MODULE(Mlp);
 
+/** Layers over groups of points; the first reads geometry and the grouped features. */
+class GroupedMlpImpl : public torch::nn::Module
+{
+ public:
+  /** \param sizes outputs of the layers. \param linear_start no rectifier after the first. */
+  GroupedMlpImpl(std::int64_t geometry,
+                 std::int64_t features,
+                 const Sizes& sizes,
+                 bool linear_start = false);
+  /** \param geometry [N, K, G] \param features [M, C] or undefined \param index [N, K] into them.
+   * \returns [N, K, sizes.back()]. */
+  torch::Tensor forward(const torch::Tensor& geometry,
+                        const torch::Tensor& features,
+                        const torch::Tensor& index);
+
+ private:
+  double slope_;
+  torch::Tensor weight_, bias_;
+  Mlp rest_{nullptr};
+};
+TORCH_MODULE(GroupedMlp);
+
 /** Points of a finer grid grouped around nodes of a coarser one, MLP, maximum. */
 class SetConvImpl : public torch::nn::Module
 {
@@ -52,7 +74,7 @@ class SetConvImpl : public torch::nn::Module
 
  private:
   double spacing_;
-  Mlp mlp_{nullptr};
+  GroupedMlp mlp_{nullptr};
 };
 TORCH_MODULE(SetConv);
 
@@ -92,7 +114,8 @@ class AttentiveCostVolumeImpl : public torch::nn::Module
  private:
   std::int64_t half_rows_, half_cols_, candidates_;
   double spacing_;
-  Mlp embed_{nullptr}, attend_{nullptr}, patch_embed_{nullptr}, patch_attend_{nullptr};
+  Mlp own_{nullptr}, embed_rest_{nullptr}, attend_{nullptr}, patch_attend_{nullptr};
+  GroupedMlp embed_{nullptr}, patch_embed_{nullptr};
 };
 TORCH_MODULE(AttentiveCostVolume);
 
@@ -109,7 +132,8 @@ class SetUpConvImpl : public torch::nn::Module
 
  private:
   double spacing_;
-  Mlp gather_{nullptr}, join_{nullptr};
+  GroupedMlp gather_{nullptr};
+  Mlp join_{nullptr};
 };
 TORCH_MODULE(SetUpConv);
 

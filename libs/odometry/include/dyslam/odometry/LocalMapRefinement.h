@@ -38,7 +38,7 @@ struct RefineOptions : Options
   double guess_sigma_angle = 0.0349;  //!< ... and rotation [rad]
   /** Residuals of neighbouring points err together: that many count as one measurement. Calibrated
    * on KITTI drive 0005, so that the reported covariance is that of the errors seen there. */
-  double correlated_points = 50;
+  double correlated_points = 8;
   double min_inlier_share = 0.2;  //!< with less agreement the registration has failed
 
   void describe(OptionsVisitor& visitor) override;

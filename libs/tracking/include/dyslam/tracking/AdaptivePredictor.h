@@ -4,7 +4,7 @@
 #include <dyslam/tracking/PolynomialTrajectory.h>
 
 #include <Eigen/Core>
-#include <vector>
+#include <array>
 
 namespace dyslam
 {
@@ -38,8 +38,13 @@ class AdaptivePredictor
     int degree;
     int window;
   };
+  static constexpr int members = 21;
+  using Weights = Eigen::Matrix<double, members, 1>;
   /** Degree and window of every member of the bank, windows never falling. */
-  [[nodiscard]] static const std::vector<Fit>& bank();
+  static constexpr std::array<Fit, members> bank{
+      {{1, 3},  {1, 4},  {1, 5},  {2, 5},  {1, 7},  {2, 7},  {1, 10},
+       {2, 10}, {1, 15}, {2, 15}, {3, 15}, {2, 20}, {3, 20}, {2, 30},
+       {3, 30}, {4, 30}, {3, 40}, {4, 40}, {5, 40}, {4, 50}, {5, 50}}};
 
   explicit AdaptivePredictor(const AdaptiveOptions& options = {});
 
@@ -51,25 +56,31 @@ class AdaptivePredictor
   [[nodiscard]] const std::deque<TimedPosition>& history() const { return history_; }
   [[nodiscard]] std::size_t size() const { return history_.size(); }
   /** The weight of every member now; they sum to 1. */
-  [[nodiscard]] const Eigen::VectorXd& weights() const { return weights_; }
+  [[nodiscard]] const Weights& weights() const { return weights_; }
+
+  using Positions = Eigen::Matrix<double, members, 2>;
+  /** What each member says, extrapolated as it is. The history must not be empty. */
+  [[nodiscard]] Positions memberPredictions(double stamp) const;
 
  private:
+  static constexpr int terms = PolynomialTrajectory::max_degree + 1;
+
   void learn(const TimedPosition& sighting);
   void refit();
   void reweigh();
-  [[nodiscard]] Eigen::MatrixX2d predictAll(double stamp) const;
 
   AdaptiveOptions options_;
   std::deque<TimedPosition> history_;
   /** Coefficients of each member: position = origin + sum_k row(6 i + k) * tau^k. */
-  Eigen::MatrixX2d coefficients_;
-  Eigen::VectorXd slope_leverage_;  //!< variance of each member's velocity per unit noise [1/s^2]
+  Eigen::Matrix<double, members * terms, 2> coefficients_;
+  Weights slope_leverage_ =
+      Weights::Zero();  //!< variance of each member's velocity per unit noise [1/s^2]
   Eigen::Vector2d origin_ = Eigen::Vector2d::Zero();
   double time_scale_ = 1;  //!< seconds per unit of tau, which counts back from the newest sighting
-  Eigen::MatrixXd error_covariance_;  //!< discounted sum over sightings
-  double error_count_ = 0;            //!< discounted
+  Eigen::Matrix<double, members, members> error_covariance_;  //!< discounted sum over sightings
+  double error_count_ = 0;                                    //!< discounted
   Eigen::Matrix2d own_errors_ = Eigen::Matrix2d::Zero();
-  Eigen::VectorXd weights_;
-  Eigen::VectorXd velocity_weights_;
+  Weights weights_;
+  Weights velocity_weights_;
 };
 }  // namespace dyslam

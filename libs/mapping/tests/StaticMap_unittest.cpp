@@ -1,0 +1,342 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/Error.h>
+#include <dyslam/mapping/StaticMap.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <random>
+
+namespace dyslam
+{
+namespace
+{
+constexpr double kHeight = 1.7;  // of the sensor over the ground [m]
+
+/** A street with walls at y = +-8 m and a pole, seen by rays from the sensor at `x`; a car-sized
+ * box stands at `car_x` if that is finite. */
+Frame scanAt(std::size_t index, double x, double car_x)
+{
+  Frame frame;
+  frame.index = index;
+  frame.scan.stamp = 0.1 * static_cast<double>(index);
+  frame.scan.T_vehicle_lidar.translation().z() = kHeight;
+  frame.T_odom_vehicle.translation().x() = x;
+  for (int row = 0; row < 48; ++row)
+  {
+    for (int col = 0; col < 720; ++col)
+    {
+      const double elevation = (-24 + 0.6 * row) * M_PI / 180;
+      const double azimuth = col * 0.5 * M_PI / 180;
+      const Eigen::Vector3d d(std::cos(elevation) * std::cos(azimuth),
+                              std::cos(elevation) * std::sin(azimuth), std::sin(elevation));
+      const Eigen::Vector3d o(x, 0, kHeight);
+      double range = 60;
+      bool hit = false;
+      const auto take = [&](double r)
+      {
+        if (r > 0 && r < range)
+        {
+          range = r;
+          hit = true;
+        }
+      };
+      take(-o.z() / d.z());
+      for (const double wall : {-8.0, 8.0})
+      {
+        const double r = (wall - o.y()) / d.y();
+        const double z = o.z() + r * d.z();
+        take(z < 6 ? r : -1);
+      }
+      // A thin pole at (10, 3): a cylinder of 6 cm radius.
+      const Eigen::Vector2d to = Eigen::Vector2d(10, 3) - o.head<2>();
+      const Eigen::Vector2d flat = d.head<2>().normalized();
+      if (std::abs(flat.x() * to.y() - flat.y() * to.x()) < 0.06 && flat.dot(to) > 0)
+      {
+        take(flat.dot(to) / d.head<2>().norm());
+      }
+      if (std::isfinite(car_x))
+      {
+        const double r = (car_x - 2 - o.x()) / d.x();  // rear and side of a car
+        const Eigen::Vector3d p = o + r * d;
+        take(r > 0 && std::abs(p.y() + 3) < 0.9 && p.z() > 0 && p.z() < 1.5 ? r : -1);
+        const double s = (-2.1 - o.y()) / d.y();
+        const Eigen::Vector3d q = o + s * d;
+        take(s > 0 && std::abs(q.x() - car_x) < 2 && q.z() > 0 && q.z() < 1.5 ? s : -1);
+      }
+      if (hit)
+      {
+        const Eigen::Vector3d p = o + range * d - Eigen::Vector3d(x, 0, 0);
+        frame.cloud.points.push_back(p.cast<float>());
+        frame.cloud.intensity.push_back(0.5F);
+        frame.cloud.source.push_back(static_cast<std::uint32_t>(frame.cloud.source.size()));
+      }
+    }
+  }
+  return frame;
+}
+
+std::size_t countIn(const MapPoints& map, const Eigen::Vector3f& low, const Eigen::Vector3f& high)
+{
+  std::size_t count = 0;
+  for (const auto& p : map.points)
+  {
+    count += (p.array() >= low.array()).all() && (p.array() <= high.array()).all() ? 1 : 0;
+  }
+  return count;
+}
+
+const double kNoCar = std::numeric_limits<double>::quiet_NaN();
+
+std::size_t carPoints(const MapPoints& map)
+{
+  return countIn(map, {-20, -4.5F, 0.4F}, {80, -1.6F, 1.8F});
+}
+
+std::vector<Pose> posesOf(std::size_t count, double step)
+{
+  std::vector<Pose> poses;
+  for (std::size_t i = 0; i < count; ++i)
+  {
+    poses.push_back(poseFromYpr(step * static_cast<double>(i), 0, 0, 0, 0, 0));
+  }
+  return poses;
+}
+
+TEST(KeyframeStore, RoundTripThinAndBadPoints)
+{
+  KeyframeStore store(100);
+  KeyframeCloud cloud;
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  cloud.points = {{1.234F, -56.7F, 8.9F}, {nan, 0, 0}, {0, 101, 0}, {-99.99F, 0, 3}};
+  cloud.intensity = {0.5F, 0, 0, nan};
+  cloud.is_static = {1, 1, 1, 0};
+  KeyframeInfo info;
+  info.frame = 7;
+  store.add(info, cloud);
+  ASSERT_EQ(store.pointCount(), 2U);
+  EXPECT_EQ(store.info(0).frame, 7U);
+  const auto back = store.cloud(0);
+  EXPECT_LT((back.points[0] - cloud.points[0]).norm(), 0.004F);
+  EXPECT_LT((back.points[1] - cloud.points[3]).norm(), 0.004F);
+  EXPECT_NEAR(back.intensity[0], 0.5F, 0.002F);
+  EXPECT_EQ(back.intensity[1], 0.0F);
+  EXPECT_EQ(back.is_static[1], 0);
+  store.thin(0, {false, true});
+  EXPECT_EQ(store.pointCount(), 1U);
+  EXPECT_LT((store.cloud(0).points[0] - cloud.points[3]).norm(), 0.004F);
+  EXPECT_THROW(store.thin(0, {true, true}), std::invalid_argument);
+  EXPECT_THROW(store.add(info, {{{0, 0, 0}}, {}, {}}), std::invalid_argument);
+  EXPECT_THROW(KeyframeStore(0), std::invalid_argument);
+}
+
+TEST(StaticMap, EmptyOnePointAndNotFinite)
+{
+  StaticMap map;
+  EXPECT_EQ(map.points().size(), 0U);
+  map.rebuild({});
+  Frame empty;
+  map.insert(empty);
+  Frame one;
+  one.cloud.points = {{5, 0, 0},
+                      {std::numeric_limits<float>::quiet_NaN(), 0, 0},
+                      {std::numeric_limits<float>::infinity(), 0, 0}};
+  map.insert(one);
+  Frame lost = one;
+  lost.T_odom_vehicle.translation().x() = std::numeric_limits<double>::quiet_NaN();
+  map.insert(lost);
+  ASSERT_EQ(map.points().size(), 1U);
+  EXPECT_LT((map.points().points[0] - Eigen::Vector3f(5, 0, 0)).norm(), 0.004F);
+  EXPECT_EQ(map.keyframes().size(), 3U);
+  EXPECT_THROW(map.rebuild({}), std::invalid_argument);
+  map.rebuild(posesOf(3, 1));
+  ASSERT_EQ(map.points().size(), 1U);
+  EXPECT_NEAR(map.points().points[0].x(), 6, 0.004F);
+}
+
+TEST(StaticMap, LeavesOutMovingPointsAndTracks)
+{
+  Frame frame;
+  frame.cloud.points = {{5, 0, 1}, {6, 0, 1}, {7, 0, 1}, {8, 0, 1}};
+  frame.cloud.source = {0, 1, 2, 3};
+  frame.moving_probability = {0.9F, 0.1F, 0.1F, 0.1F};
+  Detection detection;
+  detection.points = {1};
+  frame.detections = {detection};
+  TrackedObject by_points;
+  by_points.dynamic = true;
+  by_points.detection = 0;
+  by_points.box.center = {100, 100, 0};
+  TrackedObject by_box;
+  by_box.dynamic = true;
+  by_box.box.center = {7, 0, 1};
+  by_box.box.size = {0.5, 0.5, 1};
+  TrackedObject parked = by_box;
+  parked.dynamic = false;
+  parked.box.center = {8, 0, 1};
+  frame.objects = {by_points, by_box, parked};
+  StaticMap map;
+  map.insert(frame);
+  ASSERT_EQ(map.points().size(), 1U);
+  EXPECT_NEAR(map.points().points[0].x(), 8, 0.01F);
+  EXPECT_EQ(map.keyframes().pointCount(), 4U);  // moving ones stay with their keyframe
+}
+
+TEST(StaticMap, SeesThroughWhatDroveAwayAndKeepsWallsGroundAndPole)
+{
+  StaticMapOptions without;
+  without.visibility = false;
+  StaticMap cleaned;
+  StaticMap raw(without);
+  for (std::size_t i = 0; i < 16; ++i)
+  {
+    const double x = static_cast<double>(i) * 0.8;
+    const Frame frame = scanAt(i, x, 12 + 2.0 * static_cast<double>(i));
+    cleaned.insert(frame);
+    raw.insert(frame);
+  }
+  const auto before = raw.points();
+  const auto after = cleaned.points();
+  ASSERT_GT(carPoints(before), 300U);
+  EXPECT_LT(carPoints(after), carPoints(before) / 4);
+
+  const auto part = [&](const MapPoints& m, const Eigen::Vector3f& low, const Eigen::Vector3f& high)
+  { return static_cast<double>(countIn(m, low, high)); };
+  const Eigen::Vector3f pole_low(9.7F, 2.7F, 0.3F);
+  const Eigen::Vector3f pole_high(10.3F, 3.3F, 6);
+  ASSERT_GT(part(before, pole_low, pole_high), 5);
+  EXPECT_EQ(part(after, pole_low, pole_high), part(before, pole_low, pole_high));
+  for (const float wall : {-8.0F, 8.0F})
+  {
+    const Eigen::Vector3f low(-60, wall - 0.3F, 0.3F);
+    const Eigen::Vector3f high(80, wall + 0.3F, 6);
+    EXPECT_GT(part(after, low, high), 0.995 * part(before, low, high));
+  }
+  const Eigen::Vector3f ground_low(-60, -7.5F, -0.2F);
+  const Eigen::Vector3f ground_high(80, 7.5F, 0.2F);
+  EXPECT_EQ(part(after, ground_low, ground_high), part(before, ground_low, ground_high));
+}
+
+TEST(StaticMap, KeepsAParkedCar)
+{
+  StaticMap map;
+  StaticMapOptions without;
+  without.visibility = false;
+  StaticMap raw(without);
+  for (std::size_t i = 0; i < 12; ++i)
+  {
+    const Frame frame = scanAt(i, 0.8 * static_cast<double>(i), 14);
+    map.insert(frame);
+    raw.insert(frame);
+  }
+  EXPECT_GT(static_cast<double>(carPoints(map.points())),
+            0.97 * static_cast<double>(carPoints(raw.points())));
+}
+
+TEST(StaticMap, RebuildAtTheSamePosesChangesNothing)
+{
+  StaticMap map;
+  for (std::size_t i = 0; i < 8; ++i)
+  {
+    map.insert(scanAt(i, static_cast<double>(i), 10 + 2.0 * static_cast<double>(i)));
+  }
+  const auto before = map.points();
+  map.rebuild(posesOf(8, 1));
+  const auto after = map.points();
+  EXPECT_EQ(before.points, after.points);
+  EXPECT_EQ(before.intensity, after.intensity);
+}
+
+TEST(StaticMap, RebuildFollowsCorrectedPosesWithWhatWasCleaned)
+{
+  StaticMap map;
+  for (std::size_t i = 0; i < 12; ++i)
+  {
+    map.insert(scanAt(i, static_cast<double>(i), 12 + 2.0 * static_cast<double>(i)));
+  }
+  const std::size_t car_before = carPoints(map.points());
+  std::vector<Pose> corrected = posesOf(12, 1);
+  const Pose shift = poseFromYpr(100, 0, 0, 0, 0, 0);
+  for (auto& pose : corrected)
+  {
+    pose = shift * pose;
+  }
+  const std::size_t count = map.points().size();
+  map.rebuild(corrected);
+  const auto moved = map.points();
+  EXPECT_NEAR(static_cast<double>(moved.size()), static_cast<double>(count),
+              0.02 * static_cast<double>(count));
+  EXPECT_EQ(countIn(moved, {-100, -50, -5}, {30, 50, 10}), 0U);
+  EXPECT_LE(countIn(moved, {80, -4.5F, 0.4F}, {180, -1.6F, 1.8F}),
+            car_before + car_before / 10 + 5);
+}
+
+TEST(StaticMap, MemoryIsBoundedByAreaNotByTime)
+{
+  StaticMap map;
+  const auto drive = [&](std::size_t rounds)
+  {
+    for (std::size_t i = 0; i < rounds; ++i)
+    {
+      map.insert(scanAt(i, static_cast<double>(i % 4), kNoCar));
+    }
+  };
+  drive(24);
+  const std::size_t voxels = map.voxelCount();
+  const std::size_t points = map.keyframes().pointCount();
+  drive(24);
+  EXPECT_EQ(map.voxelCount(), voxels);
+  EXPECT_LE(map.keyframes().pointCount(), points + points / 50);
+  EXPECT_LE(map.keyframes().pointCount(), 5 * map.voxelCount());
+}
+
+TEST(StaticMap, VoxelsGrowWhereTheMapGetsTooLarge)
+{
+  StaticMapOptions options;
+  options.max_voxels = 2000;
+  StaticMap map(options);
+  for (std::size_t i = 0; i < 4; ++i)
+  {
+    map.insert(scanAt(i, 3.0 * static_cast<double>(i), kNoCar));
+  }
+  EXPECT_LE(map.voxelCount(), 2000U);
+  EXPECT_GT(map.voxelSize(), 0.2);
+  EXPECT_GT(map.points().size(), 300U);
+}
+
+TEST(StaticMap, StaticCloudsAreTheMap)
+{
+  StaticMap map;
+  for (std::size_t i = 0; i < 6; ++i)
+  {
+    map.insert(scanAt(i, static_cast<double>(i), 10 + 2.0 * static_cast<double>(i)));
+  }
+  std::size_t points = 0;
+  std::size_t calls = 0;
+  map.forEachStaticCloud(
+      [&](std::size_t k, const KeyframeCloud& cloud)
+      {
+        EXPECT_EQ(k, calls++);
+        points += cloud.size();
+      });
+  EXPECT_EQ(calls, 6U);
+  EXPECT_GE(points, map.points().size());
+  EXPECT_LE(points, map.keyframes().pointCount());
+}
+
+TEST(StaticMapOptions, SaveLoadAndBadValues)
+{
+  StaticMapOptions options;
+  options.voxel_size = 0.35;
+  options.visibility = false;
+  Config config;
+  save(options, config, "map");
+  StaticMapOptions back;
+  load(back, Config::fromText(config.toIni(), "test.ini"), "map");
+  EXPECT_EQ(back.voxel_size, 0.35);
+  EXPECT_FALSE(back.visibility);
+  options.voxel_size = -1;
+  EXPECT_THROW(StaticMap{options}, UserError);
+}
+}  // namespace
+}  // namespace dyslam

@@ -1,0 +1,227 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <ATen/Parallel.h>
+#include <dyslam/nets/Grouping.h>
+
+#include <Eigen/Core>
+#include <algorithm>
+
+namespace dyslam
+{
+namespace
+{
+constexpr std::int64_t block = 1024;  //!< places of groups handled at a time
+
+using Matrix = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+using Row = Eigen::Matrix<float, 1, Eigen::Dynamic>;
+
+Eigen::Map<const Matrix> viewOf(const torch::Tensor& t)
+{
+  return {t.data_ptr<float>(), t.size(0), t.size(1)};
+}
+
+/** The features' part is multiplied once per node, then picked per place: nodes are fewer. */
+class GroupedLinearFunction : public torch::autograd::Function<GroupedLinearFunction>
+{
+ public:
+  static torch::Tensor forward(torch::autograd::AutogradContext* context,
+                               const torch::Tensor& geometry,
+                               const torch::Tensor& features,
+                               const torch::Tensor& index,
+                               const torch::Tensor& weight,
+                               const torch::Tensor& bias,
+                               double slope)
+  {
+    const std::int64_t g = geometry.size(1);
+    const std::int64_t out = weight.size(0);
+    torch::Tensor y = torch::empty({geometry.size(0), out});
+    const auto w = viewOf(weight);
+    const Matrix w_geometry = w.leftCols(g).transpose();
+    Matrix per_node;
+    if (features.numel() > 0)
+    {
+      per_node.noalias() = viewOf(features) * w.rightCols(w.cols() - g).transpose();
+    }
+    const auto in = viewOf(geometry);
+    const Eigen::Map<const Row> b(bias.data_ptr<float>(), out);
+    Eigen::Map<Matrix> result(y.data_ptr<float>(), y.size(0), out);
+    const std::int64_t* node = index.data_ptr<std::int64_t>();
+    const auto leak = static_cast<float>(slope);
+    const std::int64_t places = geometry.size(0);
+    at::parallel_for(0, (places + block - 1) / block, 1,
+                     [&](std::int64_t first, std::int64_t last)
+                     {
+                       for (std::int64_t chunk = first; chunk < last; ++chunk)
+                       {
+                         const std::int64_t begin = chunk * block;
+                         const std::int64_t count = std::min(block, places - begin);
+                         auto part = result.middleRows(begin, count);
+                         part.noalias() = in.middleRows(begin, count) * w_geometry;
+                         for (std::int64_t i = 0; i < count; ++i)
+                         {
+                           auto row = part.row(i);
+                           row += b;
+                           if (per_node.size() > 0)
+                           {
+                             row += per_node.row(node[begin + i]);
+                           }
+                           row = row.cwiseMax(leak * row);
+                         }
+                       }
+                     });
+    context->save_for_backward({geometry, features, index, weight, y});
+    context->saved_data["slope"] = slope;
+    return y;
+  }
+
+  static torch::autograd::variable_list backward(torch::autograd::AutogradContext* context,
+                                                 const torch::autograd::variable_list& grads)
+  {
+    const auto saved = context->get_saved_variables();
+    const auto leak = static_cast<float>(context->saved_data["slope"].toDouble());
+    const torch::Tensor grad_in = grads[0].contiguous();
+    const auto in = viewOf(saved[0]);
+    const auto w = viewOf(saved[3]);
+    const auto y = viewOf(saved[4]);
+    const auto g = viewOf(grad_in);
+    const std::int64_t* node = saved[2].data_ptr<std::int64_t>();
+    const bool has_features = saved[1].numel() > 0;
+    const std::int64_t geometry = in.cols();
+    torch::Tensor grad_features = torch::zeros_like(saved[1]);
+    torch::Tensor grad_weight = torch::zeros_like(saved[3]);
+    torch::Tensor grad_bias = torch::zeros({w.rows()});
+    Eigen::Map<Matrix> gw(grad_weight.data_ptr<float>(), w.rows(), w.cols());
+    Eigen::Map<Row> gb(grad_bias.data_ptr<float>(), w.rows());
+    Matrix per_node;
+    if (has_features)
+    {
+      per_node = Matrix::Zero(saved[1].size(0), w.rows());
+    }
+    Matrix part;
+    for (std::int64_t begin = 0; begin < in.rows(); begin += block)
+    {
+      const std::int64_t count = std::min(block, in.rows() - begin);
+      part = g.middleRows(begin, count);
+      for (std::int64_t i = 0; i < count; ++i)
+      {
+        auto row = part.row(i).array();
+        row *= (y.row(begin + i).array() > 0).select(Row::Ones(w.rows()).array(), leak);
+        if (has_features)
+        {
+          per_node.row(node[begin + i]) += part.row(i);
+        }
+      }
+      gw.leftCols(geometry).noalias() += part.transpose() * in.middleRows(begin, count);
+      gb += part.colwise().sum();
+    }
+    if (has_features)
+    {
+      const auto features = viewOf(saved[1]);
+      gw.rightCols(w.cols() - geometry).noalias() = per_node.transpose() * features;
+      Eigen::Map<Matrix>(grad_features.data_ptr<float>(), features.rows(), features.cols())
+          .noalias() = per_node * w.rightCols(w.cols() - geometry);
+    }
+    return {torch::Tensor(), has_features ? grad_features : torch::Tensor(),
+            torch::Tensor(), grad_weight,
+            grad_bias,       torch::Tensor()};
+  }
+};
+
+class GroupMaxFunction : public torch::autograd::Function<GroupMaxFunction>
+{
+ public:
+  static torch::Tensor forward(torch::autograd::AutogradContext* context,
+                               const torch::Tensor& x,
+                               const torch::Tensor& usable)
+  {
+    const std::int64_t n = x.size(0);
+    const std::int64_t k = x.size(1);
+    const std::int64_t c = x.size(2);
+    torch::Tensor result = torch::zeros({n, c});
+    torch::Tensor from = torch::full({n, c}, -1, torch::kInt);
+    const float* in = x.data_ptr<float>();
+    const float* use = usable.data_ptr<float>();
+    float* out = result.data_ptr<float>();
+    std::int32_t* place = from.data_ptr<std::int32_t>();
+    at::parallel_for(0, n, 64,
+                     [&](std::int64_t begin, std::int64_t end)
+                     {
+                       for (std::int64_t i = begin; i < end; ++i)
+                       {
+                         for (std::int64_t j = 0; j < k; ++j)
+                         {
+                           if (use[i * k + j] == 0)
+                           {
+                             continue;
+                           }
+                           const float* value = in + (i * k + j) * c;
+                           for (std::int64_t a = 0; a < c; ++a)
+                           {
+                             const bool better = place[i * c + a] < 0 || value[a] > out[i * c + a];
+                             out[i * c + a] = better ? value[a] : out[i * c + a];
+                             place[i * c + a] =
+                                 better ? static_cast<std::int32_t>(j) : place[i * c + a];
+                           }
+                         }
+                       }
+                     });
+    context->save_for_backward({from});
+    context->saved_data["places"] = k;
+    return result;
+  }
+
+  static torch::autograd::variable_list backward(torch::autograd::AutogradContext* context,
+                                                 const torch::autograd::variable_list& grads)
+  {
+    const torch::Tensor from = context->get_saved_variables()[0];
+    const torch::Tensor grad = grads[0].contiguous();
+    const std::int64_t n = from.size(0);
+    const std::int64_t c = from.size(1);
+    const std::int64_t k = context->saved_data["places"].toInt();
+    torch::Tensor result = torch::zeros({n, k, c});
+    const std::int32_t* place = from.data_ptr<std::int32_t>();
+    const float* g = grad.data_ptr<float>();
+    float* out = result.data_ptr<float>();
+    for (std::int64_t i = 0; i < n; ++i)
+    {
+      for (std::int64_t a = 0; a < c; ++a)
+      {
+        if (place[i * c + a] >= 0)
+        {
+          out[(i * k + place[i * c + a]) * c + a] = g[i * c + a];
+        }
+      }
+    }
+    return {result, torch::Tensor()};
+  }
+};
+}  // namespace
+
+torch::Tensor groupedLinear(const torch::Tensor& geometry,
+                            const torch::Tensor& features,
+                            const torch::Tensor& index,
+                            const torch::Tensor& weight,
+                            const torch::Tensor& bias,
+                            double slope)
+{
+  if (!geometry.device().is_cpu() || geometry.scalar_type() != torch::kFloat)
+  {
+    return plain::groupedLinear(geometry, features, index, weight, bias, slope);
+  }
+  const std::int64_t n = geometry.size(0);
+  const std::int64_t k = geometry.size(1);
+  const torch::Tensor flat = geometry.reshape({n * k, geometry.size(2)}).contiguous();
+  const torch::Tensor used = features.defined() ? features.contiguous() : torch::empty({0, 0});
+  return GroupedLinearFunction::apply(flat, used, index.contiguous(), weight.contiguous(), bias,
+                                      slope)
+      .reshape({n, k, weight.size(0)});
+}
+
+torch::Tensor groupMax(const torch::Tensor& x, const torch::Tensor& usable)
+{
+  if (!x.device().is_cpu() || x.scalar_type() != torch::kFloat)
+  {
+    return plain::groupMax(x, usable);
+  }
+  return GroupMaxFunction::apply(x.contiguous(), usable.contiguous());
+}
+}  // namespace dyslam

@@ -1,0 +1,351 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <ATen/Parallel.h>
+#include <dyslam/nets/Grouping.h>
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace dyslam
+{
+namespace
+{
+constexpr std::int64_t grain = 256;
+
+using Point = Eigen::Map<const Eigen::Vector3f>;
+
+Point pointAt(const float* data, std::int64_t i)
+{
+  return Point(data + 3 * i);
+}
+
+/** Where scan 2's image shows a direction: image row and share of a turn. */
+struct ImagePlace
+{
+  std::int64_t row = 0;
+  float turn = 0;  //!< [0, 1)
+
+  ImagePlace(const Eigen::Vector3f& p, const std::int64_t* row_of_slope)
+  {
+    const float flat = std::max(std::hypot(p.x(), p.y()), 1e-3F);
+    row = row_of_slope[slopeBin(p.z() / flat)];
+    turn = (3.14159265F - std::atan2(p.y(), p.x())) / (2 * 3.14159265F);
+  }
+  [[nodiscard]] std::int64_t col(std::int64_t cols) const
+  {
+    return std::clamp<std::int64_t>(static_cast<std::int64_t>(turn * static_cast<float>(cols)), 0,
+                                    cols - 1);
+  }
+};
+
+std::int64_t around(std::int64_t col, std::int64_t cols)
+{
+  return col < 0 ? col + cols : (col >= cols ? col - cols : col);
+}
+
+bool onCpu(const torch::Tensor& t)
+{
+  return t.device().is_cpu() && t.scalar_type() == torch::kFloat;
+}
+}  // namespace
+
+Neighbours nearestInWindow(const torch::Tensor& points,
+                           const torch::Tensor& valid,
+                           const ScanTensors& scan,
+                           std::size_t level,
+                           std::int64_t half_rows,
+                           std::int64_t half_cols,
+                           std::int64_t count)
+{
+  if (!onCpu(points))
+  {
+    return plain::nearestInWindow(points, valid, scan, level, half_rows, half_cols, count);
+  }
+  const torch::NoGradGuard no_grad;
+  const ScanTensors::Level& grid = scan.levels[level];
+  const torch::Tensor p_all = points.contiguous();
+  const std::int64_t n = points.size(0);
+  Neighbours result{torch::zeros({n, count}, torch::kLong), torch::zeros({n, count})};
+  const float* p_data = p_all.data_ptr<float>();
+  const float* q_data = grid.xyz.data_ptr<float>();
+  const float* q_valid = grid.valid.data_ptr<float>();
+  const torch::Tensor valid_all = valid.contiguous();
+  const float* p_valid = valid_all.data_ptr<float>();
+  const std::int64_t* row_of_slope = scan.row_of_slope.data_ptr<std::int64_t>();
+  std::int64_t* index = result.index.data_ptr<std::int64_t>();
+  float* usable = result.usable.data_ptr<float>();
+  at::parallel_for(
+      0, n, grain,
+      [&](std::int64_t begin, std::int64_t end)
+      {
+        std::vector<std::pair<float, std::int64_t>> found;
+        for (std::int64_t i = begin; i < end; ++i)
+        {
+          if (p_valid[i] == 0)
+          {
+            continue;
+          }
+          const Eigen::Vector3f p = pointAt(p_data, i);
+          const ImagePlace place(p, row_of_slope);
+          const std::int64_t row0 = place.row * grid.rows / scan.rows;
+          const std::int64_t col0 = place.col(grid.cols);
+          found.clear();
+          for (std::int64_t row = std::max<std::int64_t>(0, row0 - half_rows);
+               row <= std::min(grid.rows - 1, row0 + half_rows); ++row)
+          {
+            for (std::int64_t col = col0 - half_cols; col <= col0 + half_cols; ++col)
+            {
+              const std::int64_t node = row * grid.cols + around(col, grid.cols);
+              if (q_valid[node] != 0)
+              {
+                found.emplace_back((pointAt(q_data, node) - p).squaredNorm(), node);
+              }
+            }
+          }
+          const auto kept = std::min<std::size_t>(found.size(), static_cast<std::size_t>(count));
+          std::partial_sort(found.begin(), found.begin() + static_cast<std::ptrdiff_t>(kept),
+                            found.end());
+          for (std::size_t k = 0; k < kept; ++k)
+          {
+            index[i * count + static_cast<std::int64_t>(k)] = found[k].second;
+            usable[i * count + static_cast<std::int64_t>(k)] = 1;
+          }
+        }
+      });
+  return result;
+}
+
+torch::Tensor groupOffsets(const torch::Tensor& xyz,
+                           const torch::Tensor& centre,
+                           const torch::Tensor& index,
+                           double spacing)
+{
+  if (!onCpu(xyz))
+  {
+    return plain::groupOffsets(xyz, centre, index, spacing);
+  }
+  const torch::NoGradGuard no_grad;
+  const std::int64_t n = index.size(0);
+  const std::int64_t k = index.size(1);
+  torch::Tensor result = torch::empty({n, k, 3});
+  const torch::Tensor centres = centre.contiguous();
+  const torch::Tensor from = xyz.contiguous();
+  const float* c_data = centres.data_ptr<float>();
+  const float* q_data = from.data_ptr<float>();
+  const std::int64_t* node = index.data_ptr<std::int64_t>();
+  float* out = result.data_ptr<float>();
+  at::parallel_for(0, n, grain,
+                   [&](std::int64_t begin, std::int64_t end)
+                   {
+                     for (std::int64_t i = begin; i < end; ++i)
+                     {
+                       const Eigen::Vector3f c = pointAt(c_data, i);
+                       const float scale = 1 / (c.norm() * static_cast<float>(spacing) + 0.2F);
+                       for (std::int64_t j = i * k; j < (i + 1) * k; ++j)
+                       {
+                         Eigen::Map<Eigen::Vector3f>(out + 3 * j) =
+                             ((pointAt(q_data, node[j]) - c) * scale).cwiseMax(-8).cwiseMin(8);
+                       }
+                     }
+                   });
+  return result;
+}
+
+Candidates candidateGeometry(const torch::Tensor& warped,
+                             const torch::Tensor& warped_normal,
+                             const ScanTensors::Level& grid,
+                             const torch::Tensor& index,
+                             double spacing)
+{
+  if (!onCpu(warped))
+  {
+    return plain::candidateGeometry(warped, warped_normal, grid, index, spacing);
+  }
+  const torch::NoGradGuard no_grad;
+  const std::int64_t n = index.size(0);
+  const std::int64_t k = index.size(1);
+  Candidates result{torch::empty({n, k, Candidates::geometry_size}), torch::empty({n, k, 7})};
+  const torch::Tensor points = warped.contiguous();
+  const torch::Tensor normals = warped_normal.contiguous();
+  const float* p_data = points.data_ptr<float>();
+  const float* n_data = normals.data_ptr<float>();
+  const float* q_data = grid.xyz.data_ptr<float>();
+  const float* m_data = grid.normal.data_ptr<float>();
+  const torch::Tensor nodes = index.contiguous();
+  const std::int64_t* node = nodes.data_ptr<std::int64_t>();
+  float* geometry = result.geometry.data_ptr<float>();
+  float* planes = result.planes.data_ptr<float>();
+  at::parallel_for(0, n, grain,
+                   [&](std::int64_t begin, std::int64_t end)
+                   {
+                     for (std::int64_t i = begin; i < end; ++i)
+                     {
+                       const Eigen::Vector3f p = pointAt(p_data, i);
+                       const Eigen::Vector3f own = pointAt(n_data, i);
+                       const float range = p.norm();
+                       const float scale = 1 / (range * static_cast<float>(spacing) + 0.2F);
+                       const Eigen::Vector3f direction = p / (range + 1);
+                       const float depth = std::log1p(range) / 4;
+                       for (std::int64_t j = i * k; j < (i + 1) * k; ++j)
+                       {
+                         const Eigen::Vector3f q = pointAt(q_data, node[j]);
+                         const Eigen::Vector3f m = pointAt(m_data, node[j]);
+                         const Eigen::Vector3f d = ((q - p) * scale).cwiseMax(-8).cwiseMin(8);
+                         float* g = geometry + Candidates::geometry_size * j;
+                         Eigen::Map<Eigen::Vector3f>{g} = d;
+                         g[3] = d.norm();
+                         g[4] = m.dot(d);
+                         g[5] = m.dot(own);
+                         Eigen::Map<Eigen::Vector3f>(g + 6) = direction;
+                         g[9] = depth;
+                         float* plane = planes + 7 * j;
+                         Eigen::Map<Eigen::Vector3f>{plane} = m;
+                         plane[3] = m.dot(q);
+                         Eigen::Map<Eigen::Vector3f>(plane + 4) = q;
+                       }
+                     }
+                   });
+  return result;
+}
+
+namespace
+{
+/** The full-resolution image of scan 2 as plain arrays. */
+struct ImageView
+{
+  const float* xyz;
+  const float* valid;
+  const std::int64_t* row_of_slope;
+  std::int64_t rows;
+};
+
+struct Surface
+{
+  Eigen::Vector3f normal = Eigen::Vector3f::Zero();
+  Eigen::Vector3f spread = Eigen::Vector3f::Zero();
+  Eigen::Vector3f toward = Eigen::Vector3f::Zero();
+  float mass = 0;
+};
+
+Surface surfaceAround(const Eigen::Vector3f& p, float range, const ImageView& image)
+{
+  constexpr std::int64_t cols = PreparedScan::columns;
+  const ImagePlace place(p, image.row_of_slope);
+  const std::int64_t col0 = place.col(cols);
+  const float step = std::max(range * (2 * 3.14159265F / static_cast<float>(cols)), 1e-3F);
+  const auto dilation =
+      std::clamp<std::int64_t>(static_cast<std::int64_t>(std::nearbyint(0.1F / step)), 1, 16);
+  const float gate = 0.5F + 0.05F * range;
+  const float width = 0.15F + 0.02F * range;
+
+  Surface surface;
+  float attention_sum = 0;
+  Eigen::Vector3f attended = Eigen::Vector3f::Zero();
+  Eigen::Vector3f sum = Eigen::Vector3f::Zero();
+  Eigen::Matrix3f second = Eigen::Matrix3f::Zero();
+  for (std::int64_t row = std::max<std::int64_t>(0, place.row - 1);
+       row <= std::min(image.rows - 1, place.row + 1); ++row)
+  {
+    for (std::int64_t k = -4; k <= 4; ++k)
+    {
+      const std::int64_t cell = row * cols + around(col0 + k * dilation, cols);
+      if (image.valid[cell] == 0)
+      {
+        continue;
+      }
+      const Eigen::Vector3f d = pointAt(image.xyz, cell) - p;
+      const float distance2 = d.squaredNorm();
+      const float near = 1 / (1 + distance2 / (gate * gate));
+      if (near <= 0.1F)
+      {
+        continue;
+      }
+      const float attention = near * std::exp(-0.5F * distance2 / (width * width));
+      attention_sum += attention;
+      attended += attention * d;
+      surface.mass += near;
+      sum += near * d;
+      second += near * d * d.transpose();
+    }
+  }
+  surface.toward = attended / std::max(attention_sum, 1e-12F);
+  if (surface.mass > 0)
+  {
+    const Eigen::Vector3f mean = sum / surface.mass;
+    const Eigen::Matrix3f covariance = second / surface.mass - mean * mean.transpose();
+    Eigen::SelfAdjointEigenSolver<Eigen::Matrix3f> solver;
+    solver.computeDirect(covariance);
+    surface.spread = solver.eigenvalues().cwiseMax(0).cwiseSqrt();
+    surface.normal = solver.eigenvectors().col(0);
+    if (!surface.normal.allFinite())
+    {
+      surface.normal.setZero();
+    }
+  }
+  return surface;
+}
+}  // namespace
+
+Surfaces surfacesAround(const torch::Tensor& warped,
+                        const torch::Tensor& warped_normal,
+                        const torch::Tensor& valid,
+                        const ScanTensors& scan)
+{
+  if (!onCpu(warped))
+  {
+    return plain::surfacesAround(warped, warped_normal, valid, scan);
+  }
+  const torch::NoGradGuard no_grad;
+  const std::int64_t n = warped.size(0);
+  Surfaces result{torch::zeros({n, 3}), torch::zeros({n, 3}), torch::zeros({n}),
+                  torch::zeros({n, Surfaces::feature_size}), torch::zeros({n})};
+  const torch::Tensor points = warped.contiguous();
+  const torch::Tensor normals = warped_normal.contiguous();
+  const float* p_data = points.data_ptr<float>();
+  const float* n_data = normals.data_ptr<float>();
+  const float* p_valid = valid.data_ptr<float>();
+  const ImageView image{scan.image_xyz.data_ptr<float>(), scan.image_valid.data_ptr<float>(),
+                        scan.row_of_slope.data_ptr<std::int64_t>(), scan.rows};
+  float* normal = result.normal.data_ptr<float>();
+  float* target = result.target.data_ptr<float>();
+  float* offset = result.offset.data_ptr<float>();
+  float* features = result.features.data_ptr<float>();
+  float* found = result.valid.data_ptr<float>();
+  at::parallel_for(0, n, grain,
+                   [&](std::int64_t begin, std::int64_t end)
+                   {
+                     for (std::int64_t i = begin; i < end; ++i)
+                     {
+                       if (p_valid[i] == 0)
+                       {
+                         continue;
+                       }
+                       const Eigen::Vector3f p = pointAt(p_data, i);
+                       const float range = p.norm();
+                       const Surface s = surfaceAround(p, range, image);
+                       const Eigen::Vector3f y = p + s.toward;
+                       const float residual = std::abs(s.normal.dot(s.toward));
+                       const float gate = 0.5F + 0.05F * range;
+                       Eigen::Map<Eigen::Vector3f>(normal + 3 * i) = s.normal;
+                       Eigen::Map<Eigen::Vector3f>(target + 3 * i) = y;
+                       offset[i] = s.normal.dot(y);
+                       found[i] = s.mass > 1.5F ? 1.F : 0.F;
+                       const std::array<float, Surfaces::feature_size> values = {
+                           std::asinh(residual / 0.05F) / 3,
+                           std::asinh(residual / 0.5F),
+                           s.spread[0] / (s.spread[1] + s.spread[0] + 1e-3F),
+                           std::asinh(s.spread[0] / 0.05F) / 3,
+                           s.spread[1] / (s.spread[2] + 1e-3F),
+                           s.toward.norm() / gate,
+                           s.mass / 27,
+                           std::abs(s.normal.dot(p)) / (range + 1e-3F),
+                           std::abs(s.normal.dot(pointAt(n_data, i))),
+                           std::log1p(range) / 4};
+                       std::copy(values.begin(), values.end(),
+                                 features + Surfaces::feature_size * i);
+                     }
+                   });
+  return result;
+}
+}  // namespace dyslam

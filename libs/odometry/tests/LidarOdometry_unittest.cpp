@@ -1,0 +1,247 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// One contract for every odometry method.
+#include <dyslam/core/Error.h>
+#include <dyslam/odometry/LidarOdometry.h>
+#include <Eigen/Eigenvalues>
+#include <gtest/gtest.h>
+
+#include <cctype>
+
+#include "TestScene.h"
+
+namespace dyslam
+{
+namespace
+{
+constexpr double degree = 3.14159265358979323846 / 180;
+
+struct Method
+{
+  std::string name;
+  bool looks_at_points = true;
+  double translation = 0.03;  //!< accuracy asked for on the test scene [m]
+  double rotation = 0.2 * degree;
+};
+
+std::vector<Method> methods()
+{
+  std::vector<Method> all;
+  for (const std::string& name : odometryMethods())
+  {
+    Method method;
+    method.name = name;
+    method.looks_at_points = name != "constant_velocity" && name != "zero_motion";
+    if (name == "icp_po2po")
+    {
+      // Ground rings move with the sensor and hold a point-to-point match back.
+      method.translation = 0.08;
+    }
+    all.push_back(method);
+  }
+  return all;
+}
+
+std::unique_ptr<LidarOdometry> make(const std::string& name, ThreadPool& pool)
+{
+  const Config config;
+  ConfigLoader loader(config);
+  return makeOdometry(name, loader, pool);
+}
+
+class EveryOdometry : public testing::TestWithParam<Method>
+{
+ protected:
+  test::StreetScene scene_;
+  ThreadPool pool_{2};
+  Pose T_ = poseFromYpr(0.6, 0.05, 0.01, 1.5 * degree, 0.2 * degree, -0.1 * degree);
+
+  MotionEstimate move(const Pose& T, const Pose& guess, ThreadPool& pool)
+  {
+    const auto odometry = make(GetParam().name, pool);
+    EXPECT_TRUE(
+        odometry->process(scene_.frame(Pose::Identity(), 0.01, 1), Pose::Identity()).converged);
+    return odometry->process(scene_.frame(T, 0.01, 2), guess);
+  }
+  void expectNear(const MotionEstimate& estimate, const Pose& T)
+  {
+    const Pose error = T.inverse() * estimate.T_previous_current;
+    EXPECT_LT(error.translation().norm(), GetParam().translation);
+    EXPECT_LT(rotationAngle(error), GetParam().rotation);
+  }
+};
+
+TEST_P(EveryOdometry, KnowsItsName)
+{
+  EXPECT_EQ(make(GetParam().name, pool_)->name(), GetParam().name);
+}
+
+TEST_P(EveryOdometry, FirstFrameStandsStill)
+{
+  const auto odometry = make(GetParam().name, pool_);
+  const MotionEstimate first = odometry->process(scene_.frame(T_, 0.01, 1), T_);
+  EXPECT_TRUE(first.converged);
+  EXPECT_TRUE(first.T_previous_current.isApprox(Pose::Identity()));
+}
+
+TEST_P(EveryOdometry, FindsKnownMotionForwardAndInverse)
+{
+  if (!GetParam().looks_at_points)
+  {
+    EXPECT_TRUE(
+        move(T_, T_, pool_)
+            .T_previous_current.isApprox(GetParam().name == "zero_motion" ? Pose::Identity() : T_));
+    return;
+  }
+  for (const Pose& T : {T_, Pose(T_.inverse())})
+  {
+    const MotionEstimate estimate = move(T, Pose::Identity(), pool_);
+    EXPECT_TRUE(estimate.converged) << estimate.reason;
+    EXPECT_TRUE(estimate.reason.empty()) << estimate.reason;
+    EXPECT_GT(estimate.inliers, 100U);
+    expectNear(estimate, T);
+  }
+}
+
+TEST_P(EveryOdometry, FindsItFromPerturbedStarts)
+{
+  if (!GetParam().looks_at_points)
+  {
+    GTEST_SKIP() << GetParam().name << " looks at no points";
+  }
+  for (const double sign : {-1.0, 1.0})
+  {
+    Vector6 off;
+    off << 0.3 * sign, -0.1, 0.05, 0.005, -0.005 * sign, 0.02 * sign;
+    expectNear(move(T_, T_ * expSE3(off), pool_), T_);
+  }
+}
+
+TEST_P(EveryOdometry, InformationIsSymmetricAndPositive)
+{
+  const MotionEstimate estimate = move(T_, T_, pool_);
+  EXPECT_TRUE(estimate.information.isApprox(estimate.information.transpose(), 1e-9));
+  const Eigen::SelfAdjointEigenSolver<Matrix6> solver(estimate.information);
+  EXPECT_GT(solver.eigenvalues()[0], 0);
+}
+
+TEST_P(EveryOdometry, UselessFramesGetAReasonAndThePrediction)
+{
+  const std::vector<Frame> useless{
+      test::frameOf({}), test::frameOf({{1, 2, 3}}),
+      test::frameOf(std::vector<Eigen::Vector3f>(500, test::nanPoint()))};
+  for (const Frame& frame : useless)
+  {
+    const auto odometry = make(GetParam().name, pool_);
+    EXPECT_FALSE(odometry->process(frame, T_).converged) << "as the first frame";
+    EXPECT_TRUE(odometry->process(scene_.frame(Pose::Identity(), 0.01, 1), T_).reason.empty());
+    const MotionEstimate estimate = odometry->process(frame, T_);
+    EXPECT_FALSE(estimate.converged);
+    EXPECT_FALSE(estimate.reason.empty());
+    EXPECT_TRUE(estimate.T_previous_current.isApprox(T_));
+  }
+}
+
+TEST_P(EveryOdometry, MotionGoesOnAfterAUselessFrame)
+{
+  if (!GetParam().looks_at_points)
+  {
+    GTEST_SKIP() << GetParam().name << " looks at no points";
+  }
+  const auto odometry = make(GetParam().name, pool_);
+  const Pose half = poseFromYpr(0.3, 0, 0, 0, 0, 0);
+  odometry->process(scene_.frame(Pose::Identity(), 0.01, 1), Pose::Identity());
+  odometry->process(test::frameOf({}), half);
+  // From where the prediction put the useless frame.
+  const MotionEstimate estimate = odometry->process(scene_.frame(T_, 0.01, 2), half);
+  expectNear(estimate, half.inverse() * T_);
+}
+
+TEST_P(EveryOdometry, NanPointsAmongGoodOnesDoNoHarm)
+{
+  if (!GetParam().looks_at_points)
+  {
+    GTEST_SKIP() << GetParam().name << " looks at no points";
+  }
+  const auto odometry = make(GetParam().name, pool_);
+  odometry->process(scene_.frame(Pose::Identity(), 0.01, 1), Pose::Identity());
+  Frame frame = scene_.frame(T_, 0.01, 2);
+  for (std::size_t i = 0; i < frame.cloud.size(); i += 50)
+  {
+    frame.cloud.points[i] = test::nanPoint();
+  }
+  expectNear(odometry->process(frame, Pose::Identity()), T_);
+}
+
+TEST_P(EveryOdometry, MovingPointsCanBeWeighedOut)
+{
+  if (!GetParam().looks_at_points)
+  {
+    GTEST_SKIP() << GetParam().name << " looks at no points";
+  }
+  // Everything on the left is carried 0.6 m ahead between the scans.
+  const auto odometry = make(GetParam().name, pool_);
+  odometry->process(scene_.frame(Pose::Identity(), 0.01, 1), Pose::Identity());
+  Frame frame = scene_.frame(T_, 0.01, 2);
+  for (Eigen::Vector3f& p : frame.cloud.points)
+  {
+    const bool moves = p.y() > 3 && p.z() > 0.3F;
+    p.x() += moves ? 0.6F : 0.0F;
+    frame.moving_probability.push_back(moves ? 1.0F : 0.0F);
+  }
+  expectNear(odometry->process(frame, T_), T_);
+}
+
+TEST_P(EveryOdometry, SameBytesForAnyNumberOfThreads)
+{
+  ThreadPool one(1);
+  ThreadPool three(3);
+  const MotionEstimate a = move(T_, Pose::Identity(), one);
+  const MotionEstimate b = move(T_, Pose::Identity(), three);
+  EXPECT_EQ(a.T_previous_current.matrix(), b.T_previous_current.matrix());
+  EXPECT_EQ(a.information, b.information);
+}
+
+TEST_P(EveryOdometry, ResetForgets)
+{
+  const auto odometry = make(GetParam().name, pool_);
+  odometry->process(scene_.frame(Pose::Identity(), 0.01, 1), Pose::Identity());
+  const MotionEstimate before = odometry->process(scene_.frame(T_, 0.01, 2), T_);
+  odometry->reset();
+  const MotionEstimate first = odometry->process(scene_.frame(Pose::Identity(), 0.01, 1), T_);
+  EXPECT_TRUE(first.T_previous_current.isApprox(Pose::Identity()));
+  const MotionEstimate after = odometry->process(scene_.frame(T_, 0.01, 2), T_);
+  EXPECT_EQ(before.T_previous_current.matrix(), after.T_previous_current.matrix());
+}
+
+INSTANTIATE_TEST_SUITE_P(Methods,
+                         EveryOdometry,
+                         testing::ValuesIn(methods()),
+                         [](const testing::TestParamInfo<Method>& test_info)
+                         { return test_info.param.name; });
+
+TEST(MakeOdometry, NamesTheNearestMethod)
+{
+  ThreadPool pool(1);
+  try
+  {
+    make("icp_po2p", pool);
+    FAIL() << "an unknown name was accepted";
+  }
+  catch (const UserError& e)
+  {
+    EXPECT_NE(std::string(e.what()).find("icp_po2p"), std::string::npos);
+    EXPECT_NE(std::string(e.what()).find("did you mean 'icp_po2"), std::string::npos) << e.what();
+  }
+}
+
+TEST(MakeOdometry, OptionsComeFromTheSectionOfItsName)
+{
+  ThreadPool pool(1);
+  Config config;
+  config.set("icp_po2pl.sample_size=-3");
+  ConfigLoader loader(config);
+  EXPECT_NO_THROW(makeOdometry("icp_po2po", loader, pool));
+  EXPECT_THROW(makeOdometry("icp_po2pl", loader, pool), UserError);
+}
+}  // namespace
+}  // namespace dyslam

@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/Error.h>
+#include <dyslam/odometry/Preprocessor.h>
+#include <gtest/gtest.h>
+
+#include "TestScene.h"
+
+namespace dyslam
+{
+namespace
+{
+constexpr double degree = 3.14159265358979323846 / 180;
+
+/** Mean distance between the points of a deskewed cloud and those that a vehicle at rest sees. */
+double skewLeft(const Cloud& cloud, const Scan& rest)
+{
+  double sum = 0;
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < cloud.size(); ++i)
+  {
+    const Eigen::Vector3f& p = rest.points[cloud.source[i]];
+    if (!isReturn(p) || cloud.points[i].z() < 0.3F)
+    {
+      continue;  // rings on the ground move with the sensor
+    }
+    const double d =
+        (rest.T_vehicle_lidar * p.cast<double>() - cloud.points[i].cast<double>()).norm();
+    if (d < 1)
+    {
+      sum += d;
+      ++count;
+    }
+  }
+  return sum / static_cast<double>(count);
+}
+
+TEST(Preprocessor, KeepsReturnsWithinRangeInOrder)
+{
+  Scan scan;
+  scan.T_vehicle_lidar.translation() = Eigen::Vector3d(1, 0, 2);
+  const float inf = std::numeric_limits<float>::infinity();
+  scan.points = {{0, 0, 0}, {5, 0, 0},   {0.5F, 0, 0}, test::nanPoint(),
+                 {0, 7, 1}, {200, 0, 0}, {inf, 0, 0}};
+  scan.intensity = {0, 0.1F, 0.2F, 0.3F, 0.4F, 0.5F, 0.6F};
+  ThreadPool pool(1);
+  const Cloud cloud = Preprocessor(PreprocessOptions(), pool).prepare(scan, Pose::Identity(), 0.1);
+  EXPECT_EQ(cloud.source, (std::vector<std::uint32_t>{1, 4}));
+  EXPECT_EQ(cloud.intensity, (std::vector<float>{0.1F, 0.4F}));
+  EXPECT_TRUE(cloud.points[0].isApprox(Eigen::Vector3f(6, 0, 2), 1e-5F));
+  EXPECT_TRUE(cloud.points[1].isApprox(Eigen::Vector3f(1, 7, 3), 1e-5F));
+}
+
+TEST(Preprocessor, EmptyScanGivesEmptyCloud)
+{
+  ThreadPool pool(1);
+  EXPECT_EQ(Preprocessor(PreprocessOptions(), pool).prepare(Scan(), Pose::Identity(), 0.1).size(),
+            0U);
+}
+
+TEST(Preprocessor, DeskewsByTimeAndByAzimuth)
+{
+  const test::StreetScene scene;
+  const Pose motion = poseFromYpr(1.0, 0.05, 0, 3 * degree, 0, 0);
+  const Scan rest = scene.scan(Pose::Identity(), 0, 1);
+  Scan skewed = scene.scan(Pose::Identity(), 0, 1, motion);
+  ThreadPool pool(2);
+  PreprocessOptions options;
+  const double before =
+      skewLeft(Preprocessor(options, pool).prepare(skewed, Pose::Identity(), 0.1), rest);
+  EXPECT_GT(before, 0.1);
+  // By time about the stamp, which is mid-sweep here; half the motion over half the time.
+  const Cloud by_time = Preprocessor(options, pool).prepare(skewed, motion, 0.1);
+  EXPECT_LT(skewLeft(by_time, rest), 0.25 * before);
+  EXPECT_EQ(by_time.phase.size(), by_time.size());
+  skewed.time.clear();
+  const Cloud by_azimuth = Preprocessor(options, pool).prepare(skewed, motion, 0.1);
+  ASSERT_EQ(by_azimuth.size(), by_time.size());
+  for (std::size_t i = 0; i < by_time.size(); ++i)
+  {
+    EXPECT_LT((by_time.points[i] - by_azimuth.points[i]).norm(), 2e-3F);
+  }
+  options.sweep.direction = 1;
+  EXPECT_GT(skewLeft(Preprocessor(options, pool).prepare(skewed, motion, 0.1), rest), before);
+}
+
+TEST(Preprocessor, NoDeskewWithoutPeriodOrIfOff)
+{
+  const test::StreetScene scene;
+  const Pose motion = poseFromYpr(1, 0, 0, 0, 0, 0);
+  const Scan scan = scene.scan(Pose::Identity(), 0, 1, motion);
+  ThreadPool pool(1);
+  PreprocessOptions off;
+  off.deskew = DeskewMode::none;
+  const Cloud a = Preprocessor(off, pool).prepare(scan, motion, 0.1);
+  const Cloud b = Preprocessor(PreprocessOptions(), pool).prepare(scan, motion, 0);
+  EXPECT_EQ(a.points, b.points);
+  EXPECT_TRUE(a.phase.empty());
+}
+
+TEST(Preprocessor, SameForAnyNumberOfThreads)
+{
+  const test::StreetScene scene;
+  const Pose motion = poseFromYpr(1, 0, 0, 0.02, 0, 0);
+  const Scan scan = scene.scan(Pose::Identity(), 0.01, 1, motion);
+  ThreadPool one(1);
+  ThreadPool three(3);
+  const Cloud a = Preprocessor(PreprocessOptions(), one).prepare(scan, motion, 0.1);
+  const Cloud b = Preprocessor(PreprocessOptions(), three).prepare(scan, motion, 0.1);
+  EXPECT_EQ(a.points, b.points);
+  EXPECT_EQ(a.source, b.source);
+}
+
+TEST(Preprocessor, RefusesBadOptions)
+{
+  ThreadPool pool(1);
+  PreprocessOptions options;
+  options.max_range = -1;
+  EXPECT_THROW(Preprocessor(options, pool), UserError);
+}
+}  // namespace
+}  // namespace dyslam

@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Bounds on a real drive; needs DYSLAM_DATA.
+#include <dyslam/odometry/LocalMapRefinement.h>
+#include <dyslam/odometry/Preprocessor.h>
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+namespace dyslam
+{
+namespace
+{
+struct Bound
+{
+  const char* folder;
+  const char* poses;
+  std::size_t frames;
+  double translation;  //!< RMSE per frame [m]
+  double rotation;     //!< RMSE per frame [deg]
+};
+
+class RealDrive : public testing::TestWithParam<Bound>
+{
+};
+
+Scan readScan(const std::filesystem::path& file)
+{
+  std::ifstream in(file, std::ios::binary);
+  const std::vector<char> bytes((std::istreambuf_iterator<char>(in)),
+                                std::istreambuf_iterator<char>());
+  Scan scan;
+  scan.points.resize(bytes.size() / 16);
+  for (std::size_t i = 0; i < scan.points.size(); ++i)
+  {
+    std::memcpy(scan.points[i].data(), bytes.data() + 16 * i, 12);
+  }
+  return scan;
+}
+
+std::vector<Pose> readPoses(const std::filesystem::path& file)
+{
+  std::vector<Pose> poses;
+  std::ifstream in(file);
+  for (std::string line; std::getline(in, line);)
+  {
+    std::istringstream numbers(line);
+    Pose pose = Pose::Identity();
+    for (int k = 0; k < 12; ++k)
+    {
+      numbers >> pose.matrix()(k / 4, k % 4);
+    }
+    poses.push_back(orthonormalized(pose));
+  }
+  return poses;
+}
+
+TEST_P(RealDrive, RefinementWithConstantVelocityStaysWithinBounds)
+{
+  const char* data = std::getenv("DYSLAM_DATA");
+  if (data == nullptr ||
+      !std::filesystem::is_directory(std::filesystem::path(data) / GetParam().folder))
+  {
+    GTEST_SKIP() << "DYSLAM_DATA is not set or has no " << GetParam().folder;
+  }
+  const std::filesystem::path folder = std::filesystem::path(data) / GetParam().folder;
+  const std::vector<Pose> reference = readPoses(folder / GetParam().poses);
+  ThreadPool pool(2);
+  const Preprocessor preprocessor(PreprocessOptions(), pool);
+  LocalMapRefinement refinement(RefineOptions(), pool);
+  Pose motion = Pose::Identity();
+  double translation = 0;
+  double rotation = 0;
+  for (std::size_t i = 0; i < GetParam().frames; ++i)
+  {
+    std::array<char, 32> name{};
+    std::snprintf(name.data(), name.size(), "%06zu.bin", i);
+    Frame frame;
+    frame.scan = readScan(folder / "velodyne" / name.data());
+    ASSERT_GT(frame.scan.size(), 1000U) << name.data();
+    frame.cloud = preprocessor.prepare(frame.scan, motion, 0.1034);
+    const RefineResult result = refinement.refine(frame, refinement.pose() * motion);
+    ASSERT_TRUE(result.motion.converged) << i << ": " << result.motion.reason;
+    motion = result.motion.T_previous_current;
+    if (i > 0)
+    {
+      const Pose error = (reference[i - 1].inverse() * reference[i]).inverse() * motion;
+      translation += error.translation().squaredNorm();
+      rotation += std::pow(rotationAngle(error) * 180 / 3.14159265358979323846, 2);
+    }
+  }
+  const double n = static_cast<double>(GetParam().frames) - 1;
+  EXPECT_LT(std::sqrt(translation / n), GetParam().translation);
+  EXPECT_LT(std::sqrt(rotation / n), GetParam().rotation);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Drives,
+    RealDrive,
+    testing::Values(Bound{"kitti_raw_2011_09_26_drive_0005", "poses_icp_deskewed_velo.txt", 110,
+                          0.006, 0.016},
+                    Bound{"sfnd_lidar_data_1", "poses_icp_deskewed_velo.txt", 22, 0.006, 0.041},
+                    Bound{"vls128_run88", "poses_icp_frame_to_frame.txt", 64, 0.012, 0.048}),
+    [](const testing::TestParamInfo<Bound>& test_info)
+    { return std::string(test_info.param.folder); });
+}  // namespace
+}  // namespace dyslam

@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "ScanToMap.h"
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "RowAlignment.h"
+#include "TestScene.h"
+
+namespace dyslam
+{
+namespace
+{
+TEST(RowSums, GradientAgreesWithNumericDerivative)
+{
+  std::mt19937 random(4);
+  std::normal_distribution<double> normal;
+  const auto vector = [&]()
+  { return Eigen::Vector3d(normal(random), normal(random), normal(random)); };
+  for (int round = 0; round < 20; ++round)
+  {
+    Vector6 tangent;
+    tangent << vector(), vector();
+    const Pose T = expSE3(tangent);
+    const Eigen::Vector3d n = vector().normalized();
+    const Eigen::Vector3d p = 5 * vector();
+    const Eigen::Vector3d q = vector();
+    const auto residual = [&](const Pose& at) { return n.dot(at * p - q); };
+    RowSums sums;
+    sums.addRow(n, p, T.linear(), residual(T), 1);
+    for (int k = 0; k < 6; ++k)
+    {
+      constexpr double h = 1e-6;
+      const Vector6 d = h * Vector6::Unit(k);
+      const double slope = (residual(T * expSE3(d)) - residual(T * expSE3(-d))) / (2 * h);
+      EXPECT_NEAR(sums.g[k], slope * residual(T), 1e-5 * (1 + std::fabs(sums.g[k])));
+      EXPECT_NEAR(sums.H(k, k), slope * slope, 1e-5 * (1 + sums.H(k, k)));
+    }
+  }
+}
+
+class ScanToMapTest : public testing::TestWithParam<bool>
+{
+ protected:
+  ScanToMapTest() : map_(0.5, 1e6, pool_)
+  {
+    map_.add(scene_.frame(Pose::Identity(), 0.01, 1).cloud.points, {}, Pose::Identity());
+    const Frame frame = scene_.frame(T_, 0.01, 2);
+    SurfaceMap own(0.5, 1e6, pool_);
+    own.add(frame.cloud.points, {}, Pose::Identity());
+    const VoxelSample sample = voxelDownsample(frame.cloud.points, 0.5);
+    scan_.points = sample.points;
+    for (const Eigen::Vector3f& p : scan_.points)
+    {
+      shapes_.push_back(own.surfaceAt(p, VoxelCell()).covariance);
+    }
+    settings_.distributions = GetParam();
+    settings_.start_kernel = 0.4;
+    settings_.max_iterations = 40;
+  }
+
+  ThreadPool pool_{2};
+  test::StreetScene scene_;
+  SurfaceMap map_;
+  Pose T_ = poseFromYpr(0.4, -0.1, 0.02, 0.02, 0.004, -0.003);
+  RawPoints scan_;
+  std::vector<Eigen::Matrix3f> shapes_;
+  ScanToMapSettings settings_;
+};
+
+TEST_P(ScanToMapTest, FindsThePoseFromAround)
+{
+  for (const double sign : {-1.0, 1.0})
+  {
+    Vector6 off;
+    off << 0.2 * sign, 0.1, -0.1 * sign, 0.005, 0.005 * sign, -0.01;
+    ScanToMap registration(pool_);
+    const ScanToMapResult result =
+        registration.align(scan_, shapes_, map_, Pose::Identity(), T_ * expSE3(off), settings_);
+    const Pose error = T_.inverse() * result.T;
+    EXPECT_TRUE(result.settled);
+    EXPECT_GT(result.inlier_share, 0.6);
+    EXPECT_LT(error.translation().norm(), 0.02);
+    EXPECT_LT(rotationAngle(error), 0.001);
+  }
+}
+
+TEST_P(ScanToMapTest, AStrongGuessIsKept)
+{
+  settings_.guess_information.setConstant(1e12);
+  ScanToMap registration(pool_);
+  const ScanToMapResult result =
+      registration.align(scan_, shapes_, map_, Pose::Identity(), Pose::Identity(), settings_);
+  EXPECT_LT(result.T.translation().norm(), 1e-3);
+}
+
+INSTANTIATE_TEST_SUITE_P(Methods,
+                         ScanToMapTest,
+                         testing::Bool(),
+                         [](const testing::TestParamInfo<bool>& test_info)
+                         { return test_info.param ? "gicp" : "point_to_plane"; });
+}  // namespace
+}  // namespace dyslam

@@ -1,0 +1,193 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/BoxOverlap.h>
+#include <dyslam/tracking/Detector.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <random>
+
+using namespace dyslam;
+using Points = std::vector<Eigen::Vector3f>;
+
+namespace
+{
+struct Scene
+{
+  Points points;
+  std::vector<float> moving;
+  std::mt19937 generator{4};
+
+  void add(const Eigen::Vector3d& p, float probability)
+  {
+    points.push_back(p.cast<float>());
+    moving.push_back(probability);
+  }
+  /** Flat ground at `z`, not moving. */
+  void addGround(double z)
+  {
+    for (double x = -30; x <= 30; x += 0.5)
+    {
+      for (double y = -30; y <= 30; y += 0.5)
+      {
+        add({x, y, z}, 0);
+      }
+    }
+  }
+  /** The sides of a box that the origin sees. */
+  void addBody(const Box& box, int count)
+  {
+    std::uniform_real_distribution<double> unit(-0.5, 0.5);
+    std::normal_distribution<double> noise(0, 0.01);
+    const Eigen::Rotation2Dd turn(box.yaw);
+    const Eigen::Vector2d to_sensor = turn.inverse() * (-box.center.head<2>());
+    for (int i = 0; i < count; ++i)
+    {
+      Eigen::Vector2d local(unit(generator) * box.size.x(), unit(generator) * box.size.y());
+      const bool on_end = i % 3 == 0 && std::abs(to_sensor.x()) > 0.5 * box.size.x();
+      if (on_end)
+      {
+        local.x() = std::copysign(0.5 * box.size.x(), to_sensor.x());
+      }
+      else
+      {
+        local.y() = std::copysign(0.5 * box.size.y(), to_sensor.y());
+      }
+      const Eigen::Vector2d flat = turn * local + box.center.head<2>();
+      add({flat.x() + noise(generator), flat.y() + noise(generator),
+           box.center.z() + unit(generator) * box.size.z()},
+          0.9F);
+    }
+  }
+};
+
+Box makeBox(double x, double y, double z, double l, double w, double h, double yaw)
+{
+  Box box;
+  box.center = {x, y, z};
+  box.size = {l, w, h};
+  box.yaw = yaw;
+  return box;
+}
+}  // namespace
+
+TEST(Detector, findsACarAPersonAndACyclistOnTheGround)
+{
+  Scene scene;
+  scene.addGround(-1.7);
+  const Box car = makeBox(12, 5, -0.8, 4.3, 1.8, 1.5, 0.5);
+  const Box person = makeBox(8, -4, -0.75, 0.6, 0.5, 1.7, 0);
+  const Box cyclist = makeBox(15, -6, -0.75, 1.8, 0.6, 1.7, 1.2);
+  scene.addBody(car, 600);
+  scene.addBody(person, 120);
+  scene.addBody(cyclist, 200);
+  Detector detector;
+  const std::vector<Detection> found = detector.detect(scene.points, scene.moving);
+  ASSERT_EQ(found.size(), 3u);
+  EXPECT_EQ(found[0].object_class, ObjectClass::car);
+  EXPECT_EQ(found[1].object_class, ObjectClass::pedestrian);
+  EXPECT_EQ(found[2].object_class, ObjectClass::cyclist);
+  EXPECT_GT(boxOverlap(found[0].box, car).ground_iou, 0.85);
+  EXPECT_NEAR(std::remainder(found[0].box.yaw - 0.5, M_PI), 0, 0.05);
+  EXPECT_LT((found[1].box.center - person.center).head<2>().norm(), 0.3);
+  EXPECT_GT(found[1].covariance(3, 3), found[0].covariance(3, 3));
+  for (const Detection& detection : found)
+  {
+    EXPECT_EQ(Eigen::LLT<Eigen::Matrix4d>(detection.covariance).info(), Eigen::Success);
+    for (const auto i : detection.points)
+    {
+      EXPECT_GT(scene.moving[i], 0.5F);
+    }
+  }
+}
+
+/** Ground points marked as moving must not join what stands on them. */
+TEST(Detector, movingGroundDoesNotJoinTwoPeople)
+{
+  Scene scene;
+  scene.addGround(-1.7);
+  scene.addBody(makeBox(10, 0, -0.75, 0.6, 0.5, 1.7, 0), 100);
+  scene.addBody(makeBox(10, 2, -0.75, 0.6, 0.5, 1.7, 0), 100);
+  for (double y = 0; y <= 2; y += 0.05)
+  {
+    scene.add({10, y, -1.68}, 0.9F);
+  }
+  EXPECT_EQ(Detector().detect(scene.points, scene.moving).size(), 2u);
+}
+
+/** The same car far away has wide gaps between its points; they still join. */
+TEST(Detector, clusteringAdaptsToRange)
+{
+  Scene scene;
+  for (double y = -1; y <= 1; y += 0.7)
+  {
+    for (double z = -1.5; z <= 0; z += 0.3)
+    {
+      scene.add({60, y, z}, 0.9F);
+      scene.add({8, y, z}, 0.9F);
+    }
+  }
+  scene.addGround(-1.9);
+  const auto found = Detector().detect(scene.points, scene.moving);
+  int far = 0;
+  int near = 0;
+  for (const Detection& detection : found)
+  {
+    (detection.box.center.x() > 30 ? far : near) += 1;
+  }
+  EXPECT_EQ(far, 1);
+  EXPECT_EQ(near, 0);  // single columns, thinner than any object: below min_points each
+}
+
+TEST(Detector, emptyOnePointAndNaN)
+{
+  Detector detector;
+  EXPECT_TRUE(detector.detect({}, {}).empty());
+  EXPECT_TRUE(detector.detect({{1, 2, 3}}, {1.0F}).empty());
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  const Points bad(50, Eigen::Vector3f(nan, 1, 1));
+  EXPECT_TRUE(detector.detect(bad, std::vector<float>(50, 1.0F)).empty());
+  Frame frame;
+  frame.cloud.points.assign(100, {5, 5, 0});
+  frame.detections.resize(3);
+  detector.detect(frame);  // no probabilities
+  EXPECT_TRUE(frame.detections.empty());
+}
+
+TEST(Detector, lShapeFindsTheHeading)
+{
+  for (double yaw = -1.5; yaw < 1.6; yaw += 0.23)
+  {
+    Scene scene;
+    scene.addBody(makeBox(10, 6, 0, 4.5, 1.8, 1.5, yaw), 400);
+    const Box box = fitLShape(scene.points, 0.02);
+    EXPECT_NEAR(std::remainder(box.yaw - yaw, M_PI), 0, 0.06) << yaw;
+    EXPECT_NEAR(box.size.x(), 4.5, 0.25) << yaw;
+  }
+}
+
+TEST(Detector, completedBoxKeepsTheSidesThatAreSeen)
+{
+  // Only the rear of a car ahead is seen: the rest lies beyond.
+  const Box rear = makeBox(10, 0, 0, 0.3, 1.8, 1.5, 0);
+  const Box full = completedBox(rear, {4.3, 1.8, 1.5});
+  EXPECT_NEAR(full.center.x() - 0.5 * full.size.x(), 9.85, 1e-9);
+  EXPECT_NEAR(full.center.y(), 0, 1e-9);
+  EXPECT_NEAR(full.size.x(), 4.3, 1e-12);
+  // And of one behind, its front.
+  const Box behind = completedBox(makeBox(-10, 0, 0, 0.3, 1.8, 1.5, 0), {4.3, 1.8, 1.5});
+  EXPECT_NEAR(behind.center.x() + 0.5 * behind.size.x(), -9.85, 1e-9);
+}
+
+TEST(Detector, optionsSurviveTheirText)
+{
+  DetectorOptions options;
+  options.distance = 0.37;
+  Config config;
+  save(options, config, "detector");
+  DetectorOptions loaded;
+  load(loaded, Config::fromText(config.toIni(), "test"), "detector");
+  EXPECT_DOUBLE_EQ(loaded.distance, 0.37);
+  options.min_points = 0;
+  EXPECT_ANY_THROW(Detector{options});
+}
