@@ -13,7 +13,7 @@ using Eigen::Vector2d;
 
 namespace
 {
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+constexpr double not_a_number = std::numeric_limits<double>::quiet_NaN();
 
 PolynomialOptions optionsOf(int degree, int window)
 {
@@ -73,13 +73,13 @@ TEST(PolynomialTrajectory, lowersTheDegreeOfAShortHistory)
 TEST(PolynomialTrajectory, refusesNaNAndTimesThatDoNotRise)
 {
   PolynomialTrajectory trajectory(optionsOf(2, 5));
-  EXPECT_FALSE(trajectory.add({nan, {0, 0}}));
-  EXPECT_FALSE(trajectory.add({0, {nan, 0}}));
+  EXPECT_FALSE(trajectory.add({not_a_number, {0, 0}}));
+  EXPECT_FALSE(trajectory.add({0, {not_a_number, 0}}));
   EXPECT_TRUE(trajectory.add({1, {0, 0}}));
   EXPECT_FALSE(trajectory.add({1, {0, 0}}));
   EXPECT_FALSE(trajectory.add({0.5, {0, 0}}));
   EXPECT_EQ(trajectory.size(), 1u);
-  EXPECT_FALSE(trajectory.predict(nan).valid);
+  EXPECT_FALSE(trajectory.predict(not_a_number).valid);
   EXPECT_THROW(PolynomialTrajectory(optionsOf(6, 5)), std::invalid_argument);
   EXPECT_THROW(PolynomialTrajectory(optionsOf(2, 0)), std::invalid_argument);
 }
@@ -173,8 +173,7 @@ Scores compare(Course&& course, double sigma, unsigned seed)
       const auto all = adaptive.memberPredictions(t);
       for (int k = 0; k < AdaptivePredictor::members; ++k)
       {
-        fixed[static_cast<std::size_t>(k)] +=
-            (all.row(k).transpose() - course(t)).squaredNorm();
+        fixed[static_cast<std::size_t>(k)] += (all.row(k).transpose() - course(t)).squaredNorm();
       }
       own += (adaptive.predict(t).position - course(t)).squaredNorm();
     }
@@ -199,7 +198,8 @@ TEST(AdaptivePredictor, followsTheBestMember)
   const auto mixed = [](double t)
   {
     const double s = std::fmod(t, 20.0);
-    return s < 10 ? Vector2d(8 * s, 0) : Vector2d(80 + 8 * std::sin(s - 10), 8 - 8 * std::cos(s - 10));
+    return s < 10 ? Vector2d(8 * s, 0)
+                  : Vector2d(80 + 8 * std::sin(s - 10), 8 - 8 * std::cos(s - 10));
   };
   const Scores a = compare(straight, 0.1, 1);
   EXPECT_LT(a.adaptive, 1.35 * a.best_fixed);
@@ -213,8 +213,8 @@ TEST(AdaptivePredictor, emptyOneAndNaN)
 {
   AdaptivePredictor predictor;
   EXPECT_FALSE(predictor.predict(0).valid);
-  EXPECT_FALSE(predictor.add({nan, {0, 0}}));
-  EXPECT_FALSE(predictor.add({0, {0, nan}}));
+  EXPECT_FALSE(predictor.add({not_a_number, {0, 0}}));
+  EXPECT_FALSE(predictor.add({0, {0, not_a_number}}));
   EXPECT_TRUE(predictor.add({0, {1, 2}}));
   EXPECT_FALSE(predictor.add({0, {1, 2}}));
   const MotionPrediction one = predictor.predict(0.5);
