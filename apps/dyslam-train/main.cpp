@@ -9,9 +9,12 @@
 #include <string>
 #include <vector>
 
+#include "DysegCommand.h"
+
 namespace
 {
 constexpr const char* usage = R"(Usage: dyslam-train dylo -c train.ini -o DIR [options]
+       dyslam-train dyseg --help
 
 Trains the LiDAR odometry network. Writes DIR/dylo.pt (the weights), checkpoint.pt, log.csv,
 validation.csv and effective.ini.
@@ -98,7 +101,7 @@ Arguments parse(int argc, char** argv)
   {
     throw dyslam::UserError(arguments.network.empty()
                                 ? "which network? Write dyslam-train dylo; see --help"
-                                : arguments.network + ": unknown network; there is dylo");
+                                : arguments.network + ": unknown network; there are dylo and dyseg");
   }
   if (arguments.config.empty() || arguments.request.output.empty())
   {
@@ -112,6 +115,10 @@ int main(int argc, char** argv)
 {
   try
   {
+    if (argc > 1 && std::string(argv[1]) == "dyseg")
+    {
+      return dyslam::trainDysegCommand({argv + 2, argv + argc});
+    }
     Arguments arguments = parse(argc, argv);
     if (arguments.done)
     {

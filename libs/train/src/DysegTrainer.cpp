@@ -95,12 +95,15 @@ void DysegTrainerOptions::describe(OptionsVisitor& v)
   v.real("weight_decay", weight_decay, 0, 1, "of AdamW");
   v.integer("checkpoint_every", checkpoint_every, 1, 1000000, "steps");
   v.integer("validate_every", validate_every, 1, 1000000, "steps");
+  v.integer("threads", threads, 1, 256, "of the network");
   v.integer("seed", seed, 0, 2000000000, "of everything random");
 }
 
 struct DysegTrainer::Impl
 {
   DysegTrainerOptions options;
+  DysegAugmentOptions augmentation;
+  DysegLossOptions loss_options;
   BevOptions grid;
   BevOptions crop;
   std::string folder;
@@ -267,9 +270,9 @@ DysegLoss DysegTrainer::Impl::learn()
     RandomDraws draws(static_cast<std::uint64_t>(options.seed),
                       static_cast<std::uint64_t>(step) * 64 + static_cast<std::uint64_t>(b));
     auto sample = draw(draws);
-    augment(DysegAugmentOptions(), draws, sample);
+    augment(augmentation, draws, sample);
     const auto centre = drawCentre(sample, crop.halfExtent(), draws);
-    auto loss = dysegLoss(net, sample, crop, centre, DysegLossOptions(), draws);
+    auto loss = dysegLoss(net, sample, crop, centre, loss_options, draws);
     if (!loss.total.defined() || !std::isfinite(loss.total.item<double>()))
     {
       continue;
@@ -345,18 +348,20 @@ void DysegTrainer::Impl::validateNow(const std::function<void(const std::string&
   }
 }
 
-DysegTrainer::DysegTrainer(const DysegTrainerOptions& options,
-                           const DysegNetworkOptions& network,
-                           const BevOptions& grid,
-                           std::string folder)
+DysegTrainer::DysegTrainer(const DysegTrainerSetup& setup, std::string folder)
     : impl_(std::make_unique<Impl>())
 {
+  const DysegTrainerOptions& options = setup.train;
+  const DysegNetworkOptions& network = setup.network;
   validate(options, "train");
   fs::create_directories(folder);
+  torch::set_num_threads(options.threads);
   impl_->options = options;
-  impl_->grid = grid;
-  impl_->crop = grid;
-  impl_->crop.cells = std::min(options.crop, grid.cells);
+  impl_->augmentation = setup.augmentation;
+  impl_->loss_options = setup.loss;
+  impl_->grid = setup.grid;
+  impl_->crop = setup.grid;
+  impl_->crop.cells = std::min(options.crop, setup.grid.cells);
   impl_->folder = std::move(folder);
   torch::manual_seed(static_cast<std::uint64_t>(options.seed));
   impl_->net = DysegNet(network);
@@ -425,6 +430,12 @@ void DysegTrainer::resume()
   {
     throw UserError(path + ": state of another network or version");
   }
+}
+
+void DysegTrainer::validateOnly(const std::function<void(const std::string&)>& say)
+{
+  impl_->makeValidation();
+  impl_->validateNow(say);
 }
 
 void DysegTrainer::run(const std::function<void(const std::string&)>& say)

@@ -3,6 +3,7 @@
 
 #include <dyslam/nets/DysegNet.h>
 #include <dyslam/train/DysegData.h>
+#include <dyslam/train/DysegTrainer.h>
 
 #include <vector>
 
@@ -47,16 +48,6 @@ struct DysegLoss
   double flow = 0;
   double cell = 0;
   double point = 0;
-};
-
-struct DysegLossOptions : Options
-{
-  int iterations = 2;          //!< flow updates in training
-  double decay = 0.8;          //!< weight of an update's flow against the next one's
-  int points = 3072;           //!< judged one by one in a pair
-  double first_noise = 0.35;   //!< m, error of the guide at 1/4 resolution; its yaw 1.5 deg per m
-  double second_noise = 0.04;  //!< m, error of the static flow in training
-  void describe(OptionsVisitor& visitor) override;
 };
 
 /** One pair through the network and all its losses. \param grid and \param centre of the crop. */

@@ -4,6 +4,7 @@
 #include <dyslam/core/Options.h>
 #include <dyslam/nets/BevScan.h>
 #include <dyslam/nets/DysegOptions.h>
+#include <dyslam/train/DysegData.h>
 
 #include <functional>
 #include <memory>
@@ -11,6 +12,16 @@
 
 namespace dyslam
 {
+struct DysegLossOptions : Options
+{
+  int iterations = 2;          //!< flow updates in training
+  double decay = 0.8;          //!< weight of an update's flow against the next one's
+  int points = 3072;           //!< judged one by one in a pair
+  double first_noise = 0.35;   //!< m, error of the guide at 1/4 resolution; its yaw 1.5 deg per m
+  double second_noise = 0.04;  //!< m, error of the static flow in training
+  void describe(OptionsVisitor& visitor) override;
+};
+
 struct DysegTrainerOptions : Options
 {
   std::string data;  //!< folder with the real data; empty: simulated data only
@@ -33,9 +44,19 @@ struct DysegTrainerOptions : Options
   double weight_decay = 1e-4;
   int checkpoint_every = 100;  //!< steps
   int validate_every = 1500;   //!< steps
+  int threads = 1;
   int seed = 1;
 
   void describe(OptionsVisitor& visitor) override;
+};
+
+struct DysegTrainerSetup
+{
+  DysegTrainerOptions train;
+  DysegNetworkOptions network;
+  BevOptions grid;
+  DysegAugmentOptions augmentation;
+  DysegLossOptions loss;
 };
 
 /** Trains DySeg's network and writes what it has into a folder.
@@ -47,10 +68,7 @@ struct DysegTrainerOptions : Options
 class DysegTrainer
 {
  public:
-  DysegTrainer(const DysegTrainerOptions& options,
-               const DysegNetworkOptions& network,
-               const BevOptions& grid,
-               std::string folder);
+  DysegTrainer(const DysegTrainerSetup& setup, std::string folder);
   ~DysegTrainer();
 
   /** Go on from the folder's state. \throws UserError if there is none or it does not fit. */
@@ -59,6 +77,8 @@ class DysegTrainer
   void startFrom(const std::string& weights);
   /** \param say gets a line of progress now and then. */
   void run(const std::function<void(const std::string&)>& say);
+  /** The validation table of the weights as they are. */
+  void validateOnly(const std::function<void(const std::string&)>& say);
 
  private:
   struct Impl;
