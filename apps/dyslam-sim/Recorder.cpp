@@ -5,20 +5,50 @@
 #include <dyslam/io/RawlogWriter.h>
 #include <dyslam/sim/Simulator.h>
 
+#include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <set>
 
 namespace dyslam::sim
 {
 namespace
 {
-/** A grid that floats hold exactly leaves zeros for gzip. */
-void roundPoints(std::vector<Eigen::Vector3f>& points)
+template <typename T>
+void reorder(std::vector<T>& values, const std::vector<std::size_t>& order)
 {
-  for (auto& p : points)
+  std::vector<T> sorted;
+  sorted.reserve(values.size());
+  for (const std::size_t i : order)
   {
-    p = (p * 256).array().round().matrix() / 256;
+    sorted.push_back(values[i]);
   }
+  values = std::move(sorted);
+}
+
+/** What floats hold exactly leaves zeros for gzip; neighbours on a ring are much alike. */
+void makeCompact(SimulatedScan& s)
+{
+  for (auto& p : s.scan.points)
+  {
+    p = (p * 128).array().round().matrix() / 128;
+  }
+  for (auto& t : s.scan.time)
+  {
+    t = std::round(t * 16384) / 16384;
+  }
+  std::vector<std::size_t> order(s.scan.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::size_t a, std::size_t b) { return s.scan.ring[a] < s.scan.ring[b]; });
+  reorder(s.scan.points, order);
+  reorder(s.scan.intensity, order);
+  reorder(s.scan.time, order);
+  reorder(s.scan.ring, order);
+  reorder(s.deskewed, order);
+  reorder(s.flow, order);
+  reorder(s.label, order);
+  reorder(s.moving, order);
 }
 
 LabelledBox labelledBox(const SimulatedObject& object, std::size_t frame)
@@ -40,7 +70,9 @@ RecordingResult record(const Recording& recording,
   RecordingResult result;
   result.loop_length = simulator.loopLength();
   result.ground_truth = groundTruthFolder(recording.output);
-  RawlogWriter rawlog(recording.output);
+  RawlogWriterOptions writing;
+  writing.compression_level = recording.compact ? 9 : 1;
+  RawlogWriter rawlog(recording.output, writing);
   GroundTruthWriter truth(result.ground_truth);
   std::set<int> ids;
   const double period = simulator.sensor().period;
@@ -54,7 +86,7 @@ RecordingResult record(const Recording& recording,
     std::vector<Eigen::Vector3f> flow(scan.flow.size());
     if (recording.compact)
     {
-      roundPoints(scan.scan.points);
+      makeCompact(scan);
     }
     for (std::size_t k = 0; k < flow.size(); ++k)
     {

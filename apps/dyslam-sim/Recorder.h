@@ -17,8 +17,9 @@ struct Recording
   bool one_loop = false;  //!< stop when the ego is 30 m past its start again
   std::string output;     //!< the rawlog; its truth goes beside it
   bool flow = true;       //!< write per-point scene flow
-  bool compact = false;   //!< coordinates on a grid of 1/256 m, which compresses well
-  int threads = 0;        //!< 0 takes the machine's number
+  /** Small files: coordinates on a grid of 1/128 m, times on one of 2^-14 s, ring by ring. */
+  bool compact = false;
+  int threads = 0;  //!< 0 takes the machine's number
 };
 
 struct RecordingResult

@@ -38,12 +38,14 @@ void declare(CLI::App& app, Arguments& a)
                  "what carries the sensor: car, robot or handheld (what suits the world)");
   app.add_option("--speed", o.ego_speed, "cruising speed [m/s] (what suits the world)");
   app.add_option("--loop", o.loop_length, "about how long the closed loop is [m] (400)");
+  app.add_option("--start", o.start_fraction, "where on the loop the ego starts, 0 to 1 (0)");
+  app.add_option("--start-time", o.start_time, "traffic simulated before the first scan [s] (5)");
   app.add_flag("--one-loop", a.recording.one_loop,
                "stop when the loop is closed, or after --seconds");
   app.add_option("--columns", o.columns, "firings in one turn (the sensor's)");
   app.add_option("--max-range", o.max_range, "[m] (the sensor's)");
   app.add_flag("--compact", a.recording.compact,
-               "coordinates on a grid of 1/256 m, for small files");
+               "small files: coordinates on a grid of 1/128 m, points ring by ring");
   app.add_flag("--no-flow", a.no_flow, "leave the per-point flow out of the truth");
   app.add_flag("--no-noise", a.no_noise, "every ray that hits returns the exact range");
   app.add_flag("--no-distortion", a.no_distortion, "a whole scan is taken at its stamp");

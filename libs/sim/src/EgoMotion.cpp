@@ -86,7 +86,8 @@ Pose EgoMotion::update(const EgoState& ego, const Ground& ground, double time, d
   else if (kind_ == EgoKind::robot)
   {
     const double rough = std::min(1.0, ego.speed);
-    angles = {0, rough * 0.006 * wave(5.3, 5), rough * 0.008 * wave(4.1, 6)};
+    // Up to 0.07 rad/s of pitch and of roll: a paved path.
+    angles = {0, rough * 0.0032 * wave(3.3, 5), rough * 0.0045 * wave(2.4, 6)};
     shift.z() = rough * 0.003 * wave(6.7, 7);
   }
   else
