@@ -7,6 +7,9 @@
 #include <dyslam/io/KittiFiles.h>
 
 #include <algorithm>
+#include <array>
+#include <filesystem>
+#include <iostream>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -15,6 +18,7 @@
 #include <vector>
 
 #include "OutputFiles.h"
+#include "TrackFiles.h"
 
 namespace dyslam
 {
@@ -27,13 +31,25 @@ struct Arguments
   std::string calib;
   std::vector<std::string> types;
   double min_iou = 0.25;
+  double max_distance = 0;
+  TrackSelection selection;
   OutputFlags output;
 };
 
-std::vector<LabelledBox> read(const Arguments& a, const std::string& path)
+/** Ranges that errors are told apart by [m]. */
+constexpr std::array<double, 4> range_limits{0, 20, 40, 60};
+
+TrackData read(const Arguments& a, const std::string& path, bool truth)
 {
-  return a.calib.empty() ? readTracks(path)
-                         : readKittiTracking(path, readKittiCalib(a.calib).T_cam_velo, true);
+  if (std::filesystem::is_directory(path))
+  {
+    TrackData data = truth ? readTruth(path, a.selection) : readRun(path, a.selection);
+    mergeTypes(data.boxes);
+    return data;
+  }
+  return {a.calib.empty() ? readTracks(path)
+                          : readKittiTracking(path, readKittiCalib(a.calib).T_cam_velo, true),
+          {}};
 }
 
 /** One past the last frame of either file. */
@@ -54,17 +70,79 @@ TrackRules rulesFor(const Arguments& a, const std::string& type)
 {
   TrackRules rules = a.calib.empty() ? TrackRules{} : TrackRules::kitti(type);
   rules.type = type;
-  rules.min_iou = a.min_iou;
+  rules.min_iou = a.max_distance > 0 ? 1e-9 : a.min_iou;
+  rules.max_distance = a.max_distance;
   rules.image_rules = !a.calib.empty();
   rules.switches_across_gaps = a.calib.empty();
   return rules;
 }
 
+nlohmann::ordered_json toJson(const TrackErrorSummary& s)
+{
+  return {{"boxes", s.boxes},
+          {"found", s.found},
+          {"same_class", s.same_type},
+          {"position_mean", s.position_mean},
+          {"position_rmse", s.position_rmse},
+          {"yaw_median_deg", s.yaw_median * 180 / M_PI},
+          {"speeds", s.speeds},
+          {"speed_mean_abs", s.speed_mean_abs},
+          {"speed_bias", s.speed_bias}};
+}
+
+/** Errors of place and speed by class and distance, whatever each object was taken for. */
+Table errorTable(const std::vector<TrackError>& errors,
+                 std::vector<std::string> types,
+                 nlohmann::ordered_json& json)
+{
+  Table table({"class", "range [m]", "boxes", "found %", "same class %", "position [m]", "RMSE [m]",
+               "axis [deg]", "speed [m/s]", "bias [m/s]"},
+              "Boxes with a track within 2 m: mean error of place, median of the axis, mean of "
+              "|speed error|");
+  const auto add = [&](const std::string& type, const std::string& range, double from, double to)
+  {
+    const TrackErrorSummary s = summaryOf(errors, type, from, to);
+    if (s.boxes == 0)
+    {
+      return;
+    }
+    const auto known = [](bool any, double x)
+    { return any ? std::optional<double>(x) : std::nullopt; };
+    const bool any = s.found > 0;
+    const double boxes = static_cast<double>(s.boxes);
+    const double found = static_cast<double>(s.found);
+    const std::string name = type.empty() ? "all" : type;
+    table.addRow({name, range, TableCell(boxes, 0), TableCell(100 * found / boxes, 1),
+                  TableCell(known(any, 100 * static_cast<double>(s.same_type) / found), 1),
+                  TableCell(known(any, s.position_mean), 2),
+                  TableCell(known(any, s.position_rmse), 2),
+                  TableCell(known(any, s.yaw_median * 180 / M_PI), 1),
+                  TableCell(known(s.speeds > 0, s.speed_mean_abs), 2),
+                  TableCell(known(s.speeds > 0, s.speed_bias), 2)});
+    json[name][range] = toJson(s);
+  };
+  types.emplace_back();
+  for (const std::string& type : types)
+  {
+    for (std::size_t k = 0; k + 1 < range_limits.size(); ++k)
+    {
+      add(type,
+          std::to_string(static_cast<int>(range_limits[k])) + "-" +
+              std::to_string(static_cast<int>(range_limits[k + 1])),
+          range_limits[k], range_limits[k + 1]);
+    }
+    add(type, "all", 0, std::numeric_limits<double>::infinity());
+  }
+  return table;
+}
+
 void run(const Arguments& a)
 {
+  const TrackData truth = read(a, a.reference, true);
+  const TrackData estimate = read(a, a.estimate, false);
   TrackSequence sequence;
-  sequence.reference = read(a, a.reference);
-  sequence.estimate = read(a, a.estimate);
+  sequence.reference = truth.boxes;
+  sequence.estimate = estimate.boxes;
   sequence.frames = frameCount(sequence);
   std::vector<std::string> types = a.types;
   if (types.empty())
@@ -72,7 +150,7 @@ void run(const Arguments& a)
     std::set<std::string> found;
     for (const LabelledBox& box : sequence.reference)
     {
-      if (box.type != "DontCare" && box.id >= 0)
+      if (box.type != "DontCare" && box.id >= 0 && box.occluded != passed_over_box)
       {
         found.insert(box.type);
       }
@@ -127,7 +205,13 @@ void run(const Arguments& a)
                   {"amota", averages.amota},
                   {"amotp", averages.amotp}};
   }
+  constexpr double found_within = 2;  // [m]
+  const std::vector<TrackError> errors =
+      trackErrors(sequence, rulesFor(a, ""), found_within, truth.speeds, estimate.speeds);
+  types.erase(std::remove(types.begin(), types.end(), ""), types.end());
+  const Table by_range = errorTable(errors, types, json["errors"]);
   a.output.put(table, json.dump(2) + "\n");
+  std::cout << "\n" << by_range.toText();
 }
 }  // namespace
 
@@ -136,16 +220,44 @@ Subcommand tracksCommand(CLI::App& app)
   const auto a = std::make_shared<Arguments>();
   CLI::App* sub = app.add_subcommand(
       "tracks", "Tracked objects against the truth: CLEAR-MOT, HOTA, AB3DMOT's averages");
-  sub->add_option("--reference", a->reference,
-                  "true tracks (tracks.txt of a run or of a recording's truth)")
-      ->required();
-  sub->add_option("--estimate", a->estimate, "estimated tracks")->required();
+  sub->add_option(
+         "--reference", a->reference,
+         "true tracks: a recording's truth (folder x.gt; boxes that stand, are far or hardly "
+         "seen are neither hits nor misses), or a file of tracks, all of which count")
+      ->required()
+      ->check(CLI::ExistingPath);
+  sub->add_option("--estimate", a->estimate, "estimated tracks: a run's folder, or a file")
+      ->required()
+      ->check(CLI::ExistingPath);
   sub->add_option("--calib", a->calib,
                   "both files are KITTI's own, in the camera's frame: its calibration; the image "
                   "rules of its benchmark apply");
   sub->add_option("--class", a->types, "classes to judge; all of the reference by default");
   sub->add_option("--iou", a->min_iou, "3D overlap of a match")
       ->check(CLI::Range(0.01, 1.0))
+      ->capture_default_str();
+  sub->add_option(
+         "--distance", a->max_distance,
+         "match by the centres' distance in the ground plane up to this, not by overlap, m")
+      ->check(CLI::Range(0.01, 100.0));
+  sub->add_option("--min-points", a->selection.min_points,
+                  "folders: true boxes with fewer points are passed over")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+  sub->add_option("--min-speed", a->selection.min_speed, "folders: slower ones, m/s")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+  sub->add_option("--max-range", a->selection.max_range, "folders: farther ones, m")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  sub->add_option(
+         "--view", a->selection.view,
+         "folders: angle about straight ahead that is judged (81 where truth is what KITTI's "
+         "camera saw), degrees")
+      ->check(CLI::Range(1.0, 360.0))
+      ->capture_default_str();
+  sub->add_option("--instance-offset", a->selection.instance_offset,
+                  "folders: instance in the labels minus id of the track")
       ->capture_default_str();
   a->output.declare(*sub);
   return {sub, [a] { run(*a); }};

@@ -107,16 +107,23 @@ class Preparation
     }
   }
 
+  double likeness(const Box& reference, const Box& estimate) const
+  {
+    if (rules_.max_distance <= 0)
+    {
+      return boxIou(reference, estimate);
+    }
+    const double apart = (reference.center - estimate.center).head<2>().norm();
+    return std::max(0.0, 1 - apart / rules_.max_distance);
+  }
+
   EvaluationFrame frame(std::size_t f) const
   {
     EvaluationFrame result;
     for (const LabelledBox* box : references_[f])
     {
       result.reference_id.push_back(box->id);
-      result.passed_over.push_back(
-          (rules_.image_rules &&
-           (box->occluded > rules_.max_occluded || box->truncated > rules_.max_truncated)) ||
-          !wanted(*box));
+      result.passed_over.push_back(isPassedOver(*box, rules_) || !wanted(*box));
     }
     for (const LabelledBox* box : estimates_[f])
     {
@@ -140,7 +147,7 @@ class Preparation
       for (std::size_t j = 0; j < estimates_[f].size(); ++j)
       {
         result.iou(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)) =
-            boxIou(references_[f][i]->box, estimates_[f][j]->box);
+            likeness(references_[f][i]->box, estimates_[f][j]->box);
       }
     }
     return result;
@@ -154,6 +161,13 @@ class Preparation
 };
 
 }  // namespace
+
+bool isPassedOver(const LabelledBox& box, const TrackRules& rules)
+{
+  return box.occluded == passed_over_box ||
+         (rules.image_rules &&
+          (box.occluded > rules.max_occluded || box.truncated > rules.max_truncated));
+}
 
 bool sameType(const std::string& a, const std::string& b)
 {

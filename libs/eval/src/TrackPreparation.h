@@ -29,6 +29,9 @@ struct Sequence
 [[nodiscard]] std::vector<Sequence> prepare(const std::vector<TrackSequence>& sequences,
                                             const TrackRules& rules);
 
+/** Whether the rules count neither a hit nor a miss of this reference box, whatever its class. */
+[[nodiscard]] bool isPassedOver(const LabelledBox& box, const TrackRules& rules);
+
 /** Whether two class names are the same but for case. */
 [[nodiscard]] bool sameType(const std::string& a, const std::string& b);
 }  // namespace dyslam::track_evaluation

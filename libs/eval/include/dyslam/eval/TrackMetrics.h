@@ -17,13 +17,20 @@ struct TrackSequence
   std::vector<LabelledBox> estimate;  //!< score: the track's confidence at that frame
 };
 
+/** Value of LabelledBox::occluded of reference boxes that are neither hits nor misses under any
+ * rules. */
+constexpr int passed_over_box = 99;
+
 /** What counts and what is passed over, as KITTI's tracking benchmark and AB3DMOT define it. */
 struct TrackRules
 {
   std::string type;                     //!< class name to evaluate; empty: all of them together
   std::vector<std::string> neighbours;  //!< reference classes that are neither hit nor false alarm
   double min_iou = 0.25;                //!< of the volumes, for a match
-  int max_truncated = 0;                //!< reference boxes above are passed over
+  /** Above 0, pairs are made by the centres' distance in the ground plane instead [m]: their
+   * overlap is then 1 at distance 0, falling to 0 at this distance. */
+  double max_distance = 0;
+  int max_truncated = 0;  //!< reference boxes above are passed over
   int max_occluded = 2;
   double min_image_height = 25;  //!< unmatched estimates at most this high are passed over [px]
   double max_dontcare = 0.5;     //!< so are those with more of their image box in a DontCare area

@@ -1,0 +1,156 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/Assignment.h>
+#include <dyslam/core/BoxOverlap.h>
+#include <dyslam/eval/Statistics.h>
+#include <dyslam/eval/TrackErrors.h>
+
+#include <cmath>
+
+#include "TrackPreparation.h"
+
+namespace dyslam
+{
+using track_evaluation::isPassedOver;
+using track_evaluation::sameType;
+
+namespace
+{
+using Boxes = std::vector<const LabelledBox*>;
+
+std::vector<Boxes> byFrame(const std::vector<LabelledBox>& boxes, int frames)
+{
+  std::vector<Boxes> result(static_cast<std::size_t>(std::max(0, frames)));
+  for (const LabelledBox& box : boxes)
+  {
+    if (box.frame >= 0 && box.frame < frames && box.id >= 0 && !sameType(box.type, "DontCare"))
+    {
+      result[static_cast<std::size_t>(box.frame)].push_back(&box);
+    }
+  }
+  return result;
+}
+
+double distance(const LabelledBox& a, const LabelledBox& b)
+{
+  return (a.box.center - b.box.center).head<2>().norm();
+}
+
+std::optional<double> find(const TrackSpeeds& speeds, const LabelledBox& box)
+{
+  const auto found = speeds.find({box.frame, box.id});
+  return found == speeds.end() ? std::nullopt : std::optional<double>(found->second);
+}
+
+TrackError errorOf(const LabelledBox& reference)
+{
+  TrackError error;
+  error.frame = reference.frame;
+  error.id = reference.id;
+  error.type = reference.type;
+  error.range = reference.box.center.head<2>().norm();
+  return error;
+}
+
+void compare(TrackError& error, const LabelledBox& reference, const LabelledBox& estimate)
+{
+  error.found = true;
+  error.estimated_id = estimate.id;
+  error.same_type = sameType(reference.type, estimate.type);
+  error.position = distance(reference, estimate);
+  const double angle = std::abs(wrapAngle(estimate.box.yaw - reference.box.yaw));
+  error.yaw = std::min(angle, M_PI - angle);
+}
+}  // namespace
+
+std::vector<TrackError> trackErrors(const TrackSequence& sequence,
+                                    const TrackRules& rules,
+                                    double max_distance,
+                                    const TrackSpeeds& true_speeds,
+                                    const TrackSpeeds& estimated_speeds)
+{
+  const std::vector<Boxes> references = byFrame(sequence.reference, sequence.frames);
+  const std::vector<Boxes> estimates = byFrame(sequence.estimate, sequence.frames);
+  std::vector<TrackError> errors;
+  for (std::size_t f = 0; f < references.size(); ++f)
+  {
+    CostMatrix cost(static_cast<Eigen::Index>(references[f].size()),
+                    static_cast<Eigen::Index>(estimates[f].size()));
+    for (Eigen::Index i = 0; i < cost.rows(); ++i)
+    {
+      for (Eigen::Index j = 0; j < cost.cols(); ++j)
+      {
+        const double apart = distance(*references[f][static_cast<std::size_t>(i)],
+                                      *estimates[f][static_cast<std::size_t>(j)]);
+        cost(i, j) = apart <= max_distance ? apart : std::numeric_limits<double>::infinity();
+      }
+    }
+    const Assignment assignment = assignShortestPaths(cost);
+    for (std::size_t i = 0; i < references[f].size(); ++i)
+    {
+      const LabelledBox& reference = *references[f][i];
+      if (isPassedOver(reference, rules))
+      {
+        continue;
+      }
+      TrackError error = errorOf(reference);
+      if (assignment.column_of_row[i] >= 0)
+      {
+        const LabelledBox& estimate =
+            *estimates[f][static_cast<std::size_t>(assignment.column_of_row[i])];
+        compare(error, reference, estimate);
+        const auto truth = find(true_speeds, reference);
+        const auto ours = find(estimated_speeds, estimate);
+        if (truth && ours)
+        {
+          error.speed = *ours - *truth;
+        }
+      }
+      errors.push_back(std::move(error));
+    }
+  }
+  return errors;
+}
+
+TrackErrorSummary summaryOf(const std::vector<TrackError>& errors,
+                            const std::string& type,
+                            double nearest,
+                            double farthest)
+{
+  TrackErrorSummary summary;
+  std::vector<double> positions;
+  std::vector<double> yaws;
+  for (const TrackError& error : errors)
+  {
+    if ((!type.empty() && !sameType(type, error.type)) || error.range < nearest ||
+        error.range >= farthest)
+    {
+      continue;
+    }
+    ++summary.boxes;
+    if (!error.found)
+    {
+      continue;
+    }
+    ++summary.found;
+    summary.same_type += error.same_type ? 1 : 0;
+    positions.push_back(error.position);
+    yaws.push_back(error.yaw);
+    if (error.speed)
+    {
+      ++summary.speeds;
+      summary.speed_mean_abs += std::abs(*error.speed);
+      summary.speed_bias += *error.speed;
+    }
+  }
+  const Statistics position = statisticsOf(positions);
+  summary.position_mean = position.mean;
+  summary.position_rmse = position.rmse;
+  summary.yaw_median = statisticsOf(yaws).median;
+  if (summary.speeds > 0)
+  {
+    summary.speed_mean_abs /= static_cast<double>(summary.speeds);
+    summary.speed_bias /= static_cast<double>(summary.speeds);
+  }
+  return summary;
+}
+}  // namespace dyslam
