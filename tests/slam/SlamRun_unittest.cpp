@@ -196,7 +196,7 @@ TEST_F(SlamRun, SameBytesTwiceAndForAnyThreadCount)
 TEST_F(SlamRun, EffectiveIniGivesTheSameRun)
 {
   auto first = settings("first");
-  first.config.set("refine.voxel_size=0.7");
+  first.config.set("refine.cell_size=0.7");
   (void)runSlam(first);
   auto second = settings("second");
   second.config = Config::fromFile(first.output_folder + "/effective.ini");
@@ -244,8 +244,8 @@ TEST_F(SlamRun, BadConfigIsNamedBeforeAnythingIsWritten)
   EXPECT_NE(errorWith("odometri.method=gicp").find("did you mean [odometry]"), std::string::npos);
   EXPECT_NE(errorWith("odometry.methode=gicp").find("did you mean 'method'"), std::string::npos);
   EXPECT_NE(errorWith("odometry.method=gicpp").find("did you mean gicp"), std::string::npos);
-  EXPECT_NE(errorWith("refine.voxel_size=-1").find("out of range"), std::string::npos);
-  EXPECT_NE(errorWith("refine.voxel_size=wide").find("not a number"), std::string::npos);
+  EXPECT_NE(errorWith("refine.cell_size=-1").find("out of range"), std::string::npos);
+  EXPECT_NE(errorWith("refine.cell_size=wide").find("not a number"), std::string::npos);
   EXPECT_FALSE(fs::exists(folder_ / "never"));
 }
 

@@ -11,8 +11,11 @@
 #include <cmath>
 #include <cstring>
 #include <filesystem>
+#include <fstream>
 #include <mutex>
 #include <optional>
+#include <sstream>
+#include <vector>
 
 #include "TextFile.h"
 
@@ -160,10 +163,75 @@ Scan scanFromBlob(const pcl::PCLPointCloud2& blob, const std::string& path)
   return scan;
 }
 
+/** PCL's PCD reader trusts the header and reads past the end of a file that is cut short.
+ * \throws UserError unless the data the header announces are there. */
+void requireWholePcd(const std::string& path)
+{
+  std::ifstream in = openBinary(path);
+  std::string encoding;
+  std::vector<std::size_t> sizes;
+  std::vector<std::size_t> counts;
+  std::size_t points = 0;
+  for (std::string line; encoding.empty() && std::getline(in, line);)
+  {
+    std::istringstream words(line);
+    std::string key;
+    words >> key;
+    std::size_t value = 0;
+    if (key == "SIZE" || key == "COUNT")
+    {
+      auto& list = key == "SIZE" ? sizes : counts;
+      while (words >> value)
+      {
+        list.push_back(value);
+      }
+    }
+    else if (key == "POINTS")
+    {
+      words >> points;
+    }
+    else if (key == "DATA")
+    {
+      words >> encoding;
+    }
+  }
+  if (encoding.empty() || sizes.empty())
+  {
+    throw UserError(path + ": is not a PCD file: its header is missing or damaged");
+  }
+  const auto header = static_cast<std::uint64_t>(in.tellg());
+  std::uint64_t needed = 0;
+  if (encoding == "binary")
+  {
+    for (std::size_t i = 0; i < sizes.size(); ++i)
+    {
+      needed += sizes[i] * (i < counts.size() ? counts[i] : 1);
+    }
+    needed *= points;
+  }
+  else if (encoding == "binary_compressed")
+  {
+    std::uint32_t compressed = 0;
+    std::array<char, sizeof(compressed)> bytes{};
+    in.read(bytes.data(), bytes.size());
+    std::memcpy(&compressed, bytes.data(), bytes.size());
+    needed = 2 * sizeof(compressed) + compressed;
+  }
+  if (std::filesystem::file_size(path) < header + needed)
+  {
+    throw UserError(path + ": is cut short: its header announces " + std::to_string(points) +
+                    " points");
+  }
+}
+
 /** PCL prints what it dislikes and returns a code: we want an exception and no printing. */
 Scan readWithPcl(const std::string& path, bool ply)
 {
   (void)openBinary(path);
+  if (!ply)
+  {
+    requireWholePcd(path);
+  }
   pcl::console::setVerbosityLevel(pcl::console::L_ALWAYS);
   pcl::PCLPointCloud2 blob;
   int code = -1;

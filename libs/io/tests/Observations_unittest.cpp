@@ -262,7 +262,7 @@ VelodyneCalibration calibrationOf(const std::string& model)
   for (int i = 0; i < 64; ++i)
   {
     VelodyneCalibration::PerLaserCalib laser;
-    laser.azimuthCorrection = 4.0 * std::sin(i);
+    laser.azimuthCorrection = 0;  // MRPT takes its degrees for hundredths of a degree
     laser.verticalCorrection = 2.0 - 0.42 * i;
     laser.distanceCorrection = 1.2 + 0.01 * i;
     laser.verticalOffsetCorrection = 0.02;

@@ -27,6 +27,7 @@ struct Voxel
   std::uint32_t last_keyframe = no_keyframe;  // that hit it
   std::uint16_t points = 0;                   // kept with their keyframes
   std::uint16_t hits = 0;                     // keyframes that hit it
+  std::uint16_t old_hits = 0;                 // before the last stitching, of the points in it
   std::uint16_t seen_through = 0;             // keyframes that saw through it
   bool has_evidence = false;                  // taken over from before the last stitching
 };
@@ -51,7 +52,7 @@ VoxelCell cellOf(const Eigen::Vector3d& p, double size)
  */
 void adoptEvidence(Voxel& voxel, const Voxel& old)
 {
-  voxel.hits = std::max(voxel.hits, old.hits);
+  voxel.old_hits = std::max(voxel.old_hits, old.hits);
   voxel.seen_through =
       voxel.has_evidence ? std::min(voxel.seen_through, old.seen_through) : old.seen_through;
   voxel.has_evidence = true;
@@ -330,6 +331,10 @@ void StaticMap::Impl::restitch(const std::vector<Pose>& new_poses, double new_vo
   for (std::size_t k = 0; k < keyframes.size(); ++k)
   {
     stitch(k, &before);
+  }
+  for (Voxel& voxel : voxels)
+  {
+    voxel.hits = std::max(voxel.hits, voxel.old_hits);
   }
 }
 

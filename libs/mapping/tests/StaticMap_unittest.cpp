@@ -243,6 +243,7 @@ TEST(StaticMap, RebuildAtTheSamePosesChangesNothing)
   const auto before = map.points();
   map.rebuild(posesOf(8, 1));
   const auto after = map.points();
+  ASSERT_EQ(before.points.size(), after.points.size());
   EXPECT_EQ(before.points, after.points);
   EXPECT_EQ(before.intensity, after.intensity);
 }

@@ -11,21 +11,21 @@ namespace
 {
 constexpr double degree = 3.14159265358979323846 / 180;
 
-/** Mean distance between the points of a deskewed cloud and those that a vehicle at rest sees. */
-double skewLeft(const Cloud& cloud, const Scan& rest)
+/** Mean distance, along the rays of the sensor at the vehicle's origin, between the points of a
+ * cloud and the surfaces they should lie on. */
+double skewLeft(const Cloud& cloud, const test::StreetScene& scene, const Eigen::Vector3d& sensor)
 {
   double sum = 0;
   std::size_t count = 0;
-  for (std::size_t i = 0; i < cloud.size(); ++i)
+  for (const Eigen::Vector3f& p : cloud.points)
   {
-    const Eigen::Vector3f& p = rest.points[cloud.source[i]];
-    if (!isReturn(p) || cloud.points[i].z() < 0.3F)
+    if (p.z() < 0.3F)
     {
-      continue;  // rings on the ground move with the sensor
+      continue;  // skew moves points of the ground along the ground
     }
-    const double d =
-        (rest.T_vehicle_lidar * p.cast<double>() - cloud.points[i].cast<double>()).norm();
-    if (d < 1)
+    const Eigen::Vector3d ray = p.cast<double>() - sensor;
+    const double d = std::abs(scene.range(sensor, ray.normalized()) - ray.norm());
+    if (d < 1)  // otherwise the ray passes the edge of a body
     {
       sum += d;
       ++count;
@@ -61,16 +61,16 @@ TEST(Preprocessor, DeskewsByTimeAndByAzimuth)
 {
   const test::StreetScene scene;
   const Pose motion = poseFromYpr(1.0, 0.05, 0, 3 * degree, 0, 0);
-  const Scan rest = scene.scan(Pose::Identity(), 0, 1);
   Scan skewed = scene.scan(Pose::Identity(), 0, 1, motion);
+  const Eigen::Vector3d sensor = skewed.T_vehicle_lidar.translation();
   ThreadPool pool(2);
   PreprocessOptions options;
   const double before =
-      skewLeft(Preprocessor(options, pool).prepare(skewed, Pose::Identity(), 0.1), rest);
+      skewLeft(Preprocessor(options, pool).prepare(skewed, Pose::Identity(), 0.1), scene, sensor);
   EXPECT_GT(before, 0.1);
   // By time about the stamp, which is mid-sweep here; half the motion over half the time.
   const Cloud by_time = Preprocessor(options, pool).prepare(skewed, motion, 0.1);
-  EXPECT_LT(skewLeft(by_time, rest), 0.25 * before);
+  EXPECT_LT(skewLeft(by_time, scene, sensor), 0.25 * before);
   EXPECT_EQ(by_time.phase.size(), by_time.size());
   skewed.time.clear();
   const Cloud by_azimuth = Preprocessor(options, pool).prepare(skewed, motion, 0.1);
@@ -80,7 +80,8 @@ TEST(Preprocessor, DeskewsByTimeAndByAzimuth)
     EXPECT_LT((by_time.points[i] - by_azimuth.points[i]).norm(), 2e-3F);
   }
   options.sweep.direction = 1;
-  EXPECT_GT(skewLeft(Preprocessor(options, pool).prepare(skewed, motion, 0.1), rest), before);
+  EXPECT_GT(skewLeft(Preprocessor(options, pool).prepare(skewed, motion, 0.1), scene, sensor),
+            before);
 }
 
 TEST(Preprocessor, NoDeskewWithoutPeriodOrIfOff)
