@@ -22,6 +22,7 @@ validation.csv and effective.ini.
   -c, --config FILE   sections [train], [network], [loss], [augmentation], [data]
   -o, --output DIR    made if it is not there
   --resume            go on from DIR/checkpoint.pt, exactly where it stopped
+  --start FILE        begin with the weights of another training's checkpoint.pt
   --validate          only print the validation table of DIR/checkpoint.pt
   --device cpu|cuda
   --set SECTION.KEY=VALUE   instead of what the file says; may be repeated
@@ -79,6 +80,10 @@ Arguments parse(int argc, char** argv)
     else if (word == "--set")
     {
       arguments.assignments.push_back(value());
+    }
+    else if (word == "--start")
+    {
+      arguments.request.start = value();
     }
     else if (word == "--resume")
     {

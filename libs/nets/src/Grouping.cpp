@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 
 namespace dyslam
 {
@@ -237,11 +238,13 @@ Surface surfaceAround(const Eigen::Vector3f& p, float range, const ImageView& im
   const auto dilation =
       std::clamp<std::int64_t>(static_cast<std::int64_t>(std::nearbyint(0.1F / step)), 1, 16);
   const float gate = 0.5F + 0.05F * range;
-  const float width = 0.15F + 0.02F * range;
+  const float width = 0.087F + 0.0116F * range;
 
   Surface surface;
-  float attention_sum = 0;
-  Eigen::Vector3f attended = Eigen::Vector3f::Zero();
+  std::array<Eigen::Vector3f, 27> differences;
+  std::array<float, 27> distances2;
+  std::size_t count = 0;
+  float least = std::numeric_limits<float>::max();
   Eigen::Vector3f sum = Eigen::Vector3f::Zero();
   Eigen::Matrix3f second = Eigen::Matrix3f::Zero();
   for (std::int64_t row = std::max<std::int64_t>(0, place.row - 1);
@@ -261,15 +264,23 @@ Surface surfaceAround(const Eigen::Vector3f& p, float range, const ImageView& im
       {
         continue;
       }
-      const float attention = near * std::exp(-0.5F * distance2 / (width * width));
-      attention_sum += attention;
-      attended += attention * d;
+      differences[count] = d;
+      distances2[count++] = distance2;
+      least = std::min(least, distance2);
       surface.mass += near;
       sum += near * d;
       second += near * d * d.transpose();
     }
   }
-  surface.toward = attended / std::max(attention_sum, 1e-12F);
+  // Relative to the nearest, so that a surface far off is not lost in underflow.
+  float attention_sum = 0;
+  for (std::size_t i = 0; i < count; ++i)
+  {
+    const float attention = std::exp(-0.5F * (distances2[i] - least) / (width * width));
+    attention_sum += attention;
+    surface.toward += attention * differences[i];
+  }
+  surface.toward /= std::max(attention_sum, 1.F);
   if (surface.mass > 0)
   {
     const Eigen::Vector3f mean = sum / surface.mass;

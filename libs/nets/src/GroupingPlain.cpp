@@ -88,9 +88,12 @@ Surfaces surfacesAround(const torch::Tensor& warped,
   const torch::Tensor centred = (d - mean.unsqueeze(1)) * share.sqrt().unsqueeze(2);
   const PlaneFit plane = fitPlanes(torch::matmul(centred.transpose(1, 2), centred));
 
-  const torch::Tensor width = 0.15 + 0.02 * range;
-  torch::Tensor attention = near * torch::exp(-0.5 * distance2 / width.square().unsqueeze(1));
-  attention = attention / attention.sum(1, true).clamp_min(1e-12);
+  const torch::Tensor width = 0.087 + 0.0116 * range;
+  const torch::Tensor used = near.gt(0).to(near.scalar_type());
+  const torch::Tensor least = (distance2 + (1 - used) * 1e8).amin(1, true);
+  torch::Tensor attention =
+      used * torch::exp(-0.5 * (distance2 - least).clamp_min(0) / width.square().unsqueeze(1));
+  attention = attention / attention.sum(1, true).clamp_min(1);
   const torch::Tensor toward = (attention.unsqueeze(2) * d).sum(1);
 
   Surfaces result;

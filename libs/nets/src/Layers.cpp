@@ -250,9 +250,10 @@ AttentiveCostVolumeImpl::AttentiveCostVolumeImpl(std::int64_t features,
   embed_ = register_module("embed",
                            GroupedMlp(Candidates::geometry_size, features, Sizes{hidden}, true));
   embed_rest_ = register_module("embed_rest", Mlp(Sizes{hidden, out, out}));
-  attend_ = register_module("attend", Mlp(Sizes{out, out / 2, 1}, true));
+  attend_ =
+      register_module("attend", Mlp(Sizes{out + Candidates::geometry_size, out / 2, 1}, true));
   patch_embed_ = register_module("patch_embed", GroupedMlp(3, out, Sizes{hidden, out}));
-  patch_attend_ = register_module("patch_attend", Mlp(Sizes{out, out / 2, 1}, true));
+  patch_attend_ = register_module("patch_attend", Mlp(Sizes{2 * out, out / 2, 1}, true));
 }
 
 Correlation AttentiveCostVolumeImpl::forward(const torch::Tensor& warped,
@@ -275,7 +276,9 @@ Correlation AttentiveCostVolumeImpl::forward(const torch::Tensor& warped,
                         leak);
   const torch::Tensor embedded = embed_rest_->forward(hidden);
   const torch::Tensor attention =
-      maskedSoftmax(attend_->forward(embedded).squeeze(2), near.usable).unsqueeze(1);
+      maskedSoftmax(attend_->forward(torch::cat({embedded, candidates.geometry}, 2)).squeeze(2),
+                    near.usable)
+          .unsqueeze(1);
 
   Correlation result;
   result.valid = near.usable.amax(1);
@@ -287,8 +290,10 @@ Correlation AttentiveCostVolumeImpl::forward(const torch::Tensor& warped,
 
   const torch::Tensor offsets = groupOffsets(warped, warped, patch.index, spacing_);
   const torch::Tensor patched = patch_embed_->forward(offsets, first, patch.index);
+  const torch::Tensor own = first.unsqueeze(1).expand_as(patched);
   const torch::Tensor patch_attention =
-      maskedSoftmax(patch_attend_->forward(patched).squeeze(2), usableOf(result.valid, patch));
+      maskedSoftmax(patch_attend_->forward(torch::cat({patched, own}, 2)).squeeze(2),
+                    usableOf(result.valid, patch));
   result.embedding = first + torch::bmm(patch_attention.unsqueeze(1), patched).squeeze(1);
   return result;
 }

@@ -73,6 +73,11 @@ SimulatorOptions ClipGenerator::clipOptions(std::uint64_t index) const
 
 std::vector<SimulatedScan> ClipGenerator::clip(std::uint64_t index) const
 {
+  return clip(index, options_.scans);
+}
+
+std::vector<SimulatedScan> ClipGenerator::clip(std::uint64_t index, int count) const
+{
   const SimulatorOptions o = clipOptions(index);
   const std::uint64_t world_number =
       index / static_cast<std::uint64_t>(options_.clips_per_world) + 1;
@@ -85,7 +90,7 @@ std::vector<SimulatedScan> ClipGenerator::clip(std::uint64_t index) const
   driven.seed = static_cast<int>(combine(static_cast<std::uint64_t>(o.seed), index) >> 34);
   Simulator simulator(world_, driven, threads_);
   std::vector<SimulatedScan> scans;
-  for (int i = 0; i < options_.scans; ++i)
+  for (int i = 0; i < count; ++i)
   {
     scans.push_back(simulator.next());
   }

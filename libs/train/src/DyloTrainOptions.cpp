@@ -17,6 +17,8 @@ void TrainOptions::describe(OptionsVisitor& visitor)
   visitor.real("last_learning_rate", last_learning_rate, 1e-12, 1, "at the end");
   visitor.word("schedule", schedule, {"exponential", "cosine"}, "from the first rate to the last");
   visitor.real("clip", clip, 1e-6, 1e6, "largest norm of a gradient");
+  visitor.real("guessed_starts", guessed_starts, 0, 1,
+               "share of pairs that start near the truth, as from a prediction, not from standing");
   visitor.integer("threads", threads, 1, 256, "of a CPU");
   visitor.real("checkpoint_minutes", checkpoint_minutes, 0.01, 1e6, "between checkpoints");
   visitor.integer("validate_every", validate_every, 1, 100000000, "steps");
@@ -31,6 +33,8 @@ void DataOptions::describe(OptionsVisitor& visitor)
   visitor.text("singles", singles, "folders of single scans, separated by |");
   visitor.text("bodies", bodies, "folders of labelled scans that bodies are cut from, by |");
   visitor.text("validation", validation, "as recordings, never trained on");
+  visitor.text("simulated_validation", simulated_validation,
+               "world;sensor;traffic;seed;scans of fixed simulated drives, by |");
   visitor.integer("most_gap", most_gap, 1, 100, "steps between the scans of a pair");
   visitor.real("recordings_weight", recordings_weight, 0, 1e6, "share of pairs");
   visitor.real("singles_weight", singles_weight, 0, 1e6, "share of pairs");

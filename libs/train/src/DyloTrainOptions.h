@@ -20,6 +20,7 @@ struct TrainOptions : Options
   double last_learning_rate = 1e-6;
   std::string schedule = "exponential";
   double clip = 5;
+  double guessed_starts = 0.5;
   int threads = 1;
   double checkpoint_minutes = 3;
   int validate_every = 500;
@@ -35,6 +36,7 @@ struct DataOptions : Options
   std::string singles;
   std::string bodies;
   std::string validation;
+  std::string simulated_validation;
   int most_gap = 5;
   double recordings_weight = 1;
   double singles_weight = 0.1;

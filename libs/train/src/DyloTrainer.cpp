@@ -4,6 +4,7 @@
 #include <dyslam/train/Augmentation.h>
 #include <dyslam/train/DyloLoss.h>
 #include <dyslam/train/DyloTrainer.h>
+#include <dyslam/train/RandomDraws.h>
 #include <dyslam/train/RealPairSource.h>
 
 #include <algorithm>
@@ -95,6 +96,24 @@ std::vector<torch::Tensor> nodeLabels(const PreparedScan& scan,
   return result;
 }
 
+/** Where the network's search begins: standing still, or a prediction that errs as one does. */
+Pose drawStart(const Pose& truth, double guessed_starts, std::uint64_t seed, std::uint64_t index)
+{
+  RandomDraws draws(seed ^ 0x57A27ULL, index);
+  // Beyond what the widest window can find only a prediction helps.
+  const double share =
+      truth.translation().norm() > 4 ? std::max(guessed_starts, 0.8) : guessed_starts;
+  if (guessed_starts <= 0 || !draws.chance(share))
+  {
+    return Pose::Identity();
+  }
+  const double meters = 0.02 * std::pow(25.0, draws.uniform());
+  const double radians = 0.001 * std::pow(15.0, draws.uniform());
+  return truth * poseFromYpr(draws.normal(meters), draws.normal(0.3 * meters),
+                             draws.normal(0.15 * meters), draws.normal(radians),
+                             draws.normal(0.3 * radians), draws.normal(0.3 * radians));
+}
+
 class Trainer
 {
  public:
@@ -103,7 +122,7 @@ class Trainer
 
  private:
   void save();
-  void resume();
+  void load(const std::string& checkpoint, bool weights_only);
   void validate();
   [[nodiscard]] double learningRate() const;
   DyloLossImpl::Terms trainPair(std::uint64_t index);
@@ -161,15 +180,23 @@ Trainer::Trainer(const Config& config, const DyloTrainRequest& request)
   std::filesystem::create_directories(request.output);
   if (request.resume || request.validate_only)
   {
-    resume();
+    load(request.output + "/checkpoint.pt", request.validate_only);
   }
   else if (std::filesystem::exists(request.output + "/checkpoint.pt"))
   {
     throw UserError(request.output +
                     "/checkpoint.pt: is there already; add --resume or choose another folder");
   }
+  else if (!request.start.empty())
+  {
+    load(request.start, true);
+  }
   const std::string base = dataBase(data_.base);
   validation_ = loadRecordings(data_.validation, base, false);
+  for (const std::string& item : listItems(data_.simulated_validation))
+  {
+    validation_.push_back(simulateRecording(item));
+  }
   if (!request.validate_only)
   {
     std::ofstream(request.output + "/effective.ini") << loader.effective().toIni();
@@ -206,8 +233,10 @@ DyloLossImpl::Terms Trainer::trainPair(std::uint64_t index)
   data_seconds_ += secondsSince(begin);
 
   const auto options = torch::dtype(torch::kFloat).device(device_);
+  const Pose start = drawStart(pair.T_2_1, options_.guessed_starts,
+                               static_cast<std::uint64_t>(options_.seed), index);
   const auto stages = network_->forward(network_->encode(scan1), network_->encode(scan2),
-                                        PoseTensors::identity(options));
+                                        PoseTensors::from(start, options));
   DyloLossImpl::Terms terms =
       loss_->forward(stages, scan1, PoseTensors::from(pair.T_2_1, options), labels);
   (terms.total / options_.batch).backward();
@@ -306,13 +335,17 @@ void Trainer::validate()
   std::ofstream csv(file, std::ios::app);
   if (fresh)
   {
-    csv << "step,recording,t_mean_m,t_rmse_m,r_mean_deg,r_rmse_deg,forward_ratio\n";
+    csv << "step,recording,start,t_mean_m,t_rmse_m,r_mean_deg,r_rmse_deg,forward_ratio\n";
   }
   for (const ValidationRow& row : rows)
   {
-    csv << step_ << ',' << row.recording << ',' << row.network.translation_mean << ','
-        << row.network.translation_rmse << ',' << row.network.rotation_mean_deg << ','
-        << row.network.rotation_rmse_deg << ',' << row.network.forward_ratio << '\n';
+    for (const bool predicted : {false, true})
+    {
+      const MotionErrors& e = predicted ? row.predicted_start : row.network;
+      csv << step_ << ',' << row.recording << ',' << (predicted ? "prediction" : "standing") << ','
+          << e.translation_mean << ',' << e.translation_rmse << ',' << e.rotation_mean_deg << ','
+          << e.rotation_rmse_deg << ',' << e.forward_ratio << '\n';
+    }
   }
 }
 
@@ -337,9 +370,8 @@ void Trainer::save()
   std::filesystem::rename(request_.output + "/dylo.pt.new", request_.output + "/dylo.pt");
 }
 
-void Trainer::resume()
+void Trainer::load(const std::string& path, bool weights_only)
 {
-  const std::string path = request_.output + "/checkpoint.pt";
   if (!std::filesystem::exists(path))
   {
     throw UserError(path + ": there is no checkpoint to go on from");
@@ -356,6 +388,10 @@ void Trainer::resume()
     archive.read("optimizer", optimizer);
     network_->load(network);
     loss_->load(loss);
+    if (weights_only)
+    {
+      return;
+    }
     optimizer_->load(optimizer);
     torch::IValue step;
     archive.read("step", step);

@@ -52,6 +52,7 @@ std::vector<ValidationRow> validateDylo(DyloNetwork& network,
   for (const Recording& recording : recordings)
   {
     std::vector<Pose> estimates;
+    std::vector<Pose> followed;
     std::vector<Pose> truths;
     std::vector<Pose> still;
     std::vector<Pose> same;
@@ -68,6 +69,14 @@ std::vector<ValidationRow> validateDylo(DyloNetwork& network,
         const auto found = network->forward(
             now, before, PoseTensors::identity(torch::dtype(torch::kFloat).device(device)));
         seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+        // No step before the first one: it starts from what was found from standing still.
+        const Pose start = followed.empty() ? found.back().pose.toPose() : followed.back();
+        followed.push_back(
+            network
+                ->forward(now, before,
+                          PoseTensors::from(start, torch::dtype(torch::kFloat).device(device)))
+                .back()
+                .pose.toPose());
         stages.resize(found.size());
         for (std::size_t s = 0; s < found.size(); ++s)
         {
@@ -83,6 +92,7 @@ std::vector<ValidationRow> validateDylo(DyloNetwork& network,
     ValidationRow row;
     row.recording = recording.name;
     row.network = motionErrors(estimates, truths);
+    row.predicted_start = motionErrors(followed, truths);
     row.zero_motion = motionErrors(still, truths);
     // The first step has no step before it.
     row.constant_velocity =
@@ -105,7 +115,8 @@ std::string validationTable(const std::vector<ValidationRow>& rows)
   {
     char stage_text[32];
     text += "  " + row.recording + "\n" + line("dylo", row.network) +
-            line("zero motion", row.zero_motion) + line("constant velocity", row.constant_velocity);
+            line("dylo, predicted", row.predicted_start) + line("zero motion", row.zero_motion) +
+            line("constant velocity", row.constant_velocity);
     text += "    stages, t rmse [m]:";
     for (const double error : row.stage_translation_rmse)
     {

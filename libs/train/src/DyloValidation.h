@@ -25,7 +25,9 @@ struct MotionErrors
 struct ValidationRow
 {
   std::string recording;
-  MotionErrors network, zero_motion, constant_velocity;
+  MotionErrors network;          //!< started from standing still
+  MotionErrors predicted_start;  //!< started from its own motion of the step before
+  MotionErrors zero_motion, constant_velocity;
   std::vector<double> stage_translation_rmse;  //!< m
   double milliseconds = 0;                     //!< encode one scan and match, mean
 };

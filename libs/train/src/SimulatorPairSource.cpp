@@ -7,20 +7,76 @@
 #endif
 
 #include <algorithm>
+#include <array>
+#include <sstream>
 
 namespace dyslam
 {
 #ifdef DYSLAM_HAVE_SIM
 namespace
 {
+/** Neighbouring pairs share a world, which saves its making. */
+constexpr std::uint64_t pairs_per_world = 16;
+
+struct Scene
+{
+  double share;
+  sim::WorldKind world;
+  sim::SensorKind sensor;
+  int columns;  //!< 0: the sensor's
+  double min_traffic, max_traffic;
+};
+
+constexpr std::array<Scene, 7> scenes = {{
+    {0.10, sim::WorldKind::urban, sim::SensorKind::hdl64e, 1024, 0, 1},
+    {0.10, sim::WorldKind::urban, sim::SensorKind::hdl64e, 0, 0, 1},
+    {0.25, sim::WorldKind::highway, sim::SensorKind::hdl64e, 1024, 0.3, 1},
+    {0.10, sim::WorldKind::highway, sim::SensorKind::hdl64e, 0, 0.3, 1},
+    {0.25, sim::WorldKind::highway, sim::SensorKind::hdl64e, 1024, 1, 1},
+    {0.10, sim::WorldKind::campus, sim::SensorKind::vlp16, 0, 0, 1},
+    {0.10, sim::WorldKind::urban, sim::SensorKind::vlp16, 0, 0, 1},
+}};
+
+/** From the lidar of one scan to that of another. */
+Pose motionBetween(const sim::SimulatedScan& from, const sim::SimulatedScan& to)
+{
+  const Pose& T_vehicle_lidar = from.scan.T_vehicle_lidar;
+  return T_vehicle_lidar.inverse() * to.T_map_vehicle.inverse() * from.T_map_vehicle *
+         T_vehicle_lidar;
+}
+
+std::vector<PointLabel> pointLabels(const sim::SimulatedScan& scan)
+{
+  std::vector<PointLabel> labels;
+  labels.reserve(scan.moving.size());
+  for (const std::uint8_t moving : scan.moving)
+  {
+    labels.push_back(moving != 0 ? PointLabel::moving : PointLabel::still);
+  }
+  return labels;
+}
+
 class SimulatorPairSource : public PairSource
 {
  public:
   SimulatorPairSource(const AugmentationOptions& augmentation, int most_gap, std::uint64_t seed)
-      : augmentation_(augmentation), seed_(seed), clips_(clipOptions(most_gap, seed))
+      : augmentation_(augmentation), most_gap_(std::min(most_gap, 3)), seed_(seed)
   {
     // What the simulator shows needs no pasting.
     augmentation_.bodies = 0;
+    for (std::size_t i = 0; i < scenes.size(); ++i)
+    {
+      sim::ClipOptions options;
+      options.any_world = false;
+      options.clips_per_world = static_cast<int>(pairs_per_world);
+      options.min_traffic = scenes[i].min_traffic;
+      options.max_traffic = scenes[i].max_traffic;
+      options.simulator.world = scenes[i].world;
+      options.simulator.sensor = scenes[i].sensor;
+      options.simulator.columns = scenes[i].columns;
+      options.simulator.seed = static_cast<int>(1000003 * (seed % 1000) + 7777 + i);
+      clips_.emplace_back(options);
+    }
   }
 
   [[nodiscard]] std::string name() const override { return "simulator"; }
@@ -28,44 +84,40 @@ class SimulatorPairSource : public PairSource
   [[nodiscard]] TrainingPair pair(std::uint64_t index) const override
   {
     RandomDraws draws(seed_ ^ 0x51ULL, index);
-    const std::vector<sim::SimulatedScan> clip = clips_.clip(index);
-    const std::size_t gap =
-        draws.chance(0.6) ? 1 : 1 + draws.below(std::max<std::size_t>(clip.size() - 1, 1));
-    std::size_t later = gap;
-    std::size_t earlier = 0;
-    if (draws.chance(0.3))
-    {
-      std::swap(later, earlier);
-    }
-    const sim::SimulatedScan& scan1 = clip[later];
-    const sim::SimulatedScan& scan2 = clip[earlier];
+    const int gap = draws.chance(0.6)
+                        ? 1
+                        : 1 + static_cast<int>(draws.below(static_cast<std::size_t>(most_gap_)));
+    const std::vector<sim::SimulatedScan> clip = clips_[scene(index)].clip(index, gap + 1);
+    const bool backwards = draws.chance(0.3);
+    const sim::SimulatedScan& scan1 = backwards ? clip.front() : clip.back();
+    const sim::SimulatedScan& scan2 = backwards ? clip.back() : clip.front();
     TrainingPair pair;
     pair.points1 = scan1.deskewed;
     pair.points2 = scan2.deskewed;
-    pair.labels1.reserve(scan1.moving.size());
-    for (const std::uint8_t moving : scan1.moving)
-    {
-      pair.labels1.push_back(moving != 0 ? PointLabel::moving : PointLabel::still);
-    }
-    const Pose T_vehicle_lidar = scan1.scan.T_vehicle_lidar;
-    pair.T_2_1 = T_vehicle_lidar.inverse() * scan2.T_map_vehicle.inverse() * scan1.T_map_vehicle *
-                 T_vehicle_lidar;
+    pair.labels1 = pointLabels(scan1);
+    pair.T_2_1 = motionBetween(scan1, scan2);
     augment(augmentation_, {}, draws, pair);
     return pair;
   }
 
  private:
-  static sim::ClipOptions clipOptions(int most_gap, std::uint64_t seed)
+  [[nodiscard]] std::size_t scene(std::uint64_t index) const
   {
-    sim::ClipOptions options;
-    options.scans = std::min(most_gap, 3) + 1;
-    options.simulator.seed = static_cast<int>(1000003 * (seed % 1000) + 7777);
-    return options;
+    RandomDraws draws(seed_ ^ 0x5CE7EULL, index / pairs_per_world);
+    double rest = draws.uniform();
+    std::size_t chosen = 0;
+    while (chosen + 1 < scenes.size() && rest >= scenes[chosen].share)
+    {
+      rest -= scenes[chosen].share;
+      ++chosen;
+    }
+    return chosen;
   }
 
   AugmentationOptions augmentation_;
+  int most_gap_;
   std::uint64_t seed_;
-  sim::ClipGenerator clips_;
+  std::vector<sim::ClipGenerator> clips_;
 };
 }  // namespace
 
@@ -75,10 +127,58 @@ std::unique_ptr<PairSource> makeSimulatorPairSource(const AugmentationOptions& a
 {
   return std::make_unique<SimulatorPairSource>(augmentation, most_gap, seed);
 }
+
+Recording simulateRecording(const std::string& text)
+{
+  std::vector<std::string> words;
+  std::istringstream stream(text);
+  for (std::string word; std::getline(stream, word, ';');)
+  {
+    words.push_back(word);
+  }
+  sim::SimulatorOptions options;
+  int scans = 0;
+  try
+  {
+    if (words.size() == 5)
+    {
+      options.world = sim::worldKindFromString(words[0]);
+      options.sensor = sim::sensorKindFromString(words[1]);
+      options.traffic = std::stod(words[2]);
+      options.seed = std::stoi(words[3]);
+      scans = std::stoi(words[4]);
+    }
+  }
+  catch (const std::logic_error&)
+  {
+    scans = 0;
+  }
+  if (scans < 2)
+  {
+    throw UserError("[data] simulated_validation: '" + text +
+                    "' is not world;sensor;traffic;seed;scans, with 2 scans or more");
+  }
+  sim::Simulator simulator(options);
+  Recording recording;
+  recording.name = words[0] + " " + words[1] + " traffic " + words[2];
+  for (int i = 0; i < scans; ++i)
+  {
+    sim::SimulatedScan scan = simulator.next();
+    recording.labels.push_back(pointLabels(scan));
+    recording.T_world_scan.push_back(scan.T_map_vehicle * scan.scan.T_vehicle_lidar);
+    recording.scans.push_back(std::move(scan.deskewed));
+  }
+  return recording;
+}
 #else
 std::unique_ptr<PairSource> makeSimulatorPairSource(const AugmentationOptions&, int, std::uint64_t)
 {
   throw UserError("[data] simulator_weight: this build has no simulator; set it to 0");
+}
+
+Recording simulateRecording(const std::string&)
+{
+  throw UserError("[data] simulated_validation: this build has no simulator; leave it empty");
 }
 #endif
 }  // namespace dyslam

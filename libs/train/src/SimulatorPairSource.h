@@ -3,12 +3,21 @@
 
 #include <dyslam/train/Augmentation.h>
 #include <dyslam/train/PairSource.h>
+#include <dyslam/train/Recordings.h>
 
 #include <memory>
+#include <string>
 
 namespace dyslam
 {
-/** Pairs from generated worlds. \throws UserError where the simulator was not built. */
+/** Pairs from generated worlds: urban streets, dense motorways and jams seen by 64 beams, campus
+ * and streets seen by 16. \throws UserError where the simulator was not built. */
 [[nodiscard]] std::unique_ptr<PairSource> makeSimulatorPairSource(
     const AugmentationOptions& augmentation, int most_gap, std::uint64_t seed);
+
+/** A fixed simulated drive, e.g. to validate on.
+ *
+ * \param text "world;sensor;traffic;seed;scans", e.g. "urban;HDL64E;0.4;9001;20". Training draws
+ * its worlds otherwise, so that no seed written here meets them. \throws UserError. */
+[[nodiscard]] Recording simulateRecording(const std::string& text);
 }  // namespace dyslam

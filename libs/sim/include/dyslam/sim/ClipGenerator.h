@@ -34,6 +34,8 @@ class ClipGenerator
 
   /** `scans` consecutive scans with truth. */
   [[nodiscard]] std::vector<SimulatedScan> clip(std::uint64_t index) const;
+  /** The first `scans` scans of the same drive, fewer or more than the options say. */
+  [[nodiscard]] std::vector<SimulatedScan> clip(std::uint64_t index, int scans) const;
   /** The options that clip `index` is simulated with. */
   [[nodiscard]] SimulatorOptions clipOptions(std::uint64_t index) const;
 

@@ -13,6 +13,7 @@ struct DyloTrainRequest
   std::string
       output;  //!< folder for checkpoint.pt, dylo.pt, log.csv, validation.csv, effective.ini
   bool resume = false;  //!< go on from checkpoint.pt there
+  std::string start;    //!< a checkpoint.pt whose weights a new training begins with, or empty
   std::string device = "cpu";
   bool validate_only = false;  //!< print the validation table of what is in the folder, then stop
   std::function<void(const std::string&)> report;  //!< one line of progress at a time
