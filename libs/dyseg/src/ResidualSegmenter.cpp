@@ -33,6 +33,7 @@ void ResidualSegmenterOptions::describe(OptionsVisitor& v)
   v.real("margin", margin, 0.01, 10, "m a point must lie before what was seen");
   v.real("margin_per_range", margin_per_range, 0, 1, "m of margin more per m of range");
   v.real("max_range", max_range, 1, 1000, "m, points beyond are static");
+  v.flag("open_sky", open_sky, "a ray without return above a point went on freely");
   v.real("ground_clearance", ground_clearance, 0, 2,
          "m above the lowest point nearby that is ground");
   v.real("cell_size", cell_size, 0.05, 5, "m, cells that join votes to objects");
@@ -83,6 +84,7 @@ ResidualSegmenter::PastScan ResidualSegmenter::project(const Frame& frame) const
     }
     float& seen = past.range[static_cast<std::size_t>(d.row * columns_ + d.column)];
     seen = seen == 0 ? d.range : std::min(seen, d.range);
+    past.highest_row = std::max(past.highest_row, d.row);
   }
   return past;
 }
@@ -117,7 +119,8 @@ int ResidualSegmenter::vote(const PastScan& past, const Eigen::Vector3f& point) 
     }
   }
   // Rays on one side only may have passed just over an edge that stood there all along.
-  const bool enclosed = seen_in_row[0] && seen_in_row[2];
+  const bool open_above = options_.open_sky && d.row + 1 < past.highest_row;
+  const bool enclosed = seen_in_row[0] && (seen_in_row[2] || open_above);
   return enclosed && d.range < nearest - margin ? 2 : 0;
 }
 

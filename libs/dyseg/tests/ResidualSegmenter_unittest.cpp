@@ -3,6 +3,7 @@
 #include <dyslam/dyseg/ResidualSegmenter.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -110,6 +111,58 @@ TEST(ResidualSegmenter, AStandingBodyIsStatic)
   ASSERT_GT(counts.body, 100);
   EXPECT_EQ(counts.found, 0);
   EXPECT_EQ(counts.wrong, 0);
+}
+
+/** Rays of a 16-beam lidar 1 m above open ground with an upright 0.8 x 0.8 x 2.2 m body. */
+Frame openScene(const Eigen::Vector2d& body)
+{
+  Frame frame;
+  for (int beam = 0; beam < 16; ++beam)
+  {
+    for (int step = 0; step < 900; ++step)
+    {
+      const double slope = std::tan((-15 + 2 * beam) * M_PI / 180);
+      const double azimuth = (step + 0.5) * 2 * M_PI / 900;
+      const Eigen::Vector3d ray(std::cos(azimuth), std::sin(azimuth), slope);
+      const Eigen::Vector2d side(-ray.y(), ray.x());
+      const double distance = body.dot(ray.head<2>()) - 0.4;
+      const bool met = distance > 0 && std::abs(body.dot(side)) < 0.4 && distance * slope < 1.2 &&
+                       distance * slope > -1;
+      const double range = met ? distance : slope < 0 ? -1 / slope : 1e9;
+      if (range < 60)
+      {
+        frame.cloud.points.push_back((ray * range).cast<float>());
+      }
+    }
+  }
+  return frame;
+}
+
+int movingPoints(double speed, bool open_sky)
+{
+  ThreadPool pool(1);
+  ResidualSegmenterOptions options;
+  options.slope_bin = 0.028;
+  options.azimuth_bin = 0.0105;
+  options.open_sky = open_sky;
+  ResidualSegmenter segmenter(options, pool);
+  Frame frame;
+  for (int k = 0; k < 14; ++k)
+  {
+    frame = openScene({8, 0.1 * speed * k});
+    segmenter.segment(frame);
+  }
+  return static_cast<int>(std::count_if(frame.moving_probability.begin(),
+                                        frame.moving_probability.end(),
+                                        [](float p) { return p > 0.5F; }));
+}
+
+TEST(ResidualSegmenter, RaysIntoTheOpenSkyPassAFewBeamsBody)
+{
+  const int with = movingPoints(1.4, true), without = movingPoints(1.4, false);
+  EXPECT_GT(with, 60);
+  EXPECT_GT(with, without);
+  EXPECT_EQ(movingPoints(0, true), 0);
 }
 
 TEST(ResidualSegmenter, SameAnswerForAnyThreadCount)

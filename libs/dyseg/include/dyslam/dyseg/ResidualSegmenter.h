@@ -16,6 +16,9 @@ struct ResidualSegmenterOptions : Options
   double margin = 0.2;             //!< a point must lie this far before what was seen ...
   double margin_per_range = 0.01;  //!< ... and this much more per metre of its range [m]
   double max_range = 60;           //!< points beyond are called static [m]
+  /** A ray without return above a point went on freely, as from a few beams under open sky; else
+   * only returns farther away above and below it say so. */
+  bool open_sky = false;
   double ground_clearance = 0.15;  //!< points this little above the lowest nearby are ground [m]
   double cell_size = 0.4;          //!< of the grid in which single votes become objects [m]
   int min_points = 8;              //!< that voted moving, in a moving object
@@ -49,6 +52,7 @@ class ResidualSegmenter : public MovingSegmenter
   {
     Pose T_lidar_odom = Pose::Identity();
     std::vector<float> range;  //!< rows x columns [m]; 0 where nothing was seen
+    int highest_row = 0;       //!< that the scan reached
   };
 
   [[nodiscard]] PastScan project(const Frame& frame) const;
