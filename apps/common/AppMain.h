@@ -40,6 +40,21 @@ inline std::string firstMeaningfulLine(const std::string& text)
   return first.empty() ? "unknown error" : first;
 }
 
+/** The text without control characters, which would garble a terminal, and not endless. */
+inline std::string printable(std::string text)
+{
+  constexpr std::size_t longest = 500;
+  if (text.size() > longest)
+  {
+    text = text.substr(0, longest) + "...";
+  }
+  for (char& c : text)
+  {
+    c = (c >= 0 && c < ' ') || c == '\x7F' ? '?' : c;
+  }
+  return text;
+}
+
 /** What every program's main calls.
  *
  * `declare` adds flags to the parser, `run` works. Returns 0 on success, --help and --version, and
@@ -55,7 +70,7 @@ inline int runApp(int argc,
   const auto fail = [&name](const std::string& message)
   {
     std::cout.flush();
-    std::cerr << name << ": " << message << std::endl;
+    std::cerr << name << ": " << printable(message) << std::endl;
     return 1;
   };
   CLI::App app;
@@ -77,6 +92,14 @@ inline int runApp(int argc,
     {
       app.exit(error);
       return 0;
+    }
+    // CLI11 tells a missing option first, even if it is missing because of a mistyped one.
+    for (const std::string& word : app.remaining(true))
+    {
+      if (word.size() > 1 && word[0] == '-')
+      {
+        return fail(word + ": unknown option (see " + name + " --help)");
+      }
     }
     return fail(firstMeaningfulLine(error.what()) + " (see " + name + " --help)");
   }

@@ -178,6 +178,13 @@ Table runTable(const std::vector<RunScores>& runs)
   return table;
 }
 
+/** What the report tells of each stage, if it does. */
+Json stageTimes(const RunScores& run)
+{
+  const auto times = run.report.find("stage_ms");
+  return times != run.report.end() && times->is_object() ? *times : Json::object();
+}
+
 /** Mean time of each stage, one column per run. */
 Table stageTable(const std::vector<RunScores>& runs)
 {
@@ -187,7 +194,8 @@ Table stageTable(const std::vector<RunScores>& runs)
   for (const auto& run : runs)
   {
     columns.push_back(run.name);
-    for (const auto& [stage, time] : run.report.value("stage_ms", Json::object()).items())
+    const Json times = stageTimes(run);
+    for (const auto& [stage, time] : times.items())
     {
       if (known.insert(stage).second)
       {
@@ -201,7 +209,7 @@ Table stageTable(const std::vector<RunScores>& runs)
     std::vector<TableCell> cells{stage};
     for (const auto& run : runs)
     {
-      cells.emplace_back(number(run.report.value("stage_ms", Json::object()), stage.c_str()), 2);
+      cells.emplace_back(number(stageTimes(run), stage.c_str()), 2);
     }
     table.addRow(std::move(cells));
   }

@@ -118,20 +118,40 @@ void run(Arguments& a)
   a.builder.labelled_map = !a.labelled_map.empty();
   for (const auto& path : a.outputs)
   {
-    (void)dyslam::mapFormatOf(path);  // a bad ending is told before the work, not after
+    // A bad ending or folder is told before the work, not after.
+    (void)dyslam::mapFormatOf(path);
+    const auto folder = std::filesystem::path(path).parent_path();
+    if (!folder.empty() && !std::filesystem::is_directory(folder))
+    {
+      throw dyslam::UserError(path + ": its folder is not there; make it, or choose another");
+    }
   }
   dyslam::MapBuilder builder(dyslam::readTrajectory(a.trajectory), a.builder);
   dyslam::RawlogSource source(a.rawlog, a.source);
-  dyslam::Progress progress("dyslam-map", "scans", a.quiet);
-  while (auto frame = source.next())
+  std::string damage;
   {
-    builder.add(std::move(*frame));
-    progress.update(source.progress(), source.framesRead());
+    dyslam::Progress progress("dyslam-map", "scans", a.quiet);
+    try
+    {
+      while (auto frame = source.next())
+      {
+        builder.add(std::move(*frame));
+        progress.update(source.progress(), source.framesRead());
+      }
+      progress.finish(source.framesRead());
+    }
+    catch (const dyslam::UserError& error)
+    {
+      damage = error.what();  // the map of the scans before it is worth keeping
+    }
   }
-  progress.finish(source.framesRead());
   for (const auto& warning : source.warnings())
   {
     std::fprintf(stderr, "warning: %s\n", warning.c_str());
+  }
+  if (!damage.empty() && source.framesRead() == 0)
+  {
+    throw dyslam::UserError(damage);
   }
   if (builder.map().keyframes().size() == 0)
   {
@@ -148,6 +168,11 @@ void run(Arguments& a)
     dyslam::writeCloud(a.labelled_map, labelled.points);
     dyslam::writeLabels(std::filesystem::path(a.labelled_map).replace_extension(".label").string(),
                         labelled.labels);
+  }
+  if (!damage.empty())
+  {
+    throw dyslam::UserError(damage + "; the map of the " + std::to_string(source.framesRead()) +
+                            " scans before it was written");
   }
   std::printf("%zu scans, %zu without a pose, %zu keyframes, %zu map points of %.2f m\n",
               source.framesRead(), builder.skipped(), builder.map().keyframes().size(),

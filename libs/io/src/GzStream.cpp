@@ -27,7 +27,8 @@ GzInput::GzInput(const std::string& path) : path_(path)
   file_ = gzopen(path.c_str(), "rb");
   if (file_ == nullptr)
   {
-    throw UserError(path + ": cannot be read: " + std::strerror(errno));
+    throw UserError(path + ": cannot be read (" + std::strerror(errno) +
+                    "); check its permissions");
   }
   gzbuffer(file_, buffer_size);
 }

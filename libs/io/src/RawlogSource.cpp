@@ -92,7 +92,7 @@ struct RawlogSource::Impl
   {
     scale = options.intensity_scale;
     pending = nextScan();
-    if (!pending.observation && scans_seen == 0)
+    if (!pending.observation)
     {
       fail();
     }
@@ -119,6 +119,11 @@ struct RawlogSource::Impl
     {
       throw UserError(*postponed);
     }
+    if (scans_seen > 0)
+    {
+      throw UserError(stream.path() + ": skip_first_n = " + std::to_string(options.skip_first_n) +
+                      " leaves no scan; the file has " + std::to_string(scans_seen));
+    }
     if (!lidar_labels.empty())
     {
       std::string known;
@@ -136,7 +141,7 @@ struct RawlogSource::Impl
     }
     const bool flat = seen_classes.count("CObservation2DRangeScan") > 0;
     throw UserError(stream.path() + ": has no 3D scans" + (held.empty() ? "" : ", only " + held) +
-                    (flat ? "; 2D scans cannot be used" : ""));
+                    (flat ? "; 2D scans cannot be used" : "") + "; give a recording of a 3D LiDAR");
   }
 
   [[nodiscard]] bool isWanted(const CObservation& observation)
@@ -356,11 +361,6 @@ struct RawlogSource::Impl
       if (postponed)
       {
         throw UserError(*postponed);
-      }
-      if (delivered == 0 && scans_seen > 0)
-      {
-        throw UserError(stream.path() + ": skip_first_n = " + std::to_string(options.skip_first_n) +
-                        " leaves no scan; the file has " + std::to_string(scans_seen));
       }
       return std::nullopt;
     }

@@ -17,6 +17,8 @@ namespace fs = std::filesystem;
 
 namespace
 {
+const char* const advice = "give an MRPT rawlog, or make one with kitti2rawlog or scans2rawlog";
+
 std::string findExternalFolder(const std::string& path)
 {
   const fs::path rawlog(path);
@@ -38,27 +40,32 @@ RawlogStream::RawlogStream(const std::string& path)
 {
   if (file_.fileSize() == 0)
   {
-    throw UserError(path + ": is empty");
+    throw UserError(path + ": is empty; " + advice);
   }
 }
 
 void RawlogStream::failReading(const std::string& reason) const
 {
+  if (objects_ == 0)
+  {
+    // Anything may be told of bytes that are no object: MRPT's own words would only confuse.
+    throw UserError(path_ + ": is not a rawlog, or is damaged in its first object" +
+                    (file_.broken() ? " (the compressed data are broken)" : "") +
+                    (file_.cut() ? " (the file ends there)" : "") + "; " + advice);
+  }
   const std::string count = std::to_string(objects_);
   if (file_.broken())
   {
-    throw UserError(path_ + ": the compressed data are damaged after " + count + " objects");
+    throw UserError(path_ + ": the compressed data are damaged after " + count +
+                    " objects; copy or record the file again");
   }
   if (file_.cut())
   {
     throw UserError(path_ + ": is cut short: the file ends within an object, after " + count +
-                    " whole ones");
+                    " whole ones; copy or record it again");
   }
-  if (objects_ == 0)
-  {
-    throw UserError(path_ + ": is not a rawlog: " + reason);
-  }
-  throw UserError(path_ + ": is damaged after " + count + " objects: " + reason);
+  throw UserError(path_ + ": is damaged after " + count + " objects: " + reason +
+                  "; copy or record it again");
 }
 
 void RawlogStream::readObject()
@@ -89,7 +96,7 @@ void RawlogStream::readObject()
   else if (object && !std::dynamic_pointer_cast<CActionCollection>(object) && objects_ == 0)
   {
     throw UserError(path_ + ": is not a rawlog: it holds a " +
-                    object->GetRuntimeClass()->className);
+                    object->GetRuntimeClass()->className + "; " + advice);
   }
   ++objects_;
 }

@@ -107,6 +107,15 @@ struct RawlogWriter::Impl
     }
   }
 
+  /** Nothing was written: an earlier file of the name is worth more. */
+  void discard()
+  {
+    closed = true;
+    file.close();
+    std::error_code ignored;
+    fs::remove(temporary, ignored);
+  }
+
   static std::string checkedTemporary(const std::string& path)
   {
     if (fs::is_directory(path))
@@ -176,7 +185,11 @@ RawlogWriter::~RawlogWriter()
 {
   try
   {
-    if (impl_)
+    if (impl_ && !impl_->closed && impl_->frames == 0)
+    {
+      impl_->discard();
+    }
+    else if (impl_)
     {
       close();
     }

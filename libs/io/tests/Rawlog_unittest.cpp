@@ -151,8 +151,8 @@ TEST(RawlogSource, SkipsAndLimits)
   EXPECT_EQ(4U, source.framesRead());
 
   options.skip_first_n = 10;
-  RawlogSource none(folder.file("a.rawlog"), options);
-  const auto message = messageOfError<UserError>([&] { (void)none.next(); });
+  const auto message =
+      messageOfError<UserError>([&] { const RawlogSource none(folder.file("a.rawlog"), options); });
   EXPECT_TRUE(contains(message, "skip_first_n = 10")) << message;
   options.skip_first_n = -1;
   EXPECT_THROW(RawlogSource(folder.file("a.rawlog"), options), UserError);
@@ -255,6 +255,17 @@ TEST(RawlogWriter, GivesTheNameOnlyToWholeFiles)
   RawlogSource source(folder.file("a.rawlog"));
   EXPECT_TRUE(source.next());
   EXPECT_FALSE(source.next());
+}
+
+TEST(RawlogWriter, NothingWrittenLeavesTheEarlierFile)
+{
+  const TestFolder folder;
+  folder.write("a.rawlog", "an earlier one");
+  {
+    const RawlogWriter writer(folder.file("a.rawlog"));
+  }
+  EXPECT_EQ("an earlier one", folder.read("a.rawlog"));
+  EXPECT_FALSE(std::filesystem::exists(folder.file("a.rawlog.tmp")));
 }
 
 TEST(RawlogWriter, RefusesWhatCannotBeWritten)

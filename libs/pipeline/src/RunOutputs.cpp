@@ -106,7 +106,10 @@ RunOutputs::RunOutputs(const SlamRunSettings& settings,
                        const OutputOptions& options,
                        const ReplayWriterOptions& replay,
                        const Config& effective)
-    : folder_(settings.output_folder), labels_(settings.labels), options_(options)
+    : folder_(settings.output_folder),
+      input_(fs::absolute(settings.rawlog).lexically_normal().string()),
+      labels_(settings.labels),
+      options_(options)
 {
   std::error_code error;
   fs::create_directories(folder_, error);
@@ -335,6 +338,7 @@ void RunOutputs::writeReport(SlamRunReport& report, const std::map<std::string, 
   const std::string file = path("report.json");
   report.files = files_;
   JsonText json;
+  json.add("input", input_);
   json.add("method", report.method);
   json.add("frames", report.frames);
   json.add("unconverged", report.unconverged);

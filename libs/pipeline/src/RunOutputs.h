@@ -66,6 +66,7 @@ class RunOutputs
   void writePlot(const Trajectory& trajectory);
 
   std::string folder_;
+  std::string input_;  //!< of the recording, absolute
   bool labels_;
   OutputOptions options_;
   std::vector<std::string> files_;

@@ -8,7 +8,7 @@
 #include <dyslam/pipeline/SlamRun.h>
 #include <mrpt/system/CTimeLogger.h>
 
-#include <exception>
+#include <fstream>
 #include <map>
 
 #include "RunOutputs.h"
@@ -61,11 +61,15 @@ SlamRunReport runSlam(const SlamRunSettings& settings,
   config.requireAllUsed();
 
   RawlogSource source(settings.rawlog, input);
+  if (!settings.profile_csv.empty() && !std::ofstream(settings.profile_csv))
+  {
+    throw UserError(settings.profile_csv + ": cannot be written; choose another --profile");
+  }
   RunOutputs outputs(settings, output, replay, config.effective());
 
   std::size_t frames = 0;
   std::size_t unconverged = 0;
-  std::exception_ptr damage;
+  std::string damage;
   try
   {
     ReadAhead reader([&] { return source.next(); });
@@ -81,9 +85,13 @@ SlamRunReport runSlam(const SlamRunSettings& settings,
       }
     }
   }
-  catch (const UserError&)
+  catch (const UserError& error)
   {
-    damage = std::current_exception();  // what was read before it is worth keeping
+    if (frames == 0)
+    {
+      throw;
+    }
+    damage = error.what();  // what was read before it is worth keeping
   }
 
   pipeline.finish();
@@ -100,9 +108,10 @@ SlamRunReport runSlam(const SlamRunSettings& settings,
     times.saveToCSVFile(settings.profile_csv);
   }
   outputs.writeReport(report, stage_ms);
-  if (damage)
+  if (!damage.empty())
   {
-    std::rethrow_exception(damage);
+    throw UserError(damage + "; results of the " + std::to_string(frames) +
+                    " scans before it are in " + settings.output_folder);
   }
   return report;
 }

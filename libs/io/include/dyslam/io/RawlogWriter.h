@@ -30,8 +30,8 @@ struct RawlogWriterOptions : Options
  * kept, in order. The same input gives the same bytes.
  *
  * The file grows under `<path>.tmp` and gets its name when closed: by close(), or by the destructor
- * when an error unwinds the program, so a file under its own name is always whole. A killed program
- * leaves the `.tmp`.
+ * when an error unwinds the program after the first scan, so a file under its own name is always
+ * whole. A killed program leaves the `.tmp`.
  */
 class RawlogWriter
 {
