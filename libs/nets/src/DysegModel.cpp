@@ -71,7 +71,10 @@ std::shared_ptr<const DysegModel::Encoded> DysegModel::encode(
   return encoded;
 }
 
-DysegResult DysegModel::compare(const Encoded& current, const Encoded& past, int iterations) const
+DysegResult DysegModel::compare(const Encoded& current,
+                                const Encoded& past,
+                                int iterations,
+                                const PlanarMotion* guess) const
 {
   torch::InferenceMode inference;
   DysegResult result;
@@ -82,8 +85,8 @@ DysegResult DysegModel::compare(const Encoded& current, const Encoded& past, int
     return result;
   }
   auto& net = impl_->network.net;
-  const auto cells =
-      net->cells(scan, current.cells, current.encoding, past.encoding, std::max(1, iterations));
+  const auto cells = net->cells(scan, current.cells, current.encoding, past.encoding,
+                                std::max(1, iterations), nullptr, guess);
   const auto logit = cells.logit.contiguous();
   const auto residual = cells.residual.back().contiguous();
   const float* l = logit.data_ptr<float>();

@@ -15,6 +15,7 @@ namespace
 constexpr std::int64_t motion_channels = 24;
 constexpr std::int64_t segment_channels = 32;
 constexpr std::int64_t cell_features = 24;
+constexpr std::int64_t peak_channels = 3;
 constexpr std::int64_t subcells = 4;
 // Widths of the robust kernels of the two fits [m].
 constexpr double coarse_width = 0.6;
@@ -186,7 +187,8 @@ DysegNetImpl::DysegNetImpl(const DysegNetworkOptions& options) : options_(option
   state_ = register_module("state", nn::Linear(o.quarter_channels, o.hidden));
   update_ = register_module("update", FlowUpdate(o.hidden, motion_channels, o.radius));
   segment_ = register_module("segment", conv3(o.hidden + o.quarter_channels, segment_channels));
-  cell_ = register_module("cell", nn::Linear(segment_channels + 4 + window, cell_features));
+  cell_ = register_module("cell",
+                          nn::Linear(segment_channels + 4 + window + peak_channels, cell_features));
   cell_logit_ = register_module("cell_logit", nn::Linear(cell_features, 1));
   upsampling_ = register_module("upsampling", nn::Linear(o.hidden, 9 * subcells * subcells));
   const auto point_inputs = cell_features + 3 + 2 * fine_window + o.pillar_channels +
@@ -236,7 +238,8 @@ DysegCellsOut DysegNetImpl::cells(const BevScan& scan,
                                   const DysegEncoding& current,
                                   const DysegEncoding& past,
                                   int iterations,
-                                  const DysegGuide* guide)
+                                  const DysegGuide* guide,
+                                  const PlanarMotion* guess)
 {
   const auto device = current.middle.device();
   const auto eighth = occupied.eighth.to(device);
@@ -252,8 +255,9 @@ DysegCellsOut DysegNetImpl::cells(const BevScan& scan,
   // All motions, at 1/8: where does the static world go?
   out.coarse_correlation = correlate(sourceRows(current.coarse, eighth), past.coarse,
                                      cellPosition(eighth, side / 2), radius);
-  out.first = guide != nullptr
-                  ? guide->first
+  out.first = guide != nullptr ? guide->first
+              : guess != nullptr
+                  ? *guess
                   : fitPeaks(out.coarse_correlation, radius, 2 * size, Tensor(),
                              occupied.eighth_place, coarse_width, coarse_start, nullptr)
                         .motion;
@@ -293,8 +297,9 @@ DysegCellsOut DysegNetImpl::cells(const BevScan& scan,
 
   const auto map = segment_(torch::cat({state, current.context}, 1)).relu();
   const auto still = residual.detach();
+  const auto peak = peakOffset(at_static, radius).detach();
   out.feature =
-      cell_(torch::cat({gatherCells(map, quarter), still, still.abs(), at_static}, 1)).relu();
+      cell_(torch::cat({gatherCells(map, quarter), still, still.abs(), at_static, peak}, 1)).relu();
   out.logit = cell_logit_(out.feature).squeeze(1);
   out.upsampling = upsampling_(gatherCells(state, quarter));
   return out;

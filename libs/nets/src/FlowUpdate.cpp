@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/nets/BevOps.h>
 #include <dyslam/nets/FlowUpdate.h>
 #include <torch/torch.h>
 
@@ -11,6 +12,8 @@ using torch::Tensor;
 
 namespace
 {
+constexpr std::int64_t peak_channels = 3;
+
 nn::Conv2d conv3(std::int64_t in, std::int64_t out)
 {
   return nn::Conv2d(nn::Conv2dOptions(in, out, 3).padding(1));
@@ -46,13 +49,13 @@ Tensor ConvGruImpl::forward(const Tensor& state, const Tensor& input)
 }
 
 FlowUpdateImpl::FlowUpdateImpl(std::int64_t hidden, std::int64_t motion, int radius)
-    : motion_channels_(motion)
+    : radius_(radius)
 {
   const std::int64_t window = (2 * radius + 1) * (2 * radius + 1);
-  motion_ = register_module("motion", nn::Linear(window + 2, 2 * motion));
+  motion_ = register_module("motion", nn::Linear(window + 2 + peak_channels, 2 * motion));
   motion_deep_ = register_module("motion_deep", nn::Linear(2 * motion, motion));
   gru_ = register_module("gru", ConvGru(hidden, motion));
-  head_ = register_module("head", nn::Linear(hidden + motion, 32));
+  head_ = register_module("head", nn::Linear(hidden + motion + peak_channels, 32));
   head_out_ = register_module("head_out", nn::Linear(32, 2));
   torch::NoGradGuard no_gradient;
   head_out_->weight.mul_(0.1);
@@ -64,11 +67,12 @@ FlowUpdateImpl::Result FlowUpdateImpl::forward(const Tensor& state,
                                                const Tensor& flow,
                                                const Tensor& cell)
 {
-  auto motion = motion_(torch::cat({correlation, flow}, 1)).relu();
+  const auto peak = peakOffset(correlation, radius_).detach();
+  auto motion = motion_(torch::cat({correlation, flow, peak}, 1)).relu();
   motion = motion_deep_(motion).relu();
   Result result;
   result.state = gru_(state, scatterCells(motion, cell, state.size(2), state.size(3)));
-  const auto rows = torch::cat({gatherCells(result.state, cell), motion}, 1);
+  const auto rows = torch::cat({gatherCells(result.state, cell), motion, peak}, 1);
   result.change = head_out_(head_(rows).relu());
   return result;
 }

@@ -130,7 +130,7 @@ double drawSpeed(const CastBody& body, RandomDraws& draws)
   {
     return draws.uniform(0.6, 4);
   }
-  return std::exp(draws.uniform(std::log(1.0), std::log(18.0)));
+  return std::exp(draws.uniform(std::log(0.6), std::log(18.0)));
 }
 
 /** True if something already stands (or hangs) where a body shall be. */
@@ -204,12 +204,14 @@ void castOne(const DysegAugmentOptions& options,
 
 void turnAndMirror(RandomDraws& draws, DysegSample& sample)
 {
-  const Eigen::Rotation2Df turn(static_cast<float>(draws.uniform(-pi, pi)));
-  Eigen::Matrix2f change = turn.toRotationMatrix();
+  const Eigen::Rotation2Dd turn(draws.uniform(-pi, pi));
+  Eigen::Matrix3d full = Eigen::Matrix3d::Identity();
+  full.topLeftCorner<2, 2>() = turn.toRotationMatrix();
   if (draws.chance(0.5))
   {
-    change.col(1) *= -1;
+    full.col(1) *= -1;
   }
+  const Eigen::Matrix2f change = full.topLeftCorner<2, 2>().cast<float>();
   const auto apply = [&](std::vector<Eigen::Vector3f>& points)
   {
     for (auto& p : points)
@@ -227,8 +229,6 @@ void turnAndMirror(RandomDraws& draws, DysegSample& sample)
   {
     m = (change * m).eval();
   }
-  Eigen::Matrix3d full = Eigen::Matrix3d::Identity();
-  full.topLeftCorner<2, 2>() = change.cast<double>();
   sample.T_past_current.linear() = full * sample.T_past_current.linear() * full.transpose();
   sample.T_past_current.translation() = full * sample.T_past_current.translation();
 }

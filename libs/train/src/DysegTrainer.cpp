@@ -27,7 +27,8 @@ constexpr int warm_up = 100;  // steps
 constexpr double clip_norm = 2;
 constexpr double last_rate = 0.02;
 constexpr double mean_decay = 0.998;
-constexpr int clip_scans = 3;
+constexpr int clip_scans = 6;
+constexpr std::size_t longest_gap = 5;  // scans between those compared
 constexpr std::uint64_t training_seeds = 500000000;
 constexpr std::uint64_t validation_seeds = 900000000;  // never drawn in training
 
@@ -190,23 +191,29 @@ void DysegTrainer::Impl::loadReal()
 void DysegTrainer::Impl::makeValidation()
 {
   std::vector<DysegSample> simulated;
+  std::vector<DysegSample> simulated_slow;
   for (std::uint64_t i = 0; i < 8; ++i)
   {
-    const auto clip = simulateClip(validation_seeds + i, 2, true);
-    simulated.push_back(makeSample(clip, 1, 0));
+    const auto clip = simulateClip(validation_seeds + i, 5, true);
+    simulated.push_back(makeSample(clip, 4, 3));
+    simulated_slow.push_back(makeSample(clip, 4, 0));
   }
   validation.emplace_back("simulated", std::move(simulated));
+  validation.emplace_back("simulated, 4 scans back", std::move(simulated_slow));
   if (options.data.empty())
   {
     return;
   }
   std::vector<DysegSample> boxed;
-  const auto run = loadBoxedRun(options.data + "/vls128_run88", 47, 63);
-  for (std::size_t i = 2; i < run.frames.size(); i += 2)
+  std::vector<DysegSample> boxed_slow;
+  const auto run = loadBoxedRun(options.data + "/vls128_run88", 44, 63);
+  for (std::size_t i = 5; i < run.frames.size(); i += 2)
   {
     boxed.push_back(makeSample(run, i, i - 1));
+    boxed_slow.push_back(makeSample(run, i, i - 4));
   }
   validation.emplace_back("vls128_run88 48-63", std::move(boxed));
+  validation.emplace_back("vls128_run88 48-63, 4 scans back", std::move(boxed_slow));
   const auto folder_0005 = options.data + "/kitti_raw_2011_09_26_drive_0005";
   const auto drive = loadLabelledRun(folder_0005, folder_0005 + "/poses_icp_raw_velo.txt", 79, 109);
   std::vector<DysegSample> labelled;
@@ -245,7 +252,7 @@ DysegSample DysegTrainer::Impl::draw(RandomDraws& draws) const
   if (!singles.empty() && (runs.empty() || draws.chance(options.single_share)))
   {
     const auto& scan = singles[draws.below(singles.size())];
-    const double ahead = draws.chance(0.15) ? 0 : draws.uniform(-1.5, 2.5);
+    const double ahead = draws.chance(0.15) ? 0 : draws.uniform(-1.5, draws.chance(0.3) ? 7 : 2.5);
     const Pose motion = poseFromYpr(ahead, draws.normal(0.05), draws.normal(0.02),
                                     draws.normal(0.02), draws.normal(0.003), draws.normal(0.003));
     return doubleScan(scan, motion, draws);
@@ -255,7 +262,7 @@ DysegSample DysegTrainer::Impl::draw(RandomDraws& draws) const
     throw UserError("training has no data: set data, or simulated_share above 0");
   }
   const auto& run = runs[draws.below(runs.size())];
-  const std::size_t gap = 1 + draws.below(3);
+  const std::size_t gap = 1 + draws.below(longest_gap);
   const std::size_t later = gap + draws.below(run.frames.size() - gap);
   return draws.chance(0.7) ? makeSample(run, later, later - gap)
                            : makeSample(run, later - gap, later);

@@ -11,37 +11,39 @@ namespace
 using torch::Tensor;
 
 /** The Lovasz extension by its definition: errors sorted, each times how much IoU it costs. */
-double slowLovasz(const std::vector<float>& logit, const std::vector<int>& label)
+double slowLovasz(const std::vector<float>& logit,
+                  const std::vector<int>& label,
+                  const std::vector<float>& weight)
 {
   std::vector<std::size_t> order(logit.size());
   std::vector<double> error(logit.size());
   for (std::size_t i = 0; i < order.size(); ++i)
   {
     order[i] = i;
-    error[i] = 1 - logit[i] * (2 * label[i] - 1);
+    error[i] = std::abs(static_cast<double>(label[i]) - 1 / (1 + std::exp(-logit[i])));
   }
   std::sort(order.begin(), order.end(),
             [&](std::size_t a, std::size_t b) { return error[a] > error[b]; });
   // Jaccard loss when the first k are wrong.
   const auto jaccard = [&](std::size_t wrong)
   {
-    int lost = 0;
-    int positives = 0;
-    int extra = 0;
+    double lost = 0;
+    double positives = 0;
+    double extra = 0;
     for (std::size_t k = 0; k < order.size(); ++k)
     {
-      positives += label[order[k]];
+      positives += label[order[k]] == 1 ? weight[order[k]] : 0;
       if (k < wrong)
       {
-        (label[order[k]] == 1 ? lost : extra) += 1;
+        (label[order[k]] == 1 ? lost : extra) += weight[order[k]];
       }
     }
-    return 1 - static_cast<double>(positives - lost) / (positives + extra);
+    return 1 - (positives - lost) / (positives + extra);
   };
   double sum = 0;
   for (std::size_t k = 0; k < order.size(); ++k)
   {
-    sum += std::max(0.0, error[order[k]]) * (jaccard(k + 1) - jaccard(k));
+    sum += error[order[k]] * (jaccard(k + 1) - jaccard(k));
   }
   return sum;
 }
@@ -50,11 +52,15 @@ TEST(DysegLosses, LovaszAgreesWithItsDefinition)
 {
   const std::vector<float> logit{0.3F, -1.2F, 2.0F, 0.7F, -0.4F, 1.9F};
   const std::vector<int> label{1, 0, 1, 0, 1, 0};
-  const auto fast = dyslam::lovaszHinge(torch::tensor(logit), torch::tensor(label));
-  EXPECT_NEAR(fast.item<double>(), slowLovasz(logit, label), 1e-5);
-  const auto sure = dyslam::lovaszHinge(torch::tensor({5.0F, -5.0F}), torch::tensor({1, 0}));
-  EXPECT_EQ(sure.item<float>(), 0);
-  EXPECT_EQ(dyslam::lovaszHinge(torch::zeros({0}), torch::zeros({0})).item<float>(), 0);
+  const std::vector<float> weight{1, 2, 0.5F, 7, 1, 3};
+  const auto fast =
+      dyslam::lovaszLoss(torch::tensor(logit), torch::tensor(label), torch::tensor(weight));
+  EXPECT_NEAR(fast.item<double>(), slowLovasz(logit, label, weight), 1e-5);
+  const auto sure =
+      dyslam::lovaszLoss(torch::tensor({30.0F, -30.0F}), torch::tensor({1, 0}), torch::ones({2}));
+  EXPECT_NEAR(sure.item<float>(), 0, 1e-6);
+  const auto none = torch::zeros({0});
+  EXPECT_EQ(dyslam::lovaszLoss(none, none, none).item<float>(), 0);
 }
 
 TEST(DysegLosses, CorrelationLossIsLeastAtTheTrueOffset)

@@ -49,10 +49,12 @@ class DysegModel
   [[nodiscard]] std::shared_ptr<const Encoded> encode(
       const std::vector<Eigen::Vector3f>& points) const;
 
-  /** What moves in `current`, seen from `past`. \param iterations flow updates, at least 1. */
+  /** What moves in `current`, seen from `past`. \param iterations flow updates, at least 1.
+   * \param guess of the static motion (current to past) good to 2 m; null if there is none. */
   [[nodiscard]] DysegResult compare(const Encoded& current,
                                     const Encoded& past,
-                                    int iterations = 1) const;
+                                    int iterations = 2,
+                                    const PlanarMotion* guess = nullptr) const;
 
   [[nodiscard]] const BevOptions& grid() const;
 

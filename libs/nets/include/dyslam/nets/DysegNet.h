@@ -70,13 +70,15 @@ class DysegNetImpl : public torch::nn::Module
 
   [[nodiscard]] DysegEncoding encode(const BevScan& scan);
 
-  /** \param guide null at run time. */
+  /** \param guide null at run time. \param guess of the static motion, to look around instead of
+   * at all motions; null if there is none. */
   [[nodiscard]] DysegCellsOut cells(const BevScan& scan,
                                     const DysegCells& occupied,
                                     const DysegEncoding& current,
                                     const DysegEncoding& past,
                                     int iterations,
-                                    const DysegGuide* guide = nullptr);
+                                    const DysegGuide* guide = nullptr,
+                                    const PlanarMotion* guess = nullptr);
 
   /** Logits of some points: moving or not. \param which positions in `scan.points`. */
   [[nodiscard]] torch::Tensor points(const BevScan& scan,

@@ -43,7 +43,7 @@ class FlowUpdateImpl : public torch::nn::Module
                  const torch::Tensor& cell);
 
  private:
-  std::int64_t motion_channels_;
+  int radius_;
   torch::nn::Linear motion_{nullptr};
   torch::nn::Linear motion_deep_{nullptr};
   ConvGru gru_{nullptr};

@@ -35,8 +35,11 @@ struct DysegCellTruth
                                             const torch::Tensor& moving,
                                             int radius);
 
-/** Lovasz hinge: a convex stand-in for 1 - IoU of the positive class (Berman et al. 2018). */
-[[nodiscard]] torch::Tensor lovaszHinge(const torch::Tensor& logit, const torch::Tensor& label);
+/** Lovasz extension of 1 - IoU of the positive class, of probabilities (Berman et al. 2018).
+ * \param weight how many points each stands for. */
+[[nodiscard]] torch::Tensor lovaszLoss(const torch::Tensor& logit,
+                                       const torch::Tensor& label,
+                                       const torch::Tensor& weight);
 
 /** Mean over static plus mean over moving, each if there are any. */
 [[nodiscard]] torch::Tensor balancedMean(const torch::Tensor& value, const torch::Tensor& moving);

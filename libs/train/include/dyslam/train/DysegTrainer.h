@@ -18,7 +18,7 @@ struct DysegLossOptions : Options
   double decay = 0.8;          //!< weight of an update's flow against the next one's
   int points = 3072;           //!< judged one by one in a pair
   double first_noise = 0.35;   //!< m, error of the guide at 1/4 resolution; its yaw 1.5 deg per m
-  double second_noise = 0.04;  //!< m, error of the static flow in training
+  double second_noise = 0.06;  //!< m, error of the static flow in training
   void describe(OptionsVisitor& visitor) override;
 };
 
@@ -33,8 +33,8 @@ struct DysegTrainerOptions : Options
   std::string single_scans = "hdl64_singles_sceneflow,hdl64_singles_object/velodyne";
   double simulated_share = 0.5;  //!< of pairs; the rest is real, if there is any
   double single_share = 0.3;     //!< of real pairs
-  int simulated_pool = 150;      //!< clips kept; the oldest is replaced
-  int simulate_every = 8;        //!< steps between new clips
+  int simulated_pool = 80;       //!< clips kept; the oldest is replaced
+  int simulate_every = 16;       //!< steps between new clips
   int crop = 256;                //!< cells along each side in training
   int steps = 100000;
   double minutes = 0;  //!< stop after this long, whatever the steps; 0: no limit
