@@ -7,7 +7,8 @@
 // DIR holds .bin files (float32 x y z intensity), or a folder velodyne/ with them. FILE has 12
 // numbers a line, the sensor's poses; without it only times and the ends are printed. Each method
 // is its own constant-velocity prediction, except that constant_velocity repeats the reference's
-// last motion. Rows `refine:*` are the refinement with the constant-velocity prediction.
+// last motion. Rows `refine:*` are the refinement with the constant-velocity prediction, rows
+// `METHOD+refine` that from the method's motion and static confidence.
 #include <dyslam/core/Error.h>
 #include <dyslam/odometry/LidarOdometry.h>
 #include <dyslam/odometry/LocalMapRefinement.h>
@@ -187,7 +188,7 @@ double cpuMs()
 }
 
 /** One step of a method: frame and prediction in, motion out. */
-using Step = std::function<MotionEstimate(const Frame&, const Pose&)>;
+using Step = std::function<MotionEstimate(Frame&, const Pose&)>;
 
 Row runMethod(const std::string& method,
               const Arguments& a,
@@ -207,11 +208,24 @@ Row runMethod(const std::string& method,
   std::unique_ptr<LidarOdometry> odometry;
   Step step = [&](const Frame& frame, const Pose& prediction)
   { return refinement.refine(frame, refinement.pose() * prediction).motion; };
+  const std::size_t plus = method.find("+refine");
   if (!refining)
   {
-    odometry = makeOdometry(method, loader, pool);
+    odometry = makeOdometry(method.substr(0, plus), loader, pool);
     step = [&](const Frame& frame, const Pose& prediction)
     { return odometry->process(frame, prediction); };
+  }
+
+  if (plus != std::string::npos)
+  {
+    step = [&](Frame& frame, const Pose& prediction)
+    {
+      frame.odometry = odometry->process(frame, prediction);
+      frame.static_confidence = odometry->staticConfidence();
+      const Pose& motion =
+          frame.odometry.converged ? frame.odometry.T_previous_current : prediction;
+      return refinement.refine(frame, refinement.pose() * motion).motion;
+    };
   }
 
   Row row;

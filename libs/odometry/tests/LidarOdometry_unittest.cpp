@@ -28,6 +28,12 @@ std::vector<Method> methods()
   std::vector<Method> all;
   for (const std::string& name : odometryMethods())
   {
+#ifndef DYSLAM_HAVE_TORCH
+    if (name == "dylo")
+    {
+      continue;  // says so when it is asked for; see below
+    }
+#endif
     Method method;
     method.name = name;
     method.looks_at_points = name != "constant_velocity" && name != "zero_motion";

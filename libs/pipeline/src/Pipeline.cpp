@@ -146,6 +146,7 @@ void Pipeline::Stages::estimateMotion(Frame& frame, const Pose& prediction)
   {
     const CTimeLoggerEntry timed(times, "odometry");
     frame.odometry = odometry->process(frame, prediction);
+    frame.static_confidence = odometry->staticConfidence();
   }
   const CTimeLoggerEntry timed(times, "refine");
   const Pose& motion = frame.odometry.converged ? frame.odometry.T_previous_current : prediction;

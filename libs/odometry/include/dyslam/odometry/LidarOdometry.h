@@ -29,6 +29,9 @@ class LidarOdometry
    * then told relative to it all the same, so that the chain of motions never breaks.
    * \param T_previous_current_prediction start value, e.g. the motion before */
   virtual MotionEstimate process(const Frame& frame, const Pose& T_previous_current_prediction) = 0;
+  /** Of the last frame: one per cloud point in [0, 1], how surely it stands still; empty from
+   * methods that do not tell, and where the frame could not be used. */
+  [[nodiscard]] virtual const std::vector<float>& staticConfidence() const;
   /** As new: the next frame is a first frame. */
   virtual void reset() = 0;
   [[nodiscard]] virtual std::string name() const = 0;

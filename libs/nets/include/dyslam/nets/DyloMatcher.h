@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <dyslam/core/Pose.h>
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace dyslam
+{
+/** What DyLO found between two scans. */
+struct DyloMatch
+{
+  Pose T_reference_current = Pose::Identity();
+  /** Of weighted point-to-plane residuals, per 1 m^2 of variance and for weights that sum to 1;
+   * tangent [translation, rotation] on the right of the motion. Zero with the regression head. */
+  Matrix6 normal_matrix = Matrix6::Zero();
+  double rmse = 0;              //!< weighted, of the residuals [m]
+  double effective_points = 0;  //!< 1 / sum of squared weights: how many share the say
+  std::size_t sampled = 0;      //!< points of the current scan that were looked at
+  std::size_t matched = 0;      //!< sampled points that found a surface
+  std::size_t inliers = 0;      //!< of those, nearer than 0.15 m to it, farther off a little more
+  double last_step = 0;         //!< how far the last pass still moved the pose [m + 10 m/rad]
+};
+
+/** A trained DyLO network, without torch in sight. Not thread-safe.
+ *
+ * Points have the sensor at the origin, x forward, z up [m]; invalid ones are passed over.
+ */
+class DyloMatcher
+{
+ public:
+  /** \throws UserError if the file is missing, damaged or of another shape. */
+  explicit DyloMatcher(const std::string& weights, int threads = 1);
+  ~DyloMatcher();
+  DyloMatcher(DyloMatcher&&) noexcept;
+  DyloMatcher& operator=(DyloMatcher&&) noexcept;
+
+  /** The scan becomes the current one. \return how many of its points the network can use. */
+  std::size_t setCurrent(const std::vector<Eigen::Vector3f>& points);
+  /** The current scan becomes the reference. */
+  void keepAsReference();
+  void forgetReference();
+
+  /** Current scan against the reference; both must be set. \param start of the search. */
+  [[nodiscard]] DyloMatch match(const Pose& start);
+
+  /** Of the last match: how surely each point of the current scan stands still, in [0, 1]; in the
+   * order of setCurrent(). Points that no sampled point speaks for get 1. */
+  [[nodiscard]] std::vector<float> staticConfidence() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+}  // namespace dyslam

@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "DyloOdometry.h"
+
+#include <dyslam/core/SharedFiles.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <limits>
+
+namespace dyslam
+{
+namespace
+{
+/** Of the sensor and of surfaces that are not as flat as they look [m]. */
+constexpr double least_sigma = 0.01;
+constexpr std::size_t fewest_matches = 50;
+}  // namespace
+
+DyloOdometry::DyloOdometry(const DyloOptions& options)
+    : options_(options),
+      matcher_(findGivenOrShared(options.weights, "models", ".pt"), options.threads)
+{
+}
+
+std::string DyloOdometry::extract(const Frame& frame)
+{
+  T_vehicle_lidar_ = frame.scan.T_vehicle_lidar;
+  const Eigen::Isometry3f T_lidar_vehicle = T_vehicle_lidar_.inverse().cast<float>();
+  points_.resize(frame.cloud.size());
+  std::transform(frame.cloud.points.begin(), frame.cloud.points.end(), points_.begin(),
+                 [&](const Eigen::Vector3f& p) { return T_lidar_vehicle * p; });
+  // What is known to move is not shown to the network.
+  weights_ = pointWeights(frame);
+  for (std::size_t i = 0; i < weights_.size(); ++i)
+  {
+    if (weights_[i] < 0.5F)
+    {
+      points_[i].setConstant(std::numeric_limits<float>::quiet_NaN());
+    }
+  }
+  confidence_.clear();
+  const std::size_t usable = matcher_.setCurrent(points_);
+  return usable < fewest_matches ? "only " + std::to_string(usable) + " points within range"
+                                 : std::string();
+}
+
+std::string DyloOdometry::doubts(const DyloMatch& match) const
+{
+  char text[120];
+  if (match.matched < fewest_matches)
+  {
+    return "only " + std::to_string(match.matched) + " matches";
+  }
+  const double share = static_cast<double>(match.inliers) / static_cast<double>(match.sampled);
+  if (share < options_.min_inlier_share)
+  {
+    std::snprintf(text, sizeof text, "only %.0f %% of the points agree", 100 * share);
+    return text;
+  }
+  if (match.last_step > options_.max_last_step)
+  {
+    std::snprintf(text, sizeof text, "the last pass still moved by %.2f m", match.last_step);
+    return text;
+  }
+  const double far = match.T_reference_current.translation().norm();
+  const double turned = rotationAngle(match.T_reference_current);
+  if (!(far <= options_.max_translation) || !(turned <= options_.max_rotation))
+  {
+    std::snprintf(text, sizeof text, "a motion of %.1f m and %.0f degrees is absurd", far,
+                  turned * 180 / 3.14159265358979323846);
+    return text;
+  }
+  return {};
+}
+
+MotionEstimate DyloOdometry::align(const Pose& T_reference_current_guess)
+{
+  const Pose T_lidar_vehicle = T_vehicle_lidar_.inverse();
+  const Pose start = options_.start == DyloStart::prediction
+                         ? T_lidar_vehicle * T_reference_current_guess * T_vehicle_lidar_
+                         : Pose::Identity();
+  const DyloMatch match = matcher_.match(start);
+  MotionEstimate estimate;
+  estimate.information.setZero();
+  estimate.T_previous_current =
+      orthonormalized(T_vehicle_lidar_ * match.T_reference_current * T_lidar_vehicle);
+  estimate.iterations = 1;
+  estimate.inliers = match.inliers;
+  estimate.rmse = match.rmse;
+  estimate.reason = doubts(match);
+  estimate.converged = estimate.reason.empty();
+  const double variance = match.rmse * match.rmse + least_sigma * least_sigma;
+  const double measurements = match.effective_points / options_.correlated_points;
+  const Matrix6 adjoint = adjointSE3(T_lidar_vehicle);
+  estimate.information =
+      adjoint.transpose() * (match.normal_matrix * (measurements / variance)) * adjoint;
+  estimate.information = 0.5 * (estimate.information + estimate.information.transpose()).eval();
+  if (options_.confidence && estimate.converged)
+  {
+    confidence_ = matcher_.staticConfidence();
+    for (std::size_t i = 0; i < weights_.size(); ++i)
+    {
+      confidence_[i] = std::min(confidence_[i], weights_[i]);
+    }
+  }
+  return estimate;
+}
+
+void DyloOdometry::accept(const Pose& /*T_reference_current*/)
+{
+  matcher_.keepAsReference();
+}
+
+void DyloOdometry::clear()
+{
+  matcher_.forgetReference();
+  confidence_.clear();
+}
+}  // namespace dyslam

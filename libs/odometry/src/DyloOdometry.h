@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <dyslam/core/Options.h>
+#include <dyslam/nets/DyloMatcher.h>
+
+#include <string>
+#include <vector>
+
+#include "DyloOptions.h"
+#include "ScanToScan.h"
+
+namespace dyslam
+{
+/** The learned odometry: motion, its information and the static confidence of every point. */
+class DyloOdometry : public ScanToScan
+{
+ public:
+  /** \throws UserError if the weights cannot be used. */
+  explicit DyloOdometry(const DyloOptions& options);
+
+  [[nodiscard]] std::string name() const override { return "dylo"; }
+  [[nodiscard]] const std::vector<float>& staticConfidence() const override { return confidence_; }
+
+ private:
+  std::string extract(const Frame& frame) override;
+  MotionEstimate align(const Pose& T_reference_current_guess) override;
+  void accept(const Pose& T_reference_current) override;
+  void clear() override;
+
+  [[nodiscard]] std::string doubts(const DyloMatch& match) const;
+
+  DyloOptions options_;
+  DyloMatcher matcher_;
+  Pose T_vehicle_lidar_ = Pose::Identity();
+  std::vector<Eigen::Vector3f> points_;  //!< lidar frame
+  std::vector<float> weights_;           //!< of the frame's points, empty for 1
+  std::vector<float> confidence_;
+};
+}  // namespace dyslam

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "DyloOptions.h"
+
+namespace dyslam
+{
+void DyloOptions::describe(OptionsVisitor& v)
+{
+  v.text("weights", weights, "file, or name of weights that come with DySLAM");
+  v.choice("start", start,
+           {{"standing", DyloStart::standing}, {"prediction", DyloStart::prediction}},
+           "where the search begins: at no motion, or at the predicted one");
+  v.integer("threads", threads, 1, 64, "of the network");
+  v.flag("confidence", confidence, "hand on how surely each point stands still");
+  v.real("correlated_points", correlated_points, 1, 1e6, "points that count as one measurement");
+  v.real("min_inlier_share", min_inlier_share, 0, 1, "with less agreement the match has failed");
+  v.real("max_last_step", max_last_step, 1e-6, 100, "of the last pass, or nothing was found [m]");
+  v.real("max_translation", max_translation, 0.01, 100, "between two scans [m]");
+  v.degrees("max_rotation_deg", max_rotation, 0.1, 180, "between two scans");
+}
+}  // namespace dyslam

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <dyslam/core/Options.h>
+
+#include <cstdint>
+#include <string>
+
+namespace dyslam
+{
+/** Where DyLO's search begins. */
+enum class DyloStart : std::uint8_t
+{
+  standing,   //!< at no motion, as in the paper: the two scans alone decide
+  prediction  //!< at the predicted motion
+};
+
+/** Ini section `[dylo]`. */
+struct DyloOptions : Options
+{
+  std::string weights = "dylo.pt";  //!< file, or name of weights that come with DySLAM
+  DyloStart start = DyloStart::standing;
+  int threads = 1;
+  bool confidence = true;          //!< hand on how surely each point stands still
+  double correlated_points = 8;    //!< sampled points that count as one measurement
+  double min_inlier_share = 0.55;  //!< with less agreement the match has failed
+  double max_last_step = 0.3;      //!< the last pass moves less, or nothing was found [m]
+  double max_translation = 6;      //!< farther between two scans is absurd [m]
+  double max_rotation = 0.6;       //!< [rad]
+
+  void describe(OptionsVisitor& visitor) override;
+};
+}  // namespace dyslam

@@ -1,0 +1,174 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// DyLO with the weights that come with DySLAM, on scenes of exact geometry.
+#include <dyslam/core/Error.h>
+#include <dyslam/odometry/LidarOdometry.h>
+#include <gtest/gtest.h>
+
+#include <Eigen/Eigenvalues>
+#include <fstream>
+
+#include "TestScene.h"
+
+namespace dyslam
+{
+namespace
+{
+constexpr double degree = 3.14159265358979323846 / 180;
+
+class Dylo : public testing::Test
+{
+ protected:
+  test::StreetScene scene_;
+  ThreadPool pool_{1};
+
+  [[nodiscard]] std::unique_ptr<LidarOdometry> make(const std::vector<std::string>& settings = {})
+  {
+    Config config;
+    for (const std::string& setting : settings)
+    {
+      config.set(setting);
+    }
+    ConfigLoader loader(config);
+    return makeOdometry("dylo", loader, pool_);
+  }
+
+  MotionEstimate move(const Pose& T, const Pose& prediction = Pose::Identity(), int keep_ring = 1)
+  {
+    const auto odometry = make();
+    (void)odometry->process(thinned(scene_.frame(Pose::Identity(), 0.01, 1), keep_ring),
+                            Pose::Identity());
+    return odometry->process(thinned(scene_.frame(T, 0.01, 2), keep_ring), prediction);
+  }
+
+  /** Every `keep`th beam of the scene's 32. */
+  static Frame thinned(Frame frame, int keep)
+  {
+    if (keep == 1)
+    {
+      return frame;
+    }
+    Cloud cloud;
+    const Pose T_lidar_vehicle = frame.scan.T_vehicle_lidar.inverse();
+    for (std::size_t i = 0; i < frame.cloud.size(); ++i)
+    {
+      const Eigen::Vector3d p = T_lidar_vehicle * frame.cloud.points[i].cast<double>();
+      const double elevation = std::atan2(p.z(), std::hypot(p.x(), p.y())) / degree;
+      if (std::lround(elevation + 24) % keep == 0)
+      {
+        cloud.points.push_back(frame.cloud.points[i]);
+      }
+    }
+    frame.cloud = cloud;
+    return frame;
+  }
+
+  static void expectNear(const MotionEstimate& estimate, const Pose& T, double meters, double deg)
+  {
+    EXPECT_TRUE(estimate.converged) << estimate.reason;
+    const Pose error = T.inverse() * estimate.T_previous_current;
+    EXPECT_LT(error.translation().norm(), meters);
+    EXPECT_LT(rotationAngle(error) / degree, deg);
+  }
+};
+
+TEST_F(Dylo, StandsStill)
+{
+  expectNear(move(Pose::Identity()), Pose::Identity(), 0.02, 0.1);
+}
+
+TEST_F(Dylo, TurnsOnTheSpot)
+{
+  const Pose T = poseFromYpr(0, 0, 0, 3 * degree, 0, 0);
+  expectNear(move(T), T, 0.05, 0.2);
+}
+
+TEST_F(Dylo, FindsASkippedFramesMotion)
+{
+  const Pose T = poseFromYpr(1.6, 0.02, 0, 1 * degree, 0, 0);
+  // The prediction still is the motion of one step.
+  expectNear(move(T, poseFromYpr(0.8, 0.01, 0, 0.5 * degree, 0, 0)), T, 0.06, 0.2);
+}
+
+TEST_F(Dylo, SixteenBeamsWithTheSameWeights)
+{
+  const Pose T = poseFromYpr(0.6, 0.05, 0, 1.5 * degree, 0, 0);
+  expectNear(move(T, Pose::Identity(), 2), T, 0.06, 0.3);
+}
+
+TEST_F(Dylo, EmptyScanFallsBackToThePredictionAndTheChainHolds)
+{
+  const auto odometry = make();
+  const Pose step = poseFromYpr(0.5, 0, 0, 0, 0, 0);
+  (void)odometry->process(scene_.frame(Pose::Identity(), 0.01, 1), Pose::Identity());
+  Frame empty;
+  const MotionEstimate lost = odometry->process(empty, step);
+  EXPECT_FALSE(lost.converged);
+  EXPECT_FALSE(lost.reason.empty());
+  EXPECT_TRUE(lost.T_previous_current.isApprox(step));
+  EXPECT_TRUE(odometry->staticConfidence().empty());
+  // The next motion is told from the empty frame's place.
+  const Pose T = poseFromYpr(1.0, 0, 0, 0, 0, 0);
+  expectNear(odometry->process(scene_.frame(T, 0.01, 2), step), step, 0.05, 0.2);
+}
+
+TEST_F(Dylo, AScanOfAnotherPlaceIsNotBelieved)
+{
+  // A wall of points close by has nothing in common with the street.
+  Frame other = scene_.frame(Pose::Identity(), 0.01, 1);
+  for (Eigen::Vector3f& p : other.cloud.points)
+  {
+    const float reach = 3 + 20 * std::abs(std::sin(7 * p.x()) * std::cos(5 * p.y()));
+    p *= reach / std::max(p.norm(), 1.F);
+  }
+  const auto odometry = make();
+  (void)odometry->process(scene_.frame(Pose::Identity(), 0.01, 1), Pose::Identity());
+  const Pose prediction = poseFromYpr(0.4, 0, 0, 0, 0, 0);
+  const MotionEstimate lost = odometry->process(other, prediction);
+  EXPECT_FALSE(lost.converged);
+  EXPECT_TRUE(lost.T_previous_current.isApprox(prediction));
+}
+
+TEST_F(Dylo, ConfidencePerPointAndInformation)
+{
+  const auto odometry = make();
+  (void)odometry->process(scene_.frame(Pose::Identity(), 0.01, 1), Pose::Identity());
+  const Frame frame = scene_.frame(poseFromYpr(0.6, 0, 0, 0, 0, 0), 0.01, 2);
+  const MotionEstimate estimate = odometry->process(frame, Pose::Identity());
+  const std::vector<float>& confidence = odometry->staticConfidence();
+  ASSERT_EQ(confidence.size(), frame.cloud.size());
+  double sum = 0;
+  for (const float c : confidence)
+  {
+    ASSERT_GE(c, 0.F);
+    ASSERT_LE(c, 1.F);
+    sum += static_cast<double>(c);
+  }
+  EXPECT_GT(sum / static_cast<double>(confidence.size()), 0.7);  // nothing moves there
+  const Eigen::SelfAdjointEigenSolver<Matrix6> eigen(estimate.information);
+  EXPECT_GT(eigen.eigenvalues().minCoeff(), 0);
+  EXPECT_TRUE(make({"dylo.confidence=false"})->staticConfidence().empty());
+}
+
+TEST_F(Dylo, SaysWhichWeightsFileIsMissingOrNone)
+{
+  const auto messageOf = [&](const std::string& weights)
+  {
+    try
+    {
+      (void)make({"dylo.weights=" + weights});
+    }
+    catch (const UserError& error)
+    {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  EXPECT_NE(messageOf("/no/such/file.pt").find("/no/such/file.pt"), std::string::npos);
+  const std::string other = testing::TempDir() + "no_weights.pt";
+  std::ofstream(other) << "not a model";
+  const std::string message = messageOf(other);
+  EXPECT_NE(message.find("no DyLO model"), std::string::npos) << message;
+  EXPECT_EQ(message.find('\n'), std::string::npos);
+}
+}  // namespace
+}  // namespace dyslam
