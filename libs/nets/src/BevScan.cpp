@@ -17,6 +17,8 @@ constexpr float bin_height = 0.1F;
 constexpr int bins = static_cast<int>((highest - lowest) / bin_height);
 constexpr float unknown_height = 1e9F;
 constexpr float ghost_depth = 0.5F;
+constexpr float own_vehicle = 2.5F;  // m around the sensor, whose returns may be its roof
+constexpr float seed_reach = 16;     // m around the sensor, whose ground is where it starts
 constexpr float max_slope = 0.12F;
 
 constexpr float pi = 3.14159265F;
@@ -66,8 +68,8 @@ BevGround::BevGround(const std::vector<Eigen::Vector3f>& points, float reach)
   std::vector<std::uint16_t> histogram(at(width_ * width_ * bins), 0);
   for (const auto& p : points)
   {
-    if (!isReturn(p) || std::abs(p.x()) >= reach_ || std::abs(p.y()) >= reach_ || p.z() <= lowest ||
-        p.z() >= highest)
+    if (!isReturn(p) || p.head<2>().norm() < own_vehicle || std::abs(p.x()) >= reach_ ||
+        std::abs(p.y()) >= reach_ || p.z() <= lowest || p.z() >= highest)
     {
       continue;
     }
@@ -107,6 +109,19 @@ void BevGround::makeConsistent(const std::vector<std::uint8_t>& known)
   };
   std::sort(order.begin(), order.end(), [&](int a, int b) { return ring(a) < ring(b); });
 
+  // A wrong first cell would be believed by all others, so it has to agree with its surroundings.
+  std::vector<float> near;
+  for (const int i : order)
+  {
+    if (known[at(i)] != 0 && (near.size() < 3 || ring(i) * ground_cell < seed_reach))
+    {
+      near.push_back(height_[at(i)]);
+    }
+  }
+  std::nth_element(near.begin(), near.begin() + static_cast<std::ptrdiff_t>(near.size() / 2),
+                   near.end());
+  const float seed = near[near.size() / 2];
+
   std::vector<std::uint8_t> settled(height_.size(), 0);
   std::vector<float> around;
   for (const int i : order)
@@ -130,7 +145,11 @@ void BevGround::makeConsistent(const std::vector<std::uint8_t>& known)
     }
     if (around.empty())
     {
-      settled[at(i)] = known[at(i)];
+      if (known[at(i)] == 0 || std::abs(height_[at(i)] - seed) > ghost_depth)
+      {
+        height_[at(i)] = seed;
+      }
+      settled[at(i)] = 1;
       continue;
     }
     std::nth_element(around.begin(),

@@ -55,6 +55,30 @@ TEST(BevGround, RoofsAndGhostsAreNotGround)
   EXPECT_NEAR(ground.heightAt(-15, -10), -1.7, 0.3);
 }
 
+TEST(BevGround, OwnRoofAndTallNeighboursAreNotWhereItStarts)
+{
+  auto points = tiltedGround(4, 0);
+  // The vehicle's own roof, and a truck beside it whose side hides the ground.
+  points.erase(std::remove_if(points.begin(), points.end(),
+                              [](const Eigen::Vector3f& p) {
+                                return p.head<2>().norm() < 5 ||
+                                       (std::abs(p.x()) < 8 && p.y() > 3 && p.y() < 8);
+                              }),
+               points.end());
+  for (int i = 0; i < 400; ++i)
+  {
+    const float along = 0.005F * static_cast<float>(i);
+    points.emplace_back(along - 1, along - 1, -0.15F);
+    points.emplace_back(8 * along - 8, 3.4F, 0.5F + along);
+  }
+  const dyslam::BevGround ground(points);
+  for (const float x : {-30.0F, -6.0F, 0.0F, 6.0F, 30.0F})
+  {
+    EXPECT_NEAR(ground.heightAt(x, -4), -1.7, 0.15) << "at " << x;
+    EXPECT_NEAR(ground.heightAt(x, 5), -1.7, 0.3) << "at " << x;
+  }
+}
+
 TEST(BevGround, NothingKnownIsZero)
 {
   EXPECT_EQ(dyslam::BevGround({}).heightAt(3, 3), 0);
