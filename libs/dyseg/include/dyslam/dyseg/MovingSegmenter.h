@@ -34,6 +34,7 @@ class MovingSegmenter
 struct MovingSegmenterOptions : Options
 {
   std::string method = "residual";
+  bool filter = false;  //!< gather the answers of several scans in the odometry frame
   void describe(OptionsVisitor& visitor) override;
 };
 

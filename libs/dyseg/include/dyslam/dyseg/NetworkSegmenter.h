@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <dyslam/dyseg/MovingSegmenter.h>
+
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace dyslam
+{
+struct NetworkSegmenterOptions : Options
+{
+  std::string weights = "dyseg";  //!< a file, or the name of weights that come with DySLAM
+  int second_gap = 4;             //!< scans back to a second one compared with; 0 for none
+  std::string combine = "mean";   //!< of the two answers: mean (of log-odds), max
+  int min_points = 12;            //!< called moving, in the smallest group that counts
+  int iterations = 2;             //!< of the flow update
+  int threads = 2;                //!< of the network
+
+  void describe(OptionsVisitor& visitor) override;
+};
+
+/** What the network saw besides the points' probabilities; vehicle frame, current to past scan. */
+struct SceneFlow
+{
+  MotionEstimate static_motion;  //!< of the static world, in the plane, from the two scans alone
+  std::size_t past_index = 0;    //!< Frame::index of the scan compared with
+  std::vector<Eigen::Vector2f> cell_centre;  //!< [m]
+  std::vector<Eigen::Vector2f> cell_flow;    //!< [m]
+  std::vector<float> cell_moving_probability;
+};
+
+/** DySeg (the paper's section 3.1): moving points by scene flow, from a trained network.
+ *
+ * Compares each scan with the one before and with an earlier one, against which slow movers have
+ * gone farther. Needs no pose: the motion of the static world comes from the scans themselves, so
+ * that a drifting odometry can't harm it. The first scan is all static, as are points farther than
+ * the network's grid reaches (51 m to each side).
+ */
+class NetworkSegmenter : public MovingSegmenter
+{
+ public:
+  /** \throws UserError if the weights are missing or not DySeg's. */
+  explicit NetworkSegmenter(const NetworkSegmenterOptions& options);
+  ~NetworkSegmenter() override;
+
+  [[nodiscard]] std::string name() const override { return "network"; }
+  [[nodiscard]] bool needsPose() const override { return false; }
+  void segment(Frame& frame) override;
+  void reset() override;
+
+  /** Of the last segment(), to the scan before; null before two scans were compared. */
+  [[nodiscard]] const SceneFlow* sceneFlow() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+}  // namespace dyslam

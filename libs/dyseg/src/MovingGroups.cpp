@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "MovingGroups.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace dyslam
+{
+namespace
+{
+constexpr double reach = 64;  // m to each side; the network sees less
+constexpr float called_over = 0.5F;
+constexpr float taken_back = 0.4F;
+constexpr float flat = 0.35F;  // m; a patch of three by three cells that spans less is ground
+
+struct Cell
+{
+  int called = 0;
+  int doubtful = 0;
+  int group = -1;
+  float low = 1e9F;
+  float high = -1e9F;
+};
+
+/** Joins neighbouring moving cells; gives the number of called points of each group. */
+std::vector<int> joinCells(std::vector<Cell>& cells, int width)
+{
+  const auto at = [&](int i) -> Cell& { return cells[static_cast<std::size_t>(i)]; };
+  const auto moves = [&](int i)
+  {
+    const Cell& c = at(i);
+    if (c.called == 0 || 2 * c.called <= c.doubtful)
+    {
+      return false;
+    }
+    float low = c.low;
+    float high = c.high;
+    for (const int row : {i - width, i, i + width})
+    {
+      for (const int next : {row - 1, row, row + 1})
+      {
+        low = std::min(low, at(next).low);
+        high = std::max(high, at(next).high);
+      }
+    }
+    return high - low > flat;
+  };
+  std::vector<int> sizes;
+  std::vector<int> open;
+  for (int seed = 0; seed < static_cast<int>(cells.size()); ++seed)
+  {
+    if (at(seed).group >= 0 || !moves(seed))
+    {
+      continue;
+    }
+    const int group = static_cast<int>(sizes.size());
+    sizes.push_back(0);
+    at(seed).group = group;
+    open.assign(1, seed);
+    while (!open.empty())
+    {
+      const int cell = open.back();
+      open.pop_back();
+      sizes.back() += at(cell).called;
+      // Cells with points never lie on the rim, so all eight neighbours exist.
+      for (const int row : {cell - width, cell, cell + width})
+      {
+        for (const int next : {row - 1, row, row + 1})
+        {
+          if (at(next).group < 0 && moves(next))
+          {
+            at(next).group = group;
+            open.push_back(next);
+          }
+        }
+      }
+    }
+  }
+  return sizes;
+}
+}  // namespace
+
+void dropLonePoints(const std::vector<Eigen::Vector3f>& points,
+                    double cell_size,
+                    int min_points,
+                    std::vector<float>& probability)
+{
+  const int width = 2 * static_cast<int>(std::ceil(reach / cell_size)) + 1;
+  std::vector<Cell> cells(static_cast<std::size_t>(width) * static_cast<std::size_t>(width));
+  std::vector<int> cell_of(points.size(), -1);
+  for (std::size_t i = 0; i < points.size(); ++i)
+  {
+    if (!points[i].allFinite())
+    {
+      continue;
+    }
+    const int x = static_cast<int>(std::floor((points[i].x() + reach) / cell_size));
+    const int y = static_cast<int>(std::floor((points[i].y() + reach) / cell_size));
+    if (x < 1 || y < 1 || x >= width - 1 || y >= width - 1)
+    {
+      continue;
+    }
+    Cell& cell = cells[static_cast<std::size_t>(y * width + x)];
+    cell.low = std::min(cell.low, points[i].z());
+    cell.high = std::max(cell.high, points[i].z());
+    if (!(probability[i] > 0))
+    {
+      continue;
+    }
+    cell_of[i] = y * width + x;
+    ++cell.doubtful;
+    cell.called += probability[i] > called_over ? 1 : 0;
+  }
+  const auto sizes = joinCells(cells, width);
+  for (std::size_t i = 0; i < points.size(); ++i)
+  {
+    if (cell_of[i] < 0)
+    {
+      continue;
+    }
+    const int group = cells[static_cast<std::size_t>(cell_of[i])].group;
+    if (group < 0 || sizes[static_cast<std::size_t>(group)] < min_points)
+    {
+      probability[i] = std::min(probability[i], taken_back);
+    }
+  }
+}
+}  // namespace dyslam

@@ -1,0 +1,166 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/SharedFiles.h>
+#include <dyslam/dyseg/NetworkSegmenter.h>
+#include <dyslam/nets/DysegModel.h>
+
+#include <algorithm>
+#include <cmath>
+#include <deque>
+#include <optional>
+
+#include "MovingGroups.h"
+
+namespace dyslam
+{
+namespace
+{
+// What a static flow knows beside its own residuals: cells of 0.8 m are not independent, and
+// height, roll and pitch are not looked at.
+constexpr double least_rmse = 0.05;  // m
+constexpr double cells_per_witness = 20;
+constexpr double unseen_height = 0.1;  // m
+constexpr double unseen_tilt = 0.01;   // rad
+constexpr double group_cell = 0.6;     // m
+constexpr double lever = 20;           // m, typical distance of a cell
+
+MotionEstimate motionOf(const RigidFlowFit& fit, const Eigen::Vector3d& sensor)
+{
+  MotionEstimate m;
+  // The network's frame is the vehicle's, moved to the sensor.
+  const Pose to_vehicle = Pose(Eigen::Translation3d(sensor));
+  m.T_previous_current = to_vehicle * fit.motion.pose() * to_vehicle.inverse();
+  m.converged = fit.converged;
+  m.reason = fit.converged ? "" : "too few cells with flow";
+  m.rmse = fit.rmse;
+  for (const float w : fit.inlier)
+  {
+    m.inliers += w > 0.5F ? 1 : 0;
+  }
+  const double deviation = std::max(fit.rmse, least_rmse);
+  const double witnesses = std::max(1.0, static_cast<double>(m.inliers) / cells_per_witness);
+  const double plane = witnesses / (deviation * deviation);
+  m.information.setZero();
+  m.information.diagonal() << plane, plane, 1 / (unseen_height * unseen_height),
+      1 / (unseen_tilt * unseen_tilt), 1 / (unseen_tilt * unseen_tilt), plane * lever * lever;
+  return m;
+}
+}  // namespace
+
+struct NetworkSegmenter::Impl
+{
+  struct Past
+  {
+    std::size_t index = 0;
+    std::shared_ptr<const DysegModel::Encoded> encoded;
+    PlanarMotion from_current;  //!< static motion from the scan at hand to this one, in steps
+  };
+
+  NetworkSegmenterOptions options;
+  DysegModel model;
+  std::deque<Past> past;  //!< newest first
+  std::optional<SceneFlow> flow;
+
+  void compareSecond(const DysegModel::Encoded& current, std::vector<float>& probability) const;
+};
+
+NetworkSegmenter::NetworkSegmenter(const NetworkSegmenterOptions& options)
+{
+  validate(options, "dyseg_network");
+  impl_ = std::make_unique<Impl>(
+      Impl{options,
+           DysegModel(findGivenOrShared(options.weights, "models", ".pt"), options.threads),
+           {},
+           {}});
+}
+
+NetworkSegmenter::~NetworkSegmenter() = default;
+
+void NetworkSegmenter::reset()
+{
+  impl_->past.clear();
+  impl_->flow.reset();
+}
+
+const SceneFlow* NetworkSegmenter::sceneFlow() const
+{
+  return impl_->flow ? &*impl_->flow : nullptr;
+}
+
+namespace
+{
+float logOdds(float probability)
+{
+  const float p = std::clamp(probability, 1e-3F, 1 - 1e-3F);
+  return std::log(p / (1 - p));
+}
+}  // namespace
+
+void NetworkSegmenter::Impl::compareSecond(const DysegModel::Encoded& current,
+                                           std::vector<float>& probability) const
+{
+  const auto back = std::min(past.size(), static_cast<std::size_t>(options.second_gap));
+  if (back < 2)
+  {
+    return;
+  }
+  const Past& earlier = past[back - 1];
+  const auto other =
+      model.compare(current, *earlier.encoded, options.iterations, &earlier.from_current);
+  for (std::size_t i = 0; i < probability.size(); ++i)
+  {
+    const float a = probability[i];
+    const float b = other.moving_probability[i];
+    if (options.combine == "max")
+    {
+      probability[i] = std::max(a, b);
+    }
+    else if (a > 0 || b > 0)
+    {
+      probability[i] = 1 / (1 + std::exp(-0.5F * (logOdds(a) + logOdds(b))));
+    }
+  }
+}
+
+void NetworkSegmenter::segment(Frame& frame)
+{
+  Impl& s = *impl_;
+  const Eigen::Vector3d sensor = frame.scan.T_vehicle_lidar.translation();
+  std::vector<Eigen::Vector3f> points(frame.cloud.points);
+  for (auto& p : points)
+  {
+    p -= sensor.cast<float>();
+  }
+  const auto encoded = s.model.encode(points);
+  frame.moving_probability.assign(points.size(), 0.0F);
+  s.flow.reset();
+  PlanarMotion step;
+  if (!s.past.empty())
+  {
+    auto result = s.model.compare(*encoded, *s.past.front().encoded, s.options.iterations);
+    step = result.static_flow.motion;
+    frame.moving_probability = std::move(result.moving_probability);
+    SceneFlow flow;
+    flow.static_motion = motionOf(result.static_flow, sensor);
+    flow.past_index = s.past.front().index;
+    flow.cell_centre = std::move(result.cell_centre);
+    flow.cell_flow = std::move(result.cell_flow);
+    for (auto& c : flow.cell_centre)
+    {
+      c += sensor.head<2>().cast<float>();
+    }
+    flow.cell_moving_probability = std::move(result.cell_moving_probability);
+    s.flow = std::move(flow);
+    for (auto& p : s.past)
+    {
+      p.from_current = PlanarMotion::fromPose(p.from_current.pose() * step.pose());
+    }
+    s.compareSecond(*encoded, frame.moving_probability);
+    dropLonePoints(points, group_cell, s.options.min_points, frame.moving_probability);
+  }
+  s.past.push_front({frame.index, encoded, PlanarMotion()});
+  if (s.past.size() > static_cast<std::size_t>(std::max(1, s.options.second_gap)))
+  {
+    s.past.pop_back();
+  }
+}
+}  // namespace dyslam

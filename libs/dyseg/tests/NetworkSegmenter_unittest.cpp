@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/Error.h>
+#include <dyslam/dyseg/NetworkSegmenter.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <random>
+
+namespace
+{
+using dyslam::Frame;
+using dyslam::NetworkSegmenter;
+using dyslam::NetworkSegmenterOptions;
+using dyslam::poseFromYpr;
+
+/** A street of walls and poles as a spinning sensor 1.7 m above flat ground would see it. */
+std::vector<Eigen::Vector3f> street(unsigned seed)
+{
+  std::mt19937 random(seed);
+  std::normal_distribution<float> noise(0, 0.015F);
+  std::vector<Eigen::Vector3f> posts;
+  std::mt19937 places(7);
+  std::uniform_real_distribution<float> where(-40, 40);
+  for (int i = 0; i < 150; ++i)
+  {
+    posts.emplace_back(where(places), where(places), 0.15F + 0.5F * std::abs(where(places)) / 40);
+  }
+  std::vector<Eigen::Vector3f> points;
+  for (int row = 0; row < 64; ++row)
+  {
+    const float slope = -0.44F + 0.0075F * static_cast<float>(row);
+    for (int column = 0; column < 1800; ++column)
+    {
+      const float azimuth = 0.00349066F * static_cast<float>(column);
+      const Eigen::Vector2f d(std::cos(azimuth), std::sin(azimuth));
+      float flat = slope < -0.02F ? -1.7F / slope : 80;
+      for (const auto& post : posts)
+      {
+        const float along = post.head<2>().dot(d);
+        const float across2 = post.head<2>().squaredNorm() - along * along;
+        if (along > 1 && across2 < post.z() * post.z())
+        {
+          flat = std::min(flat, along - std::sqrt(post.z() * post.z() - across2));
+        }
+      }
+      if (flat < 70)
+      {
+        flat += noise(random);
+        points.emplace_back(flat * d.x(), flat * d.y(), flat * slope);
+      }
+    }
+  }
+  return points;
+}
+
+Frame frameOf(std::vector<Eigen::Vector3f> points, std::size_t index)
+{
+  Frame frame;
+  frame.index = index;
+  frame.cloud.points = std::move(points);
+  return frame;
+}
+
+TEST(NetworkSegmenter, TheFirstScanIsStatic)
+{
+  NetworkSegmenter segmenter{NetworkSegmenterOptions()};
+  auto frame = frameOf(street(1), 0);
+  segmenter.segment(frame);
+  ASSERT_EQ(frame.moving_probability.size(), frame.cloud.points.size());
+  EXPECT_EQ(*std::max_element(frame.moving_probability.begin(), frame.moving_probability.end()), 0);
+  EXPECT_EQ(segmenter.sceneFlow(), nullptr);
+}
+
+TEST(NetworkSegmenter, ShiftedScanGivesTheShiftAndNoMovers)
+{
+  NetworkSegmenter segmenter{NetworkSegmenterOptions()};
+  const auto now = street(1);
+  // The same scan again as an ego that moved would see it: nothing in it moves.
+  const auto truth = poseFromYpr(0.9, 0.05, 0, 0.02, 0, 0);
+  auto before = now;
+  for (auto& p : before)
+  {
+    p = truth.cast<float>() * p;
+  }
+  auto first = frameOf(before, 0);
+  auto second = frameOf(now, 1);
+  segmenter.segment(first);
+  segmenter.segment(second);
+  ASSERT_NE(segmenter.sceneFlow(), nullptr);
+  const auto& motion = segmenter.sceneFlow()->static_motion;
+  EXPECT_TRUE(motion.converged);
+  EXPECT_LT((motion.T_previous_current.translation() - truth.translation()).norm(), 0.15);
+  EXPECT_LT(dyslam::rotationAngle(motion.T_previous_current.inverse() * truth), 0.01);
+  const auto moving =
+      std::count_if(second.moving_probability.begin(), second.moving_probability.end(),
+                    [](float p) { return p > 0.5F; });
+  EXPECT_LT(static_cast<double>(moving), 0.005 * static_cast<double>(now.size()));
+}
+
+TEST(NetworkSegmenter, EmptyAndInvalidScans)
+{
+  NetworkSegmenter segmenter{NetworkSegmenterOptions()};
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  for (const auto& points :
+       {std::vector<Eigen::Vector3f>{}, std::vector<Eigen::Vector3f>{{1, 2, 3}},
+        std::vector<Eigen::Vector3f>{{nan, nan, nan}, {5, 5, 0}}, street(2)})
+  {
+    auto frame = frameOf(points, 0);
+    segmenter.segment(frame);
+    EXPECT_EQ(frame.moving_probability.size(), points.size());
+  }
+  segmenter.reset();
+  EXPECT_EQ(segmenter.sceneFlow(), nullptr);
+}
+
+TEST(NetworkSegmenter, MissingWeightsAreAClearError)
+{
+  NetworkSegmenterOptions options;
+  options.weights = "/nowhere/weights.pt";
+  EXPECT_THROW(NetworkSegmenter{options}, dyslam::UserError);
+}
+}  // namespace
