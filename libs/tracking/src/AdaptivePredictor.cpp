@@ -53,33 +53,48 @@ void solve(const Factor& factor, int degree, Block&& coefficients)
     coefficients.row(k) = value / factor(k, k);
   }
 }
-/** Variance of the linear coefficient (the slope at tau = 0) per unit of noise: the squared length
- * of R^-T e_1. */
-double slopeLeverage(const Factor& factor, int degree)
+
+/** Variance of a linear function of the coefficients per unit of noise: |R^-T row|^2. */
+double leverage(const Factor& factor, int degree, const std::array<double, terms>& row)
 {
   std::array<double, terms> root{};
   double sum = 0;
-  for (int k = 1; k <= degree; ++k)
+  for (int k = 0; k <= degree; ++k)
   {
-    double value = k == 1 ? 1 : 0;
-    for (int j = 1; j < k; ++j)
+    const auto at = static_cast<std::size_t>(k);
+    double value = row[at];
+    for (int j = 0; j < k; ++j)
     {
       value -= factor(j, k) * root[static_cast<std::size_t>(j)];
     }
-    root[static_cast<std::size_t>(k)] = value / factor(k, k);
-    sum += root[static_cast<std::size_t>(k)] * root[static_cast<std::size_t>(k)];
+    root[at] = value / factor(k, k);
+    sum += root[at] * root[at];
   }
   return sum;
+}
+
+/** 1, tau, tau^2, ... */
+std::array<double, terms> powersOf(double tau)
+{
+  std::array<double, terms> powers{};
+  powers[0] = 1;
+  for (std::size_t k = 1; k < powers.size(); ++k)
+  {
+    powers[k] = powers[k - 1] * tau;
+  }
+  return powers;
 }
 }  // namespace
 
 AdaptivePredictor::AdaptivePredictor(const AdaptiveOptions& options) : options_(options)
 {
   if (!(options.memory > 0 && options.memory <= 1) || !(options.regularisation > 0) ||
-      !(options.prior_weight > 0))
+      !(options.prior_weight > 0) || !(options.noise_weight >= 0) ||
+      !(options.outlier_sigmas > 0) || !(options.least_sigma > 0))
   {
     throw std::invalid_argument(
-        "AdaptivePredictor: memory must be in (0, 1], regularisation and prior_weight above 0");
+        "AdaptivePredictor: memory must be in (0, 1], noise_weight not negative, regularisation, "
+        "prior_weight, outlier_sigmas and least_sigma above 0");
   }
   coefficients_.setZero();
   error_covariance_.setZero();
@@ -93,17 +108,64 @@ bool AdaptivePredictor::add(const TimedPosition& sighting)
   {
     return false;
   }
+  TimedPosition taken = sighting;
   if (history_.size() >= 2)
   {
+    taken.position = drawnIn(sighting);
     learn(sighting);
   }
-  history_.push_back(sighting);
+  history_.push_back(taken);
   if (history_.size() > static_cast<std::size_t>(bank.back().window))
   {
     history_.pop_front();
   }
   refit();
   return true;
+}
+
+/** The position to remember of a sighting, drawn towards the prediction if it lies far off. */
+Eigen::Vector2d AdaptivePredictor::drawnIn(const TimedPosition& sighting)
+{
+  constexpr double enough_errors = 8;
+  if (error_count_ <= enough_errors)
+  {
+    return sighting.position;
+  }
+  const Eigen::Vector2d expected = predict(sighting.stamp).position;
+  const Eigen::Vector2d off = sighting.position - expected;
+  const double least = options_.least_sigma * options_.least_sigma;
+  const Eigen::Matrix2d usual = own_errors_ / error_count_ + least * Eigen::Matrix2d::Identity();
+  const double sigmas = std::sqrt(off.dot(usual.llt().solve(off)));
+  const bool far = sigmas > options_.outlier_sigmas;
+  if (drawn_from_)
+  {
+    if (far)  // no outlier but a change of course: both are as they were seen
+    {
+      history_.back().position = *drawn_from_;
+      refit();
+    }
+    drawn_from_.reset();
+    return sighting.position;
+  }
+  if (!far)
+  {
+    return sighting.position;
+  }
+  drawn_from_ = sighting.position;
+  return expected + off * (options_.outlier_sigmas / sigmas);
+}
+
+void AdaptivePredictor::shift(const Eigen::Vector2d& offset)
+{
+  for (TimedPosition& sighting : history_)
+  {
+    sighting.position += offset;
+  }
+  if (drawn_from_)
+  {
+    *drawn_from_ += offset;
+  }
+  origin_ += offset;  // the fits are told relative to it
 }
 
 void AdaptivePredictor::learn(const TimedPosition& sighting)
@@ -132,6 +194,9 @@ void AdaptivePredictor::reweigh()
   const double least = std::max(variance.minCoeff(), 1e-12);
   Eigen::Matrix<double, members, members> damped = error_covariance_ / error_count_;
   damped.diagonal().array() += options_.regularisation * least;
+  const double known = error_count_ / (error_count_ + options_.noise_weight);
+  damped *= known;
+  damped.diagonal() += (1 - known) * least * noise_gain_;
   weights_ = damped.llt().solve(Weights::Ones());
   weights_ /= weights_.sum();
 
@@ -156,6 +221,8 @@ void AdaptivePredictor::refit()
   time_scale_ = span > 0 ? span : 1;
   const auto count = static_cast<int>(history_.size());
   int rows = 0;
+  const double step = count > 1 ? span / (count - 1) : 0.0;
+  const std::array<double, terms> next = powersOf(step / time_scale_);
   for (std::size_t member = 0; member < bank.size(); ++member)
   {
     const Fit& fit = bank[member];
@@ -173,10 +240,10 @@ void AdaptivePredictor::refit()
       rotateIn(factor, equation);
     }
     const int degree = std::min(fit.degree, rows - 1);
-    slope_leverage_[static_cast<Eigen::Index>(member)] =
-        slopeLeverage(factor, degree) / (time_scale_ * time_scale_);
-    solve(factor, degree,
-          coefficients_.middleRows<terms>(static_cast<Eigen::Index>(member) * terms));
+    const auto i = static_cast<Eigen::Index>(member);
+    slope_leverage_[i] = leverage(factor, degree, {0, 1}) / (time_scale_ * time_scale_);
+    noise_gain_[i] = leverage(factor, degree, next);
+    solve(factor, degree, coefficients_.middleRows<terms>(i * terms));
   }
 }
 

@@ -71,6 +71,14 @@ bool PolynomialTrajectory::add(const TimedPosition& sighting)
   return true;
 }
 
+void PolynomialTrajectory::shift(const Eigen::Vector2d& offset)
+{
+  for (TimedPosition& sighting : history_)
+  {
+    sighting.position += offset;
+  }
+}
+
 bool PolynomialTrajectory::full() const
 {
   return history_.size() == static_cast<std::size_t>(options_.window);

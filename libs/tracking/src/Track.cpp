@@ -18,6 +18,25 @@ constexpr double climb_gain = 0.1;
 /** Of a smaller sighting's size, when parts may be hidden. */
 constexpr double shrink_gain = 0.005;
 
+/** Width and height that hardly any object of a class falls short of [m]. Nothing is said of
+ * lengths: the visible end may be either. */
+Eigen::Vector3d usualSize(ObjectClass object_class)
+{
+  switch (object_class)
+  {
+    case ObjectClass::car:
+    case ObjectClass::van:
+      return {0, 1.7, 1.4};
+    case ObjectClass::cyclist:
+    case ObjectClass::motorcyclist:
+      return {0, 0, 1.6};
+    case ObjectClass::pedestrian:
+      return {0, 0, 1.6};
+    default:
+      return Eigen::Vector3d::Zero();
+  }
+}
+
 constexpr double square(double x)
 {
   return x * x;
@@ -66,6 +85,15 @@ Track::Track(int id, double stamp, const Sighting& sighting, const TrackerOption
   z_variance_ = sighting.covariance(2, 2);
   yaw_variance_ = sighting.covariance(3, 3);
   remember(sighting);
+  confirm(sighting);
+}
+
+void Track::confirm(const Sighting& sighting)
+{
+  // Clusters that stay where they are, are edges of shadows and the like, not movers.
+  const bool ripe = hits_ >= kind().confirm_hits || score_sum_ >= kind().confirm_score;
+  const bool moves = has_moved_ || !sighting.from_points || !options_->must_move;
+  confirmed_ = confirmed_ || (ripe && moves);
 }
 
 void Track::remember(const Sighting& sighting)
@@ -87,7 +115,6 @@ void Track::remember(const Sighting& sighting)
   }
   score_sum_ += sighting.score;
   detection_ = sighting.index;
-  confirmed_ = confirmed_ || hits_ >= kind().confirm_hits || score_sum_ >= kind().confirm_score;
 }
 
 void Track::predict(double stamp)
@@ -132,8 +159,16 @@ void Track::match(const Sighting& sighting)
 {
   ++hits_;
   misses_ = 0;
+  const Eigen::Vector2d before = seenAs(sighting).center.head<2>();
   resize(sighting);
   const Box seen = seenAs(sighting);
+  if (sighting.from_points)
+  {
+    // A body that turns out larger was centred elsewhere all along; it did not jump.
+    const Eigen::Vector2d offset = seen.center.head<2>() - before;
+    box_.center.head<2>() += offset;
+    std::visit([&](auto& motion) { motion.shift(offset); }, motion_);
+  }
   turnTo(sighting, seen.yaw);
   moveTo(sighting, seen);
   remember(sighting);
@@ -142,7 +177,9 @@ void Track::match(const Sighting& sighting)
   velocity_ = now.velocity;
   velocity_covariance_ = now.velocity_covariance;
   judgeMotion();
-  turnAlongMotion();
+  has_moved_ = has_moved_ || dynamic_ || moves();
+  turnAlongMotion(sighting);
+  confirm(sighting);
 }
 
 void Track::moveTo(const Sighting& sighting, const Box& seen)
@@ -181,23 +218,35 @@ void Track::turnTo(const Sighting& sighting, double seen_yaw)
   }
 }
 
-/** What moves fast faces where it goes (people may walk sideways, cars reverse slowly). */
-void Track::turnAlongMotion()
+/** Length and width change places. */
+void Track::swapAxes()
+{
+  box_.yaw = wrapAngle(box_.yaw + M_PI / 2);
+  std::swap(box_.size.x(), box_.size.y());
+}
+
+/** What moves faces where it goes (people may walk sideways, cars reverse slowly). */
+void Track::turnAlongMotion(const Sighting& sighting)
 {
   const double speed = velocity_.norm();
-  if (!dynamic_ || speed < 2 * options_->dynamic_speed)
+  if (!dynamic_ || speed < (sighting.from_points ? 1 : 2) * options_->dynamic_speed)
   {
     return;
   }
   const double course = std::atan2(velocity_.y(), velocity_.x());
+  const double variance = 0.01 + 0.5 * velocity_covariance_.trace() / square(speed);
+  if (sighting.from_points && variance < 0.1 &&
+      std::abs(wrapAngle(2 * (course - box_.yaw))) > M_PI / 2)
+  {
+    swapAxes();  // its longer visible side was its width
+  }
   if (std::abs(wrapAngle(course - box_.yaw)) > 0.75 * M_PI)
   {
     box_.yaw = wrapAngle(box_.yaw + M_PI);
     turned_sightings_ = -turned_sightings_;
   }
-  const double variance = 0.01 + 0.5 * velocity_covariance_.trace() / square(speed);
   const double gain = yaw_variance_ / (yaw_variance_ + variance);
-  if (object_class_ != ObjectClass::pedestrian && detection_ >= 0)
+  if (sighting.from_points || object_class_ != ObjectClass::pedestrian)
   {
     box_.yaw = wrapAngle(box_.yaw + gain * wrapAngle(course - box_.yaw));
     yaw_variance_ *= 1 - gain;
@@ -222,6 +271,57 @@ void Track::resize(const Sighting& sighting)
     const double gain = seen[k] > box_.size[k] ? options_->size_gain : shrink_gain;
     box_.size[k] += gain * (seen[k] - box_.size[k]);
   }
+  if (has_moved_)
+  {
+    // Feet and wheels are lost with the ground, far sides are hidden.
+    const Eigen::Vector3d missing = (usualSize(object_class_) - box_.size).cwiseMax(0);
+    box_.size += options_->size_gain * missing;
+  }
+}
+
+/** Whether a straight line through the last sightings goes somewhere, far beyond what their scatter
+ * about it explains. Edges of shadows flicker to and fro instead. */
+bool Track::moves() const
+{
+  constexpr double least_speed = 0.5;  // [m/s]
+  constexpr double least_way = 0.4;    // [m]
+  constexpr double sigmas = 8;
+  constexpr std::size_t least = 4;
+  constexpr double least_scatter = 0.05;  // of one sighting [m]
+  constexpr std::size_t most = 12;
+  const auto& history = std::visit([](const auto& motion) -> const std::deque<TimedPosition>&
+                                   { return motion.history(); },
+                                   motion_);
+  const std::size_t count = std::min(most, history.size());
+  if (count < least)
+  {
+    return false;
+  }
+  const auto first = history.end() - static_cast<std::ptrdiff_t>(count);
+  const double n = static_cast<double>(count);
+  double mean_time = 0;
+  Eigen::Vector2d mean = Eigen::Vector2d::Zero();
+  for (auto it = first; it != history.end(); ++it)
+  {
+    mean_time += it->stamp / n;
+    mean += it->position / n;
+  }
+  double time_spread = 0;
+  Eigen::Vector2d slope = Eigen::Vector2d::Zero();
+  for (auto it = first; it != history.end(); ++it)
+  {
+    time_spread += square(it->stamp - mean_time);
+    slope += (it->stamp - mean_time) * (it->position - mean);
+  }
+  slope /= time_spread;
+  double scatter = 2 * square(least_scatter);
+  for (auto it = first; it != history.end(); ++it)
+  {
+    scatter += (it->position - mean - (it->stamp - mean_time) * slope).squaredNorm();
+  }
+  const double sigma = std::sqrt(scatter / (2 * (n - 2) + 2) / time_spread);
+  const double way = slope.norm() * (history.back().stamp - first->stamp);
+  return slope.norm() > least_speed && way > least_way && slope.norm() > sigmas * sigma;
 }
 
 void Track::judgeMotion()

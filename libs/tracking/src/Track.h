@@ -54,11 +54,14 @@ class Track
   using Motion = std::variant<AdaptivePredictor, PolynomialTrajectory>;
   [[nodiscard]] static Motion makeMotion(const TrackerOptions& options);
   void remember(const Sighting& sighting);
+  void confirm(const Sighting& sighting);
   void moveTo(const Sighting& sighting, const Box& seen);
   void turnTo(const Sighting& sighting, double seen_yaw);
-  void turnAlongMotion();
+  void turnAlongMotion(const Sighting& sighting);
+  void swapAxes();
   void resize(const Sighting& sighting);
   void judgeMotion();
+  [[nodiscard]] bool moves() const;
 
   const TrackerOptions* options_;
   int id_;
@@ -81,7 +84,8 @@ class Track
   int age_ = 0;
   bool confirmed_ = false;
   bool dynamic_ = false;
-  int change_votes_ = 0;  //!< scans in a row that speak against `dynamic_`
+  bool has_moved_ = false;  //!< did at some time, beyond doubt
+  int change_votes_ = 0;    //!< scans in a row that speak against `dynamic_`
   int detection_ = -1;
 };
 }  // namespace dyslam

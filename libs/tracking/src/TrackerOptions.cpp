@@ -89,6 +89,7 @@ void TrackerOptions::describe(OptionsVisitor& v)
   v.real("static_speed", static_speed, 0, 100, "a moving object slower has stopped, m/s");
   v.real("dynamic_sigmas", dynamic_sigmas, 0, 100, "its speed must also be this many sigmas off 0");
   v.integer("dynamic_hits", dynamic_hits, 1, 100, "scans in a row that must agree on a change");
+  v.flag("must_move", must_move, "a track of clusters is reported only once it has moved");
   v.flag("complete_boxes", complete_boxes, "boxes of clusters grow to the size seen over time");
   v.real("class_mismatch_cost", class_mismatch_cost, 0, 1000,
          "added to the cost of a pair of different kinds; above max_cost forbids it");

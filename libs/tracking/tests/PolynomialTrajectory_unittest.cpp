@@ -131,6 +131,7 @@ TEST(AdaptivePredictor, everyMemberEqualsItsOwnFit)
   {
     const auto [degree, window] = AdaptivePredictor::bank[member];
     AdaptiveOptions options;
+    options.outlier_sigmas = 1e9;  // the fits alone
     AdaptivePredictor adaptive(options);
     PolynomialTrajectory alone(optionsOf(degree, window));
     double t = 0;
@@ -247,4 +248,43 @@ TEST(AdaptivePredictor, coastsSafely)
   }
   EXPECT_NEAR(predictor.predict(6.0).velocity.x(), 10, 0.5);
   EXPECT_NEAR(predictor.weights().sum(), 1, 1e-9);
+}
+
+/** One sighting far off must not throw the prediction; a real step is followed at the second. */
+TEST(AdaptivePredictor, outliersAreDrawnInStepsAreFollowed)
+{
+  for (const bool step : {false, true})
+  {
+    std::mt19937 generator(13);
+    std::normal_distribution<double> noise(0, 0.05);
+    AdaptivePredictor guarded;
+    AdaptiveOptions open;
+    open.outlier_sigmas = 1e9;
+    AdaptivePredictor unguarded(open);
+    double worst_guarded = 0;
+    double worst_unguarded = 0;
+    for (int i = 0; i < 80; ++i)
+    {
+      const double t = 0.1 * i;
+      const Vector2d truth(8 * t, step && i >= 50 ? 2 : 0);
+      if (i > 50 && i < 56)
+      {
+        worst_guarded = std::max(worst_guarded, (guarded.predict(t).position - truth).norm());
+        worst_unguarded = std::max(worst_unguarded, (unguarded.predict(t).position - truth).norm());
+      }
+      const Vector2d outlier(0, !step && i == 50 ? 2 : 0);
+      const Vector2d seen = truth + outlier + Vector2d(noise(generator), noise(generator));
+      guarded.add({t, seen});
+      unguarded.add({t, seen});
+    }
+    if (step)
+    {
+      EXPECT_LT((guarded.predict(8.0).position - Vector2d(64, 2)).norm(), 0.5);
+    }
+    else
+    {
+      EXPECT_LT(worst_guarded, 0.5 * worst_unguarded);
+      EXPECT_LT(worst_guarded, 0.5);
+    }
+  }
 }

@@ -5,6 +5,7 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <optional>
 
 namespace dyslam
 {
@@ -12,6 +13,9 @@ struct AdaptiveOptions
 {
   double memory = 0.97;           //!< how much an error still counts one sighting later, in (0, 1]
   double regularisation = 1.0;    //!< added to every fit's error variance, times the least of them
+  double noise_weight = 3;        //!< sightings that what noise alone does to a fit counts as
+  double outlier_sigmas = 3;      //!< farther sightings are drawn in, unless the next agrees
+  double least_sigma = 0.03;      //!< of the sigma meant there [m]
   double prior_sigma = 0.15;      //!< expected error of a prediction before any was seen [m]
   double prior_weight = 3;        //!< how many seen errors the prior is worth
   double first_speed_sigma = 5;   //!< of an object seen once [m/s]
@@ -24,8 +28,10 @@ struct AdaptiveOptions
  * Every fit predicts every sighting before it is seen. The weights minimise the expected squared
  * error of the weighted mean under the fits' discounted error covariance C (a unit-sum,
  * minimum-variance combination, w ~ (C + r I)^-1 1), so a window that lags on a curve or a degree
- * that amplifies noise loses its say within a few frames. Causal; deterministic; the covariance
- * comes from the combination's own past errors.
+ * that amplifies noise loses its say within a few frames. While few errors are known, C is drawn to
+ * what noise of the sightings alone would do to each fit. A single sighting far off the prediction
+ * is drawn in; if the next is far off, too, both are taken as they were. Causal; deterministic; the
+ * covariance comes from the combination's own past errors.
  *
  * All fits share one QR: rows are added from the newest sighting back, and the triangular factor
  * after k rows holds the fits of every degree for the window k.
@@ -53,6 +59,9 @@ class AdaptivePredictor
 
   [[nodiscard]] MotionPrediction predict(double stamp) const;
 
+  /** Move the whole history: what was taken for the centre so far was this far off [m]. */
+  void shift(const Eigen::Vector2d& offset);
+
   [[nodiscard]] const std::deque<TimedPosition>& history() const { return history_; }
   [[nodiscard]] std::size_t size() const { return history_.size(); }
   /** The weight of every member now; they sum to 1. */
@@ -65,6 +74,7 @@ class AdaptivePredictor
  private:
   static constexpr int terms = PolynomialTrajectory::max_degree + 1;
 
+  [[nodiscard]] Eigen::Vector2d drawnIn(const TimedPosition& sighting);
   void learn(const TimedPosition& sighting);
   void refit();
   void reweigh();
@@ -75,6 +85,8 @@ class AdaptivePredictor
   Eigen::Matrix<double, members * terms, 2> coefficients_;
   Weights slope_leverage_ =
       Weights::Zero();  //!< variance of each member's velocity per unit noise [1/s^2]
+  Weights noise_gain_ = Weights::Ones();  //!< variance of each member's next prediction, likewise
+  std::optional<Eigen::Vector2d> drawn_from_;  //!< where the last sighting was, if drawn in
   Eigen::Vector2d origin_ = Eigen::Vector2d::Zero();
   double time_scale_ = 1;  //!< seconds per unit of tau, which counts back from the newest sighting
   Eigen::Matrix<double, members, members> error_covariance_;  //!< discounted sum over sightings

@@ -61,6 +61,8 @@ class PolynomialTrajectory
   /** Returns false and changes nothing for NaN, or a stamp not after the last one. */
   bool add(const TimedPosition& sighting);
   void clear() { history_.clear(); }
+  /** Move the whole history: what was taken for the centre so far was this far off [m]. */
+  void shift(const Eigen::Vector2d& offset);
 
   /** The fit at a time, usually after the last sighting. */
   [[nodiscard]] MotionPrediction predict(double stamp) const;

@@ -55,6 +55,7 @@ struct TrackerOptions : Options
   double static_speed = 0.5;         //!< and no longer below this [m/s]
   double dynamic_sigmas = 2.5;       //!< the speed must also be this many sigmas from 0
   int dynamic_hits = 3;              //!< scans in a row that must agree
+  bool must_move = true;             //!< clusters are reported once they have been moving
   bool complete_boxes = true;        //!< boxes of clusters grow to the size seen over time
   double class_mismatch_cost = 0.5;  //!< added to a pair of different kinds; 10 forbids it
   double size_gain = 0.2;            //!< of a sighting's size

@@ -1,0 +1,422 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/BoxOverlap.h>
+#include <dyslam/tracking/Tracker.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <map>
+#include <random>
+#include <set>
+
+using namespace dyslam;
+using Eigen::Vector2d;
+
+namespace
+{
+constexpr double dt = 0.1;  // [s]
+
+Detection carAt(const Vector2d& position, double yaw = 0, int truth_id = -1)
+{
+  Detection detection;
+  detection.box.center = {position.x(), position.y(), -0.8};
+  detection.box.size = {4.2, 1.8, 1.5};
+  detection.box.yaw = yaw;
+  detection.object_class = ObjectClass::car;
+  detection.covariance = Eigen::Vector4d(0.01, 0.01, 0.01, 0.01).asDiagonal();
+  detection.truth_id = truth_id;
+  return detection;
+}
+
+/** The same as seen by the detector of clusters. */
+Detection clusterAt(const Vector2d& position, double yaw = 0)
+{
+  Detection detection = carAt(position, yaw);
+  detection.points = {0, 1, 2};
+  return detection;
+}
+
+struct Actor
+{
+  std::function<Vector2d(double)> where;
+  std::function<bool(int)> seen = [](int) { return true; };
+};
+
+/** What a tracker made of every actor, told by the truth ids of its detections. */
+struct Outcome
+{
+  std::map<int, std::vector<int>> ids;       //!< of each actor's reported tracks, scan by scan
+  std::map<int, TrackedObject> last;         //!< of each actor, when last observed
+  std::set<int> all_ids;                     //!< reported, of anything
+  std::vector<TrackedObject> final_objects;  //!< living after the last scan
+  std::map<int, int> changes;                //!< of id, per actor
+  double worst_position = 0;                 //!< reported and observed, after 10 scans [m]
+};
+
+Outcome play(
+    const std::vector<Actor>& actors,
+    int scans,
+    double noise,
+    const TrackerOptions& options = {},
+    const std::function<Pose(double)>& sensor = [](double) { return Pose::Identity(); })
+{
+  std::mt19937 generator(17);
+  std::normal_distribution<double> normal(0, noise);
+  Tracker tracker(options);
+  Outcome outcome;
+  for (int scan = 0; scan < scans; ++scan)
+  {
+    const double t = dt * scan;
+    const Pose T_odom_vehicle = sensor(t);
+    std::vector<Detection> detections;
+    for (std::size_t i = 0; i < actors.size(); ++i)
+    {
+      if (actors[i].seen(scan))
+      {
+        const Vector2d w = actors[i].where(t);
+        const Eigen::Vector3d v =
+            T_odom_vehicle.inverse() *
+            Eigen::Vector3d(w.x() + normal(generator), w.y() + normal(generator), 0);
+        detections.push_back(carAt(v.head<2>(), 0, static_cast<int>(i)));
+      }
+    }
+    std::shuffle(detections.begin(), detections.end(), generator);
+    outcome.final_objects = tracker.update(t, detections, T_odom_vehicle);
+    for (const TrackedObject& object : outcome.final_objects)
+    {
+      if (!tracker.reported(object))
+      {
+        continue;
+      }
+      outcome.all_ids.insert(object.id);
+      if (object.detection < 0)
+      {
+        continue;
+      }
+      const int actor = detections[static_cast<std::size_t>(object.detection)].truth_id;
+      std::vector<int>& ids = outcome.ids[actor];
+      outcome.changes[actor] += !ids.empty() && ids.back() != object.id ? 1 : 0;
+      ids.push_back(object.id);
+      outcome.last[actor] = object;
+      if (scan >= 10)
+      {
+        const Vector2d truth = actors[static_cast<std::size_t>(actor)].where(t);
+        outcome.worst_position =
+            std::max(outcome.worst_position, (object.box.center.head<2>() - truth).norm());
+      }
+    }
+  }
+  return outcome;
+}
+
+std::function<Vector2d(double)> line(const Vector2d& start, const Vector2d& velocity)
+{
+  return [=](double t) -> Vector2d { return start + t * velocity; };
+}
+}  // namespace
+
+TEST(Tracker, followsOneCarWithItsVelocity)
+{
+  const Outcome o = play({{line({5, 2}, {8, -1})}}, 40, 0.05);
+  ASSERT_EQ(o.all_ids.size(), 1u);
+  EXPECT_EQ(o.ids.at(0).size(), 38u);  // reported from the third sighting on
+  EXPECT_LT((o.last.at(0).velocity.head<2>() - Vector2d(8, -1)).norm(), 0.3);
+  EXPECT_TRUE(o.last.at(0).dynamic);
+  EXPECT_LT(o.worst_position, 0.3);
+}
+
+/** The sensor drives and turns; tracks stand in the odometry frame. */
+TEST(Tracker, takesOutTheSensorsOwnMotion)
+{
+  const auto sensor = [](double t) { return poseFromYpr(10 * t, 0.5 * t, 0, 0.4 * t, 0, 0); };
+  const Outcome o = play({{line({30, 5}, {0, 0})}, {line({20, -4}, {9, 0})}}, 40, 0.03, {}, sensor);
+  EXPECT_EQ(o.all_ids.size(), 2u);
+  EXPECT_FALSE(o.last.at(0).dynamic);
+  EXPECT_LT(o.last.at(0).velocity.norm(), 0.4);
+  EXPECT_TRUE(o.last.at(1).dynamic);
+  EXPECT_NEAR(o.last.at(1).velocity.x(), 9, 0.4);
+}
+
+TEST(Tracker, keepsTheIdThroughAnOcclusion)
+{
+  Actor hidden{line({0, 0}, {8, 2})};
+  hidden.seen = [](int scan) { return scan < 20 || scan >= 28; };
+  const Outcome o = play({hidden}, 50, 0.05);
+  EXPECT_EQ(o.all_ids.size(), 1u);
+  EXPECT_EQ(o.changes.at(0), 0);
+  // Too long, and it is another object.
+  hidden.seen = [](int scan) { return scan < 20 || scan >= 40; };
+  EXPECT_EQ(play({hidden}, 70, 0.05).all_ids.size(), 2u);
+}
+
+/** While it is hidden, the prediction is reported for a while, then no more. */
+TEST(Tracker, coastsOnlyBriefly)
+{
+  Tracker tracker;
+  for (int scan = 0; scan < 20; ++scan)
+  {
+    (void)tracker.update(dt * scan, {carAt({0.8 * scan, 0})}, Pose::Identity());
+  }
+  const TrackerOptions defaults;
+  for (int miss = 1; miss <= defaults.vehicle.max_misses + 1; ++miss)
+  {
+    const auto objects = tracker.update(dt * (19 + miss), {}, Pose::Identity());
+    if (miss > defaults.vehicle.max_misses)
+    {
+      EXPECT_TRUE(objects.empty());
+      continue;
+    }
+    ASSERT_EQ(objects.size(), 1u);
+    EXPECT_FALSE(objects[0].observed);
+    EXPECT_EQ(tracker.reported(objects[0]), miss <= defaults.vehicle.report_misses) << miss;
+    EXPECT_NEAR(objects[0].box.center.x(), 0.8 * (19 + miss), 0.3);
+  }
+}
+
+/** Paths cross at a right angle, both cars at the crossing within 2 m of each other. */
+TEST(Tracker, crossingPathsKeepTheirIds)
+{
+  const Outcome o = play({{line({-15, 0.5}, {10, 0})}, {line({0, -16}, {0, 10})}}, 35, 0.05);
+  EXPECT_EQ(o.all_ids.size(), 2u);
+  EXPECT_EQ(o.changes.at(0) + o.changes.at(1), 0);
+  // Head-on in neighbouring lanes, too.
+  const Outcome p = play({{line({-20, 1.3}, {12, 0})}, {line({20, -1.3}, {-12, 0})}}, 40, 0.05);
+  EXPECT_EQ(p.changes.at(0) + p.changes.at(1), 0);
+}
+
+TEST(Tracker, objectsEnterAndLeave)
+{
+  std::vector<Actor> actors;
+  for (int i = 0; i < 6; ++i)
+  {
+    Actor actor{line({-20.0 + 2 * i, 6.0 * i}, {7, 0})};
+    actor.seen = [i](int scan) { return scan >= 8 * i && scan < 8 * i + 25; };
+    actors.push_back(actor);
+  }
+  const Outcome o = play(actors, 100, 0.05);
+  EXPECT_EQ(o.all_ids.size(), 6u);
+  for (int i = 0; i < 6; ++i)
+  {
+    EXPECT_EQ(o.changes.at(i), 0);
+    EXPECT_EQ(o.ids.at(i).size(), 23u);
+  }
+  EXPECT_TRUE(o.final_objects.empty());  // all have died
+}
+
+/** One that stands, starts, and stops again: dynamic follows, without flicker. */
+TEST(Tracker, aStoppedCarThatStarts)
+{
+  const auto where = [](double t) -> Vector2d
+  {
+    const double s = std::clamp(t - 3, 0.0, 2.0);    // 0 to 6 m/s within 2 s ...
+    const double on = std::clamp(t - 5, 0.0, 2.0);   // ... goes on ...
+    const double off = std::clamp(t - 7, 0.0, 2.0);  // ... and stops
+    return {10 + 1.5 * s * s + 6 * on + 6 * off - 1.5 * off * off, 4};
+  };
+  std::mt19937 generator(5);
+  std::normal_distribution<double> noise(0, 0.05);
+  Tracker tracker;
+  std::vector<bool> dynamic;
+  std::set<int> ids;
+  double worst = 0;
+  for (int scan = 0; scan < 130; ++scan)
+  {
+    const Vector2d p = where(dt * scan);
+    const auto objects = tracker.update(
+        dt * scan, {carAt(p + Vector2d(noise(generator), noise(generator)))}, Pose::Identity());
+    ASSERT_EQ(objects.size(), 1u);
+    ids.insert(objects[0].id);
+    dynamic.push_back(objects[0].dynamic);
+    worst = std::max(worst, (objects[0].box.center.head<2>() - p).norm());
+  }
+  EXPECT_EQ(ids.size(), 1u);
+  EXPECT_FALSE(std::any_of(dynamic.begin(), dynamic.begin() + 30, [](bool d) { return d; }));
+  EXPECT_TRUE(std::all_of(dynamic.begin() + 45, dynamic.begin() + 85, [](bool d) { return d; }));
+  EXPECT_FALSE(std::any_of(dynamic.end() - 20, dynamic.end(), [](bool d) { return d; }));
+  int flips = 0;
+  for (std::size_t i = 1; i < dynamic.size(); ++i)
+  {
+    flips += dynamic[i] != dynamic[i - 1] ? 1 : 0;
+  }
+  EXPECT_EQ(flips, 2);
+  EXPECT_LT(worst, 0.5);
+}
+
+/** Every scan a detection is lost with 35 % chance, and false ones appear anywhere. */
+TEST(Tracker, aDetectorThatBlinks)
+{
+  std::mt19937 generator(23);
+  std::bernoulli_distribution lost(0.35);
+  std::vector<bool> pattern(100);
+  for (std::size_t i = 0; i < pattern.size(); ++i)
+  {
+    pattern[i] = !lost(generator);
+  }
+  Actor blinking{line({-30, 0}, {6, 0.5})};
+  blinking.seen = [&](int scan) { return pattern[static_cast<std::size_t>(scan)]; };
+  std::uniform_real_distribution<double> place(-60, 60);
+  std::vector<Actor> actors{blinking};
+  for (int i = 0; i < 100; ++i)  // each false one is seen once
+  {
+    const Vector2d at(place(generator), 10 + std::abs(place(generator)));
+    Actor ghost{[at](double) { return at; }};
+    ghost.seen = [i](int scan) { return scan == i; };
+    actors.push_back(ghost);
+  }
+  const Outcome o = play(actors, 100, 0.05);
+  EXPECT_EQ(o.changes.at(0), 0);
+  EXPECT_EQ(o.all_ids.size(), 1u);  // no ghost was ever reported
+}
+
+/** A street full of cars: nobody changes the id. */
+TEST(Tracker, twoHundredObjectsAtOnce)
+{
+  std::vector<Actor> actors;
+  for (int i = 0; i < 200; ++i)
+  {
+    const int lane = i % 10;
+    const double direction = lane % 2 == 0 ? 1 : -1;
+    actors.push_back({line({9.0 * (i / 10) - 90, 3.5 * lane}, {direction * (5.0 + lane), 0})});
+  }
+  const Outcome o = play(actors, 40, 0.08);
+  EXPECT_EQ(o.all_ids.size(), 200u);
+  for (int i = 0; i < 200; ++i)
+  {
+    EXPECT_EQ(o.changes.at(i), 0) << i;
+  }
+  EXPECT_LT(o.worst_position, 0.5);
+}
+
+TEST(Tracker, everyMotionAndAssociationFollowsACurve)
+{
+  const auto curve = [](double t) -> Vector2d {
+    return {12 * std::sin(0.6 * t), 12 - 12 * std::cos(0.6 * t)};
+  };
+  for (const TrackMotion motion :
+       {TrackMotion::adaptive, TrackMotion::polynomial, TrackMotion::constant_velocity})
+  {
+    for (const AssociationMethod method : {AssociationMethod::shortest_paths,
+                                           AssociationMethod::hungarian, AssociationMethod::greedy})
+    {
+      TrackerOptions options;
+      options.motion = motion;
+      options.association = method;
+      const Outcome o = play({{curve}, {line({0, 30}, {5, 0})}}, 60, 0.05, options);
+      EXPECT_EQ(o.all_ids.size(), 2u);
+      EXPECT_EQ(o.changes.at(0) + o.changes.at(1), 0);
+    }
+  }
+}
+
+/** Greedy takes the cheapest pair first and loses an object where the optimum keeps both. */
+TEST(Tracker, optimalAssociationKeepsWhatGreedyLoses)
+{
+  for (const AssociationMethod method :
+       {AssociationMethod::shortest_paths, AssociationMethod::hungarian, AssociationMethod::greedy})
+  {
+    TrackerOptions options;
+    options.association = method;
+    options.vehicle.gate_distance = 2.5;
+    options.vehicle.gate_sigmas = 20;
+    options.vehicle.overlap_weight = 0;
+    options.vehicle.max_cost = 10;
+    Tracker tracker(options);
+    for (int scan = 0; scan < 5; ++scan)
+    {
+      (void)tracker.update(dt * scan, {carAt({0, 0}), carAt({2, 0})}, Pose::Identity());
+    }
+    // Both jump by 2 m: the second car now stands nowhere near, the first where the second was.
+    const auto objects = tracker.update(0.5, {carAt({1.9, 0}), carAt({3.9, 0})}, Pose::Identity());
+    const auto observed =
+        std::count_if(objects.begin(), objects.end(),
+                      [](const TrackedObject& o) { return o.observed && o.age > 1; });
+    EXPECT_EQ(observed, method == AssociationMethod::greedy ? 1 : 2);
+  }
+}
+
+/** Clusters that stay where they are (edges of shadows, leaves) are never reported, however long
+ * they last; those that move are, soon. Boxes from a file need not move. */
+TEST(Tracker, clustersMustMoveToBeReported)
+{
+  std::mt19937 generator(31);
+  std::normal_distribution<double> noise(0, 0.1);
+  Tracker tracker;
+  int first_reported = -1;
+  for (int scan = 0; scan < 60; ++scan)
+  {
+    const auto objects = tracker.update(
+        dt * scan,
+        {clusterAt({10 + noise(generator), 5 + noise(generator)}),
+         clusterAt({-10 + 0.5 * scan + 0.3 * noise(generator), -5 + 0.3 * noise(generator)}),
+         carAt({0, 20})},
+        Pose::Identity());
+    ASSERT_EQ(objects.size(), 3u);
+    EXPECT_FALSE(tracker.reported(objects[0])) << scan;
+    EXPECT_EQ(tracker.reported(objects[2]), scan >= 2);
+    if (tracker.reported(objects[1]) && first_reported < 0)
+    {
+      first_reported = scan;
+    }
+  }
+  EXPECT_GE(first_reported, 3);
+  EXPECT_LE(first_reported, 8);
+}
+
+/** The visible side is first shorter than the body's width: the motion tells which axis is which.
+ */
+TEST(Tracker, motionTellsLengthFromWidth)
+{
+  Tracker tracker;
+  TrackedObject last;
+  for (int scan = 0; scan < 40; ++scan)
+  {
+    const double length = std::min(4.2, 0.5 + 0.2 * scan);
+    Detection front = clusterAt({20 - 0.6 * scan, 3});
+    front.box.size = {std::max(length, 1.8), std::min(length, 1.8), 1.5};
+    front.box.yaw = length < 1.8 ? M_PI / 2 : 0;
+    const auto objects = tracker.update(dt * scan, {front}, Pose::Identity());
+    ASSERT_EQ(objects.size(), 1u);
+    last = objects[0];
+  }
+  EXPECT_NEAR(std::abs(wrapAngle(last.box.yaw - M_PI)), 0, 0.15);  // drives towards -x
+  EXPECT_GT(last.box.size.x(), 3.5);
+  EXPECT_NEAR(last.box.size.y(), 1.8, 0.25);
+}
+
+TEST(Tracker, badInput)
+{
+  Tracker tracker;
+  EXPECT_TRUE(tracker.update(0, {}, Pose::Identity()).empty());
+  std::vector<Detection> bad(4, carAt({1, 1}));
+  bad[0].box.center.x() = std::numeric_limits<double>::quiet_NaN();
+  bad[1].box.size.y() = 0;
+  bad[2].covariance(0, 0) = std::numeric_limits<double>::infinity();
+  bad[3].score = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_TRUE(tracker.update(0.1, bad, Pose::Identity()).empty());
+  bad.push_back(carAt({5, 5}));
+  const auto objects = tracker.update(0.2, bad, Pose::Identity());
+  ASSERT_EQ(objects.size(), 1u);
+  EXPECT_EQ(objects[0].detection, 4);  // among all that were given
+  EXPECT_THROW((void)tracker.update(0.2, {}, Pose::Identity()), std::invalid_argument);
+  EXPECT_THROW((void)tracker.update(0.1, {}, Pose::Identity()), std::invalid_argument);
+  EXPECT_THROW((void)tracker.update(std::numeric_limits<double>::quiet_NaN(), {}, Pose::Identity()),
+               std::invalid_argument);
+}
+
+TEST(Tracker, optionsSurviveTheirText)
+{
+  TrackerOptions options;
+  options.motion = TrackMotion::polynomial;
+  options.must_move = false;
+  options.pedestrian.gate_distance = 1.25;
+  Config config;
+  save(options, config, "tracker");
+  TrackerOptions loaded;
+  load(loaded, Config::fromText(config.toIni(), "test"), "tracker");
+  EXPECT_EQ(loaded.motion, TrackMotion::polynomial);
+  EXPECT_FALSE(loaded.must_move);
+  EXPECT_DOUBLE_EQ(loaded.pedestrian.gate_distance, 1.25);
+  EXPECT_DOUBLE_EQ(loaded.vehicle.gate_distance, TrackerOptions().vehicle.gate_distance);
+}
