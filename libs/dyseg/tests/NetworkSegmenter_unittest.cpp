@@ -5,8 +5,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <fstream>
 #include <limits>
 #include <random>
+#include <string>
 
 namespace
 {
@@ -113,6 +115,26 @@ TEST(NetworkSegmenter, EmptyAndInvalidScans)
   }
   segmenter.reset();
   EXPECT_EQ(segmenter.sceneFlow(), nullptr);
+}
+
+TEST(NetworkSegmenter, ForeignWeightsAreAClearError)
+{
+  const std::string file = ::testing::TempDir() + "/not_dyseg.pt";
+  std::ofstream(file) << "these are no weights";
+  NetworkSegmenterOptions options;
+  options.weights = file;
+  try
+  {
+    const NetworkSegmenter segmenter{options};
+    FAIL() << "taken for weights";
+  }
+  catch (const dyslam::UserError& error)
+  {
+    EXPECT_NE(std::string(error.what()).find(file), std::string::npos);
+  }
+  // The odometry's weights are not DySeg's either.
+  options.weights = "dylo";
+  EXPECT_THROW(NetworkSegmenter{options}, dyslam::UserError);
 }
 
 TEST(NetworkSegmenter, MissingWeightsAreAClearError)

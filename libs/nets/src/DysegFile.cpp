@@ -88,7 +88,11 @@ DysegNetwork loadDyseg(const std::string& file)
       p.value().copy_(value);
     }
   }
-  catch (const c10::Error&)
+  catch (const UserError&)
+  {
+    throw;
+  }
+  catch (const std::exception&)  // what torch throws for foreign files has no common type
   {
     throw UserError(file + ": not a DySeg network; retrain it or use the one that is shipped");
   }

@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "../src/MovingGroups.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+namespace
+{
+using dyslam::dropLonePoints;
+
+/** An upright post of `count` points above a point of ground. */
+void addPost(float x,
+             int count,
+             float called,
+             std::vector<Eigen::Vector3f>& points,
+             std::vector<float>& probability)
+{
+  points.emplace_back(x, 5, -1.7F);
+  probability.push_back(0);
+  for (int i = 0; i < count; ++i)
+  {
+    points.emplace_back(x, 5, -1.4F + 0.1F * static_cast<float>(i));
+    probability.push_back(called);
+  }
+}
+
+TEST(MovingGroups, SmallGroupsAreTakenBackLargeOnesStay)
+{
+  std::vector<Eigen::Vector3f> points;
+  std::vector<float> probability;
+  addPost(10, 5, 0.8F, points, probability);
+  addPost(-20, 15, 0.8F, points, probability);
+  dropLonePoints(points, 0.6, 12, probability);
+  EXPECT_FLOAT_EQ(probability[3], 0.4F);
+  EXPECT_FLOAT_EQ(probability[10], 0.8F);
+}
+
+TEST(MovingGroups, ACellsMajorityDecides)
+{
+  std::vector<Eigen::Vector3f> points;
+  std::vector<float> probability;
+  addPost(10, 15, 0.8F, points, probability);
+  addPost(10, 20, 0.2F, points, probability);
+  dropLonePoints(points, 0.6, 12, probability);
+  EXPECT_FLOAT_EQ(probability[3], 0.4F);
+  EXPECT_FLOAT_EQ(probability.back(), 0.2F);
+}
+
+TEST(MovingGroups, FlatGroundDoesNotMove)
+{
+  std::vector<Eigen::Vector3f> points;
+  std::vector<float> probability;
+  for (int i = 0; i < 100; ++i)
+  {
+    points.emplace_back(0.05F * static_cast<float>(i), 3, -1.5F + 0.002F * static_cast<float>(i));
+    probability.push_back(0.9F);
+  }
+  dropLonePoints(points, 0.6, 12, probability);
+  for (const float p : probability)
+  {
+    EXPECT_FLOAT_EQ(p, 0.4F);
+  }
+}
+
+TEST(MovingGroups, EmptyInvalidAndFarPoints)
+{
+  std::vector<Eigen::Vector3f> points;
+  std::vector<float> probability;
+  dropLonePoints(points, 0.6, 12, probability);
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  points = {{nan, 0, 0}, {1000, 0, 0}, {0, 0, 0}};
+  probability = {0.9F, 0.9F, 0.9F};
+  dropLonePoints(points, 0.6, 12, probability);
+  EXPECT_FLOAT_EQ(probability[2], 0.4F);
+}
+}  // namespace
