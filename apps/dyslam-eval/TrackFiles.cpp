@@ -74,16 +74,16 @@ std::map<std::pair<int, int>, int> pointCounts(const std::string& labels_folder)
   return counts;
 }
 
-bool outOfView(const LabelledBox& box, double view)
+bool leftOut(const LabelledBox& box, const TrackSelection& selection)
 {
   const double azimuth = std::atan2(box.box.center.y(), box.box.center.x());
-  return std::abs(azimuth) > 0.5 * view * M_PI / 180;
+  return box.frame < selection.first_frame || std::abs(azimuth) > 0.5 * selection.view * M_PI / 180;
 }
 
-void leaveOutOfView(std::vector<LabelledBox>& boxes, double view)
+void leaveOut(std::vector<LabelledBox>& boxes, const TrackSelection& selection)
 {
   boxes.erase(std::remove_if(boxes.begin(), boxes.end(),
-                             [&](const LabelledBox& box) { return outOfView(box, view); }),
+                             [&](const LabelledBox& box) { return leftOut(box, selection); }),
               boxes.end());
 }
 }  // namespace
@@ -113,7 +113,7 @@ TrackData readTruth(const std::string& folder, const TrackSelection& selection)
       box.occluded = passed_over_box;
     }
   }
-  leaveOutOfView(data.boxes, selection.view);
+  leaveOut(data.boxes, selection);
   return data;
 }
 
@@ -121,7 +121,7 @@ TrackData readRun(const std::string& folder, const TrackSelection& selection)
 {
   TrackData data;
   data.boxes = readTracks((fs::path(folder) / "tracks.txt").string());
-  leaveOutOfView(data.boxes, selection.view);
+  leaveOut(data.boxes, selection);
   data.boxes.erase(std::remove_if(data.boxes.begin(), data.boxes.end(),
                                   [&](const LabelledBox& box) {
                                     return box.box.center.head<2>().norm() > selection.max_range;

@@ -15,6 +15,7 @@ struct TrackSelection
   double min_speed = 0.5;   //!< [m/s]
   double max_range = 60;    //!< [m]
   double view = 360;        //!< boxes outside this angle, centred ahead, are left out [deg]
+  int first_frame = 0;      //!< earlier frames are left out
   int instance_offset = 0;  //!< label's instance minus the track's id
 };
 

@@ -256,6 +256,9 @@ Subcommand tracksCommand(CLI::App& app)
          "camera saw), degrees")
       ->check(CLI::Range(1.0, 360.0))
       ->capture_default_str();
+  sub->add_option("--first-frame", a->selection.first_frame, "folders: earlier frames are left out")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
   sub->add_option("--instance-offset", a->selection.instance_offset,
                   "folders: instance in the labels minus id of the track")
       ->capture_default_str();
