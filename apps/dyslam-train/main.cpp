@@ -24,6 +24,7 @@ validation.csv and effective.ini.
   --resume            go on from DIR/checkpoint.pt, exactly where it stopped
   --start FILE        begin with the weights of another training's checkpoint.pt
   --validate          only print the validation table of DIR/checkpoint.pt
+  --mask-csv DIR      a validation scan's points and their static confidence, per recording
   --device cpu|cuda
   --set SECTION.KEY=VALUE   instead of what the file says; may be repeated
   --help, --version
@@ -80,6 +81,10 @@ Arguments parse(int argc, char** argv)
     else if (word == "--set")
     {
       arguments.assignments.push_back(value());
+    }
+    else if (word == "--mask-csv")
+    {
+      arguments.request.mask_folder = value();
     }
     else if (word == "--start")
     {

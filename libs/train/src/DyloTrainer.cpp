@@ -328,7 +328,7 @@ void Trainer::validate()
   {
     return;
   }
-  const auto rows = validateDylo(network_, validation_, device_);
+  const auto rows = validateDylo(network_, validation_, device_, request_.mask_folder);
   request_.report("validation at step " + std::to_string(step_) + "\n" + validationTable(rows));
   const std::string file = request_.output + "/validation.csv";
   const bool fresh = !std::filesystem::exists(file);

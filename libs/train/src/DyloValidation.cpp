@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "DyloValidation.h"
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
+#include <fstream>
 
 namespace dyslam
 {
@@ -17,7 +19,68 @@ std::string line(const char* name, const MotionErrors& e)
                 e.forward_ratio);
   return text;
 }
+
+struct MaskSamples
+{
+  std::vector<float> still, moving;
+};
+
+/** Confidence of the labelled nodes of the last stage; all points as CSV if `csv` is given. */
+void sampleMask(const DyloStage& stage,
+                const PreparedScan& prepared,
+                const std::vector<PointLabel>& labels,
+                const std::vector<Eigen::Vector3f>& points,
+                std::ostream* csv,
+                MaskSamples& samples)
+{
+  const torch::Tensor confidence = torch::sigmoid(stage.logits.is_static).cpu().contiguous();
+  const torch::Tensor valid = stage.valid.cpu().contiguous();
+  std::vector<float> of_point(points.size(), -1);
+  const std::vector<std::int32_t>& cells = prepared.levels[stage.level].cell;
+  for (std::size_t n = 0; n < cells.size(); ++n)
+  {
+    if (cells[n] < 0 || valid.data_ptr<float>()[n] == 0)
+    {
+      continue;
+    }
+    const auto source =
+        static_cast<std::size_t>(prepared.source[static_cast<std::size_t>(cells[n])]);
+    const float c = confidence.data_ptr<float>()[n];
+    of_point[source] = c;
+    if (!labels.empty() && labels[source] != PointLabel::unknown)
+    {
+      (labels[source] == PointLabel::moving ? samples.moving : samples.still).push_back(c);
+    }
+  }
+  if (csv != nullptr)
+  {
+    *csv << "x,y,z,static_confidence,label\n";
+    for (std::size_t i = 0; i < points.size(); ++i)
+    {
+      *csv << points[i].x() << ',' << points[i].y() << ',' << points[i].z() << ',' << of_point[i]
+           << ',' << (labels.empty() ? 0 : static_cast<int>(labels[i])) << '\n';
+    }
+  }
+}
 }  // namespace
+
+double areaUnderCurve(std::vector<float> still, std::vector<float> moving)
+{
+  if (still.empty() || moving.empty())
+  {
+    return std::numeric_limits<double>::quiet_NaN();
+  }
+  std::sort(still.begin(), still.end());
+  double pairs = 0;
+  for (const float m : moving)
+  {
+    const auto above = still.end() - std::upper_bound(still.begin(), still.end(), m);
+    const auto equal = std::upper_bound(still.begin(), still.end(), m) -
+                       std::lower_bound(still.begin(), still.end(), m);
+    pairs += static_cast<double>(above) + 0.5 * static_cast<double>(equal);
+  }
+  return pairs / static_cast<double>(still.size()) / static_cast<double>(moving.size());
+}
 
 MotionErrors motionErrors(const std::vector<Pose>& estimates, const std::vector<Pose>& truths)
 {
@@ -45,7 +108,8 @@ MotionErrors motionErrors(const std::vector<Pose>& estimates, const std::vector<
 
 std::vector<ValidationRow> validateDylo(DyloNetwork& network,
                                         const std::vector<Recording>& recordings,
-                                        torch::Device device)
+                                        torch::Device device,
+                                        const std::string& mask_folder)
 {
   const torch::NoGradGuard no_grad;
   std::vector<ValidationRow> rows;
@@ -58,6 +122,7 @@ std::vector<ValidationRow> validateDylo(DyloNetwork& network,
     std::vector<Pose> same;
     std::vector<std::vector<Pose>> stages;
     EncodedScan before;
+    MaskSamples mask;
     double seconds = 0;
     for (std::size_t k = 0; k < recording.scans.size(); ++k)
     {
@@ -69,6 +134,17 @@ std::vector<ValidationRow> validateDylo(DyloNetwork& network,
         const auto found = network->forward(
             now, before, PoseTensors::identity(torch::dtype(torch::kFloat).device(device)));
         seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+        std::ofstream csv;
+        if (!mask_folder.empty() && k == recording.scans.size() / 2)
+        {
+          csv.open(mask_folder + "/mask_" + std::to_string(rows.size()) + ".csv");
+        }
+        if (recording.labels.size() > k || csv.is_open())
+        {
+          sampleMask(found.back(), prepared,
+                     recording.labels.empty() ? std::vector<PointLabel>() : recording.labels[k],
+                     recording.scans[k], csv.is_open() ? &csv : nullptr, mask);
+        }
         // No step before the first one: it starts from what was found from standing still.
         const Pose start = followed.empty() ? found.back().pose.toPose() : followed.back();
         followed.push_back(
@@ -101,6 +177,9 @@ std::vector<ValidationRow> validateDylo(DyloNetwork& network,
     {
       row.stage_translation_rmse.push_back(motionErrors(stage, truths).translation_rmse);
     }
+    row.mask_auc = areaUnderCurve(mask.still, mask.moving);
+    row.moving_points = mask.moving.size();
+    row.still_points = mask.still.size();
     row.milliseconds = 1e3 * seconds / static_cast<double>(std::max<std::size_t>(truths.size(), 1));
     rows.push_back(row);
   }
@@ -125,6 +204,14 @@ std::string validationTable(const std::vector<ValidationRow>& rows)
     }
     std::snprintf(stage_text, sizeof stage_text, ";  %.1f ms\n", row.milliseconds);
     text += stage_text;
+    if (std::isfinite(row.mask_auc))
+    {
+      char mask_text[120];
+      std::snprintf(mask_text, sizeof mask_text,
+                    "    static confidence, area under ROC: %.3f (%zu moving, %zu still points)\n",
+                    row.mask_auc, row.moving_points, row.still_points);
+      text += mask_text;
+    }
   }
   return text;
 }

@@ -4,6 +4,7 @@
 #include <dyslam/nets/DyloNetwork.h>
 #include <dyslam/train/Recordings.h>
 
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -29,11 +30,21 @@ struct ValidationRow
   MotionErrors predicted_start;  //!< started from its own motion of the step before
   MotionErrors zero_motion, constant_velocity;
   std::vector<double> stage_translation_rmse;  //!< m
-  double milliseconds = 0;                     //!< encode one scan and match, mean
+  /** Area under the ROC curve of static confidence, moving against still sampled points; NaN where
+   * the recording has no labels of both. */
+  double mask_auc = std::numeric_limits<double>::quiet_NaN();
+  std::size_t moving_points = 0;
+  std::size_t still_points = 0;
+  double milliseconds = 0;  //!< encode one scan and match, mean
 };
 
+/** Area under the ROC curve: how often a moving point has the lower confidence, ties half. */
+[[nodiscard]] double areaUnderCurve(std::vector<float> still, std::vector<float> moving);
+
+/** \param mask_folder gets a CSV per recording of its middle scan's points, if not empty. */
 [[nodiscard]] std::vector<ValidationRow> validateDylo(DyloNetwork& network,
                                                       const std::vector<Recording>& recordings,
-                                                      torch::Device device);
+                                                      torch::Device device,
+                                                      const std::string& mask_folder = {});
 [[nodiscard]] std::string validationTable(const std::vector<ValidationRow>& rows);
 }  // namespace dyslam

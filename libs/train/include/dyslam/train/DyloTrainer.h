@@ -15,6 +15,8 @@ struct DyloTrainRequest
   bool resume = false;  //!< go on from checkpoint.pt there
   std::string start;    //!< a checkpoint.pt whose weights a new training begins with, or empty
   std::string device = "cpu";
+  /** Gets a CSV of points and static confidence per validation recording; empty for none. */
+  std::string mask_folder;
   bool validate_only = false;  //!< print the validation table of what is in the folder, then stop
   std::function<void(const std::string&)> report;  //!< one line of progress at a time
 };
