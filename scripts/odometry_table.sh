@@ -1,0 +1,52 @@
+#!/bin/sh
+# SPDX-License-Identifier: BSD-3-Clause
+# Every odometry method, alone and refined, on rawlogs with truth: one table of dyslam-eval each.
+set -eu
+usage="Usage: odometry_table.sh [-c CONFIG] [-n SCANS] [-m METHODS] [-o DIR] [-l LENGTHS] RAWLOG...
+
+  -c  ini file or shipped name (kitti64.ini)
+  -n  scans of each rawlog, 0 for all (0)
+  -m  methods, several with spaces between; NAME is the method alone, NAME+refine with the local map
+      (dylo dylo+refine constant_velocity+refine icp_po2po icp_po2pl gicp loam_no_mapping loam zero_motion)
+  -o  folder for the runs' results (./odometry_table); a run that is there is not repeated
+  -l  segment lengths of t_rel [m] (\"5 10 20\")
+
+The programs are taken from \$DYSLAM_BIN, else from the PATH."
+config=kitti64.ini
+scans=0
+output=odometry_table
+lengths="5 10 20"
+methods="dylo dylo+refine constant_velocity+refine icp_po2po icp_po2pl gicp loam_no_mapping loam zero_motion"
+while getopts c:n:m:o:l:h option; do
+  case $option in
+    c) config=$OPTARG ;;
+    n) scans=$OPTARG ;;
+    m) methods=$OPTARG ;;
+    o) output=$OPTARG ;;
+    l) lengths=$OPTARG ;;
+    h) echo "$usage"; exit 0 ;;
+    *) echo "$usage" >&2; exit 2 ;;
+  esac
+done
+shift $((OPTIND - 1))
+[ $# -gt 0 ] || { echo "$usage" >&2; exit 2; }
+bin=${DYSLAM_BIN:+$DYSLAM_BIN/}
+
+for rawlog in "$@"; do
+  name=$(basename "$rawlog" .rawlog)
+  folders=
+  for method in $methods; do
+    folder=$output/$name/$method
+    folders="$folders $folder"
+    [ -f "$folder/report.json" ] && continue
+    refine=none
+    case $method in *+refine) refine=point_to_plane ;; esac
+    "${bin}dyslam" -i "$rawlog" -c "$config" -o "$folder" -v ERROR --only-first-n "$scans" \
+      --set "odometry.method=${method%+refine}" --set "refine.method=$refine" \
+      --set dyseg.method=none --set pipeline.tracking=false --set pipeline.mapping=false
+  done
+  echo "$name"
+  # shellcheck disable=SC2086
+  "${bin}dyslam-eval" run $folders --lengths "$(echo "$lengths" | tr ' ' ',')"
+  echo
+done
