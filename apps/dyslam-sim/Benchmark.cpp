@@ -27,6 +27,7 @@ NamedRecording make(const std::string& name,
   r.recording.seconds = seconds;
   r.recording.flow = false;
   r.recording.compact = true;
+  r.recording.compression_level = 4;
   return r;
 }
 
@@ -45,7 +46,7 @@ std::vector<NamedRecording> benchmarkSet(const std::string& dir, const std::stri
 {
   std::vector<NamedRecording> set;
   NamedRecording urban =
-      make("urban_loop", WorldKind::urban, SensorKind::hdl64e, 0.35, 1700, 600, 101);
+      make("urban_loop", WorldKind::urban, SensorKind::hdl64e, 0.35, 1700, 900, 101);
   urban.recording.one_loop = true;
   urban.recording.simulator.ego_speed = 13;
   addBoth(set, urban);

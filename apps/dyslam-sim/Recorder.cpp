@@ -71,7 +71,7 @@ RecordingResult record(const Recording& recording,
   result.loop_length = simulator.loopLength();
   result.ground_truth = groundTruthFolder(recording.output);
   RawlogWriterOptions writing;
-  writing.compression_level = recording.compact ? 9 : 1;
+  writing.compression_level = recording.compression_level;
   RawlogWriter rawlog(recording.output, writing);
   GroundTruthWriter truth(result.ground_truth);
   std::set<int> ids;

@@ -19,7 +19,8 @@ struct Recording
   bool flow = true;       //!< write per-point scene flow
   /** Small files: coordinates on a grid of 1/128 m, times on one of 2^-14 s, ring by ring. */
   bool compact = false;
-  int threads = 0;  //!< 0 takes the machine's number
+  int compression_level = 1;  //!< of gzip
+  int threads = 0;            //!< 0 takes the machine's number
 };
 
 struct RecordingResult

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/Error.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <iostream>
+#include <optional>
 #include <string>
 
 #include "../common/AppMain.h"
@@ -20,6 +22,7 @@ struct Arguments
   Recording recording;
   std::string world = "urban", sensor = "HDL64E", ego = "automatic";
   std::string benchmark, only;
+  std::optional<double> seconds;
   bool no_noise = false, no_distortion = false, no_stops = false, no_flow = false, quiet = false;
 };
 
@@ -31,7 +34,7 @@ void declare(CLI::App& app, Arguments& a)
   app.add_option("--world", a.world, "urban, campus, highway, tunnel or field (urban)");
   app.add_option("--sensor", a.sensor, "HDL64E, HDL32E, VLP16, OS1-64 or OS1-128 (HDL64E)");
   app.add_option("--traffic", o.traffic, "0 nothing moves .. 1 jammed (0.4)");
-  app.add_option("--seconds", a.recording.seconds, "how long (10)");
+  app.add_option("--seconds", a.seconds, "how long (10); of the benchmark set, at most");
   app.add_option("--seed", o.seed, "world, traffic and noise (1)");
   app.add_option("-o,--output", a.recording.output, "rawlog to write");
   app.add_option("--ego", a.ego,
@@ -93,12 +96,18 @@ void recordOne(const Recording& recording, bool quiet)
 
 void run(Arguments& a)
 {
+  if (!(a.seconds.value_or(1) > 0))
+  {
+    throw UserError("--seconds: must be above 0");
+  }
   if (!a.benchmark.empty())
   {
     std::filesystem::create_directories(a.benchmark);
     for (auto& named : benchmarkSet(a.benchmark, a.only))
     {
       named.recording.threads = a.recording.threads;
+      named.recording.seconds =
+          std::min(named.recording.seconds, a.seconds.value_or(named.recording.seconds));
       recordOne(named.recording, a.quiet);
     }
     return;
@@ -111,10 +120,7 @@ void run(Arguments& a)
   {
     throw UserError("say where to write with -o x.rawlog, or --benchmark DIR");
   }
-  if (!(a.recording.seconds > 0))
-  {
-    throw UserError("--seconds: must be above 0");
-  }
+  a.recording.seconds = a.seconds.value_or(a.recording.seconds);
   SimulatorOptions& o = a.recording.simulator;
   o.world = worldKindFromString(a.world);
   o.sensor = sensorKindFromString(a.sensor);
@@ -123,6 +129,7 @@ void run(Arguments& a)
   o.motion_distortion = !a.no_distortion;
   o.stops = !a.no_stops;
   a.recording.flow = !a.no_flow;
+  a.recording.compression_level = a.recording.compact ? 9 : 1;
   recordOne(a.recording, a.quiet);
 }
 }  // namespace

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Pictures and statistics of simulated scans beside real ones, for doc/simulator.md.
-//   sim_compare --world urban --sensor HDL64E --scans 20 [--real DIR_OF_BIN] [--every N] -o PREFIX
-// Writes PREFIX_{sim,real}_{range,bev}.png and prints one table of statistics.
+//   sim_compare --world urban --sensor HDL64E --scans 20 --real DIR_OF_BIN [--every N] -o PREFIX
+// Writes PREFIX_range.png (real above simulated) and PREFIX_bev.png (real left) and prints one
+// table of statistics for Markdown.
 #include <dyslam/core/Error.h>
 #include <dyslam/sim/Simulator.h>
 
@@ -87,7 +88,7 @@ cv::Mat rangeImage(const Scan& scan, const RowFinder& finder, int columns)
   return image;
 }
 
-void saveRangeImage(const cv::Mat& range, const std::string& path, double max_range)
+cv::Mat drawRangeImage(const cv::Mat& range, double max_range)
 {
   cv::Mat shade(range.size(), CV_8U), mask = range == 0;
   for (int y = 0; y < range.rows; ++y)
@@ -104,15 +105,12 @@ void saveRangeImage(const cv::Mat& range, const std::string& path, double max_ra
   colour.setTo(cv::Scalar(0, 0, 0), mask);
   cv::resize(colour, large, cv::Size(range.cols, range.rows * std::max(1, 256 / range.rows)), 0, 0,
              cv::INTER_NEAREST);
-  cv::imwrite(path, large);
+  return large;
 }
 
-void saveBev(const Scan& scan,
-             const std::vector<std::uint8_t>* moving,
-             const std::string& path,
-             double half)
+cv::Mat drawBev(const Scan& scan, const std::vector<std::uint8_t>* moving, double half)
 {
-  const int size = 900;
+  const int size = 640;
   cv::Mat image(size, size, CV_8UC3, cv::Scalar(0, 0, 0));
   for (std::size_t i = 0; i < scan.points.size(); ++i)
   {
@@ -133,7 +131,28 @@ void saveBev(const Scan& scan,
     }
     image.at<cv::Vec3b>(y, x) = colour;
   }
-  cv::imwrite(path, image);
+  return image;
+}
+
+void caption(cv::Mat& image, const char* text)
+{
+  cv::putText(image, text, cv::Point(10, 24), cv::FONT_HERSHEY_SIMPLEX, 0.7, cv::Scalar(0, 0, 0), 4,
+              cv::LINE_AA);
+  cv::putText(image, text, cv::Point(10, 24), cv::FONT_HERSHEY_SIMPLEX, 0.7,
+              cv::Scalar(255, 255, 255), 1, cv::LINE_AA);
+}
+
+/** The first picture above or left of the second, with a line between. */
+void saveJoined(cv::Mat first, cv::Mat second, bool beside, const std::string& path)
+{
+  caption(first, "real");
+  caption(second, "simulated");
+  const cv::Mat line(beside ? cv::Size(6, first.rows) : cv::Size(first.cols, 6), CV_8UC3,
+                     cv::Scalar(255, 255, 255));
+  cv::Mat joined;
+  const std::vector<cv::Mat> parts{first, line, second};
+  beside ? cv::hconcat(parts, joined) : cv::vconcat(parts, joined);
+  cv::imwrite(path, joined, {cv::IMWRITE_PNG_COMPRESSION, 9});
 }
 
 /** Means over scans. */
@@ -250,26 +269,46 @@ void Statistics::add(const Scan& scan, const RowFinder& finder, int columns)
   isolated += lonely / full;
 }
 
-void print(const char* name, const Statistics& s)
+void printTable(const Statistics& real, const Statistics& simulated)
 {
-  const double k = 1.0 / s.scans;
-  std::printf(
-      "%s: %d scans\n  points %.0f, holes %.3f, between edges %.4f, ground share %.3f, mean "
-      "intensity %.3f\n  rms about plane in 0.5 m cells: level %.4f m, upright %.4f m\n",
-      name, s.scans, s.points * k, 1 - s.filled * k, s.isolated * k, s.ground * k, s.intensity * k,
-      s.ground_roughness * k, s.plane_roughness * k);
-  std::printf("  range share");
-  for (std::size_t i = 0; i < s.range.size(); ++i)
+  const auto row = [](const std::string& name, double a, double b, int digits)
+  { std::printf("| %s | %.*f | %.*f |\n", name.c_str(), digits, a, digits, b); };
+  const double k = 1.0 / std::max(1, real.scans), l = 1.0 / std::max(1, simulated.scans);
+  std::printf("| | real (%d scans) | simulated (%d scans) |\n|---|---|---|\n", real.scans,
+              simulated.scans);
+  row("points in a scan", real.points * k, simulated.points * l, 0);
+  row("dropouts: holes between neighbours at like range", 1 - real.filled * k,
+      1 - simulated.filled * l, 3);
+  row("points between two surfaces (mixed pixels)", real.isolated * k, simulated.isolated * l, 3);
+  row("share of ground", real.ground * k, simulated.ground * l, 3);
+  row("mean intensity", real.intensity * k, simulated.intensity * l, 3);
+  row("roughness of level 0.5 m cells [m]", real.ground_roughness * k,
+      simulated.ground_roughness * l, 4);
+  row("roughness of upright 0.5 m cells [m]", real.plane_roughness * k,
+      simulated.plane_roughness * l, 4);
+  for (std::size_t i = 0; i < real.range.size(); ++i)
   {
-    std::printf(" %s%.0f:%.3f", i < kRangeEdges.size() ? "<" : ">",
-                kRangeEdges[std::min(i, kRangeEdges.size() - 1)], s.range[i] * k);
+    const auto edge = [](std::size_t e)
+    { return std::to_string(static_cast<int>(kRangeEdges[e])); };
+    row("share of ranges " +
+            (i == 0                    ? "below " + edge(0)
+             : i == kRangeEdges.size() ? "above " + edge(i - 1)
+                                       : edge(i - 1) + "-" + edge(i)) +
+            " m",
+        real.range[i] * k, simulated.range[i] * l, 3);
   }
-  std::printf("\n  per ring");
-  for (std::size_t i = 0; i<s.ring.size(); i += s.ring.size()> 32 ? 4 : 1)
+  const std::size_t group = simulated.ring.size() > 32 ? 8 : 2;
+  for (std::size_t i = 0; i < simulated.ring.size(); i += group)
   {
-    std::printf(" %zu:%.0f", i, s.ring[i] * k);
+    double a = 0, b = 0;
+    for (std::size_t j = i; j < std::min(i + group, simulated.ring.size()); ++j)
+    {
+      a += real.ring.empty() ? 0.0 : real.ring[j] * k / static_cast<double>(group);
+      b += simulated.ring[j] * l / static_cast<double>(group);
+    }
+    row("points on a ring, rings " + std::to_string(i) + "-" + std::to_string(i + group - 1), a, b,
+        0);
   }
-  std::printf("\n");
 }
 }  // namespace
 
@@ -277,7 +316,8 @@ int main(int argc, char** argv)
 {
   CLI::App app("Simulated scans beside real ones: pictures and statistics");
   std::string world = "urban", sensor = "HDL64E", real, output, ego = "automatic";
-  int scans = 10, every = 5, seed = 1, picture = 0, picture_columns = 1440;
+  int scans = 10, every = 5, seed = 1, picture = 0, picture_real = 0, worlds = 1,
+      picture_columns = 1024;
   double traffic = 0.4, half = 50, loop = 400, speed = 0;
   app.add_option("--world", world);
   app.add_option("--sensor", sensor);
@@ -289,9 +329,12 @@ int main(int argc, char** argv)
   app.add_option("--scans", scans);
   app.add_option("--every", every, "simulated scans between two that are counted");
   app.add_option("--picture", picture, "which of the counted scans is drawn");
+  app.add_option("--worlds", worlds, "drives that the simulated scans are taken from, seed by seed")
+      ->check(CLI::PositiveNumber);
+  app.add_option("--picture-real", picture_real, "which of the counted real scans is drawn");
   app.add_option("--half", half, "half side of the bird's eye view [m]");
   app.add_option("--columns", picture_columns, "of the range image");
-  app.add_option("--real", real, "folder of .bin scans");
+  app.add_option("--real", real, "folder of .bin scans")->required();
   app.add_option("-o", output, "prefix of the pictures")->required();
   CLI11_PARSE(app, argc, argv);
   try
@@ -310,8 +353,15 @@ int main(int argc, char** argv)
     dyslam::sim::Simulator simulator(options, 2);
     const RowFinder finder(simulator.sensor());
     Statistics simulated, recorded;
+    cv::Mat range_simulated, bev_simulated, range_real, bev_real;
     for (int i = 0; i < scans; ++i)
     {
+      const int drive = i * worlds / scans;
+      if (drive + seed != options.seed)
+      {
+        options.seed = drive + seed;
+        simulator = dyslam::sim::Simulator(options, 2);
+      }
       dyslam::sim::SimulatedScan scan = simulator.next();
       for (int k = 1; k < every; ++k)
       {
@@ -320,37 +370,38 @@ int main(int argc, char** argv)
       simulated.add(scan.scan, finder, picture_columns);
       if (i == picture)
       {
-        saveRangeImage(rangeImage(scan.scan, finder, picture_columns), output + "_sim_range.png",
-                       60);
-        saveBev(scan.scan, &scan.moving, output + "_sim_bev.png", half);
+        range_simulated = drawRangeImage(rangeImage(scan.scan, finder, picture_columns), 60);
+        bev_simulated = drawBev(scan.scan, &scan.moving, half);
       }
     }
-    print("simulated", simulated);
-    if (!real.empty())
+    std::vector<std::string> files;
+    for (const auto& entry : std::filesystem::directory_iterator(real))
     {
-      std::vector<std::string> files;
-      for (const auto& entry : std::filesystem::directory_iterator(real))
+      if (entry.path().extension() == ".bin")
       {
-        if (entry.path().extension() == ".bin")
-        {
-          files.push_back(entry.path().string());
-        }
+        files.push_back(entry.path().string());
       }
-      std::sort(files.begin(), files.end());
-      const std::size_t step =
-          std::max<std::size_t>(1, files.size() / static_cast<std::size_t>(scans));
-      for (std::size_t i = 0; i < files.size(); i += step)
-      {
-        const Scan scan = readBin(files[i]);
-        recorded.add(scan, finder, picture_columns);
-        if (i == 0)
-        {
-          saveRangeImage(rangeImage(scan, finder, picture_columns), output + "_real_range.png", 60);
-          saveBev(scan, nullptr, output + "_real_bev.png", half);
-        }
-      }
-      print("real", recorded);
     }
+    std::sort(files.begin(), files.end());
+    const std::size_t step =
+        std::max<std::size_t>(1, files.size() / static_cast<std::size_t>(scans));
+    for (std::size_t i = 0; i < files.size(); i += step)
+    {
+      const Scan scan = readBin(files[i]);
+      recorded.add(scan, finder, picture_columns);
+      if (i / step == static_cast<std::size_t>(picture_real) || range_real.empty())
+      {
+        range_real = drawRangeImage(rangeImage(scan, finder, picture_columns), 60);
+        bev_real = drawBev(scan, nullptr, half);
+      }
+    }
+    if (range_real.empty() || range_simulated.empty())
+    {
+      throw dyslam::UserError("--real: no .bin scan in " + real + ", or --picture beyond --scans");
+    }
+    saveJoined(range_real, range_simulated, false, output + "_range.png");
+    saveJoined(bev_real, bev_simulated, true, output + "_bev.png");
+    printTable(recorded, simulated);
   }
   catch (const std::exception& error)
   {
