@@ -19,6 +19,8 @@ void NetworkSegmenterOptions::describe(OptionsVisitor& v)
   v.integer("second_gap", second_gap, 0, 20,
             "scans back to a second one compared with; 0 for none");
   v.word("combine", combine, {"mean", "max"}, "of the two answers");
+  v.real("threshold", threshold, 0.01, 0.99,
+         "of the network's answer; becomes 0.5 of what is handed on");
   v.integer("min_points", min_points, 0, 1000, "of the smallest moving group");
   v.integer("iterations", iterations, 1, 12, "flow updates");
   v.integer("threads", threads, 1, 64, "of the network");

@@ -93,6 +93,16 @@ float logOdds(float probability)
   const float p = std::clamp(probability, 1e-3F, 1 - 1e-3F);
   return std::log(p / (1 - p));
 }
+
+/** Moves log-odds such that `threshold` becomes 0.5; 0 stays. */
+void shiftTo(double threshold, std::vector<float>& probability)
+{
+  const float shift = logOdds(static_cast<float>(threshold));
+  for (auto& p : probability)
+  {
+    p = p > 0 ? 1 / (1 + std::exp(shift - logOdds(p))) : p;
+  }
+}
 }  // namespace
 
 void NetworkSegmenter::Impl::compareSecond(const DysegModel::Encoded& current,
@@ -155,6 +165,7 @@ void NetworkSegmenter::segment(Frame& frame)
       p.from_current = PlanarMotion::fromPose(p.from_current.pose() * step.pose());
     }
     s.compareSecond(*encoded, frame.moving_probability);
+    shiftTo(s.options.threshold, frame.moving_probability);
     dropLonePoints(points, group_cell, s.options.min_points, frame.moving_probability);
   }
   s.past.push_front({frame.index, encoded, PlanarMotion()});

@@ -14,6 +14,7 @@ struct NetworkSegmenterOptions : Options
   std::string weights = "dyseg";  //!< a file, or the name of weights that come with DySLAM
   int second_gap = 4;             //!< scans back to a second one compared with; 0 for none
   std::string combine = "mean";   //!< of the two answers: mean (of log-odds), max
+  double threshold = 0.6;         //!< of the network's answer, from which on a point moves
   int min_points = 12;            //!< called moving, in the smallest group that counts
   int iterations = 2;             //!< of the flow update
   int threads = 2;                //!< of the network
