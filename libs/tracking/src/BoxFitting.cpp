@@ -133,7 +133,7 @@ ObjectClass refineClass(ObjectClass guess, const Eigen::Vector3d& size, double s
   }
   if (guess == ObjectClass::pedestrian && speed > fastest_walk)
   {
-    return size.x() > 1.0 ? ObjectClass::cyclist : ObjectClass::unknown;
+    return ObjectClass::cyclist;  // nobody walks as fast: it is on wheels
   }
   return guess;
 }

@@ -1,0 +1,150 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/eval/TrackErrors.h>
+#include <dyslam/eval/TrackMetrics.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+using namespace dyslam;
+
+namespace
+{
+LabelledBox boxAt(int frame, int id, double x, double y, const std::string& type = "Car")
+{
+  LabelledBox box;
+  box.frame = frame;
+  box.id = id;
+  box.type = type;
+  box.object_class = objectClassFromString(type);
+  box.box.center = {x, y, 0};
+  box.box.size = {4, 2, 1.5};
+  return box;
+}
+
+TrackRules plainRules()
+{
+  TrackRules rules;
+  rules.image_rules = false;
+  rules.switches_across_gaps = true;
+  return rules;
+}
+
+/** Two cars side by side for ten frames, estimated without error. */
+TrackSequence perfect()
+{
+  TrackSequence sequence;
+  sequence.frames = 10;
+  for (int f = 0; f < 10; ++f)
+  {
+    for (const int id : {3, 8})
+    {
+      sequence.reference.push_back(boxAt(f, id, 10 + f, id));
+      sequence.estimate.push_back(boxAt(f, id + 100, 10 + f, id));
+    }
+  }
+  return sequence;
+}
+}  // namespace
+
+TEST(TrackMetrics, perfectTracksScoreOne)
+{
+  const ClearMot mot = clearMot({perfect()}, plainRules());
+  EXPECT_DOUBLE_EQ(mot.mota, 1);
+  EXPECT_NEAR(mot.motp, 1, 1e-9);
+  EXPECT_EQ(mot.references, 20u);
+  EXPECT_EQ(mot.id_switches + mot.misses + mot.false_alarms, 0u);
+  EXPECT_NEAR(hota({perfect()}, plainRules()).hota, 1, 1e-6);
+}
+
+/** Every kind of error counts once, as its definition has it. */
+TEST(TrackMetrics, eachErrorCountsOnce)
+{
+  TrackSequence missed = perfect();
+  missed.estimate.pop_back();
+  EXPECT_DOUBLE_EQ(clearMot({missed}, plainRules()).mota, 1 - 1.0 / 20);
+
+  TrackSequence ghost = perfect();
+  ghost.estimate.push_back(boxAt(4, 500, -30, 0));
+  EXPECT_EQ(clearMot({ghost}, plainRules()).false_alarms, 1u);
+  EXPECT_DOUBLE_EQ(clearMot({ghost}, plainRules()).mota, 1 - 1.0 / 20);
+
+  TrackSequence swapped = perfect();
+  for (LabelledBox& box : swapped.estimate)
+  {
+    if (box.frame >= 5)
+    {
+      box.id = box.id == 103 ? 108 : 103;
+    }
+  }
+  const ClearMot mot = clearMot({swapped}, plainRules());
+  EXPECT_EQ(mot.id_switches, 2u);
+  EXPECT_DOUBLE_EQ(mot.mota, 1 - 2.0 / 20);
+  EXPECT_NEAR(hota({swapped}, plainRules()).association, 1.0 / 3, 1e-6);  // 5 / (5 + 5 + 5)
+}
+
+TEST(TrackMetrics, passedOverBoxesAreNeitherHitsNorMisses)
+{
+  TrackSequence sequence = perfect();
+  for (LabelledBox& box : sequence.reference)
+  {
+    box.occluded = box.id == 8 ? passed_over_box : 0;
+  }
+  EXPECT_DOUBLE_EQ(clearMot({sequence}, plainRules()).mota, 1);  // their estimates are no alarms
+  EXPECT_EQ(clearMot({sequence}, plainRules()).references, 10u);
+  sequence.estimate.clear();
+  EXPECT_EQ(clearMot({sequence}, plainRules()).misses, 10u);
+}
+
+TEST(TrackMetrics, distanceInsteadOfOverlap)
+{
+  TrackSequence sequence = perfect();
+  for (LabelledBox& box : sequence.estimate)
+  {
+    box.box.center.y() += 1.5;  // hardly any overlap with its own, none at 0.25
+  }
+  TrackRules rules = plainRules();
+  EXPECT_LT(clearMot({sequence}, rules).mota, 0);
+  rules.max_distance = 2;
+  rules.min_iou = 1e-9;
+  const ClearMot mot = clearMot({sequence}, rules);
+  EXPECT_DOUBLE_EQ(mot.mota, 1);
+  EXPECT_NEAR(mot.motp, 0.25, 1e-9);
+}
+
+TEST(TrackMetrics, emptyInputs)
+{
+  const ClearMot mot = clearMot({}, plainRules());
+  EXPECT_EQ(mot.mota, 0);
+  TrackSequence nothing;
+  nothing.frames = 3;
+  EXPECT_EQ(clearMot({nothing}, plainRules()).references, 0u);
+  EXPECT_TRUE(std::isfinite(hota({nothing}, plainRules()).hota));
+  EXPECT_TRUE(trackErrors(nothing, plainRules(), 2).empty());
+  EXPECT_EQ(summaryOf({}).boxes, 0u);
+}
+
+TEST(TrackErrors, placeAxisAndSpeed)
+{
+  TrackSequence sequence;
+  sequence.frames = 2;
+  sequence.reference = {boxAt(0, 1, 10, 0), boxAt(1, 1, 11, 0), boxAt(0, 2, 30, 0, "Cyclist"),
+                        boxAt(1, 7, -30, 5)};
+  sequence.estimate = {boxAt(0, 51, 10.3, 0.4), boxAt(1, 51, 11, 0), boxAt(0, 52, 31, 0)};
+  sequence.estimate[0].box.yaw = M_PI - 0.1;  // the wrong way round: the axis is right
+  const auto errors = trackErrors(sequence, plainRules(), 2, {{{0, 1}, 5.0}, {{1, 1}, 5.0}},
+                                  {{{0, 51}, 4.0}, {{1, 51}, 7.0}});
+  ASSERT_EQ(errors.size(), 4u);
+  const TrackErrorSummary cars = summaryOf(errors, "Car", 0, 20);
+  EXPECT_EQ(cars.boxes, 2u);
+  EXPECT_EQ(cars.found, 2u);
+  EXPECT_NEAR(cars.position_mean, 0.25, 1e-9);
+  EXPECT_NEAR(cars.position_rmse, 0.5 / std::sqrt(2.0), 1e-9);
+  EXPECT_NEAR(cars.yaw_median, 0.05, 1e-9);
+  EXPECT_NEAR(cars.speed_mean_abs, 1.5, 1e-9);
+  EXPECT_NEAR(cars.speed_bias, 0.5, 1e-9);
+  const TrackErrorSummary far = summaryOf(errors, "", 20, 40);
+  EXPECT_EQ(far.boxes, 2u);
+  EXPECT_EQ(far.found, 1u);
+  EXPECT_EQ(far.same_type, 0u);
+  EXPECT_EQ(far.speeds, 0u);
+}
