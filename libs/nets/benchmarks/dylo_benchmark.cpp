@@ -74,7 +74,9 @@ int main(int argc, char** argv)
   report("encode", runs, [&] { scan1 = network->encode(tensors); });
   report("match", runs, [&] { (void)network->forward(scan1, scan2, start); });
   report("all", runs,
-         [&] { network->forward(network->encode(toTensors(prepareScan(points1))), scan2, start); });
+         [&] {
+           (void)network->forward(network->encode(toTensors(prepareScan(points1))), scan2, start);
+         });
   if (std::getenv("DYLO_TRACE") != nullptr)
   {
     const torch::autograd::profiler::RecordProfile trace(std::getenv("DYLO_TRACE"));

@@ -22,7 +22,7 @@ struct DyloOptions : Options
   DyloStart start = DyloStart::standing;
   int threads = 1;
   bool confidence = true;          //!< hand on how surely each point stands still
-  double correlated_points = 8;    //!< sampled points that count as one measurement
+  double correlated_points = 24;   //!< sampled points that count as one measurement
   double min_inlier_share = 0.55;  //!< with less agreement the match has failed
   double max_last_step = 0.3;      //!< the last pass moves less, or nothing was found [m]
   double max_translation = 6;      //!< farther between two scans is absurd [m]
