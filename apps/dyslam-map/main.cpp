@@ -72,6 +72,12 @@ void loadConfig(Arguments& a)
   }
   for (const auto& assignment : a.assignments)
   {
+    const std::string section = assignment.substr(0, assignment.find('.'));
+    if (section != "map" && section != "preprocess" && section != "map_export")
+    {
+      throw dyslam::UserError("--set " + assignment +
+                              ": dyslam-map has the sections map, preprocess and map_export");
+    }
     config.set(assignment);
   }
   dyslam::ConfigLoader loader(config);

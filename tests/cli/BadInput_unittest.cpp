@@ -348,6 +348,10 @@ TEST_F(BadInput, Configs)
   expectRefusal("dyslam-map",
                 "-i " + at("good.rawlog") + " --trajectory x -o m.pcd --set map.nothing=1",
                 {"[map] has no key 'nothing'"});
+  expectRefusal(
+      "dyslam-map",
+      "-i " + at("good.rawlog") + " --trajectory x -o m.pcd -c vlp16.ini --set mapp.voxel_size=1",
+      {"--set mapp.voxel_size=1", "sections map, preprocess"});
   EXPECT_FALSE(fs::exists(at("never") + "/trajectory_tum.txt"));
 }
 
