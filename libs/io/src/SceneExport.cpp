@@ -70,10 +70,12 @@ mrpt::opengl::CRenderizable::Ptr gridUnder(const std::vector<Eigen::Vector3d>& p
   return grid;
 }
 
-void insertBoxes(mrpt::opengl::COpenGLScene& scene, const std::vector<LabelledBox>& boxes)
+void insertBoxes(mrpt::opengl::COpenGLScene& scene, const SceneContent& content)
 {
-  for (const auto& object : boxes)
+  constexpr double arrow_seconds = 1.0;  // an arrow is as long as the way in this time
+  for (std::size_t i = 0; i < content.boxes.size(); ++i)
   {
+    const LabelledBox& object = content.boxes[i];
     const TColor colour = objectColour(object.id);
     const std::string name = "object " + std::to_string(object.id);
     insert(scene, wireBox(object.box, Pose::Identity(), colour), name);
@@ -82,6 +84,15 @@ void insertBoxes(mrpt::opengl::COpenGLScene& scene, const std::vector<LabelledBo
            textAt(toString(object.object_class) + " " + std::to_string(object.id),
                   object.box.center + over, colour),
            name + " label");
+    if (i < content.velocities.size())
+    {
+      const Eigen::Vector3d top =
+          object.box.center + Eigen::Vector3d(0, 0, 0.5 * object.box.size.z());
+      if (const auto shape = arrow(top, top + arrow_seconds * content.velocities[i], colour))
+      {
+        insert(scene, shape, name + " velocity");
+      }
+    }
   }
 }
 
@@ -110,7 +121,7 @@ mrpt::opengl::COpenGLScene sceneOf(const SceneContent& content)
     camera.setAzimuthDegrees(-135.0F);
     camera.setElevationDegrees(40.0F);
   }
-  insertBoxes(scene, content.boxes);
+  insertBoxes(scene, content);
   for (std::size_t i = 0; i < content.object_paths.size(); ++i)
   {
     insert(scene, polyline(content.object_paths[i], objectColour(static_cast<int>(i)), 2.0F),

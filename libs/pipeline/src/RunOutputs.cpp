@@ -2,6 +2,7 @@
 #include "RunOutputs.h"
 
 #include <dyslam/backend/Backend.h>
+#include <dyslam/core/BoxOverlap.h>
 #include <dyslam/core/Error.h>
 #include <dyslam/core/VoxelGrid.h>
 #include <dyslam/eval/TrajectoryPlot.h>
@@ -189,6 +190,9 @@ void RunOutputs::addTracks(const Frame& frame, const Pipeline& pipeline)
     if (object.dynamic)
     {
       object_paths_[object.id].push_back(frame.T_map_odom * object.box.center);
+      LabelledBox in_map = box;
+      in_map.box = transformed(object.box, frame.T_map_odom);
+      last_moving_[object.id] = {in_map, frame.T_map_odom.linear() * object.velocity};
     }
     const auto& c = object.box.center;
     const auto& s = object.box.size;
@@ -309,6 +313,11 @@ void RunOutputs::writeMap(const Pipeline& pipeline, const Trajectory& trajectory
     for (const auto& [id, object_path] : object_paths_)
     {
       scene.object_paths.push_back(object_path);
+    }
+    for (const auto& [id, last] : last_moving_)
+    {
+      scene.boxes.push_back(last.first);
+      scene.velocities.push_back(last.second);
     }
     writeScene(scene, path("map.3Dscene"));
   }

@@ -75,6 +75,8 @@ class RunOutputs
   Trajectory reference_;  //!< ground truth in the map frame
   std::vector<LabelledBox> tracks_;
   std::map<int, std::vector<Eigen::Vector3d>> object_paths_;
+  /** Box and velocity of each moving object where it was reported last, map frame. */
+  std::map<int, std::pair<LabelledBox, Eigen::Vector3d>> last_moving_;
   std::unique_ptr<ReplayWriter> replay_;
   std::unique_ptr<WriteBehind> writer_;  //!< last: its jobs use the members above
 };

@@ -16,8 +16,9 @@ struct SceneContent
   std::vector<Eigen::Vector3f> points;
   std::vector<float> intensity;  //!< one per point, or empty
   Trajectory trajectory;
-  Trajectory reference;            //!< ground truth, drawn beside
-  std::vector<LabelledBox> boxes;  //!< objects, with their ids
+  Trajectory reference;                     //!< ground truth, drawn beside
+  std::vector<LabelledBox> boxes;           //!< objects, with their ids
+  std::vector<Eigen::Vector3d> velocities;  //!< one per box, drawn as arrows, or empty [m/s]
   /** Paths of moving objects by id, drawn as lines. */
   std::vector<std::vector<Eigen::Vector3d>> object_paths;
 };
