@@ -169,6 +169,8 @@ TEST_F(Dylo, SaysWhichWeightsFileIsMissingOrNone)
   const std::string message = messageOf(other);
   EXPECT_NE(message.find("no DyLO model"), std::string::npos) << message;
   EXPECT_EQ(message.find('\n'), std::string::npos);
+  // The weights of another network.
+  EXPECT_NE(messageOf("dyseg.pt").find("no DyLO model"), std::string::npos);
 }
 }  // namespace
 }  // namespace dyslam
