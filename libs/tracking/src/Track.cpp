@@ -37,6 +37,15 @@ Eigen::Vector3d usualSize(ObjectClass object_class)
   }
 }
 
+/** Thin and long: a strip of wall on which the edge of a shadow glides along, no body. */
+bool isStrip(const Eigen::Vector3d& size)
+{
+  constexpr double thin = 0.25;  // [m]
+  constexpr double slender = 2.5;
+  const double width = std::min(size.x(), size.y());
+  return width < thin && std::max(size.x(), size.y()) > slender * width;
+}
+
 constexpr double square(double x)
 {
   return x * x;
@@ -93,7 +102,7 @@ void Track::confirm(const Sighting& sighting)
   // Clusters that stay where they are, are edges of shadows and the like, not movers.
   const bool ripe = hits_ >= kind().confirm_hits || score_sum_ >= kind().confirm_score;
   const bool moves = has_moved_ || !sighting.from_points || !options_->must_move;
-  confirmed_ = confirmed_ || (ripe && moves);
+  confirmed_ = confirmed_ || (ripe && moves && !(sighting.from_points && isStrip(box_.size)));
 }
 
 void Track::remember(const Sighting& sighting)

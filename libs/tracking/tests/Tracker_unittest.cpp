@@ -364,6 +364,23 @@ TEST(Tracker, clustersMustMoveToBeReported)
   EXPECT_LE(first_reported, 8);
 }
 
+/** Strips of walls on which a shadow's edge glides move steadily, but no body is so thin. */
+TEST(Tracker, glidingStripsOfWallAreNotReported)
+{
+  Tracker tracker;
+  for (int scan = 0; scan < 30; ++scan)
+  {
+    Detection strip = clusterAt({-10 + 0.3 * scan, 8});
+    strip.box.size = {0.7, 0.1, 1.9};
+    Detection person = clusterAt({-5 + 0.13 * scan, -6});
+    person.box.size = {0.6, 0.4, 1.6};
+    const auto objects = tracker.update(dt * scan, {strip, person}, Pose::Identity());
+    ASSERT_EQ(objects.size(), 2u);
+    EXPECT_FALSE(tracker.reported(objects[0]));
+    EXPECT_TRUE(scan < 10 || tracker.reported(objects[1])) << scan;
+  }
+}
+
 /** The visible side is first shorter than the body's width: the motion tells which axis is which.
  */
 TEST(Tracker, motionTellsLengthFromWidth)
