@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/Error.h>
+#include <dyslam/nets/DyloModel.h>
+#include <dyslam/train/DyloTrainer.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+
+#include "DyloValidation.h"
+
+namespace dyslam
+{
+namespace
+{
+/** A training of a tiny network on simulated pairs, at a constant rate so that the number of steps
+ * decides nothing else. */
+Config tiny(int steps)
+{
+  return Config::fromText(
+      "[train]\nbatch = 1\nlearning_rate = 0.001\nlast_learning_rate = 0.001\nsteps = " +
+          std::to_string(steps) +
+          "\n[network]\nwidth = 0.125\n[data]\nbase = .\nsimulator_weight = 1\nmost_gap = 1\n",
+      "test");
+}
+
+std::string freshFolder(const std::string& name)
+{
+  const std::string folder = testing::TempDir() + "dylo_trainer_" + name;
+  std::filesystem::remove_all(folder);
+  return folder;
+}
+
+DyloTrainRequest requestFor(const std::string& folder)
+{
+  DyloTrainRequest request;
+  request.output = folder;
+  request.report = [](const std::string&) {};
+  return request;
+}
+
+TEST(DyloTrainer, AStoppedTrainingGoesOnExactly)
+{
+  const std::string whole = freshFolder("whole");
+  const std::string parts = freshFolder("parts");
+  DyloTrainRequest request = requestFor(whole);
+  trainDylo(tiny(4), request);
+  request.output = parts;
+  trainDylo(tiny(2), request);
+  const DyloNetwork halfway = loadDylo(parts + "/dylo.pt");
+  request.resume = true;
+  trainDylo(tiny(4), request);
+  const auto expected = loadDylo(whole + "/dylo.pt")->named_parameters();
+  const auto resumed = loadDylo(parts + "/dylo.pt")->named_parameters();
+  bool learned = false;
+  for (const auto& parameter : expected)
+  {
+    EXPECT_TRUE(torch::equal(parameter.value(), resumed[parameter.key()])) << parameter.key();
+    learned =
+        learned || !torch::equal(parameter.value(), halfway->named_parameters()[parameter.key()]);
+  }
+  EXPECT_TRUE(learned);
+}
+
+TEST(DyloTrainer, DoesNotOverwriteATraining)
+{
+  const std::string folder = freshFolder("kept");
+  DyloTrainRequest request = requestFor(folder);
+  trainDylo(tiny(1), request);
+  EXPECT_THROW(trainDylo(tiny(1), request), UserError);
+  request.output = freshFolder("none");
+  request.resume = true;
+  EXPECT_THROW(trainDylo(tiny(1), request), UserError);
+}
+
+TEST(DyloValidation, AreaUnderCurveByHand)
+{
+  EXPECT_DOUBLE_EQ(areaUnderCurve({0.9F, 0.8F}, {0.1F}), 1);
+  EXPECT_DOUBLE_EQ(areaUnderCurve({0.5F}, {0.5F}), 0.5);
+  // Of the four pairs: 0.9 > 0.7, 0.9 > 0.2, 0.4 < 0.7, 0.4 > 0.2.
+  EXPECT_DOUBLE_EQ(areaUnderCurve({0.9F, 0.4F}, {0.7F, 0.2F}), 0.75);
+  EXPECT_TRUE(std::isnan(areaUnderCurve({}, {0.5F})));
+}
+}  // namespace
+}  // namespace dyslam
