@@ -199,7 +199,7 @@ void DysegTrainer::Impl::makeValidation()
     simulated_slow.push_back(makeSample(clip, 4, 0));
   }
   validation.emplace_back("simulated", std::move(simulated));
-  validation.emplace_back("simulated, 4 scans back", std::move(simulated_slow));
+  validation.emplace_back("simulated 4 scans back", std::move(simulated_slow));
   if (options.data.empty())
   {
     return;
@@ -213,7 +213,7 @@ void DysegTrainer::Impl::makeValidation()
     boxed_slow.push_back(makeSample(run, i, i - 4));
   }
   validation.emplace_back("vls128_run88 48-63", std::move(boxed));
-  validation.emplace_back("vls128_run88 48-63, 4 scans back", std::move(boxed_slow));
+  validation.emplace_back("vls128_run88 48-63 4 scans back", std::move(boxed_slow));
   const auto folder_0005 = options.data + "/kitti_raw_2011_09_26_drive_0005";
   const auto drive = loadLabelledRun(folder_0005, folder_0005 + "/poses_icp_raw_velo.txt", 79, 109);
   std::vector<DysegSample> labelled;
