@@ -259,6 +259,20 @@ TEST_F(SlamRun, AnOutputFolderThatCannotBeMadeIsNamed)
   EXPECT_NE(errorOf(s).find("output"), std::string::npos);
 }
 
+TEST_F(SlamRun, AKnownStartSpeedIsTheFirstGuess)
+{
+  auto s = settings("start_speed");
+  s.labels = false;
+  s.config.set("odometry.start_speed=12");
+  s.config.set("refine.method=none");
+  s.config.set("input.only_first_n=2");
+  s.config.set("output.replay=false");
+  ASSERT_EQ(runSlam(s).frames, 2U);
+  const Trajectory odometry = readTum((fs::path(s.output_folder) / "odometry_tum.txt").string());
+  ASSERT_EQ(odometry.size(), 2U);
+  EXPECT_NEAR((odometry[0].pose.inverse() * odometry[1].pose).translation().x(), 1.2, 0.01);
+}
+
 TEST_F(SlamRun, EveryOdometryMethodRuns)
 {
   for (const auto* method : {"constant_velocity", "icp_po2po", "icp_po2pl", "gicp", "loam"})

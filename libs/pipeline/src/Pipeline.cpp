@@ -11,6 +11,7 @@
 #include <dyslam/tracking/Tracker.h>
 #include <mrpt/system/CTimeLogger.h>
 
+#include <algorithm>
 #include <vector>
 
 namespace dyslam
@@ -24,11 +25,25 @@ constexpr double usual_period = 0.1;  // s, of a revolution, before the second s
 struct OdometryOptions : Options
 {
   std::string method = "constant_velocity";
+  /** Among vehicles that all move alike nothing else tells a recording begun on the move. [m/s] */
+  double start_speed = 0;
   void describe(OptionsVisitor& v) override
   {
     v.word("method", method, odometryMethods(), "motion between scans");
+    v.real("start_speed", start_speed, -50, 100, "m/s ahead at the first scan, if known");
   }
 };
+
+/** With a known speed the first registration must not look far for another. */
+RefineOptions startingFrom(const OdometryOptions& odometry, RefineOptions refine)
+{
+  constexpr double known_within = 0.3;  // m, of the first motion
+  if (odometry.start_speed != 0)
+  {
+    refine.start_deviation = std::min(refine.start_deviation, known_within);
+  }
+  return refine;
+}
 
 /** The motion scaled to another length of time, at constant velocity. */
 Pose scaledMotion(const Pose& motion, double factor)
@@ -52,9 +67,9 @@ struct Pipeline::Stages
         pool(options.threads),
         preprocessor(config.get<PreprocessOptions>("preprocess"), pool),
         segmenter(makeSegmenter(config, pool)),
-        odometry_method(config.get<OdometryOptions>("odometry").method),
-        odometry(makeOdometry(odometry_method, config, pool)),
-        refine_options(config.get<RefineOptions>("refine")),
+        odometry_options(config.get<OdometryOptions>("odometry")),
+        odometry(makeOdometry(odometry_options.method, config, pool)),
+        refine_options(startingFrom(odometry_options, config.get<RefineOptions>("refine"))),
         refinement(refine_options, pool),
         detector(config.get<DetectorOptions>("detector")),
         tracker(config.get<TrackerOptions>("tracker")),
@@ -63,12 +78,13 @@ struct Pipeline::Stages
                 config.get<BackendSolverOptions>("solver")),
         map(config.get<StaticMapOptions>("map"))
   {
+    last_motion.translation().x() = odometry_options.start_speed * usual_period;
   }
 
   /** What the last motion says about this one. */
   [[nodiscard]] Pose predictedMotion(double dt) const
   {
-    return last_dt > 0 && dt > 0 ? scaledMotion(last_motion, dt / last_dt) : Pose::Identity();
+    return dt > 0 ? scaledMotion(last_motion, dt / last_dt) : Pose::Identity();
   }
 
   void estimateMotion(Frame& frame, const Pose& prediction);
@@ -79,7 +95,7 @@ struct Pipeline::Stages
   ThreadPool pool;
   Preprocessor preprocessor;
   std::unique_ptr<MovingSegmenter> segmenter;
-  std::string odometry_method;
+  OdometryOptions odometry_options;
   std::unique_ptr<LidarOdometry> odometry;
   RefineOptions refine_options;
   LocalMapRefinement refinement;
@@ -90,7 +106,7 @@ struct Pipeline::Stages
 
   bool first = true;
   double last_stamp = 0;
-  double last_dt = 0;
+  double last_dt = usual_period;
   Pose last_motion = Pose::Identity();
   Pose T_odom_last = Pose::Identity();
 };

@@ -17,7 +17,7 @@ struct NetworkSegmenterOptions : Options
   double threshold = 0.6;         //!< of the network's answer, from which on a point moves
   int min_points = 12;            //!< called moving, in the smallest group that counts
   int iterations = 2;             //!< of the flow update
-  int threads = 2;                //!< of the network
+  int threads = 1;                //!< of the network; more share cores with the other stages
 
   void describe(OptionsVisitor& visitor) override;
 };
