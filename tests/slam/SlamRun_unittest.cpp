@@ -263,6 +263,7 @@ TEST_F(SlamRun, AKnownStartSpeedIsTheFirstGuess)
 {
   auto s = settings("start_speed");
   s.labels = false;
+  s.config.set("odometry.method=constant_velocity");
   s.config.set("odometry.start_speed=12");
   s.config.set("refine.method=none");
   s.config.set("input.only_first_n=2");
