@@ -23,6 +23,11 @@ constexpr double lever = 10;
 /** The map is cropped after this share of its radius. */
 constexpr double crop_share = 0.1;
 
+double square(double x)
+{
+  return x * x;
+}
+
 double deviation(const Pose& T)
 {
   return T.translation().norm() + lever * rotationAngle(T);
@@ -48,6 +53,8 @@ void RefineOptions::describe(OptionsVisitor& v)
   v.real("start_deviation", start_deviation, 0, 50, "how wrong the first guess may be [m]");
   v.real("guess_sigma", guess_sigma, 1e-4, 1e3, "how far guesses are trusted: translation [m]");
   v.degrees("guess_sigma_angle_deg", guess_sigma_angle, 1e-3, 180, "... and rotation");
+  v.real("odometry_trust", odometry_trust, 0, 10,
+         "share of the odometry's own information that joins the guess");
   v.real("correlated_points", correlated_points, 1, 1e6, "points that count as one measurement");
   v.real("min_inlier_share", min_inlier_share, 0, 1, "with less agreement the scan has failed");
 }
@@ -75,6 +82,7 @@ struct LocalMapRefinement::State
   Eigen::Vector3d cropped_at = Eigen::Vector3d::Zero();
   int joined = 0;  //!< frames in the map
   int failures = 0;
+  Matrix6 odometry_information = Matrix6::Zero();  //!< of the guess at hand
   double deviation2 = 0;     //!< running mean square of how wrong guesses were [m^2]
   double usual_inliers = 0;  //!< running mean of the inlier share
 
@@ -196,9 +204,9 @@ ScanToMapSettings LocalMapRefinement::State::settings(double start_kernel) const
   s.start_kernel = std::clamp(start_kernel, options.kernel, options.max_kernel);
   s.max_iterations = options.max_iterations;
   s.correlated_points = options.correlated_points;
-  s.guess_information.head<3>().setConstant(1 / (options.guess_sigma * options.guess_sigma));
-  s.guess_information.tail<3>().setConstant(
-      1 / (options.guess_sigma_angle * options.guess_sigma_angle));
+  s.guess_information = odometry_information;
+  s.guess_information.diagonal().head<3>().array() += 1 / square(options.guess_sigma);
+  s.guess_information.diagonal().tail<3>().array() += 1 / square(options.guess_sigma_angle);
   return s;
 }
 
@@ -315,10 +323,15 @@ RefineResult LocalMapRefinement::refine(const Frame& frame, const Pose& T_odom_v
     return result;
   }
 
-  ScanToMapSettings guess = s.settings(0);
+  s.odometry_information.setZero();
+  if (frame.odometry.converged && s.options.odometry_trust > 0)
+  {
+    s.odometry_information = s.options.odometry_trust * frame.odometry.information;
+  }
+  const ScanToMapSettings guess = s.settings(0);
   result.motion = MotionEstimate();
   result.motion.T_previous_current = orthonormalized(T_before.inverse() * T_guess);
-  result.motion.information = guess.guess_information.asDiagonal();
+  result.motion.information = guess.guess_information;
   result.motion.reason = cloudTrouble(frame);
   result.map_cells = s.map.size();
   if (!result.motion.reason.empty())
@@ -367,7 +380,7 @@ RefineResult LocalMapRefinement::refine(const Frame& frame, const Pose& T_odom_v
   scaled.bottomRows<3>() /= lever;
   scaled.rightCols<3>() /= lever;
   const Eigen::SelfAdjointEigenSolver<Matrix6> solver(scaled, Eigen::EigenvaluesOnly);
-  result.degenerate = solver.eigenvalues()[0] < guess.guess_information[0];
+  result.degenerate = solver.eigenvalues()[0] < 1 / square(s.options.guess_sigma);
   result.motion.information += found.information;
   result.motion.converged = found.settled;
   result.motion.reason = found.settled ? "" : "the registration did not settle";

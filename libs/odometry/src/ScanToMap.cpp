@@ -192,8 +192,8 @@ ScanToMapResult ScanToMap::align(const RawPoints& scan,
     result.information = sums.H / unit;
 
     const Vector6 off_guess = logSE3(T_guess.inverse() * result.T);
-    const Matrix6 H = result.information + Matrix6(settings.guess_information.asDiagonal());
-    const Vector6 g = sums.g / unit + settings.guess_information.asDiagonal() * off_guess;
+    const Matrix6 H = result.information + settings.guess_information;
+    const Vector6 g = sums.g / unit + settings.guess_information * off_guess;
     const Vector6 step = -(H + 1e-9 * Matrix6::Identity()).ldlt().solve(g);
     if (!step.allFinite())
     {

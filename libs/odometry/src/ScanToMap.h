@@ -27,7 +27,7 @@ struct ScanToMapSettings
   double start_kernel = 0.5;   //!< [m]
   double kernel = 0.05;        //!< [m]
   int max_iterations = 20;
-  Vector6 guess_information = Vector6::Zero();  //!< diagonal [1/m^2, 1/rad^2]
+  Matrix6 guess_information = Matrix6::Zero();  //!< of log(T_guess^-1 T) [1/m^2, 1/rad^2]
   double correlated_points = 1;
 };
 

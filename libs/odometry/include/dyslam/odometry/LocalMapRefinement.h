@@ -36,6 +36,7 @@ struct RefineOptions : Options
   double start_deviation = 2;         //!< how wrong the guess of the first motion may be [m]
   double guess_sigma = 0.3;           //!< how far guesses are trusted: translation [m]
   double guess_sigma_angle = 0.0349;  //!< ... and rotation [rad]
+  double odometry_trust = 0;          //!< share of the odometry's own information that joins it
   /** Residuals of neighbouring points err together: that many count as one measurement. Tunnels
    * and open fields, where the guess must hold against the pattern of the samples, ask for this
    * many; on KITTI drive 0005 the normalised squared error is 0.9 with it, where 6 is exact. */
