@@ -2,6 +2,7 @@
 #include <vector>
 
 #include "../common/AppMain.h"
+#include "CurvesCommand.h"
 #include "KittiMotCommand.h"
 #include "MapCommand.h"
 #include "PredictionCommand.h"
@@ -22,7 +23,7 @@ int main(int argc, char** argv)
         commands = {dyslam::trajectoryCommand(app), dyslam::segmentationCommand(app),
                     dyslam::mapCommand(app),        dyslam::tracksCommand(app),
                     dyslam::predictionCommand(app), dyslam::kittiMotCommand(app),
-                    dyslam::runCommand(app)};
+                    dyslam::runCommand(app),        dyslam::curvesCommand(app)};
       },
       [&]
       {

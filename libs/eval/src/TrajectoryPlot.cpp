@@ -4,190 +4,19 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
-#include <opencv2/imgcodecs.hpp>
-#include <opencv2/imgproc.hpp>
 #include <stdexcept>
 #include <utility>
+
+#include "PlotPage.h"
 
 namespace dyslam
 {
 namespace
 {
-// Drawn at twice the size and reduced, so that lines and text come out smooth.
-constexpr int supersampling = 2;
+using namespace plot;
+
 constexpr int page_width = 1600 * supersampling;
 constexpr int page_height = 800 * supersampling;
-
-const cv::Scalar white(255, 255, 255);
-const cv::Scalar ink(40, 40, 40);
-const cv::Scalar faint(228, 228, 228);
-const cv::Scalar frame_colour(150, 150, 150);
-const cv::Scalar reference_grey(185, 185, 185);
-// Blue, green, red; dark enough for white paper, apart for colour-blind eyes (Okabe and Ito).
-const std::array<cv::Scalar, 7> curve_colours{cv::Scalar(178, 114, 0),  cv::Scalar(0, 94, 213),
-                                              cv::Scalar(115, 158, 0),  cv::Scalar(167, 121, 204),
-                                              cv::Scalar(0, 159, 230),  cv::Scalar(233, 180, 86),
-                                              cv::Scalar(100, 100, 100)};
-
-struct Curve
-{
-  std::string name;
-  std::vector<Eigen::Vector2d> points;
-  cv::Scalar colour;
-  int thickness = 2 * supersampling;
-};
-
-struct Range
-{
-  double low = std::numeric_limits<double>::infinity();
-  double high = -std::numeric_limits<double>::infinity();
-  void add(double v)
-  {
-    low = std::min(low, v);
-    high = std::max(high, v);
-  }
-  [[nodiscard]] double size() const { return high - low; }
-};
-
-/** A step of 1, 2 or 5 times a power of ten that cuts `size` into at most `parts`. */
-double niceStep(double size, int parts)
-{
-  const double raw = size / parts;
-  const double power = std::pow(10.0, std::floor(std::log10(raw)));
-  for (const double factor : {1.0, 2.0, 5.0})
-  {
-    if (factor * power >= raw * (1 - 1e-9))
-    {
-      return factor * power;
-    }
-  }
-  return 10 * power;
-}
-
-std::string tickText(double value, double step)
-{
-  const int digits = std::max(0, static_cast<int>(std::ceil(-std::log10(step) - 1e-9)));
-  char buffer[48];
-  std::snprintf(buffer, sizeof buffer, "%.*f", digits, std::abs(value) < step * 1e-6 ? 0.0 : value);
-  return buffer;
-}
-
-enum class Anchor
-{
-  left,
-  middle,
-  right
-};
-
-void text(cv::Mat& page,
-          const std::string& words,
-          cv::Point at,
-          Anchor anchor,
-          double scale = 0.5,
-          const cv::Scalar& colour = ink)
-{
-  const double size = scale * supersampling;
-  int baseline = 0;
-  const auto box = cv::getTextSize(words, cv::FONT_HERSHEY_SIMPLEX, size, supersampling, &baseline);
-  at.x -= anchor == Anchor::middle ? box.width / 2 : anchor == Anchor::right ? box.width : 0;
-  at.y += box.height / 2;
-  cv::putText(page, words, at, cv::FONT_HERSHEY_SIMPLEX, size, colour, supersampling, cv::LINE_AA);
-}
-
-void rotatedText(cv::Mat& page, const std::string& words, cv::Point center, double scale = 0.5)
-{
-  int baseline = 0;
-  const double size = scale * supersampling;
-  const auto box = cv::getTextSize(words, cv::FONT_HERSHEY_SIMPLEX, size, supersampling, &baseline);
-  cv::Mat label(box.height + 2 * baseline, box.width, CV_8UC3, white);
-  cv::putText(label, words, {0, box.height + baseline / 2}, cv::FONT_HERSHEY_SIMPLEX, size, ink,
-              supersampling, cv::LINE_AA);
-  cv::rotate(label, label, cv::ROTATE_90_COUNTERCLOCKWISE);
-  const cv::Rect place(center.x - label.cols / 2, center.y - label.rows / 2, label.cols,
-                       label.rows);
-  const cv::Rect on_page = place & cv::Rect(0, 0, page.cols, page.rows);
-  label(on_page - place.tl()).copyTo(page(on_page));
-}
-
-/** Axes with a grid and curves in a part of the page. */
-class Panel
-{
- public:
-  Panel(cv::Mat& page, cv::Rect area, Range x, Range y) : page_(page), area_(area), x_(x), y_(y) {}
-
-  void drawAxes(const std::string& title, const std::string& x_label, const std::string& y_label)
-  {
-    const double step_x = niceStep(x_.size(), 9);
-    const double step_y = niceStep(y_.size(), area_.height > page_height / 2 ? 9 : 5);
-    for (double v = std::ceil(x_.low / step_x - 1e-9) * step_x; v <= x_.high + 1e-9 * step_x;
-         v += step_x)
-    {
-      const cv::Point p = pixel({v, y_.low});
-      cv::line(page_, {p.x, area_.y}, {p.x, area_.y + area_.height}, faint, supersampling);
-      text(page_, tickText(v, step_x), {p.x, area_.y + area_.height + 14 * supersampling},
-           Anchor::middle, 0.42);
-    }
-    for (double v = std::ceil(y_.low / step_y - 1e-9) * step_y; v <= y_.high + 1e-9 * step_y;
-         v += step_y)
-    {
-      const cv::Point p = pixel({x_.low, v});
-      cv::line(page_, {area_.x, p.y}, {area_.x + area_.width, p.y}, faint, supersampling);
-      text(page_, tickText(v, step_y), {area_.x - 8 * supersampling, p.y}, Anchor::right, 0.42);
-    }
-    cv::rectangle(page_, area_, frame_colour, supersampling);
-    text(page_, title, {area_.x, area_.y - 14 * supersampling}, Anchor::left, 0.55);
-    text(page_, x_label, {area_.x + area_.width / 2, area_.y + area_.height + 36 * supersampling},
-         Anchor::middle);
-    rotatedText(page_, y_label, {area_.x - 62 * supersampling, area_.y + area_.height / 2});
-  }
-
-  void drawCurve(const Curve& curve)
-  {
-    std::vector<cv::Point> line;
-    for (const auto& p : curve.points)
-    {
-      line.push_back(pixel(p, curve_bits));
-    }
-    cv::Mat clipped = page_(area_);
-    for (auto& p : line)
-    {
-      p -= cv::Point(area_.x << curve_bits, area_.y << curve_bits);
-    }
-    cv::polylines(clipped, std::vector<std::vector<cv::Point>>{line}, false, curve.colour,
-                  curve.thickness, cv::LINE_AA, curve_bits);
-  }
-
-  void drawMark(const Eigen::Vector2d& at, const cv::Scalar& colour, bool square)
-  {
-    const cv::Point p = pixel(at);
-    const int r = 5 * supersampling;
-    if (square)
-    {
-      cv::rectangle(page_, p - cv::Point(r, r), p + cv::Point(r, r), colour, cv::FILLED);
-    }
-    else
-    {
-      cv::circle(page_, p, r, colour, cv::FILLED, cv::LINE_AA);
-    }
-  }
-
- private:
-  static constexpr int curve_bits = 4;
-
-  [[nodiscard]] cv::Point pixel(const Eigen::Vector2d& p, int bits = 0) const
-  {
-    const double unit = static_cast<double>(1 << bits);
-    const double x = area_.x + (p.x() - x_.low) / x_.size() * area_.width;
-    const double y = area_.y + (y_.high - p.y()) / y_.size() * area_.height;
-    return {static_cast<int>(std::lround(x * unit)), static_cast<int>(std::lround(y * unit))};
-  }
-
-  cv::Mat& page_;
-  cv::Rect area_;
-  Range x_;
-  Range y_;
-};
 
 std::pair<int, int> planeAxes(const PosePairs& pairs, TrajectoryPlotOptions::Plane plane)
 {
@@ -264,17 +93,6 @@ Curve stepErrorCurve(const PosePairs& pairs)
   return curve;
 }
 
-void drawLegend(cv::Mat& page, cv::Point at, const std::vector<Curve>& curves)
-{
-  for (const auto& curve : curves)
-  {
-    cv::line(page, at, at + cv::Point(34 * supersampling, 0), curve.colour, curve.thickness,
-             cv::LINE_AA);
-    text(page, curve.name, at + cv::Point(42 * supersampling, 0), Anchor::left, 0.5);
-    at.y += 24 * supersampling;
-  }
-}
-
 void drawTopView(cv::Mat& page,
                  const std::vector<TrajectoryPlotItem>& items,
                  const TrajectoryPlotOptions& options)
@@ -295,7 +113,7 @@ void drawTopView(cv::Mat& page,
     const Pose T = alignEstimate(items[i].pairs, options.alignment);
     Curve curve;
     curve.name = items[i].name;
-    curve.colour = curve_colours[i % curve_colours.size()];
+    curve.colour = curveColour(i);
     for (const auto& pose : items[i].pairs.estimate)
     {
       const Eigen::Vector3d p = T * pose.translation();
@@ -316,7 +134,7 @@ void drawTopView(cv::Mat& page,
   const cv::Rect area(100 * supersampling, 70 * supersampling, 690 * supersampling,
                       660 * supersampling);
   equalScales(x, y, static_cast<double>(area.width) / area.height);
-  Panel panel(page, area, x, y);
+  Panel panel(page, area, x, y, 9);
   const char* const axis_names[] = {"x [m]", "y [m]", "z [m]"};
   panel.drawAxes("From above, aligned: " + toString(options.alignment), axis_names[a],
                  axis_names[b]);
@@ -382,7 +200,7 @@ std::vector<std::uint8_t> renderTrajectoryPlot(const std::vector<TrajectoryPlotI
     legend.back().name = items[i].name;
     for (Curve* curve : {&position_errors.back(), &step_errors.back(), &legend.back()})
     {
-      curve->colour = curve_colours[i % curve_colours.size()];
+      curve->colour = curveColour(i);
     }
   }
   const int legend_height = (static_cast<int>(legend.size()) * 24 + 12) * supersampling;
@@ -396,13 +214,6 @@ std::vector<std::uint8_t> renderTrajectoryPlot(const std::vector<TrajectoryPlotI
   drawErrors(page, lower, step_errors, "Translation error of each step");
   drawLegend(page, {100 * supersampling, page_height}, legend);
 
-  cv::Mat picture;
-  cv::resize(page, picture, {}, 1.0 / supersampling, 1.0 / supersampling, cv::INTER_AREA);
-  std::vector<std::uint8_t> bytes;
-  if (!cv::imencode(".png", picture, bytes))
-  {
-    throw std::runtime_error("renderTrajectoryPlot: encoding the PNG failed");
-  }
-  return bytes;
+  return encodePage(page);
 }
 }  // namespace dyslam

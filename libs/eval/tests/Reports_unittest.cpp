@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/Error.h>
+#include <dyslam/eval/LearningCurves.h>
 #include <dyslam/eval/TrajectoryPlot.h>
 #include <dyslam/eval/TrajectoryReports.h>
 #include <gtest/gtest.h>
@@ -121,4 +122,43 @@ TEST(TrajectoryPlot, OnePoseStandingStillAndNothing)
   EXPECT_THROW((void)renderTrajectoryPlot({{"empty", PosePairs()}}), std::invalid_argument);
 }
 }  // namespace
+
+TEST(LearningCurves, ReadsColumnsAndSeries)
+{
+  const auto log = parseLearningLog(
+      "step,set,start,error_m,loss\n10,first,standing,0.5,2\n10,second,standing,0.7,nan\n"
+      "20,first,standing,0.25,1\n",
+      "v.csv");
+  ASSERT_EQ(log.columns.size(), 2U);
+  EXPECT_EQ(log.columns[0].name, "error_m");
+  EXPECT_EQ(log.step, (std::vector<double>{10, 10, 20}));
+  EXPECT_EQ(log.series[1], "second, standing");
+  EXPECT_DOUBLE_EQ(log.columns[0].value[2], 0.25);
+  EXPECT_TRUE(std::isnan(log.columns[1].value[1]));
+  const auto picture = renderLearningCurves(log);
+  ASSERT_GT(picture.size(), 8U);
+  EXPECT_EQ(std::string(picture.begin() + 1, picture.begin() + 4), "PNG");
+  EXPECT_EQ(picture, renderLearningCurves(log));
+}
+
+TEST(LearningCurves, RefusesWhatIsNoLog)
+{
+  const auto refused = [](const char* text, const char* part)
+  {
+    try
+    {
+      (void)parseLearningLog(text, "l.csv");
+      ADD_FAILURE() << text;
+    }
+    catch (const UserError& error)
+    {
+      EXPECT_NE(std::string(error.what()).find(part), std::string::npos) << error.what();
+    }
+  };
+  refused("", "name the columns");
+  refused("20,0.5,1\n40,0.4,1\n", "name the columns");
+  refused("step,loss\n", "no rows");
+  refused("step,loss\n1,2\n2,3,4\n", "row 2 has 3 fields");
+  EXPECT_THROW((void)renderLearningCurves(LearningLog()), std::invalid_argument);
+}
 }  // namespace dyslam

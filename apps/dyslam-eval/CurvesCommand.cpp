@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "CurvesCommand.h"
+
+#include <dyslam/core/Error.h>
+#include <dyslam/eval/LearningCurves.h>
+
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <memory>
+#include <sstream>
+
+#include "OutputFiles.h"
+
+namespace dyslam
+{
+namespace
+{
+std::string readWhole(const std::string& file)
+{
+  std::ifstream in(file, std::ios::binary);
+  if (!in)
+  {
+    throw UserError(file + ": cannot be read; give a log.csv or validation.csv of dyslam-train");
+  }
+  std::ostringstream text;
+  text << in.rdbuf();
+  return text.str();
+}
+}  // namespace
+
+Subcommand curvesCommand(CLI::App& app)
+{
+  struct Arguments
+  {
+    std::vector<std::string> logs;
+  };
+  const auto a = std::make_shared<Arguments>();
+  Subcommand command;
+  command.parser =
+      app.add_subcommand("curves", "draws the CSV logs of dyslam-train, each to a PNG beside it");
+  command.parser->add_option("logs", a->logs, "log.csv, validation.csv, ...")->required();
+  command.run = [a]
+  {
+    for (const auto& file : a->logs)
+    {
+      const auto picture = renderLearningCurves(parseLearningLog(readWhole(file), file));
+      const auto to = std::filesystem::path(file).replace_extension(".png").string();
+      writeOutput(to, {reinterpret_cast<const char*>(picture.data()), picture.size()});
+      std::printf("%s\n", to.c_str());
+    }
+  };
+  return command;
+}
+}  // namespace dyslam

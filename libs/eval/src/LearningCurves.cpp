@@ -1,0 +1,229 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/Error.h>
+#include <dyslam/eval/LearningCurves.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <sstream>
+#include <stdexcept>
+
+#include "PlotPage.h"
+
+namespace dyslam
+{
+namespace
+{
+using namespace plot;
+
+constexpr int panels_across = 3;
+constexpr int panel_width = 640 * supersampling;
+constexpr int panel_height = 360 * supersampling;
+constexpr std::size_t many = 60;
+constexpr std::size_t smoothing = 50;
+
+std::vector<std::string> cellsOf(const std::string& line)
+{
+  std::vector<std::string> cells;
+  std::string cell;
+  std::istringstream in(line);
+  while (std::getline(in, cell, ','))
+  {
+    const auto first = cell.find_first_not_of(" \t\r");
+    const auto last = cell.find_last_not_of(" \t\r");
+    cells.push_back(first == std::string::npos ? "" : cell.substr(first, last - first + 1));
+  }
+  return cells;
+}
+
+bool numberOf(const std::string& cell, double& value)
+{
+  char* end = nullptr;
+  value = std::strtod(cell.c_str(), &end);
+  return !cell.empty() && *end == '\0';
+}
+
+Curve smoothed(const Curve& raw)
+{
+  Curve curve = raw;
+  const std::size_t half = std::max<std::size_t>(1, raw.points.size() / (2 * smoothing));
+  for (std::size_t i = 0; i < raw.points.size(); ++i)
+  {
+    const std::size_t from = i < half ? 0 : i - half;
+    const std::size_t to = std::min(raw.points.size(), i + half + 1);
+    double sum = 0;
+    for (std::size_t k = from; k < to; ++k)
+    {
+      sum += raw.points[k].y();
+    }
+    curve.points[i].y() = sum / static_cast<double>(to - from);
+  }
+  return curve;
+}
+
+/** The range without the outermost hundredth on each side: one bad step hides nothing. */
+Range bulkOf(std::vector<double> values)
+{
+  std::sort(values.begin(), values.end());
+  const std::size_t cut = values.size() > many ? values.size() / 100 : 0;
+  Range range;
+  range.add(values[cut]);
+  range.add(values[values.size() - 1 - cut]);
+  const double margin = range.size() > 0 ? 0.06 * range.size() : 1;
+  return {range.low - margin, range.high + margin};
+}
+
+void drawPanel(cv::Mat& page,
+               cv::Point corner,
+               const LearningLog& log,
+               const LearningLog::Column& column,
+               const std::vector<std::string>& series)
+{
+  std::vector<Curve> curves;
+  std::vector<double> values;
+  Range x;
+  for (std::size_t s = 0; s < series.size(); ++s)
+  {
+    Curve curve;
+    curve.colour = curveColour(s);
+    for (std::size_t i = 0; i < log.step.size(); ++i)
+    {
+      if (log.series[i] == series[s] && std::isfinite(column.value[i]))
+      {
+        curve.points.emplace_back(log.step[i], column.value[i]);
+        values.push_back(column.value[i]);
+        x.add(log.step[i]);
+      }
+    }
+    curves.push_back(std::move(curve));
+  }
+  if (values.empty())
+  {
+    return;
+  }
+  x = x.size() > 0 ? x : Range{x.low - 1, x.high + 1};
+  const cv::Rect area(corner.x + 90 * supersampling, corner.y + 50 * supersampling,
+                      panel_width - 120 * supersampling, panel_height - 120 * supersampling);
+  Panel panel(page, area, x, bulkOf(values));
+  panel.drawAxes(column.name, "step", "");
+  for (auto& curve : curves)
+  {
+    if (curve.points.size() > many)
+    {
+      Curve faint = curve;
+      faint.colour = 0.25 * curve.colour + 0.75 * white;
+      faint.thickness = supersampling;
+      panel.drawCurve(faint);
+      curve = smoothed(curve);
+    }
+    panel.drawCurve(curve);
+  }
+}
+}  // namespace
+
+LearningLog parseLearningLog(const std::string& text, const std::string& name)
+{
+  std::istringstream in(text);
+  std::string line;
+  std::getline(in, line);
+  const auto names = cellsOf(line);
+  double ignored = 0;
+  if (names.size() < 2 || numberOf(names.front(), ignored))
+  {
+    throw UserError(name + ": the first line must name the columns, the step first");
+  }
+  LearningLog log;
+  log.name = name;
+  std::vector<std::vector<std::string>> rows;
+  while (std::getline(in, line))
+  {
+    const auto cells = cellsOf(line);
+    if (cells.empty())
+    {
+      continue;
+    }
+    if (cells.size() != names.size())
+    {
+      throw UserError(name + ": row " + std::to_string(rows.size() + 1) + " has " +
+                      std::to_string(cells.size()) + " fields, the header " +
+                      std::to_string(names.size()));
+    }
+    rows.push_back(cells);
+  }
+  if (rows.empty())
+  {
+    throw UserError(name + ": no rows; let the training run until its first report");
+  }
+  log.series.resize(rows.size());
+  for (std::size_t c = 0; c < names.size(); ++c)
+  {
+    LearningLog::Column column{names[c], std::vector<double>(rows.size(), std::nan(""))};
+    bool numeric = false;
+    for (std::size_t r = 0; r < rows.size(); ++r)
+    {
+      double value = 0;
+      if (numberOf(rows[r][c], value))
+      {
+        column.value[r] = value;
+        numeric = true;
+      }
+    }
+    if (c == 0)
+    {
+      log.step = column.value;
+    }
+    else if (numeric)
+    {
+      log.columns.push_back(std::move(column));
+    }
+    else
+    {
+      for (std::size_t r = 0; r < rows.size(); ++r)
+      {
+        log.series[r] += (log.series[r].empty() ? "" : ", ") + rows[r][c];
+      }
+    }
+  }
+  return log;
+}
+
+std::vector<std::uint8_t> renderLearningCurves(const LearningLog& log)
+{
+  if (log.step.empty() || log.columns.empty())
+  {
+    throw std::invalid_argument("renderLearningCurves: nothing to draw");
+  }
+  std::vector<std::string> series;
+  for (const auto& s : log.series)
+  {
+    if (std::find(series.begin(), series.end(), s) == series.end())
+    {
+      series.push_back(s);
+    }
+  }
+  const int across = std::min(panels_across, static_cast<int>(log.columns.size()));
+  const int down = (static_cast<int>(log.columns.size()) + across - 1) / across;
+  const int head = 40 * supersampling;
+  const bool named = series.size() > 1 || !series.front().empty();
+  const int foot = named ? (24 * static_cast<int>(series.size()) + 24) * supersampling : 0;
+  cv::Mat page(head + down * panel_height + foot, across * panel_width, CV_8UC3, white);
+  text(page, log.name, {page.cols / 2, 24 * supersampling}, Anchor::middle, 0.7);
+  for (std::size_t c = 0; c < log.columns.size(); ++c)
+  {
+    const int k = static_cast<int>(c);
+    drawPanel(page, {k % across * panel_width, head + k / across * panel_height}, log,
+              log.columns[c], series);
+  }
+  if (named)
+  {
+    std::vector<Curve> legend(series.size());
+    for (std::size_t s = 0; s < series.size(); ++s)
+    {
+      legend[s].name = series[s];
+      legend[s].colour = curveColour(s);
+    }
+    drawLegend(page, {90 * supersampling, head + down * panel_height + 12 * supersampling}, legend);
+  }
+  return encodePage(page);
+}
+}  // namespace dyslam

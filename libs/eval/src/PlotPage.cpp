@@ -1,0 +1,182 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "PlotPage.h"
+
+#include <algorithm>
+#include <cmath>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+#include <stdexcept>
+
+namespace dyslam::plot
+{
+namespace
+{
+constexpr int curve_bits = 4;
+const cv::Scalar faint(228, 228, 228);
+const cv::Scalar frame_colour(150, 150, 150);
+
+/** A step of 1, 2 or 5 times a power of ten that cuts `size` into at most `parts`. */
+double niceStep(double size, int parts)
+{
+  const double raw = size / parts;
+  const double power = std::pow(10.0, std::floor(std::log10(raw)));
+  for (const double factor : {1.0, 2.0, 5.0})
+  {
+    if (factor * power >= raw * (1 - 1e-9))
+    {
+      return factor * power;
+    }
+  }
+  return 10 * power;
+}
+
+std::string tickText(double value, double step)
+{
+  const int digits = std::max(0, static_cast<int>(std::ceil(-std::log10(step) - 1e-9)));
+  char buffer[48];
+  std::snprintf(buffer, sizeof buffer, "%.*f", digits, std::abs(value) < step * 1e-6 ? 0.0 : value);
+  return buffer;
+}
+
+void rotatedText(cv::Mat& page, const std::string& words, cv::Point center, double scale = 0.5)
+{
+  int baseline = 0;
+  const double size = scale * supersampling;
+  const auto box = cv::getTextSize(words, cv::FONT_HERSHEY_SIMPLEX, size, supersampling, &baseline);
+  cv::Mat label(box.height + 2 * baseline, box.width, CV_8UC3, white);
+  cv::putText(label, words, {0, box.height + baseline / 2}, cv::FONT_HERSHEY_SIMPLEX, size, ink,
+              supersampling, cv::LINE_AA);
+  cv::rotate(label, label, cv::ROTATE_90_COUNTERCLOCKWISE);
+  const cv::Rect place(center.x - label.cols / 2, center.y - label.rows / 2, label.cols,
+                       label.rows);
+  const cv::Rect on_page = place & cv::Rect(0, 0, page.cols, page.rows);
+  label(on_page - place.tl()).copyTo(page(on_page));
+}
+
+}  // namespace
+
+cv::Scalar curveColour(std::size_t i)
+{
+  // Blue, green, red; dark enough for white paper, apart for colour-blind eyes (Okabe and Ito).
+  static const std::array<cv::Scalar, 7> colours{
+      cv::Scalar(178, 114, 0),   cv::Scalar(0, 94, 213),  cv::Scalar(115, 158, 0),
+      cv::Scalar(167, 121, 204), cv::Scalar(0, 159, 230), cv::Scalar(233, 180, 86),
+      cv::Scalar(100, 100, 100)};
+  return colours[i % colours.size()];
+}
+
+void Range::add(double v)
+{
+  low = std::min(low, v);
+  high = std::max(high, v);
+}
+
+void text(cv::Mat& page,
+          const std::string& words,
+          cv::Point at,
+          Anchor anchor,
+          double scale,
+          const cv::Scalar& colour)
+{
+  const double size = scale * supersampling;
+  int baseline = 0;
+  const auto box = cv::getTextSize(words, cv::FONT_HERSHEY_SIMPLEX, size, supersampling, &baseline);
+  at.x -= anchor == Anchor::middle ? box.width / 2 : anchor == Anchor::right ? box.width : 0;
+  at.y += box.height / 2;
+  cv::putText(page, words, at, cv::FONT_HERSHEY_SIMPLEX, size, colour, supersampling, cv::LINE_AA);
+}
+
+Panel::Panel(cv::Mat& page, cv::Rect area, Range x, Range y, int steps)
+    : page_(page), area_(area), x_(x), y_(y), steps_(steps)
+{
+}
+
+void Panel::drawAxes(const std::string& title,
+                     const std::string& x_label,
+                     const std::string& y_label)
+{
+  const double step_x = niceStep(x_.size(), 9);
+  const double step_y = niceStep(y_.size(), steps_);
+  for (double v = std::ceil(x_.low / step_x - 1e-9) * step_x; v <= x_.high + 1e-9 * step_x;
+       v += step_x)
+  {
+    const cv::Point p = pixel({v, y_.low});
+    cv::line(page_, {p.x, area_.y}, {p.x, area_.y + area_.height}, faint, supersampling);
+    text(page_, tickText(v, step_x), {p.x, area_.y + area_.height + 14 * supersampling},
+         Anchor::middle, 0.42);
+  }
+  for (double v = std::ceil(y_.low / step_y - 1e-9) * step_y; v <= y_.high + 1e-9 * step_y;
+       v += step_y)
+  {
+    const cv::Point p = pixel({x_.low, v});
+    cv::line(page_, {area_.x, p.y}, {area_.x + area_.width, p.y}, faint, supersampling);
+    text(page_, tickText(v, step_y), {area_.x - 8 * supersampling, p.y}, Anchor::right, 0.42);
+  }
+  cv::rectangle(page_, area_, frame_colour, supersampling);
+  text(page_, title, {area_.x, area_.y - 14 * supersampling}, Anchor::left, 0.55);
+  text(page_, x_label, {area_.x + area_.width / 2, area_.y + area_.height + 36 * supersampling},
+       Anchor::middle);
+  rotatedText(page_, y_label, {area_.x - 62 * supersampling, area_.y + area_.height / 2});
+}
+
+void Panel::drawCurve(const Curve& curve)
+{
+  std::vector<cv::Point> line;
+  for (const auto& p : curve.points)
+  {
+    line.push_back(pixel(p, curve_bits));
+  }
+  cv::Mat clipped = page_(area_);
+  for (auto& p : line)
+  {
+    p -= cv::Point(area_.x << curve_bits, area_.y << curve_bits);
+  }
+  cv::polylines(clipped, std::vector<std::vector<cv::Point>>{line}, false, curve.colour,
+                curve.thickness, cv::LINE_AA, curve_bits);
+}
+
+void Panel::drawMark(const Eigen::Vector2d& at, const cv::Scalar& colour, bool square)
+{
+  const cv::Point p = pixel(at);
+  const int r = 5 * supersampling;
+  if (square)
+  {
+    cv::rectangle(page_, p - cv::Point(r, r), p + cv::Point(r, r), colour, cv::FILLED);
+  }
+  else
+  {
+    cv::circle(page_, p, r, colour, cv::FILLED, cv::LINE_AA);
+  }
+}
+
+cv::Point Panel::pixel(const Eigen::Vector2d& p, int bits) const
+{
+  const double unit = static_cast<double>(1 << bits);
+  const double x = area_.x + (p.x() - x_.low) / x_.size() * area_.width;
+  const double y = area_.y + (y_.high - p.y()) / y_.size() * area_.height;
+  return {static_cast<int>(std::lround(x * unit)), static_cast<int>(std::lround(y * unit))};
+}
+
+void drawLegend(cv::Mat& page, cv::Point at, const std::vector<Curve>& curves)
+{
+  for (const auto& curve : curves)
+  {
+    cv::line(page, at, at + cv::Point(34 * supersampling, 0), curve.colour, curve.thickness,
+             cv::LINE_AA);
+    text(page, curve.name, at + cv::Point(42 * supersampling, 0), Anchor::left, 0.5);
+    at.y += 24 * supersampling;
+  }
+}
+
+std::vector<std::uint8_t> encodePage(const cv::Mat& page)
+{
+  cv::Mat picture;
+  cv::resize(page, picture, {}, 1.0 / supersampling, 1.0 / supersampling, cv::INTER_AREA);
+  std::vector<std::uint8_t> bytes;
+  if (!cv::imencode(".png", picture, bytes))
+  {
+    throw std::runtime_error("a plot could not be encoded as PNG");
+  }
+  return bytes;
+}
+}  // namespace dyslam::plot
