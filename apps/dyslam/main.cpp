@@ -33,6 +33,8 @@ void declare(CLI::App& app, Arguments& a)
       ->allow_extra_args(false);
   app.add_flag("--labels", a.settings.labels,
                "write labels/NNNNNN.label, moving and static points");
+  app.add_flag("--static-scans", a.settings.static_scans,
+               "write the scans without moving points: static_scans/NNNNNN.bin and a rawlog");
   app.add_option("--skip-first-n", a.skip_first_n, "scans to pass over")
       ->check(CLI::NonNegativeNumber);
   app.add_option("--only-first-n", a.only_first_n, "scans to process after those; 0: all")

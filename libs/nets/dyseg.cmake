@@ -1,22 +1,38 @@
 # SPDX-License-Identifier: BSD-3-Clause
+# What both networks are made of.
+dyslam_add_library(NAME nets_common
+  SOURCES
+    src/PointLinear.cpp
+  PUBLIC dyslam::core
+  PRIVATE ${TORCH_LIBRARIES})
+
 # DySeg's network. A library of its own: the DySeg stage needs no other network.
 dyslam_add_library(NAME nets_dyseg
   SOURCES
     src/BevOps.cpp
     src/BevScan.cpp
+    src/CellLayers.cpp
+    src/CellLevels.cpp
     src/DysegFile.cpp
     src/DysegModel.cpp
     src/DysegNet.cpp
     src/FlowUpdate.cpp
     src/RigidFlow.cpp
-  PUBLIC dyslam::core
+  PUBLIC dyslam::core dyslam::nets_common
   PRIVATE ${TORCH_LIBRARIES})
 
 dyslam_add_test(NAME nets_dyseg
   SOURCES
     tests/BevOps_unittest.cpp
     tests/BevScan_unittest.cpp
+    tests/CellLayers_unittest.cpp
     tests/DysegNet_unittest.cpp
     tests/FlowUpdate_unittest.cpp
     tests/RigidFlow_unittest.cpp
   LIBRARIES dyslam::nets_dyseg ${TORCH_LIBRARIES})
+
+if(DYSLAM_BUILD_BENCHMARKS)
+  add_executable(dyseg_benchmark benchmarks/dyseg_benchmark.cpp)
+  target_link_libraries(dyseg_benchmark PRIVATE dyslam::nets_dyseg)
+  dyslam_set_warnings(dyseg_benchmark)
+endif()

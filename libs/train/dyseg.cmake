@@ -8,8 +8,8 @@ dyslam_add_library(NAME train_dyseg
     src/DysegScores.cpp
     src/DysegSources.cpp
     src/DysegTrainer.cpp
-  PUBLIC dyslam::core dyslam::nets_dyseg
-  PRIVATE dyslam::sim ${TORCH_LIBRARIES})
+  PUBLIC dyslam::core dyslam::nets_dyseg dyslam::sim
+  PRIVATE ${TORCH_LIBRARIES})
 
 dyslam_add_test(NAME train_dyseg
   SOURCES

@@ -2,6 +2,7 @@
 // Whole runs on a small simulated recording: from the rawlog to every file of the output folder.
 #include <dyslam/core/Error.h>
 #include <dyslam/eval/TrajectoryMetrics.h>
+#include <dyslam/io/CloudFiles.h>
 #include <dyslam/io/GroundTruth.h>
 #include <dyslam/io/Labels.h>
 #include <dyslam/io/RawlogSource.h>
@@ -272,6 +273,64 @@ TEST_F(SlamRun, AKnownStartSpeedIsTheFirstGuess)
   const Trajectory odometry = readTum((fs::path(s.output_folder) / "odometry_tum.txt").string());
   ASSERT_EQ(odometry.size(), 2U);
   EXPECT_NEAR((odometry[0].pose.inverse() * odometry[1].pose).translation().x(), 1.2, 0.01);
+}
+
+TEST_F(SlamRun, TheSegmentersMotionIsTheFirstGuess)
+{
+  auto s = settings("segmenter_start");
+  s.labels = false;
+  s.config.set("odometry.method=constant_velocity");
+  s.config.set("dyseg.method=network");
+  s.config.set("refine.method=none");
+  s.config.set("input.skip_first_n=10");
+  s.config.set("input.only_first_n=2");
+  s.config.set("output.replay=false");
+  ASSERT_EQ(runSlam(s).frames, 2U);
+  const auto step = [&](const char* file)
+  {
+    const Trajectory poses = readTum((fs::path(s.output_folder) / file).string());
+    return poses.size() == 2 ? poses[0].pose.inverse() * poses[1].pose : Pose::Identity();
+  };
+  const double truth = step("reference_tum.txt").translation().norm();
+  ASSERT_GT(truth, 0.3) << "the ego drives";
+  EXPECT_NEAR(step("odometry_tum.txt").translation().norm(), truth, 0.5 * truth);
+}
+
+TEST_F(SlamRun, StaticScansAreTheScansWithoutWhatMoves)
+{
+  auto s = settings("static_scans");
+  s.static_scans = true;
+  s.config.set("input.only_first_n=15");
+  s.config.set("output.replay=false");
+  ASSERT_EQ(runSlam(s).frames, 15U);
+  const fs::path folder(s.output_folder);
+  RawlogSource recorded(recording());
+  RawlogSource cleaned((folder / "static_scans.rawlog").string());
+  std::size_t moving = 0;
+  for (int i = 0; i < 15; ++i)
+  {
+    char name[16];
+    std::snprintf(name, sizeof name, "%06d", i);
+    const auto labels = readLabels((folder / "labels" / (std::string(name) + ".label")).string());
+    const auto all = recorded.next();
+    const auto kept = cleaned.next();
+    ASSERT_TRUE(all && kept);
+    const auto bin = readBin((folder / "static_scans" / (std::string(name) + ".bin")).string());
+    std::vector<Eigen::Vector3f> expected;
+    for (std::size_t k = 0; k < labels.size(); ++k)
+    {
+      if (semanticOf(labels[k]) < semanticOf(label_moving))
+      {
+        expected.push_back(all->scan.points[k]);
+      }
+    }
+    moving += labels.size() - expected.size();
+    EXPECT_EQ(bin.points, expected) << i;
+    EXPECT_EQ(kept->scan.points, expected) << i;
+    EXPECT_EQ(kept->scan.ring.size(), expected.size()) << i;
+    EXPECT_TRUE(kept->T_world_vehicle_truth.has_value()) << i;
+  }
+  EXPECT_GT(moving, 0U) << "the town has traffic";
 }
 
 TEST_F(SlamRun, EveryOdometryMethodRuns)

@@ -57,10 +57,15 @@ struct NetworkSegmenter::Impl
 
   NetworkSegmenterOptions options;
   DysegModel model;
-  std::deque<Past> past;  //!< newest first
+  std::deque<Past> past;   //!< newest first
+  RigidFlowFit last_step;  //!< to the scan before
+  MotionEstimate motion;   //!< the same, of the vehicle
   std::optional<SceneFlow> flow;
 
-  void compareSecond(const DysegModel::Encoded& current, std::vector<float>& probability) const;
+  /** Judges against the scan `back` scans ago, if there is one; keeps the flow of the first. */
+  [[nodiscard]] std::vector<float> judge(const DysegModel::Encoded& current,
+                                         std::size_t back,
+                                         const Eigen::Vector3d& sensor);
 };
 
 NetworkSegmenter::NetworkSegmenter(const NetworkSegmenterOptions& options)
@@ -69,6 +74,8 @@ NetworkSegmenter::NetworkSegmenter(const NetworkSegmenterOptions& options)
   impl_ = std::make_unique<Impl>(
       Impl{options,
            DysegModel(findGivenOrShared(options.weights, "models", ".pt"), options.threads),
+           {},
+           {},
            {},
            {}});
 }
@@ -79,6 +86,12 @@ void NetworkSegmenter::reset()
 {
   impl_->past.clear();
   impl_->flow.reset();
+  impl_->motion = MotionEstimate();
+}
+
+const MotionEstimate* NetworkSegmenter::staticMotion() const
+{
+  return impl_->motion.converged ? &impl_->motion : nullptr;
 }
 
 const SceneFlow* NetworkSegmenter::sceneFlow() const
@@ -105,22 +118,16 @@ void shiftTo(double threshold, std::vector<float>& probability)
 }
 }  // namespace
 
-void NetworkSegmenter::Impl::compareSecond(const DysegModel::Encoded& current,
-                                           std::vector<float>& probability) const
+namespace
 {
-  const auto back = std::min(past.size(), static_cast<std::size_t>(options.second_gap));
-  if (back < 2)
-  {
-    return;
-  }
-  const Past& earlier = past[back - 1];
-  const auto other =
-      model.compare(current, *earlier.encoded, options.iterations, &earlier.from_current);
+/** Joins what two comparisons say; points that neither looked at stay at 0. */
+void combine(bool highest, const std::vector<float>& other, std::vector<float>& probability)
+{
   for (std::size_t i = 0; i < probability.size(); ++i)
   {
     const float a = probability[i];
-    const float b = other.moving_probability[i];
-    if (options.combine == "max")
+    const float b = other[i];
+    if (highest)
     {
       probability[i] = std::max(a, b);
     }
@@ -129,6 +136,31 @@ void NetworkSegmenter::Impl::compareSecond(const DysegModel::Encoded& current,
       probability[i] = 1 / (1 + std::exp(-0.5F * (logOdds(a) + logOdds(b))));
     }
   }
+}
+}  // namespace
+
+std::vector<float> NetworkSegmenter::Impl::judge(const DysegModel::Encoded& current,
+                                                 std::size_t back,
+                                                 const Eigen::Vector3d& sensor)
+{
+  const Past& earlier = past[back - 1];
+  const RigidFlowFit step =
+      back == 1 ? last_step : model.match(current, *earlier.encoded, &earlier.from_current);
+  auto result = model.judge(current, *earlier.encoded, step, options.iterations);
+  if (!flow)
+  {
+    flow.emplace();
+    flow->static_motion = motionOf(step, sensor);
+    flow->past_index = earlier.index;
+    flow->cell_centre = std::move(result.cell_centre);
+    flow->cell_flow = std::move(result.cell_flow);
+    for (auto& c : flow->cell_centre)
+    {
+      c += sensor.head<2>().cast<float>();
+    }
+    flow->cell_moving_probability = std::move(result.cell_moving_probability);
+  }
+  return std::move(result.moving_probability);
 }
 
 void NetworkSegmenter::segment(Frame& frame)
@@ -143,33 +175,29 @@ void NetworkSegmenter::segment(Frame& frame)
   const auto encoded = s.model.encode(points);
   frame.moving_probability.assign(points.size(), 0.0F);
   s.flow.reset();
-  PlanarMotion step;
   if (!s.past.empty())
   {
-    auto result = s.model.compare(*encoded, *s.past.front().encoded, s.options.iterations);
-    step = result.static_flow.motion;
-    frame.moving_probability = std::move(result.moving_probability);
-    SceneFlow flow;
-    flow.static_motion = motionOf(result.static_flow, sensor);
-    flow.past_index = s.past.front().index;
-    flow.cell_centre = std::move(result.cell_centre);
-    flow.cell_flow = std::move(result.cell_flow);
-    for (auto& c : flow.cell_centre)
-    {
-      c += sensor.head<2>().cast<float>();
-    }
-    flow.cell_moving_probability = std::move(result.cell_moving_probability);
-    s.flow = std::move(flow);
+    s.last_step = s.model.match(*encoded, *s.past.front().encoded);
+    s.motion = motionOf(s.last_step, sensor);
     for (auto& p : s.past)
     {
-      p.from_current = PlanarMotion::fromPose(p.from_current.pose() * step.pose());
+      p.from_current = PlanarMotion::fromPose(p.from_current.pose() * s.last_step.motion.pose());
     }
-    s.compareSecond(*encoded, frame.moving_probability);
+    const auto reach = [&](int gap)
+    { return std::min(s.past.size(), static_cast<std::size_t>(gap)); };
+    const auto first = reach(s.options.first_gap);
+    const auto second = reach(s.options.second_gap);
+    frame.moving_probability = s.judge(*encoded, first, sensor);
+    if (second > first)
+    {
+      combine(s.options.combine == "max", s.judge(*encoded, second, sensor),
+              frame.moving_probability);
+    }
     shiftTo(s.options.threshold, frame.moving_probability);
     dropLonePoints(points, group_cell, s.options.min_points, frame.moving_probability);
   }
   s.past.push_front({frame.index, encoded, PlanarMotion()});
-  if (s.past.size() > static_cast<std::size_t>(std::max(1, s.options.second_gap)))
+  if (s.past.size() > static_cast<std::size_t>(std::max(s.options.first_gap, s.options.second_gap)))
   {
     s.past.pop_back();
   }

@@ -21,10 +21,14 @@
 #include <string>
 #include <vector>
 
+#include "Scenarios.h"
+#include "SegmentationRun.h"
+
 namespace
 {
 using namespace dyslam;
 
+constexpr std::size_t simulated_history = 10;      // scans before those judged
 constexpr std::uint64_t unseen_seeds = 900000000;  // the trainer never draws these
 
 struct Arguments
@@ -32,40 +36,23 @@ struct Arguments
   std::string weights = "dyseg";
   std::string data;
   int worlds = 4;
-  int scans = 8;
-  int second_gap = 4;
-  std::string combine = "mean";
-  int iterations = 2;
+  int scans = 24;
+  NetworkSegmenterOptions network;
   int threads = 2;
+  bool network_only = false;
+  bool scenarios = false;  //!< print these instead
   bool instances = false;
   bool brief = false;    //!< without the rows of wrong poses
   std::string pictures;  //!< folder for one picture of each set
   std::string only;      //!< part of the names of the sets to print
 };
 
-struct Set
+void printRow(const std::string& set, const std::string& method, const SegmentationCounts& c)
 {
-  std::string name;
-  DysegClip clip;
-  std::size_t first = 0;  //!< first frame that is judged; those before are history
-};
-
-struct Counts
-{
-  std::uint64_t hits = 0, alarms = 0, misses = 0;
-  std::vector<double> ms;
-  std::vector<double> cpu_ms;  //!< processor time of all threads
-};
-
-void printRow(const std::string& set, const std::string& method, const Counts& c)
-{
-  const auto share = [](std::uint64_t a, std::uint64_t b)
-  { return b > 0 ? static_cast<double>(a) / static_cast<double>(b) : 0.0; };
   auto ms = c.ms;
   std::sort(ms.begin(), ms.end());
   std::printf("%-22s %-28s IoU %.3f  precision %.3f  recall %.3f", set.c_str(), method.c_str(),
-              share(c.hits, c.hits + c.alarms + c.misses), share(c.hits, c.hits + c.alarms),
-              share(c.hits, c.hits + c.misses));
+              c.iou(), c.precision(), c.recall());
   if (!ms.empty())
   {
     auto cpu = c.cpu_ms;
@@ -77,150 +64,7 @@ void printRow(const std::string& set, const std::string& method, const Counts& c
   std::fflush(stdout);
 }
 
-/** The scan from above, 80 m square, x up: grey static, green found movers, red missed ones, blue
- * false alarms. */
-void writePicture(const std::string& file,
-                  const Frame& frame,
-                  const std::vector<std::uint8_t>& label)
-{
-  constexpr int side = 800;
-  constexpr float half = 40;
-  std::vector<std::uint8_t> image(3 * side * side, 255);
-  const std::uint8_t colours[4][3] = {{150, 150, 150}, {40, 90, 255}, {230, 30, 30}, {0, 160, 40}};
-  for (int kind = 0; kind < 4; ++kind)
-  {
-    for (std::size_t k = 0; k < frame.cloud.size(); ++k)
-    {
-      const bool called = frame.moving_probability[k] > 0.5F;
-      const auto truth = label[frame.cloud.source[k]];
-      const bool moves = truth == DysegSample::moving_point;
-      const bool alarm = called && truth == DysegSample::static_point;
-      if (kind != (moves ? (called ? 3 : 2) : (alarm ? 1 : 0)))
-      {
-        continue;
-      }
-      const auto& p = frame.cloud.points[k];
-      const int row = static_cast<int>((half - p.x()) / (2 * half) * side);
-      const int column = static_cast<int>((half - p.y()) / (2 * half) * side);
-      for (int n = 0; n < (kind == 0 ? 1 : 4); ++n)
-      {
-        const int y = row + n / 2;
-        const int x = column + n % 2;
-        if (x >= 0 && y >= 0 && x < side && y < side)
-        {
-          std::copy_n(colours[kind], 3, &image[static_cast<std::size_t>(3 * (y * side + x))]);
-        }
-      }
-    }
-  }
-  std::ofstream out(file, std::ios::binary);
-  out << "P6\n" << side << ' ' << side << "\n255\n";
-  out.write(reinterpret_cast<const char*>(image.data()),
-            static_cast<std::streamsize>(image.size()));
-  if (!out)
-  {
-    throw UserError(file + ": cannot be written");
-  }
-}
-
-struct Instance
-{
-  double distance = 0;
-  double speed = 0;
-  int frames = 0;
-  std::uint64_t points = 0;
-  std::uint64_t hits = 0;
-};
-
-/** Runs a segmenter over a set in order, as the pipeline does. Each step's pose may be off. */
-Counts judge(MovingSegmenter& segmenter,
-             const Set& set,
-             double noise_m,
-             double noise_rad,
-             std::map<std::int32_t, Instance>* instances,
-             const std::string& picture = {})
-{
-  Counts counts;
-  RandomDraws draws(11, 1);
-  Pose drift = Pose::Identity();
-  for (std::size_t f = 0; f < set.clip.frames.size(); ++f)
-  {
-    const auto& from = set.clip.frames[f];
-    Frame frame;
-    frame.index = f;
-    for (std::size_t i = 0; i < from.points.size(); ++i)
-    {
-      if (isReturn(from.points[i]))
-      {
-        frame.cloud.points.push_back(from.points[i]);
-        frame.cloud.source.push_back(static_cast<std::uint32_t>(i));
-      }
-    }
-    const double bearing = draws.uniform(-3.14159, 3.14159);
-    drift = drift * poseFromYpr(noise_m * std::cos(bearing), noise_m * std::sin(bearing), 0,
-                                draws.chance(0.5) ? noise_rad : -noise_rad, 0, 0);
-    frame.T_odom_vehicle = from.T_world_sensor * drift;
-    const auto start = std::chrono::steady_clock::now();
-    const auto start_cpu = std::clock();
-    segmenter.segment(frame);
-    counts.cpu_ms.push_back(1e3 * static_cast<double>(std::clock() - start_cpu) / CLOCKS_PER_SEC);
-    counts.ms.push_back(
-        std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start)
-            .count());
-    if (f < set.first)
-    {
-      continue;
-    }
-    const auto truth = makeSample(set.clip, f, f > 0 ? f - 1 : 0);
-    if (!picture.empty() && f == (set.first + set.clip.frames.size()) / 2)
-    {
-      writePicture(picture, frame, truth.label);
-    }
-    std::map<std::int32_t, std::pair<int, int>> seen;
-    for (std::size_t k = 0; k < frame.cloud.size(); ++k)
-    {
-      const auto i = frame.cloud.source[k];
-      const bool called = frame.moving_probability[k] > 0.5F;
-      if (truth.label[i] == DysegSample::moving_point)
-      {
-        (called ? counts.hits : counts.misses) += 1;
-        auto& s = seen[from.object[i]];
-        s.first += 1;
-        s.second += called ? 1 : 0;
-      }
-      else if (truth.label[i] == DysegSample::static_point)
-      {
-        counts.alarms += called ? 1 : 0;
-      }
-    }
-    for (const auto& [id, s] : seen)
-    {
-      if (instances == nullptr || s.first < 10)
-      {
-        continue;
-      }
-      auto& entry = (*instances)[id > 100000 ? id % 100000 : id];
-      const auto& object = from.objects.at(id);
-      entry.distance += object.T_sensor_object.translation().norm();
-      if (f > 0 && set.clip.frames[f - 1].objects.count(id) != 0)
-      {
-        const auto& before = set.clip.frames[f - 1];
-        entry.speed +=
-            ((before.T_world_sensor * before.objects.at(id).T_sensor_object).translation() -
-             (from.T_world_sensor * object.T_sensor_object).translation())
-                .norm() /
-            set.clip.period;
-      }
-      ++entry.frames;
-      entry.points += static_cast<std::uint64_t>(s.first);
-      entry.hits += static_cast<std::uint64_t>(s.second);
-    }
-  }
-  return counts;
-}
-
-void printInstances(const std::map<std::int32_t, Instance>& network,
-                    const std::map<std::int32_t, Instance>& baseline)
+void printInstances(const SegmentedInstances& network, const SegmentedInstances& baseline)
 {
   std::printf(
       "  object, frames, mean distance [m], mean speed [m/s], points per frame, recall of the "
@@ -228,7 +72,7 @@ void printInstances(const std::map<std::int32_t, Instance>& network,
   for (const auto& [id, n] : network)
   {
     const auto other = baseline.find(id);
-    const auto recall = [](const Instance& i)
+    const auto recall = [](const SegmentedInstance& i)
     { return static_cast<double>(i.hits) / static_cast<double>(i.points); };
     std::printf("  %6d %4d %6.1f %6.1f %7.0f   %.2f   %.2f\n", id, n.frames, n.distance / n.frames,
                 n.speed / n.frames, static_cast<double>(n.points) / n.frames, recall(n),
@@ -248,7 +92,7 @@ CastBody arch()
   return body;
 }
 
-void checkTwice(const DysegModel& model, const Set& set)
+void checkTwice(const DysegModel& model, const SegmentationSet& set)
 {
   RandomDraws draws(5, 5);
   DysegScores sum;
@@ -270,7 +114,7 @@ void checkTwice(const DysegModel& model, const Set& set)
       sum.yaw_error / static_cast<double>(sum.pairs));
 }
 
-void checkUnseenShape(const DysegModel& model, const Set& set)
+void checkUnseenShape(const DysegModel& model, const SegmentationSet& set)
 {
   for (const double speed : {0.0, 1.5, 4.0, 10.0})
   {
@@ -307,16 +151,32 @@ void checkUnseenShape(const DysegModel& model, const Set& set)
   }
 }
 
-std::vector<Set> makeSets(const Arguments& a)
+std::vector<SegmentationSet> makeSets(const Arguments& a)
 {
-  std::vector<Set> sets;
+  std::vector<SegmentationSet> sets;
   const auto wanted = [&](const std::string& name)
   { return a.only.empty() || name.find(a.only) != std::string::npos; };
-  for (int w = 0; w < a.worlds && wanted("simulated"); ++w)
+  struct Kind
   {
-    sets.push_back({"simulated " + std::to_string(w),
-                    simulateClip(unseen_seeds + 100 + static_cast<std::uint64_t>(w), a.scans, true),
-                    1});
+    const char* name;
+    DysegClipScene scene;
+  };
+  const Kind kinds[] = {
+      {"simulated street", {}},
+      {"simulated highway", {sim::WorldKind::highway, sim::SensorKind::hdl64e, -1}},
+      {"simulated campus", {sim::WorldKind::campus, sim::SensorKind::hdl64e, -1}},
+      {"simulated campus 16", {sim::WorldKind::campus, sim::SensorKind::vlp16, -1}}};
+  for (const auto& kind : kinds)
+  {
+    for (int w = 0; w < a.worlds; ++w)
+    {
+      const auto name = std::string(kind.name) + ", " + std::to_string(w);
+      if (wanted(name))
+      {
+        const auto seed = unseen_seeds + 100 + static_cast<std::uint64_t>(w);
+        sets.push_back({name, simulateClip(seed, a.scans, true, kind.scene), simulated_history});
+      }
+    }
   }
   if (!a.data.empty())
   {
@@ -336,28 +196,26 @@ std::vector<Set> makeSets(const Arguments& a)
 
 NetworkSegmenterOptions networkOptions(const Arguments& a, int second_gap)
 {
-  NetworkSegmenterOptions options;
+  NetworkSegmenterOptions options = a.network;
   options.weights = a.weights;
   options.threads = a.threads;
-  options.iterations = a.iterations;
   options.second_gap = second_gap;
-  options.combine = a.combine;
   return options;
 }
 
-std::string pictureOf(const Arguments& a, const Set& set)
+std::string pictureOf(const Arguments& a, const SegmentationSet& set)
 {
   std::string name = set.name;
   std::replace(name.begin(), name.end(), ' ', '_');
   return a.pictures.empty() ? "" : a.pictures + "/dyseg_" + name + ".ppm";
 }
 
-void printFlow(const Arguments& a, const DysegModel& model, const Set& set)
+void printFlow(const Arguments& a, const DysegModel& model, const SegmentationSet& set)
 {
   DysegScores flow;
   for (std::size_t f = std::max<std::size_t>(1, set.first); f < set.clip.frames.size(); f += 4)
   {
-    flow.add(scorePair(model, makeSample(set.clip, f, f - 1), a.iterations));
+    flow.add(scorePair(model, makeSample(set.clip, f, f - 1), a.network.iterations));
   }
   const auto mean = [](double sum, std::uint64_t n)
   { return n > 0 ? sum / static_cast<double>(n) : std::nan(""); };
@@ -380,25 +238,34 @@ void printTable(const Arguments& a)
   ThreadPool pool(a.threads);
   for (const auto& set : makeSets(a))
   {
-    NetworkSegmenter one(networkOptions(a, 0));
-    printRow(set.name, "network, 1 scan back", judge(one, set, 0, 0, nullptr));
-    NetworkSegmenter two(networkOptions(a, a.second_gap));
-    std::map<std::int32_t, Instance> by_network;
+    if (!a.network_only)
+    {
+      NetworkSegmenter one(networkOptions(a, 0));
+      printRow(set.name, "network, 1 scan back", runSegmenter(one, set));
+    }
+    NetworkSegmenter two(networkOptions(a, a.network.second_gap));
+    SegmentedInstances by_network;
     char name[64];
-    std::snprintf(name, sizeof(name), "network, 1 and %d back", a.second_gap);
-    printRow(set.name, name, judge(two, set, 0, 0, &by_network, pictureOf(a, set)));
+    std::snprintf(name, sizeof(name), "network, %d and %d back", a.network.first_gap,
+                  a.network.second_gap);
+    printRow(set.name, name, runSegmenter(two, set, {}, &by_network, pictureOf(a, set)));
+    if (a.network_only)
+    {
+      continue;
+    }
     for (const auto& [m, rad] : pose_errors)
     {
       if (a.brief && m > 0)
       {
         break;
       }
-      TemporalFilter filtered(TemporalFilterOptions(),
-                              std::make_unique<NetworkSegmenter>(networkOptions(a, a.second_gap)));
+      TemporalFilter filtered(
+          TemporalFilterOptions(),
+          std::make_unique<NetworkSegmenter>(networkOptions(a, a.network.second_gap)));
       std::snprintf(name, sizeof(name), "the same, filter, poses off %.2f m", m);
-      printRow(set.name, name, judge(filtered, set, m, rad, nullptr));
+      printRow(set.name, name, runSegmenter(filtered, set, {m, rad}, nullptr));
     }
-    std::map<std::int32_t, Instance> by_baseline;
+    SegmentedInstances by_baseline;
     for (const auto& [m, rad] : pose_errors)
     {
       if (a.brief && m > 0)
@@ -407,11 +274,12 @@ void printTable(const Arguments& a)
       }
       ResidualSegmenter residual(ResidualSegmenterOptions(), pool);
       std::snprintf(name, sizeof(name), "residual, poses off %.2f m", m);
-      printRow(set.name, name, judge(residual, set, m, rad, m == 0 ? &by_baseline : nullptr));
+      printRow(set.name, name,
+               runSegmenter(residual, set, {m, rad}, m == 0 ? &by_baseline : nullptr));
     }
     TemporalFilter filtered(TemporalFilterOptions(),
                             std::make_unique<ResidualSegmenter>(ResidualSegmenterOptions(), pool));
-    printRow(set.name, "residual, filter", judge(filtered, set, 0, 0, nullptr));
+    printRow(set.name, "residual, filter", runSegmenter(filtered, set));
     printFlow(a, model, set);
     if (a.instances)
     {
@@ -419,6 +287,45 @@ void printTable(const Arguments& a)
     }
     checkTwice(model, set);
     checkUnseenShape(model, set);
+  }
+}
+/** Situations on the road: recall of what moves in them, and false alarms everywhere. */
+void printScenarios(const Arguments& a)
+{
+  constexpr int streets = 3;
+  ThreadPool pool(a.threads);
+  std::printf("%-26s %15s  %-24s  %s\n", "situation", "moving per scan", "network",
+              "residual, exact poses");
+  for (const auto& scenario : makeScenarios(unseen_seeds + 200, streets))
+  {
+    SegmentationCounts sums[2];
+    std::size_t judged = 0;
+    for (const auto& set : scenario.sets)
+    {
+      NetworkSegmenter network(networkOptions(a, a.network.second_gap));
+      ResidualSegmenter residual(ResidualSegmenterOptions(), pool);
+      const bool pictured = &set == &scenario.sets.front();
+      const SegmentationCounts counts[] = {
+          runSegmenter(network, set, {}, nullptr, pictured ? pictureOf(a, set) : ""),
+          runSegmenter(residual, set)};
+      for (int k = 0; k < 2; ++k)
+      {
+        sums[k].hits += counts[k].hits;
+        sums[k].misses += counts[k].misses;
+        sums[k].alarms += counts[k].alarms;
+        sums[k].still += counts[k].still;
+      }
+      judged += set.clip.frames.size() - set.first;
+    }
+    std::printf("%-26s %15.0f", scenario.name.c_str(),
+                static_cast<double>(sums[0].hits + sums[0].misses) / static_cast<double>(judged));
+    for (const auto& c : sums)
+    {
+      std::printf("  recall %.3f alarms %.4f %%", c.recall(),
+                  100 * static_cast<double>(c.alarms) / static_cast<double>(c.still));
+    }
+    std::printf("\n");
+    std::fflush(stdout);
   }
 }
 }  // namespace
@@ -448,19 +355,39 @@ int main(int argc, char** argv)
     }
     else if (more && word == "--scans")
     {
-      a.scans = std::atoi(argv[++i]);
+      a.scans = std::max(static_cast<int>(simulated_history) + 1, std::atoi(argv[++i]));
     }
     else if (more && word == "--second-gap")
     {
-      a.second_gap = std::atoi(argv[++i]);
+      a.network.second_gap = std::atoi(argv[++i]);
     }
     else if (more && word == "--combine")
     {
-      a.combine = argv[++i];
+      a.network.combine = argv[++i];
     }
     else if (more && word == "--pictures")
     {
       a.pictures = argv[++i];
+    }
+    else if (more && word == "--first-gap")
+    {
+      a.network.first_gap = std::atoi(argv[++i]);
+    }
+    else if (more && word == "--threshold")
+    {
+      a.network.threshold = std::atof(argv[++i]);
+    }
+    else if (more && word == "--min-points")
+    {
+      a.network.min_points = std::atoi(argv[++i]);
+    }
+    else if (word == "--scenarios")
+    {
+      a.scenarios = true;
+    }
+    else if (word == "--network-only")
+    {
+      a.network_only = true;
     }
     else if (word == "--short")
     {
@@ -472,7 +399,7 @@ int main(int argc, char** argv)
     }
     else if (more && word == "--iterations")
     {
-      a.iterations = std::atoi(argv[++i]);
+      a.network.iterations = std::atoi(argv[++i]);
     }
     else if (more && word == "--threads")
     {
@@ -481,9 +408,11 @@ int main(int argc, char** argv)
     else
     {
       std::puts(
-          "dyseg_table [--weights FILE] [--worlds N] [--scans N] [--second-gap N] [--iterations "
-          "N]\n"
-          "            [--combine mean|max] [--threads N] [--instances]\n"
+          "dyseg_table [--weights FILE] [--worlds N] [--scans N] [--threads N] [--instances]\n"
+          "            [--first-gap N] [--second-gap N] [--combine mean|max] [--iterations N]\n"
+          "            [--threshold P] [--min-points N]   as in [dyseg_network]\n"
+          "            [--network-only]   one row per set\n"
+          "            [--scenarios]      situations on the road instead of the sets\n"
           "            [--only SET]   sets whose name holds SET\n"
           "            [--short]      without the rows of wrong poses\n"
           "            [--pictures DIR]   one scan of each set from above, DIR/dyseg_SET.ppm\n"
@@ -493,7 +422,7 @@ int main(int argc, char** argv)
   }
   try
   {
-    printTable(a);
+    a.scenarios ? printScenarios(a) : printTable(a);
   }
   catch (const dyslam::UserError& error)
   {

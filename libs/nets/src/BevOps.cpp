@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <ATen/Parallel.h>
 #include <dyslam/nets/BevOps.h>
+#include <dyslam/nets/CellLayers.h>
 #include <torch/torch.h>
 
 #include <Eigen/Core>
@@ -118,60 +119,68 @@ class Correlate : public torch::autograd::Function<Correlate>
   static Tensor forward(AutogradContext* context,
                         const Tensor& source_in,
                         const Tensor& target_in,
+                        const Tensor& index_in,
+                        const Tensor& empty_in,
                         const Tensor& centre_in,
                         std::int64_t radius_in)
   {
     const auto source = source_in.contiguous();
     const auto target = target_in.contiguous();
+    const auto index = index_in.contiguous();
+    const auto empty = empty_in.contiguous();
     const auto centre = centre_in.contiguous();
     const int radius = static_cast<int>(radius_in);
     const std::int64_t side = 2 * radius + 1;
     const auto channels = source.size(1);
-    const auto height = target.size(0);
-    const auto width = target.size(1);
+    const auto height = index.size(0);
+    const auto width = index.size(1);
     auto out = torch::empty({source.size(0), side * side}, source.options());
     const float scale = 1.0F / std::sqrt(static_cast<float>(channels));
     const float* s = source.data_ptr<float>();
     const float* t = target.data_ptr<float>();
     const float* c = centre.data_ptr<float>();
+    const auto* row = index.data_ptr<std::int32_t>();
     float* o = out.data_ptr<float>();
-    at::parallel_for(
-        0, source.size(0), 128,
-        [&](std::int64_t begin, std::int64_t end)
-        {
-          std::vector<float> dots(static_cast<std::size_t>((side + 1) * (side + 1)));
-          for (std::int64_t i = begin; i < end; ++i)
-          {
-            const Window w = windowAt(c + 2 * i, radius);
-            const ConstRow mine(s + i * channels, channels);
-            for (std::int64_t y = 0; y <= side; ++y)
-            {
-              for (std::int64_t x = 0; x <= side; ++x)
-              {
-                const auto tx = w.x + x;
-                const auto ty = w.y + y;
-                const bool inside = tx >= 0 && ty >= 0 && tx < width && ty < height;
-                dots[static_cast<std::size_t>(y * (side + 1) + x)] =
-                    inside ? (mine * ConstRow(t + (ty * width + tx) * channels, channels)).sum() *
-                                 scale
-                           : 0.0F;
-              }
-            }
-            for (std::int64_t y = 0; y < side; ++y)
-            {
-              const float* upper = &dots[static_cast<std::size_t>(y * (side + 1))];
-              const float* lower = upper + side + 1;
-              for (std::int64_t x = 0; x < side; ++x)
-              {
-                o[(i * side + y) * side + x] =
-                    (1 - w.fy) * ((1 - w.fx) * upper[x] + w.fx * upper[x + 1]) +
-                    w.fy * ((1 - w.fx) * lower[x] + w.fx * lower[x + 1]);
-              }
-            }
-          }
-        });
+    const ConstRow nothing_there(empty.data_ptr<float>(), channels);
+    at::parallel_for(0, source.size(0), 128,
+                     [&](std::int64_t begin, std::int64_t end)
+                     {
+                       std::vector<float> dots(static_cast<std::size_t>((side + 1) * (side + 1)));
+                       for (std::int64_t i = begin; i < end; ++i)
+                       {
+                         const Window w = windowAt(c + 2 * i, radius);
+                         const ConstRow mine(s + i * channels, channels);
+                         const float nothing = (mine * nothing_there).sum() * scale;
+                         for (std::int64_t y = 0; y <= side; ++y)
+                         {
+                           for (std::int64_t x = 0; x <= side; ++x)
+                           {
+                             const auto tx = w.x + x;
+                             const auto ty = w.y + y;
+                             const bool inside = tx >= 0 && ty >= 0 && tx < width && ty < height;
+                             const auto r = inside ? row[ty * width + tx] : -1;
+                             dots[static_cast<std::size_t>(y * (side + 1) + x)] =
+                                 r >= 0
+                                     ? (mine * ConstRow(t + r * channels, channels)).sum() * scale
+                                 : inside ? nothing
+                                          : 0.0F;
+                           }
+                         }
+                         for (std::int64_t y = 0; y < side; ++y)
+                         {
+                           const float* upper = &dots[static_cast<std::size_t>(y * (side + 1))];
+                           const float* lower = upper + side + 1;
+                           for (std::int64_t x = 0; x < side; ++x)
+                           {
+                             o[(i * side + y) * side + x] =
+                                 (1 - w.fy) * ((1 - w.fx) * upper[x] + w.fx * upper[x + 1]) +
+                                 w.fy * ((1 - w.fx) * lower[x] + w.fx * lower[x + 1]);
+                           }
+                         }
+                       }
+                     });
     context->saved_data["radius"] = radius_in;
-    context->save_for_backward({source, target, centre});
+    context->save_for_backward({source, target, index, centre, empty});
     return out;
   }
 
@@ -180,24 +189,29 @@ class Correlate : public torch::autograd::Function<Correlate>
     const auto saved = context->get_saved_variables();
     const auto& source = saved[0];
     const auto& target = saved[1];
+    const auto& index = saved[2];
     const auto gradient = gradients[0].contiguous();
     const int radius = static_cast<int>(context->saved_data["radius"].toInt());
     const std::int64_t side = 2 * radius + 1;
     const auto channels = source.size(1);
-    const auto height = target.size(0);
-    const auto width = target.size(1);
+    const auto height = index.size(0);
+    const auto width = index.size(1);
     auto to_source = torch::zeros_like(source);
     auto to_target = torch::zeros_like(target);
+    auto to_empty = torch::zeros_like(saved[4]);
+    const ConstRow nothing_there(saved[4].data_ptr<float>(), channels);
+    Row empty_gradient(to_empty.data_ptr<float>(), channels);
     const float scale = 1.0F / std::sqrt(static_cast<float>(channels));
     const float* g = gradient.data_ptr<float>();
     const float* s = source.data_ptr<float>();
     const float* t = target.data_ptr<float>();
+    const auto* row = index.data_ptr<std::int32_t>();
     float* gs = to_source.data_ptr<float>();
     float* gt = to_target.data_ptr<float>();
     std::vector<float> corners(static_cast<std::size_t>((side + 1) * (side + 1)));
     for (std::int64_t i = 0; i < source.size(0); ++i)
     {
-      const Window w = windowAt(saved[2].data_ptr<float>() + 2 * i, radius);
+      const Window w = windowAt(saved[3].data_ptr<float>() + 2 * i, radius);
       std::fill(corners.begin(), corners.end(), 0.0F);
       for (std::int64_t y = 0; y < side; ++y)
       {
@@ -214,6 +228,7 @@ class Correlate : public torch::autograd::Function<Correlate>
       }
       const ConstRow mine(s + i * channels, channels);
       Row mine_gradient(gs + i * channels, channels);
+      float on_empty = 0;
       for (std::int64_t y = 0; y <= side; ++y)
       {
         for (std::int64_t x = 0; x <= side; ++x)
@@ -225,13 +240,20 @@ class Correlate : public torch::autograd::Function<Correlate>
             continue;
           }
           const float v = corners[static_cast<std::size_t>(y * (side + 1) + x)];
-          const auto place = (ty * width + tx) * channels;
+          const auto place = row[ty * width + tx] * channels;
+          if (place < 0)
+          {
+            on_empty += v;
+            continue;
+          }
           mine_gradient += v * ConstRow(t + place, channels);
           Row(gt + place, channels) += v * mine;
         }
       }
+      mine_gradient += on_empty * nothing_there;
+      empty_gradient += on_empty * mine;
     }
-    return {to_source, to_target, Tensor(), Tensor()};
+    return {to_source, to_target, Tensor(), to_empty, Tensor(), Tensor()};
   }
 };
 
@@ -256,29 +278,78 @@ Tensor pillarMax(const Tensor& features, const Tensor& cell, std::int64_t cells)
                             : PillarMax::apply(features, cell, cells);
 }
 
-Tensor correlate(const Tensor& source, const Tensor& target, const Tensor& centre, int radius)
+Tensor correlate(const Tensor& source, const CellMap& target, const Tensor& centre, int radius)
 {
-  return source.is_cuda() ? correlateSlow(source, target, centre, radius)
-                          : Correlate::apply(source, target, centre, radius);
+  return source.is_cuda()
+             ? correlateSlow(source, target, centre, radius)
+             : Correlate::apply(source, target.rows, target.index, target.empty, centre, radius);
 }
 
-Tensor correlateSlow(const Tensor& source, const Tensor& target, const Tensor& centre, int radius)
+Tensor correlateSlow(const Tensor& source, const CellMap& target, const Tensor& centre, int radius)
 {
   namespace F = torch::nn::functional;
+  const auto height = target.index.size(0);
+  const auto width = target.index.size(1);
+  const auto table = target.index.view({-1, 1});
+  const auto rows =
+      gatherRows(target.rows, table) + table.lt(0).to(target.rows.dtype()) * target.empty;
+  const auto map = rows.view({1, height, width, -1}).permute({0, 3, 1, 2});
   const auto offsets = windowOffsets(radius, source.options());
   const auto places = centre.detach().unsqueeze(1) + offsets.unsqueeze(0);  // N x K x 2
   // grid_sample without aligned corners: cell i's centre is at (2 i + 1) / size - 1.
-  const auto size = torch::tensor(
-      {static_cast<float>(target.size(1)), static_cast<float>(target.size(0))}, source.options());
+  const auto size =
+      torch::tensor({static_cast<float>(width), static_cast<float>(height)}, source.options());
   const auto grid = (2 * places + 1) / size - 1;
   const auto sampled =
-      F::grid_sample(target.permute({2, 0, 1}).unsqueeze(0), grid.unsqueeze(0),
+      F::grid_sample(map, grid.unsqueeze(0),
                      F::GridSampleFuncOptions().align_corners(false).padding_mode(torch::kZeros));
   return torch::einsum("nc,cnk->nk", {source, sampled.squeeze(0)}) /
          std::sqrt(static_cast<double>(source.size(1)));
 }
 
-Tensor peakOffset(const Tensor& correlation, int radius)
+Tensor peakOffset(const Tensor& correlation_in, int radius)
+{
+  torch::NoGradGuard no_gradient;
+  if (correlation_in.is_cuda())
+  {
+    return peakOffsetSlow(correlation_in, radius);
+  }
+  const auto correlation = correlation_in.contiguous();
+  const int side = 2 * radius + 1;
+  auto out = torch::empty({correlation.size(0), 3}, correlation.options());
+  const float* c = correlation.data_ptr<float>();
+  float* o = out.data_ptr<float>();
+  at::parallel_for(0, correlation.size(0), 256,
+                   [&](std::int64_t begin, std::int64_t end)
+                   {
+                     Eigen::ArrayXf share(side * side);
+                     for (std::int64_t i = begin; i < end; ++i)
+                     {
+                       const ConstRow row(c + i * side * side, side * side);
+                       Eigen::Index best = 0;
+                       const float highest = row.maxCoeff(&best);
+                       share = (row - highest).exp();
+                       const int bx = static_cast<int>(best) % side;
+                       const int by = static_cast<int>(best) / side;
+                       Eigen::Array3f sum = Eigen::Array3f::Zero();
+                       for (int y = std::max(0, by - 1); y <= std::min(side - 1, by + 1); ++y)
+                       {
+                         for (int x = std::max(0, bx - 1); x <= std::min(side - 1, bx + 1); ++x)
+                         {
+                           const Eigen::Array3f at(static_cast<float>(x - radius),
+                                                   static_cast<float>(y - radius), 1);
+                           sum += share[y * side + x] * at;
+                         }
+                       }
+                       o[3 * i] = sum[0] / sum[2];
+                       o[3 * i + 1] = sum[1] / sum[2];
+                       o[3 * i + 2] = sum[2] / share.sum();
+                     }
+                   });
+  return out;
+}
+
+Tensor peakOffsetSlow(const Tensor& correlation, int radius)
 {
   const auto offsets = windowOffsets(radius, correlation.options());
   const auto best = offsets.index_select(0, correlation.argmax(1));

@@ -21,10 +21,9 @@ float sigmoid(float x)
 class DysegModel::Encoded
 {
  public:
-  Encoded(BevScan&& bev, std::size_t count) : scan(std::move(bev)), cells(scan), inputs(count) {}
+  Encoded(BevScan&& bev, std::size_t count) : scan(std::move(bev)), inputs(count) {}
 
   BevScan scan;
-  DysegCells cells;
   DysegEncoding encoding;
   std::size_t inputs;
 };
@@ -71,13 +70,32 @@ std::shared_ptr<const DysegModel::Encoded> DysegModel::encode(
   return encoded;
 }
 
-DysegResult DysegModel::compare(const Encoded& current,
-                                const Encoded& past,
-                                int iterations,
-                                const PlanarMotion* guess) const
+RigidFlowFit DysegModel::match(const Encoded& current,
+                               const Encoded& past,
+                               const PlanarMotion* guess) const
+{
+  torch::InferenceMode inference;
+  if (current.scan.size() == 0 || past.scan.size() == 0)
+  {
+    return {};
+  }
+  return impl_->network.net->match(current.scan, current.encoding, past.encoding, nullptr, guess)
+      .fit;
+}
+
+DysegResult DysegModel::compare(const Encoded& current, const Encoded& past, int iterations) const
+{
+  return judge(current, past, match(current, past), iterations);
+}
+
+DysegResult DysegModel::judge(const Encoded& current,
+                              const Encoded& past,
+                              const RigidFlowFit& static_flow,
+                              int iterations) const
 {
   torch::InferenceMode inference;
   DysegResult result;
+  result.static_flow = static_flow;
   result.moving_probability.assign(current.inputs, 0.0F);
   const auto& scan = current.scan;
   if (scan.size() == 0 || past.scan.size() == 0)
@@ -85,14 +103,14 @@ DysegResult DysegModel::compare(const Encoded& current,
     return result;
   }
   auto& net = impl_->network.net;
-  const auto cells = net->cells(scan, current.cells, current.encoding, past.encoding,
-                                std::max(1, iterations), nullptr, guess);
+  const auto cells = net->cells(scan, current.encoding, past.encoding, static_flow.motion,
+                                std::max(1, iterations));
+  const auto& occupied = *current.encoding.cells;
   const auto logit = cells.logit.contiguous();
   const auto residual = cells.residual.back().contiguous();
   const float* l = logit.data_ptr<float>();
   const float* r = residual.data_ptr<float>();
-  result.static_flow = cells.fit;
-  result.cell_centre = current.cells.quarter_place;
+  result.cell_centre = occupied.quarter_place;
   for (std::size_t i = 0; i < result.cell_centre.size(); ++i)
   {
     result.cell_flow.emplace_back(cells.static_motion.flowAt(result.cell_centre[i]) +
@@ -103,16 +121,16 @@ DysegResult DysegModel::compare(const Encoded& current,
   std::vector<std::int32_t> which;
   for (std::size_t i = 0; i < scan.size(); ++i)
   {
-    if (l[current.cells.row_of_point[i]] > doubtful)
+    if (l[occupied.level.quarter.row_of_point[i]] > doubtful)
     {
       which.push_back(static_cast<std::int32_t>(i));
     }
   }
   if (!which.empty())
   {
-    const auto answer = net->points(scan, current.cells, current.encoding, past.encoding,
-                                    past.scan.rays, cells, which)
-                            .contiguous();
+    const auto answer =
+        net->points(scan, current.encoding, past.encoding, past.scan.rays, cells, which)
+            .contiguous();
     const float* a = answer.data_ptr<float>();
     for (std::size_t q = 0; q < which.size(); ++q)
     {

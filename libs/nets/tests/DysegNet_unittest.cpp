@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <fstream>
 #include <limits>
+#include <numeric>
 #include <random>
 
 namespace
@@ -51,19 +52,26 @@ TEST(DysegNet, EveryParameterLearns)
   torch::manual_seed(1);
   dyslam::DysegNet net{DysegNetworkOptions()};
   const auto current = dyslam::makeBevScan(street(1), smallGrid());
-  const auto past = dyslam::makeBevScan(street(2), smallGrid());
-  const dyslam::DysegCells occupied(current);
+  auto before = street(1);
+  for (auto& p : before)
+  {
+    p.x() += 0.3F;
+  }
+  const auto past = dyslam::makeBevScan(before, smallGrid());
   const auto a = net->encode(current);
   const auto b = net->encode(past);
-  const auto cells = net->cells(current, occupied, a, b, 2);
-  std::vector<std::int32_t> which{0, 5, 10, 50};
-  const auto points = net->points(current, occupied, a, b, past.rays, cells, which);
-  const auto flow = net->pointFlow(current, occupied, cells, which);
-  ASSERT_EQ(points.size(0), 4);
-  ASSERT_EQ(flow.size(0), 4);
+  const auto match = net->match(current, a, b);
+  const auto cells = net->cells(current, a, b, match.fit.motion, 2);
+  std::vector<std::int32_t> which(current.size());
+  std::iota(which.begin(), which.end(), 0);
+  const auto points = net->points(current, a, b, past.rays, cells, which);
+  const auto flow = net->pointFlow(current, a, cells, which);
+  ASSERT_EQ(points.size(0), static_cast<std::int64_t>(which.size()));
+  ASSERT_EQ(flow.size(0), points.size(0));
   ASSERT_EQ(cells.residual.size(), 2U);
   auto loss = points.square().sum() + flow.square().sum() + cells.logit.square().sum() +
-              cells.correlation.square().sum() + cells.coarse_correlation.square().sum();
+              (match.correlation + 1).square().sum() +
+              (match.coarse_correlation + 1).square().sum();
   for (const auto& r : cells.residual)
   {
     loss = loss + r.square().sum();

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/nets/GaussNewton.h>
 #include <dyslam/nets/Layers.h>
+#include <dyslam/nets/PointLinear.h>
 #include <gtest/gtest.h>
 
 #include <functional>

@@ -392,6 +392,11 @@ RefineResult LocalMapRefinement::refine(const Frame& frame, const Pose& T_odom_v
   return result;
 }
 
+void LocalMapRefinement::setStartDeviation(double deviation)
+{
+  state_->options.start_deviation = deviation;
+}
+
 const Pose& LocalMapRefinement::pose() const
 {
   return state_->T_odom_vehicle;

@@ -20,6 +20,7 @@ namespace
 {
 using mrpt::system::CTimeLoggerEntry;
 
+constexpr double seen_within = 0.5;   // m, of a first motion that the segmenter found
 constexpr double usual_period = 0.1;  // s, of a revolution, before the second scan tells it
 
 struct OdometryOptions : Options
@@ -87,6 +88,8 @@ struct Pipeline::Stages
     return dt > 0 ? scaledMotion(last_motion, dt / last_dt) : Pose::Identity();
   }
 
+  /** Before any motion is known the segmenter may have found one, among movers too. */
+  [[nodiscard]] Pose startingMotion(const Pose& prediction);
   void estimateMotion(Frame& frame, const Pose& prediction);
   void remember(const Frame& frame, double dt);
 
@@ -104,7 +107,8 @@ struct Pipeline::Stages
   Backend backend;
   StaticMap map;
 
-  bool first = true;
+  bool first = true;    //!< no scan yet
+  bool second = false;  //!< one scan yet
   double last_stamp = 0;
   double last_dt = usual_period;
   Pose last_motion = Pose::Identity();
@@ -133,7 +137,7 @@ void Pipeline::process(Frame& frame)
     const CTimeLoggerEntry timed(s.times, "dyseg");
     s.segmenter->segment(frame);
   }
-  s.estimateMotion(frame, prediction);
+  s.estimateMotion(frame, s.startingMotion(prediction));
   if (s.segmenter && s.segmenter->needsPose())
   {
     const CTimeLoggerEntry timed(s.times, "dyseg");
@@ -155,6 +159,17 @@ void Pipeline::process(Frame& frame)
     s.map.insert(frame);
   }
   s.remember(frame, dt);
+}
+
+Pose Pipeline::Stages::startingMotion(const Pose& prediction)
+{
+  if (!second || odometry_options.start_speed != 0 || !segmenter ||
+      segmenter->staticMotion() == nullptr)
+  {
+    return prediction;
+  }
+  refinement.setStartDeviation(std::min(refine_options.start_deviation, seen_within));
+  return segmenter->staticMotion()->T_previous_current;
 }
 
 void Pipeline::Stages::estimateMotion(Frame& frame, const Pose& prediction)
@@ -182,6 +197,7 @@ void Pipeline::Stages::remember(const Frame& frame, double dt)
     last_motion = T_odom_last.inverse() * frame.T_odom_vehicle;
     last_dt = dt;
   }
+  second = first;
   first = false;
   last_stamp = frame.scan.stamp;
   T_odom_last = frame.T_odom_vehicle;

@@ -6,9 +6,9 @@
 #include <dyslam/core/Error.h>
 #include <dyslam/core/VoxelGrid.h>
 #include <dyslam/eval/TrajectoryPlot.h>
+#include <dyslam/io/CloudFiles.h>
 #include <dyslam/io/GraphFiles.h>
 #include <dyslam/io/GroundTruth.h>
-#include <dyslam/io/Labels.h>
 #include <dyslam/io/SceneExport.h>
 #include <dyslam/io/TrajectoryFiles.h>
 #include <dyslam/mapping/MapExport.h>
@@ -110,6 +110,7 @@ RunOutputs::RunOutputs(const SlamRunSettings& settings,
     : folder_(settings.output_folder),
       input_(fs::absolute(settings.rawlog).lexically_normal().string()),
       labels_(settings.labels),
+      static_scans_(settings.static_scans),
       options_(options)
 {
   std::error_code error;
@@ -129,6 +130,12 @@ RunOutputs::RunOutputs(const SlamRunSettings& settings,
   {
     fs::remove_all(fs::path(folder_) / "labels", error);
     fs::create_directories(path("labels"));
+  }
+  if (static_scans_)
+  {
+    fs::remove_all(fs::path(folder_) / "static_scans", error);
+    fs::create_directories(path("static_scans"));
+    static_rawlog_ = std::make_unique<RawlogWriter>(path("static_scans.rawlog"));
   }
   if (options_.replay)
   {
@@ -152,7 +159,7 @@ void RunOutputs::add(Frame frame, const Pipeline& pipeline)
     reference_.push_back(frame.scan.stamp, *frame.T_world_vehicle_truth);
   }
   addTracks(frame, pipeline);
-  if (!labels_ && !replay_)
+  if (!labels_ && !static_scans_ && !replay_)
   {
     return;
   }
@@ -160,9 +167,15 @@ void RunOutputs::add(Frame frame, const Pipeline& pipeline)
   writer_->add(
       [this, shared]
       {
+        const auto labels = labels_ || static_scans_ ? labelsOf(*shared) : std::vector<Label>();
         if (labels_)
         {
-          writeFrameLabels(*shared);
+          writeLabels((fs::path(folder_) / "labels" / numbered(shared->index, ".label")).string(),
+                      labels);
+        }
+        if (static_scans_)
+        {
+          writeStaticScan(*shared, labels);
         }
         if (replay_)
         {
@@ -208,7 +221,7 @@ void RunOutputs::addTracks(const Frame& frame, const Pipeline& pipeline)
   }
 }
 
-void RunOutputs::writeFrameLabels(const Frame& frame) const
+std::vector<Label> RunOutputs::labelsOf(const Frame& frame)
 {
   std::vector<Label> labels(frame.scan.size(), 0);
   const bool segmented = frame.moving_probability.size() == frame.cloud.size();
@@ -230,7 +243,38 @@ void RunOutputs::writeFrameLabels(const Frame& frame) const
           makeLabel(movingLabel(object.object_class), static_cast<std::uint16_t>(object.id + 1));
     }
   }
-  writeLabels((fs::path(folder_) / "labels" / numbered(frame.index, ".label")).string(), labels);
+  return labels;
+}
+
+void RunOutputs::writeStaticScan(const Frame& frame, const std::vector<Label>& labels)
+{
+  Scan kept = frame.scan;
+  std::size_t count = 0;
+  const auto keep = [&](auto& values, std::size_t from)
+  {
+    if (!values.empty())
+    {
+      values[count] = values[from];
+    }
+  };
+  for (std::size_t i = 0; i < labels.size(); ++i)
+  {
+    if (!isMoving(labels[i]) && semanticOf(labels[i]) != semanticOf(label_moving))
+    {
+      keep(kept.points, i);
+      keep(kept.intensity, i);
+      keep(kept.time, i);
+      keep(kept.ring, i);
+      ++count;
+    }
+  }
+  kept.points.resize(count);
+  kept.intensity.resize(kept.intensity.empty() ? 0 : count);
+  kept.time.resize(kept.time.empty() ? 0 : count);
+  kept.ring.resize(kept.ring.empty() ? 0 : count);
+  writeBin((fs::path(folder_) / "static_scans" / numbered(frame.index, ".bin")).string(),
+           kept.points, kept.intensity);
+  static_rawlog_->write(kept, frame.T_world_vehicle_truth);
 }
 
 void RunOutputs::finish(const Pipeline& pipeline)
@@ -239,6 +283,10 @@ void RunOutputs::finish(const Pipeline& pipeline)
   if (replay_)
   {
     replay_->close();
+  }
+  if (static_rawlog_)
+  {
+    static_rawlog_->close();
   }
   const Trajectory trajectory = pipeline.trajectory();
   writeTrajectories(trajectory);

@@ -4,6 +4,8 @@
 #include <dyslam/core/Frame.h>
 #include <dyslam/core/Options.h>
 #include <dyslam/core/Trajectory.h>
+#include <dyslam/io/Labels.h>
+#include <dyslam/io/RawlogWriter.h>
 #include <dyslam/io/ReplayWriter.h>
 #include <dyslam/pipeline/Pipeline.h>
 #include <dyslam/pipeline/SlamRun.h>
@@ -59,7 +61,9 @@ class RunOutputs
  private:
   [[nodiscard]] std::string path(const std::string& name);
   void addTracks(const Frame& frame, const Pipeline& pipeline);
-  void writeFrameLabels(const Frame& frame) const;
+  /** SemanticKITTI's label of every point of the frame's scan. */
+  [[nodiscard]] static std::vector<Label> labelsOf(const Frame& frame);
+  void writeStaticScan(const Frame& frame, const std::vector<Label>& labels);
   void writeTrajectories(const Trajectory& trajectory);
   void writeGraphs(const Pipeline& pipeline);
   void writeMap(const Pipeline& pipeline, const Trajectory& trajectory);
@@ -68,6 +72,7 @@ class RunOutputs
   std::string folder_;
   std::string input_;  //!< of the recording, absolute
   bool labels_;
+  bool static_scans_;
   OutputOptions options_;
   std::vector<std::string> files_;
   std::ofstream odometry_;
@@ -78,6 +83,7 @@ class RunOutputs
   /** Box and velocity of each moving object where it was reported last, map frame. */
   std::map<int, std::pair<LabelledBox, Eigen::Vector3d>> last_moving_;
   std::unique_ptr<ReplayWriter> replay_;
+  std::unique_ptr<RawlogWriter> static_rawlog_;
   std::unique_ptr<WriteBehind> writer_;  //!< last: its jobs use the members above
 };
 }  // namespace dyslam

@@ -203,7 +203,8 @@ DrawnPoints drawPoints(const DysegSample& sample,
     {
       continue;
     }
-    const bool suspected = cell_logit[static_cast<std::size_t>(cells.row_of_point[i])] > -2;
+    const bool suspected =
+        cell_logit[static_cast<std::size_t>(cells.level.quarter.row_of_point[i])] > -2;
     (label == DysegSample::moving_point ? moving
      : suspected                        ? hard
                                         : other)
@@ -255,25 +256,6 @@ Tensor seenOffsets(const std::vector<Eigen::Vector2f>& flow,
   }
   return rowsOf(offset);
 }
-
-std::vector<std::int32_t> rowsAtEighth(const BevScan& scan, const DysegCells& cells)
-{
-  const int side = scan.cells / 8;
-  const auto numbers = cells.eighth.contiguous();
-  std::vector<std::int32_t> row(static_cast<std::size_t>(side * side), 0);
-  for (std::int64_t i = 0; i < numbers.size(0); ++i)
-  {
-    row[static_cast<std::size_t>(numbers.data_ptr<std::int64_t>()[i])] =
-        static_cast<std::int32_t>(i);
-  }
-  std::vector<std::int32_t> rows(scan.size());
-  for (std::size_t i = 0; i < scan.size(); ++i)
-  {
-    rows[i] = row[static_cast<std::size_t>(scan.cell[i] / scan.cells / 8 * side +
-                                           scan.cell[i] % scan.cells / 8)];
-  }
-  return rows;
-}
 }  // namespace
 
 DysegLoss dysegLoss(DysegNet& net,
@@ -291,29 +273,31 @@ DysegLoss dysegLoss(DysegNet& net,
     return loss;
   }
   const PlanarMotion ego = PlanarMotion::fromPose(sample.T_past_current);
-  const DysegCells cells(current);
   DysegGuide guide;
   guide.first = disturbed(ego, options.first_noise, draws);
   guide.second = disturbed(ego, options.second_noise, draws);
   const int radius = net->options().radius;
   const auto a = net->encode(current);
   const auto b = net->encode(past);
-  const auto out = net->cells(current, cells, a, b, options.iterations, &guide);
+  const DysegCells& cells = *a.cells;
+  const auto match = net->match(current, a, b, &guide);
+  const auto out = net->cells(current, a, b, guide.second, options.iterations);
   const auto device = out.logit.device();
 
   // Matching.
   const auto coarse_truth =
-      cellTruth(sample, current, rowsAtEighth(current, cells), cells.eighth_place, ego);
-  const auto truth = cellTruth(sample, current, cells.row_of_point, cells.quarter_place, ego);
+      cellTruth(sample, current, cells.level.eighth.row_of_point, cells.eighth_place, ego);
+  const auto truth =
+      cellTruth(sample, current, cells.level.quarter.row_of_point, cells.quarter_place, ego);
   const auto moving = flagsOf(truth.label, DysegSample::moving_point).to(device);
   const auto coarse_offset =
       seenOffsets(coarse_truth.flow, cells.eighth_place, PlanarMotion(), past, 8);
   const auto offset = seenOffsets(truth.flow, cells.quarter_place, guide.first, past, 4);
   auto total =
       matching_weight *
-      (correlationLoss(out.coarse_correlation, coarse_offset.to(device),
+      (correlationLoss(match.coarse_correlation, coarse_offset.to(device),
                        flagsOf(coarse_truth.label, DysegSample::moving_point).to(device), radius) +
-       correlationLoss(out.correlation, offset.to(device), moving, radius));
+       correlationLoss(match.correlation, offset.to(device), moving, radius));
   loss.matching = total.item<double>();
 
   // Flow, relative to the static flow that the network was given.
@@ -376,7 +360,7 @@ DysegLoss dysegLoss(DysegNet& net,
       const Eigen::Vector2f at = current.points[i].head<2>();
       point_residual.emplace_back(sample.flow[current.source[i]] - guide.second.flowAt(at));
     }
-    const auto answer = net->points(current, cells, a, b, past.rays, out, which);
+    const auto answer = net->points(current, a, b, past.rays, out, which);
     const auto truth_flag = flagsOf(label, DysegSample::moving_point).to(device);
     // Half as drawn, half as often as they are: sure of movers, yet few false alarms.
     const auto often = torch::tensor(drawn.weight).to(device);
@@ -395,7 +379,7 @@ DysegLoss dysegLoss(DysegNet& net,
     const auto fine_known = fine.isfinite().all(1).nonzero().squeeze(1);
     if (fine_known.numel() > 0)
     {
-      const auto error = (net->pointFlow(current, cells, out, which) - fine)
+      const auto error = (net->pointFlow(current, a, out, which) - fine)
                              .index_select(0, fine_known)
                              .square()
                              .sum(1)

@@ -72,7 +72,8 @@ DysegScores scorePair(const DysegModel& model,
 
   const BevScan scan = makeBevScan(sample.current, model.grid());
   const DysegCells cells(scan);
-  const auto truth = cellTruth(sample, scan, cells.row_of_point, cells.quarter_place, ego);
+  const auto truth =
+      cellTruth(sample, scan, cells.level.quarter.row_of_point, cells.quarter_place, ego);
   for (std::size_t i = 0; i < truth.flow.size() && i < result.cell_flow.size(); ++i)
   {
     if (!truth.flow[i].allFinite())

@@ -282,14 +282,15 @@ DysegClip loadLabelledRun(const std::string& folder,
   return clip;
 }
 
-DysegClip simulateClip(std::uint64_t seed, int scans, bool deskewed)
+DysegClip simulateClip(std::uint64_t seed, int scans, bool deskewed, const DysegClipScene& scene)
 {
   RandomDraws draws(0x5EED, seed);
   sim::SimulatorOptions options;
-  options.world = sim::WorldKind::urban;
-  options.sensor = sim::SensorKind::hdl64e;
+  options.world = scene.world;
+  options.sensor = scene.sensor;
   options.seed = static_cast<int>(seed % 2000000000U);
   options.traffic = draws.uniform(0.3, 1.0);
+  options.traffic = scene.traffic < 0 ? options.traffic : scene.traffic;
   options.start_fraction = draws.uniform();
   options.start_time = draws.uniform(3, 15);
   options.loop_length = 300;

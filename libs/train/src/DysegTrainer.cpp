@@ -27,8 +27,9 @@ constexpr int warm_up = 100;  // steps
 constexpr double clip_norm = 2;
 constexpr double last_rate = 0.02;
 constexpr double mean_decay = 0.998;
-constexpr int clip_scans = 6;
-constexpr std::size_t longest_gap = 5;  // scans between those compared
+constexpr int clip_scans = 11;
+constexpr std::size_t longest_gap = 10;  // scans between those compared
+constexpr double period = 0.1;           // s, as if between single scans seen twice
 constexpr std::uint64_t training_seeds = 500000000;
 constexpr std::uint64_t validation_seeds = 900000000;  // never drawn in training
 
@@ -58,6 +59,31 @@ std::vector<Eigen::Vector3f> readBin(const std::string& file)
   return points;
 }
 
+/** Streets most often, and among them places of people, fast roads, and fewer beams. */
+DysegClipScene sceneOf(std::uint64_t number, const DysegTrainerOptions& options)
+{
+  DysegClipScene scene;
+  RandomDraws d(static_cast<std::uint64_t>(options.seed), number);
+  scene.world = d.chance(options.campus_share)    ? sim::WorldKind::campus
+                : d.chance(options.highway_share) ? sim::WorldKind::highway
+                                                  : sim::WorldKind::urban;
+  scene.sensor =
+      d.chance(options.few_beams_share) ? sim::SensorKind::vlp16 : sim::SensorKind::hdl64e;
+  return scene;
+}
+
+/** A CSV file to go on with; a new one gets its header. */
+std::ofstream openLog(const std::string& file, const char* header)
+{
+  const bool begun = fs::exists(file) && fs::file_size(file) > 0;
+  std::ofstream csv(file, std::ios::app);
+  if (!begun)
+  {
+    csv << header << '\n';
+  }
+  return csv;
+}
+
 /** Where a crop lies: around a mover if there is one, else somewhere. */
 Eigen::Vector2f drawCentre(const DysegSample& sample, float half, RandomDraws& draws)
 {
@@ -85,6 +111,9 @@ void DysegTrainerOptions::describe(OptionsVisitor& v)
   v.text("single_scans", single_scans, "folders of scans under data, separated by commas");
   v.real("simulated_share", simulated_share, 0, 1, "of pairs");
   v.real("single_share", single_share, 0, 1, "of the real pairs");
+  v.real("campus_share", campus_share, 0, 1, "of simulated clips: many people, few cars");
+  v.real("highway_share", highway_share, 0, 1, "of the other simulated clips");
+  v.real("few_beams_share", few_beams_share, 0, 1, "of simulated clips seen by 16 beams");
   v.integer("simulated_pool", simulated_pool, 1, 100000, "simulated clips kept in memory");
   v.integer("simulate_every", simulate_every, 1, 100000, "steps between new clips");
   v.integer("crop", crop, 64, 2048, "cells along each side in training, a multiple of 16");
@@ -194,26 +223,26 @@ void DysegTrainer::Impl::makeValidation()
   std::vector<DysegSample> simulated_slow;
   for (std::uint64_t i = 0; i < 8; ++i)
   {
-    const auto clip = simulateClip(validation_seeds + i, 5, true);
-    simulated.push_back(makeSample(clip, 4, 3));
-    simulated_slow.push_back(makeSample(clip, 4, 0));
+    const auto clip = simulateClip(validation_seeds + i, 9, true);
+    simulated.push_back(makeSample(clip, 8, 7));
+    simulated_slow.push_back(makeSample(clip, 8, 0));
   }
   validation.emplace_back("simulated", std::move(simulated));
-  validation.emplace_back("simulated 4 scans back", std::move(simulated_slow));
+  validation.emplace_back("simulated 8 scans back", std::move(simulated_slow));
   if (options.data.empty())
   {
     return;
   }
   std::vector<DysegSample> boxed;
   std::vector<DysegSample> boxed_slow;
-  const auto run = loadBoxedRun(options.data + "/vls128_run88", 44, 63);
-  for (std::size_t i = 5; i < run.frames.size(); i += 2)
+  const auto run = loadBoxedRun(options.data + "/vls128_run88", 40, 63);
+  for (std::size_t i = 8; i < run.frames.size(); i += 2)
   {
     boxed.push_back(makeSample(run, i, i - 1));
-    boxed_slow.push_back(makeSample(run, i, i - 4));
+    boxed_slow.push_back(makeSample(run, i, i - 8));
   }
   validation.emplace_back("vls128_run88 48-63", std::move(boxed));
-  validation.emplace_back("vls128_run88 48-63 4 scans back", std::move(boxed_slow));
+  validation.emplace_back("vls128_run88 48-63 8 scans back", std::move(boxed_slow));
   const auto folder_0005 = options.data + "/kitti_raw_2011_09_26_drive_0005";
   const auto drive = loadLabelledRun(folder_0005, folder_0005 + "/poses_icp_raw_velo.txt", 79, 109);
   std::vector<DysegSample> labelled;
@@ -232,7 +261,7 @@ void DysegTrainer::Impl::refillPool()
   }
   const auto number = static_cast<std::uint64_t>(step / options.simulate_every);
   const auto seed = training_seeds + static_cast<std::uint64_t>(options.seed) * 1000003 + number;
-  pool.push_back(simulateClip(seed, clip_scans, number % 3 != 0));
+  pool.push_back(simulateClip(seed, clip_scans, number % 3 != 0, sceneOf(number, options)));
   if (pool.size() > static_cast<std::size_t>(options.simulated_pool))
   {
     pool.pop_front();
@@ -245,9 +274,10 @@ DysegSample DysegTrainer::Impl::draw(RandomDraws& draws) const
   if (!pool.empty() && (!real || draws.chance(options.simulated_share)))
   {
     const auto& clip = pool[draws.below(pool.size())];
-    const std::size_t a = draws.below(clip.frames.size());
-    const std::size_t b = (a + 1 + draws.below(clip.frames.size() - 1)) % clip.frames.size();
-    return makeSample(clip, a, b);
+    const std::size_t gap = 1 + draws.below(std::min(longest_gap, clip.frames.size() - 1));
+    const std::size_t later = gap + draws.below(clip.frames.size() - gap);
+    return draws.chance(0.7) ? makeSample(clip, later, later - gap)
+                             : makeSample(clip, later - gap, later);
   }
   if (!singles.empty() && (runs.empty() || draws.chance(options.single_share)))
   {
@@ -255,7 +285,9 @@ DysegSample DysegTrainer::Impl::draw(RandomDraws& draws) const
     const double ahead = draws.chance(0.15) ? 0 : draws.uniform(-1.5, draws.chance(0.3) ? 7 : 2.5);
     const Pose motion = poseFromYpr(ahead, draws.normal(0.05), draws.normal(0.02),
                                     draws.normal(0.02), draws.normal(0.003), draws.normal(0.003));
-    return doubleScan(scan, motion, draws);
+    auto sample = doubleScan(scan, motion, draws);
+    sample.elapsed = period * static_cast<double>(1 + draws.below(longest_gap));
+    return sample;
   }
   if (runs.empty())
   {
@@ -334,7 +366,9 @@ void DysegTrainer::Impl::validateNow(const std::function<void(const std::string&
 {
   saveDyseg({mean, grid}, file("validate.pt"));
   const DysegModel model(file("validate.pt"), torch::get_num_threads());
-  std::ofstream csv(file("validation.csv"), std::ios::app);
+  auto csv = openLog(file("validation.csv"),
+                     "step,set,iou,precision,recall,epe_static_m,epe_moving_m,own_motion_m,"
+                     "own_motion_rad");
   for (const auto& [name, samples] : validation)
   {
     DysegScores s;
@@ -453,7 +487,7 @@ void DysegTrainer::run(const std::function<void(const std::string&)>& say)
   say("data: " + std::to_string(t.runs.size()) + " real runs, " + std::to_string(t.singles.size()) +
       " single scans");
   t.start = Clock::now();
-  std::ofstream csv(t.file("train.csv"), std::ios::app);
+  auto csv = openLog(t.file("train.csv"), "step,minutes,rate,matching,flow,cell,point");
   DysegLoss mean;
   int counted = 0;
   while (t.step < t.options.steps && (t.options.minutes <= 0 || t.minutes() < t.options.minutes))

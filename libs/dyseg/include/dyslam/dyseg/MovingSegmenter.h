@@ -27,6 +27,10 @@ class MovingSegmenter
   /** Fills Frame::moving_probability with one value in [0, 1] per point of Frame::cloud. */
   virtual void segment(Frame& frame) = 0;
 
+  /** The motion of the static world since the scan before, found by the last segment() on its own;
+   * null if this segmenter finds none, or could not. */
+  [[nodiscard]] virtual const MotionEstimate* staticMotion() const { return nullptr; }
+
   /** Forget the past scans. */
   virtual void reset() = 0;
 };

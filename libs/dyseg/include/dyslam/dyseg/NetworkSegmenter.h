@@ -12,7 +12,8 @@ namespace dyslam
 struct NetworkSegmenterOptions : Options
 {
   std::string weights = "dyseg";  //!< a file, or the name of weights that come with DySLAM
-  int second_gap = 4;             //!< scans back to a second one compared with; 0 for none
+  int first_gap = 8;              //!< scans back to the one compared with
+  int second_gap = 0;             //!< scans back to a second one; not above the first: none
   std::string combine = "mean";   //!< of the two answers: mean (of log-odds), max
   double threshold = 0.6;         //!< of the network's answer, from which on a point moves
   int min_points = 12;            //!< called moving, in the smallest group that counts
@@ -49,9 +50,10 @@ class NetworkSegmenter : public MovingSegmenter
   [[nodiscard]] std::string name() const override { return "network"; }
   [[nodiscard]] bool needsPose() const override { return false; }
   void segment(Frame& frame) override;
+  [[nodiscard]] const MotionEstimate* staticMotion() const override;
   void reset() override;
 
-  /** Of the last segment(), to the scan before; null before two scans were compared. */
+  /** Of the last segment(), to the scan `first_gap` back; null before two scans were compared. */
   [[nodiscard]] const SceneFlow* sceneFlow() const;
 
  private:

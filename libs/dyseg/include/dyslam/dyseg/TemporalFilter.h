@@ -34,6 +34,10 @@ class TemporalFilter : public MovingSegmenter
   [[nodiscard]] std::string name() const override { return inner_->name() + " + filter"; }
   [[nodiscard]] bool needsPose() const override { return true; }
   void segment(Frame& frame) override;
+  [[nodiscard]] const MotionEstimate* staticMotion() const override
+  {
+    return inner_->staticMotion();
+  }
   void reset() override;
 
   /** Only the filter, on a frame that has probabilities already. */

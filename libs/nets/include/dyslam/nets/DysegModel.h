@@ -49,12 +49,23 @@ class DysegModel
   [[nodiscard]] std::shared_ptr<const Encoded> encode(
       const std::vector<Eigen::Vector3f>& points) const;
 
-  /** What moves in `current`, seen from `past`. \param iterations flow updates, at least 1.
-   * \param guess of the static motion (current to past) good to 2 m; null if there is none. */
+  /** The motion of the static world, current to past, in the plane. \param guess good to 2 m; null
+   * if there is none. */
+  [[nodiscard]] RigidFlowFit match(const Encoded& current,
+                                   const Encoded& past,
+                                   const PlanarMotion* guess = nullptr) const;
+
+  /** What moves in `current`, seen from `past`, given the static motion between them.
+   * \param iterations flow updates, at least 1. */
+  [[nodiscard]] DysegResult judge(const Encoded& current,
+                                  const Encoded& past,
+                                  const RigidFlowFit& static_flow,
+                                  int iterations = 2) const;
+
+  /** match() and judge(). */
   [[nodiscard]] DysegResult compare(const Encoded& current,
                                     const Encoded& past,
-                                    int iterations = 2,
-                                    const PlanarMotion* guess = nullptr) const;
+                                    int iterations = 2) const;
 
   [[nodiscard]] const BevOptions& grid() const;
 

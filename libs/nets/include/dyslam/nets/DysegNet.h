@@ -2,36 +2,51 @@
 #pragma once
 
 #include <dyslam/nets/BevScan.h>
+#include <dyslam/nets/CellLayers.h>
+#include <dyslam/nets/CellLevels.h>
 #include <dyslam/nets/DysegOptions.h>
 #include <dyslam/nets/FlowUpdate.h>
 #include <dyslam/nets/RigidFlow.h>
 #include <torch/nn.h>
 
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 namespace dyslam
 {
-/** What the encoder makes of one scan; made once, compared with any other scan. */
-struct DysegEncoding
-{
-  torch::Tensor points;   //!< P x pillar_channels, of each kept point
-  torch::Tensor context;  //!< 1 x quarter_channels x H/4 x W/4
-  torch::Tensor fine;     //!< H/2 x W/2 x fine_channels, for matching
-  torch::Tensor middle;   //!< H/4 x W/4 x matching_channels, for matching
-  torch::Tensor coarse;   //!< H/8 x W/8 x matching_channels, for matching
-};
-
-/** Occupied cells of a scan at 1/4 and 1/8 of its grid's resolution. */
+/** Occupied cells of a scan and which of them touch, as the network's layers need it. */
 struct DysegCells
 {
   explicit DysegCells(const BevScan& scan);
 
-  torch::Tensor quarter;                       //!< N numbers (int64) y * (cells/4) + x
-  std::vector<std::int32_t> row_of_point;      //!< row of `quarter` for each kept point
+  CellLevels level;
+  torch::Tensor half_under;      //!< full-resolution rows under each half cell's kernel, N2 x 9
+  torch::Tensor half_around;     //!< N2 x 9
+  torch::Tensor quarter_under;   //!< rows at half resolution, N4 x 9
+  torch::Tensor quarter_around;  //!< N4 x 9
+  torch::Tensor eighth_parts;    //!< rows at a quarter, N8 x 4
+  torch::Tensor half_index;      //!< row of each cell of the map, -1 if empty, H/2 x W/2
+  torch::Tensor quarter_index;
+  torch::Tensor eighth_index;
+  torch::Tensor quarter_position;  //!< N4 x 2 (x, y) [cells]
+  torch::Tensor eighth_position;
   std::vector<Eigen::Vector2f> quarter_place;  //!< centres, in the frame of the points [m]
-  torch::Tensor eighth;                        //!< as above, for 1/8
   std::vector<Eigen::Vector2f> eighth_place;
+
+  void to(torch::Device device);
+};
+
+/** What the encoder makes of one scan; made once, compared with any other scan. Rows of occupied
+ * cells at 1/2 (N2), 1/4 (N4) and 1/8 (N8) of the grid's resolution. */
+struct DysegEncoding
+{
+  std::shared_ptr<const DysegCells> cells;
+  torch::Tensor points;   //!< P x pillar_channels, of each kept point
+  torch::Tensor context;  //!< N4 x quarter_channels
+  torch::Tensor fine;     //!< N2 x fine_channels, for matching
+  torch::Tensor middle;   //!< N4 x matching_channels, for matching
+  torch::Tensor coarse;   //!< N8 x matching_channels, for matching
 };
 
 /** Motions to look around instead of the network's own fits: the truth and its errors in training.
@@ -42,14 +57,19 @@ struct DysegGuide
   PlanarMotion second;  //!< the static flow, in place of the fit at 1/4
 };
 
+/** The motion of the static world between two scans. N occupied cells at 1/4 resolution. */
+struct DysegMatch
+{
+  torch::Tensor coarse_correlation;  //!< N8 x (2r+1)^2, around no motion; undefined with a guess
+  torch::Tensor correlation;         //!< N x (2r+1)^2, around `first`
+  PlanarMotion first;                //!< static motion (current to past) from 1/8
+  RigidFlowFit fit;                  //!< from 1/4; empty with a guide
+};
+
 /** What the network says about the cells of the current scan. N occupied cells at 1/4 resolution.
  */
 struct DysegCellsOut
 {
-  torch::Tensor coarse_correlation;     //!< N8 x (2r+1)^2, around no motion
-  torch::Tensor correlation;            //!< N x (2r+1)^2, around `first`
-  PlanarMotion first;                   //!< static motion (current to past) from 1/8
-  RigidFlowFit fit;                     //!< from 1/4
   PlanarMotion static_motion;           //!< what residual flow is relative to
   std::vector<torch::Tensor> residual;  //!< N x 2 after each update: flow less static flow [m]
   torch::Tensor feature;                //!< N x cell_features, for the points
@@ -59,6 +79,7 @@ struct DysegCellsOut
 
 /** DySeg (the paper's section 3.1): what moves in a scan, from scene flow to an earlier one.
  *
+ * Everything is computed for occupied cells only, an eighth to a quarter of the grid.
  * Pillars, a shared encoder, correlation at 1/8 (all motions), 1/4 (around the static flow) and 1/2
  * of the grid (single points); the static flow in closed form; recurrent updates of the flow around
  * it; cells, then points, from residual flow, context, correlation and what earlier rays saw.
@@ -70,19 +91,23 @@ class DysegNetImpl : public torch::nn::Module
 
   [[nodiscard]] DysegEncoding encode(const BevScan& scan);
 
-  /** \param guide null at run time. \param guess of the static motion, to look around instead of
-   * at all motions; null if there is none. */
+  /** The static motion from all motions at 1/8, then around it at 1/4. \param guide null at run
+   * time. \param guess to look around instead of at all motions; null if there is none. */
+  [[nodiscard]] DysegMatch match(const BevScan& scan,
+                                 const DysegEncoding& current,
+                                 const DysegEncoding& past,
+                                 const DysegGuide* guide = nullptr,
+                                 const PlanarMotion* guess = nullptr);
+
+  /** What does not follow the static motion (current to past). */
   [[nodiscard]] DysegCellsOut cells(const BevScan& scan,
-                                    const DysegCells& occupied,
                                     const DysegEncoding& current,
                                     const DysegEncoding& past,
-                                    int iterations,
-                                    const DysegGuide* guide = nullptr,
-                                    const PlanarMotion* guess = nullptr);
+                                    const PlanarMotion& static_motion,
+                                    int iterations);
 
   /** Logits of some points: moving or not. \param which positions in `scan.points`. */
   [[nodiscard]] torch::Tensor points(const BevScan& scan,
-                                     const DysegCells& occupied,
                                      const DysegEncoding& current,
                                      const DysegEncoding& past,
                                      const BevRays& past_rays,
@@ -91,7 +116,7 @@ class DysegNetImpl : public torch::nn::Module
 
   /** Full-resolution flow less static flow at the fine cells of some points, Q x 2 [m]. */
   [[nodiscard]] torch::Tensor pointFlow(const BevScan& scan,
-                                        const DysegCells& occupied,
+                                        const DysegEncoding& current,
                                         const DysegCellsOut& cells,
                                         const std::vector<std::int32_t>& which) const;
 
@@ -99,24 +124,27 @@ class DysegNetImpl : public torch::nn::Module
 
  private:
   DysegNetworkOptions options_;
-  torch::nn::Linear pillar_{nullptr};
-  torch::nn::Linear pillar_deep_{nullptr};
-  torch::nn::Conv2d half_{nullptr};
-  torch::nn::Conv2d half_deep_{nullptr};
-  torch::nn::Conv2d quarter_{nullptr};
-  torch::nn::Conv2d quarter_first_{nullptr};
-  torch::nn::Conv2d quarter_second_{nullptr};
-  torch::nn::Linear fine_matching_{nullptr};
-  torch::nn::Linear matching_{nullptr};
-  torch::nn::Linear state_{nullptr};
+  torch::Tensor empty_fine_;    //!< what an empty cell shows to those that look for a match
+  torch::Tensor empty_middle_;
+  torch::Tensor empty_coarse_;
+  RowLinear pillar_{nullptr};
+  RowLinear pillar_deep_{nullptr};
+  CellConv half_{nullptr};
+  CellConv half_deep_{nullptr};
+  CellConv quarter_{nullptr};
+  CellConv quarter_first_{nullptr};
+  CellConv quarter_second_{nullptr};
+  RowLinear fine_matching_{nullptr};
+  RowLinear matching_{nullptr};
+  RowLinear state_{nullptr};
   FlowUpdate update_{nullptr};
-  torch::nn::Conv2d segment_{nullptr};
-  torch::nn::Linear cell_{nullptr};
-  torch::nn::Linear cell_logit_{nullptr};
-  torch::nn::Linear upsampling_{nullptr};
-  torch::nn::Linear point_first_{nullptr};
-  torch::nn::Linear point_second_{nullptr};
-  torch::nn::Linear point_logit_{nullptr};
+  CellConv segment_{nullptr};
+  RowLinear cell_{nullptr};
+  RowLinear cell_logit_{nullptr};
+  RowLinear upsampling_{nullptr};
+  RowLinear point_first_{nullptr};
+  RowLinear point_second_{nullptr};
+  RowLinear point_logit_{nullptr};
 };
 TORCH_MODULE(DysegNet);
 }  // namespace dyslam

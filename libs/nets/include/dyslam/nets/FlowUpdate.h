@@ -1,30 +1,33 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <torch/nn.h>
+#include <dyslam/nets/CellLayers.h>
 
 #include <cstdint>
 
 namespace dyslam
 {
-/** A gated recurrent unit over a map: 3 x 3 convolutions in place of matrices. */
+/** A gated recurrent unit over occupied cells: 3 x 3 convolutions in place of matrices. */
 class ConvGruImpl : public torch::nn::Module
 {
  public:
   ConvGruImpl(std::int64_t hidden, std::int64_t input);
-  /** \param state 1 x hidden x H x W \param input 1 x input x H x W \return the new state. */
-  torch::Tensor forward(const torch::Tensor& state, const torch::Tensor& input);
+  /** \param state N x hidden \param input N x input \param around N x 9 rows of the cells around
+   * \return the new state. */
+  torch::Tensor forward(const torch::Tensor& state,
+                        const torch::Tensor& input,
+                        const torch::Tensor& around);
 
  private:
   std::int64_t hidden_;
-  torch::nn::Conv2d gates_{nullptr};
-  torch::nn::Conv2d candidate_{nullptr};
+  CellConv gates_{nullptr};
+  CellConv candidate_{nullptr};
 };
 TORCH_MODULE(ConvGru);
 
 /** One step of RAFT's scheme: what the correlation says at the present flow, into a recurrent
- * state, out of which comes a change of the flow. Only occupied cells look; the state is a whole
- * map, so that they inform one another. */
+ * state, out of which comes a change of the flow. Neighbouring cells inform one another through
+ * the state. */
 class FlowUpdateImpl : public torch::nn::Module
 {
  public:
@@ -32,46 +35,39 @@ class FlowUpdateImpl : public torch::nn::Module
 
   struct Result
   {
-    torch::Tensor state;   //!< 1 x hidden x H x W
+    torch::Tensor state;   //!< N x hidden
     torch::Tensor change;  //!< N x 2, of the flow [cells]
   };
   /** \param correlation N x (2r+1)^2 around the present flow \param flow N x 2 [cells], relative to
-   * the static flow \param cell N, numbers of the occupied cells (int64). */
+   * the static flow \param around N x 9 rows of the cells around, -1 for none (int32). */
   Result forward(const torch::Tensor& state,
                  const torch::Tensor& correlation,
                  const torch::Tensor& flow,
-                 const torch::Tensor& cell);
+                 const torch::Tensor& around);
 
  private:
   int radius_;
-  torch::nn::Linear motion_{nullptr};
-  torch::nn::Linear motion_deep_{nullptr};
+  RowLinear motion_{nullptr};
+  RowLinear motion_deep_{nullptr};
   ConvGru gru_{nullptr};
-  torch::nn::Linear head_{nullptr};
-  torch::nn::Linear head_out_{nullptr};
+  RowLinear head_{nullptr};
+  RowLinear head_out_{nullptr};
 };
 TORCH_MODULE(FlowUpdate);
-
-/** N x C rows of a 1 x C x H x W map. \param cell numbers y * W + x (int64). */
-[[nodiscard]] torch::Tensor gatherCells(const torch::Tensor& map, const torch::Tensor& cell);
-/** 1 x C x H x W map with N x C rows at some cells and 0 elsewhere. */
-[[nodiscard]] torch::Tensor scatterCells(const torch::Tensor& rows,
-                                         const torch::Tensor& cell,
-                                         std::int64_t height,
-                                         std::int64_t width);
 
 /** Flow at fine cells as learned convex combinations of the 3 x 3 coarse cells around (RAFT's
  * upsampling), computed only where asked.
  *
- * \param flow H x W x 2 of the coarse cells \param weights N x (9 f^2) logits of N coarse cells
- * \param row of `weights` for each of the Q queries \param coarse cell number of each query
- * \param sub of each query: position (y * f + x) of the fine cell in its coarse cell
- * \return Q x 2. Neighbours outside the map count as 0 flow with no weight.
+ * \param flow N x 2 of the coarse cells \param weights N x (9 f^2) logits
+ * \param around N x 9 rows of the cells around, -1 for none (int32)
+ * \param row of the coarse cell of each of the Q queries (int64)
+ * \param sub of each query: position (y * f + x) of the fine cell in its coarse cell (int64)
+ * \return Q x 2. Empty neighbours have no weight.
  */
 [[nodiscard]] torch::Tensor upsampleFlow(const torch::Tensor& flow,
                                          const torch::Tensor& weights,
+                                         const torch::Tensor& around,
                                          const torch::Tensor& row,
-                                         const torch::Tensor& coarse,
                                          const torch::Tensor& sub,
                                          std::int64_t factor);
 }  // namespace dyslam

@@ -12,15 +12,6 @@ namespace dyslam
 /** Sizes of the layers of an MLP, input first. */
 using Sizes = std::vector<std::int64_t>;
 
-/** leaky(x weight^T + bias): a 1x1 convolution over points [..., in] -> [..., out].
- *
- * On a CPU one fused pass over blocks of rows, the same result for any number of threads; elsewhere
- * torch's own. `slope` is that of the leaky rectifier; 1 leaves it out. */
-[[nodiscard]] torch::Tensor pointLinear(const torch::Tensor& x,
-                                        const torch::Tensor& weight,
-                                        const torch::Tensor& bias,
-                                        double slope);
-
 /** Shared layers over points, each followed by a leaky rectifier; no normalisation. */
 class MlpImpl : public torch::nn::Module
 {

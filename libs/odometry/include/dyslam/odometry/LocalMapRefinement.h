@@ -83,6 +83,9 @@ class LocalMapRefinement
    * anew. */
   RefineResult refine(const Frame& frame, const Pose& T_odom_vehicle_guess);
 
+  /** How wrong the guess of the first motion may be from now on, in place of the option's [m]. */
+  void setStartDeviation(double deviation);
+
   /** Pose after the last frame. */
   [[nodiscard]] const Pose& pose() const;
   /** Mean points of the map's cells, odom frame [m]; in a fixed order. */

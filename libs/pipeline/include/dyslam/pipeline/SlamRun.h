@@ -16,8 +16,9 @@ struct SlamRunSettings
   std::string rawlog;         //!< input
   std::string output_folder;  //!< made if missing; files of an earlier run in it are replaced
   Config config;
-  bool labels = false;      //!< write labels/NNNNNN.label, one entry per point of the input scan
-  std::string profile_csv;  //!< times of every stage, if not empty
+  bool static_scans = false;  //!< write the scans without what moves: .bin files and a rawlog
+  bool labels = false;        //!< write labels/NNNNNN.label, one entry per point of the input scan
+  std::string profile_csv;    //!< times of every stage, if not empty
 };
 
 /** What came of it; the same is in report.json. */

@@ -3,6 +3,7 @@
 
 #include <dyslam/core/Options.h>
 #include <dyslam/nets/RigidFlow.h>
+#include <dyslam/sim/SimulatorOptions.h>
 #include <dyslam/train/RandomDraws.h>
 
 #include <cstdint>
@@ -90,6 +91,17 @@ void augment(const DysegAugmentOptions& options, RandomDraws& draws, DysegSample
                                         std::size_t first,
                                         std::size_t last);
 
+/** Where the simulator drives, and with what. */
+struct DysegClipScene
+{
+  sim::WorldKind world = sim::WorldKind::urban;
+  sim::SensorKind sensor = sim::SensorKind::hdl64e;
+  double traffic = -1;  //!< 0 to 1; below 0 it is drawn
+};
+
 /** `scans` consecutive scans from the simulator. \param deskewed or as the sensor gives them. */
-[[nodiscard]] DysegClip simulateClip(std::uint64_t seed, int scans, bool deskewed);
+[[nodiscard]] DysegClip simulateClip(std::uint64_t seed,
+                                     int scans,
+                                     bool deskewed,
+                                     const DysegClipScene& scene = {});
 }  // namespace dyslam

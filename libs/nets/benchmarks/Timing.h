@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <iterator>
+#include <string>
+#include <vector>
+
+/** What the benchmarks of the networks share. */
+namespace timing
+{
+/** The .bin files of a folder, in the order of their names. */
+inline std::vector<std::string> scanFiles(const std::string& folder)
+{
+  std::vector<std::string> files;
+  for (const auto& entry : std::filesystem::directory_iterator(folder))
+  {
+    if (entry.path().extension() == ".bin")
+    {
+      files.push_back(entry.path().string());
+    }
+  }
+  std::sort(files.begin(), files.end());
+  return files;
+}
+
+inline std::vector<Eigen::Vector3f> readBin(const std::string& path)
+{
+  std::ifstream file(path, std::ios::binary);
+  const std::vector<char> bytes{std::istreambuf_iterator<char>(file), {}};
+  std::vector<Eigen::Vector3f> points(bytes.size() / 16);
+  for (std::size_t i = 0; i < points.size(); ++i)
+  {
+    std::copy_n(bytes.data() + 16 * i, 12, reinterpret_cast<char*>(points[i].data()));
+  }
+  return points;
+}
+
+/** Prints median and least wall time of some runs. */
+inline void report(const char* name, int runs, const std::function<void()>& body)
+{
+  std::vector<double> times;
+  for (int i = 0; i < runs; ++i)
+  {
+    const auto begin = std::chrono::steady_clock::now();
+    body();
+    times.push_back(
+        1e3 * std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count());
+  }
+  std::sort(times.begin(), times.end());
+  std::printf("%-12s median %7.2f ms  min %7.2f ms\n", name, times[times.size() / 2], times[0]);
+}
+}  // namespace timing

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Times the parts of DySeg on scans of a folder: dyseg_benchmark FOLDER [threads] [MODEL]
+#include <dyslam/nets/BevScan.h>
+#include <dyslam/nets/DysegModel.h>
+
+#include <cstdlib>
+
+#include "Timing.h"
+
+int main(int argc, char** argv)
+{
+  if (argc < 2)
+  {
+    std::puts("dyseg_benchmark FOLDER [threads] [MODEL]");
+    return 1;
+  }
+  using namespace dyslam;
+  const auto files = timing::scanFiles(argv[1]);
+  const int threads = argc > 2 ? std::atoi(argv[2]) : 1;
+  const DysegModel model = argc > 3 ? DysegModel(argv[3], threads)
+                                    : DysegModel(DysegNetworkOptions{}, BevOptions{}, 1, threads);
+  const auto points = timing::readBin(files.at(10));
+  const auto current = model.encode(points);
+  const auto near = model.encode(timing::readBin(files.at(9)));
+
+  constexpr int runs = 15;
+  timing::report("grid", runs, [&] { (void)makeBevScan(points, model.grid()); });
+  timing::report("encode", runs, [&] { (void)model.encode(points); });
+  RigidFlowFit motion;
+  timing::report("match", runs, [&] { motion = model.match(*current, *near); });
+  timing::report("match near", runs, [&] { (void)model.match(*current, *near, &motion.motion); });
+  timing::report("judge", runs, [&] { (void)model.judge(*current, *near, motion); });
+  return 0;
+}

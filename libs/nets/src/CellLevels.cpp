@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/nets/CellLevels.h>
+
+namespace dyslam
+{
+namespace
+{
+std::size_t at(std::int32_t i)
+{
+  return static_cast<std::size_t>(i);
+}
+
+CellLevel makeLevel(const BevScan& scan, int factor)
+{
+  CellLevel level;
+  level.width = scan.cells / factor;
+  level.row_of_cell.assign(at(level.width) * at(level.width), -1);
+  level.row_of_point.resize(scan.size());
+  for (std::size_t i = 0; i < scan.size(); ++i)
+  {
+    const int x = scan.cell[i] % scan.cells / factor;
+    const int y = scan.cell[i] / scan.cells / factor;
+    level.row_of_point[i] = y * level.width + x;
+    level.row_of_cell[at(level.row_of_point[i])] = 0;
+  }
+  for (std::size_t c = 0; c < level.row_of_cell.size(); ++c)
+  {
+    if (level.row_of_cell[c] == 0)
+    {
+      level.row_of_cell[c] = static_cast<std::int32_t>(level.number.size());
+      level.number.push_back(static_cast<std::int32_t>(c));
+    }
+  }
+  for (auto& r : level.row_of_point)
+  {
+    r = level.row_of_cell[at(r)];
+  }
+  return level;
+}
+
+/** Rows of the cells of `in` from (first, first) to (last, last) around each cell of `out`. */
+std::vector<std::int32_t> rowsAround(const CellLevel& in, const CellLevel& out, int first, int last)
+{
+  const int stride = in.width / out.width;
+  std::vector<std::int32_t> rows;
+  rows.reserve(out.size() * at((last - first + 1) * (last - first + 1)));
+  for (const auto n : out.number)
+  {
+    const int cx = n % out.width * stride;
+    const int cy = n / out.width * stride;
+    for (int y = cy + first; y <= cy + last; ++y)
+    {
+      for (int x = cx + first; x <= cx + last; ++x)
+      {
+        const bool inside = x >= 0 && y >= 0 && x < in.width && y < in.width;
+        rows.push_back(inside ? in.row_of_cell[at(y * in.width + x)] : -1);
+      }
+    }
+  }
+  return rows;
+}
+}  // namespace
+
+CellLevels::CellLevels(const BevScan& scan)
+    : full(makeLevel(scan, 1)),
+      half(makeLevel(scan, 2)),
+      quarter(makeLevel(scan, 4)),
+      eighth(makeLevel(scan, 8))
+{
+}
+
+std::vector<std::int32_t> convolutionRows(const CellLevel& in, const CellLevel& out)
+{
+  return rowsAround(in, out, -1, 1);
+}
+
+std::vector<std::int32_t> childRows(const CellLevel& in, const CellLevel& out)
+{
+  return rowsAround(in, out, 0, 1);
+}
+
+std::vector<Eigen::Vector2f> cellCentres(const CellLevel& level, const BevScan& scan)
+{
+  const float size = scan.cell_size * static_cast<float>(scan.cells / level.width);
+  std::vector<Eigen::Vector2f> centres;
+  centres.reserve(level.size());
+  for (const auto n : level.number)
+  {
+    const Eigen::Vector2f cell(static_cast<float>(n % level.width),
+                               static_cast<float>(n / level.width));
+    centres.push_back(scan.corner + size * (cell + Eigen::Vector2f::Constant(0.5F)));
+  }
+  return centres;
+}
+}  // namespace dyslam

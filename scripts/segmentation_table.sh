@@ -1,0 +1,58 @@
+#!/bin/sh
+# SPDX-License-Identifier: BSD-3-Clause
+# What finding movers does to the whole line: drift, IoU and what is left of movers in the map, for
+# each segmentation method, on rawlogs with true poses and labels beside them (NAME.gt).
+set -eu
+usage="Usage: segmentation_table.sh [-c CONFIG] [-n SCANS] [-m METHODS] [-o DIR] [-s KEY=VALUE] RAWLOG...
+
+  -c  ini file or shipped name (kitti64.ini)
+  -n  scans of each rawlog, 0 for all (0)
+  -m  methods, several with spaces between (none residual network)
+  -o  folder for the runs' results (./segmentation_table); a run that is there is not repeated
+  -s  one more setting of every run
+
+The programs are taken from \$DYSLAM_BIN, else from the PATH."
+config=kitti64.ini
+scans=0
+output=segmentation_table
+methods="none residual network"
+setting=
+while getopts c:n:m:o:s:h option; do
+  case $option in
+    c) config=$OPTARG ;;
+    n) scans=$OPTARG ;;
+    m) methods=$OPTARG ;;
+    o) output=$OPTARG ;;
+    s) setting=$OPTARG ;;
+    h) echo "$usage"; exit 0 ;;
+    *) echo "$usage" >&2; exit 2 ;;
+  esac
+done
+shift $((OPTIND - 1))
+[ $# -gt 0 ] || { echo "$usage" >&2; exit 2; }
+bin=${DYSLAM_BIN:+$DYSLAM_BIN/}
+
+for rawlog in "$@"; do
+  name=$(basename "$rawlog" .rawlog)
+  truth=${rawlog%.rawlog}.gt
+  reference=$output/$name/reference
+  mkdir -p "$output/$name"
+  [ -f "$reference.ply" ] || "${bin}dyslam-map" -q -i "$rawlog" --trajectory "$truth/poses_tum.txt" \
+    --labels "$truth/labels" --only-first-n "$scans" -o "$output/$name/true_static.ply" \
+    --labelled-map "$reference.ply" > "$output/$name/reference.log"
+  folders=
+  maps=
+  for method in $methods; do
+    folder=$output/$name/$method
+    folders="$folders $folder"
+    maps="$maps $folder/map_static.ply"
+    [ -f "$folder/report.json" ] || "${bin}dyslam" -i "$rawlog" -c "$config" -o "$folder" --labels \
+      --only-first-n "$scans" --set "dyseg.method=$method" ${setting:+--set "$setting"} \
+      > "$folder.log" 2>&1
+  done
+  echo "== $name"
+  # shellcheck disable=SC2086
+  "${bin}dyslam-eval" run $folders
+  # shellcheck disable=SC2086
+  "${bin}dyslam-eval" map --reference "$reference.ply" --estimate $maps
+done
