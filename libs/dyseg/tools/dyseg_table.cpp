@@ -240,7 +240,9 @@ void printTable(const Arguments& a)
   {
     if (!a.network_only)
     {
-      NetworkSegmenter one(networkOptions(a, 0));
+      auto options = networkOptions(a, 0);
+      options.first_gap = 1;
+      NetworkSegmenter one(options);
       printRow(set.name, "network, 1 scan back", runSegmenter(one, set));
     }
     NetworkSegmenter two(networkOptions(a, a.network.second_gap));

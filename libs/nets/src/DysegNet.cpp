@@ -22,6 +22,9 @@ constexpr double coarse_width = 0.6;
 constexpr double coarse_start = 4.0;
 constexpr double fine_width = 0.15;
 constexpr double fine_start = 1.5;
+constexpr int rounds = 8;           // of the finer fit
+constexpr double most_left = 0.85;  // share of an offset that a look leaves
+constexpr double lever = 20;        // m, at which a turn counts like a shift
 
 /** A view of foreign memory; a copy while gradients are recorded, for they outlive the scan. */
 Tensor shared(const Tensor& view)
@@ -211,6 +214,7 @@ DysegMatch DysegNetImpl::match(const BevScan& scan,
   const auto& occupied = *current.cells;
   const float size = 4 * scan.cell_size;
   const int radius = options_.radius;
+  const CellMap past_middle{past.middle, past.cells->quarter_index, empty_middle_};
   DysegMatch out;
   if (guess == nullptr)
   {
@@ -224,14 +228,38 @@ DysegMatch DysegNetImpl::match(const BevScan& scan,
                   : fitPeaks(out.coarse_correlation, radius, 2 * size, Tensor(),
                              occupied.eighth_place, coarse_width, coarse_start, nullptr)
                         .motion;
-  const auto flow = rigidFlow(out.first, occupied.quarter_place);
-  out.correlation =
-      correlate(current.middle, {past.middle, past.cells->quarter_index, empty_middle_},
-                occupied.quarter_position + flow.to(device) / size, radius);
-  if (guide == nullptr)
+  // Peaks between cells are seen too near the window's centre: look again from there, until what is
+  // found is the centre. Each look takes the same share of what is left, which Aitken's method
+  // uses.
+  PlanarMotion centre = out.first;
+  Eigen::Vector3d last_step = Eigen::Vector3d::Zero();
+  for (int round = 0; round < (guide == nullptr ? rounds : 1); ++round)
   {
+    const auto flow = rigidFlow(centre, occupied.quarter_place);
+    out.correlation = correlate(current.middle, past_middle,
+                                occupied.quarter_position + flow.to(device) / size, radius);
+    if (guide != nullptr)
+    {
+      break;
+    }
     out.fit = fitPeaks(out.correlation, radius, size, flow, occupied.quarter_place, fine_width,
-                       fine_start, &out.first);
+                       fine_start, &centre);
+    if (!out.fit.converged)
+    {
+      break;
+    }
+    Eigen::Vector3d step;
+    step << out.fit.motion.translation - centre.translation,
+        lever * (out.fit.motion.yaw - centre.yaw);
+    const double left =
+        last_step.squaredNorm() > 0
+            ? std::clamp(step.dot(last_step) / last_step.squaredNorm(), 0.0, most_left)
+            : 0.0;
+    last_step = round % 2 == 0 ? step : Eigen::Vector3d::Zero();
+    step /= 1 - left;
+    centre.translation += step.head<2>();
+    centre.yaw += step.z() / lever;
+    out.fit.motion = centre;
   }
   return out;
 }

@@ -16,7 +16,7 @@ struct NetworkSegmenterOptions : Options
   int second_gap = 0;             //!< scans back to a second one; not above the first: none
   std::string combine = "mean";   //!< of the two answers: mean (of log-odds), max
   double threshold = 0.6;         //!< of the network's answer, from which on a point moves
-  int min_points = 12;            //!< called moving, in the smallest group that counts
+  int min_points = 5;            //!< called moving, in the smallest group that counts
   int iterations = 2;             //!< of the flow update
   int threads = 1;                //!< of the network; more share cores with the other stages
 
