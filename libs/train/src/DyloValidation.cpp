@@ -88,11 +88,13 @@ MotionErrors motionErrors(const std::vector<Pose>& estimates, const std::vector<
   double forward = 0;
   double forward_truth = 0;
   const auto count = static_cast<double>(std::max<std::size_t>(truths.size(), 1));
+  std::vector<double> translations;
   for (std::size_t i = 0; i < truths.size(); ++i)
   {
     const Pose difference = truths[i].inverse() * estimates[i];
     const double t = difference.translation().norm();
     const double r = rotationAngle(difference) * 180 / M_PI;
+    translations.push_back(t);
     errors.translation_mean += t / count;
     errors.translation_rmse += t * t / count;
     errors.rotation_mean_deg += r / count;
@@ -100,6 +102,15 @@ MotionErrors motionErrors(const std::vector<Pose>& estimates, const std::vector<
     forward += estimates[i].translation().x();
     forward_truth += truths[i].translation().x();
   }
+  if (!translations.empty())
+  {
+    std::sort(translations.begin(), translations.end());
+    errors.translation_min = translations.front();
+    errors.translation_median = translations[translations.size() / 2];
+    errors.translation_max = translations.back();
+  }
+  errors.translation_deviation = std::sqrt(
+      std::max(0.0, errors.translation_rmse - errors.translation_mean * errors.translation_mean));
   errors.translation_rmse = std::sqrt(errors.translation_rmse);
   errors.rotation_rmse_deg = std::sqrt(errors.rotation_rmse_deg);
   errors.forward_ratio = std::abs(forward_truth) > 1e-9 ? forward / forward_truth : 0;
@@ -196,6 +207,12 @@ std::string validationTable(const std::vector<ValidationRow>& rows)
     text += "  " + row.recording + "\n" + line("dylo", row.network) +
             line("dylo, predicted", row.predicted_start) + line("zero motion", row.zero_motion) +
             line("constant velocity", row.constant_velocity);
+    char spread[120];
+    std::snprintf(spread, sizeof spread,
+                  "    dylo, t max %.4f  median %.4f  min %.4f  std %.4f m\n",
+                  row.network.translation_max, row.network.translation_median,
+                  row.network.translation_min, row.network.translation_deviation);
+    text += spread;
     text += "    stages, t rmse [m]:";
     for (const double error : row.stage_translation_rmse)
     {

@@ -13,8 +13,10 @@ namespace dyslam
 /** Errors of relative motions between consecutive scans. */
 struct MotionErrors
 {
-  double translation_rmse = 0;  //!< m
-  double translation_mean = 0;  //!< m
+  double translation_rmse = 0;                                              //!< m
+  double translation_mean = 0;                                              //!< m
+  double translation_max = 0, translation_median = 0, translation_min = 0;  //!< m
+  double translation_deviation = 0;                                         //!< from the mean [m]
   double rotation_rmse_deg = 0;
   double rotation_mean_deg = 0;
   double forward_ratio = 0;  //!< summed estimated over summed true motion along x
