@@ -15,4 +15,5 @@ dyslam_add_test(NAME train_dyseg
   SOURCES
     tests/DysegData_unittest.cpp
     tests/DysegLosses_unittest.cpp
+    tests/DysegTrainer_unittest.cpp
   LIBRARIES dyslam::train_dyseg ${TORCH_LIBRARIES})

@@ -5,6 +5,7 @@
 #include <torch/torch.h>
 
 #include <Eigen/Core>
+#include <array>
 #include <cmath>
 #include <vector>
 
@@ -109,6 +110,8 @@ Window windowAt(const float* centre, int radius)
   w.fy = cy - std::floor(cy);
   return w;
 }
+
+constexpr std::size_t largest_window = 21 * 21;  // of radius 10
 
 using Row = Eigen::Map<Eigen::ArrayXf>;
 using ConstRow = Eigen::Map<const Eigen::ArrayXf>;
@@ -310,7 +313,7 @@ Tensor correlateSlow(const Tensor& source, const CellMap& target, const Tensor& 
 Tensor peakOffset(const Tensor& correlation_in, int radius)
 {
   torch::NoGradGuard no_gradient;
-  if (correlation_in.is_cuda())
+  if (correlation_in.is_cuda() || radius > 10)
   {
     return peakOffsetSlow(correlation_in, radius);
   }
@@ -322,7 +325,10 @@ Tensor peakOffset(const Tensor& correlation_in, int radius)
   at::parallel_for(0, correlation.size(0), 256,
                    [&](std::int64_t begin, std::int64_t end)
                    {
-                     Eigen::ArrayXf share(side * side);
+                     // Aligned like this everywhere, or sums are put together differently from run
+                     // to run.
+                     alignas(64) std::array<float, largest_window> memory;
+                     Eigen::Map<Eigen::ArrayXf, Eigen::Aligned64> share(memory.data(), side * side);
                      for (std::int64_t i = begin; i < end; ++i)
                      {
                        const ConstRow row(c + i * side * side, side * side);

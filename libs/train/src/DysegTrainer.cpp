@@ -124,7 +124,7 @@ void DysegTrainerOptions::describe(OptionsVisitor& v)
   v.real("decay_from", decay_from, 0, 1, "share of the run after which the rate goes down");
   v.real("weight_decay", weight_decay, 0, 1, "of AdamW");
   v.integer("checkpoint_every", checkpoint_every, 1, 1000000, "steps");
-  v.integer("validate_every", validate_every, 1, 1000000, "steps");
+  v.integer("validate_every", validate_every, 0, 1000000, "steps; 0: not while training");
   v.integer("threads", threads, 1, 256, "of the network");
   v.integer("seed", seed, 0, 2000000000, "of everything random");
 }
@@ -259,10 +259,16 @@ void DysegTrainer::Impl::refillPool()
   {
     return;
   }
-  const auto number = static_cast<std::uint64_t>(step / options.simulate_every);
-  const auto seed = training_seeds + static_cast<std::uint64_t>(options.seed) * 1000003 + number;
-  pool.push_back(simulateClip(seed, clip_scans, number % 3 != 0, sceneOf(number, options)));
-  if (pool.size() > static_cast<std::size_t>(options.simulated_pool))
+  // A run that goes on makes the clips again that were at hand.
+  const int newest = step / options.simulate_every;
+  const int oldest = pool.empty() ? std::max(0, newest + 1 - options.simulated_pool) : newest;
+  for (int n = oldest; n <= newest; ++n)
+  {
+    const auto number = static_cast<std::uint64_t>(n);
+    const auto seed = training_seeds + static_cast<std::uint64_t>(options.seed) * 1000003 + number;
+    pool.push_back(simulateClip(seed, clip_scans, number % 3 != 0, sceneOf(number, options)));
+  }
+  while (pool.size() > static_cast<std::size_t>(options.simulated_pool))
   {
     pool.pop_front();
   }
@@ -304,6 +310,7 @@ DysegLoss DysegTrainer::Impl::learn()
 {
   optimizer->zero_grad();
   DysegLoss sum;
+  bool learnt = false;
   for (int b = 0; b < options.batch; ++b)
   {
     RandomDraws draws(static_cast<std::uint64_t>(options.seed),
@@ -317,10 +324,15 @@ DysegLoss DysegTrainer::Impl::learn()
       continue;
     }
     (loss.total / options.batch).backward();
+    learnt = true;
     sum.matching += loss.matching / options.batch;
     sum.flow += loss.flow / options.batch;
     sum.cell += loss.cell / options.batch;
     sum.point += loss.point / options.batch;
+  }
+  if (!learnt)
+  {
+    return sum;  // crops with too few points: no step, or momentum alone would move the weights
   }
   torch::nn::utils::clip_grad_norm_(net->parameters(), clip_norm);
   static_cast<torch::optim::AdamWOptions&>(optimizer->param_groups()[0].options()).lr(rate());
@@ -364,6 +376,10 @@ void DysegTrainer::Impl::save()
 
 void DysegTrainer::Impl::validateNow(const std::function<void(const std::string&)>& say)
 {
+  if (validation.empty())
+  {
+    makeValidation();
+  }
   saveDyseg({mean, grid}, file("validate.pt"));
   const DysegModel model(file("validate.pt"), torch::get_num_threads());
   auto csv = openLog(file("validation.csv"),
@@ -475,7 +491,6 @@ void DysegTrainer::resume()
 
 void DysegTrainer::validateOnly(const std::function<void(const std::string&)>& say)
 {
-  impl_->makeValidation();
   impl_->validateNow(say);
 }
 
@@ -483,7 +498,6 @@ void DysegTrainer::run(const std::function<void(const std::string&)>& say)
 {
   Impl& t = *impl_;
   t.loadReal();
-  t.makeValidation();
   say("data: " + std::to_string(t.runs.size()) + " real runs, " + std::to_string(t.singles.size()) +
       " single scans");
   t.start = Clock::now();
@@ -518,12 +532,15 @@ void DysegTrainer::run(const std::function<void(const std::string&)>& say)
     {
       t.save();
     }
-    if (t.step % t.options.validate_every == 0)
+    if (t.options.validate_every > 0 && t.step % t.options.validate_every == 0)
     {
       t.validateNow(say);
     }
   }
   t.save();
-  t.validateNow(say);
+  if (t.options.validate_every > 0)
+  {
+    t.validateNow(say);
+  }
 }
 }  // namespace dyslam

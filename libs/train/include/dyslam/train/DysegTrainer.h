@@ -65,8 +65,8 @@ struct DysegTrainerSetup
 /** Trains DySeg's network and writes what it has into a folder.
  *
  * `dyseg.pt` the weights so far (a running mean), `state.pt` everything to go on from, `train.csv`
- * and `validation.csv`. The data of a step depends on seed and step, except which simulated clips
- * are at hand after a run was resumed.
+ * and `validation.csv`. The data of a step depends on seed and step alone, so that a run that was
+ * stopped and resumed gives the same weights (with `minutes` = 0: time is not part of it).
  */
 class DysegTrainer
 {

@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/Error.h>
+#include <dyslam/train/DysegTrainer.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+namespace
+{
+namespace fs = std::filesystem;
+using dyslam::DysegTrainer;
+
+std::string contentOf(const fs::path& path)
+{
+  std::ifstream file(path, std::ios::binary);
+  std::stringstream text;
+  text << file.rdbuf();
+  return text.str();
+}
+
+class DysegTraining : public ::testing::Test
+{
+ protected:
+  DysegTraining()
+      : folder_(fs::temp_directory_path() / ("dyslam_dyseg_" + std::to_string(::getpid())))
+  {
+    // Small and simulated: 16 beams, two clips at hand.
+    setup_.train.simulated_share = 1;
+    setup_.train.few_beams_share = 1;
+    setup_.train.campus_share = 0;
+    setup_.train.highway_share = 0;
+    setup_.train.simulated_pool = 2;
+    setup_.train.simulate_every = 2;
+    setup_.train.crop = 128;
+    setup_.train.batch = 1;
+    setup_.train.steps = 6;
+    setup_.train.decay_from = 1;  // the same rate however long the run
+    setup_.train.validate_every = 0;
+    setup_.augmentation.bodies = 2;
+  }
+  ~DysegTraining() override { fs::remove_all(folder_); }
+
+  fs::path train(const std::string& name, int steps, bool resume = false)
+  {
+    auto setup = setup_;
+    setup.train.steps = steps;
+    const auto folder = folder_ / name;
+    DysegTrainer trainer(setup, folder.string());
+    if (resume)
+    {
+      trainer.resume();
+    }
+    trainer.run([](const std::string&) {});
+    return folder / "dyseg.pt";
+  }
+
+  fs::path folder_;
+  dyslam::DysegTrainerSetup setup_;
+};
+
+TEST_F(DysegTraining, AStoppedRunGoesOnExactly)
+{
+  const auto whole = contentOf(train("whole", 6));
+  const auto half = contentOf(train("parts", 3));
+  EXPECT_NE(half, whole);
+  EXPECT_EQ(contentOf(train("parts", 6, true)), whole);
+}
+
+TEST_F(DysegTraining, WeightsOfAnotherShapeAndMissingStatesAreRefused)
+{
+  const auto weights = train("small", 1).string();
+  setup_.network.hidden = 12;
+  DysegTrainer other(setup_, (folder_ / "other").string());
+  EXPECT_THROW(other.startFrom(weights), dyslam::UserError);
+  EXPECT_THROW(other.resume(), dyslam::UserError);
+}
+}  // namespace
