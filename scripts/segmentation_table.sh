@@ -37,9 +37,6 @@ for rawlog in "$@"; do
   truth=${rawlog%.rawlog}.gt
   reference=$output/$name/reference
   mkdir -p "$output/$name"
-  [ -f "$reference.ply" ] || "${bin}dyslam-map" -q -i "$rawlog" --trajectory "$truth/poses_tum.txt" \
-    --labels "$truth/labels" --only-first-n "$scans" -o "$output/$name/true_static.ply" \
-    --labelled-map "$reference.ply" > "$output/$name/reference.log"
   folders=
   maps=
   for method in $methods; do
@@ -50,6 +47,10 @@ for rawlog in "$@"; do
       --only-first-n "$scans" --set "dyseg.method=$method" ${setting:+--set "$setting"} \
       > "$folder.log" 2>&1
   done
+  # Every point with its true label, in the frame that the runs' maps are in.
+  [ -f "$reference.ply" ] || "${bin}dyslam-map" -q -i "$rawlog" \
+    --trajectory "${folder}/reference_tum.txt" --labels "$truth/labels" --only-first-n "$scans" \
+    -o "$output/$name/true_static.ply" --labelled-map "$reference.ply" > "$output/$name/reference.log"
   echo "== $name"
   # shellcheck disable=SC2086
   "${bin}dyslam-eval" run $folders
