@@ -9,21 +9,21 @@ usage="Usage: segmentation_table.sh [-c CONFIG] [-n SCANS] [-m METHODS] [-o DIR]
   -n  scans of each rawlog, 0 for all (0)
   -m  methods, several with spaces between (none residual network)
   -o  folder for the runs' results (./segmentation_table); a run that is there is not repeated
-  -s  one more setting of every run
+  -s  one more setting of every run; repeatable
 
 The programs are taken from \$DYSLAM_BIN, else from the PATH."
 config=kitti64.ini
 scans=0
 output=segmentation_table
 methods="none residual network"
-setting=
+settings=
 while getopts c:n:m:o:s:h option; do
   case $option in
     c) config=$OPTARG ;;
     n) scans=$OPTARG ;;
     m) methods=$OPTARG ;;
     o) output=$OPTARG ;;
-    s) setting=$OPTARG ;;
+    s) settings="$settings --set $OPTARG" ;;
     h) echo "$usage"; exit 0 ;;
     *) echo "$usage" >&2; exit 2 ;;
   esac
@@ -43,9 +43,9 @@ for rawlog in "$@"; do
     folder=$output/$name/$method
     folders="$folders $folder"
     maps="$maps $folder/map_static.ply"
+    # shellcheck disable=SC2086
     [ -f "$folder/report.json" ] || "${bin}dyslam" -i "$rawlog" -c "$config" -o "$folder" --labels \
-      --only-first-n "$scans" --set "dyseg.method=$method" ${setting:+--set "$setting"} \
-      > "$folder.log" 2>&1
+      --only-first-n "$scans" --set "dyseg.method=$method" $settings > "$folder.log" 2>&1
   done
   # Every point with its true label, in the frame that the runs' maps are in.
   [ -f "$reference.ply" ] || "${bin}dyslam-map" -q -i "$rawlog" \

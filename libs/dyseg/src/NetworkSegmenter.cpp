@@ -18,10 +18,11 @@ namespace
 // height, roll and pitch are not looked at.
 constexpr double least_rmse = 0.05;  // m
 constexpr double cells_per_witness = 20;
-constexpr double unseen_height = 0.1;  // m
-constexpr double unseen_tilt = 0.01;   // rad
-constexpr double group_cell = 0.6;     // m
-constexpr double lever = 20;           // m, typical distance of a cell
+constexpr double unseen_height = 0.1;     // m
+constexpr double unseen_tilt = 0.01;      // rad
+constexpr double group_cell = 0.6;        // m
+constexpr double predicted_within = 0.2;  // m
+constexpr double lever = 20;              // m, typical distance of a cell
 
 MotionEstimate motionOf(const RigidFlowFit& fit, const Eigen::Vector3d& sensor)
 {
@@ -62,6 +63,9 @@ struct NetworkSegmenter::Impl
   MotionEstimate motion;   //!< the same, of the vehicle
   std::optional<SceneFlow> flow;
 
+  [[nodiscard]] RigidFlowFit matchLast(const DysegModel::Encoded& current,
+                                       const Frame& frame,
+                                       const Eigen::Vector3d& sensor) const;
   /** Judges against the scan `back` scans ago, if there is one; keeps the flow of the first. */
   [[nodiscard]] std::vector<float> judge(const DysegModel::Encoded& current,
                                          std::size_t back,
@@ -139,13 +143,30 @@ void combine(bool highest, const std::vector<float>& other, std::vector<float>& 
 }
 }  // namespace
 
+RigidFlowFit NetworkSegmenter::Impl::matchLast(const DysegModel::Encoded& current,
+                                               const Frame& frame,
+                                               const Eigen::Vector3d& sensor) const
+{
+  const auto& before = *past.front().encoded;
+  if (options.guess != "prediction" || !frame.T_previous_predicted)
+  {
+    return model.match(current, before);
+  }
+  const Pose to_vehicle = Pose(Eigen::Translation3d(sensor));
+  const MotionGuess guess{
+      PlanarMotion::fromPose(to_vehicle.inverse() * *frame.T_previous_predicted * to_vehicle),
+      predicted_within};
+  return model.match(current, before, &guess);
+}
+
 std::vector<float> NetworkSegmenter::Impl::judge(const DysegModel::Encoded& current,
                                                  std::size_t back,
                                                  const Eigen::Vector3d& sensor)
 {
   const Past& earlier = past[back - 1];
-  const RigidFlowFit step =
-      back == 1 ? last_step : model.match(current, *earlier.encoded, &earlier.from_current);
+  const MotionGuess guess{earlier.from_current,
+                          options.guess == "prediction" ? predicted_within : MotionGuess().within};
+  const RigidFlowFit step = back == 1 ? last_step : model.match(current, *earlier.encoded, &guess);
   auto result = model.judge(current, *earlier.encoded, step, options.iterations);
   if (!flow)
   {
@@ -177,7 +198,7 @@ void NetworkSegmenter::segment(Frame& frame)
   s.flow.reset();
   if (!s.past.empty())
   {
-    s.last_step = s.model.match(*encoded, *s.past.front().encoded);
+    s.last_step = s.matchLast(*encoded, frame, sensor);
     s.motion = motionOf(s.last_step, sensor);
     for (auto& p : s.past)
     {

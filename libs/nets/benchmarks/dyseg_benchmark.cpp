@@ -28,7 +28,8 @@ int main(int argc, char** argv)
   timing::report("encode", runs, [&] { (void)model.encode(points); });
   RigidFlowFit motion;
   timing::report("match", runs, [&] { motion = model.match(*current, *near); });
-  timing::report("match near", runs, [&] { (void)model.match(*current, *near, &motion.motion); });
+  const MotionGuess guess{motion.motion};
+  timing::report("match near", runs, [&] { (void)model.match(*current, *near, &guess); });
   timing::report("judge", runs, [&] { (void)model.judge(*current, *near, motion); });
   return 0;
 }

@@ -72,7 +72,7 @@ std::shared_ptr<const DysegModel::Encoded> DysegModel::encode(
 
 RigidFlowFit DysegModel::match(const Encoded& current,
                                const Encoded& past,
-                               const PlanarMotion* guess) const
+                               const MotionGuess* guess) const
 {
   torch::InferenceMode inference;
   if (current.scan.size() == 0 || past.scan.size() == 0)

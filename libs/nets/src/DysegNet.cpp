@@ -208,7 +208,7 @@ DysegMatch DysegNetImpl::match(const BevScan& scan,
                                const DysegEncoding& current,
                                const DysegEncoding& past,
                                const DysegGuide* guide,
-                               const PlanarMotion* guess)
+                               const MotionGuess* guess)
 {
   const auto device = current.middle.device();
   const auto& occupied = *current.cells;
@@ -224,7 +224,7 @@ DysegMatch DysegNetImpl::match(const BevScan& scan,
   }
   out.first = guide != nullptr ? guide->first
               : guess != nullptr
-                  ? *guess
+                  ? guess->motion
                   : fitPeaks(out.coarse_correlation, radius, 2 * size, Tensor(),
                              occupied.eighth_place, coarse_width, coarse_start, nullptr)
                         .motion;
@@ -243,7 +243,7 @@ DysegMatch DysegNetImpl::match(const BevScan& scan,
       break;
     }
     out.fit = fitPeaks(out.correlation, radius, size, flow, occupied.quarter_place, fine_width,
-                       fine_start, &centre);
+                       guess != nullptr ? guess->within : fine_start, &centre);
     if (!out.fit.converged)
     {
       break;

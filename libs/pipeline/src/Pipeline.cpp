@@ -132,6 +132,10 @@ void Pipeline::process(Frame& frame)
     // The first scan's motion is not known yet: refinement undoes it once the second one tells it.
     frame.cloud = s.preprocessor.prepare(frame.scan, prediction, s.first ? usual_period : dt);
   }
+  if (!s.first && (!s.second || s.odometry_options.start_speed != 0))
+  {
+    frame.T_previous_predicted = prediction;
+  }
   if (s.segmenter && !s.segmenter->needsPose())
   {
     const CTimeLoggerEntry timed(s.times, "dyseg");

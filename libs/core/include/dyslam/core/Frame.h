@@ -38,6 +38,9 @@ struct Frame
   // Preprocessing
   Cloud cloud;
 
+  /** What the motions before say about the motion since the scan before; none at the start. */
+  std::optional<Pose> T_previous_predicted;
+
   // DySeg: one per cloud point, or empty if the stage is off
   std::vector<float> moving_probability;
 

@@ -14,11 +14,15 @@ struct NetworkSegmenterOptions : Options
   std::string weights = "dyseg";  //!< a file, or the name of weights that come with DySLAM
   int first_gap = 8;              //!< scans back to the one compared with
   int second_gap = 0;             //!< scans back to a second one; not above the first: none
-  std::string combine = "mean";   //!< of the two answers: mean (of log-odds), max
-  double threshold = 0.6;         //!< of the network's answer, from which on a point moves
+  /** none: the static motion is looked for among all motions, so that no wrong pose can harm it;
+   * prediction: around the predicted one, which among vehicles that drive alike tells the world
+   * from the traffic. */
+  std::string guess = "none";
+  std::string combine = "mean";  //!< of the two answers: mean (of log-odds), max
+  double threshold = 0.6;        //!< of the network's answer, from which on a point moves
   int min_points = 5;            //!< called moving, in the smallest group that counts
-  int iterations = 2;             //!< of the flow update
-  int threads = 1;                //!< of the network; more share cores with the other stages
+  int iterations = 2;            //!< of the flow update
+  int threads = 1;               //!< of the network; more share cores with the other stages
 
   void describe(OptionsVisitor& visitor) override;
 };

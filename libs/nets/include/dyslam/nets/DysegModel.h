@@ -49,11 +49,11 @@ class DysegModel
   [[nodiscard]] std::shared_ptr<const Encoded> encode(
       const std::vector<Eigen::Vector3f>& points) const;
 
-  /** The motion of the static world, current to past, in the plane. \param guess good to 2 m; null
-   * if there is none. */
+  /** The motion of the static world, current to past, in the plane. \param guess null if there is
+   * none. */
   [[nodiscard]] RigidFlowFit match(const Encoded& current,
                                    const Encoded& past,
-                                   const PlanarMotion* guess = nullptr) const;
+                                   const MotionGuess* guess = nullptr) const;
 
   /** What moves in `current`, seen from `past`, given the static motion between them.
    * \param iterations flow updates, at least 1. */

@@ -97,7 +97,7 @@ class DysegNetImpl : public torch::nn::Module
                                  const DysegEncoding& current,
                                  const DysegEncoding& past,
                                  const DysegGuide* guide = nullptr,
-                                 const PlanarMotion* guess = nullptr);
+                                 const MotionGuess* guess = nullptr);
 
   /** What does not follow the static motion (current to past). */
   [[nodiscard]] DysegCellsOut cells(const BevScan& scan,

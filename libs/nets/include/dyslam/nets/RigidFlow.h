@@ -28,6 +28,13 @@ struct PlanarMotion
   [[nodiscard]] static PlanarMotion fromPose(const Pose& pose);
 };
 
+/** A motion known beforehand. */
+struct MotionGuess
+{
+  PlanarMotion motion;
+  double within = 1.5;  //!< how far off it may be [m]
+};
+
 struct RigidFlowFit
 {
   PlanarMotion motion;
