@@ -5,6 +5,7 @@ dyslam_add_library(NAME train_dyseg
     src/DysegBodies.cpp
     src/DysegData.cpp
     src/DysegLosses.cpp
+    src/DysegPairs.cpp
     src/DysegScores.cpp
     src/DysegSources.cpp
     src/DysegTrainer.cpp

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/Error.h>
-#include <dyslam/core/Scan.h>
 #include <dyslam/nets/DysegFile.h>
 #include <dyslam/train/DysegLosses.h>
 #include <dyslam/train/DysegScores.h>
@@ -11,10 +10,10 @@
 #include <chrono>
 #include <cmath>
 #include <cstdio>
-#include <deque>
 #include <filesystem>
 #include <fstream>
-#include <sstream>
+
+#include "DysegPairs.h"
 
 namespace dyslam
 {
@@ -27,50 +26,7 @@ constexpr int warm_up = 100;  // steps
 constexpr double clip_norm = 2;
 constexpr double last_rate = 0.02;
 constexpr double mean_decay = 0.998;
-constexpr int clip_scans = 11;
-constexpr std::size_t longest_gap = 10;  // scans between those compared
-constexpr double period = 0.1;           // s, as if between single scans seen twice
-constexpr std::uint64_t training_seeds = 500000000;
 constexpr std::uint64_t validation_seeds = 900000000;  // never drawn in training
-
-std::vector<std::string> split(const std::string& text)
-{
-  std::vector<std::string> parts;
-  std::istringstream in(text);
-  for (std::string part; std::getline(in, part, ',');)
-  {
-    if (!part.empty())
-    {
-      parts.push_back(part);
-    }
-  }
-  return parts;
-}
-
-std::vector<Eigen::Vector3f> readBin(const std::string& file)
-{
-  std::ifstream in(file, std::ios::binary);
-  std::vector<Eigen::Vector3f> points;
-  for (float v[4]; in.read(reinterpret_cast<char*>(v), sizeof(v));)
-  {
-    const Eigen::Vector3f p(v[0], v[1], v[2]);
-    points.push_back(isReturn(p) ? p : Eigen::Vector3f(0, 0, 0));
-  }
-  return points;
-}
-
-/** Streets most often, and among them places of people, fast roads, and fewer beams. */
-DysegClipScene sceneOf(std::uint64_t number, const DysegTrainerOptions& options)
-{
-  DysegClipScene scene;
-  RandomDraws d(static_cast<std::uint64_t>(options.seed), number);
-  scene.world = d.chance(options.campus_share)    ? sim::WorldKind::campus
-                : d.chance(options.highway_share) ? sim::WorldKind::highway
-                                                  : sim::WorldKind::urban;
-  scene.sensor =
-      d.chance(options.few_beams_share) ? sim::SensorKind::vlp16 : sim::SensorKind::hdl64e;
-  return scene;
-}
 
 /** A CSV file to go on with; a new one gets its header. */
 std::ofstream openLog(const std::string& file, const char* header)
@@ -144,9 +100,7 @@ struct DysegTrainer::Impl
   double minutes_before = 0;
   Clock::time_point start = Clock::now();
 
-  std::vector<DysegClip> runs;
-  std::vector<std::vector<Eigen::Vector3f>> singles;
-  std::deque<DysegClip> pool;
+  std::unique_ptr<DysegPairs> pairs;
   std::vector<std::pair<std::string, std::vector<DysegSample>>> validation;
 
   [[nodiscard]] double minutes() const
@@ -155,10 +109,7 @@ struct DysegTrainer::Impl
   }
   [[nodiscard]] std::string file(const char* name) const { return folder + "/" + name; }
   [[nodiscard]] double rate() const;
-  [[nodiscard]] DysegSample draw(RandomDraws& draws) const;
-  void loadReal();
   void makeValidation();
-  void refillPool();
   DysegLoss learn();
   void updateMean();
   void save();
@@ -179,42 +130,6 @@ double DysegTrainer::Impl::rate() const
     rate *= last_rate + (1 - last_rate) * 0.5 * (1 + std::cos(3.14159265 * done));
   }
   return rate;
-}
-
-void DysegTrainer::Impl::loadReal()
-{
-  if (options.data.empty())
-  {
-    return;
-  }
-  const auto under = [&](const std::string& part) { return options.data + "/" + part; };
-  if (!options.boxed_run.empty())
-  {
-    runs.push_back(
-        loadBoxedRun(under(options.boxed_run), 0, static_cast<std::size_t>(options.boxed_last)));
-  }
-  if (!options.labelled_run.empty())
-  {
-    const auto run = under(options.labelled_run);
-    runs.push_back(loadLabelledRun(run, run + "/" + options.labelled_poses, 0,
-                                   static_cast<std::size_t>(options.labelled_last)));
-  }
-  for (const auto& part : split(options.single_scans))
-  {
-    std::vector<std::string> files;
-    for (const auto& entry : fs::directory_iterator(under(part)))
-    {
-      if (entry.path().extension() == ".bin")
-      {
-        files.push_back(entry.path().string());
-      }
-    }
-    std::sort(files.begin(), files.end());
-    for (const auto& f : files)
-    {
-      singles.push_back(readBin(f));
-    }
-  }
 }
 
 void DysegTrainer::Impl::makeValidation()
@@ -253,59 +168,6 @@ void DysegTrainer::Impl::makeValidation()
   validation.emplace_back("drive 0005 80-109", std::move(labelled));
 }
 
-void DysegTrainer::Impl::refillPool()
-{
-  if (options.simulated_share <= 0)
-  {
-    return;
-  }
-  // A run that goes on makes the clips again that were at hand.
-  const int newest = step / options.simulate_every;
-  const int oldest = pool.empty() ? std::max(0, newest + 1 - options.simulated_pool) : newest;
-  for (int n = oldest; n <= newest; ++n)
-  {
-    const auto number = static_cast<std::uint64_t>(n);
-    const auto seed = training_seeds + static_cast<std::uint64_t>(options.seed) * 1000003 + number;
-    pool.push_back(simulateClip(seed, clip_scans, number % 3 != 0, sceneOf(number, options)));
-  }
-  while (pool.size() > static_cast<std::size_t>(options.simulated_pool))
-  {
-    pool.pop_front();
-  }
-}
-
-DysegSample DysegTrainer::Impl::draw(RandomDraws& draws) const
-{
-  const bool real = !runs.empty() || !singles.empty();
-  if (!pool.empty() && (!real || draws.chance(options.simulated_share)))
-  {
-    const auto& clip = pool[draws.below(pool.size())];
-    const std::size_t gap = 1 + draws.below(std::min(longest_gap, clip.frames.size() - 1));
-    const std::size_t later = gap + draws.below(clip.frames.size() - gap);
-    return draws.chance(0.7) ? makeSample(clip, later, later - gap)
-                             : makeSample(clip, later - gap, later);
-  }
-  if (!singles.empty() && (runs.empty() || draws.chance(options.single_share)))
-  {
-    const auto& scan = singles[draws.below(singles.size())];
-    const double ahead = draws.chance(0.15) ? 0 : draws.uniform(-1.5, draws.chance(0.3) ? 7 : 2.5);
-    const Pose motion = poseFromYpr(ahead, draws.normal(0.05), draws.normal(0.02),
-                                    draws.normal(0.02), draws.normal(0.003), draws.normal(0.003));
-    auto sample = doubleScan(scan, motion, draws);
-    sample.elapsed = period * static_cast<double>(1 + draws.below(longest_gap));
-    return sample;
-  }
-  if (runs.empty())
-  {
-    throw UserError("training has no data: set data, or simulated_share above 0");
-  }
-  const auto& run = runs[draws.below(runs.size())];
-  const std::size_t gap = 1 + draws.below(longest_gap);
-  const std::size_t later = gap + draws.below(run.frames.size() - gap);
-  return draws.chance(0.7) ? makeSample(run, later, later - gap)
-                           : makeSample(run, later - gap, later);
-}
-
 DysegLoss DysegTrainer::Impl::learn()
 {
   optimizer->zero_grad();
@@ -315,7 +177,7 @@ DysegLoss DysegTrainer::Impl::learn()
   {
     RandomDraws draws(static_cast<std::uint64_t>(options.seed),
                       static_cast<std::uint64_t>(step) * 64 + static_cast<std::uint64_t>(b));
-    auto sample = draw(draws);
+    auto sample = pairs->draw(draws);
     augment(augmentation, draws, sample);
     const auto centre = drawCentre(sample, crop.halfExtent(), draws);
     auto loss = dysegLoss(net, sample, crop, centre, loss_options, draws);
@@ -497,19 +359,15 @@ void DysegTrainer::validateOnly(const std::function<void(const std::string&)>& s
 void DysegTrainer::run(const std::function<void(const std::string&)>& say)
 {
   Impl& t = *impl_;
-  t.loadReal();
-  say("data: " + std::to_string(t.runs.size()) + " real runs, " + std::to_string(t.singles.size()) +
-      " single scans");
+  t.pairs = std::make_unique<DysegPairs>(t.options);
+  say("data: " + t.pairs->summary());
   t.start = Clock::now();
   auto csv = openLog(t.file("train.csv"), "step,minutes,rate,matching,flow,cell,point");
   DysegLoss mean;
   int counted = 0;
   while (t.step < t.options.steps && (t.options.minutes <= 0 || t.minutes() < t.options.minutes))
   {
-    if (t.pool.empty() || t.step % t.options.simulate_every == 0)
-    {
-      t.refillPool();
-    }
+    t.pairs->prepare(t.step);
     const auto loss = t.learn();
     mean.matching += loss.matching;
     mean.flow += loss.flow;

@@ -1,0 +1,157 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "DysegPairs.h"
+
+#include <dyslam/core/Error.h>
+#include <dyslam/core/Scan.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+namespace dyslam
+{
+namespace
+{
+namespace fs = std::filesystem;
+
+constexpr int clip_scans = 11;
+constexpr std::size_t longest_gap = 10;  // scans between those compared
+constexpr double period = 0.1;           // s, as if between single scans seen twice
+constexpr std::uint64_t training_seeds = 500000000;
+
+std::vector<std::string> split(const std::string& text)
+{
+  std::vector<std::string> parts;
+  std::istringstream in(text);
+  for (std::string part; std::getline(in, part, ',');)
+  {
+    if (!part.empty())
+    {
+      parts.push_back(part);
+    }
+  }
+  return parts;
+}
+
+std::vector<Eigen::Vector3f> readBin(const std::string& file)
+{
+  std::ifstream in(file, std::ios::binary);
+  std::vector<Eigen::Vector3f> points;
+  for (float v[4]; in.read(reinterpret_cast<char*>(v), sizeof(v));)
+  {
+    const Eigen::Vector3f p(v[0], v[1], v[2]);
+    points.push_back(isReturn(p) ? p : Eigen::Vector3f(0, 0, 0));
+  }
+  return points;
+}
+
+/** Streets most often, and among them places of people, fast roads, and fewer beams. */
+DysegClipScene sceneOf(std::uint64_t number, const DysegTrainerOptions& options)
+{
+  DysegClipScene scene;
+  RandomDraws d(static_cast<std::uint64_t>(options.seed), number);
+  scene.world = d.chance(options.campus_share)    ? sim::WorldKind::campus
+                : d.chance(options.highway_share) ? sim::WorldKind::highway
+                                                  : sim::WorldKind::urban;
+  scene.sensor =
+      d.chance(options.few_beams_share) ? sim::SensorKind::vlp16 : sim::SensorKind::hdl64e;
+  return scene;
+}
+}  // namespace
+
+DysegPairs::DysegPairs(const DysegTrainerOptions& options) : options_(options)
+{
+  if (options.data.empty())
+  {
+    return;
+  }
+  const auto under = [&](const std::string& part) { return options.data + "/" + part; };
+  if (!options.boxed_run.empty())
+  {
+    runs_.push_back(
+        loadBoxedRun(under(options.boxed_run), 0, static_cast<std::size_t>(options.boxed_last)));
+  }
+  if (!options.labelled_run.empty())
+  {
+    const auto run = under(options.labelled_run);
+    runs_.push_back(loadLabelledRun(run, run + "/" + options.labelled_poses, 0,
+                                    static_cast<std::size_t>(options.labelled_last)));
+  }
+  for (const auto& part : split(options.single_scans))
+  {
+    std::vector<std::string> files;
+    for (const auto& entry : fs::directory_iterator(under(part)))
+    {
+      if (entry.path().extension() == ".bin")
+      {
+        files.push_back(entry.path().string());
+      }
+    }
+    std::sort(files.begin(), files.end());
+    for (const auto& f : files)
+    {
+      singles_.push_back(readBin(f));
+    }
+  }
+}
+
+void DysegPairs::prepare(int step)
+{
+  if (options_.simulated_share <= 0 || (!pool_.empty() && step % options_.simulate_every != 0))
+  {
+    return;
+  }
+  // A run that goes on makes the clips again that were at hand.
+  const int newest = step / options_.simulate_every;
+  const int oldest = pool_.empty() ? std::max(0, newest + 1 - options_.simulated_pool) : newest;
+  for (int n = oldest; n <= newest; ++n)
+  {
+    const auto number = static_cast<std::uint64_t>(n);
+    const auto seed = training_seeds + static_cast<std::uint64_t>(options_.seed) * 1000003 + number;
+    pool_.push_back(simulateClip(seed, clip_scans, number % 3 != 0, sceneOf(number, options_)));
+  }
+  while (pool_.size() > static_cast<std::size_t>(options_.simulated_pool))
+  {
+    pool_.pop_front();
+  }
+}
+
+DysegSample DysegPairs::draw(RandomDraws& draws) const
+{
+  const bool real = !runs_.empty() || !singles_.empty();
+  if (!pool_.empty() && (!real || draws.chance(options_.simulated_share)))
+  {
+    const auto& clip = pool_[draws.below(pool_.size())];
+    const std::size_t gap = 1 + draws.below(std::min(longest_gap, clip.frames.size() - 1));
+    const std::size_t later = gap + draws.below(clip.frames.size() - gap);
+    return draws.chance(0.7) ? makeSample(clip, later, later - gap)
+                             : makeSample(clip, later - gap, later);
+  }
+  if (!singles_.empty() && (runs_.empty() || draws.chance(options_.single_share)))
+  {
+    const auto& scan = singles_[draws.below(singles_.size())];
+    const double ahead = draws.chance(0.15) ? 0 : draws.uniform(-1.5, draws.chance(0.3) ? 7 : 2.5);
+    const Pose motion = poseFromYpr(ahead, draws.normal(0.05), draws.normal(0.02),
+                                    draws.normal(0.02), draws.normal(0.003), draws.normal(0.003));
+    auto sample = doubleScan(scan, motion, draws);
+    sample.elapsed = period * static_cast<double>(1 + draws.below(longest_gap));
+    return sample;
+  }
+  if (runs_.empty())
+  {
+    throw UserError("training has no data: set data, or simulated_share above 0");
+  }
+  const auto& run = runs_[draws.below(runs_.size())];
+  const std::size_t gap = 1 + draws.below(longest_gap);
+  const std::size_t later = gap + draws.below(run.frames.size() - gap);
+  return draws.chance(0.7) ? makeSample(run, later, later - gap)
+                           : makeSample(run, later - gap, later);
+}
+
+std::string DysegPairs::summary() const
+{
+  return std::to_string(runs_.size()) + " real runs, " + std::to_string(singles_.size()) +
+         " single scans";
+}
+}  // namespace dyslam

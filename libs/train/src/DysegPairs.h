@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <dyslam/train/DysegData.h>
+#include <dyslam/train/DysegTrainer.h>
+
+#include <deque>
+#include <string>
+#include <vector>
+
+namespace dyslam
+{
+/** The pairs of scans that DySeg's network learns from: simulated clips, of which some are at hand
+ * and replaced one by one, runs with truth, and single scans seen twice. */
+class DysegPairs
+{
+ public:
+  /** Reads the real data. \throws UserError. */
+  explicit DysegPairs(const DysegTrainerOptions& options);
+
+  /** Makes the simulated clips that belong to a step; call for every step in turn. */
+  void prepare(int step);
+  /** \throws UserError if there is no data at all. */
+  [[nodiscard]] DysegSample draw(RandomDraws& draws) const;
+  [[nodiscard]] std::string summary() const;
+
+ private:
+  DysegTrainerOptions options_;
+  std::vector<DysegClip> runs_;
+  std::vector<std::vector<Eigen::Vector3f>> singles_;
+  std::deque<DysegClip> pool_;
+};
+}  // namespace dyslam
