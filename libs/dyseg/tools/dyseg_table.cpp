@@ -206,7 +206,8 @@ NetworkSegmenterOptions networkOptions(const Arguments& a, int second_gap)
 std::string pictureOf(const Arguments& a, const SegmentationSet& set)
 {
   std::string name = set.name;
-  std::replace(name.begin(), name.end(), ' ', '_');
+  std::replace_if(
+      name.begin(), name.end(), [](char c) { return c == ' ' || c == '/' || c == ','; }, '_');
   return a.pictures.empty() ? "" : a.pictures + "/dyseg_" + name + ".ppm";
 }
 

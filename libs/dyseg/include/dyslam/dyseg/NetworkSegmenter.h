@@ -19,7 +19,7 @@ struct NetworkSegmenterOptions : Options
    * from the traffic. */
   std::string guess = "none";
   std::string combine = "mean";  //!< of the two answers: mean (of log-odds), max
-  double threshold = 0.6;        //!< of the network's answer, from which on a point moves
+  double threshold = 0.5;        //!< of the network's answer, from which on a point moves
   int min_points = 5;            //!< called moving, in the smallest group that counts
   int iterations = 2;            //!< of the flow update
   int threads = 1;               //!< of the network; more share cores with the other stages
