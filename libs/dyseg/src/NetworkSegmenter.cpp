@@ -120,10 +120,7 @@ void shiftTo(double threshold, std::vector<float>& probability)
     p = p > 0 ? 1 / (1 + std::exp(shift - logOdds(p))) : p;
   }
 }
-}  // namespace
 
-namespace
-{
 /** Joins what two comparisons say; points that neither looked at stay at 0. */
 void combine(bool highest, const std::vector<float>& other, std::vector<float>& probability)
 {

@@ -14,11 +14,6 @@ namespace dyslam
 {
 namespace
 {
-double share(std::uint64_t a, std::uint64_t b)
-{
-  return b > 0 ? static_cast<double>(a) / static_cast<double>(b) : 0.0;
-}
-
 /** The scan from above, 80 m square, x up: grey static, green found movers, red missed ones, blue
  * false alarms. */
 void writePicture(const std::string& file,
@@ -65,21 +60,6 @@ void writePicture(const std::string& file,
   }
 }
 }  // namespace
-
-double SegmentationCounts::iou() const
-{
-  return share(hits, hits + alarms + misses);
-}
-
-double SegmentationCounts::precision() const
-{
-  return share(hits, hits + alarms);
-}
-
-double SegmentationCounts::recall() const
-{
-  return share(hits, hits + misses);
-}
 
 SegmentationCounts runSegmenter(MovingSegmenter& segmenter,
                                 const SegmentationSet& set,

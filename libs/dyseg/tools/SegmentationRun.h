@@ -3,6 +3,7 @@
 
 #include <dyslam/dyseg/MovingSegmenter.h>
 #include <dyslam/train/DysegData.h>
+#include <dyslam/train/DysegScores.h>
 
 #include <cstdint>
 #include <map>
@@ -19,18 +20,11 @@ struct SegmentationSet
   std::size_t first = 0;  //!< first frame that is judged; those before are history
 };
 
-struct SegmentationCounts
+struct SegmentationCounts : DysegScores
 {
-  std::uint64_t hits = 0;      //!< moving, called moving
-  std::uint64_t alarms = 0;    //!< static, called moving
-  std::uint64_t misses = 0;    //!< moving, called static
   std::uint64_t still = 0;     //!< static points
   std::vector<double> ms;      //!< of each scan
   std::vector<double> cpu_ms;  //!< processor time of all threads
-
-  [[nodiscard]] double iou() const;
-  [[nodiscard]] double precision() const;
-  [[nodiscard]] double recall() const;
 };
 
 /** What was found of one object, summed over frames. */

@@ -313,9 +313,7 @@ void printScenarios(const Arguments& a)
           runSegmenter(residual, set)};
       for (int k = 0; k < 2; ++k)
       {
-        sums[k].hits += counts[k].hits;
-        sums[k].misses += counts[k].misses;
-        sums[k].alarms += counts[k].alarms;
+        sums[k].add(counts[k]);
         sums[k].still += counts[k].still;
       }
       judged += set.clip.frames.size() - set.first;

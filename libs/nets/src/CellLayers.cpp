@@ -16,64 +16,6 @@ using torch::Tensor;
 using torch::autograd::AutogradContext;
 using torch::autograd::tensor_list;
 
-class GatherRows : public torch::autograd::Function<GatherRows>
-{
- public:
-  static Tensor forward(AutogradContext* context, const Tensor& rows_in, const Tensor& table_in)
-  {
-    const auto rows = rows_in.contiguous();
-    const auto table = table_in.contiguous();
-    const auto channels = rows.size(1);
-    const auto kernel = table.size(1);
-    auto out = torch::empty({table.size(0), kernel * channels}, rows.options());
-    const float* from = rows.data_ptr<float>();
-    const auto* which = table.data_ptr<std::int32_t>();
-    float* to = out.data_ptr<float>();
-    at::parallel_for(0, table.size(0), 512,
-                     [&](std::int64_t begin, std::int64_t end)
-                     {
-                       for (std::int64_t i = begin * kernel; i < end * kernel; ++i)
-                       {
-                         if (which[i] < 0)
-                         {
-                           std::fill_n(to + i * channels, channels, 0.0F);
-                         }
-                         else
-                         {
-                           std::copy_n(from + which[i] * channels, channels, to + i * channels);
-                         }
-                       }
-                     });
-    context->saved_data["rows"] = rows.size(0);
-    context->save_for_backward({table});
-    return out;
-  }
-
-  static tensor_list backward(AutogradContext* context, const tensor_list& gradients)
-  {
-    const auto gradient = gradients[0].contiguous();
-    const auto table = context->get_saved_variables()[0];
-    const auto channels = gradient.size(1) / table.size(1);
-    auto out = torch::zeros({context->saved_data["rows"].toInt(), channels}, gradient.options());
-    const auto* which = table.data_ptr<std::int32_t>();
-    const float* from = gradient.data_ptr<float>();
-    float* to = out.data_ptr<float>();
-    for (std::int64_t i = 0; i < table.numel(); ++i)
-    {
-      if (which[i] >= 0)
-      {
-        float* row = to + which[i] * channels;
-        const float* add = from + i * channels;
-        for (std::int64_t c = 0; c < channels; ++c)
-        {
-          row[c] += add[c];
-        }
-      }
-    }
-    return {out, Tensor()};
-  }
-};
-
 using Matrix = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 using Row = Eigen::Matrix<float, 1, Eigen::Dynamic>;
 constexpr std::int64_t block = 256;  // cells gathered at a time, to stay in the cache
@@ -83,27 +25,66 @@ Eigen::Map<const Matrix> viewOf(const Tensor& t)
   return {t.data_ptr<float>(), t.size(0), t.size(1)};
 }
 
-/** The rows of `table` from `first` on, side by side, for some cells. */
-void gatherBlock(const Eigen::Map<const Matrix>& rows,
-                 const Tensor& table,
-                 std::int64_t first,
-                 Matrix& out)
+/** For the cells from `first` on the rows of `table` side by side, zeros for -1. */
+void gatherBlock(
+    const Tensor& rows, const Tensor& table, std::int64_t first, std::int64_t count, float* to)
 {
   const auto kernel = table.size(1);
+  const auto channels = rows.size(1);
+  const float* from = rows.data_ptr<float>();
   const auto* which = table.data_ptr<std::int32_t>() + first * kernel;
-  float* to = out.data();
-  for (std::int64_t i = 0; i < out.rows() * kernel; ++i, to += rows.cols())
+  for (std::int64_t i = 0; i < count * kernel; ++i, to += channels)
   {
     if (which[i] < 0)
     {
-      std::fill_n(to, rows.cols(), 0.0F);
+      std::fill_n(to, channels, 0.0F);
     }
     else
     {
-      std::copy_n(rows.data() + which[i] * rows.cols(), rows.cols(), to);
+      std::copy_n(from + which[i] * channels, channels, to);
     }
   }
 }
+
+/** Adds to each row what its places in the table got: the transpose of gatherBlock(). */
+void scatterBlock(
+    const float* from, const Tensor& table, std::int64_t first, std::int64_t count, Tensor& rows)
+{
+  const auto kernel = table.size(1);
+  const auto channels = rows.size(1);
+  float* to = rows.data_ptr<float>();
+  const auto* which = table.data_ptr<std::int32_t>() + first * kernel;
+  for (std::int64_t i = 0; i < count * kernel; ++i, from += channels)
+  {
+    if (which[i] >= 0)
+    {
+      Eigen::Map<Row>(to + which[i] * channels, channels) += Eigen::Map<const Row>(from, channels);
+    }
+  }
+}
+
+class GatherRows : public torch::autograd::Function<GatherRows>
+{
+ public:
+  static Tensor forward(AutogradContext* context, const Tensor& rows, const Tensor& table)
+  {
+    auto out = torch::empty({table.size(0), table.size(1) * rows.size(1)}, rows.options());
+    gatherBlock(rows, table, 0, table.size(0), out.data_ptr<float>());
+    context->saved_data["rows"] = rows.size(0);
+    context->save_for_backward({table});
+    return out;
+  }
+
+  static tensor_list backward(AutogradContext* context, const tensor_list& gradients)
+  {
+    const auto gradient = gradients[0].contiguous();
+    const auto table = context->get_saved_variables()[0];
+    auto out = torch::zeros({context->saved_data["rows"].toInt(), gradient.size(1) / table.size(1)},
+                            gradient.options());
+    scatterBlock(gradient.data_ptr<float>(), table, 0, table.size(0), out);
+    return {out, Tensor()};
+  }
+};
 
 class GatheredLinear : public torch::autograd::Function<GatheredLinear>
 {
@@ -116,7 +97,6 @@ class GatheredLinear : public torch::autograd::Function<GatheredLinear>
                         double slope)
   {
     auto y = torch::empty({table.size(0), weight.size(0)}, rows.options());
-    const auto in = viewOf(rows);
     const Matrix w_t = viewOf(weight).transpose();
     const Eigen::Map<const Row> b(bias.data_ptr<float>(), bias.size(0));
     Eigen::Map<Matrix> out(y.data_ptr<float>(), y.size(0), y.size(1));
@@ -131,7 +111,7 @@ class GatheredLinear : public torch::autograd::Function<GatheredLinear>
                          const auto first = k * block;
                          const auto count = std::min(block, cells - first);
                          gathered.resize(count, weight.size(1));
-                         gatherBlock(in, table, first, gathered);
+                         gatherBlock(rows, table, first, count, gathered.data());
                          auto part = out.middleRows(first, count);
                          part.noalias() = gathered * w_t;
                          part.rowwise() += b;
@@ -152,7 +132,6 @@ class GatheredLinear : public torch::autograd::Function<GatheredLinear>
     const auto leak = static_cast<float>(context->saved_data["slope"].toDouble());
     const auto& table = saved[1];
     const auto gradient = gradients[0].contiguous();
-    const auto in = viewOf(saved[0]);
     const auto w = viewOf(saved[2]);
     const auto y = viewOf(saved[3]);
     const auto g = viewOf(gradient);
@@ -161,10 +140,6 @@ class GatheredLinear : public torch::autograd::Function<GatheredLinear>
     auto to_bias = torch::zeros({w.rows()}, gradient.options());
     Eigen::Map<Matrix> gw(to_weight.data_ptr<float>(), w.rows(), w.cols());
     Eigen::Map<Row> gb(to_bias.data_ptr<float>(), w.rows());
-    float* gx = to_rows.data_ptr<float>();
-    const auto* which = table.data_ptr<std::int32_t>();
-    const auto channels = in.cols();
-    const auto kernel = table.size(1);
     Matrix gathered;
     Matrix part;
     Matrix spread;
@@ -178,19 +153,11 @@ class GatheredLinear : public torch::autograd::Function<GatheredLinear>
                             .select(Matrix::Constant(count, w.rows(), 1.0F).array(), leak);
       }
       gathered.resize(count, w.cols());
-      gatherBlock(in, table, first, gathered);
+      gatherBlock(saved[0], table, first, count, gathered.data());
       gw.noalias() += part.transpose() * gathered;
       gb += part.colwise().sum();
       spread.noalias() = part * w;
-      const float* from = spread.data();
-      for (std::int64_t i = first * kernel; i < (first + count) * kernel; ++i, from += channels)
-      {
-        if (which[i] >= 0)
-        {
-          Eigen::Map<Row>(gx + which[i] * channels, channels) +=
-              Eigen::Map<const Row>(from, channels);
-        }
-      }
+      scatterBlock(spread.data(), table, first, count, to_rows);
     }
     return {to_rows, Tensor(), to_weight, to_bias, Tensor()};
   }
@@ -210,7 +177,7 @@ Tensor gatherRows(const Tensor& rows, const Tensor& table)
 {
   if (!rows.is_cuda())
   {
-    return GatherRows::apply(rows, table);
+    return GatherRows::apply(rows.contiguous(), table.contiguous());
   }
   const auto padded = torch::cat({rows, torch::zeros({1, rows.size(1)}, rows.options())});
   const auto index = table.to(torch::kInt64).reshape({-1});

@@ -2,11 +2,9 @@
 #include "DysegPairs.h"
 
 #include <dyslam/core/Error.h>
-#include <dyslam/core/Scan.h>
 
 #include <algorithm>
 #include <filesystem>
-#include <fstream>
 #include <sstream>
 
 namespace dyslam
@@ -32,18 +30,6 @@ std::vector<std::string> split(const std::string& text)
     }
   }
   return parts;
-}
-
-std::vector<Eigen::Vector3f> readBin(const std::string& file)
-{
-  std::ifstream in(file, std::ios::binary);
-  std::vector<Eigen::Vector3f> points;
-  for (float v[4]; in.read(reinterpret_cast<char*>(v), sizeof(v));)
-  {
-    const Eigen::Vector3f p(v[0], v[1], v[2]);
-    points.push_back(isReturn(p) ? p : Eigen::Vector3f(0, 0, 0));
-  }
-  return points;
 }
 
 /** Streets most often, and among them places of people, fast roads, and fewer beams. */
@@ -91,7 +77,7 @@ DysegPairs::DysegPairs(const DysegTrainerOptions& options) : options_(options)
     std::sort(files.begin(), files.end());
     for (const auto& f : files)
     {
-      singles_.push_back(readBin(f));
+      singles_.push_back(readPoints(f));
     }
   }
 }

@@ -33,23 +33,6 @@ std::string readText(const std::string& file)
   return text.str();
 }
 
-/** x y z intensity as float32; no returns become (0,0,0). */
-std::vector<Eigen::Vector3f> readPoints(const std::string& file)
-{
-  const std::string bytes = readText(file);
-  std::vector<Eigen::Vector3f> points(bytes.size() / (4 * sizeof(float)));
-  const auto* values = reinterpret_cast<const float*>(bytes.data());
-  for (std::size_t i = 0; i < points.size(); ++i)
-  {
-    points[i] = {values[4 * i], values[4 * i + 1], values[4 * i + 2]};
-    if (!isReturn(points[i]))
-    {
-      points[i].setZero();
-    }
-  }
-  return points;
-}
-
 std::vector<Pose> readPoses(const std::string& file)
 {
   std::istringstream text(readText(file));
@@ -171,6 +154,22 @@ constexpr double standing_under = 0.25;  // m/s
 constexpr std::int32_t first_parked = 500;
 constexpr std::int32_t last_parked = 599;
 }  // namespace
+
+std::vector<Eigen::Vector3f> readPoints(const std::string& file)
+{
+  const std::string bytes = readText(file);
+  std::vector<Eigen::Vector3f> points(bytes.size() / (4 * sizeof(float)));
+  const auto* values = reinterpret_cast<const float*>(bytes.data());
+  for (std::size_t i = 0; i < points.size(); ++i)
+  {
+    points[i] = {values[4 * i], values[4 * i + 1], values[4 * i + 2]};
+    if (!isReturn(points[i]))
+    {
+      points[i].setZero();
+    }
+  }
+  return points;
+}
 
 DysegClip loadBoxedRun(const std::string& folder, std::size_t first, std::size_t last)
 {

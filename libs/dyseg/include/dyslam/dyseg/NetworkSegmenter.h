@@ -39,10 +39,11 @@ struct SceneFlow
 
 /** DySeg (the paper's section 3.1): moving points by scene flow, from a trained network.
  *
- * Compares each scan with the one before and with an earlier one, against which slow movers have
- * gone farther. Needs no pose: the motion of the static world comes from the scans themselves, so
- * that a drifting odometry can't harm it. The first scan is all static, as are points farther than
- * the network's grid reaches (51 m to each side).
+ * Follows the motion of the static world from scan to scan and judges each scan against one some
+ * scans back, when slow movers were elsewhere, or against two. Needs no pose: the motion of the
+ * static world comes from the scans themselves, so that a drifting odometry can't harm it. The
+ * first scan is all static, as are points farther than the network's grid reaches (51 m to each
+ * side).
  */
 class NetworkSegmenter : public MovingSegmenter
 {
