@@ -22,7 +22,8 @@ validation.csv and effective.ini.
   -c, --config FILE   sections [train], [network], [loss], [augmentation], [data]
   -o, --output DIR    made if it is not there
   --resume            go on from DIR/checkpoint.pt, exactly where it stopped
-  --start FILE        begin with the weights of another training's checkpoint.pt
+  --start FILE        begin with the weights of another training's checkpoint.pt, or with the layers
+                      of a dylo.pt that the network of the config has too
   --validate          only print the validation table of DIR/checkpoint.pt
   --mask-csv DIR      a validation scan's points and their static confidence, per recording
   --device cpu|cuda

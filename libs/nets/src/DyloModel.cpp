@@ -30,6 +30,21 @@ void saveDylo(DyloNetwork& network, const std::string& path)
   }
 }
 
+bool isDyloModel(const std::string& path)
+{
+  try
+  {
+    torch::serialize::InputArchive archive;
+    archive.load_from(path);
+    torch::IValue version;
+    return archive.try_read("dyslam_dylo_version", version);
+  }
+  catch (const std::exception&)  // what torch throws for foreign files has no common type
+  {
+    return false;
+  }
+}
+
 DyloNetwork loadDylo(const std::string& path)
 {
   if (!std::filesystem::is_regular_file(path))

@@ -25,6 +25,24 @@ std::int64_t featureSize(double width, std::size_t level)
   return scaled(width, sizes[level]);
 }
 
+/** What the regression head reads beside the embedding: first moments of the motion that a point's
+ * soft correspondence and surface ask for, [N, reading_size]; about 1 in size. */
+constexpr std::int64_t reading_size = 21;
+
+torch::Tensor motionReadings(const torch::Tensor& warped, const Correlation& correlation)
+{
+  constexpr double lever = 20;  // m, typical range
+  const torch::Tensor& normal = correlation.normal;
+  const torch::Tensor arm = warped / lever;
+  const torch::Tensor flow = correlation.target - warped;
+  const torch::Tensor along = normal * (correlation.offset - (normal * warped).sum(1)).unsqueeze(1);
+  const torch::Tensor x = normal.slice(1, 0, 1);
+  const torch::Tensor y = normal.slice(1, 1, 2);
+  return torch::cat({flow, torch::cross(arm, flow, 1), along, torch::cross(arm, along, 1), arm,
+                     x * normal, y * normal.slice(1, 1, 3), normal.slice(1, 2, 3).square()},
+                    1);
+}
+
 torch::Tensor nodeGeometry(const ScanTensors::Level& level)
 {
   const torch::Tensor range = level.xyz.norm(2, 1, true);
@@ -69,7 +87,7 @@ DyloNetworkImpl::DyloNetworkImpl(const DyloNetworkOptions& options) : options_(o
                                     DynamicMask(options.mask, embedding, featureSize(w, level))));
     if (options.head == DyloHead::regression)
     {
-      Mlp head(Sizes{embedding, hidden, 7}, true);
+      Mlp head(Sizes{embedding + reading_size, hidden, 7}, true);
       head->scaleOutput(0.01);
       regression_.push_back(register_module("regression" + std::to_string(stage), head));
     }
@@ -156,7 +174,8 @@ DyloStage DyloNetworkImpl::poseStage(std::size_t stage,
   result.noise = noise_[static_cast<std::int64_t>(stage)].exp();
   if (options_.head == DyloHead::regression)
   {
-    const torch::Tensor pooled = (embedding * result.weight.unsqueeze(1)).sum(0, true);
+    const torch::Tensor said = torch::cat({embedding, motionReadings(warped, correlation)}, 1);
+    const torch::Tensor pooled = (said * result.weight.unsqueeze(1)).sum(0, true);
     const torch::Tensor out = regression_[stage]->forward(pooled).squeeze(0);
     const torch::Tensor quaternion =
         out.slice(0, 0, 4) + torch::tensor({1.F, 0.F, 0.F, 0.F}, out.options());

@@ -14,6 +14,7 @@ namespace
 constexpr std::int64_t motion_channels = 24;
 constexpr std::int64_t segment_channels = 32;
 constexpr std::int64_t cell_features = 24;
+constexpr std::int64_t anchor_channels = 16;
 constexpr std::int64_t peak_channels = 3;
 constexpr std::int64_t subcells = 4;
 constexpr double rectified = 0;  // slope below zero
@@ -77,8 +78,9 @@ Tensor indexOf(const CellLevel& level)
   return tableTensor(level.row_of_cell, level.width);
 }
 
-/** Fits the static motion to the peaks of a correlation. */
+/** Fits the static motion to the peaks of a correlation. \param trust of each cell, N. */
 RigidFlowFit fitPeaks(const Tensor& correlation,
+                      const Tensor& trust,
                       int radius,
                       float size,
                       const Tensor& base_flow,
@@ -90,7 +92,9 @@ RigidFlowFit fitPeaks(const Tensor& correlation,
   torch::NoGradGuard no_gradient;
   const auto peak = peakOffset(correlation, radius).cpu().contiguous();
   const auto base = base_flow.defined() ? base_flow.cpu().contiguous() : Tensor();
+  const auto trusted = trust.cpu().contiguous();
   const float* p = peak.data_ptr<float>();
+  const float* t = trusted.data_ptr<float>();
   const float* b = base.defined() ? base.data_ptr<float>() : nullptr;
   std::vector<Eigen::Vector2f> flow(places.size());
   std::vector<float> weight(places.size());
@@ -101,7 +105,7 @@ RigidFlowFit fitPeaks(const Tensor& correlation,
     {
       flow[i] += Eigen::Vector2f(b[2 * i], b[2 * i + 1]);
     }
-    weight[i] = p[3 * i + 2] * p[3 * i + 2];
+    weight[i] = p[3 * i + 2] * p[3 * i + 2] * t[i];
   }
   return fitRigidFlow(places, flow, weight, width, start_width, start);
 }
@@ -165,6 +169,8 @@ DysegNetImpl::DysegNetImpl(const DysegNetworkOptions& options) : options_(option
       register_module("quarter_second", CellConv(o.quarter_channels, o.quarter_channels));
   fine_matching_ = register_module("fine_matching", RowLinear(o.half_channels, o.fine_channels));
   matching_ = register_module("matching", RowLinear(o.quarter_channels, o.matching_channels));
+  anchor_ = register_module("anchor", RowLinear(o.quarter_channels, anchor_channels));
+  anchor_logit_ = register_module("anchor_logit", RowLinear(anchor_channels, 1));
   state_ = register_module("state", RowLinear(o.quarter_channels, o.hidden));
   update_ = register_module("update", FlowUpdate(o.hidden, motion_channels, o.radius));
   segment_ = register_module("segment", CellConv(o.hidden + o.quarter_channels, segment_channels));
@@ -196,6 +202,7 @@ DysegEncoding DysegNetImpl::encode(const BevScan& scan)
   quarter = (quarter + quarter_second_(first, cells->quarter_around)).relu();
   e.context = quarter;
   e.fine = fine_matching_(half);
+  e.anchor = anchor_logit_(anchor_(quarter, rectified)).squeeze(1);
   e.middle = matching_(quarter);
   e.coarse = gatherRows(e.middle, cells->eighth_parts)
                  .view({cells->eighth_parts.size(0), 4, options_.matching_channels})
@@ -215,6 +222,7 @@ DysegMatch DysegNetImpl::match(const BevScan& scan,
   const float size = 4 * scan.cell_size;
   const int radius = options_.radius;
   const CellMap past_middle{past.middle, past.cells->quarter_index, empty_middle_};
+  const auto trust = current.anchor.detach().sigmoid().square();
   DysegMatch out;
   if (guess == nullptr)
   {
@@ -222,12 +230,14 @@ DysegMatch DysegNetImpl::match(const BevScan& scan,
         correlate(current.coarse, {past.coarse, past.cells->eighth_index, empty_coarse_},
                   occupied.eighth_position, radius);
   }
-  out.first = guide != nullptr ? guide->first
-              : guess != nullptr
-                  ? guess->motion
-                  : fitPeaks(out.coarse_correlation, radius, 2 * size, Tensor(),
-                             occupied.eighth_place, coarse_width, coarse_start, nullptr)
-                        .motion;
+  out.first =
+      guide != nullptr ? guide->first
+      : guess != nullptr
+          ? guess->motion
+          : fitPeaks(out.coarse_correlation,
+                     gatherRows(trust.unsqueeze(1), occupied.eighth_parts).mean(1), radius,
+                     2 * size, Tensor(), occupied.eighth_place, coarse_width, coarse_start, nullptr)
+                .motion;
   // Peaks between cells are seen too near the window's centre: look again from there, until what is
   // found is the centre. Each look takes the same share of what is left, which Aitken's method
   // uses.
@@ -242,8 +252,8 @@ DysegMatch DysegNetImpl::match(const BevScan& scan,
     {
       break;
     }
-    out.fit = fitPeaks(out.correlation, radius, size, flow, occupied.quarter_place, fine_width,
-                       guess != nullptr ? guess->within : fine_start, &centre);
+    out.fit = fitPeaks(out.correlation, trust, radius, size, flow, occupied.quarter_place,
+                       fine_width, guess != nullptr ? guess->within : fine_start, &centre);
     if (!out.fit.converged)
     {
       break;

@@ -123,6 +123,7 @@ class Trainer
  private:
   void save();
   void load(const std::string& checkpoint, bool weights_only);
+  void startFrom(const std::string& path);
   void validate();
   [[nodiscard]] double learningRate() const;
   DyloLossImpl::Terms trainPair(std::uint64_t index);
@@ -189,7 +190,7 @@ Trainer::Trainer(const Config& config, const DyloTrainRequest& request)
   }
   else if (!request.start.empty())
   {
-    load(request.start, true);
+    startFrom(request.start);
   }
   const std::string base = dataBase(data_.base);
   validation_ = loadRecordings(data_.validation, base, false);
@@ -368,6 +369,30 @@ void Trainer::save()
   std::filesystem::rename(path + ".new", path);
   saveDylo(network_, request_.output + "/dylo.pt.new");
   std::filesystem::rename(request_.output + "/dylo.pt.new", request_.output + "/dylo.pt");
+}
+
+/** A checkpoint of the same network, or a model: of that, the layers both have. */
+void Trainer::startFrom(const std::string& path)
+{
+  if (!isDyloModel(path))
+  {
+    load(path, true);
+    return;
+  }
+  const torch::NoGradGuard no_grad;
+  const auto own = network_->named_parameters();
+  std::size_t taken = 0;
+  for (const auto& given : loadDylo(path)->named_parameters())
+  {
+    const torch::Tensor* mine = own.find(given.key());
+    if (mine != nullptr && mine->sizes() == given.value().sizes())
+    {
+      torch::Tensor(*mine).copy_(given.value());
+      ++taken;
+    }
+  }
+  request_.report("started from " + path + ": " + std::to_string(taken) + " of " +
+                  std::to_string(own.size()) + " tensors");
 }
 
 void Trainer::load(const std::string& path, bool weights_only)

@@ -82,6 +82,13 @@ float hit(const BodyPart& part, const Eigen::Vector3f& origin, const Eigen::Vect
 }
 }  // namespace
 
+bool CastBody::covers(const Eigen::Vector2f& p, float margin) const
+{
+  const Eigen::Array2f low = bounds.min().head<2>().array() - margin;
+  const Eigen::Array2f high = bounds.max().head<2>().array() + margin;
+  return (p.array() > low).all() && (p.array() < high).all();
+}
+
 CastBody makeBody(BodyKind kind, RandomDraws& draws)
 {
   CastBody body;
@@ -124,6 +131,8 @@ CastBody makeBody(BodyKind kind, RandomDraws& draws)
   for (const auto& part : body.parts)
   {
     body.radius = std::max(body.radius, part.centre.head<2>().norm() + part.half.head<2>().norm());
+    body.bounds.extend(part.centre - part.half);
+    body.bounds.extend(part.centre + part.half);
   }
   return body;
 }
@@ -139,24 +148,29 @@ std::vector<std::uint32_t> castBody(const CastBody& body,
   const Eigen::Vector3f origin = T_body_sensor.translation();
   const Eigen::Vector2f centre = T_sensor_body.translation().head<2>().cast<float>();
   const float distance = centre.norm();
-  if (distance <= body.radius + 1)
+  if (body.covers(origin.head<2>(), 0.5F))
   {
     return on_body;
   }
   // Seen from above a ray can only hit within a narrow sector.
-  const Eigen::Vector2f ahead = centre / distance;
+  const bool around = distance <= body.radius;
+  const Eigen::Vector2f ahead = centre / std::max(distance, 1e-3F);
   const float sine = body.radius / distance;
   const float cosine2 = 1 - sine * sine;
   for (std::size_t i = 0; i < points.size(); ++i)
   {
     const Eigen::Vector3f p = points[i];
     const float forward = ahead.dot(p.head<2>());
-    if (!(forward > 0) || forward * forward < cosine2 * p.head<2>().squaredNorm() ||
-        forward < distance - body.radius)
+    if (!around && (!(forward > 0) || forward * forward < cosine2 * p.head<2>().squaredNorm() ||
+                    forward < distance - body.radius))
     {
       continue;
     }
     const float range = p.norm();
+    if (!(range > 0))
+    {
+      continue;
+    }
     const Eigen::Vector3f ray = T_body_sensor.linear() * (p / range);
     float nearest = nothing;
     for (const auto& part : body.parts)

@@ -105,6 +105,8 @@ void DysegAugmentOptions::describe(OptionsVisitor& v)
 {
   v.integer("bodies", bodies, 0, 100, "cast into a pair at most");
   v.real("moving_share", moving_share, 0, 1, "of the cast bodies");
+  v.real("beside_share", beside_share, 0, 1, "of the cast bodies, right beside the sensor");
+  v.real("convoy_share", convoy_share, 0, 1, "of pairs, with twice the bodies, most moving along");
   v.real("dropout", dropout, 0, 0.9, "largest share of points left out of a scan");
   v.real("range_noise", range_noise, 0, 0.5, "m, on cast bodies");
 }
@@ -133,17 +135,26 @@ double drawSpeed(const CastBody& body, RandomDraws& draws)
   return std::exp(draws.uniform(std::log(0.6), std::log(18.0)));
 }
 
-/** True if something already stands (or hangs) where a body shall be. */
-bool taken(const std::vector<Eigen::Vector3f>& points, const Pose& T_sensor_body, float radius)
+/** True if something already stands (or hangs) where a body shall be, or if the sensor does. */
+bool taken(const std::vector<Eigen::Vector3f>& points,
+           const Pose& T_sensor_body,
+           const CastBody& body)
 {
-  const Eigen::Vector2f centre = T_sensor_body.translation().head<2>().cast<float>();
-  const auto ground = static_cast<float>(T_sensor_body.translation().z());
-  const float reach = radius * radius;
+  constexpr float sensor_clearance = 1.4F;  // m, half the width of what carries it, and more
+  constexpr float clearance = 0.2F;         // m
+  const Eigen::Isometry3f T_body_sensor = T_sensor_body.inverse().cast<float>();
+  if (body.covers(T_body_sensor.translation().head<2>(), sensor_clearance))
+  {
+    return true;
+  }
+  const Eigen::Vector3f centre = T_sensor_body.translation().cast<float>();
+  const float reach = body.radius + 0.3F;
+  const float top = std::max(1.0F, body.bounds.max().z());
   int inside = 0;
   for (const auto& p : points)
   {
-    if ((p.head<2>() - centre).squaredNorm() < reach && p.z() > ground + 0.3F &&
-        p.z() < ground + 2.5F)
+    if ((p - centre).head<2>().squaredNorm() < reach * reach && p.z() > centre.z() + 0.3F &&
+        p.z() < centre.z() + top && body.covers((T_body_sensor * p).head<2>(), clearance))
     {
       ++inside;
     }
@@ -151,26 +162,73 @@ bool taken(const std::vector<Eigen::Vector3f>& points, const Pose& T_sensor_body
   return inside > 4;
 }
 
+/** Where a body is, in the current sensor frame; upright, height not yet set. */
+Pose drawPlace(const CastBody& body, bool beside, RandomDraws& draws)
+{
+  if (beside)
+  {
+    // Right next to the sensor, along the road or about so.
+    const double side = draws.chance(0.5) ? 1 : -1;
+    const double width = body.bounds.max().y();
+    return poseFromYpr(draws.uniform(-8, 8), side * (width + draws.uniform(1.5, 6)), 0,
+                       (draws.chance(0.5) ? pi : 0) + draws.normal(0.08), 0, 0);
+  }
+  // Near places more often: that is where points are.
+  const double distance = 4 + 41 * std::pow(draws.uniform(), 1.3);
+  const double bearing = draws.uniform(-pi, pi);
+  return poseFromYpr(distance * std::cos(bearing), distance * std::sin(bearing), 0,
+                     draws.uniform(-pi, pi), 0, 0);
+}
+
+/** How a body moves: from its place now to the place then, both in the current sensor frame. */
+struct BodyMotion
+{
+  bool moving = false;
+  double speed = 0;                    //!< m/s
+  Pose T_now_then = Pose::Identity();  //!< body then, in the frame of the body now
+};
+
+BodyMotion drawMotion(const CastBody& body, double moving_share, double elapsed, RandomDraws& draws)
+{
+  BodyMotion m;
+  m.moving = draws.chance(moving_share);
+  if (m.moving)
+  {
+    // Backwards along its heading, turning.
+    m.speed = drawSpeed(body, draws);
+    const double length = m.speed * elapsed * (draws.chance(0.1) ? -1 : 1);
+    m.T_now_then = poseFromYpr(-length, 0, 0, -draws.normal(0.3) * elapsed, 0, 0);
+  }
+  return m;
+}
+
+/** As the sensor moves, but for a little. */
+BodyMotion alongMotion(const DysegSample& sample, const Pose& T_now, RandomDraws& draws)
+{
+  BodyMotion m;
+  const double drift = draws.normal(0.4) * sample.elapsed;
+  const Pose T_then_in_now =
+      sample.T_past_current.inverse() * poseFromYpr(drift, 0, 0, 0, 0, 0) * T_now;
+  m.T_now_then = T_now.inverse() * T_then_in_now;
+  m.speed = m.T_now_then.translation().norm() / std::max(sample.elapsed, 1e-3);
+  m.moving = true;
+  return m;
+}
+
 void castOne(const DysegAugmentOptions& options,
              const BevGround& ground_now,
              const BevGround& ground_then,
+             bool convoy,
              RandomDraws& draws,
              DysegSample& sample)
 {
   const CastBody body = makeBody(drawKind(draws), draws);
-  const bool moving = draws.chance(options.moving_share);
-  const double speed = moving ? drawSpeed(body, draws) : 0;
-  // Near places more often: that is where points are.
-  const double distance = 4 + 41 * std::pow(draws.uniform(), 1.3);
-  const double bearing = draws.uniform(-pi, pi);
-  const double heading = draws.uniform(-pi, pi);
-  Pose T_now =
-      poseFromYpr(distance * std::cos(bearing), distance * std::sin(bearing), 0, heading, 0, 0);
-  // Where it was `elapsed` before, in the current frame: backwards along its heading, turning.
-  const double length = speed * sample.elapsed * (draws.chance(0.1) ? -1 : 1);
-  const double turn = moving ? draws.normal(0.3) * sample.elapsed : 0;
-  Pose T_then_in_now = T_now * poseFromYpr(-length, 0, 0, -turn, 0, 0);
-  Pose T_then = sample.T_past_current * T_then_in_now;
+  const bool beside = draws.chance(convoy ? 0.4 : options.beside_share);
+  Pose T_now = drawPlace(body, beside, draws);
+  const bool along = convoy && draws.chance(0.7);
+  const BodyMotion motion = along ? alongMotion(sample, T_now, draws)
+                                  : drawMotion(body, options.moving_share, sample.elapsed, draws);
+  Pose T_then = sample.T_past_current * T_now * motion.T_now_then;
   const auto settle = [](const BevGround& ground, Pose& pose)
   {
     pose.translation().z() = ground.heightAt(static_cast<float>(pose.translation().x()),
@@ -180,23 +238,24 @@ void castOne(const DysegAugmentOptions& options,
   };
   settle(ground_now, T_now);
   settle(ground_then, T_then);
-  if (taken(sample.current, T_now, body.radius) || taken(sample.past, T_then, body.radius))
+  if (taken(sample.current, T_now, body) || taken(sample.past, T_then, body))
   {
     return;
   }
   const auto noise = static_cast<float>(options.range_noise);
   const auto on_body = castBody(body, T_now, noise, draws, sample.current);
   castBody(body, T_then, noise, draws, sample.past);
-  const Eigen::Isometry3f motion =
-      (moving ? T_then * T_now.inverse() : sample.T_past_current).cast<float>();
+  const Eigen::Isometry3f flow =
+      (motion.moving ? T_then * T_now.inverse() : sample.T_past_current).cast<float>();
+  const auto label = !motion.moving                 ? DysegSample::static_point
+                     : motion.speed < claimed_speed ? DysegSample::ignored_point
+                                                    : DysegSample::moving_point;
   for (const auto i : on_body)
   {
-    sample.label[i] = !moving                 ? DysegSample::static_point
-                      : speed < claimed_speed ? DysegSample::ignored_point
-                                              : DysegSample::moving_point;
-    sample.flow[i] = flowOf(motion, sample.current[i]);
+    sample.label[i] = label;
+    sample.flow[i] = flowOf(flow, sample.current[i]);
   }
-  if (moving && on_body.size() > 15)
+  if (label == DysegSample::moving_point && on_body.size() > 15)
   {
     sample.movers.push_back(T_now.translation().head<2>().cast<float>());
   }
@@ -251,10 +310,12 @@ void augment(const DysegAugmentOptions& options, RandomDraws& draws, DysegSample
   {
     const BevGround ground_now(sample.current);
     const BevGround ground_then(sample.past);
-    const std::size_t bodies = draws.below(static_cast<std::size_t>(options.bodies) + 1);
+    const bool convoy = draws.chance(options.convoy_share);
+    const std::size_t bodies =
+        (convoy ? 2 : 1) * draws.below(static_cast<std::size_t>(options.bodies) + 1);
     for (std::size_t i = 0; i < bodies; ++i)
     {
-      castOne(options, ground_now, ground_then, draws, sample);
+      castOne(options, ground_now, ground_then, convoy, draws, sample);
     }
   }
   turnAndMirror(draws, sample);

@@ -19,6 +19,7 @@ constexpr int moving_points_needed = 3;
 constexpr double matching_weight = 0.5;
 constexpr double flow_weight = 1.0;
 constexpr double upsampled_weight = 0.3;
+constexpr double anchor_weight = 0.3;
 
 Tensor rowsOf(const std::vector<Eigen::Vector2f>& values)
 {
@@ -339,6 +340,14 @@ DysegLoss dysegLoss(DysegNet& net,
   const auto cell_error = nnf::binary_cross_entropy_with_logits(
       out.logit.index_select(0, judged), cell_label.to(torch::kFloat32),
       nnf::BinaryCrossEntropyWithLogitsFuncOptions().reduction(torch::kNone));
+  // What looks as if it stayed, by the scan alone.
+  const auto anchor_loss = balancedMean(
+      nnf::binary_cross_entropy_with_logits(
+          a.anchor.index_select(0, judged), cell_label.logical_not().to(torch::kFloat32),
+          nnf::BinaryCrossEntropyWithLogitsFuncOptions().reduction(torch::kNone)),
+      cell_label);
+  loss.anchor = anchor_loss.item<double>();
+  total = total + anchor_weight * anchor_loss;
   const auto cell_loss = 0.5 * balancedMean(cell_error, cell_label) + cell_error.mean();
   loss.cell = cell_loss.item<double>();
   total = total + cell_loss;

@@ -103,36 +103,48 @@ void DysegPairs::prepare(int step)
   }
 }
 
+namespace
+{
+/** One scan as if seen twice, from not far apart. */
+DysegSample seenTwice(const std::vector<Eigen::Vector3f>& scan, RandomDraws& draws)
+{
+  const double ahead = draws.chance(0.15) ? 0 : draws.uniform(-1.5, draws.chance(0.3) ? 7 : 2.5);
+  const Pose motion = poseFromYpr(ahead, draws.normal(0.05), draws.normal(0.02), draws.normal(0.02),
+                                  draws.normal(0.003), draws.normal(0.003));
+  auto sample = doubleScan(scan, motion, draws);
+  sample.elapsed = period * static_cast<double>(1 + draws.below(longest_gap));
+  return sample;
+}
+
+DysegSample pairOf(const DysegClip& clip, double twice_share, RandomDraws& draws)
+{
+  if (draws.chance(twice_share))
+  {
+    return seenTwice(clip.frames[draws.below(clip.frames.size())].points, draws);
+  }
+  const std::size_t gap = 1 + draws.below(std::min(longest_gap, clip.frames.size() - 1));
+  const std::size_t later = gap + draws.below(clip.frames.size() - gap);
+  return draws.chance(0.7) ? makeSample(clip, later, later - gap)
+                           : makeSample(clip, later - gap, later);
+}
+}  // namespace
+
 DysegSample DysegPairs::draw(RandomDraws& draws) const
 {
   const bool real = !runs_.empty() || !singles_.empty();
   if (!pool_.empty() && (!real || draws.chance(options_.simulated_share)))
   {
-    const auto& clip = pool_[draws.below(pool_.size())];
-    const std::size_t gap = 1 + draws.below(std::min(longest_gap, clip.frames.size() - 1));
-    const std::size_t later = gap + draws.below(clip.frames.size() - gap);
-    return draws.chance(0.7) ? makeSample(clip, later, later - gap)
-                             : makeSample(clip, later - gap, later);
+    return pairOf(pool_[draws.below(pool_.size())], options_.twice_share, draws);
   }
   if (!singles_.empty() && (runs_.empty() || draws.chance(options_.single_share)))
   {
-    const auto& scan = singles_[draws.below(singles_.size())];
-    const double ahead = draws.chance(0.15) ? 0 : draws.uniform(-1.5, draws.chance(0.3) ? 7 : 2.5);
-    const Pose motion = poseFromYpr(ahead, draws.normal(0.05), draws.normal(0.02),
-                                    draws.normal(0.02), draws.normal(0.003), draws.normal(0.003));
-    auto sample = doubleScan(scan, motion, draws);
-    sample.elapsed = period * static_cast<double>(1 + draws.below(longest_gap));
-    return sample;
+    return seenTwice(singles_[draws.below(singles_.size())], draws);
   }
   if (runs_.empty())
   {
     throw UserError("training has no data: set data, or simulated_share above 0");
   }
-  const auto& run = runs_[draws.below(runs_.size())];
-  const std::size_t gap = 1 + draws.below(longest_gap);
-  const std::size_t later = gap + draws.below(run.frames.size() - gap);
-  return draws.chance(0.7) ? makeSample(run, later, later - gap)
-                           : makeSample(run, later - gap, later);
+  return pairOf(runs_[draws.below(runs_.size())], options_.twice_share, draws);
 }
 
 std::string DysegPairs::summary() const

@@ -67,6 +67,7 @@ void DysegTrainerOptions::describe(OptionsVisitor& v)
   v.text("single_scans", single_scans, "folders of scans under data, separated by commas");
   v.real("simulated_share", simulated_share, 0, 1, "of pairs");
   v.real("single_share", single_share, 0, 1, "of the real pairs");
+  v.real("twice_share", twice_share, 0, 1, "of pairs of runs and clips: one scan seen twice");
   v.real("campus_share", campus_share, 0, 1, "of simulated clips: many people, few cars");
   v.real("highway_share", highway_share, 0, 1, "of the other simulated clips");
   v.real("few_beams_share", few_beams_share, 0, 1, "of simulated clips seen by 16 beams");
@@ -189,6 +190,7 @@ DysegLoss DysegTrainer::Impl::learn()
     learnt = true;
     sum.matching += loss.matching / options.batch;
     sum.flow += loss.flow / options.batch;
+    sum.anchor += loss.anchor / options.batch;
     sum.cell += loss.cell / options.batch;
     sum.point += loss.point / options.batch;
   }
@@ -362,7 +364,7 @@ void DysegTrainer::run(const std::function<void(const std::string&)>& say)
   t.pairs = std::make_unique<DysegPairs>(t.options);
   say("data: " + t.pairs->summary());
   t.start = Clock::now();
-  auto csv = openLog(t.file("train.csv"), "step,minutes,rate,matching,flow,cell,point");
+  auto csv = openLog(t.file("train.csv"), "step,minutes,rate,matching,flow,anchor,cell,point");
   DysegLoss mean;
   int counted = 0;
   while (t.step < t.options.steps && (t.options.minutes <= 0 || t.minutes() < t.options.minutes))
@@ -371,6 +373,7 @@ void DysegTrainer::run(const std::function<void(const std::string&)>& say)
     const auto loss = t.learn();
     mean.matching += loss.matching;
     mean.flow += loss.flow;
+    mean.anchor += loss.anchor;
     mean.cell += loss.cell;
     mean.point += loss.point;
     ++counted;
@@ -378,11 +381,11 @@ void DysegTrainer::run(const std::function<void(const std::string&)>& say)
     if (t.step % 20 == 0)
     {
       char line[200];
-      std::snprintf(line, sizeof(line), "%d,%.2f,%.6f,%.4f,%.4f,%.4f,%.4f", t.step, t.minutes(),
-                    t.rate(), mean.matching / counted, mean.flow / counted, mean.cell / counted,
-                    mean.point / counted);
+      std::snprintf(line, sizeof(line), "%d,%.2f,%.6f,%.4f,%.4f,%.4f,%.4f,%.4f", t.step,
+                    t.minutes(), t.rate(), mean.matching / counted, mean.flow / counted,
+                    mean.anchor / counted, mean.cell / counted, mean.point / counted);
       csv << line << std::endl;
-      say("step, minutes, rate, matching, flow, cell, point: " + std::string(line));
+      say("step, minutes, rate, matching, flow, anchor, cell, point: " + std::string(line));
       mean = DysegLoss();
       counted = 0;
     }

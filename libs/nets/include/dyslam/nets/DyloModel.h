@@ -11,6 +11,9 @@ namespace dyslam
 /** Weights and shape in one file. \throws UserError if it cannot be written. */
 void saveDylo(DyloNetwork& network, const std::string& path);
 
+/** True for a file that saveDylo() wrote. */
+[[nodiscard]] bool isDyloModel(const std::string& path);
+
 /** \throws UserError if the file is missing, is no DyLO model or does not fit its own shape. */
 [[nodiscard]] DyloNetwork loadDylo(const std::string& path);
 }  // namespace dyslam

@@ -44,6 +44,7 @@ struct DysegEncoding
   std::shared_ptr<const DysegCells> cells;
   torch::Tensor points;   //!< P x pillar_channels, of each kept point
   torch::Tensor context;  //!< N4 x quarter_channels
+  torch::Tensor anchor;   //!< N4 logits: looks like something that stays where it is
   torch::Tensor fine;     //!< N2 x fine_channels, for matching
   torch::Tensor middle;   //!< N4 x matching_channels, for matching
   torch::Tensor coarse;   //!< N8 x matching_channels, for matching
@@ -81,8 +82,9 @@ struct DysegCellsOut
  *
  * Everything is computed for occupied cells only, an eighth to a quarter of the grid.
  * Pillars, a shared encoder, correlation at 1/8 (all motions), 1/4 (around the static flow) and 1/2
- * of the grid (single points); the static flow in closed form; recurrent updates of the flow around
- * it; cells, then points, from residual flow, context, correlation and what earlier rays saw.
+ * of the grid (single points); the static flow in closed form, of cells that look like walls and
+ * trees rather than like vehicles; recurrent updates of the flow around it; cells, then points, from
+ * residual flow, context, correlation and what earlier rays saw.
  */
 class DysegNetImpl : public torch::nn::Module
 {
@@ -136,6 +138,8 @@ class DysegNetImpl : public torch::nn::Module
   CellConv quarter_second_{nullptr};
   RowLinear fine_matching_{nullptr};
   RowLinear matching_{nullptr};
+  RowLinear anchor_{nullptr};
+  RowLinear anchor_logit_{nullptr};
   RowLinear state_{nullptr};
   FlowUpdate update_{nullptr};
   CellConv segment_{nullptr};

@@ -5,6 +5,7 @@
 #include <dyslam/train/RandomDraws.h>
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <string>
 #include <vector>
 
@@ -24,6 +25,10 @@ struct CastBody
   std::string kind;
   std::vector<BodyPart> parts;
   float radius = 0;  //!< of a circle around the body's origin that holds it, seen from above [m]
+  Eigen::AlignedBox3f bounds;  //!< of all parts, body frame [m]
+
+  /** Seen from above, the place lies within `margin` of the bounds. \param p body frame [m] */
+  [[nodiscard]] bool covers(const Eigen::Vector2f& p, float margin) const;
 };
 
 enum class BodyKind
@@ -42,6 +47,7 @@ enum class BodyKind
  * the body. What the body hides disappears with that, and it is sampled as the sensor would.
  *
  * \param T_sensor_body upright pose of the body, its origin on the ground
+ * Nothing is hit from within or from right beside the body.
  * \param points sensor at the origin; changed \return positions of the points that now lie on it.
  */
 std::vector<std::uint32_t> castBody(const CastBody& body,

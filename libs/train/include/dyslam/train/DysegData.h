@@ -69,6 +69,8 @@ struct DysegAugmentOptions : Options
 {
   int bodies = 7;             //!< at most, cast into a pair
   double moving_share = 0.6;  //!< of cast bodies; the others of the same shapes stand
+  double beside_share = 0.2;  //!< of cast bodies, right beside the sensor
+  double convoy_share = 0.2;  //!< of pairs: twice the bodies, most of them moving along
   double dropout = 0.3;       //!< at most, share of points left out of a scan
   double range_noise = 0.02;  //!< m, on cast bodies
   void describe(OptionsVisitor& visitor) override;

@@ -33,6 +33,7 @@ struct DysegTrainerOptions : Options
   std::string single_scans = "hdl64_singles_sceneflow,hdl64_singles_object/velodyne";
   double simulated_share = 0.5;  //!< of pairs; the rest is real, if there is any
   double single_share = 0.3;     //!< of real pairs
+  double twice_share = 0.1;      //!< of pairs of runs and clips: one scan, seen twice
   double campus_share = 0.25;    //!< of simulated clips; the others are streets and highways
   double highway_share = 0.2;    //!< of the clips that are not of a campus
   double few_beams_share = 0.2;  //!< of simulated clips, seen by 16 beams
