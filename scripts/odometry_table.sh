@@ -6,7 +6,8 @@ usage="Usage: odometry_table.sh [-c CONFIG] [-n SCANS] [-m METHODS] [-o DIR] [-l
 
   -c  ini file or shipped name (kitti64.ini)
   -n  scans of each rawlog, 0 for all (0)
-  -m  methods, several with spaces between; NAME is the method alone, NAME+refine with the local map
+  -m  methods, several with spaces between; NAME is the method alone, NAME+refine with the local map,
+      dyseg+NAME after the network has taken out what moves
       (dylo dylo+refine constant_velocity+refine icp_po2po icp_po2pl gicp loam_no_mapping loam zero_motion)
   -o  folder for the runs' results (./odometry_table); a run that is there is not repeated
   -l  segment lengths of t_rel [m] (\"5 10 20\")
@@ -41,9 +42,12 @@ for rawlog in "$@"; do
     [ -f "$folder/report.json" ] && continue
     refine=none
     case $method in *+refine) refine=point_to_plane ;; esac
+    segmenter=none
+    case $method in dyseg+*) segmenter=network ;; esac
+    name_only=${method#dyseg+}
     "${bin}dyslam" -i "$rawlog" -c "$config" -o "$folder" -v ERROR --only-first-n "$scans" \
-      --set "odometry.method=${method%+refine}" --set "refine.method=$refine" \
-      --set dyseg.method=none --set pipeline.tracking=false --set pipeline.mapping=false
+      --set "odometry.method=${name_only%+refine}" --set "refine.method=$refine" \
+      --set "dyseg.method=$segmenter" --set pipeline.tracking=false --set pipeline.mapping=false
   done
   echo "$name"
   # shellcheck disable=SC2086

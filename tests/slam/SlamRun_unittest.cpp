@@ -297,6 +297,37 @@ TEST_F(SlamRun, TheSegmentersMotionIsTheFirstGuess)
   EXPECT_NEAR(firstStep(s, "odometry_tum.txt").translation().norm(), truth, 0.5 * truth);
 }
 
+/** Seven in ten points above ground drive along with the sensor, at about its speed. */
+TEST_F(SlamRun, FindsTheWorldAmongTrafficThatDrivesAlong)
+{
+  sim::SimulatorOptions options;
+  options.world = sim::WorldKind::highway;
+  options.traffic = 0.6;
+  options.seed = 41;
+  options.columns = 1024;
+  options.loop_length = 600;
+  sim::Simulator simulator(options, 2);
+  auto s = settings("traffic");
+  s.rawlog = (folder_ / "highway.rawlog").string();
+  RawlogWriter writer(s.rawlog);
+  for (int i = 0; i < 16; ++i)
+  {
+    const auto simulated = simulator.next();
+    writer.write(simulated.scan, simulated.T_map_vehicle);
+  }
+  writer.close();
+  s.config =
+      Config::fromFile(std::string(DYSLAM_SOURCE_DIR) + "/share/dyslam/config_files/kitti64.ini");
+  s.labels = false;
+  s.config.set("pipeline.mapping=false");
+  s.config.set("pipeline.tracking=false");
+  s.config.set("output.replay=false");
+  ASSERT_EQ(runSlam(s).frames, 16U);
+  const auto errors = errorsOf(s.output_folder);
+  EXPECT_GT(errors.length, 10);
+  EXPECT_NEAR(errors.forward_ratio.value_or(0), 1, 0.05);
+}
+
 TEST_F(SlamRun, StaticScansAreTheScansWithoutWhatMoves)
 {
   auto s = settings("static_scans");

@@ -62,6 +62,7 @@ struct NetworkSegmenter::Impl
   RigidFlowFit last_step;  //!< to the scan before
   MotionEstimate motion;   //!< the same, of the vehicle
   std::optional<SceneFlow> flow;
+  std::vector<float> anchors;  //!< of the last scan's points, in a run's first scans
 
   [[nodiscard]] RigidFlowFit matchLast(const DysegModel::Encoded& current,
                                        const Frame& frame,
@@ -81,6 +82,7 @@ NetworkSegmenter::NetworkSegmenter(const NetworkSegmenterOptions& options)
            {},
            {},
            {},
+           {},
            {}});
 }
 
@@ -90,12 +92,18 @@ void NetworkSegmenter::reset()
 {
   impl_->past.clear();
   impl_->flow.reset();
+  impl_->anchors.clear();
   impl_->motion = MotionEstimate();
 }
 
 const MotionEstimate* NetworkSegmenter::staticMotion() const
 {
   return impl_->motion.converged ? &impl_->motion : nullptr;
+}
+
+const std::vector<float>* NetworkSegmenter::staticLikelihood() const
+{
+  return impl_->anchors.empty() ? nullptr : &impl_->anchors;
 }
 
 const SceneFlow* NetworkSegmenter::sceneFlow() const
@@ -193,6 +201,11 @@ void NetworkSegmenter::segment(Frame& frame)
   const auto encoded = s.model.encode(points);
   frame.moving_probability.assign(points.size(), 0.0F);
   s.flow.reset();
+  s.anchors.clear();
+  if (s.past.size() < static_cast<std::size_t>(s.options.first_gap))
+  {
+    s.anchors = s.model.anchors(*encoded);
+  }
   if (!s.past.empty())
   {
     s.last_step = s.matchLast(*encoded, frame, sensor);

@@ -75,6 +75,31 @@ TEST(NetworkSegmenter, TheFirstScanIsStatic)
   EXPECT_EQ(segmenter.sceneFlow(), nullptr);
 }
 
+TEST(NetworkSegmenter, LooksCountUntilTheFirstGapIsReached)
+{
+  NetworkSegmenterOptions options;
+  options.first_gap = 2;
+  NetworkSegmenter segmenter(options);
+  EXPECT_EQ(segmenter.staticLikelihood(), nullptr);
+  for (std::size_t i = 0; i < 4; ++i)
+  {
+    auto frame = frameOf(street(static_cast<unsigned>(i)), i);
+    segmenter.segment(frame);
+    const auto* looks = segmenter.staticLikelihood();
+    ASSERT_EQ(looks != nullptr, i < 2) << i;
+    if (looks == nullptr)
+    {
+      continue;
+    }
+    ASSERT_EQ(looks->size(), frame.cloud.points.size());
+    EXPECT_EQ(looks->front(), 1.0F) << "ground is not asked";
+    EXPECT_LT(*std::min_element(looks->begin(), looks->end()), 1.0F);
+    EXPECT_GE(*std::min_element(looks->begin(), looks->end()), 0.0F);
+  }
+  segmenter.reset();
+  EXPECT_EQ(segmenter.staticLikelihood(), nullptr);
+}
+
 TEST(NetworkSegmenter, ShiftedScanGivesTheShiftAndNoMovers)
 {
   NetworkSegmenter segmenter{NetworkSegmenterOptions()};

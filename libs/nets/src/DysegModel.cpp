@@ -83,6 +83,22 @@ RigidFlowFit DysegModel::match(const Encoded& current,
       .fit;
 }
 
+std::vector<float> DysegModel::anchors(const Encoded& scan) const
+{
+  std::vector<float> anchor(scan.inputs, 1.0F);
+  if (scan.scan.size() == 0)
+  {
+    return anchor;
+  }
+  const auto logit = scan.encoding.anchor.contiguous();
+  const float* l = logit.data_ptr<float>();
+  for (std::size_t i = 0; i < scan.scan.size(); ++i)
+  {
+    anchor[scan.scan.source[i]] = sigmoid(l[scan.encoding.cells->level.quarter.row_of_point[i]]);
+  }
+  return anchor;
+}
+
 DysegResult DysegModel::compare(const Encoded& current, const Encoded& past, int iterations) const
 {
   return judge(current, past, match(current, past), iterations);

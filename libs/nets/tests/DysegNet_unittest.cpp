@@ -70,7 +70,7 @@ TEST(DysegNet, EveryParameterLearns)
   ASSERT_EQ(flow.size(0), points.size(0));
   ASSERT_EQ(cells.residual.size(), 2U);
   auto loss = points.square().sum() + flow.square().sum() + cells.logit.square().sum() +
-              (match.correlation + 1).square().sum() +
+              (a.anchor - 1).square().sum() + (match.correlation + 1).square().sum() +
               (match.coarse_correlation + 1).square().sum();
   for (const auto& r : cells.residual)
   {

@@ -12,6 +12,7 @@
 #include <dyslam/core/Error.h>
 #include <dyslam/odometry/LidarOdometry.h>
 #include <dyslam/odometry/LocalMapRefinement.h>
+#include <dyslam/odometry/MotionFilter.h>
 #include <dyslam/odometry/Preprocessor.h>
 
 #include <algorithm>
@@ -41,6 +42,8 @@ struct Arguments
   std::vector<std::string> methods;
   Config config;
 };
+
+constexpr double period = 0.1;  // s, between scans
 
 struct Row
 {
@@ -206,9 +209,21 @@ Row runMethod(const std::string& method,
   const Preprocessor preprocessor(loader.get<PreprocessOptions>("preprocess"), pool);
   LocalMapRefinement refinement(loader.get<RefineOptions>("refine"), pool);
   std::unique_ptr<LidarOdometry> odometry;
-  Step step = [&](const Frame& frame, const Pose& prediction)
-  { return refinement.refine(frame, refinement.pose() * prediction).motion; };
+  MotionFilter filter(loader.get<MotionFilterOptions>("motion"));
+  filter.start(Vector6::Zero(), loader.get<RefineOptions>("refine").start_deviation / period, 1);
+  // Motions count from the second scan on.
+  const auto refine = [&](const Frame& frame, const Pose& motion)
+  {
+    const double dt = frame.index > 0 ? period : 0;
+    const PosePrior prior{refinement.pose() * filter.predict(dt), filter.information(dt)};
+    const RefineResult result = refinement.refine(frame, refinement.pose() * motion, &prior);
+    filter.update(dt, result.motion.T_previous_current, result.points_information,
+                  result.prior_weight);
+    return result.motion;
+  };
+  Step step = refine;
   const std::size_t plus = method.find("+refine");
+  const bool refined = refining || plus != std::string::npos;
   if (!refining)
   {
     odometry = makeOdometry(method.substr(0, plus), loader, pool);
@@ -222,9 +237,8 @@ Row runMethod(const std::string& method,
     {
       frame.odometry = odometry->process(frame, prediction);
       frame.static_confidence = odometry->staticConfidence();
-      const Pose& motion =
-          frame.odometry.converged ? frame.odometry.T_previous_current : prediction;
-      return refinement.refine(frame, refinement.pose() * motion).motion;
+      return refine(frame,
+                    frame.odometry.converged ? frame.odometry.T_previous_current : prediction);
     };
   }
 
@@ -250,12 +264,13 @@ Row runMethod(const std::string& method,
         std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start)
             .count());
     row.failures += estimate.converged ? 0U : 1U;
-    motion = i > 0 ? estimate.T_previous_current : Pose::Identity();
-    T = orthonormalized(T * motion);
+    const Pose found = i > 0 ? estimate.T_previous_current : Pose::Identity();
+    T = orthonormalized(T * found);
+    motion = refined ? filter.predict(period) : found;
     row.poses.push_back(T);
     if (i > 0 && i < reference.size())
     {
-      const Vector6 e = logSE3(motion.inverse() * reference[i - 1].inverse() * reference[i]);
+      const Vector6 e = logSE3(found.inverse() * reference[i - 1].inverse() * reference[i]);
       row.normalised_error += e.dot(estimate.information * e);
       ++judged;
     }

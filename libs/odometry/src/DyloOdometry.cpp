@@ -76,9 +76,11 @@ std::string DyloOdometry::doubts(const DyloMatch& match) const
 MotionEstimate DyloOdometry::align(const Pose& T_reference_current_guess)
 {
   const Pose T_lidar_vehicle = T_vehicle_lidar_.inverse();
-  const Pose start = options_.start == DyloStart::prediction
-                         ? T_lidar_vehicle * T_reference_current_guess * T_vehicle_lidar_
-                         : Pose::Identity();
+  const Pose predicted = T_lidar_vehicle * T_reference_current_guess * T_vehicle_lidar_;
+  const bool far = predicted.translation().norm() > options_.reach;
+  const bool from_prediction =
+      options_.start == DyloStart::prediction || (options_.start == DyloStart::automatic && far);
+  const Pose start = from_prediction ? predicted : Pose::Identity();
   const DyloMatch match = matcher_.match(start);
   MotionEstimate estimate;
   estimate.information.setZero();

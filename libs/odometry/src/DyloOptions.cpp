@@ -7,8 +7,11 @@ void DyloOptions::describe(OptionsVisitor& v)
 {
   v.text("weights", weights, "file, or name of weights that come with DySLAM");
   v.choice("start", start,
-           {{"standing", DyloStart::standing}, {"prediction", DyloStart::prediction}},
-           "where the search begins: at no motion, or at the predicted one");
+           {{"standing", DyloStart::standing},
+            {"prediction", DyloStart::prediction},
+            {"automatic", DyloStart::automatic}},
+           "where the search begins: at no motion, at the predicted one, or there if it is far");
+  v.real("reach", reach, 0, 100, "predicted motions beyond it are far [m]");
   v.integer("threads", threads, 1, 64, "of the network");
   v.flag("confidence", confidence, "hand on how surely each point stands still");
   v.real("correlated_points", correlated_points, 1, 1e6, "points that count as one measurement");

@@ -11,15 +11,17 @@ namespace dyslam
 /** Where DyLO's search begins. */
 enum class DyloStart : std::uint8_t
 {
-  standing,   //!< at no motion, as in the paper: the two scans alone decide
-  prediction  //!< at the predicted motion
+  standing,    //!< at no motion, as in the paper: the two scans alone decide
+  prediction,  //!< at the predicted motion
+  automatic    //!< standing, but for predictions that are beyond the network's reach
 };
 
 /** Ini section `[dylo]`. */
 struct DyloOptions : Options
 {
   std::string weights = "dylo.pt";  //!< file, or name of weights that come with DySLAM
-  DyloStart start = DyloStart::standing;
+  DyloStart start = DyloStart::automatic;
+  double reach = 1.5;  //!< of the search from standing, for `automatic` [m]
   int threads = 1;
   bool confidence = true;          //!< hand on how surely each point stands still
   double correlated_points = 24;   //!< sampled points that count as one measurement

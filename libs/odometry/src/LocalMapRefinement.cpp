@@ -6,6 +6,7 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "ScanToMap.h"
 #include "SimpleOdometry.h"
@@ -51,7 +52,8 @@ void RefineOptions::describe(OptionsVisitor& v)
   v.real("kernel", kernel, 0.001, 10, "scale of the robust kernel once the guess is good [m]");
   v.real("max_kernel", max_kernel, 0.001, 10, "its start where guesses have been bad [m]");
   v.real("start_deviation", start_deviation, 0, 50, "how wrong the first guess may be [m]");
-  v.real("guess_sigma", guess_sigma, 1e-4, 1e3, "how far guesses are trusted: translation [m]");
+  v.real("guess_sigma", guess_sigma, 1e-4, 1e3,
+         "how far guesses without a prior are trusted: translation [m]");
   v.degrees("guess_sigma_angle_deg", guess_sigma_angle, 1e-3, 180, "... and rotation");
   v.real("odometry_trust", odometry_trust, 0, 10,
          "share of the odometry's own information that joins the guess");
@@ -66,6 +68,7 @@ struct LocalMapRefinement::State
   {
   }
 
+  void setPrior(const Frame& frame, const Pose& T_before, const PosePrior* prior);
   void takeIn(const Frame& frame);
   void sampleScan();
   void shapeSample();
@@ -82,7 +85,8 @@ struct LocalMapRefinement::State
   Eigen::Vector3d cropped_at = Eigen::Vector3d::Zero();
   int joined = 0;  //!< frames in the map
   int failures = 0;
-  Matrix6 odometry_information = Matrix6::Zero();  //!< of the guess at hand
+  std::optional<Pose> T_prior;                  //!< of the frame at hand
+  Matrix6 prior_information = Matrix6::Zero();  //!< of the prior, or of the guess
   double deviation2 = 0;     //!< running mean square of how wrong guesses were [m^2]
   double usual_inliers = 0;  //!< running mean of the inlier share
 
@@ -95,6 +99,36 @@ struct LocalMapRefinement::State
   std::vector<Eigen::Matrix3f> shapes;     //!< of `sample`
   std::vector<std::uint32_t> kept;
 };
+
+void LocalMapRefinement::State::setPrior(const Frame& frame,
+                                         const Pose& T_before,
+                                         const PosePrior* prior)
+{
+  T_prior.reset();
+  prior_information.setZero();
+  if (prior != nullptr)
+  {
+    T_prior = prior->T_odom_vehicle;
+    prior_information = prior->information;
+  }
+  else
+  {
+    prior_information.diagonal().head<3>().setConstant(1 / square(options.guess_sigma));
+    prior_information.diagonal().tail<3>().setConstant(1 / square(options.guess_sigma_angle));
+  }
+  if (!frame.odometry.converged || options.odometry_trust <= 0)
+  {
+    return;
+  }
+  const Matrix6 added = options.odometry_trust * frame.odometry.information;
+  prior_information += added;
+  if (T_prior)
+  {
+    const Pose T_odometry = T_before * frame.odometry.T_previous_current;
+    const Vector6 apart = logSE3(T_prior->inverse() * T_odometry);
+    T_prior = *T_prior * expSE3(prior_information.ldlt().solve(added * apart));
+  }
+}
 
 /** Thins the cloud along the rings and takes back its deskewing. */
 void LocalMapRefinement::State::takeIn(const Frame& frame)
@@ -204,9 +238,8 @@ ScanToMapSettings LocalMapRefinement::State::settings(double start_kernel) const
   s.start_kernel = std::clamp(start_kernel, options.kernel, options.max_kernel);
   s.max_iterations = options.max_iterations;
   s.correlated_points = options.correlated_points;
-  s.guess_information = odometry_information;
-  s.guess_information.diagonal().head<3>().array() += 1 / square(options.guess_sigma);
-  s.guess_information.diagonal().tail<3>().array() += 1 / square(options.guess_sigma_angle);
+  s.T_prior = T_prior;
+  s.prior_information = prior_information;
   return s;
 }
 
@@ -225,7 +258,7 @@ ScanToMapResult LocalMapRefinement::State::registerScan(const Pose& T_before, co
       s.distributions = false;
       s.start_kernel = options.cell_size * factor;
       s.kernel = options.kernel * factor;
-      s.guess_information /= static_cast<double>(factor * factor);
+      s.prior_information /= static_cast<double>(factor * factor);
       const ScanToMapResult level = registration.align(sample, shapes, coarse, T_before, T, s);
       T = level.T;
       iterations += level.iterations;
@@ -308,7 +341,9 @@ LocalMapRefinement::LocalMapRefinement(const RefineOptions& options, ThreadPool&
 LocalMapRefinement::~LocalMapRefinement() = default;
 LocalMapRefinement::LocalMapRefinement(LocalMapRefinement&&) noexcept = default;
 
-RefineResult LocalMapRefinement::refine(const Frame& frame, const Pose& T_odom_vehicle_guess)
+RefineResult LocalMapRefinement::refine(const Frame& frame,
+                                        const Pose& T_odom_vehicle_guess,
+                                        const PosePrior* prior)
 {
   State& s = *state_;
   const Pose T_before = s.T_odom_vehicle;
@@ -323,15 +358,10 @@ RefineResult LocalMapRefinement::refine(const Frame& frame, const Pose& T_odom_v
     return result;
   }
 
-  s.odometry_information.setZero();
-  if (frame.odometry.converged && s.options.odometry_trust > 0)
-  {
-    s.odometry_information = s.options.odometry_trust * frame.odometry.information;
-  }
-  const ScanToMapSettings guess = s.settings(0);
+  s.setPrior(frame, T_before, prior);
   result.motion = MotionEstimate();
   result.motion.T_previous_current = orthonormalized(T_before.inverse() * T_guess);
-  result.motion.information = guess.guess_information;
+  result.motion.information = s.prior_information;
   result.motion.reason = cloudTrouble(frame);
   result.map_cells = s.map.size();
   if (!result.motion.reason.empty())
@@ -381,6 +411,8 @@ RefineResult LocalMapRefinement::refine(const Frame& frame, const Pose& T_odom_v
   scaled.rightCols<3>() /= lever;
   const Eigen::SelfAdjointEigenSolver<Matrix6> solver(scaled, Eigen::EigenvaluesOnly);
   result.degenerate = solver.eigenvalues()[0] < 1 / square(s.options.guess_sigma);
+  result.points_information = found.information;
+  result.prior_weight = found.prior_weight;
   result.motion.information += found.information;
   result.motion.converged = found.settled;
   result.motion.reason = found.settled ? "" : "the registration did not settle";

@@ -24,6 +24,25 @@ constexpr double sensor_sigma = 0.015;
 constexpr double kernel_decay = 0.6;
 }  // namespace
 
+namespace
+{
+/** A prior yields where the points insist on more than so many of its deviations. */
+constexpr double translation_gate = 10;
+constexpr double rotation_gate = 3.5;
+
+Vector6 priorWeight(const Matrix6& information, const Vector6& off)
+{
+  const auto weight = [](const Eigen::Matrix3d& block, const Eigen::Vector3d& e, double most)
+  { return 1 / (1 + e.dot(block * e) / (most * most)); };
+  Vector6 w;
+  w.head<3>().setConstant(
+      weight(information.topLeftCorner<3, 3>(), off.head<3>(), translation_gate));
+  w.tail<3>().setConstant(
+      weight(information.bottomRightCorner<3, 3>(), off.tail<3>(), rotation_gate));
+  return w;
+}
+}  // namespace
+
 void RawPoints::clear()
 {
   points.clear();
@@ -163,6 +182,7 @@ ScanToMapResult ScanToMap::align(const RawPoints& scan,
 {
   ScanToMapResult result;
   result.T = T_guess;
+  const Pose T_prior = settings.T_prior.value_or(T_guess);
   matches_.resize(scan.size());
   for (Match& match : matches_)
   {
@@ -191,9 +211,12 @@ ScanToMapResult ScanToMap::align(const RawPoints& scan,
     result.inlier_share = sums.weight > 0 ? sums.agreeing / sums.weight : 0;
     result.information = sums.H / unit;
 
-    const Vector6 off_guess = logSE3(T_guess.inverse() * result.T);
-    const Matrix6 H = result.information + settings.guess_information;
-    const Vector6 g = sums.g / unit + settings.guess_information * off_guess;
+    const Vector6 off_prior = logSE3(T_prior.inverse() * result.T);
+    result.prior_weight = priorWeight(settings.prior_information, off_prior);
+    const Vector6 root = result.prior_weight.cwiseSqrt();
+    const Matrix6 prior = root.asDiagonal() * settings.prior_information * root.asDiagonal();
+    const Matrix6 H = result.information + prior;
+    const Vector6 g = sums.g / unit + prior * off_prior;
     const Vector6 step = -(H + 1e-9 * Matrix6::Identity()).ldlt().solve(g);
     if (!step.allFinite())
     {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <vector>
 
 #include "SurfaceMap.h"
@@ -27,7 +28,8 @@ struct ScanToMapSettings
   double start_kernel = 0.5;   //!< [m]
   double kernel = 0.05;        //!< [m]
   int max_iterations = 20;
-  Matrix6 guess_information = Matrix6::Zero();  //!< of log(T_guess^-1 T) [1/m^2, 1/rad^2]
+  std::optional<Pose> T_prior;                  //!< expected pose; the start if there is none
+  Matrix6 prior_information = Matrix6::Zero();  //!< of log(T_prior^-1 T) [1/m^2, 1/rad^2]
   double correlated_points = 1;
 };
 
@@ -37,8 +39,9 @@ struct ScanToMapResult
   Matrix6 information = Matrix6::Zero();  //!< of the points alone, of log(T_measured^-1 T)
   int iterations = 0;
   std::size_t inliers = 0;
-  double inlier_share = 0;  //!< of the weight of all points
-  double rmse = 0;          //!< of the inliers [m]
+  double inlier_share = 0;                 //!< of the weight of all points
+  double rmse = 0;                         //!< of the inliers [m]
+  Vector6 prior_weight = Vector6::Ones();  //!< what the prior still counted in the end
   bool settled = false;
 };
 

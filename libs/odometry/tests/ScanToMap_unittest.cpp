@@ -88,7 +88,7 @@ TEST_P(ScanToMapTest, FindsThePoseFromAround)
 
 TEST_P(ScanToMapTest, AStrongGuessIsKept)
 {
-  settings_.guess_information = 1e12 * Matrix6::Identity();
+  settings_.prior_information = 1e12 * Matrix6::Identity();
   ScanToMap registration(pool_);
   const ScanToMapResult result =
       registration.align(scan_, shapes_, map_, Pose::Identity(), Pose::Identity(), settings_);

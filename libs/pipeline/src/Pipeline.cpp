@@ -5,6 +5,7 @@
 #include <dyslam/mapping/StaticMap.h>
 #include <dyslam/odometry/LidarOdometry.h>
 #include <dyslam/odometry/LocalMapRefinement.h>
+#include <dyslam/odometry/MotionFilter.h>
 #include <dyslam/odometry/Preprocessor.h>
 #include <dyslam/pipeline/Pipeline.h>
 #include <dyslam/tracking/Detector.h>
@@ -20,8 +21,9 @@ namespace
 {
 using mrpt::system::CTimeLoggerEntry;
 
-constexpr double seen_within = 0.5;   // m, of a first motion that the segmenter found
+constexpr double seen_within = 0.3;   // m, of a first motion that the segmenter found
 constexpr double usual_period = 0.1;  // s, of a revolution, before the second scan tells it
+constexpr double first_turn = 1;      // rad/s, of a recording's start at most
 
 struct OdometryOptions : Options
 {
@@ -46,11 +48,6 @@ RefineOptions startingFrom(const OdometryOptions& odometry, RefineOptions refine
   return refine;
 }
 
-/** The motion scaled to another length of time, at constant velocity. */
-Pose scaledMotion(const Pose& motion, double factor)
-{
-  return expSE3(factor * logSE3(motion));
-}
 }  // namespace
 
 void PipelineOptions::describe(OptionsVisitor& v)
@@ -72,6 +69,7 @@ struct Pipeline::Stages
         odometry(makeOdometry(odometry_options.method, config, pool)),
         refine_options(startingFrom(odometry_options, config.get<RefineOptions>("refine"))),
         refinement(refine_options, pool),
+        motion(config.get<MotionFilterOptions>("motion")),
         detector(config.get<DetectorOptions>("detector")),
         tracker(config.get<TrackerOptions>("tracker")),
         backend(config.get<BackendOptions>("backend"),
@@ -79,19 +77,17 @@ struct Pipeline::Stages
                 config.get<BackendSolverOptions>("solver")),
         map(config.get<StaticMapOptions>("map"))
   {
-    last_motion.translation().x() = odometry_options.start_speed * usual_period;
-  }
-
-  /** What the last motion says about this one. */
-  [[nodiscard]] Pose predictedMotion(double dt) const
-  {
-    return dt > 0 ? scaledMotion(last_motion, dt / last_dt) : Pose::Identity();
+    Vector6 velocity = Vector6::Zero();
+    velocity.x() = odometry_options.start_speed;
+    motion.start(velocity, refine_options.start_deviation / usual_period, first_turn);
   }
 
   /** Before any motion is known the segmenter may have found one, among movers too. */
-  [[nodiscard]] Pose startingMotion(const Pose& prediction);
-  void estimateMotion(Frame& frame, const Pose& prediction);
-  void remember(const Frame& frame, double dt);
+  void startFromStaticMotion(double dt);
+  void estimateMotion(Frame& frame, double dt);
+  /** As long as nothing can be seen to move. */
+  void weighByLooks(Frame& frame) const;
+  void remember(const Frame& frame);
 
   mrpt::system::CTimeLogger& times;
   PipelineOptions options;
@@ -102,6 +98,7 @@ struct Pipeline::Stages
   std::unique_ptr<LidarOdometry> odometry;
   RefineOptions refine_options;
   LocalMapRefinement refinement;
+  MotionFilter motion;
   Detector detector;
   Tracker tracker;
   Backend backend;
@@ -110,8 +107,6 @@ struct Pipeline::Stages
   bool first = true;    //!< no scan yet
   bool second = false;  //!< one scan yet
   double last_stamp = 0;
-  double last_dt = usual_period;
-  Pose last_motion = Pose::Identity();
   Pose T_odom_last = Pose::Identity();
 };
 
@@ -126,7 +121,7 @@ void Pipeline::process(Frame& frame)
 {
   Stages& s = *stages_;
   const double dt = s.first ? 0 : frame.scan.stamp - s.last_stamp;
-  const Pose prediction = s.predictedMotion(dt);
+  const Pose prediction = s.motion.predict(dt);
   {
     const CTimeLoggerEntry timed(s.times, "preprocess");
     // The first scan's motion is not known yet: refinement undoes it once the second one tells it.
@@ -141,7 +136,8 @@ void Pipeline::process(Frame& frame)
     const CTimeLoggerEntry timed(s.times, "dyseg");
     s.segmenter->segment(frame);
   }
-  s.estimateMotion(frame, s.startingMotion(prediction));
+  s.startFromStaticMotion(dt);
+  s.estimateMotion(frame, dt);
   if (s.segmenter && s.segmenter->needsPose())
   {
     const CTimeLoggerEntry timed(s.times, "dyseg");
@@ -162,45 +158,62 @@ void Pipeline::process(Frame& frame)
     const CTimeLoggerEntry timed(s.times, "map");
     s.map.insert(frame);
   }
-  s.remember(frame, dt);
+  s.remember(frame);
 }
 
-Pose Pipeline::Stages::startingMotion(const Pose& prediction)
+void Pipeline::Stages::startFromStaticMotion(double dt)
 {
-  if (!second || odometry_options.start_speed != 0 || !segmenter ||
+  if (!second || dt <= 0 || odometry_options.start_speed != 0 || !segmenter ||
       segmenter->staticMotion() == nullptr)
   {
-    return prediction;
+    return;
   }
-  refinement.setStartDeviation(std::min(refine_options.start_deviation, seen_within));
-  return segmenter->staticMotion()->T_previous_current;
+  const double deviation = std::min(refine_options.start_deviation, seen_within);
+  refinement.setStartDeviation(deviation);
+  motion.start(logSE3(segmenter->staticMotion()->T_previous_current) / dt, deviation / dt,
+               first_turn);
 }
 
-void Pipeline::Stages::estimateMotion(Frame& frame, const Pose& prediction)
+void Pipeline::Stages::estimateMotion(Frame& frame, double dt)
 {
+  const Pose prediction = motion.predict(dt);
   {
     const CTimeLoggerEntry timed(times, "odometry");
     frame.odometry = odometry->process(frame, prediction);
     frame.static_confidence = odometry->staticConfidence();
+    weighByLooks(frame);
   }
   const CTimeLoggerEntry timed(times, "refine");
-  const Pose& motion = frame.odometry.converged ? frame.odometry.T_previous_current : prediction;
-  const RefineResult result = refinement.refine(frame, T_odom_last * motion);
+  const Pose& guess = frame.odometry.converged ? frame.odometry.T_previous_current : prediction;
+  const PosePrior prior{T_odom_last * prediction, motion.information(dt)};
+  const RefineResult result = refinement.refine(frame, T_odom_last * guess, &prior);
   frame.refined = result.motion;
   frame.T_odom_vehicle = result.T_odom_vehicle;
   if (refine_options.method == RefineMethod::none)
   {
     frame.refined = frame.odometry;
+    motion.follow(dt, guess);
+    return;
   }
+  motion.update(dt, result.motion.T_previous_current, result.points_information,
+                result.prior_weight);
 }
 
-void Pipeline::Stages::remember(const Frame& frame, double dt)
+void Pipeline::Stages::weighByLooks(Frame& frame) const
 {
-  if (dt > 0)
+  const auto* looks = segmenter ? segmenter->staticLikelihood() : nullptr;
+  if (looks == nullptr || looks->size() != frame.cloud.size())
   {
-    last_motion = T_odom_last.inverse() * frame.T_odom_vehicle;
-    last_dt = dt;
+    return;
   }
+  auto& confidence = frame.static_confidence;
+  confidence.resize(frame.cloud.size(), 1.0F);
+  std::transform(looks->begin(), looks->end(), confidence.begin(), confidence.begin(),
+                 [](float l, float c) { return l * l * c; });
+}
+
+void Pipeline::Stages::remember(const Frame& frame)
+{
   second = first;
   first = false;
   last_stamp = frame.scan.stamp;

@@ -31,6 +31,10 @@ class MovingSegmenter
    * null if this segmenter finds none, or could not. */
   [[nodiscard]] virtual const MotionEstimate* staticMotion() const { return nullptr; }
 
+  /** How surely each point of the last segment() stays where it is, by its looks, as long as too
+   * little time has passed to see it move; null otherwise. */
+  [[nodiscard]] virtual const std::vector<float>* staticLikelihood() const { return nullptr; }
+
   /** Forget the past scans. */
   virtual void reset() = 0;
 };

@@ -56,6 +56,7 @@ class NetworkSegmenter : public MovingSegmenter
   [[nodiscard]] bool needsPose() const override { return false; }
   void segment(Frame& frame) override;
   [[nodiscard]] const MotionEstimate* staticMotion() const override;
+  [[nodiscard]] const std::vector<float>* staticLikelihood() const override;
   void reset() override;
 
   /** Of the last segment(), to the scan `first_gap` back; null before two scans were compared. */

@@ -62,6 +62,10 @@ class DysegModel
                                   const RigidFlowFit& static_flow,
                                   int iterations = 2) const;
 
+  /** How surely each input point lies on something that stays where it is, judged by its looks in
+   * this scan alone: walls and trees rather than vehicles. 1 for points that are not looked at. */
+  [[nodiscard]] std::vector<float> anchors(const Encoded& scan) const;
+
   /** match() and judge(). */
   [[nodiscard]] DysegResult compare(const Encoded& current,
                                     const Encoded& past,

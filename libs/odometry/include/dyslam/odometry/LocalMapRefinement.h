@@ -34,7 +34,7 @@ struct RefineOptions : Options
   double kernel = 0.06;               //!< scale of the robust kernel once the guess is good [m]
   double max_kernel = 0.6;            //!< its start where guesses have been bad [m]
   double start_deviation = 2;         //!< how wrong the guess of the first motion may be [m]
-  double guess_sigma = 0.3;           //!< how far guesses are trusted: translation [m]
+  double guess_sigma = 0.3;           //!< how far guesses without a prior are trusted [m]
   double guess_sigma_angle = 0.0349;  //!< ... and rotation [rad]
   double odometry_trust = 0;          //!< share of the odometry's own information that joins it
   /** Residuals of neighbouring points err together: that many count as one measurement. Tunnels
@@ -53,12 +53,22 @@ struct RefineResult
    * r = log(T_measured^-1 T), plus the little that the guess gives: it stays small, but positive,
    * along directions that the scene leaves open. */
   MotionEstimate motion;
-  /** The scene fixes some direction of motion less well than the guess does. */
+  Matrix6 points_information = Matrix6::Zero();  //!< of the registration alone
+  /** Below 1 where the points insisted on more than the prior allows. */
+  Vector6 prior_weight = Vector6::Ones();
+  /** The scene fixes some direction of motion less well than guess_sigma does. */
   bool degenerate = false;
   double inlier_share = 0;    //!< of the registered points, those that agree with the map
   double kernel = 0;          //!< scale of the robust kernel at the start [m]
   std::size_t points = 0;     //!< registered
   std::size_t map_cells = 0;  //!< after the frame joined
+};
+
+/** What is known of a pose before the scan is looked at. */
+struct PosePrior
+{
+  Pose T_odom_vehicle = Pose::Identity();
+  Matrix6 information = Matrix6::Zero();  //!< of log(T_prior^-1 T) [1/m^2, 1/rad^2]
 };
 
 /** Registration of each scan to a local map that it then joins: scan to map odometry.
@@ -80,8 +90,11 @@ class LocalMapRefinement
    * frame's own cloud stays as it is. The first frame only starts the map, at the guess; the second
    * also mends the deskewing of the first. On trouble the guess is kept, motion.converged is false
    * with a reason and the map stays as it is; after five such frames with points the map is begun
-   * anew. */
-  RefineResult refine(const Frame& frame, const Pose& T_odom_vehicle_guess);
+   * anew. \param prior joins the points in finding the pose, with heavy tails; without one the
+   * guess does, as far as guess_sigma trusts it. */
+  RefineResult refine(const Frame& frame,
+                      const Pose& T_odom_vehicle_guess,
+                      const PosePrior* prior = nullptr);
 
   /** How wrong the guess of the first motion may be from now on, in place of the option's [m]. */
   void setStartDeviation(double deviation);

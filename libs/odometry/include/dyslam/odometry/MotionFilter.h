@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <dyslam/core/Options.h>
+#include <dyslam/core/Pose.h>
+
+#include <Eigen/Core>
+
+namespace dyslam
+{
+/** Ini section `[motion]`. */
+struct MotionFilterOptions : Options
+{
+  double acceleration = 3;          //!< how fast the velocity changes, one sigma [m/s^2]
+  double angular_acceleration = 1;  //!< [rad/s^2]
+  void describe(OptionsVisitor& visitor) override;
+};
+
+/** A Kalman filter of pose and velocity, white noise in the acceleration.
+ *
+ * Where a scene shows the motion well, the velocity is that of the last motion; where it hardly
+ * does (tunnels, highways between guard rails), velocities are averaged over as many scans as the
+ * informations ask for. Velocities are twists [translation, rotation] in the vehicle frame, per
+ * second; errors stand on the right of a pose.
+ */
+class MotionFilter
+{
+ public:
+  explicit MotionFilter(const MotionFilterOptions& options);
+
+  /** Begin again. \param deviation of the velocity: m/s, and rad/s for the rotation. */
+  void start(const Vector6& velocity, double deviation, double angular_deviation);
+
+  /** Motion in the next `dt` seconds, previous from current; none for dt <= 0. */
+  [[nodiscard]] Pose predict(double dt) const;
+  /** Information of the predicted pose, of log(T_predicted^-1 T). */
+  [[nodiscard]] Matrix6 information(double dt) const;
+
+  /** Take in the motion that was found with the prediction as a prior.
+   * \param measured information of the measurement alone, without the prior; zero for none
+   * \param prior_weight the share that each part of the prediction counted, in (0, 1] */
+  void update(double dt,
+              const Pose& T_previous_current,
+              const Matrix6& measured,
+              const Vector6& prior_weight = Vector6::Ones());
+  /** Take in a motion that is to be believed as it is. */
+  void follow(double dt, const Pose& T_previous_current);
+
+ private:
+  using Matrix12 = Eigen::Matrix<double, 12, 12>;
+
+  [[nodiscard]] Matrix12 predictedCovariance(double dt) const;
+
+  MotionFilterOptions options_;
+  Vector6 velocity_ = Vector6::Zero();
+  Matrix12 covariance_ = Matrix12::Zero();  //!< of pose and velocity
+};
+}  // namespace dyslam

@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/odometry/MotionFilter.h>
+
+#include <Eigen/Cholesky>
+
+namespace dyslam
+{
+namespace
+{
+/** Floor under the deviation of a prediction: nothing is known better [m] and [rad]. */
+constexpr double least_deviation = 1e-3;
+constexpr double least_angle = 1e-4;
+}  // namespace
+
+void MotionFilterOptions::describe(OptionsVisitor& v)
+{
+  v.real("acceleration", acceleration, 1e-3, 1e4, "change of velocity, one sigma [m/s^2]");
+  v.degrees("angular_acceleration_deg", angular_acceleration, 0.01, 1e6, "... and of its rotation");
+}
+
+MotionFilter::MotionFilter(const MotionFilterOptions& options) : options_(options)
+{
+  validate(options_, "motion");
+}
+
+void MotionFilter::start(const Vector6& velocity, double deviation, double angular_deviation)
+{
+  velocity_ = velocity;
+  covariance_.setZero();
+  covariance_.diagonal().segment<3>(6).setConstant(deviation * deviation);
+  covariance_.diagonal().segment<3>(9).setConstant(angular_deviation * angular_deviation);
+}
+
+Pose MotionFilter::predict(double dt) const
+{
+  return dt > 0 ? expSE3(dt * velocity_) : Pose::Identity();
+}
+
+MotionFilter::Matrix12 MotionFilter::predictedCovariance(double dt) const
+{
+  Matrix12 F = Matrix12::Identity();
+  F.topLeftCorner<6, 6>() = adjointSE3(predict(dt).inverse());
+  F.topRightCorner<6, 6>().diagonal().setConstant(dt);
+  Matrix12 P = F * covariance_ * F.transpose();
+  Vector6 noise;
+  noise.head<3>().setConstant(options_.acceleration * options_.acceleration);
+  noise.tail<3>().setConstant(options_.angular_acceleration * options_.angular_acceleration);
+  P.topLeftCorner<6, 6>().diagonal() += 0.25 * dt * dt * dt * dt * noise;
+  P.topRightCorner<6, 6>().diagonal() += 0.5 * dt * dt * dt * noise;
+  P.bottomLeftCorner<6, 6>().diagonal() += 0.5 * dt * dt * dt * noise;
+  P.bottomRightCorner<6, 6>().diagonal() += dt * dt * noise;
+  P.diagonal().head<3>().array() += least_deviation * least_deviation;
+  P.diagonal().segment<3>(3).array() += least_angle * least_angle;
+  return 0.5 * (P + P.transpose());
+}
+
+Matrix6 MotionFilter::information(double dt) const
+{
+  const Matrix6 P = predictedCovariance(std::max(dt, 0.0)).topLeftCorner<6, 6>();
+  return P.llt().solve(Matrix6::Identity());
+}
+
+void MotionFilter::update(double dt,
+                          const Pose& T_previous_current,
+                          const Matrix6& measured,
+                          const Vector6& prior_weight)
+{
+  if (dt <= 0)
+  {
+    return;
+  }
+  // What did not count was not that certain.
+  const Vector6 wider = prior_weight.cwiseSqrt().cwiseInverse();
+  Eigen::Matrix<double, 12, 1> scale;
+  scale << wider, wider;
+  const Matrix12 P = scale.asDiagonal() * predictedCovariance(dt) * scale.asDiagonal();
+  const Eigen::Matrix<double, 12, 6> columns = P.leftCols<6>();
+  const Matrix6 prior = P.topLeftCorner<6, 6>().llt().solve(Matrix6::Identity());
+  // (P + measured^-1)^-1, for a measurement that may be blind in some directions.
+  const Matrix6 gain = measured - measured * (prior + measured).ldlt().solve(measured);
+  const Vector6 correction = logSE3(predict(dt).inverse() * T_previous_current);
+  velocity_ += P.bottomLeftCorner<6, 6>() * (prior * correction);
+  covariance_ = P - columns * gain * columns.transpose();
+  covariance_ = (0.5 * (covariance_ + covariance_.transpose())).eval();
+}
+
+void MotionFilter::follow(double dt, const Pose& T_previous_current)
+{
+  if (dt <= 0)
+  {
+    return;
+  }
+  velocity_ = logSE3(T_previous_current) / dt;
+  covariance_.setZero();
+}
+}  // namespace dyslam

@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/odometry/MotionFilter.h>
+#include <gtest/gtest.h>
+
+#include <random>
+
+namespace dyslam
+{
+namespace
+{
+constexpr double period = 0.1;
+
+Matrix6 informationOf(double translation, double rotation)
+{
+  Matrix6 information = Matrix6::Zero();
+  information.diagonal().head<3>().setConstant(1 / (translation * translation));
+  information.diagonal().tail<3>().setConstant(1 / (rotation * rotation));
+  return information;
+}
+
+MotionFilter started(double deviation)
+{
+  MotionFilter filter{MotionFilterOptions()};
+  filter.start(Vector6::Zero(), deviation, 1);
+  return filter;
+}
+
+TEST(MotionFilter, WellSeenMotionsAreRepeated)
+{
+  MotionFilter filter = started(20);
+  const Pose motion = poseFromYpr(1.2, 0.1, 0, 0.05, 0.01, 0);
+  filter.update(period, motion, informationOf(1e-3, 1e-4));
+  EXPECT_LT((filter.predict(period).inverse() * motion).translation().norm(), 0.01);
+  EXPECT_LT(rotationAngle(filter.predict(period).inverse() * motion), 0.002);
+  // Half the time, half the way.
+  EXPECT_NEAR(filter.predict(0.5 * period).translation().x(), 0.6, 0.01);
+  EXPECT_TRUE(filter.predict(0).isApprox(Pose::Identity()));
+}
+
+TEST(MotionFilter, SpeedIsKeptWhereAMeasurementIsBlind)
+{
+  MotionFilter filter = started(20);
+  const Pose motion = poseFromYpr(1.5, 0, 0, 0, 0, 0);
+  filter.update(period, motion, informationOf(0.01, 1e-3));
+  Matrix6 blind = informationOf(0.01, 1e-3);
+  blind(0, 0) = 0;
+  double deviation = 0;
+  for (int i = 0; i < 20; ++i)
+  {
+    const Pose prediction = filter.predict(period);
+    EXPECT_NEAR(prediction.translation().x(), 1.5, 0.02) << i;
+    const double now = filter.information(period).inverse()(0, 0);
+    EXPECT_GT(now, deviation) << "what is not seen gets less certain";
+    deviation = now;
+    filter.update(period, prediction, blind);
+  }
+}
+
+TEST(MotionFilter, NoMeasurementLeavesThePredictionAsItWas)
+{
+  MotionFilter filter = started(1);
+  filter.follow(period, poseFromYpr(0.7, 0, 0, 0.02, 0, 0));
+  const Pose before = filter.predict(period);
+  filter.update(period, before, Matrix6::Zero());
+  EXPECT_TRUE(filter.predict(period).isApprox(before, 1e-9));
+  filter.update(0, poseFromYpr(9, 0, 0, 0, 0, 0), informationOf(1e-3, 1e-3));
+  EXPECT_TRUE(filter.predict(period).isApprox(before, 1e-9)) << "no time, no motion";
+}
+
+/** Poses measured with white noise on a straight drive: what the pipeline does with them. */
+struct NoisyDrive
+{
+  double prediction_error = 0;  //!< mean square, forward [m^2]
+  double naive_error = 0;       //!< of repeating the last measured motion
+  double normalised = 0;        //!< mean of squared errors by their own covariance, 1 if honest
+};
+
+NoisyDrive drive(double noise)
+{
+  std::mt19937 random(5);
+  std::normal_distribution<double> normal;
+  MotionFilterOptions options;
+  options.acceleration = 2;
+  MotionFilter filter(options);
+  filter.start(Vector6::Zero(), 30, 1);
+  constexpr int steps = 400;
+  double x = 0;
+  double v = 15;
+  double found = 0;
+  double measured_before = 0;
+  double measured_last = 0;
+  NoisyDrive result;
+  const Matrix6 information = informationOf(noise, 1e-3);
+  for (int i = 0; i < steps; ++i)
+  {
+    const double a = options.acceleration * normal(random);
+    x += period * v + 0.5 * period * period * a;
+    v += period * a;
+    const double prediction = filter.predict(period).translation().x();
+    const Matrix6 prior = filter.information(period);
+    if (i > 50)
+    {
+      const double error = found + prediction - x;
+      result.prediction_error += error * error / (steps - 51);
+      result.normalised += error * error * prior(0, 0) / (steps - 51);
+      const double naive = 2 * measured_last - measured_before - x;
+      result.naive_error += naive * naive / (steps - 51);
+    }
+    const double measured = x + noise * normal(random);
+    // The pose that prior and measurement agree on.
+    const double share = information(0, 0) / (information(0, 0) + prior(0, 0));
+    const double next = found + prediction + share * (measured - found - prediction);
+    filter.update(period, poseFromYpr(next - found, 0, 0, 0, 0, 0), information);
+    found = next;
+    measured_before = measured_last;
+    measured_last = measured;
+  }
+  return result;
+}
+
+TEST(MotionFilter, NoiseIsAveragedAndDeviationsAreHonest)
+{
+  const NoisyDrive drive_result = drive(0.3);
+  EXPECT_LT(drive_result.prediction_error, 0.25 * drive_result.naive_error);
+  EXPECT_GT(drive_result.normalised, 0.7);
+  EXPECT_LT(drive_result.normalised, 1.4);
+}
+}  // namespace
+}  // namespace dyslam
