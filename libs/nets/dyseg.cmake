@@ -17,6 +17,7 @@ dyslam_add_library(NAME nets_dyseg
     src/DysegModel.cpp
     src/DysegNet.cpp
     src/FlowUpdate.cpp
+    src/MotionVote.cpp
     src/RigidFlow.cpp
   PUBLIC dyslam::core dyslam::nets_common
   PRIVATE ${TORCH_LIBRARIES})
@@ -28,6 +29,7 @@ dyslam_add_test(NAME nets_dyseg
     tests/CellLayers_unittest.cpp
     tests/DysegNet_unittest.cpp
     tests/FlowUpdate_unittest.cpp
+    tests/MotionVote_unittest.cpp
     tests/RigidFlow_unittest.cpp
   LIBRARIES dyslam::nets_dyseg ${TORCH_LIBRARIES})
 

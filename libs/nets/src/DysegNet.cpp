@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/nets/BevOps.h>
 #include <dyslam/nets/DysegNet.h>
+#include <dyslam/nets/MotionVote.h>
 #include <torch/torch.h>
 
 #include <algorithm>
@@ -18,11 +19,14 @@ constexpr std::int64_t anchor_channels = 16;
 constexpr std::int64_t peak_channels = 3;
 constexpr std::int64_t subcells = 4;
 constexpr double rectified = 0;  // slope below zero
-// Widths of the robust kernels of the two fits [m].
-constexpr double coarse_width = 0.6;
-constexpr double coarse_start = 4.0;
+// Widths of the fit's robust kernel [m].
 constexpr double fine_width = 0.15;
-constexpr double fine_start = 1.5;
+constexpr double voted_within = 0.6;
+// Yaws tried in the votes [rad], in steps to each side.
+constexpr double coarse_yaw_step = 0.035;
+constexpr int coarse_yaw_steps = 3;
+constexpr double fine_yaw_step = 0.012;
+constexpr int fine_yaw_steps = 2;
 constexpr int rounds = 8;           // of the finer fit
 constexpr double most_left = 0.85;  // share of an offset that a look leaves
 constexpr double lever = 20;        // m, at which a turn counts like a shift
@@ -108,6 +112,23 @@ RigidFlowFit fitPeaks(const Tensor& correlation,
     weight[i] = p[3 * i + 2] * p[3 * i + 2] * t[i];
   }
   return fitRigidFlow(places, flow, weight, width, start_width, start);
+}
+/** The static motion that the windows of a correlation speak for. */
+PlanarMotion vote(const Tensor& correlation,
+                  const Tensor& trust,
+                  int radius,
+                  float size,
+                  const std::vector<Eigen::Vector2f>& places,
+                  const PlanarMotion& centre,
+                  double yaw_step,
+                  int yaw_steps)
+{
+  torch::NoGradGuard no_gradient;
+  const auto log_probability = correlation.log_softmax(1).cpu().contiguous();
+  const auto given = trust.cpu().contiguous();
+  const std::vector<float> weight(given.data_ptr<float>(), given.data_ptr<float>() + given.numel());
+  return voteMotion({log_probability.data_ptr<float>(), radius, size, places, weight}, centre,
+                    yaw_step, yaw_steps);
 }
 }  // namespace
 
@@ -234,10 +255,17 @@ DysegMatch DysegNetImpl::match(const BevScan& scan,
       guide != nullptr ? guide->first
       : guess != nullptr
           ? guess->motion
-          : fitPeaks(out.coarse_correlation,
-                     gatherRows(trust.unsqueeze(1), occupied.eighth_parts).mean(1), radius,
-                     2 * size, Tensor(), occupied.eighth_place, coarse_width, coarse_start, nullptr)
-                .motion;
+          : vote(out.coarse_correlation,
+                 gatherRows(trust.unsqueeze(1), occupied.eighth_parts).mean(1), radius, 2 * size,
+                 occupied.eighth_place, PlanarMotion(), coarse_yaw_step, coarse_yaw_steps);
+  if (guide == nullptr && guess == nullptr)
+  {
+    const auto flow = rigidFlow(out.first, occupied.quarter_place);
+    const auto window = correlate(current.middle, past_middle,
+                                  occupied.quarter_position + flow.to(device) / size, radius);
+    out.first = vote(window, trust, radius, size, occupied.quarter_place, out.first, fine_yaw_step,
+                     fine_yaw_steps);
+  }
   // Peaks between cells are seen too near the window's centre: look again from there, until what is
   // found is the centre. Each look takes the same share of what is left, which Aitken's method
   // uses.
@@ -253,7 +281,7 @@ DysegMatch DysegNetImpl::match(const BevScan& scan,
       break;
     }
     out.fit = fitPeaks(out.correlation, trust, radius, size, flow, occupied.quarter_place,
-                       fine_width, guess != nullptr ? guess->within : fine_start, &centre);
+                       fine_width, guess != nullptr ? guess->within : voted_within, &centre);
     if (!out.fit.converged)
     {
       break;

@@ -113,8 +113,15 @@ void DysegAugmentOptions::describe(OptionsVisitor& v)
 
 namespace
 {
-BodyKind drawKind(RandomDraws& draws)
+BodyKind drawKind(bool beside, RandomDraws& draws)
 {
+  // Right beside, large bodies: they fill the view and show hardly anything but a flank.
+  constexpr BodyKind large[] = {BodyKind::truck, BodyKind::truck, BodyKind::truck, BodyKind::van,
+                                BodyKind::van,   BodyKind::car,   BodyKind::random};
+  if (beside && draws.chance(0.7))
+  {
+    return large[draws.below(std::size(large))];
+  }
   constexpr BodyKind kinds[] = {BodyKind::car,        BodyKind::car,        BodyKind::van,
                                 BodyKind::truck,      BodyKind::pedestrian, BodyKind::pedestrian,
                                 BodyKind::pedestrian, BodyKind::cyclist,    BodyKind::random,
@@ -222,12 +229,13 @@ void castOne(const DysegAugmentOptions& options,
              RandomDraws& draws,
              DysegSample& sample)
 {
-  const CastBody body = makeBody(drawKind(draws), draws);
   const bool beside = draws.chance(convoy ? 0.4 : options.beside_share);
+  const CastBody body = makeBody(drawKind(beside, draws), draws);
   Pose T_now = drawPlace(body, beside, draws);
   const bool along = convoy && draws.chance(0.7);
-  const BodyMotion motion = along ? alongMotion(sample, T_now, draws)
-                                  : drawMotion(body, options.moving_share, sample.elapsed, draws);
+  const BodyMotion motion =
+      along ? alongMotion(sample, T_now, draws)
+            : drawMotion(body, (beside ? 0.5 : 1) * options.moving_share, sample.elapsed, draws);
   Pose T_then = sample.T_past_current * T_now * motion.T_now_then;
   const auto settle = [](const BevGround& ground, Pose& pose)
   {

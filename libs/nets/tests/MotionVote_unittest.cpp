@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/nets/MotionVote.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+namespace
+{
+using dyslam::PlanarMotion;
+
+constexpr int radius = 5;
+constexpr int side = 2 * radius + 1;
+constexpr float size = 0.8F;
+
+/** Windows of cells all over the place. */
+struct Cells
+{
+  std::vector<Eigen::Vector2f> places;
+  std::vector<float> trust;
+  std::vector<float> log_probability;
+  std::mt19937 random{3};
+
+  /** A cell whose window peaks at the motion; \param open leaves x open, as a rail does. */
+  void add(const PlanarMotion& motion, bool open, float trusted)
+  {
+    std::uniform_real_distribution<float> place(-45, 45);
+    places.emplace_back(place(random), place(random));
+    trust.push_back(trusted);
+    const Eigen::Vector2f flow = motion.flowAt(places.back()) / size;
+    std::vector<float> window;
+    double sum = 0;
+    for (int y = -radius; y <= radius; ++y)
+    {
+      for (int x = -radius; x <= radius; ++x)
+      {
+        const float dx = open ? 0 : static_cast<float>(x) - flow.x();
+        const float dy = static_cast<float>(y) - flow.y();
+        window.push_back(std::exp(-1.5F * (dx * dx + dy * dy)));
+        sum += static_cast<double>(window.back());
+      }
+    }
+    for (const float w : window)
+    {
+      log_probability.push_back(std::log(w / static_cast<float>(sum) + 1e-6F));
+    }
+  }
+  [[nodiscard]] PlanarMotion vote(const PlanarMotion& centre) const
+  {
+    return dyslam::voteMotion({log_probability.data(), radius, size, places, trust}, centre, 0.02,
+                              3);
+  }
+};
+
+PlanarMotion motionOf(double x, double y, double yaw)
+{
+  PlanarMotion m;
+  m.translation = {x, y};
+  m.yaw = yaw;
+  return m;
+}
+
+TEST(MotionVote, FindsAMotionBetweenTheCells)
+{
+  const auto truth = motionOf(-1.9, 0.3, 0.031);
+  Cells cells;
+  for (int i = 0; i < 300; ++i)
+  {
+    cells.add(truth, false, 1);
+  }
+  const auto found = cells.vote(PlanarMotion());
+  EXPECT_LT((found.translation - truth.translation).norm(), 0.15);
+  EXPECT_NEAR(found.yaw, truth.yaw, 0.006);
+}
+
+TEST(MotionVote, RailsTakeNoSideAndTheUntrustedHardlyCount)
+{
+  const auto truth = motionOf(-3.2, 0, 0);
+  Cells cells;
+  for (int i = 0; i < 60; ++i)
+  {
+    cells.add(truth, false, 1);
+  }
+  for (int i = 0; i < 300; ++i)
+  {
+    cells.add(truth, true, 1);
+    cells.add(PlanarMotion(), false, 0.1F);
+  }
+  EXPECT_LT((cells.vote(PlanarMotion()).translation - truth.translation).norm(), 0.2);
+  // Trusted, the traffic is the world.
+  std::fill(cells.trust.begin(), cells.trust.end(), 1.0F);
+  EXPECT_LT(cells.vote(PlanarMotion()).translation.norm(), 0.2);
+}
+
+TEST(MotionVote, NothingToGoByGivesAFiniteMotion)
+{
+  Cells cells;
+  const auto found = cells.vote(motionOf(1, 0, 0.1));
+  EXPECT_TRUE(found.translation.allFinite());
+  EXPECT_TRUE(std::isfinite(found.yaw));
+}
+}  // namespace
