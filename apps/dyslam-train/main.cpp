@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/Config.h>
 #include <dyslam/core/Error.h>
+#include <dyslam/core/FreedMemory.h>
 #include <dyslam/train/DyloTrainer.h>
 
 #include <cstdio>
@@ -112,7 +113,8 @@ Arguments parse(int argc, char** argv)
   {
     throw dyslam::UserError(arguments.network.empty()
                                 ? "which network? Write dyslam-train dylo; see --help"
-                                : arguments.network + ": unknown network; there are dylo and dyseg");
+                                : arguments.network +
+                                      ": unknown network; there are dylo and dyseg");
   }
   if (arguments.config.empty() || arguments.request.output.empty())
   {
@@ -124,6 +126,7 @@ Arguments parse(int argc, char** argv)
 
 int main(int argc, char** argv)
 {
+  dyslam::keepFreedMemory();
   try
   {
     if (argc > 1 && std::string(argv[1]) == "dyseg")

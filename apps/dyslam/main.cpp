@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/FreedMemory.h>
 #include <dyslam/core/SharedFiles.h>
 #include <dyslam/pipeline/SlamRun.h>
 
@@ -76,6 +77,7 @@ void print(const dyslam::SlamRunReport& report, const std::string& folder)
 
 int main(int argc, char** argv)
 {
+  dyslam::keepFreedMemory();
   Arguments a;
   return dyslam::runApp(
       argc, argv, [&](CLI::App& app) { declare(app, a); },

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Times the parts of DyLO on scans of a folder: dylo_benchmark FOLDER [threads] [MODEL]
+#include <dyslam/core/FreedMemory.h>
 #include <dyslam/nets/DyloModel.h>
 #include <torch/csrc/autograd/profiler.h>
 
@@ -9,6 +10,7 @@
 
 int main(int argc, char** argv)
 {
+  dyslam::keepFreedMemory();
   if (argc < 2)
   {
     std::puts("dylo_benchmark FOLDER [threads] [MODEL]");

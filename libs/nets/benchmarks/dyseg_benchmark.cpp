@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Times the parts of DySeg on scans of a folder: dyseg_benchmark FOLDER [threads] [MODEL]
+#include <dyslam/core/FreedMemory.h>
 #include <dyslam/nets/BevScan.h>
 #include <dyslam/nets/DysegModel.h>
 
@@ -9,6 +10,7 @@
 
 int main(int argc, char** argv)
 {
+  dyslam::keepFreedMemory();
   if (argc < 2)
   {
     std::puts("dyseg_benchmark FOLDER [threads] [MODEL]");

@@ -27,7 +27,8 @@ constexpr double coarse_yaw_step = 0.035;
 constexpr int coarse_yaw_steps = 3;
 constexpr double fine_yaw_step = 0.012;
 constexpr int fine_yaw_steps = 2;
-constexpr int rounds = 8;           // of the finer fit
+constexpr int rounds = 8;           // of the finer fit, at most
+constexpr double settled = 0.003;   // m, a step after which no other is needed
 constexpr double most_left = 0.85;  // share of an offset that a look leaves
 constexpr double lever = 20;        // m, at which a turn counts like a shift
 
@@ -124,11 +125,11 @@ PlanarMotion vote(const Tensor& correlation,
                   int yaw_steps)
 {
   torch::NoGradGuard no_gradient;
-  const auto log_probability = correlation.log_softmax(1).cpu().contiguous();
+  const auto probability = correlation.softmax(1).cpu().contiguous();
   const auto given = trust.cpu().contiguous();
   const std::vector<float> weight(given.data_ptr<float>(), given.data_ptr<float>() + given.numel());
-  return voteMotion({log_probability.data_ptr<float>(), radius, size, places, weight}, centre,
-                    yaw_step, yaw_steps);
+  return voteMotion({probability.data_ptr<float>(), radius, size, places, weight}, centre, yaw_step,
+                    yaw_steps);
 }
 }  // namespace
 
@@ -298,6 +299,10 @@ DysegMatch DysegNetImpl::match(const BevScan& scan,
     centre.translation += step.head<2>();
     centre.yaw += step.z() / lever;
     out.fit.motion = centre;
+    if (step.norm() < settled)
+    {
+      break;
+    }
   }
   return out;
 }

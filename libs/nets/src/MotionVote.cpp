@@ -10,6 +10,7 @@ namespace
 {
 /** Share of the cells that follow no common motion, whatever their windows say. */
 constexpr float outliers = 0.2F;
+constexpr float least_trust = 0.01F;
 
 /** Where the best of three equidistant values lies between them, in [-0.5, 0.5]. */
 double vertex(double before, double at, double after)
@@ -22,29 +23,24 @@ class Vote
 {
  public:
   explicit Vote(const OffsetWindows& windows)
-      : windows_(windows),
-        side_(2 * windows.radius + 1),
-        bins_(static_cast<std::size_t>(side_) * static_cast<std::size_t>(side_))
+      : windows_(windows), side_(2 * windows.radius + 1), bins_(side_ * side_)
   {
-    const float floor = outliers / static_cast<float>(bins_);
-    loss_of_none_ = std::log(floor);
-    score_.resize(windows.places.size() * bins_);
-    for (std::size_t k = 0; k < score_.size(); ++k)
-    {
-      score_[k] = std::log((1 - outliers) * std::exp(windows.log_probability[k]) + floor);
-    }
+    // How much better a cell fits than an outlier would: an outlier is one anywhere in its window.
+    const float gain = (1 - outliers) / (outliers / static_cast<float>(bins_));
+    const auto count = static_cast<Eigen::Index>(windows.places.size()) * bins_;
+    score_ = (gain * Eigen::Map<const Eigen::ArrayXf>(windows.probability, count)).log1p();
   }
 
   /** Scores of all translations, in cells from the centre's, for one change of yaw. */
-  [[nodiscard]] std::vector<double> scores(double yaw_before, double change) const
+  [[nodiscard]] Eigen::ArrayXf scores(double yaw_before, double change) const
   {
-    std::vector<double> total(bins_, 0.0);
+    Eigen::ArrayXf total = Eigen::ArrayXf::Zero(bins_);
     const Eigen::Matrix2f turn = (Eigen::Rotation2Dd(yaw_before + change).toRotationMatrix() -
                                   Eigen::Rotation2Dd(yaw_before).toRotationMatrix())
                                      .cast<float>();
     for (std::size_t i = 0; i < windows_.places.size(); ++i)
     {
-      if (windows_.trust[i] > 1e-3F)
+      if (windows_.trust[i] > least_trust)
       {
         addCell(i, turn * windows_.places[i] / windows_.cell_size, total);
       }
@@ -56,34 +52,41 @@ class Vote
 
  private:
   /** \param shift of the cell's window by the turn [cells] */
-  void addCell(std::size_t i, const Eigen::Vector2f& shift, std::vector<double>& total) const
+  void addCell(std::size_t i, const Eigen::Vector2f& shift, Eigen::ArrayXf& total) const
   {
-    const float* window = score_.data() + i * bins_;
     const int x0 = static_cast<int>(std::floor(shift.x()));
     const int y0 = static_cast<int>(std::floor(shift.y()));
     const float fx = shift.x() - static_cast<float>(x0);
     const float fy = shift.y() - static_cast<float>(y0);
-    const auto at = [&](int x, int y)
-    { return x >= 0 && y >= 0 && x < side_ && y < side_ ? window[y * side_ + x] : loss_of_none_; };
     const float trust = windows_.trust[i];
-    for (int y = 0; y < side_; ++y)
+    for (const int dy : {0, 1})
     {
-      for (int x = 0; x < side_; ++x)
+      for (const int dx : {0, 1})
       {
-        const int u = x + x0;
-        const int v = y + y0;
-        const float value = (1 - fy) * ((1 - fx) * at(u, v) + fx * at(u + 1, v)) +
-                            fy * ((1 - fx) * at(u, v + 1) + fx * at(u + 1, v + 1));
-        total[static_cast<std::size_t>(y * side_ + x)] += static_cast<double>(trust * value);
+        const float weight = trust * (dx == 1 ? fx : 1 - fx) * (dy == 1 ? fy : 1 - fy);
+        if (weight > 0)
+        {
+          addShifted(i, x0 + dx, y0 + dy, weight, total);
+        }
       }
+    }
+  }
+  void addShifted(std::size_t i, int x, int y, float weight, Eigen::ArrayXf& total) const
+  {
+    const int first = std::max(0, -x);
+    const int count = side_ - std::abs(x);
+    for (int v = std::max(0, -y); v < std::min(side_, side_ - y) && count > 0; ++v)
+    {
+      total.segment(v * side_ + first, count) +=
+          weight *
+          score_.segment(static_cast<Eigen::Index>(i) * bins_ + (v + y) * side_ + first + x, count);
     }
   }
 
   const OffsetWindows& windows_;
   int side_;
-  std::size_t bins_;
-  float loss_of_none_ = 0;
-  std::vector<float> score_;
+  int bins_;
+  Eigen::ArrayXf score_;
 };
 }  // namespace
 
@@ -94,28 +97,29 @@ PlanarMotion voteMotion(const OffsetWindows& windows,
 {
   const Vote vote(windows);
   const int side = vote.side();
-  std::vector<double> best;
+  Eigen::ArrayXf best;
   std::vector<double> best_of_yaw;
-  std::size_t place = 0;
+  int place = 0;
   int turn = -yaw_steps;
   for (int k = -yaw_steps; k <= yaw_steps; ++k)
   {
-    auto scores = vote.scores(centre.yaw, k * yaw_step);
-    const auto top = std::max_element(scores.begin(), scores.end());
-    best_of_yaw.push_back(*top);
-    if (best.empty() || *top > best[place])
+    Eigen::ArrayXf scores = vote.scores(centre.yaw, k * yaw_step);
+    Eigen::Index top = 0;
+    const float score = scores.maxCoeff(&top);
+    best_of_yaw.push_back(static_cast<double>(score));
+    if (best.size() == 0 || score > best[place])
     {
-      place = static_cast<std::size_t>(top - scores.begin());
+      place = static_cast<int>(top);
       best = std::move(scores);
       turn = k;
     }
   }
-  const int x = static_cast<int>(place) % side;
-  const int y = static_cast<int>(place) / side;
+  const int x = place % side;
+  const int y = place / side;
   const auto at = [&](int u, int v)
   {
-    return best[static_cast<std::size_t>(std::clamp(v, 0, side - 1) * side +
-                                         std::clamp(u, 0, side - 1))];
+    return static_cast<double>(
+        best[std::clamp(v, 0, side - 1) * side + std::clamp(u, 0, side - 1)]);
   };
   Eigen::Vector2d offset(x - windows.radius, y - windows.radius);
   offset.x() += vertex(at(x - 1, y), at(x, y), at(x + 1, y));

@@ -18,7 +18,7 @@ struct Cells
 {
   std::vector<Eigen::Vector2f> places;
   std::vector<float> trust;
-  std::vector<float> log_probability;
+  std::vector<float> probability;
   std::mt19937 random{3};
 
   /** A cell whose window peaks at the motion; \param open leaves x open, as a rail does. */
@@ -42,13 +42,12 @@ struct Cells
     }
     for (const float w : window)
     {
-      log_probability.push_back(std::log(w / static_cast<float>(sum) + 1e-6F));
+      probability.push_back(w / static_cast<float>(sum));
     }
   }
   [[nodiscard]] PlanarMotion vote(const PlanarMotion& centre) const
   {
-    return dyslam::voteMotion({log_probability.data(), radius, size, places, trust}, centre, 0.02,
-                              3);
+    return dyslam::voteMotion({probability.data(), radius, size, places, trust}, centre, 0.02, 3);
   }
 };
 

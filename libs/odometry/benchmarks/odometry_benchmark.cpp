@@ -10,6 +10,7 @@
 // last motion. Rows `refine:*` are the refinement with the constant-velocity prediction, rows
 // `METHOD+refine` that from the method's motion and static confidence.
 #include <dyslam/core/Error.h>
+#include <dyslam/core/FreedMemory.h>
 #include <dyslam/odometry/LidarOdometry.h>
 #include <dyslam/odometry/LocalMapRefinement.h>
 #include <dyslam/odometry/MotionFilter.h>
@@ -327,6 +328,7 @@ void print(const std::string& method, const Row& row, const std::vector<Pose>& r
 
 int main(int argc, char** argv)
 {
+  keepFreedMemory();
   try
   {
     const Arguments a = parse(argc, argv);

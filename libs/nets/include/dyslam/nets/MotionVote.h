@@ -11,7 +11,7 @@ namespace dyslam
 /** Where one cell's content may have gone: probabilities of a window of offsets, row by row. */
 struct OffsetWindows
 {
-  const float* log_probability = nullptr;      //!< N x (2 radius + 1)^2
+  const float* probability = nullptr;          //!< N x (2 radius + 1)^2
   int radius = 0;                              //!< [cells]
   float cell_size = 0;                         //!< [m]
   const std::vector<Eigen::Vector2f>& places;  //!< N centres of the cells [m]
