@@ -44,7 +44,7 @@ struct DyloMatcher::Impl
     }
   }
   void keepConfidence(const DyloStage& stage);
-  [[nodiscard]] float confidenceNear(const Eigen::Vector3f& p) const;
+  [[nodiscard]] float confidenceNear(const Eigen::Vector3f& p, std::int32_t cell) const;
 };
 
 DyloMatcher::DyloMatcher(const std::string& weights, int threads) : impl_(std::make_unique<Impl>())
@@ -164,13 +164,11 @@ void DyloMatcher::Impl::keepConfidence(const DyloStage& stage)
   }
 }
 
-float DyloMatcher::Impl::confidenceNear(const Eigen::Vector3f& p) const
+float DyloMatcher::Impl::confidenceNear(const Eigen::Vector3f& p, std::int32_t cell) const
 {
   const PreparedScan::Level& level = prepared.levels[sampled_level];
-  const float slope = p.z() / std::max(std::hypot(p.x(), p.y()), 1e-3F);
-  const int image_row = prepared.row_of_slope[static_cast<std::size_t>(slopeBin(slope))];
-  const int row = image_row * level.rows / std::max(prepared.rows, 1);
-  const int col = imageColumn(p.x(), p.y(), level.cols);
+  const int row = cell / PreparedScan::columns * level.rows / prepared.rows;
+  const int col = cell % PreparedScan::columns * level.cols / PreparedScan::columns;
   const float reach = 0.5F + 0.05F * p.norm();
   float weight_sum = 0;
   float sum = 0;
@@ -202,9 +200,10 @@ std::vector<float> DyloMatcher::staticConfidence() const
   }
   for (std::size_t i = 0; i < s.points.size(); ++i)
   {
-    if (s.points[i].allFinite())
+    const std::int32_t cell = s.prepared.cell_of_point[i];
+    if (cell >= 0)
     {
-      confidence[i] = s.confidenceNear(s.points[i]);
+      confidence[i] = s.confidenceNear(s.points[i], cell);
     }
   }
   return confidence;

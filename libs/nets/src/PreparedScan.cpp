@@ -247,6 +247,7 @@ PreparedScan prepareScan(const std::vector<Eigen::Vector3f>& points, const Prepa
   const auto cells = static_cast<std::size_t>(scan.rows * PreparedScan::columns);
   scan.points.assign(cells, Eigen::Vector3f::Zero());
   scan.source.assign(cells, -1);
+  scan.cell_of_point.assign(points.size(), -1);
   for (std::size_t i = 0; i < points.size(); ++i)
   {
     if (bins[i] < 0)
@@ -256,6 +257,7 @@ PreparedScan prepareScan(const std::vector<Eigen::Vector3f>& points, const Prepa
     const int row = scan.row_of_slope[static_cast<std::size_t>(bins[i])];
     const int col = imageColumn(points[i].x(), points[i].y(), PreparedScan::columns);
     const auto cell = static_cast<std::size_t>(row * PreparedScan::columns + col);
+    scan.cell_of_point[i] = static_cast<std::int32_t>(cell);
     if (scan.source[cell] < 0)
     {
       ++scan.valid_points;

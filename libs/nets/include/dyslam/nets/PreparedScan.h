@@ -32,10 +32,11 @@ struct PreparedScan
   };
 
   int rows = 0;
-  std::vector<Eigen::Vector3f> points;     //!< of each image cell, row-major; zero where empty [m]
-  std::vector<std::int32_t> source;        //!< position in the cloud, -1 where empty
-  std::vector<std::int32_t> row_of_slope;  //!< image row by slope z/hypot(x,y)
-  std::array<Level, level_count> levels;   //!< 8192, 2048, 1024, 256 and 64 nodes
+  std::vector<Eigen::Vector3f> points;      //!< of each image cell, row-major; zero where empty [m]
+  std::vector<std::int32_t> source;         //!< position in the cloud, -1 where empty
+  std::vector<std::int32_t> cell_of_point;  //!< of each point of the cloud, -1 if it is left out
+  std::vector<std::int32_t> row_of_slope;   //!< image row by slope z/hypot(x,y)
+  std::array<Level, level_count> levels;    //!< 8192, 2048, 1024, 256 and 64 nodes
   std::vector<std::int32_t>
       first_level_of;                    //!< per level 2..4 in turn: node of level 1, -1 if empty
   std::vector<Eigen::Vector3f> normals;  //!< of level 1, towards the sensor; zero where unknown
