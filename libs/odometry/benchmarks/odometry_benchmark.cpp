@@ -218,7 +218,7 @@ Row runMethod(const std::string& method,
     const double dt = frame.index > 0 ? period : 0;
     const PosePrior prior{refinement.pose() * filter.predict(dt), filter.information(dt)};
     const RefineResult result = refinement.refine(frame, refinement.pose() * motion, &prior);
-    filter.update(dt, result.motion.T_previous_current, result.points_information,
+    filter.update(dt, result.motion.T_previous_current, result.measured_information,
                   result.prior_weight);
     return result.motion;
   };

@@ -23,6 +23,8 @@ constexpr std::size_t fewest_inliers = 50;
 constexpr double lever = 10;
 /** The map is cropped after this share of its radius. */
 constexpr double crop_share = 0.1;
+/** A guess nearer to the prior is the prior. */
+constexpr double same_pose = 1e-9;
 
 double square(double x)
 {
@@ -52,8 +54,7 @@ void RefineOptions::describe(OptionsVisitor& v)
   v.real("kernel", kernel, 0.001, 10, "scale of the robust kernel once the guess is good [m]");
   v.real("max_kernel", max_kernel, 0.001, 10, "its start where guesses have been bad [m]");
   v.real("start_deviation", start_deviation, 0, 50, "how wrong the first guess may be [m]");
-  v.real("guess_sigma", guess_sigma, 1e-4, 1e3,
-         "how far guesses without a prior are trusted: translation [m]");
+  v.real("guess_sigma", guess_sigma, 1e-4, 1e3, "how far guesses are trusted: translation [m]");
   v.degrees("guess_sigma_angle_deg", guess_sigma_angle, 1e-3, 180, "... and rotation");
   v.real("odometry_trust", odometry_trust, 0, 10,
          "share of the odometry's own information that joins the guess");
@@ -68,7 +69,7 @@ struct LocalMapRefinement::State
   {
   }
 
-  void setPrior(const Frame& frame, const Pose& T_before, const PosePrior* prior);
+  void setPrior(const Frame& frame, const Pose& T_guess, const PosePrior* prior);
   void takeIn(const Frame& frame);
   void sampleScan();
   void shapeSample();
@@ -86,7 +87,8 @@ struct LocalMapRefinement::State
   int joined = 0;  //!< frames in the map
   int failures = 0;
   std::optional<Pose> T_prior;                  //!< of the frame at hand
-  Matrix6 prior_information = Matrix6::Zero();  //!< of the prior, or of the guess
+  Matrix6 prior_information = Matrix6::Zero();  //!< of the prior and the guess
+  Matrix6 guess_information = Matrix6::Zero();  //!< of a guess that is not the prior
   double deviation2 = 0;     //!< running mean square of how wrong guesses were [m^2]
   double usual_inliers = 0;  //!< running mean of the inlier share
 
@@ -101,32 +103,31 @@ struct LocalMapRefinement::State
 };
 
 void LocalMapRefinement::State::setPrior(const Frame& frame,
-                                         const Pose& T_before,
+                                         const Pose& T_guess,
                                          const PosePrior* prior)
 {
+  Matrix6 of_guess = Matrix6::Zero();
+  of_guess.diagonal().head<3>().setConstant(1 / square(options.guess_sigma));
+  of_guess.diagonal().tail<3>().setConstant(1 / square(options.guess_sigma_angle));
+  if (frame.odometry.converged)
+  {
+    of_guess += options.odometry_trust * frame.odometry.information;
+  }
+  guess_information.setZero();
   T_prior.reset();
-  prior_information.setZero();
-  if (prior != nullptr)
-  {
-    T_prior = prior->T_odom_vehicle;
-    prior_information = prior->information;
-  }
-  else
-  {
-    prior_information.diagonal().head<3>().setConstant(1 / square(options.guess_sigma));
-    prior_information.diagonal().tail<3>().setConstant(1 / square(options.guess_sigma_angle));
-  }
-  if (!frame.odometry.converged || options.odometry_trust <= 0)
+  prior_information = of_guess;
+  if (prior == nullptr)
   {
     return;
   }
-  const Matrix6 added = options.odometry_trust * frame.odometry.information;
-  prior_information += added;
-  if (T_prior)
+  T_prior = prior->T_odom_vehicle;
+  prior_information = prior->information;
+  const Vector6 apart = logSE3(T_prior->inverse() * T_guess);
+  if (apart.norm() > same_pose)
   {
-    const Pose T_odometry = T_before * frame.odometry.T_previous_current;
-    const Vector6 apart = logSE3(T_prior->inverse() * T_odometry);
-    T_prior = *T_prior * expSE3(prior_information.ldlt().solve(added * apart));
+    guess_information = of_guess;
+    prior_information += of_guess;
+    T_prior = *T_prior * expSE3(prior_information.ldlt().solve(of_guess * apart));
   }
 }
 
@@ -358,7 +359,7 @@ RefineResult LocalMapRefinement::refine(const Frame& frame,
     return result;
   }
 
-  s.setPrior(frame, T_before, prior);
+  s.setPrior(frame, T_guess, prior);
   result.motion = MotionEstimate();
   result.motion.T_previous_current = orthonormalized(T_before.inverse() * T_guess);
   result.motion.information = s.prior_information;
@@ -411,7 +412,7 @@ RefineResult LocalMapRefinement::refine(const Frame& frame,
   scaled.rightCols<3>() /= lever;
   const Eigen::SelfAdjointEigenSolver<Matrix6> solver(scaled, Eigen::EigenvaluesOnly);
   result.degenerate = solver.eigenvalues()[0] < 1 / square(s.options.guess_sigma);
-  result.points_information = found.information;
+  result.measured_information = found.information + s.guess_information;
   result.prior_weight = found.prior_weight;
   result.motion.information += found.information;
   result.motion.converged = found.settled;

@@ -195,7 +195,7 @@ void Pipeline::Stages::estimateMotion(Frame& frame, double dt)
     motion.follow(dt, guess);
     return;
   }
-  motion.update(dt, result.motion.T_previous_current, result.points_information,
+  motion.update(dt, result.motion.T_previous_current, result.measured_information,
                 result.prior_weight);
 }
 

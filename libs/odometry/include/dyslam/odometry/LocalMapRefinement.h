@@ -34,7 +34,7 @@ struct RefineOptions : Options
   double kernel = 0.06;               //!< scale of the robust kernel once the guess is good [m]
   double max_kernel = 0.6;            //!< its start where guesses have been bad [m]
   double start_deviation = 2;         //!< how wrong the guess of the first motion may be [m]
-  double guess_sigma = 0.3;           //!< how far guesses without a prior are trusted [m]
+  double guess_sigma = 0.3;           //!< how far guesses are trusted [m]
   double guess_sigma_angle = 0.0349;  //!< ... and rotation [rad]
   double odometry_trust = 0;          //!< share of the odometry's own information that joins it
   /** Residuals of neighbouring points err together: that many count as one measurement. Tunnels
@@ -53,7 +53,8 @@ struct RefineResult
    * r = log(T_measured^-1 T), plus the little that the guess gives: it stays small, but positive,
    * along directions that the scene leaves open. */
   MotionEstimate motion;
-  Matrix6 points_information = Matrix6::Zero();  //!< of the registration alone
+  /** Of the registration, and of a guess that came with a prior of another pose. */
+  Matrix6 measured_information = Matrix6::Zero();
   /** Below 1 where the points insisted on more than the prior allows. */
   Vector6 prior_weight = Vector6::Ones();
   /** The scene fixes some direction of motion less well than guess_sigma does. */
@@ -90,8 +91,9 @@ class LocalMapRefinement
    * frame's own cloud stays as it is. The first frame only starts the map, at the guess; the second
    * also mends the deskewing of the first. On trouble the guess is kept, motion.converged is false
    * with a reason and the map stays as it is; after five such frames with points the map is begun
-   * anew. \param prior joins the points in finding the pose, with heavy tails; without one the
-   * guess does, as far as guess_sigma trusts it. */
+   * anew. \param prior joins the points in finding the pose, with heavy tails. A guess
+   * that differs from it is taken for a measurement of its own, trusted as guess_sigma says;
+   * without a prior the guess alone is trusted that far. */
   RefineResult refine(const Frame& frame,
                       const Pose& T_odom_vehicle_guess,
                       const PosePrior* prior = nullptr);
