@@ -2,6 +2,7 @@
 #include <dyslam/odometry/MotionFilter.h>
 
 #include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 
 namespace dyslam
 {
@@ -74,14 +75,19 @@ void MotionFilter::update(double dt,
   Eigen::Matrix<double, 12, 1> scale;
   scale << wider, wider;
   const Matrix12 P = scale.asDiagonal() * predictedCovariance(dt) * scale.asDiagonal();
-  const Eigen::Matrix<double, 12, 6> columns = P.leftCols<6>();
-  const Matrix6 prior = P.topLeftCorner<6, 6>().llt().solve(Matrix6::Identity());
-  // (P + measured^-1)^-1, for a measurement that may be blind in some directions.
-  const Matrix6 gain = measured - measured * (prior + measured).ldlt().solve(measured);
   const Vector6 correction = logSE3(predict(dt).inverse() * T_previous_current);
-  velocity_ += P.bottomLeftCorner<6, 6>() * (prior * correction);
-  covariance_ = P - columns * gain * columns.transpose();
-  covariance_ = (0.5 * (covariance_ + covariance_.transpose())).eval();
+  velocity_ += P.bottomLeftCorner<6, 6>() * P.topLeftCorner<6, 6>().llt().solve(correction);
+
+  // The measurement as six numbers of unit variance, blind ones among them, and Joseph's form,
+  // which keeps the covariance positive whatever the rounding.
+  const Eigen::SelfAdjointEigenSolver<Matrix6> solver(0.5 * (measured + measured.transpose()));
+  Eigen::Matrix<double, 6, 12> H = Eigen::Matrix<double, 6, 12>::Zero();
+  H.leftCols<6>() =
+      solver.eigenvalues().cwiseMax(0).cwiseSqrt().asDiagonal() * solver.eigenvectors().transpose();
+  const Matrix6 S = H * P * H.transpose() + Matrix6::Identity();
+  const Eigen::Matrix<double, 12, 6> K = S.llt().solve(H * P).transpose();
+  const Matrix12 rest = Matrix12::Identity() - K * H;
+  covariance_ = rest * P * rest.transpose() + K * K.transpose();
 }
 
 void MotionFilter::follow(double dt, const Pose& T_previous_current)

@@ -2,6 +2,9 @@
 #include <dyslam/odometry/MotionFilter.h>
 #include <gtest/gtest.h>
 
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
+#include <cmath>
 #include <random>
 
 namespace dyslam
@@ -65,6 +68,35 @@ TEST(MotionFilter, NoMeasurementLeavesThePredictionAsItWas)
   EXPECT_TRUE(filter.predict(period).isApprox(before, 1e-9));
   filter.update(0, poseFromYpr(9, 0, 0, 0, 0, 0), informationOf(1e-3, 1e-3));
   EXPECT_TRUE(filter.predict(period).isApprox(before, 1e-9)) << "no time, no motion";
+}
+
+TEST(MotionFilter, StaysSoundWithMeasurementsOfAnySize)
+{
+  MotionFilter filter = started(20);
+  std::mt19937 random(2);
+  std::normal_distribution<double> normal;
+  for (int i = 0; i < 300; ++i)
+  {
+    // From blind to far better than the prediction, and not quite symmetric, as float sums are.
+    Matrix6 half;
+    for (int k = 0; k < 36; ++k)
+    {
+      half(k / 6, k % 6) = std::pow(10.0, 1 + (i + k) % 4) * normal(random);
+    }
+    Matrix6 measured = half * half.transpose();
+    measured(0, 5) *= 1 + 1e-5;
+    if (i % 3 == 0)
+    {
+      measured.row(0).setZero();
+      measured.col(0).setZero();
+    }
+    filter.update(period, poseFromYpr(0.9, 0, 0, 0.01, 0, 0), measured,
+                  Vector6::Constant(i % 5 == 0 ? 0.01 : 1));
+    const Matrix6 covariance = filter.information(period).inverse();
+    ASSERT_GT(covariance.diagonal().minCoeff(), 0) << i;
+    ASSERT_GT(filter.information(period).ldlt().vectorD().minCoeff(), 0) << i;
+    ASSERT_LT((filter.predict(period).translation() - Eigen::Vector3d(0.9, 0, 0)).norm(), 0.5) << i;
+  }
 }
 
 /** Poses measured with white noise on a straight drive: what the pipeline does with them. */
