@@ -62,6 +62,35 @@ TEST(DyloTrainer, AStoppedTrainingGoesOnExactly)
   EXPECT_TRUE(learned);
 }
 
+TEST(DyloTrainer, StartsFromTheLayersThatAModelShares)
+{
+  const std::string given = freshFolder("given");
+  trainDylo(tiny(1), requestFor(given));
+  DyloTrainRequest request = requestFor(freshFolder("other_head"));
+  request.start = given + "/dylo.pt";
+  std::string said;
+  request.report = [&said](const std::string& line) { said += line + "\n"; };
+  Config config = tiny(1);
+  config.set("network.head=regression");
+  config.set("train.learning_rate=0.000000001");
+  trainDylo(config, request);
+  EXPECT_NE(said.find("started from"), std::string::npos) << said;
+  const auto before = loadDylo(request.start)->named_parameters();
+  const auto after = loadDylo(request.output + "/dylo.pt")->named_parameters();
+  std::size_t shared = 0;
+  for (const auto& parameter : after)
+  {
+    const torch::Tensor* source = before.find(parameter.key());
+    if (source != nullptr && source->sizes() == parameter.value().sizes())
+    {
+      ++shared;
+      EXPECT_TRUE(torch::allclose(parameter.value(), *source, 1e-5, 1e-6)) << parameter.key();
+    }
+  }
+  EXPECT_GT(shared, 50U);
+  EXPECT_LT(shared, after.size()) << "the head is its own";
+}
+
 TEST(DyloTrainer, DoesNotOverwriteATraining)
 {
   const std::string folder = freshFolder("kept");
