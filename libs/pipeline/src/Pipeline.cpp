@@ -21,9 +21,11 @@ namespace
 {
 using mrpt::system::CTimeLoggerEntry;
 
-constexpr double seen_within = 0.3;   // m, of a first motion that the segmenter found
-constexpr double usual_period = 0.1;  // s, of a revolution, before the second scan tells it
-constexpr double first_turn = 1;      // rad/s, of a recording's start at most
+constexpr double seen_within = 0.3;         // m, of a first motion that the segmenter found
+constexpr double odometry_deviation = 0.1;  // m, of a motion between scans
+constexpr double odometry_turn = 0.02;      // rad
+constexpr double usual_period = 0.1;        // s, of a revolution, before the second scan tells it
+constexpr double first_turn = 1;            // rad/s, of a recording's start at most
 
 struct OdometryOptions : Options
 {
@@ -83,8 +85,9 @@ struct Pipeline::Stages
   }
 
   /** Before any motion is known the segmenter may have found one, among movers too. */
-  void startFromStaticMotion(double dt);
-  void estimateMotion(Frame& frame, double dt);
+  [[nodiscard]] bool startFromStaticMotion(double dt);
+  /** \param prediction_only the odometry's answer is not to be the guess. */
+  void estimateMotion(Frame& frame, double dt, bool prediction_only);
   /** As long as nothing can be seen to move. */
   void weighByLooks(Frame& frame) const;
   void remember(const Frame& frame);
@@ -136,8 +139,8 @@ void Pipeline::process(Frame& frame)
     const CTimeLoggerEntry timed(s.times, "dyseg");
     s.segmenter->segment(frame);
   }
-  s.startFromStaticMotion(dt);
-  s.estimateMotion(frame, dt);
+  const bool started = s.startFromStaticMotion(dt);
+  s.estimateMotion(frame, dt, started);
   if (s.segmenter && s.segmenter->needsPose())
   {
     const CTimeLoggerEntry timed(s.times, "dyseg");
@@ -161,35 +164,43 @@ void Pipeline::process(Frame& frame)
   s.remember(frame);
 }
 
-void Pipeline::Stages::startFromStaticMotion(double dt)
+bool Pipeline::Stages::startFromStaticMotion(double dt)
 {
   if (!second || dt <= 0 || odometry_options.start_speed != 0 || !segmenter ||
       segmenter->staticMotion() == nullptr)
   {
-    return;
+    return false;
   }
   const double deviation = std::min(refine_options.start_deviation, seen_within);
   refinement.setStartDeviation(deviation);
   motion.start(logSE3(segmenter->staticMotion()->T_previous_current) / dt, deviation / dt,
                first_turn);
+  return true;
 }
 
-void Pipeline::Stages::estimateMotion(Frame& frame, double dt)
+void Pipeline::Stages::estimateMotion(Frame& frame, double dt, bool prediction_only)
 {
+  const bool refining = refine_options.method != RefineMethod::none;
   const Pose prediction = motion.predict(dt);
+  bool believable = false;
   {
     const CTimeLoggerEntry timed(times, "odometry");
     frame.odometry = odometry->process(frame, prediction);
-    frame.static_confidence = odometry->staticConfidence();
+    // Among traffic a scan-to-scan method may follow the traffic, and call the world moving.
+    const Pose& found = frame.odometry.T_previous_current;
+    believable = frame.odometry.converged &&
+                 (!refining || (!prediction_only &&
+                                motion.allows(dt, found, odometry_deviation, odometry_turn)));
+    frame.static_confidence = believable ? odometry->staticConfidence() : std::vector<float>();
     weighByLooks(frame);
   }
   const CTimeLoggerEntry timed(times, "refine");
-  const Pose& guess = frame.odometry.converged ? frame.odometry.T_previous_current : prediction;
+  const Pose& guess = believable ? frame.odometry.T_previous_current : prediction;
   const PosePrior prior{T_odom_last * prediction, motion.information(dt)};
   const RefineResult result = refinement.refine(frame, T_odom_last * guess, &prior);
   frame.refined = result.motion;
   frame.T_odom_vehicle = result.T_odom_vehicle;
-  if (refine_options.method == RefineMethod::none)
+  if (!refining)
   {
     frame.refined = frame.odometry;
     motion.follow(dt, guess);
