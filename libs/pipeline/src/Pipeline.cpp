@@ -24,6 +24,7 @@ using mrpt::system::CTimeLoggerEntry;
 constexpr double seen_within = 0.3;         // m, of a first motion that the segmenter found
 constexpr double odometry_deviation = 0.1;  // m, of a motion between scans
 constexpr double odometry_turn = 0.02;      // rad
+constexpr float looks_mobile = 0.2F;        // likelihood of staying, below which a point may go
 constexpr double usual_period = 0.1;        // s, of a revolution, before the second scan tells it
 constexpr double first_turn = 1;            // rad/s, of a recording's start at most
 
@@ -88,7 +89,7 @@ struct Pipeline::Stages
   [[nodiscard]] bool startFromStaticMotion(double dt);
   /** \param prediction_only the odometry's answer is not to be the guess. */
   void estimateMotion(Frame& frame, double dt, bool prediction_only);
-  /** As long as nothing can be seen to move. */
+  /** As long as nothing can be seen to move, what looks as if it could does not count. */
   void weighByLooks(Frame& frame) const;
   void remember(const Frame& frame);
 
@@ -220,7 +221,7 @@ void Pipeline::Stages::weighByLooks(Frame& frame) const
   auto& confidence = frame.static_confidence;
   confidence.resize(frame.cloud.size(), 1.0F);
   std::transform(looks->begin(), looks->end(), confidence.begin(), confidence.begin(),
-                 [](float l, float c) { return l * l * c; });
+                 [](float l, float c) { return l < looks_mobile ? 0.0F : c; });
 }
 
 void Pipeline::Stages::remember(const Frame& frame)
