@@ -83,37 +83,36 @@ Tensor indexOf(const CellLevel& level)
   return tableTensor(level.row_of_cell, level.width);
 }
 
-/** Fits the static motion to the peaks of a correlation. \param trust of each cell, N. */
+/** Fits the static motion to the peaks of a correlation.
+ * \param trust of each cell, N \param centre motion that the windows lie around, `flow` of the
+ * cells \param within this far from the centre cells count at first [m]. */
 RigidFlowFit fitPeaks(const Tensor& correlation,
                       const Tensor& trust,
                       int radius,
                       float size,
-                      const Tensor& base_flow,
+                      const Tensor& flow,
                       const std::vector<Eigen::Vector2f>& places,
-                      double width,
-                      double start_width,
-                      const PlanarMotion* start)
+                      const PlanarMotion& centre,
+                      double within)
 {
   torch::NoGradGuard no_gradient;
   const auto peak = peakOffset(correlation, radius).cpu().contiguous();
-  const auto base = base_flow.defined() ? base_flow.cpu().contiguous() : Tensor();
+  const auto base = flow.cpu().contiguous();
   const auto trusted = trust.cpu().contiguous();
   const float* p = peak.data_ptr<float>();
   const float* t = trusted.data_ptr<float>();
-  const float* b = base.defined() ? base.data_ptr<float>() : nullptr;
-  std::vector<Eigen::Vector2f> flow(places.size());
+  const float* b = base.data_ptr<float>();
+  std::vector<Eigen::Vector2f> found(places.size());
   std::vector<float> weight(places.size());
   for (std::size_t i = 0; i < places.size(); ++i)
   {
-    flow[i] = size * Eigen::Vector2f(p[3 * i], p[3 * i + 1]);
-    if (b != nullptr)
-    {
-      flow[i] += Eigen::Vector2f(b[2 * i], b[2 * i + 1]);
-    }
+    found[i] =
+        size * Eigen::Vector2f(p[3 * i], p[3 * i + 1]) + Eigen::Vector2f(b[2 * i], b[2 * i + 1]);
     weight[i] = p[3 * i + 2] * p[3 * i + 2] * t[i];
   }
-  return fitRigidFlow(places, flow, weight, width, start_width, start);
+  return fitRigidFlow(places, found, weight, fine_width, within, &centre);
 }
+
 /** The static motion that the windows of a correlation speak for. */
 PlanarMotion vote(const Tensor& correlation,
                   const Tensor& trust,
@@ -281,8 +280,8 @@ DysegMatch DysegNetImpl::match(const BevScan& scan,
     {
       break;
     }
-    out.fit = fitPeaks(out.correlation, trust, radius, size, flow, occupied.quarter_place,
-                       fine_width, guess != nullptr ? guess->within : voted_within, &centre);
+    out.fit = fitPeaks(out.correlation, trust, radius, size, flow, occupied.quarter_place, centre,
+                       guess != nullptr ? guess->within : voted_within);
     if (!out.fit.converged)
     {
       break;
