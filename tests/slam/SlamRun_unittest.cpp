@@ -57,23 +57,31 @@ class SlamRun : public ::testing::Test
   {
     folder_ = fs::temp_directory_path() / ("dyslam_slam_run_" + std::to_string(::getpid()));
     fs::create_directories(folder_);
-    writeRecording(recording(), false);
+    writeRecording(recording(), town(), scan_count, false);
   }
   static void TearDownTestSuite() { fs::remove_all(folder_); }
 
   static std::string recording() { return (folder_ / "town.rawlog").string(); }
 
-  /** \param spoiled puts an empty scan and bad points amid the good ones. */
-  static void writeRecording(const std::string& path, bool spoiled)
+  static sim::SimulatorOptions town()
   {
     sim::SimulatorOptions options;
     options.sensor = sim::SensorKind::vlp16;
     options.columns = 900;
     options.traffic = 0.5;
     options.seed = 11;
+    return options;
+  }
+
+  /** \param spoiled puts an empty scan and bad points amid the good ones. */
+  static void writeRecording(const std::string& path,
+                             const sim::SimulatorOptions& options,
+                             int scans,
+                             bool spoiled)
+  {
     sim::Simulator simulator(options, 1);
     RawlogWriter writer(path);
-    for (int i = 0; i < scan_count; ++i)
+    for (int i = 0; i < scans; ++i)
     {
       auto simulated = simulator.next();
       Scan& scan = simulated.scan;
@@ -235,7 +243,7 @@ TEST_F(SlamRun, EmptyScansAndBadPointsDoNotStopIt)
 {
   auto s = settings("spoiled");
   s.rawlog = (folder_ / "spoiled.rawlog").string();
-  writeRecording(s.rawlog, true);
+  writeRecording(s.rawlog, town(), scan_count, true);
   const auto report = runSlam(s);
   EXPECT_EQ(report.frames, static_cast<std::size_t>(scan_count));
   EXPECT_EQ(report.unconverged, 1U);
@@ -305,16 +313,9 @@ TEST_F(SlamRun, FindsTheWorldAmongTrafficThatDrivesAlong)
   options.traffic = 0.6;
   options.seed = 302;
   options.columns = 1024;
-  sim::Simulator simulator(options, 2);
   auto s = settings("traffic");
   s.rawlog = (folder_ / "highway.rawlog").string();
-  RawlogWriter writer(s.rawlog);
-  for (int i = 0; i < 16; ++i)
-  {
-    const auto simulated = simulator.next();
-    writer.write(simulated.scan, simulated.T_map_vehicle);
-  }
-  writer.close();
+  writeRecording(s.rawlog, options, 16, false);
   s.config =
       Config::fromFile(std::string(DYSLAM_SOURCE_DIR) + "/share/dyslam/config_files/kitti64.ini");
   s.labels = false;

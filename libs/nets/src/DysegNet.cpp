@@ -251,15 +251,19 @@ DysegMatch DysegNetImpl::match(const BevScan& scan,
         correlate(current.coarse, {past.coarse, past.cells->eighth_index, empty_coarse_},
                   occupied.eighth_position, radius);
   }
-  out.first =
-      guide != nullptr ? guide->first
-      : guess != nullptr
-          ? guess->motion
-          : vote(out.coarse_correlation,
-                 gatherRows(trust.unsqueeze(1), occupied.eighth_parts).mean(1), radius, 2 * size,
-                 occupied.eighth_place, PlanarMotion(), coarse_yaw_step, coarse_yaw_steps);
-  if (guide == nullptr && guess == nullptr)
+  if (guide != nullptr)
   {
+    out.first = guide->first;
+  }
+  else if (guess != nullptr)
+  {
+    out.first = guess->motion;
+  }
+  else
+  {
+    const auto coarse_trust = gatherRows(trust.unsqueeze(1), occupied.eighth_parts).mean(1);
+    out.first = vote(out.coarse_correlation, coarse_trust, radius, 2 * size, occupied.eighth_place,
+                     PlanarMotion(), coarse_yaw_step, coarse_yaw_steps);
     const auto flow = rigidFlow(out.first, occupied.quarter_place);
     const auto window = correlate(current.middle, past_middle,
                                   occupied.quarter_position + flow.to(device) / size, radius);

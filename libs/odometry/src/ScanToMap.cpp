@@ -22,10 +22,6 @@ constexpr float reread_share = 0.2F;
 /** Noise of a range measurement [m]: a floor under all residuals' spread. */
 constexpr double sensor_sigma = 0.015;
 constexpr double kernel_decay = 0.6;
-}  // namespace
-
-namespace
-{
 /** A prior yields where the points insist on more than so many of its deviations. */
 constexpr double translation_gate = 10;
 constexpr double rotation_gate = 3.5;

@@ -85,7 +85,8 @@ struct Pipeline::Stages
     motion.start(velocity, refine_options.start_deviation / usual_period, first_turn);
   }
 
-  /** Before any motion is known the segmenter may have found one, among movers too. */
+  /** Before any motion is known the segmenter may have found one, among movers too.
+   * \return true if it has, and the motion filter begins with it. */
   [[nodiscard]] bool startFromStaticMotion(double dt);
   /** \param prediction_only the odometry's answer is not to be the guess. */
   void estimateMotion(Frame& frame, double dt, bool prediction_only);
