@@ -59,7 +59,16 @@ void RefineOptions::describe(OptionsVisitor& v)
   v.real("odometry_trust", odometry_trust, 0, 10,
          "share of the odometry's own information that joins the guess");
   v.real("correlated_points", correlated_points, 1, 1e6, "points that count as one measurement");
+  v.real("level_share", level_share, 1e-3, 1e9,
+         "level surfaces count at most so many times as much as all others");
   v.real("min_inlier_share", min_inlier_share, 0, 1, "with less agreement the scan has failed");
+}
+
+void PosePrior::join(const Pose& T_measured, const Matrix6& measured)
+{
+  const Vector6 apart = logSE3(T_odom_vehicle.inverse() * T_measured);
+  information += measured;
+  T_odom_vehicle = T_odom_vehicle * expSE3(information.ldlt().solve(measured * apart));
 }
 
 struct LocalMapRefinement::State
@@ -120,15 +129,14 @@ void LocalMapRefinement::State::setPrior(const Frame& frame,
   {
     return;
   }
-  T_prior = prior->T_odom_vehicle;
-  prior_information = prior->information;
-  const Vector6 apart = logSE3(T_prior->inverse() * T_guess);
-  if (apart.norm() > same_pose)
+  PosePrior joint = *prior;
+  if (logSE3(joint.T_odom_vehicle.inverse() * T_guess).norm() > same_pose)
   {
     guess_information = of_guess;
-    prior_information += of_guess;
-    T_prior = *T_prior * expSE3(prior_information.ldlt().solve(of_guess * apart));
+    joint.join(T_guess, of_guess);
   }
+  T_prior = joint.T_odom_vehicle;
+  prior_information = joint.information;
 }
 
 /** Thins the cloud along the rings and takes back its deskewing. */
@@ -239,6 +247,7 @@ ScanToMapSettings LocalMapRefinement::State::settings(double start_kernel) const
   s.start_kernel = std::clamp(start_kernel, options.kernel, options.max_kernel);
   s.max_iterations = options.max_iterations;
   s.correlated_points = options.correlated_points;
+  s.level_share = options.level_share;
   s.T_prior = T_prior;
   s.prior_information = prior_information;
   return s;

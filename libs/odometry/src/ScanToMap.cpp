@@ -15,6 +15,8 @@ namespace
 constexpr std::size_t chunk_size = 512;
 /** Blobs and lines say too little about a normal. */
 constexpr float least_planarity = 0.2F;
+/** Normals nearer to the map's z axis than this cosine belong to level surfaces. */
+constexpr float level_cosine = 0.9F;
 /** Residuals beyond this many kernel scales are outliers. */
 constexpr float gate = 4;
 /** A surface is read anew when the point moved by this share of a cell. */
@@ -67,10 +69,25 @@ void RawPoints::deskewed(const Pose& T_sweep,
                  });
 }
 
+void ScanToMap::NormalEquations::add(const NormalEquations& other, double share)
+{
+  H += share * other.H;
+  g += share * other.g;
+  weight += share * other.weight;
+}
+
+ScanToMap::NormalEquations ScanToMap::Sums::balanced(double level_share) const
+{
+  NormalEquations all = upright;
+  const double most = level_share * upright.weight;
+  all.add(level, upright.weight > 0 && level.weight > most ? most / level.weight : 1);
+  return all;
+}
+
 void ScanToMap::Sums::add(const Sums& other)
 {
-  H += other.H;
-  g += other.g;
+  upright.add(other.upright);
+  level.add(other.level);
   error += other.error;
   weight += other.weight;
   agreeing += other.agreeing;
@@ -130,6 +147,9 @@ void ScanToMap::accumulate(const RawPoints& scan,
       // Geman-McClure
       const float robust = k2 / (k2 + r2);
       const float base_weight = own_weight * robust * robust;
+      const bool is_level = std::abs(match.surface.normal.z()) > level_cosine;
+      NormalEquations& equations = is_level ? sums.level : sums.upright;
+      double w = static_cast<double>(base_weight);
       if (iteration.distributions)
       {
         const Eigen::Matrix3f C = R.transpose() * match.surface.covariance * R + shapes[i] +
@@ -140,22 +160,23 @@ void ScanToMap::accumulate(const RawPoints& scan,
         J.leftCols<3>().setIdentity();
         J.rightCols<3>() = -skew(p.cast<double>());
         // In units of a plane's residual, so that both methods' sums mean the same.
-        const double w = static_cast<double>(base_weight) * 8e-4;
+        w *= 8e-4;
         const Eigen::Matrix<double, 6, 3> JtM = w * J.transpose() * M;
-        sums.H.noalias() += JtM * J;
-        sums.g.noalias() += JtM * e;
+        equations.H.noalias() += JtM * J;
+        equations.g.noalias() += JtM * e;
       }
       else
       {
-        const double w = static_cast<double>(base_weight * match.weight);
+        w *= static_cast<double>(match.weight);
         const Eigen::Vector3f n = R.transpose() * match.surface.normal;
         Vector6 J;
         J.head<3>() = n.cast<double>();
         J.tail<3>() = p.cross(n).cast<double>();
         const Vector6 wJ = w * J;
-        sums.H.noalias() += wJ * J.transpose();
-        sums.g.noalias() += wJ * static_cast<double>(r);
+        equations.H.noalias() += wJ * J.transpose();
+        equations.g.noalias() += wJ * static_cast<double>(r);
       }
+      equations.weight += w;
       sums.error += static_cast<double>(base_weight * r2);
       sums.agreeing += static_cast<double>(base_weight);
       ++sums.inliers;
@@ -197,6 +218,7 @@ ScanToMapResult ScanToMap::align(const RawPoints& scan,
     iteration.kernel = static_cast<float>(kernel);
     Sums sums;
     accumulate(scan, shapes, map, iteration, sums);
+    const NormalEquations equations = sums.balanced(settings.level_share);
     ++result.iterations;
 
     const double variance = sums.error / std::max(sums.agreeing, 1e-9);
@@ -205,14 +227,14 @@ ScanToMapResult ScanToMap::align(const RawPoints& scan,
     result.rmse = std::sqrt(variance);
     result.inliers = sums.inliers;
     result.inlier_share = sums.weight > 0 ? sums.agreeing / sums.weight : 0;
-    result.information = sums.H / unit;
+    result.information = equations.H / unit;
 
     const Vector6 off_prior = logSE3(T_prior.inverse() * result.T);
     result.prior_weight = priorWeight(settings.prior_information, off_prior);
     const Vector6 root = result.prior_weight.cwiseSqrt();
     const Matrix6 prior = root.asDiagonal() * settings.prior_information * root.asDiagonal();
     const Matrix6 H = result.information + prior;
-    const Vector6 g = sums.g / unit + prior * off_prior;
+    const Vector6 g = equations.g / unit + prior * off_prior;
     const Vector6 step = -(H + 1e-9 * Matrix6::Identity()).ldlt().solve(g);
     if (!step.allFinite())
     {

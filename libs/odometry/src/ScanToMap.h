@@ -31,6 +31,7 @@ struct ScanToMapSettings
   std::optional<Pose> T_prior;                  //!< expected pose; the start if there is none
   Matrix6 prior_information = Matrix6::Zero();  //!< of log(T_prior^-1 T) [1/m^2, 1/rad^2]
   double correlated_points = 1;
+  double level_share = 1e9;  //!< see RefineOptions
 };
 
 struct ScanToMapResult
@@ -68,16 +69,26 @@ class ScanToMap
     float offset = 0;  //!< of the plane along its normal
     float weight = 0;
   };
-  struct Sums
+  struct NormalEquations
   {
     Matrix6 H = Matrix6::Zero();
     Vector6 g = Vector6::Zero();
+    double weight = 0;
+
+    void add(const NormalEquations& other, double share = 1);
+  };
+  struct Sums
+  {
+    NormalEquations upright;  //!< all surfaces but level ones
+    NormalEquations level;
     double error = 0;
     double weight = 0;
     double agreeing = 0;
     std::size_t inliers = 0;
 
     void add(const Sums& other);
+    /** All together, level surfaces with at most `level_share` times the others' weight. */
+    [[nodiscard]] NormalEquations balanced(double level_share) const;
   };
   struct Iteration
   {

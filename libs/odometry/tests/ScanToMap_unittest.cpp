@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "ScanToMap.h"
 
+#include <dyslam/odometry/LocalMapRefinement.h>
 #include <gtest/gtest.h>
 
 #include <random>
@@ -93,6 +94,61 @@ TEST_P(ScanToMapTest, AStrongGuessIsKept)
   const ScanToMapResult result =
       registration.align(scan_, shapes_, map_, Pose::Identity(), Pose::Identity(), settings_);
   EXPECT_LT(result.T.translation().norm(), 1e-3);
+}
+
+TEST_P(ScanToMapTest, LevelGroundCountsWithinItsShare)
+{
+  ScanToMap registration(pool_);
+  const auto heightInformation = [&](const RawPoints& scan, double share)
+  {
+    settings_.level_share = share;
+    return registration.align(scan, shapes_, map_, Pose::Identity(), T_, settings_)
+        .information(2, 2);
+  };
+  // Once it counts less than walls do, its information goes with its share.
+  const double tenth = heightInformation(scan_, 0.1);
+  const double hundredth = heightInformation(scan_, 0.01);
+  EXPECT_LT(tenth, 0.5 * heightInformation(scan_, 1e9));
+  EXPECT_LT(hundredth, 0.5 * tenth);
+
+  settings_.level_share = 0.1;
+  Vector6 off;
+  off << 0.2, 0.1, -0.1, 0.005, 0.005, -0.01;
+  const ScanToMapResult found =
+      registration.align(scan_, shapes_, map_, Pose::Identity(), T_ * expSE3(off), settings_);
+  EXPECT_LT((T_.inverse() * found.T).translation().norm(), 0.02);
+
+  // Ground alone is all there is.
+  RawPoints ground;
+  std::vector<Eigen::Matrix3f> shapes;
+  for (std::size_t i = 0; i < scan_.size(); ++i)
+  {
+    const Eigen::Vector3f& p = scan_.points[i];
+    if (p.z() < 0.2F && std::abs(p.x()) < 10 && std::abs(p.y()) < 2)
+    {
+      ground.points.push_back(p);
+      shapes.push_back(shapes_[i]);
+    }
+  }
+  ASSERT_GT(ground.size(), 10U);
+  shapes_ = shapes;
+  const double all = heightInformation(ground, 1e9);
+  EXPECT_GT(all, 0);
+  EXPECT_DOUBLE_EQ(heightInformation(ground, 0.1), all);
+}
+
+TEST(PosePrior, JoinsMeasurementsByTheirInformation)
+{
+  PosePrior prior{Pose::Identity(), Matrix6::Identity()};
+  prior.join(poseFromYpr(0.4, 0, 0, 0, 0, 0), 3 * Matrix6::Identity());
+  EXPECT_NEAR(prior.T_odom_vehicle.translation().x(), 0.3, 1e-12);
+  EXPECT_NEAR(prior.information(0, 0), 4, 1e-12);
+  // What a measurement does not see stays as it was.
+  Matrix6 ahead = Matrix6::Zero();
+  ahead(0, 0) = 1e6;
+  prior.join(poseFromYpr(1, 5, 0, 0, 0, 0), ahead);
+  EXPECT_NEAR(prior.T_odom_vehicle.translation().x(), 1, 1e-4);
+  EXPECT_NEAR(prior.T_odom_vehicle.translation().y(), 0, 1e-12);
 }
 
 INSTANTIATE_TEST_SUITE_P(Methods,

@@ -21,7 +21,9 @@ namespace
 {
 using mrpt::system::CTimeLoggerEntry;
 
-constexpr double seen_within = 0.3;         // m, of a first motion that the segmenter found
+constexpr double seen_deviation = 0.1;      // m, of the segmenter's static motion
+constexpr double seen_turn = 0.005;         // rad
+constexpr double seen_within = 0.3;         // m, to look for the first motion around it
 constexpr double odometry_deviation = 0.1;  // m, of a motion between scans
 constexpr double odometry_turn = 0.02;      // rad
 constexpr float looks_mobile = 0.2F;        // likelihood of staying, below which a point may go
@@ -85,11 +87,11 @@ struct Pipeline::Stages
     motion.start(velocity, refine_options.start_deviation / usual_period, first_turn);
   }
 
-  /** Before any motion is known the segmenter may have found one, among movers too.
-   * \return true if it has, and the motion filter begins with it. */
-  [[nodiscard]] bool startFromStaticMotion(double dt);
-  /** \param prediction_only the odometry's answer is not to be the guess. */
-  void estimateMotion(Frame& frame, double dt, bool prediction_only);
+  /** The segmenter's own motion of the static world, as long as too little time has passed to see
+   * anything else move: of what looks as if it stayed, it is not misled by traffic all around.
+   * Null if there is none, or none to be believed. */
+  [[nodiscard]] const MotionEstimate* staticMotion(double dt) const;
+  void estimateMotion(Frame& frame, double dt);
   /** As long as nothing can be seen to move, what looks as if it could does not count. */
   void weighByLooks(Frame& frame) const;
   void remember(const Frame& frame);
@@ -141,8 +143,7 @@ void Pipeline::process(Frame& frame)
     const CTimeLoggerEntry timed(s.times, "dyseg");
     s.segmenter->segment(frame);
   }
-  const bool started = s.startFromStaticMotion(dt);
-  s.estimateMotion(frame, dt, started);
+  s.estimateMotion(frame, dt);
   if (s.segmenter && s.segmenter->needsPose())
   {
     const CTimeLoggerEntry timed(s.times, "dyseg");
@@ -166,24 +167,37 @@ void Pipeline::process(Frame& frame)
   s.remember(frame);
 }
 
-bool Pipeline::Stages::startFromStaticMotion(double dt)
+const MotionEstimate* Pipeline::Stages::staticMotion(double dt) const
 {
-  if (!second || dt <= 0 || odometry_options.start_speed != 0 || !segmenter ||
-      segmenter->staticMotion() == nullptr)
+  if (first || dt <= 0 || odometry_options.start_speed != 0 || !segmenter ||
+      segmenter->staticLikelihood() == nullptr || segmenter->staticMotion() == nullptr)
   {
-    return false;
+    return nullptr;
   }
-  const double deviation = std::min(refine_options.start_deviation, seen_within);
-  refinement.setStartDeviation(deviation);
-  motion.start(logSE3(segmenter->staticMotion()->T_previous_current) / dt, deviation / dt,
-               first_turn);
-  return true;
+  const MotionEstimate* seen = segmenter->staticMotion();
+  return motion.allows(dt, seen->T_previous_current, seen_deviation, seen_turn) ? seen : nullptr;
 }
 
-void Pipeline::Stages::estimateMotion(Frame& frame, double dt, bool prediction_only)
+void Pipeline::Stages::estimateMotion(Frame& frame, double dt)
 {
   const bool refining = refine_options.method != RefineMethod::none;
-  const Pose prediction = motion.predict(dt);
+  PosePrior prior{T_odom_last * motion.predict(dt), motion.information(dt)};
+  Matrix6 seen_information = Matrix6::Zero();
+  const MotionEstimate* seen = staticMotion(dt);
+  if (seen != nullptr)
+  {
+    seen_information.diagonal().head<3>().setConstant(1 / (seen_deviation * seen_deviation));
+    seen_information.diagonal().tail<3>().setConstant(1 / (seen_turn * seen_turn));
+    // A segmenter that looks from above sees neither height nor tilt.
+    seen_information.diagonal().segment<3>(2).setZero();
+    prior.join(T_odom_last * seen->T_previous_current, seen_information);
+  }
+  const bool started = second && seen != nullptr;
+  if (started)
+  {
+    refinement.setStartDeviation(std::min(refine_options.start_deviation, seen_within));
+  }
+  const Pose prediction = T_odom_last.inverse() * prior.T_odom_vehicle;
   bool believable = false;
   {
     const CTimeLoggerEntry timed(times, "odometry");
@@ -191,14 +205,13 @@ void Pipeline::Stages::estimateMotion(Frame& frame, double dt, bool prediction_o
     // Among traffic a scan-to-scan method may follow the traffic, and call the world moving.
     const Pose& found = frame.odometry.T_previous_current;
     believable = frame.odometry.converged &&
-                 (!refining || (!prediction_only &&
-                                motion.allows(dt, found, odometry_deviation, odometry_turn)));
+                 (!refining ||
+                  (!started && motion.allows(dt, found, odometry_deviation, odometry_turn)));
     frame.static_confidence = believable ? odometry->staticConfidence() : std::vector<float>();
     weighByLooks(frame);
   }
   const CTimeLoggerEntry timed(times, "refine");
   const Pose& guess = believable ? frame.odometry.T_previous_current : prediction;
-  const PosePrior prior{T_odom_last * prediction, motion.information(dt)};
   const RefineResult result = refinement.refine(frame, T_odom_last * guess, &prior);
   frame.refined = result.motion;
   frame.T_odom_vehicle = result.T_odom_vehicle;
@@ -208,8 +221,8 @@ void Pipeline::Stages::estimateMotion(Frame& frame, double dt, bool prediction_o
     motion.follow(dt, guess);
     return;
   }
-  motion.update(dt, result.motion.T_previous_current, result.measured_information,
-                result.prior_weight);
+  motion.update(dt, result.motion.T_previous_current,
+                result.measured_information + seen_information, result.prior_weight);
 }
 
 void Pipeline::Stages::weighByLooks(Frame& frame) const

@@ -24,7 +24,7 @@ enum class RefineMethod
 struct RefineOptions : Options
 {
   RefineMethod method = RefineMethod::point_to_plane;
-  double cell_size = 0.5;             //!< of the map; surfaces are read from three cells across [m]
+  double cell_size = 0.4;             //!< of the map; surfaces are read from three cells across [m]
   double cell_points = 200;           //!< a cell with this many points takes no more
   double map_spacing = 0.1;           //!< nearer followers along a ring are left out [m]
   double map_radius = 100;            //!< farther cells are dropped [m]
@@ -41,6 +41,10 @@ struct RefineOptions : Options
    * and open fields, where the guess must hold against the pattern of the samples, ask for this
    * many; on KITTI drive 0005 the normalised squared error is 0.9 with it, where 6 is exact. */
   double correlated_points = 20;
+  /** Level ground tells height, roll and pitch; of the way ahead and the heading it tells nothing
+   * but what its errors make up. Where nearly all that is seen is road, that is more than walls and
+   * posts can mend: level surfaces together count at most so many times as much as all others. */
+  double level_share = 6;
   double min_inlier_share = 0.2;  //!< with less agreement the registration has failed
 
   void describe(OptionsVisitor& visitor) override;
@@ -70,6 +74,9 @@ struct PosePrior
 {
   Pose T_odom_vehicle = Pose::Identity();
   Matrix6 information = Matrix6::Zero();  //!< of log(T_prior^-1 T) [1/m^2, 1/rad^2]
+
+  /** Take in an independent measurement of the same pose. */
+  void join(const Pose& T_measured, const Matrix6& measured);
 };
 
 /** Registration of each scan to a local map that it then joins: scan to map odometry.
