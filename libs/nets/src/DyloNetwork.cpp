@@ -13,6 +13,16 @@ namespace
 /** Angle between nodes of each level [rad], about. */
 constexpr std::array<double, PreparedScan::level_count> spacing = {0.02, 0.05, 0.1, 0.2, 0.4};
 
+/** Steps against the full-resolution image, at most, until one is as short as this [m]. */
+constexpr int most_fine_passes = 8;
+constexpr double settled_step = 0.01;
+
+/** Of a motion, its turn as felt by points at 10 m [m]. */
+double length(const Vector6& motion)
+{
+  return motion.head<3>().norm() + 10 * motion.tail<3>().norm();
+}
+
 /** Full sizes, as PWCLO-Net's. */
 std::int64_t scaled(double width, std::int64_t size)
 {
@@ -263,13 +273,19 @@ std::vector<DyloStage> DyloNetworkImpl::forward(const EncodedScan& scan1,
     embedding = here;
     pose = stages.back().pose.detached();
   }
-  if (options_.head == DyloHead::gauss_newton)
+  if (options_.head == DyloHead::regression || options_.fine_passes == 0)
   {
-    for (int pass = 0; pass < options_.fine_passes; ++pass)
-    {
-      stages.push_back(fineStage(scan1, scan2, pose, embedding));
-      pose = stages.back().pose.detached();
-    }
+    return stages;
+  }
+  // A step is not the last one while it is long; in training all pairs take as many.
+  const int most = torch::GradMode::is_enabled() ? options_.fine_passes : most_fine_passes;
+  bool settled = false;
+  for (int pass = 0; pass < options_.fine_passes || (pass < most && !settled); ++pass)
+  {
+    const Pose before = pose.toPose();
+    stages.push_back(fineStage(scan1, scan2, pose, embedding));
+    pose = stages.back().pose.detached();
+    settled = length(logSE3(before.inverse() * pose.toPose())) < settled_step;
   }
   return stages;
 }

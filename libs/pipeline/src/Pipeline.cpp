@@ -204,9 +204,9 @@ void Pipeline::Stages::estimateMotion(Frame& frame, double dt)
     frame.odometry = odometry->process(frame, prediction);
     // Among traffic a scan-to-scan method may follow the traffic, and call the world moving.
     const Pose& found = frame.odometry.T_previous_current;
-    believable = frame.odometry.converged &&
-                 (!refining ||
-                  (!started && motion.allows(dt, found, odometry_deviation, odometry_turn)));
+    believable =
+        frame.odometry.converged &&
+        (!refining || (!started && motion.allows(dt, found, odometry_deviation, odometry_turn)));
     frame.static_confidence = believable ? odometry->staticConfidence() : std::vector<float>();
     weighByLooks(frame);
   }

@@ -164,12 +164,13 @@ std::vector<ValidationRow> validateDylo(DyloNetwork& network,
                           PoseTensors::from(start, torch::dtype(torch::kFloat).device(device)))
                 .back()
                 .pose.toPose());
-        stages.resize(found.size());
-        for (std::size_t s = 0; s < found.size(); ++s)
+        // Pairs settle after different numbers of stages; from there on their pose stays.
+        stages.resize(std::max(stages.size(), found.size()), estimates);
+        for (std::size_t s = 0; s < stages.size(); ++s)
         {
-          stages[s].push_back(found[s].pose.toPose());
+          stages[s].push_back(found[std::min(s, found.size() - 1)].pose.toPose());
         }
-        estimates.push_back(stages.back().back());
+        estimates.push_back(found.back().pose.toPose());
         same.push_back(truths.empty() ? Pose::Identity() : truths.back());
         truths.push_back(recording.T_world_scan[k - 1].inverse() * recording.T_world_scan[k]);
         still.push_back(Pose::Identity());

@@ -43,7 +43,8 @@ class DyloNetworkImpl : public torch::nn::Module
 
   [[nodiscard]] EncodedScan encode(const ScanTensors& scan);
 
-  /** \param start where the search begins. \returns every stage; the last pose is the answer. */
+  /** \param start where the search begins. \returns every stage; the last pose is the answer. While
+   * gradients are not recorded, fine passes go on until a step is short. */
   [[nodiscard]] std::vector<DyloStage> forward(const EncodedScan& scan1,
                                                const EncodedScan& scan2,
                                                const PoseTensors& start);

@@ -28,7 +28,7 @@ struct DyloNetworkOptions : Options
   DyloMask mask = DyloMask::attention;
   DyloHead head = DyloHead::gauss_newton;
   double width = 0.5;   //!< of the layers, as a share of the full sizes
-  int fine_passes = 2;  //!< Gauss-Newton steps against the full-resolution image
+  int fine_passes = 2;  //!< Gauss-Newton steps against the full-resolution image, at least
 
   void describe(OptionsVisitor& visitor) override;
 };
