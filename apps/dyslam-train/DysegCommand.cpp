@@ -11,6 +11,7 @@
 #include <filesystem>
 #include <fstream>
 #include <iostream>
+#include <sstream>
 
 namespace dyslam
 {
@@ -25,6 +26,7 @@ Trains the moving-object segmentation network. Writes DIR/dyseg.pt (the weights)
   -o, --output DIR    made if it is not there
   --resume            go on from DIR/state.pt
   --start FILE        begin with the weights of another dyseg.pt
+  --blend FILE SHARE  no training: writes the mean of --start and of this, SHARE of it from this
   --validate          only print the validation table of DIR/dyseg.pt
   --set SECTION.KEY=VALUE   instead of what the file says; may be repeated
 )";
@@ -36,11 +38,24 @@ struct Arguments
   std::string config;
   std::string output;
   std::string start;
+  std::string blend;
+  double blend_share = 0;
   std::vector<std::string> assignments;
   bool resume = false;
   bool validate_only = false;
   bool help = false;
 };
+
+double shareOf(const std::string& text)
+{
+  std::istringstream in(text);
+  double share = 0;
+  if (!(in >> share) || !in.eof() || share < 0 || share > 1)
+  {
+    throw UserError("--blend: '" + text + "' is not a share between 0 and 1");
+  }
+  return share;
+}
 
 Arguments parse(const std::vector<std::string>& words)
 {
@@ -73,6 +88,11 @@ Arguments parse(const std::vector<std::string>& words)
     {
       a.start = value();
     }
+    else if (word == "--blend")
+    {
+      a.blend = value();
+      a.blend_share = shareOf(value());
+    }
     else if (word == "--set")
     {
       a.assignments.push_back(value());
@@ -93,6 +113,10 @@ Arguments parse(const std::vector<std::string>& words)
   if (a.config.empty() || a.output.empty())
   {
     throw UserError("--config and --output are needed; see dyslam-train dyseg --help");
+  }
+  if (!a.blend.empty() && a.start.empty())
+  {
+    throw UserError("--blend: needs --start, the weights to blend with");
   }
   if (a.resume && !a.start.empty())
   {
@@ -152,6 +176,12 @@ int trainDysegCommand(const std::vector<std::string>& words)
   else if (!a.start.empty())
   {
     trainer.startFrom(a.start);
+  }
+  if (!a.blend.empty())
+  {
+    trainer.blend(a.blend, a.blend_share);
+    trainer.save();
+    return 0;
   }
   const auto say = [](const std::string& line) { std::cout << line << std::endl; };
   if (a.validate_only)

@@ -79,6 +79,19 @@ std::vector<std::int32_t> childRows(const CellLevel& in, const CellLevel& out)
   return rowsAround(in, out, 0, 1);
 }
 
+std::vector<std::int32_t> parentRows(const CellLevel& in, const CellLevel& out)
+{
+  std::vector<std::int32_t> rows;
+  rows.reserve(in.size());
+  for (const auto n : in.number)
+  {
+    const int x = n % in.width / 2;
+    const int y = n / in.width / 2;
+    rows.push_back(out.row_of_cell[at(y * out.width + x)]);
+  }
+  return rows;
+}
+
 std::vector<Eigen::Vector2f> cellCentres(const CellLevel& level, const BevScan& scan)
 {
   const float size = scan.cell_size * static_cast<float>(scan.cells / level.width);

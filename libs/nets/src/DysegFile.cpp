@@ -10,7 +10,7 @@ namespace dyslam
 namespace
 {
 constexpr const char* kind = "dyslam-dyseg";
-constexpr std::int64_t version = 3;
+constexpr std::int64_t version = 4;
 
 std::vector<std::int64_t> shapeOf(const DysegNetworkOptions& o)
 {

@@ -78,6 +78,12 @@ Tensor positionsOf(const CellLevel& level)
   return positions;
 }
 
+/** Means over the four quarter cells of each eighth cell, empty ones counted as zeros. */
+Tensor meanOfParts(const Tensor& quarter, const Tensor& parts)
+{
+  return gatherRows(quarter, parts).view({parts.size(0), 4, quarter.size(1)}).mean(1);
+}
+
 Tensor indexOf(const CellLevel& level)
 {
   return tableTensor(level.row_of_cell, level.width);
@@ -151,6 +157,8 @@ DysegCells::DysegCells(const BevScan& scan)
       quarter_under(tableTensor(convolutionRows(level.half, level.quarter), 9)),
       quarter_around(tableTensor(convolutionRows(level.quarter, level.quarter), 9)),
       eighth_parts(tableTensor(childRows(level.quarter, level.eighth), 4)),
+      eighth_around(tableTensor(convolutionRows(level.eighth, level.eighth), 9)),
+      quarter_parent(tableTensor(parentRows(level.quarter, level.eighth), 1)),
       half_index(indexOf(level.half)),
       quarter_index(indexOf(level.quarter)),
       eighth_index(indexOf(level.eighth)),
@@ -164,7 +172,8 @@ DysegCells::DysegCells(const BevScan& scan)
 void DysegCells::to(torch::Device device)
 {
   for (auto* t : {&half_under, &half_around, &quarter_under, &quarter_around, &eighth_parts,
-                  &half_index, &quarter_index, &eighth_index, &quarter_position, &eighth_position})
+                  &eighth_around, &quarter_parent, &half_index, &quarter_index, &eighth_index,
+                  &quarter_position, &eighth_position})
   {
     *t = t->to(device);
   }
@@ -188,6 +197,9 @@ DysegNetImpl::DysegNetImpl(const DysegNetworkOptions& options) : options_(option
       register_module("quarter_first", CellConv(o.quarter_channels, o.quarter_channels));
   quarter_second_ =
       register_module("quarter_second", CellConv(o.quarter_channels, o.quarter_channels));
+  wide_first_ = register_module("wide_first", CellConv(o.quarter_channels, o.quarter_channels));
+  wide_second_ = register_module("wide_second", CellConv(o.quarter_channels, o.quarter_channels));
+  wide_third_ = register_module("wide_third", CellConv(o.quarter_channels, o.quarter_channels));
   fine_matching_ = register_module("fine_matching", RowLinear(o.half_channels, o.fine_channels));
   matching_ = register_module("matching", RowLinear(o.quarter_channels, o.matching_channels));
   anchor_ = register_module("anchor", RowLinear(o.quarter_channels, anchor_channels));
@@ -206,6 +218,14 @@ DysegNetImpl::DysegNetImpl(const DysegNetworkOptions& options) : options_(option
   point_logit_ = register_module("point_logit", RowLinear(24, 1));
 }
 
+Tensor DysegNetImpl::surroundings(const Tensor& quarter, const DysegCells& cells)
+{
+  const auto coarse = meanOfParts(quarter, cells.eighth_parts);
+  auto wide = wide_first_(coarse, cells.eighth_around, rectified);
+  wide = wide + wide_second_(wide, cells.eighth_around, rectified);
+  return gatherRows(wide_third_(wide, cells.eighth_around), cells.quarter_parent);
+}
+
 DysegEncoding DysegNetImpl::encode(const BevScan& scan)
 {
   const auto device = pillar_->weight.device();
@@ -221,13 +241,12 @@ DysegEncoding DysegNetImpl::encode(const BevScan& scan)
   auto quarter = quarter_(half, cells->quarter_under, rectified);
   const auto first = quarter_first_(quarter, cells->quarter_around, rectified);
   quarter = (quarter + quarter_second_(first, cells->quarter_around)).relu();
+  quarter = (quarter + surroundings(quarter, *cells)).relu();
   e.context = quarter;
   e.fine = fine_matching_(half);
   e.anchor = anchor_logit_(anchor_(quarter, rectified)).squeeze(1);
   e.middle = matching_(quarter);
-  e.coarse = gatherRows(e.middle, cells->eighth_parts)
-                 .view({cells->eighth_parts.size(0), 4, options_.matching_channels})
-                 .mean(1);
+  e.coarse = meanOfParts(e.middle, cells->eighth_parts);
   e.cells = std::move(cells);
   return e;
 }

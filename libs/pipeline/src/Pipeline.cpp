@@ -111,8 +111,7 @@ struct Pipeline::Stages
   Backend backend;
   StaticMap map;
 
-  bool first = true;    //!< no scan yet
-  bool second = false;  //!< one scan yet
+  int scans = 0;  //!< before the one at hand
   double last_stamp = 0;
   Pose T_odom_last = Pose::Identity();
 };
@@ -127,14 +126,14 @@ Pipeline::~Pipeline() = default;
 void Pipeline::process(Frame& frame)
 {
   Stages& s = *stages_;
-  const double dt = s.first ? 0 : frame.scan.stamp - s.last_stamp;
+  const double dt = s.scans == 0 ? 0 : frame.scan.stamp - s.last_stamp;
   const Pose prediction = s.motion.predict(dt);
   {
     const CTimeLoggerEntry timed(s.times, "preprocess");
     // The first scan's motion is not known yet: refinement undoes it once the second one tells it.
-    frame.cloud = s.preprocessor.prepare(frame.scan, prediction, s.first ? usual_period : dt);
+    frame.cloud = s.preprocessor.prepare(frame.scan, prediction, s.scans == 0 ? usual_period : dt);
   }
-  if (!s.first && (!s.second || s.odometry_options.start_speed != 0))
+  if (s.scans > 1 || (s.scans == 1 && s.odometry_options.start_speed != 0))
   {
     frame.T_previous_predicted = prediction;
   }
@@ -169,7 +168,8 @@ void Pipeline::process(Frame& frame)
 
 const MotionEstimate* Pipeline::Stages::staticMotion(double dt) const
 {
-  if (first || dt <= 0 || odometry_options.start_speed != 0 || !segmenter ||
+  // The first two scans are skewed alike, no motion being known yet; the third one is not.
+  if (scans == 0 || scans == 2 || dt <= 0 || odometry_options.start_speed != 0 || !segmenter ||
       segmenter->staticLikelihood() == nullptr || segmenter->staticMotion() == nullptr)
   {
     return nullptr;
@@ -192,7 +192,7 @@ void Pipeline::Stages::estimateMotion(Frame& frame, double dt)
     seen_information.diagonal().segment<3>(2).setZero();
     prior.join(T_odom_last * seen->T_previous_current, seen_information);
   }
-  const bool started = second && seen != nullptr;
+  const bool started = scans == 1 && seen != nullptr;
   if (started)
   {
     refinement.setStartDeviation(std::min(refine_options.start_deviation, seen_within));
@@ -240,8 +240,7 @@ void Pipeline::Stages::weighByLooks(Frame& frame) const
 
 void Pipeline::Stages::remember(const Frame& frame)
 {
-  second = first;
-  first = false;
+  ++scans;
   last_stamp = frame.scan.stamp;
   T_odom_last = frame.T_odom_vehicle;
 }

@@ -305,6 +305,11 @@ DysegTrainer::~DysegTrainer() = default;
 
 void DysegTrainer::startFrom(const std::string& weights)
 {
+  blend(weights, 1);
+}
+
+void DysegTrainer::blend(const std::string& weights, double share)
+{
   const auto loaded = loadDyseg(weights);
   torch::NoGradGuard no_gradient;
   const auto source = loaded.net->named_parameters();
@@ -316,7 +321,7 @@ void DysegTrainer::startFrom(const std::string& weights)
       {
         throw UserError(weights + ": weights of another shape of network");
       }
-      p.value().copy_(source[p.key()]);
+      p.value().mul_(1 - share).add_(source[p.key()], share);
     }
   }
 }
@@ -351,6 +356,11 @@ void DysegTrainer::resume()
   {
     throw UserError(path + ": state of another network or version");
   }
+}
+
+void DysegTrainer::save()
+{
+  impl_->save();
 }
 
 void DysegTrainer::validateOnly(const std::function<void(const std::string&)>& say)

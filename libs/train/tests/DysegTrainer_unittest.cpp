@@ -69,6 +69,25 @@ TEST_F(DysegTraining, AStoppedRunGoesOnExactly)
   EXPECT_EQ(contentOf(train("parts", 6, true)), whole);
 }
 
+TEST_F(DysegTraining, BlendsTheWeightsOfTwoTrainings)
+{
+  const auto first = train("first", 1);
+  setup_.train.seed = 2;
+  const auto second = train("second", 1);
+  const auto blended = [&](double share)
+  {
+    DysegTrainer trainer(setup_, (folder_ / "blend").string());
+    trainer.startFrom(first.string());
+    trainer.blend(second.string(), share);
+    trainer.save();
+    return contentOf(folder_ / "blend" / "dyseg.pt");
+  };
+  ASSERT_NE(contentOf(first), contentOf(second));
+  EXPECT_EQ(blended(0), contentOf(first));
+  EXPECT_EQ(blended(1), contentOf(second));
+  EXPECT_NE(blended(0.5), blended(0.4));
+}
+
 TEST_F(DysegTraining, WeightsOfAnotherShapeAndMissingStatesAreRefused)
 {
   const auto weights = train("small", 1).string();

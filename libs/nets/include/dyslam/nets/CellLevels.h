@@ -39,6 +39,9 @@ struct CellLevels
 /** For each cell of `out` the rows of the four cells of `in`, twice as fine, that make it up. */
 [[nodiscard]] std::vector<std::int32_t> childRows(const CellLevel& in, const CellLevel& out);
 
+/** For each cell of `in` the row of the cell of `out`, half as fine, that it is part of. */
+[[nodiscard]] std::vector<std::int32_t> parentRows(const CellLevel& in, const CellLevel& out);
+
 /** Centres of a level's cells, in the frame of the scan's points [m]. */
 [[nodiscard]] std::vector<Eigen::Vector2f> cellCentres(const CellLevel& level, const BevScan& scan);
 }  // namespace dyslam

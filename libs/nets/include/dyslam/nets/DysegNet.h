@@ -26,6 +26,8 @@ struct DysegCells
   torch::Tensor quarter_under;   //!< rows at half resolution, N4 x 9
   torch::Tensor quarter_around;  //!< N4 x 9
   torch::Tensor eighth_parts;    //!< rows at a quarter, N8 x 4
+  torch::Tensor eighth_around;   //!< N8 x 9
+  torch::Tensor quarter_parent;  //!< rows at an eighth, N4 x 1
   torch::Tensor half_index;      //!< row of each cell of the map, -1 if empty, H/2 x W/2
   torch::Tensor quarter_index;
   torch::Tensor eighth_index;
@@ -125,6 +127,10 @@ class DysegNetImpl : public torch::nn::Module
   [[nodiscard]] const DysegNetworkOptions& options() const { return options_; }
 
  private:
+  /** What lies some metres around each cell at 1/4, as seen at 1/8: the ends of a long vehicle's
+   * flank, for one. \return N4 x quarter_channels. */
+  [[nodiscard]] torch::Tensor surroundings(const torch::Tensor& quarter, const DysegCells& cells);
+
   DysegNetworkOptions options_;
   torch::Tensor empty_fine_;    //!< what an empty cell shows to those that look for a match
   torch::Tensor empty_middle_;
@@ -136,6 +142,9 @@ class DysegNetImpl : public torch::nn::Module
   CellConv quarter_{nullptr};
   CellConv quarter_first_{nullptr};
   CellConv quarter_second_{nullptr};
+  CellConv wide_first_{nullptr};
+  CellConv wide_second_{nullptr};
+  CellConv wide_third_{nullptr};
   RowLinear fine_matching_{nullptr};
   RowLinear matching_{nullptr};
   RowLinear anchor_{nullptr};

@@ -44,7 +44,7 @@ struct RefineOptions : Options
   /** Level ground tells height, roll and pitch; of the way ahead and the heading it tells nothing
    * but what its errors make up. Where nearly all that is seen is road, that is more than walls and
    * posts can mend: level surfaces together count at most so many times as much as all others. */
-  double level_share = 6;
+  double level_share = 12;
   double min_inlier_share = 0.2;  //!< with less agreement the registration has failed
 
   void describe(OptionsVisitor& visitor) override;
