@@ -305,33 +305,36 @@ TEST_F(SlamRun, TheSegmentersMotionIsTheFirstGuess)
   EXPECT_NEAR(firstStep(s, "odometry_tum.txt").translation().norm(), truth, 0.5 * truth);
 }
 
-/** A highway on which registration alone takes the traffic for the world. */
+/** Highways on which registration alone takes the traffic for the world: fast, and in a jam. */
 TEST_F(SlamRun, FindsTheWorldAmongTrafficThatDrivesAlong)
 {
-  sim::SimulatorOptions options;
-  options.world = sim::WorldKind::highway;
-  options.traffic = 0.6;
-  options.seed = 302;
-  options.columns = 1024;
-  auto s = settings("traffic");
-  s.rawlog = (folder_ / "highway.rawlog").string();
-  writeRecording(s.rawlog, options, 16, false);
-  s.config =
-      Config::fromFile(std::string(DYSLAM_SOURCE_DIR) + "/share/dyslam/config_files/kitti64.ini");
-  s.labels = false;
-  s.config.set("pipeline.mapping=false");
-  s.config.set("pipeline.tracking=false");
-  s.config.set("output.replay=false");
-  const auto forwardRatio = [&](const std::string& segmenter)
+  for (const auto& [traffic, seed] : {std::pair(0.6, 302), std::pair(1.0, 301)})
   {
-    s.config.set("dyseg.method=" + segmenter);
-    EXPECT_EQ(runSlam(s).frames, 16U);
-    const auto errors = errorsOf(s.output_folder);
-    EXPECT_GT(errors.length, 20);
-    return errors.forward_ratio.value_or(0);
-  };
-  EXPECT_LT(forwardRatio("none"), 0.7);
-  EXPECT_NEAR(forwardRatio("network"), 1, 0.05);
+    sim::SimulatorOptions options;
+    options.world = sim::WorldKind::highway;
+    options.traffic = traffic;
+    options.seed = seed;
+    options.columns = 1024;
+    auto s = settings("traffic");
+    s.rawlog = (folder_ / "highway.rawlog").string();
+    writeRecording(s.rawlog, options, 16, false);
+    s.config =
+        Config::fromFile(std::string(DYSLAM_SOURCE_DIR) + "/share/dyslam/config_files/kitti64.ini");
+    s.labels = false;
+    s.config.set("pipeline.mapping=false");
+    s.config.set("pipeline.tracking=false");
+    s.config.set("output.replay=false");
+    const auto forwardRatio = [&](const std::string& segmenter)
+    {
+      s.config.set("dyseg.method=" + segmenter);
+      EXPECT_EQ(runSlam(s).frames, 16U);
+      const auto errors = errorsOf(s.output_folder);
+      EXPECT_GT(errors.length, 4);
+      return errors.forward_ratio.value_or(0);
+    };
+    EXPECT_LT(forwardRatio("none"), 0.7) << "traffic " << traffic;
+    EXPECT_NEAR(forwardRatio("network"), 1, 0.05) << "traffic " << traffic;
+  }
 }
 
 TEST_F(SlamRun, StaticScansAreTheScansWithoutWhatMoves)

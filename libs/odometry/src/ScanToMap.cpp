@@ -17,6 +17,8 @@ constexpr std::size_t chunk_size = 512;
 constexpr float least_planarity = 0.2F;
 /** Normals nearer to the map's z axis than this cosine belong to level surfaces. */
 constexpr float level_cosine = 0.9F;
+/** In an open field the ground is all there is. */
+constexpr double least_level_weight = 0.2;
 /** Residuals beyond this many kernel scales are outliers. */
 constexpr float gate = 4;
 /** A surface is read anew when the point moved by this share of a cell. */
@@ -79,8 +81,8 @@ void ScanToMap::NormalEquations::add(const NormalEquations& other, double share)
 ScanToMap::NormalEquations ScanToMap::Sums::balanced(double level_share) const
 {
   NormalEquations all = upright;
-  const double most = level_share * upright.weight;
-  all.add(level, upright.weight > 0 && level.weight > most ? most / level.weight : 1);
+  const double within = level_share * upright.weight / std::max(level.weight, 1e-9);
+  all.add(level, std::clamp(within, least_level_weight, 1.0));
   return all;
 }
 

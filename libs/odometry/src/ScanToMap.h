@@ -87,7 +87,8 @@ class ScanToMap
     std::size_t inliers = 0;
 
     void add(const Sums& other);
-    /** All together, level surfaces with at most `level_share` times the others' weight. */
+    /** All together, level surfaces with at most `level_share` times the others' weight,
+     * but with a fifth of their own at least. */
     [[nodiscard]] NormalEquations balanced(double level_share) const;
   };
   struct Iteration

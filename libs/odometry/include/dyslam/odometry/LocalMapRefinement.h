@@ -43,7 +43,8 @@ struct RefineOptions : Options
   double correlated_points = 20;
   /** Level ground tells height, roll and pitch; of the way ahead and the heading it tells nothing
    * but what its errors make up. Where nearly all that is seen is road, that is more than walls and
-   * posts can mend: level surfaces together count at most so many times as much as all others. */
+   * posts can mend: level surfaces together count at most so many times as much as all others, but
+   * never less than a fifth: in an open field there is nothing else. */
   double level_share = 12;
   double min_inlier_share = 0.2;  //!< with less agreement the registration has failed
 
