@@ -143,6 +143,11 @@ double rotationAngle(const Pose& pose)
   return logSO3(pose.linear()).norm();
 }
 
+double motionSize(const Vector6& tangent, double lever)
+{
+  return tangent.head<3>().norm() + lever * tangent.tail<3>().norm();
+}
+
 Pose poseFromYpr(double x, double y, double z, double yaw, double pitch, double roll)
 {
   Pose pose = Pose::Identity();

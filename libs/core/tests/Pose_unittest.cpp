@@ -68,6 +68,15 @@ TEST(Pose, RightJacobianInverseMatchesNumericalDerivative)
   }
 }
 
+TEST(Pose, MotionSizeCountsATurnAtItsLever)
+{
+  Vector6 motion;
+  motion << 3, 0, 4, 0, 0.2, 0;
+  EXPECT_DOUBLE_EQ(motionSize(motion), 7);
+  EXPECT_DOUBLE_EQ(motionSize(motion, 5), 6);
+  EXPECT_EQ(motionSize(Vector6::Zero()), 0);
+}
+
 TEST(Pose, YawPitchRollRoundTrip)
 {
   const Pose pose = poseFromYpr(1, 2, 3, 0.5, -0.3, 2.0);

@@ -87,7 +87,7 @@ MotionEstimate alignByRows(std::size_t count,
       return estimate;
     }
     T = orthonormalized(T * expSE3(step));
-    last_step = step.head<3>().norm() + 10 * step.tail<3>().norm();
+    last_step = motionSize(step);
     if (gate <= settings.kernel && last_step < 1e-3)
     {
       break;
