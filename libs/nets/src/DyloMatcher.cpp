@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/Deskew.h>
 #include <dyslam/nets/DyloMatcher.h>
 #include <dyslam/nets/DyloModel.h>
 
@@ -11,6 +12,12 @@ namespace dyslam
 namespace
 {
 constexpr std::size_t sampled_level = 1;
+
+// How far the motion found lies from the one that a scan was deskewed with [m, at a lever of 10 m]:
+constexpr double seen_bend = 0.005;     //!< worth taking back
+constexpr double far_bend = 0.3;        //!< points are elsewhere in the image
+constexpr double farthest_motion = 10;  //!< not to be believed
+constexpr int most_layouts = 4;
 
 /** A residual that may come from noise and the sampling of surfaces [m]. */
 double inlierDistance(double range)
@@ -26,14 +33,56 @@ struct SampledNode
 };
 }  // namespace
 
+/** A scan, as it was given and as the network sees it. */
+struct SeenScan
+{
+  std::vector<Eigen::Vector3f> points;
+  std::vector<float> phase;
+  Pose T_given = Pose::Identity();  //!< that `points` are deskewed with
+  PreparedScan prepared;
+  EncodedScan encoded;
+  bool motion_known = false;  //!< `encoded` is deskewed with its own motion
+
+  [[nodiscard]] bool empty() const { return prepared.empty(); }
+  /** The given points, deskewed by `T_sweep` instead. */
+  [[nodiscard]] std::vector<Eigen::Vector3f> sweptBy(const Pose& T_sweep) const;
+  /** Image and levels deskewed by `T_sweep`; which points they hold, and their features, stay. */
+  void bend(const Pose& T_sweep);
+};
+
+std::vector<Eigen::Vector3f> SeenScan::sweptBy(const Pose& T_sweep) const
+{
+  const SweepMotion given(T_given, 0);
+  const SweepMotion wanted(T_sweep, 0);
+  std::vector<Eigen::Vector3f> swept(points.size());
+  for (std::size_t i = 0; i < points.size(); ++i)
+  {
+    swept[i] = wanted.toReference(given.toReference(points[i], -phase[i]), phase[i]);
+  }
+  return swept;
+}
+
+void SeenScan::bend(const Pose& T_sweep)
+{
+  const SweepMotion given(T_given, 0);
+  const SweepMotion wanted(T_sweep, 0);
+  for (std::size_t cell = 0; cell < prepared.source.size(); ++cell)
+  {
+    if (prepared.source[cell] >= 0)
+    {
+      const auto i = static_cast<std::size_t>(prepared.source[cell]);
+      prepared.points[cell] = wanted.toReference(given.toReference(points[i], -phase[i]), phase[i]);
+    }
+  }
+  encoded.scan = toTensors(prepared);
+  encoded.T_sweep = T_sweep;
+}
+
 struct DyloMatcher::Impl
 {
   DyloNetwork network{nullptr};
   int threads = 1;
-  std::vector<Eigen::Vector3f> points;
-  PreparedScan prepared;
-  EncodedScan current, reference;
-  bool has_reference = false;
+  SeenScan current, reference;
   std::vector<SampledNode> nodes;  //!< of the last match
 
   void useThreads() const
@@ -43,6 +92,8 @@ struct DyloMatcher::Impl
       torch::set_num_threads(threads);
     }
   }
+  void layOut(SeenScan& scan, const std::vector<Eigen::Vector3f>& points, const Pose& T_sweep);
+  std::vector<DyloStage> search(const Pose& start, bool deskew);
   void keepConfidence(const DyloStage& stage);
   [[nodiscard]] float confidenceNear(const Eigen::Vector3f& p, std::int32_t cell) const;
 };
@@ -58,50 +109,121 @@ DyloMatcher::~DyloMatcher() = default;
 DyloMatcher::DyloMatcher(DyloMatcher&&) noexcept = default;
 DyloMatcher& DyloMatcher::operator=(DyloMatcher&&) noexcept = default;
 
-std::size_t DyloMatcher::setCurrent(const std::vector<Eigen::Vector3f>& points)
+void DyloMatcher::Impl::layOut(SeenScan& scan,
+                               const std::vector<Eigen::Vector3f>& points,
+                               const Pose& T_sweep)
+{
+  scan.prepared = prepareScan(points);
+  scan.encoded = EncodedScan();
+  if (scan.prepared.empty())
+  {
+    return;
+  }
+  scan.encoded = network->encode(toTensors(scan.prepared));
+  scan.encoded.T_sweep = T_sweep;
+  if (scan.phase.empty())
+  {
+    return;
+  }
+  for (std::size_t l = 0; l < scan.encoded.phase.size(); ++l)
+  {
+    const std::vector<std::int32_t>& cells = scan.prepared.levels[l].cell;
+    torch::Tensor phase = torch::zeros({static_cast<std::int64_t>(cells.size())});
+    for (std::size_t n = 0; n < cells.size(); ++n)
+    {
+      if (cells[n] >= 0)
+      {
+        const std::int32_t point = scan.prepared.source[static_cast<std::size_t>(cells[n])];
+        phase.data_ptr<float>()[n] = scan.phase[static_cast<std::size_t>(point)];
+      }
+    }
+    scan.encoded.phase[l] = phase;
+  }
+}
+
+std::size_t DyloMatcher::setCurrent(const std::vector<Eigen::Vector3f>& points,
+                                    const std::vector<float>& phase,
+                                    const Pose& T_sweep)
 {
   const torch::NoGradGuard no_grad;
   Impl& s = *impl_;
   s.useThreads();
-  s.points = points;
-  s.prepared = prepareScan(points);
+  s.current.points = points;
+  s.current.phase = phase.size() == points.size() ? phase : std::vector<float>();
+  s.current.T_given = T_sweep;
+  s.current.motion_known = s.current.phase.empty();
   s.nodes.clear();
-  if (!s.prepared.empty())
-  {
-    s.current = s.network->encode(toTensors(s.prepared));
-  }
-  return s.prepared.valid_points;
+  s.layOut(s.current, points, T_sweep);
+  return s.current.prepared.valid_points;
 }
 
-void DyloMatcher::keepAsReference()
+void DyloMatcher::keepAsReference(const std::optional<Pose>& T_sweep)
 {
-  impl_->reference = impl_->current;
-  impl_->has_reference = !impl_->prepared.empty();
+  Impl& s = *impl_;
+  SeenScan& scan = s.current;
+  if (T_sweep && !scan.motion_known && !scan.empty())
+  {
+    scan.motion_known = true;
+    if (motionSize(logSE3(scan.encoded.T_sweep.inverse() * *T_sweep)) > seen_bend)
+    {
+      scan.bend(*T_sweep);
+    }
+  }
+  s.reference = scan;
 }
 
 void DyloMatcher::forgetReference()
 {
-  impl_->has_reference = false;
+  impl_->reference = SeenScan();
 }
 
-DyloMatch DyloMatcher::match(const Pose& start)
+/** Where a scan was bent too much to be straightened in its place, it is laid out anew. */
+std::vector<DyloStage> DyloMatcher::Impl::search(const Pose& start, bool deskew)
+{
+  Pose found = start;
+  std::vector<DyloStage> stages;
+  for (int pass = 0; pass < most_layouts; ++pass)
+  {
+    EncodedScan scan1 = current.encoded;
+    if (!deskew || !reference.motion_known)
+    {
+      // Bent alike, two scans fit best.
+      scan1.phase = {};
+    }
+    stages = network->forward(scan1, reference.encoded, PoseTensors::from(found, torch::kFloat));
+    found = stages.back().pose.toPose();
+    const double apart = motionSize(logSE3(current.encoded.T_sweep.inverse() * found));
+    if (!deskew || current.phase.empty() || apart > farthest_motion ||
+        (reference.motion_known && apart < far_bend))
+    {
+      break;
+    }
+    if (!reference.motion_known)
+    {
+      layOut(reference, reference.sweptBy(found), found);
+      reference.motion_known = true;
+    }
+    layOut(current, current.sweptBy(found), found);
+  }
+  return stages;
+}
+
+DyloMatch DyloMatcher::match(const Pose& start, bool deskew)
 {
   const torch::NoGradGuard no_grad;
   Impl& s = *impl_;
   DyloMatch match;
   match.T_reference_current = start;
-  if (!s.has_reference || s.prepared.empty())
+  if (s.reference.empty() || s.current.empty())
   {
     return match;
   }
   s.useThreads();
-  const std::vector<DyloStage> stages =
-      s.network->forward(s.current, s.reference, PoseTensors::from(start, torch::kFloat));
+  const std::vector<DyloStage> stages = s.search(start, deskew);
   const DyloStage& last = stages.back();
   const Pose before = stages[stages.size() - 2].pose.toPose();
   match.T_reference_current = last.pose.toPose();
-  const Vector6 step = logSE3(before.inverse() * match.T_reference_current);
-  match.last_step = step.head<3>().norm() + 10 * step.tail<3>().norm();
+  match.last_step = motionSize(logSE3(before.inverse() * match.T_reference_current));
 
   if (last.normal_matrix.defined())
   {
@@ -113,14 +235,14 @@ DyloMatch DyloMatcher::match(const Pose& start)
     match.normal_matrix = adjoint.transpose() * left * adjoint;
   }
   // How well the points lie on the surfaces matched, at the pose found.
-  const torch::Tensor moved = last.pose.apply(s.current.scan.levels[last.level].xyz);
+  const torch::Tensor moved = last.pose.apply(last.points);
   const torch::Tensor residual = (last.normal * moved).sum(1) - last.offset;
   const torch::Tensor range = moved.norm(2, 1);
   const float* r = residual.data_ptr<float>();
   const float* w = last.weight.data_ptr<float>();
   const float* valid = last.valid.data_ptr<float>();
-  match.sampled =
-      static_cast<std::size_t>(s.current.scan.levels[last.level].valid.sum().item<double>() + 0.5);
+  const ScanTensors::Level& sampled = s.current.encoded.scan.levels[last.level];
+  match.sampled = static_cast<std::size_t>(sampled.valid.sum().item<double>() + 0.5);
   const float* distance = range.data_ptr<float>();
   double squares = 0;
   double weight_squares = 0;
@@ -153,6 +275,7 @@ void DyloMatcher::Impl::keepConfidence(const DyloStage& stage)
   const torch::Tensor confidence = torch::sigmoid(stage.logits.is_static).contiguous();
   const float* c = confidence.data_ptr<float>();
   const float* valid = stage.valid.data_ptr<float>();
+  const PreparedScan& prepared = current.prepared;
   const PreparedScan::Level& level = prepared.levels[sampled_level];
   nodes.resize(level.size());
   for (std::size_t n = 0; n < level.size(); ++n)
@@ -166,6 +289,7 @@ void DyloMatcher::Impl::keepConfidence(const DyloStage& stage)
 
 float DyloMatcher::Impl::confidenceNear(const Eigen::Vector3f& p, std::int32_t cell) const
 {
+  const PreparedScan& prepared = current.prepared;
   const PreparedScan::Level& level = prepared.levels[sampled_level];
   const int row = cell / PreparedScan::columns * level.rows / prepared.rows;
   const int col = cell % PreparedScan::columns * level.cols / PreparedScan::columns;
@@ -193,17 +317,18 @@ float DyloMatcher::Impl::confidenceNear(const Eigen::Vector3f& p, std::int32_t c
 std::vector<float> DyloMatcher::staticConfidence() const
 {
   const Impl& s = *impl_;
-  std::vector<float> confidence(s.points.size(), 1.F);
+  const std::vector<Eigen::Vector3f>& points = s.current.points;
+  std::vector<float> confidence(points.size(), 1.F);
   if (s.nodes.empty())
   {
     return confidence;
   }
-  for (std::size_t i = 0; i < s.points.size(); ++i)
+  for (std::size_t i = 0; i < points.size(); ++i)
   {
-    const std::int32_t cell = s.prepared.cell_of_point[i];
+    const std::int32_t cell = s.current.prepared.cell_of_point[i];
     if (cell >= 0)
     {
-      confidence[i] = s.confidenceNear(s.points[i], cell);
+      confidence[i] = s.confidenceNear(points[i], cell);
     }
   }
   return confidence;

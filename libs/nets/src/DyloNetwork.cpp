@@ -17,11 +17,9 @@ constexpr std::array<double, PreparedScan::level_count> spacing = {0.02, 0.05, 0
 constexpr int most_fine_passes = 8;
 constexpr double settled_step = 0.01;
 
-/** Of a motion, its turn as felt by points at 10 m [m]. */
-double length(const Vector6& motion)
-{
-  return motion.head<3>().norm() + 10 * motion.tail<3>().norm();
-}
+/** Of the last pass, over all points of level 0 [m]. */
+constexpr double dense_kernel = 0.1;
+constexpr double dense_thickness = 0.05;
 
 /** Full sizes, as PWCLO-Net's. */
 std::int64_t scaled(double width, std::int64_t size)
@@ -51,6 +49,22 @@ torch::Tensor motionReadings(const torch::Tensor& warped, const Correlation& cor
   return torch::cat({flow, torch::cross(arm, flow, 1), along, torch::cross(arm, along, 1), arm,
                      x * normal, y * normal.slice(1, 1, 3), normal.slice(1, 2, 3).square()},
                     1);
+}
+
+/** Level 1 of a scan, deskewed by `motion` instead of by what it was; to first order of the
+ * difference. */
+torch::Tensor sweptBy(const EncodedScan& scan, std::size_t level, const Pose& motion)
+{
+  const torch::Tensor& xyz = scan.scan.levels[level].xyz;
+  if (!scan.phase[level].defined())
+  {
+    return xyz;
+  }
+  const Vector6 more = logSE3(scan.T_sweep.inverse() * motion);
+  const torch::Tensor twist =
+      torch::tensor({more[0], more[1], more[2], more[3], more[4], more[5]}, xyz.options());
+  const torch::Tensor turned = torch::cross(twist.slice(0, 3, 6).expand_as(xyz), xyz, 1);
+  return xyz + scan.phase[level].unsqueeze(1) * (twist.slice(0, 0, 3) + turned);
 }
 
 torch::Tensor nodeGeometry(const ScanTensors::Level& level)
@@ -207,12 +221,14 @@ DyloStage DyloNetworkImpl::fineStage(const EncodedScan& scan1,
                                      const torch::Tensor& embedding)
 {
   const ScanTensors::Level& nodes = scan1.scan.levels[1];
-  const torch::Tensor warped = start.apply(nodes.xyz);
+  const torch::Tensor points = sweptBy(scan1, 1, start.toPose());
+  const torch::Tensor warped = start.apply(points);
   const torch::Tensor own_normal = torch::matmul(nodes.normal, start.rotation.t());
   const Surfaces surfaces = surfacesAround(warped, own_normal, nodes.valid, scan2.scan);
 
   DyloStage result;
   result.level = 1;
+  result.points = points;
   result.valid = surfaces.valid;
   result.normal = surfaces.normal;
   result.offset = surfaces.offset;
@@ -225,6 +241,35 @@ DyloStage DyloNetworkImpl::fineStage(const EncodedScan& scan1,
   const GaussNewtonStep step =
       gaussNewtonStep({warped, result.normal, result.offset, result.target, result.weight, {}});
   result.pose = step.update * start;
+  result.normal_matrix = step.normal_matrix;
+  return result;
+}
+
+DyloStage DyloNetworkImpl::denseStage(const EncodedScan& scan1,
+                                      const EncodedScan& scan2,
+                                      const DyloStage& fine)
+{
+  const ScanTensors::Level& nodes = scan1.scan.levels[0];
+  const ScanTensors::Level& parents = scan1.scan.levels[1];
+  const torch::Tensor warped = fine.pose.apply(sweptBy(scan1, 0, fine.pose.toPose()));
+  const Surfaces surfaces =
+      surfacesAround(warped, torch::zeros_like(warped), nodes.valid, scan2.scan);
+  const torch::Tensor residual = (surfaces.normal * warped).sum(1) - surfaces.offset;
+  const torch::Tensor of_parents = fine.weight.reshape({parents.rows, 1, parents.cols, 1})
+                                       .expand({parents.rows, nodes.rows / parents.rows,
+                                                parents.cols, nodes.cols / parents.cols})
+                                       .reshape({-1});
+  const torch::Tensor off = (residual / dense_kernel).square() + 1;
+  const torch::Tensor thick = (surfaces.thickness / dense_thickness).square() + 1;
+  const torch::Tensor weight = of_parents * surfaces.valid / (off.square() * thick);
+  const GaussNewtonStep step = gaussNewtonStep({warped,
+                                                surfaces.normal,
+                                                surfaces.offset,
+                                                surfaces.target,
+                                                weight / weight.sum().clamp_min(1e-9),
+                                                {}});
+  DyloStage result = fine;
+  result.pose = step.update * fine.pose;
   result.normal_matrix = step.normal_matrix;
   return result;
 }
@@ -270,6 +315,7 @@ std::vector<DyloStage> DyloNetworkImpl::forward(const EncodedScan& scan1,
     }
     const MaskLogits logits = mask_[stage]->forward(here, features, nodes.valid);
     stages.push_back(poseStage(stage, level, pose, warped, correlation, logits, here));
+    stages.back().points = nodes.xyz;
     embedding = here;
     pose = stages.back().pose.detached();
   }
@@ -277,16 +323,24 @@ std::vector<DyloStage> DyloNetworkImpl::forward(const EncodedScan& scan1,
   {
     return stages;
   }
-  // A step is not the last one while it is long; in training all pairs take as many.
-  const int most = torch::GradMode::is_enabled() ? options_.fine_passes : most_fine_passes;
+  if (torch::GradMode::is_enabled())
+  {
+    for (int pass = 0; pass < options_.fine_passes; ++pass)
+    {
+      stages.push_back(fineStage(scan1, scan2, pose, embedding));
+      pose = stages.back().pose.detached();
+    }
+    return stages;
+  }
   bool settled = false;
-  for (int pass = 0; pass < options_.fine_passes || (pass < most && !settled); ++pass)
+  for (int pass = 0; pass < most_fine_passes && !settled; ++pass)
   {
     const Pose before = pose.toPose();
     stages.push_back(fineStage(scan1, scan2, pose, embedding));
-    pose = stages.back().pose.detached();
-    settled = length(logSE3(before.inverse() * pose.toPose())) < settled_step;
+    pose = stages.back().pose;
+    settled = motionSize(logSE3(before.inverse() * pose.toPose())) < settled_step;
   }
+  stages.push_back(denseStage(scan1, scan2, stages.back()));
   return stages;
 }
 }  // namespace dyslam

@@ -309,8 +309,9 @@ Surfaces surfacesAround(const torch::Tensor& warped,
   }
   const torch::NoGradGuard no_grad;
   const std::int64_t n = warped.size(0);
-  Surfaces result{torch::zeros({n, 3}), torch::zeros({n, 3}), torch::zeros({n}),
-                  torch::zeros({n, Surfaces::feature_size}), torch::zeros({n})};
+  Surfaces result{torch::zeros({n, 3}), torch::zeros({n, 3}),
+                  torch::zeros({n}),    torch::zeros({n, Surfaces::feature_size}),
+                  torch::zeros({n}),    torch::zeros({n})};
   const torch::Tensor points = warped.contiguous();
   const torch::Tensor normals = warped_normal.contiguous();
   const float* p_data = points.data_ptr<float>();
@@ -322,6 +323,7 @@ Surfaces surfacesAround(const torch::Tensor& warped,
   float* target = result.target.data_ptr<float>();
   float* offset = result.offset.data_ptr<float>();
   float* features = result.features.data_ptr<float>();
+  float* thickness = result.thickness.data_ptr<float>();
   float* found = result.valid.data_ptr<float>();
   at::parallel_for(0, n, grain,
                    [&](std::int64_t begin, std::int64_t end)
@@ -341,6 +343,7 @@ Surfaces surfacesAround(const torch::Tensor& warped,
                        Eigen::Map<Eigen::Vector3f>(normal + 3 * i) = s.normal;
                        Eigen::Map<Eigen::Vector3f>(target + 3 * i) = y;
                        offset[i] = s.normal.dot(y);
+                       thickness[i] = s.spread[0];
                        found[i] = s.mass > 1.5F ? 1.F : 0.F;
                        const std::array<float, Surfaces::feature_size> values = {
                            std::asinh(residual / 0.05F) / 3,

@@ -103,6 +103,7 @@ Surfaces surfacesAround(const torch::Tensor& warped,
   result.valid = valid * mass.gt(1.5).to(valid.scalar_type());
   const torch::Tensor residual = (plane.normal * toward).sum(1).abs();
   const torch::Tensor thickness = plane.spread.select(1, 0);
+  result.thickness = thickness * valid;
   const torch::Tensor width1 = plane.spread.select(1, 1);
   result.features =
       torch::stack({torch::asinh(residual / 0.05) / 3, torch::asinh(residual / 0.5),

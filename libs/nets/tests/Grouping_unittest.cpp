@@ -75,6 +75,7 @@ TEST(Grouping, SurfacesEqualPlain)
   const torch::Tensor planar = both * slow.features.select(1, 2).lt(0.1).to(torch::kFloat);
   const torch::Tensor agree = (fast.normal * slow.normal).sum(1).abs();
   EXPECT_GT(((agree * planar).sum() / planar.sum()).item<float>(), 0.999F);
+  EXPECT_LT(((fast.thickness - slow.thickness).abs() * planar).max().item<float>(), 0.01F);
   EXPECT_LE(
       (fast.features - slow.features).abs().amax(1).mul(planar).gt(0.02).sum().item<std::int64_t>(),
       20);

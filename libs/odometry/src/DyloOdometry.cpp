@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <limits>
+#include <optional>
 
 namespace dyslam
 {
@@ -39,7 +40,10 @@ std::string DyloOdometry::extract(const Frame& frame)
     }
   }
   confidence_.clear();
-  const std::size_t usable = matcher_.setCurrent(points_);
+  const Pose T_sweep = T_vehicle_lidar_.inverse() * frame.cloud.T_sweep * T_vehicle_lidar_;
+  const std::size_t usable = options_.deskew
+                                 ? matcher_.setCurrent(points_, frame.cloud.phase, T_sweep)
+                                 : matcher_.setCurrent(points_);
   return usable < fewest_matches ? "only " + std::to_string(usable) + " points within range"
                                  : std::string();
 }
@@ -81,7 +85,7 @@ MotionEstimate DyloOdometry::align(const Pose& T_reference_current_guess)
   const bool from_prediction =
       options_.start == DyloStart::prediction || (options_.start == DyloStart::automatic && far);
   const Pose start = from_prediction ? predicted : Pose::Identity();
-  const DyloMatch match = matcher_.match(start);
+  const DyloMatch match = matcher_.match(start, referenceIsPrevious());
   MotionEstimate estimate;
   estimate.information.setZero();
   estimate.T_previous_current =
@@ -108,14 +112,21 @@ MotionEstimate DyloOdometry::align(const Pose& T_reference_current_guess)
   return estimate;
 }
 
-void DyloOdometry::accept(const Pose& /*T_reference_current*/)
+void DyloOdometry::accept(const Pose& T_reference_current)
 {
-  matcher_.keepAsReference();
+  std::optional<Pose> T_sweep;
+  if (begun_ && referenceIsPrevious())
+  {
+    T_sweep = T_vehicle_lidar_.inverse() * T_reference_current * T_vehicle_lidar_;
+  }
+  matcher_.keepAsReference(T_sweep);
+  begun_ = true;
 }
 
 void DyloOdometry::clear()
 {
   matcher_.forgetReference();
+  begun_ = false;
   confidence_.clear();
 }
 }  // namespace dyslam

@@ -21,6 +21,11 @@ class ScanToScan : public LidarOdometry
   /** The frame becomes the reference. \param T_reference_current the motion found, or the guess */
   virtual void accept(const Pose& T_reference_current) = 0;
   virtual void clear() = 0;
+  /** Whether no motion lies between the reference and the frame before this one. */
+  [[nodiscard]] bool referenceIsPrevious() const
+  {
+    return T_reference_previous_.matrix().isIdentity();
+  }
 
  private:
   bool has_reference_ = false;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // DyLO with the weights that come with DySLAM, on scenes of exact geometry.
+#include <dyslam/core/Deskew.h>
 #include <dyslam/core/Error.h>
 #include <dyslam/odometry/LidarOdometry.h>
 #include <gtest/gtest.h>
@@ -103,6 +104,52 @@ TEST_F(Dylo, StartsFromFarPredictions)
   EXPECT_EQ(automatic.matrix(), with({"dylo.start=prediction"}).matrix());
   EXPECT_EQ(with({"dylo.reach=3"}).matrix(), with({"dylo.start=standing"}).matrix());
   EXPECT_LT((automatic.translation() - prediction.translation()).norm(), 0.06);
+}
+
+/** What a sensor under way measures, deskewed by a motion that may not be its own. */
+void bend(const Pose& T_own, const Pose& T_sweep, Frame& frame)
+{
+  const Pose T_lidar_vehicle = frame.scan.T_vehicle_lidar.inverse();
+  const SweepMotion own(T_own, 0);
+  const SweepMotion given(T_sweep, 0);
+  frame.cloud.T_sweep = T_sweep;
+  frame.cloud.phase.clear();
+  for (Eigen::Vector3f& p : frame.cloud.points)
+  {
+    const float phase = sweepFraction(T_lidar_vehicle.cast<float>() * p, SweepModel()) - 0.5F;
+    p = given.toReference(own.toReference(p, -phase), phase);
+    frame.cloud.phase.push_back(phase);
+  }
+}
+
+/** The first scan's motion is not known, the second one's neither, the third one's wrongly. */
+TEST_F(Dylo, DeskewsByTheMotionItFinds)
+{
+  const Pose T = poseFromYpr(0.9, 0, 0, 2 * degree, 0, 0);
+  const Pose predicted = T * poseFromYpr(0.15, 0, 0, -0.5 * degree, 0, 0);
+  const auto errors = [&](const std::vector<std::string>& settings)
+  {
+    const auto odometry = make(settings);
+    std::vector<double> sizes;
+    for (int i = 0; i < 3; ++i)
+    {
+      const Pose at = i == 0 ? Pose::Identity() : i == 1 ? T : T * T;
+      const Pose prediction = i < 2 ? Pose::Identity() : predicted;
+      Frame frame = scene_.frame(at, 0.01, static_cast<unsigned>(i + 1));
+      bend(T, prediction, frame);
+      const MotionEstimate found = odometry->process(frame, prediction);
+      EXPECT_TRUE(found.converged) << found.reason;
+      sizes.push_back(motionSize(logSE3(T.inverse() * found.T_previous_current)));
+    }
+    return sizes;
+  };
+  const std::vector<double> deskewed = errors({});
+  const std::vector<double> bent = errors({"dylo.deskew=false"});
+  for (const std::size_t i : {1U, 2U})
+  {
+    EXPECT_LT(deskewed[i], 0.05);
+    EXPECT_LT(deskewed[i], 0.5 * bent[i]);
+  }
 }
 
 TEST_F(Dylo, SixteenBeamsWithTheSameWeights)

@@ -6,6 +6,7 @@
 #include <Eigen/Core>
 #include <cstddef>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -39,14 +40,22 @@ class DyloMatcher
   DyloMatcher(DyloMatcher&&) noexcept;
   DyloMatcher& operator=(DyloMatcher&&) noexcept;
 
-  /** The scan becomes the current one. \return how many of its points the network can use. */
-  std::size_t setCurrent(const std::vector<Eigen::Vector3f>& points);
-  /** The current scan becomes the reference. */
-  void keepAsReference();
+  /** The scan becomes the current one. \return how many of its points the network can use.
+   * \param phase when each point was measured, in shares of the motion since the scan before, from
+   * the scan's own time; empty where a scan is not to be deskewed any further
+   * \param T_sweep the motion, of the sensor, that the points were deskewed with */
+  std::size_t setCurrent(const std::vector<Eigen::Vector3f>& points,
+                         const std::vector<float>& phase = {},
+                         const Pose& T_sweep = Pose::Identity());
+  /** The current scan becomes the reference, deskewed by `T_sweep` if its motion was found. */
+  void keepAsReference(const std::optional<Pose>& T_sweep = {});
   void forgetReference();
 
-  /** Current scan against the reference; both must be set. \param start of the search. */
-  [[nodiscard]] DyloMatch match(const Pose& start);
+  /** Current scan against the reference; both must be set.
+   * \param start of the search
+   * \param deskew the reference is the scan before, so that what is found is the motion within the
+   * current scan too: it is deskewed by that, and so is a reference whose own motion is unknown. */
+  [[nodiscard]] DyloMatch match(const Pose& start, bool deskew = false);
 
   /** Of the last match: how surely each point of the current scan stands still, in [0, 1]; in the
    * order of setCurrent(). Points that no sampled point speaks for get 1. */

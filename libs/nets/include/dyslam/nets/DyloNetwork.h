@@ -16,6 +16,10 @@ struct EncodedScan
 {
   ScanTensors scan;
   std::array<torch::Tensor, PreparedScan::level_count> features;  //!< levels 1 and above
+  /** Of the nodes of levels 0 and 1 [N]: when each was measured, in shares of T_sweep from the
+   * scan's own time. Undefined where a scan is not to be deskewed any further. */
+  std::array<torch::Tensor, 2> phase;
+  Pose T_sweep = Pose::Identity();  //!< the motion it was deskewed with
 };
 
 /** What one stage found, coarse to fine. */
@@ -24,6 +28,7 @@ struct DyloStage
   std::size_t level = 0;  //!< of scan 1's points
   PoseTensors pose;       //!< scan 1 to scan 2, up to and including this stage
   MaskLogits logits;
+  torch::Tensor points;  //!< [N, 3] of scan 1, as deskewed for this stage
   torch::Tensor weight;  //!< [N] M, sums to 1
   torch::Tensor valid;   //!< [N] points that found a match
   // Matches found from the pose before this stage (head gauss_newton):
@@ -44,7 +49,10 @@ class DyloNetworkImpl : public torch::nn::Module
   [[nodiscard]] EncodedScan encode(const ScanTensors& scan);
 
   /** \param start where the search begins. \returns every stage; the last pose is the answer. While
-   * gradients are not recorded, fine passes go on until a step is short. */
+   * gradients are not recorded, fine passes go on until a step is short, and a last one takes all
+   * points of level 0. A scan 1 with phases is
+   * deskewed by the pose found so far in each fine pass, which takes the pose for the motion since
+   * the scan before. */
   [[nodiscard]] std::vector<DyloStage> forward(const EncodedScan& scan1,
                                                const EncodedScan& scan2,
                                                const PoseTensors& start);
@@ -68,6 +76,12 @@ class DyloNetworkImpl : public torch::nn::Module
                                     const EncodedScan& scan2,
                                     const PoseTensors& start,
                                     const torch::Tensor& embedding);
+
+  /** One more step, over four times the points of a fine stage. Each is weighed as its node of
+   * level 1 was, by its residual and by how thick its surface is. */
+  [[nodiscard]] DyloStage denseStage(const EncodedScan& scan1,
+                                     const EncodedScan& scan2,
+                                     const DyloStage& fine);
 
   DyloNetworkOptions options_;
   std::vector<SetConv> encoder_;

@@ -51,11 +51,12 @@ struct Candidates
 struct Surfaces
 {
   static constexpr std::int64_t feature_size = 10;
-  torch::Tensor normal;    //!< [N, 3]
-  torch::Tensor target;    //!< [N, 3] weighted mean of the near points
-  torch::Tensor offset;    //!< [N] normal . target
-  torch::Tensor features;  //!< [N, 10] for the mask: residual, thickness, shape, distance, ...
-  torch::Tensor valid;     //!< [N]
+  torch::Tensor normal;     //!< [N, 3]
+  torch::Tensor target;     //!< [N, 3] weighted mean of the near points
+  torch::Tensor offset;     //!< [N] normal . target
+  torch::Tensor features;   //!< [N, 10] for the mask: residual, thickness, shape, distance, ...
+  torch::Tensor thickness;  //!< [N] deviation of the near points from their plane [m]
+  torch::Tensor valid;      //!< [N]
 };
 [[nodiscard]] Surfaces surfacesAround(const torch::Tensor& warped,
                                       const torch::Tensor& warped_normal,
