@@ -27,13 +27,14 @@ struct Scene
   double min_traffic, max_traffic;
 };
 
-constexpr std::array<Scene, 7> scenes = {{
-    {0.10, sim::WorldKind::urban, sim::SensorKind::hdl64e, 1024, 0, 1},
+constexpr std::array<Scene, 8> scenes = {{
+    {0.08, sim::WorldKind::urban, sim::SensorKind::hdl64e, 1024, 0, 1},
     {0.10, sim::WorldKind::urban, sim::SensorKind::hdl64e, 0, 0, 1},
-    {0.25, sim::WorldKind::highway, sim::SensorKind::hdl64e, 1024, 0.3, 1},
-    {0.10, sim::WorldKind::highway, sim::SensorKind::hdl64e, 0, 0.3, 1},
-    {0.25, sim::WorldKind::highway, sim::SensorKind::hdl64e, 1024, 1, 1},
-    {0.10, sim::WorldKind::campus, sim::SensorKind::vlp16, 0, 0, 1},
+    {0.20, sim::WorldKind::highway, sim::SensorKind::hdl64e, 1024, 0, 0.3},
+    {0.10, sim::WorldKind::highway, sim::SensorKind::hdl64e, 0, 0, 0.3},
+    {0.15, sim::WorldKind::highway, sim::SensorKind::hdl64e, 1024, 0.3, 1},
+    {0.15, sim::WorldKind::highway, sim::SensorKind::hdl64e, 1024, 1, 1},
+    {0.12, sim::WorldKind::campus, sim::SensorKind::vlp16, 0, 0, 1},
     {0.10, sim::WorldKind::urban, sim::SensorKind::vlp16, 0, 0, 1},
 }};
 
