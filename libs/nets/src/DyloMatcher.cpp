@@ -93,7 +93,7 @@ struct DyloMatcher::Impl
     }
   }
   void layOut(SeenScan& scan, const std::vector<Eigen::Vector3f>& points, const Pose& T_sweep);
-  std::vector<DyloStage> search(const Pose& start, bool deskew);
+  std::vector<DyloStage> search(const Pose& start, bool deskew, const DyloPrior* prior);
   void keepConfidence(const DyloStage& stage);
   [[nodiscard]] float confidenceNear(const Eigen::Vector3f& p, std::int32_t cell) const;
 };
@@ -178,7 +178,9 @@ void DyloMatcher::forgetReference()
 }
 
 /** Where a scan was bent too much to be straightened in its place, it is laid out anew. */
-std::vector<DyloStage> DyloMatcher::Impl::search(const Pose& start, bool deskew)
+std::vector<DyloStage> DyloMatcher::Impl::search(const Pose& start,
+                                                 bool deskew,
+                                                 const DyloPrior* prior)
 {
   Pose found = start;
   std::vector<DyloStage> stages;
@@ -190,7 +192,8 @@ std::vector<DyloStage> DyloMatcher::Impl::search(const Pose& start, bool deskew)
       // Bent alike, two scans fit best.
       scan1.phase = {};
     }
-    stages = network->forward(scan1, reference.encoded, PoseTensors::from(found, torch::kFloat));
+    stages =
+        network->forward(scan1, reference.encoded, PoseTensors::from(found, torch::kFloat), prior);
     found = stages.back().pose.toPose();
     const double apart = motionSize(logSE3(current.encoded.T_sweep.inverse() * found));
     if (!deskew || current.phase.empty() || apart > farthest_motion ||
@@ -208,7 +211,7 @@ std::vector<DyloStage> DyloMatcher::Impl::search(const Pose& start, bool deskew)
   return stages;
 }
 
-DyloMatch DyloMatcher::match(const Pose& start, bool deskew)
+DyloMatch DyloMatcher::match(const Pose& start, bool deskew, const DyloPrior* prior)
 {
   const torch::NoGradGuard no_grad;
   Impl& s = *impl_;
@@ -219,7 +222,7 @@ DyloMatch DyloMatcher::match(const Pose& start, bool deskew)
     return match;
   }
   s.useThreads();
-  const std::vector<DyloStage> stages = s.search(start, deskew);
+  const std::vector<DyloStage> stages = s.search(start, deskew, prior);
   const DyloStage& last = stages.back();
   const Pose before = stages[stages.size() - 2].pose.toPose();
   match.T_reference_current = last.pose.toPose();

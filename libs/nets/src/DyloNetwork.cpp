@@ -67,6 +67,24 @@ torch::Tensor sweptBy(const EncodedScan& scan, std::size_t level, const Pose& mo
   return xyz + scan.phase[level].unsqueeze(1) * (twist.slice(0, 0, 3) + turned);
 }
 
+/** `start`, moved by the step that the prior allows. */
+PoseTensors heeding(const DyloPrior& prior,
+                    const Alignment& alignment,
+                    const GaussNewtonStep& step,
+                    const PoseTensors& start)
+{
+  const torch::Tensor residual = (alignment.normal * alignment.points).sum(1) - alignment.offset;
+  const double rmse = std::sqrt((alignment.weight * residual.square()).sum().item<double>());
+  const double points = 1 / std::max(alignment.weight.square().sum().item<double>(), 1e-9);
+  const torch::Tensor normal = step.normal_matrix.to(torch::kCPU, torch::kDouble).contiguous();
+  const Matrix6 measured =
+      measuredPrecision(rmse, points, prior.correlated_points) *
+      Eigen::Map<const Eigen::Matrix<double, 6, 6, Eigen::RowMajor>>(normal.data_ptr<double>());
+  const Pose T = start.toPose();
+  const Vector6 moved = jointStep(prior, T, logSE3(step.update.toPose()), measured);
+  return PoseTensors::from(expSE3(moved) * T, start.rotation.options());
+}
+
 torch::Tensor nodeGeometry(const ScanTensors::Level& level)
 {
   const torch::Tensor range = level.xyz.norm(2, 1, true);
@@ -218,7 +236,8 @@ DyloStage DyloNetworkImpl::poseStage(std::size_t stage,
 DyloStage DyloNetworkImpl::fineStage(const EncodedScan& scan1,
                                      const EncodedScan& scan2,
                                      const PoseTensors& start,
-                                     const torch::Tensor& embedding)
+                                     const torch::Tensor& embedding,
+                                     const DyloPrior* prior)
 {
   const ScanTensors::Level& nodes = scan1.scan.levels[1];
   const torch::Tensor points = sweptBy(scan1, 1, start.toPose());
@@ -238,16 +257,18 @@ DyloStage DyloNetworkImpl::fineStage(const EncodedScan& scan1,
       fine_embed_->forward(torch::cat({surfaces.features, embedding, scan1.features[1]}, 1));
   result.logits = fine_mask_->forward(joined, scan1.features[1], result.valid);
   result.weight = maskWeights(result.logits, result.valid);
-  const GaussNewtonStep step =
-      gaussNewtonStep({warped, result.normal, result.offset, result.target, result.weight, {}});
-  result.pose = step.update * start;
+  const Alignment alignment = {warped,        result.normal, result.offset,
+                               result.target, result.weight, {}};
+  const GaussNewtonStep step = gaussNewtonStep(alignment);
+  result.pose = prior == nullptr ? step.update * start : heeding(*prior, alignment, step, start);
   result.normal_matrix = step.normal_matrix;
   return result;
 }
 
 DyloStage DyloNetworkImpl::denseStage(const EncodedScan& scan1,
                                       const EncodedScan& scan2,
-                                      const DyloStage& fine)
+                                      const DyloStage& fine,
+                                      const DyloPrior* prior)
 {
   const ScanTensors::Level& nodes = scan1.scan.levels[0];
   const ScanTensors::Level& parents = scan1.scan.levels[1];
@@ -262,21 +283,24 @@ DyloStage DyloNetworkImpl::denseStage(const EncodedScan& scan1,
   const torch::Tensor off = (residual / dense_kernel).square() + 1;
   const torch::Tensor thick = (surfaces.thickness / dense_thickness).square() + 1;
   const torch::Tensor weight = of_parents * surfaces.valid / (off.square() * thick);
-  const GaussNewtonStep step = gaussNewtonStep({warped,
-                                                surfaces.normal,
-                                                surfaces.offset,
-                                                surfaces.target,
-                                                weight / weight.sum().clamp_min(1e-9),
-                                                {}});
+  const Alignment alignment = {warped,
+                               surfaces.normal,
+                               surfaces.offset,
+                               surfaces.target,
+                               weight / weight.sum().clamp_min(1e-9),
+                               {}};
+  const GaussNewtonStep step = gaussNewtonStep(alignment);
   DyloStage result = fine;
-  result.pose = step.update * fine.pose;
+  result.pose =
+      prior == nullptr ? step.update * fine.pose : heeding(*prior, alignment, step, fine.pose);
   result.normal_matrix = step.normal_matrix;
   return result;
 }
 
 std::vector<DyloStage> DyloNetworkImpl::forward(const EncodedScan& scan1,
                                                 const EncodedScan& scan2,
-                                                const PoseTensors& start)
+                                                const PoseTensors& start,
+                                                const DyloPrior* prior)
 {
   std::vector<DyloStage> stages;
   PoseTensors pose = start;
@@ -327,7 +351,7 @@ std::vector<DyloStage> DyloNetworkImpl::forward(const EncodedScan& scan1,
   {
     for (int pass = 0; pass < options_.fine_passes; ++pass)
     {
-      stages.push_back(fineStage(scan1, scan2, pose, embedding));
+      stages.push_back(fineStage(scan1, scan2, pose, embedding, nullptr));
       pose = stages.back().pose.detached();
     }
     return stages;
@@ -336,11 +360,11 @@ std::vector<DyloStage> DyloNetworkImpl::forward(const EncodedScan& scan1,
   for (int pass = 0; pass < most_fine_passes && !settled; ++pass)
   {
     const Pose before = pose.toPose();
-    stages.push_back(fineStage(scan1, scan2, pose, embedding));
+    stages.push_back(fineStage(scan1, scan2, pose, embedding, prior));
     pose = stages.back().pose;
     settled = motionSize(logSE3(before.inverse() * pose.toPose())) < settled_step;
   }
-  stages.push_back(denseStage(scan1, scan2, stages.back()));
+  stages.push_back(denseStage(scan1, scan2, stages.back(), prior));
   return stages;
 }
 }  // namespace dyslam

@@ -229,14 +229,21 @@ Row runMethod(const std::string& method,
   {
     odometry = makeOdometry(method.substr(0, plus), loader, pool);
     step = [&](const Frame& frame, const Pose& prediction)
-    { return odometry->process(frame, prediction); };
+    {
+      const double dt = frame.index > 0 ? period : 0;
+      const MotionEstimate found = odometry->process(frame, prediction, filter.information(dt));
+      filter.update(dt, found.T_previous_current,
+                    found.converged ? found.information : Matrix6(Matrix6::Zero()));
+      return found;
+    };
   }
 
   if (plus != std::string::npos)
   {
     step = [&](Frame& frame, const Pose& prediction)
     {
-      frame.odometry = odometry->process(frame, prediction);
+      const double dt = frame.index > 0 ? period : 0;
+      frame.odometry = odometry->process(frame, prediction, filter.information(dt));
       frame.static_confidence = odometry->staticConfidence();
       return refine(frame,
                     frame.odometry.converged ? frame.odometry.T_previous_current : prediction);
@@ -267,7 +274,7 @@ Row runMethod(const std::string& method,
     row.failures += estimate.converged ? 0U : 1U;
     const Pose found = i > 0 ? estimate.T_previous_current : Pose::Identity();
     T = orthonormalized(T * found);
-    motion = refined ? filter.predict(period) : found;
+    motion = refined || odometry->joinsPrediction() ? filter.predict(period) : found;
     row.poses.push_back(T);
     if (i > 0 && i < reference.size())
     {

@@ -12,8 +12,6 @@ namespace dyslam
 {
 namespace
 {
-/** Of the sensor and of surfaces that are not as flat as they look [m]. */
-constexpr double least_sigma = 0.01;
 constexpr std::size_t fewest_matches = 50;
 }  // namespace
 
@@ -85,7 +83,14 @@ MotionEstimate DyloOdometry::align(const Pose& T_reference_current_guess)
   const bool from_prediction =
       options_.start == DyloStart::prediction || (options_.start == DyloStart::automatic && far);
   const Pose start = from_prediction ? predicted : Pose::Identity();
-  const DyloMatch match = matcher_.match(start, referenceIsPrevious());
+  DyloPrior prior;
+  prior.T_reference_current = predicted;
+  const Matrix6 to_vehicle = adjointSE3(T_vehicle_lidar_);
+  prior.information = to_vehicle.transpose() * guessInformation() * to_vehicle;
+  prior.correlated_points = options_.correlated_points;
+  const bool has_prior = options_.prior && !guessInformation().isZero();
+  const DyloMatch match =
+      matcher_.match(start, referenceIsPrevious(), has_prior ? &prior : nullptr);
   MotionEstimate estimate;
   estimate.information.setZero();
   estimate.T_previous_current =
@@ -95,11 +100,10 @@ MotionEstimate DyloOdometry::align(const Pose& T_reference_current_guess)
   estimate.rmse = match.rmse;
   estimate.reason = doubts(match);
   estimate.converged = estimate.reason.empty();
-  const double variance = match.rmse * match.rmse + least_sigma * least_sigma;
-  const double measurements = match.effective_points / options_.correlated_points;
   const Matrix6 adjoint = adjointSE3(T_lidar_vehicle);
-  estimate.information =
-      adjoint.transpose() * (match.normal_matrix * (measurements / variance)) * adjoint;
+  const double precision =
+      measuredPrecision(match.rmse, match.effective_points, options_.correlated_points);
+  estimate.information = precision * adjoint.transpose() * match.normal_matrix * adjoint;
   estimate.information = 0.5 * (estimate.information + estimate.information.transpose()).eval();
   if (options_.confidence && estimate.converged)
   {

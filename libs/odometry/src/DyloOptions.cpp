@@ -13,6 +13,7 @@ void DyloOptions::describe(OptionsVisitor& v)
            "where the search begins: at no motion, at the predicted one, or there if it is far");
   v.real("reach", reach, 0, 100, "predicted motions beyond it are far [m]");
   v.integer("threads", threads, 1, 64, "of the network");
+  v.flag("prior", prior, "weigh the predicted motion against the points");
   v.flag("deskew", deskew, "deskew by the motion found, not only by the predicted one");
   v.flag("confidence", confidence, "hand on how surely each point stands still");
   v.real("correlated_points", correlated_points, 1, 1e6, "points that count as one measurement");

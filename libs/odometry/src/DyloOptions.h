@@ -23,8 +23,9 @@ struct DyloOptions : Options
   DyloStart start = DyloStart::automatic;
   double reach = 1.5;  //!< of the search from standing, for `automatic` [m]
   int threads = 1;
-  bool deskew = true;              //!< by the motion found, not only by the predicted one
-  bool confidence = true;          //!< hand on how surely each point stands still
+  bool prior = true;       //!< weigh the prediction against the points, where it has an information
+  bool deskew = true;      //!< by the motion found, not only by the predicted one
+  bool confidence = true;  //!< hand on how surely each point stands still
   double correlated_points = 24;   //!< sampled points that count as one measurement
   double min_inlier_share = 0.55;  //!< with less agreement the match has failed
   double max_last_step = 0.3;      //!< the last pass moves less, or nothing was found [m]

@@ -13,7 +13,9 @@ namespace
 constexpr int patience = 3;
 }  // namespace
 
-MotionEstimate ScanToScan::process(const Frame& frame, const Pose& T_previous_current_prediction)
+MotionEstimate ScanToScan::process(const Frame& frame,
+                                   const Pose& T_previous_current_prediction,
+                                   const Matrix6& information)
 {
   MotionEstimate estimate;
   const Pose prediction = orthonormalized(T_previous_current_prediction);
@@ -36,6 +38,11 @@ MotionEstimate ScanToScan::process(const Frame& frame, const Pose& T_previous_cu
     has_reference_ = true;
     estimate.converged = true;
     return estimate;
+  }
+  guess_information_ = information;
+  if (!referenceIsPrevious())
+  {
+    guess_information_.setZero();
   }
   MotionEstimate found = align(guess);
   if (!found.converged)

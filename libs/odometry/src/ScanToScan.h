@@ -10,7 +10,9 @@ namespace dyslam
 class ScanToScan : public LidarOdometry
 {
  public:
-  MotionEstimate process(const Frame& frame, const Pose& T_previous_current_prediction) final;
+  MotionEstimate process(const Frame& frame,
+                         const Pose& T_previous_current_prediction,
+                         const Matrix6& information = Matrix6::Zero()) final;
   void reset() final;
 
  protected:
@@ -26,10 +28,13 @@ class ScanToScan : public LidarOdometry
   {
     return T_reference_previous_.matrix().isIdentity();
   }
+  /** Of the guess in align(); zero where it is not known. */
+  [[nodiscard]] const Matrix6& guessInformation() const { return guess_information_; }
 
  private:
   bool has_reference_ = false;
   Pose T_reference_previous_ = Pose::Identity();
+  Matrix6 guess_information_ = Matrix6::Zero();
   int failures_ = 0;
 };
 

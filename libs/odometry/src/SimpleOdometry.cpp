@@ -22,7 +22,8 @@ std::string cloudTrouble(const Frame& frame)
 }
 
 MotionEstimate SimpleOdometry::process(const Frame& frame,
-                                       const Pose& T_previous_current_prediction)
+                                       const Pose& T_previous_current_prediction,
+                                       const Matrix6& /*information*/)
 {
   MotionEstimate estimate;
   constexpr double degree = 3.14159265358979323846 / 180;

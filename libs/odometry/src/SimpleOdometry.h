@@ -23,7 +23,9 @@ class SimpleOdometry : public LidarOdometry
   };
   explicit SimpleOdometry(Kind kind) : kind_(kind) {}
 
-  MotionEstimate process(const Frame& frame, const Pose& T_previous_current_prediction) override;
+  MotionEstimate process(const Frame& frame,
+                         const Pose& T_previous_current_prediction,
+                         const Matrix6& information) override;
   void reset() override { first_ = true; }
   [[nodiscard]] std::string name() const override;
 

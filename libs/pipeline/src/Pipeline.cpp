@@ -201,7 +201,7 @@ void Pipeline::Stages::estimateMotion(Frame& frame, double dt)
   bool believable = false;
   {
     const CTimeLoggerEntry timed(times, "odometry");
-    frame.odometry = odometry->process(frame, prediction);
+    frame.odometry = odometry->process(frame, prediction, prior.information);
     // Among traffic a scan-to-scan method may follow the traffic, and call the world moving.
     const Pose& found = frame.odometry.T_previous_current;
     believable =
@@ -218,7 +218,15 @@ void Pipeline::Stages::estimateMotion(Frame& frame, double dt)
   if (!refining)
   {
     frame.refined = frame.odometry;
-    motion.follow(dt, guess);
+    if (odometry->joinsPrediction())
+    {
+      const Matrix6 measured = believable ? frame.odometry.information : Matrix6(Matrix6::Zero());
+      motion.update(dt, guess, measured + seen_information);
+    }
+    else
+    {
+      motion.follow(dt, guess);
+    }
     return;
   }
   motion.update(dt, result.motion.T_previous_current,

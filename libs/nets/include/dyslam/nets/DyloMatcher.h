@@ -2,6 +2,7 @@
 #pragma once
 
 #include <dyslam/core/Pose.h>
+#include <dyslam/nets/DyloPrior.h>
 
 #include <Eigen/Core>
 #include <cstddef>
@@ -54,8 +55,11 @@ class DyloMatcher
   /** Current scan against the reference; both must be set.
    * \param start of the search
    * \param deskew the reference is the scan before, so that what is found is the motion within the
-   * current scan too: it is deskewed by that, and so is a reference whose own motion is unknown. */
-  [[nodiscard]] DyloMatch match(const Pose& start, bool deskew = false);
+   * current scan too: it is deskewed by that, and so is a reference whose own motion is unknown.
+   * \param prior joins the points; none for null */
+  [[nodiscard]] DyloMatch match(const Pose& start,
+                                bool deskew = false,
+                                const DyloPrior* prior = nullptr);
 
   /** Of the last match: how surely each point of the current scan stands still, in [0, 1]; in the
    * order of setCurrent(). Points that no sampled point speaks for get 1. */

@@ -2,6 +2,7 @@
 // Includes torch: for nets, train and their tests only.
 #pragma once
 
+#include <dyslam/nets/DyloPrior.h>
 #include <dyslam/nets/GaussNewton.h>
 #include <dyslam/nets/Layers.h>
 
@@ -52,10 +53,11 @@ class DyloNetworkImpl : public torch::nn::Module
    * gradients are not recorded, fine passes go on until a step is short, and a last one takes all
    * points of level 0. A scan 1 with phases is
    * deskewed by the pose found so far in each fine pass, which takes the pose for the motion since
-   * the scan before. */
+   * the scan before. \param prior joins the points in these passes; none for null */
   [[nodiscard]] std::vector<DyloStage> forward(const EncodedScan& scan1,
                                                const EncodedScan& scan2,
-                                               const PoseTensors& start);
+                                               const PoseTensors& start,
+                                               const DyloPrior* prior = nullptr);
 
   [[nodiscard]] const DyloNetworkOptions& options() const { return options_; }
 
@@ -75,13 +77,15 @@ class DyloNetworkImpl : public torch::nn::Module
   [[nodiscard]] DyloStage fineStage(const EncodedScan& scan1,
                                     const EncodedScan& scan2,
                                     const PoseTensors& start,
-                                    const torch::Tensor& embedding);
+                                    const torch::Tensor& embedding,
+                                    const DyloPrior* prior);
 
   /** One more step, over four times the points of a fine stage. Each is weighed as its node of
    * level 1 was, by its residual and by how thick its surface is. */
   [[nodiscard]] DyloStage denseStage(const EncodedScan& scan1,
                                      const EncodedScan& scan2,
-                                     const DyloStage& fine);
+                                     const DyloStage& fine,
+                                     const DyloPrior* prior);
 
   DyloNetworkOptions options_;
   std::vector<SetConv> encoder_;

@@ -27,8 +27,15 @@ class LidarOdometry
    * The first frame yields the identity, converged. A frame that cannot be used (no or too few
    * points, no agreement) yields the prediction, converged = false and a reason; the next frame is
    * then told relative to it all the same, so that the chain of motions never breaks.
-   * \param T_previous_current_prediction start value, e.g. the motion before */
-  virtual MotionEstimate process(const Frame& frame, const Pose& T_previous_current_prediction) = 0;
+   * \param T_previous_current_prediction start value, e.g. the motion before
+   * \param information of the prediction, of log(T_predicted^-1 T); zero where it is not known.
+   * Methods that say so in joinsPrediction() weigh it against the points */
+  virtual MotionEstimate process(const Frame& frame,
+                                 const Pose& T_previous_current_prediction,
+                                 const Matrix6& information = Matrix6::Zero()) = 0;
+  /** Whether a prediction with information is part of what process() finds. The information of the
+   * motion it returns still is that of the points alone. */
+  [[nodiscard]] virtual bool joinsPrediction() const { return false; }
   /** Of the last frame: one per cloud point in [0, 1], how surely it stands still; empty from
    * methods that do not tell, and where the frame could not be used. */
   [[nodiscard]] virtual const std::vector<float>& staticConfidence() const;

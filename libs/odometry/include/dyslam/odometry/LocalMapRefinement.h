@@ -40,7 +40,7 @@ struct RefineOptions : Options
   /** Residuals of neighbouring points err together: that many count as one measurement. Tunnels
    * and open fields, where the guess must hold against the pattern of the samples, ask for this
    * many; on KITTI drive 0005 the normalised squared error is 0.9 with it, where 6 is exact. */
-  double correlated_points = 24;
+  double correlated_points = 22;
   /** Level ground tells height, roll and pitch; of the way ahead and the heading it tells nothing
    * but what its errors make up. Where nearly all that is seen is road, that is more than walls and
    * posts can mend: level surfaces together count at most so many times as much as all others, but
