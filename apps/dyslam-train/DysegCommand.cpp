@@ -11,7 +11,8 @@
 #include <filesystem>
 #include <fstream>
 #include <iostream>
-#include <sstream>
+
+#include "Share.h"
 
 namespace dyslam
 {
@@ -45,17 +46,6 @@ struct Arguments
   bool validate_only = false;
   bool help = false;
 };
-
-double shareOf(const std::string& text)
-{
-  std::istringstream in(text);
-  double share = 0;
-  if (!(in >> share) || !in.eof() || share < 0 || share > 1)
-  {
-    throw UserError("--blend: '" + text + "' is not a share between 0 and 1");
-  }
-  return share;
-}
 
 Arguments parse(const std::vector<std::string>& words)
 {

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "DysegCommand.h"
+#include "Share.h"
 
 namespace
 {
@@ -25,6 +26,8 @@ validation.csv and effective.ini.
   --resume            go on from DIR/checkpoint.pt, exactly where it stopped
   --start FILE        begin with the weights of another training's checkpoint.pt, or with the layers
                       of a dylo.pt that the network of the config has too
+  --blend FILE SHARE  no training: writes the mean of --start and of this dylo.pt, SHARE of it
+                      from this
   --validate          only print the validation table of DIR/checkpoint.pt
   --mask-csv DIR      a validation scan's points and their static confidence, per recording
   --device cpu|cuda
@@ -92,6 +95,11 @@ Arguments parse(int argc, char** argv)
     {
       arguments.request.start = value();
     }
+    else if (word == "--blend")
+    {
+      arguments.request.blend = value();
+      arguments.request.blend_share = dyslam::shareOf(value());
+    }
     else if (word == "--resume")
     {
       arguments.request.resume = true;
@@ -119,6 +127,10 @@ Arguments parse(int argc, char** argv)
   if (arguments.config.empty() || arguments.request.output.empty())
   {
     throw dyslam::UserError("--config and --output are needed; see --help");
+  }
+  if (!arguments.request.blend.empty() && arguments.request.start.empty())
+  {
+    throw dyslam::UserError("--blend: needs --start, the weights to blend with");
   }
   return arguments;
 }

@@ -15,7 +15,7 @@ constexpr std::array<double, PreparedScan::level_count> spacing = {0.02, 0.05, 0
 
 /** Steps against the full-resolution image, at most, until one is as short as this [m]. */
 constexpr int most_fine_passes = 8;
-constexpr double settled_step = 0.01;
+constexpr double settled_step = 0.003;
 
 /** Of the last pass, over all points of level 0 [m]. */
 constexpr double dense_kernel = 0.1;

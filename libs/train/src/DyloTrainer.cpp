@@ -124,6 +124,7 @@ class Trainer
   void save();
   void load(const std::string& checkpoint, bool weights_only);
   void startFrom(const std::string& path);
+  void blend(const std::string& path, double share);
   void validate();
   [[nodiscard]] double learningRate() const;
   DyloLossImpl::Terms trainPair(std::uint64_t index);
@@ -192,6 +193,10 @@ Trainer::Trainer(const Config& config, const DyloTrainRequest& request)
   {
     startFrom(request.start);
   }
+  if (!request.blend.empty())
+  {
+    return;  // needs no data
+  }
   const std::string base = dataBase(data_.base);
   validation_ = loadRecordings(data_.validation, base, false);
   for (const std::string& item : listItems(data_.simulated_validation))
@@ -251,6 +256,12 @@ void Trainer::run()
   if (request_.validate_only)
   {
     validate();
+    return;
+  }
+  if (!request_.blend.empty())
+  {
+    blend(request_.blend, request_.blend_share);
+    save();
     return;
   }
   auto saved = Clock::now();
@@ -393,6 +404,22 @@ void Trainer::startFrom(const std::string& path)
   }
   request_.report("started from " + path + ": " + std::to_string(taken) + " of " +
                   std::to_string(own.size()) + " tensors");
+}
+
+void Trainer::blend(const std::string& path, double share)
+{
+  const torch::NoGradGuard no_grad;
+  const DyloNetwork other = loadDylo(path);
+  const auto theirs = other->named_parameters();
+  for (const auto& own : network_->named_parameters())
+  {
+    const torch::Tensor* given = theirs.find(own.key());
+    if (given == nullptr || given->sizes() != own.value().sizes())
+    {
+      throw UserError(path + ": weights of another shape of network");
+    }
+    torch::Tensor(own.value()).mul_(1 - share).add_(*given, share);
+  }
 }
 
 void Trainer::load(const std::string& path, bool weights_only)

@@ -91,6 +91,33 @@ TEST(DyloTrainer, StartsFromTheLayersThatAModelShares)
   EXPECT_LT(shared, after.size()) << "the head is its own";
 }
 
+TEST(DyloTrainer, BlendsTheWeightsOfTwoTrainings)
+{
+  const std::string first = freshFolder("first");
+  const std::string second = freshFolder("second");
+  trainDylo(tiny(1), requestFor(first));
+  trainDylo(tiny(3), requestFor(second));
+  DyloTrainRequest request = requestFor(freshFolder("blend"));
+  request.start = first + "/checkpoint.pt";
+  request.blend = second + "/dylo.pt";
+  request.blend_share = 0.25;
+  trainDylo(tiny(1), request);
+  const auto a = loadDylo(first + "/dylo.pt")->named_parameters();
+  const auto b = loadDylo(second + "/dylo.pt")->named_parameters();
+  for (const auto& mean : loadDylo(request.output + "/dylo.pt")->named_parameters())
+  {
+    const torch::Tensor expected = 0.75 * a[mean.key()] + 0.25 * b[mean.key()];
+    EXPECT_TRUE(torch::allclose(mean.value(), expected, 1e-5, 1e-7)) << mean.key();
+  }
+  Config other = tiny(1);
+  other.set("network.width=0.25");
+  DyloTrainRequest wider = requestFor(freshFolder("wider"));
+  trainDylo(other, wider);
+  request.output = freshFolder("misfit");
+  request.blend = wider.output + "/dylo.pt";
+  EXPECT_THROW(trainDylo(tiny(1), request), UserError);
+}
+
 TEST(DyloTrainer, DoesNotOverwriteATraining)
 {
   const std::string folder = freshFolder("kept");

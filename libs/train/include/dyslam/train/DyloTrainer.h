@@ -14,6 +14,10 @@ struct DyloTrainRequest
       output;  //!< folder for checkpoint.pt, dylo.pt, log.csv, validation.csv, effective.ini
   bool resume = false;  //!< go on from checkpoint.pt there
   std::string start;    //!< a checkpoint.pt whose weights a new training begins with, or empty
+  /** A dylo.pt: no training, but the mean of it and `start`, which is written as a training's
+   * weights are. Empty for none. */
+  std::string blend;
+  double blend_share = 0.5;  //!< of it in the mean
   std::string device = "cpu";
   /** Gets a CSV of points and static confidence per validation recording; empty for none. */
   std::string mask_folder;
