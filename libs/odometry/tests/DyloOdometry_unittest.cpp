@@ -106,6 +106,28 @@ TEST_F(Dylo, StartsFromFarPredictions)
   EXPECT_LT((automatic.translation() - prediction.translation()).norm(), 0.06);
 }
 
+/** Points that show the motion well overrule a prediction that is not sure of itself, and only it.
+ */
+TEST_F(Dylo, WeighsThePredictionByItsInformation)
+{
+  const Pose T = poseFromYpr(0.6, 0, 0, 1 * degree, 0, 0);
+  const Pose prediction = T * poseFromYpr(0.2, 0, 0, 0, 0, 0);
+  const auto off = [&](double information, const std::vector<std::string>& settings)
+  {
+    const auto odometry = make(settings);
+    EXPECT_TRUE(odometry->joinsPrediction());
+    (void)odometry->process(scene_.frame(Pose::Identity(), 0.01, 1), Pose::Identity());
+    const MotionEstimate found =
+        odometry->process(scene_.frame(T, 0.01, 2), prediction, information * Matrix6::Identity());
+    EXPECT_TRUE(found.converged) << found.reason;
+    return (T.inverse() * found.T_previous_current).translation().x();
+  };
+  EXPECT_NEAR(off(0, {}), 0, 0.05);
+  EXPECT_NEAR(off(1, {}), 0, 0.05);
+  EXPECT_NEAR(off(1e8, {}), 0.2, 0.01);
+  EXPECT_NEAR(off(1e8, {"dylo.prior=false"}), 0, 0.05);
+}
+
 /** What a sensor under way measures, deskewed by a motion that may not be its own. */
 void bend(const Pose& T_own, const Pose& T_sweep, Frame& frame)
 {
