@@ -20,7 +20,7 @@ class DyloOdometry : public ScanToScan
   explicit DyloOdometry(const DyloOptions& options);
 
   [[nodiscard]] std::string name() const override { return "dylo"; }
-  [[nodiscard]] bool joinsPrediction() const override { return true; }
+  [[nodiscard]] bool joinsPrediction() const override { return options_.prior; }
   [[nodiscard]] const std::vector<float>& staticConfidence() const override { return confidence_; }
 
  private:
