@@ -340,6 +340,10 @@ void Trainer::validate()
   {
     return;
   }
+  if (!request_.mask_folder.empty())
+  {
+    std::filesystem::create_directories(request_.mask_folder);
+  }
   const auto rows = validateDylo(network_, validation_, device_, request_.mask_folder);
   request_.report("validation at step " + std::to_string(step_) + "\n" + validationTable(rows));
   const std::string file = request_.output + "/validation.csv";
