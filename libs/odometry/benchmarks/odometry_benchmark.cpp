@@ -213,9 +213,10 @@ Row runMethod(const std::string& method,
   MotionFilter filter(loader.get<MotionFilterOptions>("motion"));
   filter.start(Vector6::Zero(), loader.get<RefineOptions>("refine").start_deviation / period, 1);
   // Motions count from the second scan on.
+  const auto since = [](const Frame& frame) { return frame.index > 0 ? period : 0.0; };
   const auto refine = [&](const Frame& frame, const Pose& motion)
   {
-    const double dt = frame.index > 0 ? period : 0;
+    const double dt = since(frame);
     const PosePrior prior{refinement.pose() * filter.predict(dt), filter.information(dt)};
     const RefineResult result = refinement.refine(frame, refinement.pose() * motion, &prior);
     filter.update(dt, result.motion.T_previous_current, result.measured_information,
@@ -230,7 +231,7 @@ Row runMethod(const std::string& method,
     odometry = makeOdometry(method.substr(0, plus), loader, pool);
     step = [&](const Frame& frame, const Pose& prediction)
     {
-      const double dt = frame.index > 0 ? period : 0;
+      const double dt = since(frame);
       const MotionEstimate found = odometry->process(frame, prediction, filter.information(dt));
       filter.update(dt, found.T_previous_current,
                     found.converged ? found.information : Matrix6(Matrix6::Zero()));
@@ -242,8 +243,7 @@ Row runMethod(const std::string& method,
   {
     step = [&](Frame& frame, const Pose& prediction)
     {
-      const double dt = frame.index > 0 ? period : 0;
-      frame.odometry = odometry->process(frame, prediction, filter.information(dt));
+      frame.odometry = odometry->process(frame, prediction, filter.information(since(frame)));
       frame.static_confidence = odometry->staticConfidence();
       return refine(frame,
                     frame.odometry.converged ? frame.odometry.T_previous_current : prediction);

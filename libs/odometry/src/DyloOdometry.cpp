@@ -119,18 +119,16 @@ MotionEstimate DyloOdometry::align(const Pose& T_reference_current_guess)
 void DyloOdometry::accept(const Pose& T_reference_current)
 {
   std::optional<Pose> T_sweep;
-  if (begun_ && referenceIsPrevious())
+  if (referenceIsPrevious())
   {
     T_sweep = T_vehicle_lidar_.inverse() * T_reference_current * T_vehicle_lidar_;
   }
   matcher_.keepAsReference(T_sweep);
-  begun_ = true;
 }
 
 void DyloOdometry::clear()
 {
   matcher_.forgetReference();
-  begun_ = false;
   confidence_.clear();
 }
 }  // namespace dyslam

@@ -33,7 +33,6 @@ class DyloOdometry : public ScanToScan
 
   DyloOptions options_;
   DyloMatcher matcher_;
-  bool begun_ = false;  //!< there is a reference
   Pose T_vehicle_lidar_ = Pose::Identity();
   std::vector<Eigen::Vector3f> points_;  //!< lidar frame
   std::vector<float> weights_;           //!< of the frame's points, empty for 1

@@ -39,11 +39,7 @@ MotionEstimate ScanToScan::process(const Frame& frame,
     estimate.converged = true;
     return estimate;
   }
-  guess_information_ = information;
-  if (!referenceIsPrevious())
-  {
-    guess_information_.setZero();
-  }
+  guess_information_ = referenceIsPrevious() ? information : Matrix6(Matrix6::Zero());
   MotionEstimate found = align(guess);
   if (!found.converged)
   {

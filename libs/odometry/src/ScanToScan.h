@@ -23,10 +23,10 @@ class ScanToScan : public LidarOdometry
   /** The frame becomes the reference. \param T_reference_current the motion found, or the guess */
   virtual void accept(const Pose& T_reference_current) = 0;
   virtual void clear() = 0;
-  /** Whether no motion lies between the reference and the frame before this one. */
+  /** Whether there is a reference, with no motion between it and the frame before this one. */
   [[nodiscard]] bool referenceIsPrevious() const
   {
-    return T_reference_previous_.matrix().isIdentity();
+    return has_reference_ && T_reference_previous_.matrix().isIdentity();
   }
   /** Of the guess in align(); zero where it is not known. */
   [[nodiscard]] const Matrix6& guessInformation() const { return guess_information_; }

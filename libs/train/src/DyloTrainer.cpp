@@ -2,6 +2,7 @@
 #include <dyslam/core/Error.h>
 #include <dyslam/nets/DyloModel.h>
 #include <dyslam/train/Augmentation.h>
+#include <dyslam/train/BlendWeights.h>
 #include <dyslam/train/DyloLoss.h>
 #include <dyslam/train/DyloTrainer.h>
 #include <dyslam/train/RandomDraws.h>
@@ -124,7 +125,6 @@ class Trainer
   void save();
   void load(const std::string& checkpoint, bool weights_only);
   void startFrom(const std::string& path);
-  void blend(const std::string& path, double share);
   void validate();
   [[nodiscard]] double learningRate() const;
   DyloLossImpl::Terms trainPair(std::uint64_t index);
@@ -260,7 +260,7 @@ void Trainer::run()
   }
   if (!request_.blend.empty())
   {
-    blend(request_.blend, request_.blend_share);
+    blendWeights(*network_, *loadDylo(request_.blend), request_.blend_share, request_.blend);
     save();
     return;
   }
@@ -408,22 +408,6 @@ void Trainer::startFrom(const std::string& path)
   }
   request_.report("started from " + path + ": " + std::to_string(taken) + " of " +
                   std::to_string(own.size()) + " tensors");
-}
-
-void Trainer::blend(const std::string& path, double share)
-{
-  const torch::NoGradGuard no_grad;
-  const DyloNetwork other = loadDylo(path);
-  const auto theirs = other->named_parameters();
-  for (const auto& own : network_->named_parameters())
-  {
-    const torch::Tensor* given = theirs.find(own.key());
-    if (given == nullptr || given->sizes() != own.value().sizes())
-    {
-      throw UserError(path + ": weights of another shape of network");
-    }
-    torch::Tensor(own.value()).mul_(1 - share).add_(*given, share);
-  }
 }
 
 void Trainer::load(const std::string& path, bool weights_only)

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/Error.h>
 #include <dyslam/nets/DysegFile.h>
+#include <dyslam/train/BlendWeights.h>
 #include <dyslam/train/DysegLosses.h>
 #include <dyslam/train/DysegScores.h>
 #include <dyslam/train/DysegTrainer.h>
@@ -311,18 +312,9 @@ void DysegTrainer::startFrom(const std::string& weights)
 void DysegTrainer::blend(const std::string& weights, double share)
 {
   const auto loaded = loadDyseg(weights);
-  torch::NoGradGuard no_gradient;
-  const auto source = loaded.net->named_parameters();
   for (auto* net : {&impl_->net, &impl_->mean})
   {
-    for (auto& p : (*net)->named_parameters())
-    {
-      if (!source.contains(p.key()) || source[p.key()].sizes() != p.value().sizes())
-      {
-        throw UserError(weights + ": weights of another shape of network");
-      }
-      p.value().mul_(1 - share).add_(source[p.key()], share);
-    }
+    blendWeights(**net, *loaded.net, share, weights);
   }
 }
 

@@ -49,11 +49,12 @@ class DyloNetworkImpl : public torch::nn::Module
 
   [[nodiscard]] EncodedScan encode(const ScanTensors& scan);
 
-  /** \param start where the search begins. \returns every stage; the last pose is the answer. While
-   * gradients are not recorded, fine passes go on until a step is short, and a last one takes all
-   * points of level 0. A scan 1 with phases is
-   * deskewed by the pose found so far in each fine pass, which takes the pose for the motion since
-   * the scan before. \param prior joins the points in these passes; none for null */
+  /** \param start where the search begins. \param prior joins the points in the fine passes; none
+   * for null. \returns every stage; the last pose is the answer.
+   *
+   * While gradients are not recorded, fine passes go on until a step is short, and a last one takes
+   * all points of level 0. In each of them a scan 1 with phases is deskewed by the pose found so
+   * far, which is taken for the motion since the scan before. */
   [[nodiscard]] std::vector<DyloStage> forward(const EncodedScan& scan1,
                                                const EncodedScan& scan2,
                                                const PoseTensors& start,
