@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/Deskew.h>
+#include <dyslam/core/FastAngle.h>
 
 #include <algorithm>
 #include <cmath>
@@ -7,35 +8,10 @@
 
 namespace dyslam
 {
-namespace
-{
-constexpr float inverse_two_pi = 0.15915494309189535F;
-
-/** atan2(y, x) / 2 pi in (-0.5, 0.5], by an odd polynomial on [0, 1]. */
-float turnsOf(float y, float x)
-{
-  const float ax = std::fabs(x);
-  const float ay = std::fabs(y);
-  const float high = std::max(ax, ay);
-  if (!(high > 0))
-  {
-    return 0;
-  }
-  const float r = std::min(ax, ay) / high;
-  const float r2 = r * r;
-  // Abramowitz and Stegun 4.4.49: |error| < 1e-5 rad.
-  float angle = r * (0.9998660F +
-                     r2 * (-0.3302995F + r2 * (0.1801410F + r2 * (-0.0851330F + r2 * 0.0208351F))));
-  angle *= inverse_two_pi;
-  angle = ay > ax ? 0.25F - angle : angle;
-  angle = x < 0 ? 0.5F - angle : angle;
-  return y < 0 ? -angle : angle;
-}
-}  // namespace
-
 float sweepFraction(const Eigen::Vector3f& p, const SweepModel& model)
 {
-  const auto start = static_cast<float>(model.start_azimuth) * inverse_two_pi;
+  constexpr double inverse_two_pi = 0.15915494309189535;
+  const auto start = static_cast<float>(model.start_azimuth * inverse_two_pi);
   const float turned = static_cast<float>(model.direction) * (turnsOf(p.y(), p.x()) - start);
   const float fraction = turned - std::floor(turned);
   return fraction < 1.0F ? fraction : 0.0F;

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/FastAngle.h>
 #include <dyslam/core/Pose.h>
 #include <gtest/gtest.h>
 
@@ -102,6 +103,17 @@ TEST(Pose, OrthonormalizedRepairsRoundedRotations)
       (repaired.linear() * repaired.linear().transpose() - Eigen::Matrix3d::Identity()).norm(),
       1e-12);
   EXPECT_TRUE(repaired.isApprox(poseFromYpr(1, 2, 3, 1, 0.2, 0.1), 1e-9));
+}
+TEST(FastAngle, WithinItsBoundOfAtan2)
+{
+  for (int k = -1000; k <= 1000; ++k)
+  {
+    const double angle = 3.14159 * k / 1000;
+    const auto y = static_cast<float>(3 * std::sin(angle));
+    const auto x = static_cast<float>(3 * std::cos(angle));
+    EXPECT_NEAR(static_cast<double>(turnsOf(y, x)) * 2 * 3.14159265358979, angle, 1.3e-5);
+  }
+  EXPECT_EQ(turnsOf(0, 0), 0);
 }
 }  // namespace
 }  // namespace dyslam

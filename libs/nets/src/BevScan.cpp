@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/FastAngle.h>
 #include <dyslam/core/Scan.h>
 #include <dyslam/nets/BevScan.h>
 
@@ -21,7 +22,6 @@ constexpr float own_vehicle = 2.5F;  // m around the sensor, whose returns may b
 constexpr float seed_reach = 16;     // m around the sensor, whose ground is where it starts
 constexpr float max_slope = 0.12F;
 
-constexpr float pi = 3.14159265F;
 constexpr float lowest_slope = -0.55F;
 constexpr float highest_slope = 0.41F;
 
@@ -190,11 +190,11 @@ struct RayBin
 RayBin rayBin(const Eigen::Vector3f& p)
 {
   RayBin bin;
-  const float flat = std::max(std::hypot(p.x(), p.y()), 1e-3F);
-  bin.range = std::hypot(flat, p.z());
+  const float flat = std::max(p.head<2>().norm(), 1e-3F);
+  bin.range = std::sqrt(flat * flat + p.z() * p.z());
   bin.row = static_cast<int>(
       std::floor((p.z() / flat - lowest_slope) / (highest_slope - lowest_slope) * BevRays::rows));
-  const float turn = (std::atan2(p.y(), p.x()) + pi) / (2 * pi);
+  const float turn = turnsOf(p.y(), p.x()) + 0.5F;
   bin.column = std::clamp(static_cast<int>(turn * BevRays::columns), 0, BevRays::columns - 1);
   return bin;
 }

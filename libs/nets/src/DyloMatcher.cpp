@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <utility>
 
 namespace dyslam
@@ -25,11 +26,11 @@ double inlierDistance(double range)
   return 0.15 + 0.005 * range;
 }
 
+/** A point of level 1 and its static confidence; what was not matched is out of reach. */
 struct SampledNode
 {
-  Eigen::Vector3f point = Eigen::Vector3f::Zero();
+  Eigen::Vector3f point = Eigen::Vector3f::Constant(1e6F);
   float confidence = 0;
-  bool used = false;
 };
 }  // namespace
 
@@ -74,7 +75,7 @@ void SeenScan::bend(const Pose& T_sweep)
       prepared.points[cell] = wanted.toReference(given.toReference(points[i], -phase[i]), phase[i]);
     }
   }
-  encoded.scan = toTensors(prepared);
+  movePoints(prepared, encoded.scan);
   encoded.T_sweep = T_sweep;
 }
 
@@ -95,7 +96,11 @@ struct DyloMatcher::Impl
   void layOut(SeenScan& scan, const std::vector<Eigen::Vector3f>& points, const Pose& T_sweep);
   std::vector<DyloStage> search(const Pose& start, bool deskew, const DyloPrior* prior);
   void keepConfidence(const DyloStage& stage);
-  [[nodiscard]] float confidenceNear(const Eigen::Vector3f& p, std::int32_t cell) const;
+  /** Confidence of the points [first, last), all seen around `node`, by it and its neighbours. */
+  void blendAround(std::int32_t node,
+                   const std::int32_t* first,
+                   const std::int32_t* last,
+                   std::vector<float>& confidence) const;
 };
 
 DyloMatcher::DyloMatcher(const std::string& weights, int threads) : impl_(std::make_unique<Impl>())
@@ -285,54 +290,98 @@ void DyloMatcher::Impl::keepConfidence(const DyloStage& stage)
   {
     if (level.cell[n] >= 0 && valid[n] > 0)
     {
-      nodes[n] = {prepared.points[static_cast<std::size_t>(level.cell[n])], c[n], true};
+      nodes[n] = {prepared.points[static_cast<std::size_t>(level.cell[n])], c[n]};
     }
   }
 }
 
-float DyloMatcher::Impl::confidenceNear(const Eigen::Vector3f& p, std::int32_t cell) const
+void DyloMatcher::Impl::blendAround(std::int32_t node,
+                                    const std::int32_t* first,
+                                    const std::int32_t* last,
+                                    std::vector<float>& confidence) const
 {
-  const PreparedScan& prepared = current.prepared;
-  const PreparedScan::Level& level = prepared.levels[sampled_level];
-  const int row = cell / PreparedScan::columns * level.rows / prepared.rows;
-  const int col = cell % PreparedScan::columns * level.cols / PreparedScan::columns;
-  const float reach = 0.5F + 0.05F * p.norm();
-  float weight_sum = 0;
-  float sum = 0;
-  for (int i = std::max(0, row - 1); i <= std::min(level.rows - 1, row + 1); ++i)
+  constexpr int lanes = 8;  // points at a time
+  using Lanes = Eigen::Array<float, lanes, 1>;
+  constexpr float softness = 0.002F;
+  constexpr float at_reach = 1 / (softness + 1);
+  const PreparedScan::Level& level = current.prepared.levels[sampled_level];
+  const int row = node / level.cols;
+  const int col = node % level.cols;
+  Eigen::Array<float, lanes, 3> p = Eigen::Array<float, lanes, 3>::Zero();
+  for (; first < last; first += lanes)
   {
-    for (int j = col - 1; j <= col + 1; ++j)
+    const auto count = std::min<std::ptrdiff_t>(lanes, last - first);
+    for (std::ptrdiff_t k = 0; k < count; ++k)
     {
-      const int wrapped = (j + level.cols) % level.cols;
-      const SampledNode& node = nodes[static_cast<std::size_t>(i * level.cols + wrapped)];
-      const float d2 = (node.point - p).squaredNorm() / (reach * reach);
-      if (node.used && d2 < 1)
+      p.row(k) = current.points[static_cast<std::size_t>(first[k])];
+    }
+    const Lanes reach = 0.5F + 0.05F * p.square().rowwise().sum().sqrt();
+    const Lanes scale = reach.square().inverse();
+    Lanes weight_sum = Lanes::Zero();
+    Lanes sum = Lanes::Zero();
+    for (int i = std::max(0, row - 1); i <= std::min(level.rows - 1, row + 1); ++i)
+    {
+      for (int j = col - 1; j <= col + 1; ++j)
       {
-        const float weight = 1 / (0.002F + d2 * d2);
+        const int wrapped = (j + level.cols) % level.cols;
+        const SampledNode& near = nodes[static_cast<std::size_t>(i * level.cols + wrapped)];
+        const Lanes d2 =
+            ((p.col(0) - near.point.x()).square() + (p.col(1) - near.point.y()).square() +
+             (p.col(2) - near.point.z()).square()) *
+            scale;
+        const Lanes weight = ((softness + d2.square()).inverse() - at_reach).max(0.F);
         weight_sum += weight;
-        sum += weight * node.confidence;
+        sum += weight * near.confidence;
       }
     }
+    for (std::ptrdiff_t k = 0; k < count; ++k)
+    {
+      confidence[static_cast<std::size_t>(first[k])] =
+          weight_sum[k] > 0 ? sum[k] / weight_sum[k] : 1.F;
+    }
   }
-  return weight_sum > 0 ? sum / weight_sum : 1.F;
 }
 
 std::vector<float> DyloMatcher::staticConfidence() const
 {
   const Impl& s = *impl_;
-  const std::vector<Eigen::Vector3f>& points = s.current.points;
-  std::vector<float> confidence(points.size(), 1.F);
+  std::vector<float> confidence(s.current.points.size(), 1.F);
   if (s.nodes.empty())
   {
     return confidence;
   }
-  for (std::size_t i = 0; i < points.size(); ++i)
+  // Points in the order of the nodes they were seen around.
+  const PreparedScan& prepared = s.current.prepared;
+  const PreparedScan::Level& level = prepared.levels[sampled_level];
+  std::vector<std::int32_t> node_of(confidence.size(), -1);
+  std::vector<std::int32_t> end(level.size() + 1, 0);
+  for (std::size_t i = 0; i < node_of.size(); ++i)
   {
-    const std::int32_t cell = s.current.prepared.cell_of_point[i];
+    const std::int32_t cell = prepared.cell_of_point[i];
     if (cell >= 0)
     {
-      confidence[i] = s.confidenceNear(points[i], cell);
+      const int row = cell / PreparedScan::columns * level.rows / prepared.rows;
+      const int col = cell % PreparedScan::columns * level.cols / PreparedScan::columns;
+      node_of[i] = row * level.cols + col;
+      ++end[static_cast<std::size_t>(node_of[i]) + 1];
     }
+  }
+  std::partial_sum(end.begin(), end.end(), end.begin());
+  std::vector<std::int32_t> ordered(static_cast<std::size_t>(end.back()));
+  for (std::size_t i = 0; i < node_of.size(); ++i)
+  {
+    if (node_of[i] >= 0)
+    {
+      const auto place = end[static_cast<std::size_t>(node_of[i])]++;
+      ordered[static_cast<std::size_t>(place)] = static_cast<std::int32_t>(i);
+    }
+  }
+  std::int32_t begin = 0;
+  for (std::size_t n = 0; n < level.size(); ++n)
+  {
+    s.blendAround(static_cast<std::int32_t>(n), ordered.data() + begin, ordered.data() + end[n],
+                  confidence);
+    begin = end[n];
   }
   return confidence;
 }

@@ -273,8 +273,7 @@ DyloStage DyloNetworkImpl::denseStage(const EncodedScan& scan1,
   const ScanTensors::Level& nodes = scan1.scan.levels[0];
   const ScanTensors::Level& parents = scan1.scan.levels[1];
   const torch::Tensor warped = fine.pose.apply(sweptBy(scan1, 0, fine.pose.toPose()));
-  const Surfaces surfaces =
-      surfacesAround(warped, torch::zeros_like(warped), nodes.valid, scan2.scan);
+  const Surfaces surfaces = surfacesAround(warped, {}, nodes.valid, scan2.scan);
   const torch::Tensor residual = (surfaces.normal * warped).sum(1) - surfaces.offset;
   const torch::Tensor of_parents = fine.weight.reshape({parents.rows, 1, parents.cols, 1})
                                        .expand({parents.rows, nodes.rows / parents.rows,

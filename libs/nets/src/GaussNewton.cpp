@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <ATen/Parallel.h>
+#include <dyslam/core/Pose.h>
 #include <dyslam/nets/GaussNewton.h>
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
 
 namespace dyslam
 {
@@ -51,6 +53,73 @@ class SolveSpdFunction : public torch::autograd::Function<SolveSpdFunction>
   }
 };
 
+// Light enough not to shrink a motion that the points show, firm enough for a lone plane.
+constexpr double damping = 1e-6;
+// Rotations in units of 1/10 rad, so that both halves are of like size.
+constexpr double rotation_unit = 0.1;
+
+Eigen::Vector3d vectorAt(const torch::Tensor& t, std::int64_t i)
+{
+  return Eigen::Map<const Eigen::Vector3f>(t.data_ptr<float>() + 3 * i).cast<double>();
+}
+
+/** The step of `gaussNewtonStep` without gradients: of floats, summed in double. */
+GaussNewtonStep plainStep(const Alignment& alignment)
+{
+  const torch::Tensor points = toCpu(alignment.points);
+  const torch::Tensor normals = toCpu(alignment.normal);
+  const torch::Tensor offsets = toCpu(alignment.offset);
+  const torch::Tensor weights = toCpu(alignment.weight);
+  const bool isotropic = alignment.isotropic.defined();
+  const torch::Tensor targets = isotropic ? toCpu(alignment.target) : points;
+  const double point_weight = isotropic ? alignment.isotropic.item<double>() : 0;
+  Matrix6 matrix = Matrix6::Zero();
+  Vector6 right = Vector6::Zero();
+  for (std::int64_t i = 0; i < points.size(0); ++i)
+  {
+    const auto weight = static_cast<double>(weights.data_ptr<float>()[i]);
+    if (weight == 0)
+    {
+      continue;
+    }
+    const Eigen::Vector3d p = vectorAt(points, i);
+    const Eigen::Vector3d n = vectorAt(normals, i);
+    Vector6 row;
+    row << n, p.cross(n);
+    const Vector6 weighted = weight * row;
+    matrix.noalias() += weighted * row.transpose();
+    right += (n.dot(p) - static_cast<double>(offsets.data_ptr<float>()[i])) * weighted;
+    if (isotropic)
+    {
+      Eigen::Matrix<double, 6, 3> rows;
+      rows << Eigen::Matrix3d::Identity(), skew(p);
+      const Eigen::Matrix<double, 6, 3> weighted_rows = weight * point_weight * rows;
+      matrix += weighted_rows.lazyProduct(rows.transpose());
+      right += weighted_rows * (p - vectorAt(targets, i));
+    }
+  }
+  Vector6 scale = Vector6::Ones();
+  scale.tail<3>().setConstant(rotation_unit);
+  const Matrix6 damped =
+      scale.asDiagonal() * matrix * scale.asDiagonal() + damping * Matrix6::Identity();
+  const Vector6 step = -scale.cwiseProduct(damped.ldlt().solve(scale.cwiseProduct(right)));
+
+  const auto options = alignment.points.options();
+  Pose update = Pose::Identity();
+  update.translation() = step.head<3>();
+  const double angle = step.tail<3>().norm();
+  if (angle > 0)
+  {
+    update.linear() = Eigen::AngleAxisd(angle, step.tail<3>() / angle).toRotationMatrix();
+  }
+  GaussNewtonStep result;
+  result.update = PoseTensors::from(update, options);
+  result.normal_matrix = torch::empty({6, 6}, torch::kDouble);
+  Eigen::Map<Matrix6r>(result.normal_matrix.data_ptr<double>()) = matrix;
+  result.normal_matrix = result.normal_matrix.to(options);
+  return result;
+}
+
 /** Rows [n, p x n] of the derivative of n . (p + t + w x p). */
 torch::Tensor jacobian(const torch::Tensor& points, const torch::Tensor& normal)
 {
@@ -92,8 +161,10 @@ torch::Tensor rotationOfQuaternion(const torch::Tensor& quaternion)
 
 GaussNewtonStep gaussNewtonStep(const Alignment& alignment)
 {
-  // Light enough not to shrink a motion that the points show, firm enough for a lone plane.
-  constexpr double damping = 1e-6;
+  if (!torch::GradMode::is_enabled() && alignment.points.scalar_type() == torch::kFloat)
+  {
+    return plainStep(alignment);
+  }
   const auto options = alignment.points.options();
   torch::Tensor rows = jacobian(alignment.points, alignment.normal);
   torch::Tensor residual = (alignment.normal * alignment.points).sum(1) - alignment.offset;
@@ -116,9 +187,8 @@ GaussNewtonStep gaussNewtonStep(const Alignment& alignment)
     residual = torch::cat(all_residuals);
     weight = torch::cat(all_weights);
   }
-  // Rotations in units of 1/10 rad, so that both halves are of like size.
   torch::Tensor scale = torch::ones({6}, options);
-  scale.slice(0, 3, 6).fill_(0.1);
+  scale.slice(0, 3, 6).fill_(rotation_unit);
   const torch::Tensor scaled = rows * scale;
   const torch::Tensor weighted = scaled * weight.unsqueeze(1);
   const torch::Tensor matrix = torch::matmul(weighted.t(), scaled);

@@ -19,6 +19,11 @@ Eigen::Map<const Matrix> viewOf(const torch::Tensor& t)
   return {t.data_ptr<float>(), t.size(0), t.size(1)};
 }
 
+bool onCpu(const torch::Tensor& t)
+{
+  return t.device().is_cpu() && t.scalar_type() == torch::kFloat;
+}
+
 /** The features' part is multiplied once per node, then picked per place: nodes are fewer. */
 class GroupedLinearFunction : public torch::autograd::Function<GroupedLinearFunction>
 {
@@ -29,10 +34,12 @@ class GroupedLinearFunction : public torch::autograd::Function<GroupedLinearFunc
                                const torch::Tensor& index,
                                const torch::Tensor& weight,
                                const torch::Tensor& bias,
+                               const torch::Tensor& own,
                                double slope)
   {
     const std::int64_t g = geometry.size(1);
     const std::int64_t out = weight.size(0);
+    const std::int64_t group = own.numel() > 0 ? geometry.size(0) / own.size(0) : 0;
     torch::Tensor y = torch::empty({geometry.size(0), out});
     const auto w = viewOf(weight);
     const Matrix w_geometry = w.leftCols(g).transpose();
@@ -45,6 +52,7 @@ class GroupedLinearFunction : public torch::autograd::Function<GroupedLinearFunc
     const Eigen::Map<const Row> b(bias.data_ptr<float>(), out);
     Eigen::Map<Matrix> result(y.data_ptr<float>(), y.size(0), out);
     const std::int64_t* node = index.data_ptr<std::int64_t>();
+    const auto of_group = viewOf(own);
     const auto leak = static_cast<float>(slope);
     const std::int64_t places = geometry.size(0);
     at::parallel_for(0, (places + block - 1) / block, 1,
@@ -64,11 +72,16 @@ class GroupedLinearFunction : public torch::autograd::Function<GroupedLinearFunc
                            {
                              row += per_node.row(node[begin + i]);
                            }
+                           if (group > 0)
+                           {
+                             row += of_group.row((begin + i) / group);
+                           }
                            row = row.cwiseMax(leak * row);
                          }
                        }
                      });
     context->save_for_backward({geometry, features, index, weight, y});
+    context->saved_data["group"] = group;
     context->saved_data["slope"] = slope;
     return y;
   }
@@ -86,6 +99,14 @@ class GroupedLinearFunction : public torch::autograd::Function<GroupedLinearFunc
     const std::int64_t* node = saved[2].data_ptr<std::int64_t>();
     const bool has_features = saved[1].numel() > 0;
     const std::int64_t geometry = in.cols();
+    const std::int64_t group = context->saved_data["group"].toInt();
+    torch::Tensor grad_geometry;
+    if (saved[0].requires_grad())
+    {
+      grad_geometry = torch::empty_like(saved[0]);
+    }
+    torch::Tensor grad_own = torch::zeros({group > 0 ? in.rows() / group : 0, w.rows()});
+    Eigen::Map<Matrix> go(grad_own.data_ptr<float>(), grad_own.size(0), w.rows());
     torch::Tensor grad_features = torch::zeros_like(saved[1]);
     torch::Tensor grad_weight = torch::zeros_like(saved[3]);
     torch::Tensor grad_bias = torch::zeros({w.rows()});
@@ -109,6 +130,15 @@ class GroupedLinearFunction : public torch::autograd::Function<GroupedLinearFunc
         {
           per_node.row(node[begin + i]) += part.row(i);
         }
+        if (group > 0)
+        {
+          go.row((begin + i) / group) += part.row(i);
+        }
+      }
+      if (grad_geometry.defined())
+      {
+        Eigen::Map<Matrix>(grad_geometry.data_ptr<float>() + begin * geometry, count, geometry)
+            .noalias() = part * w.leftCols(geometry);
       }
       gw.leftCols(geometry).noalias() += part.transpose() * in.middleRows(begin, count);
       gb += part.colwise().sum();
@@ -120,9 +150,111 @@ class GroupedLinearFunction : public torch::autograd::Function<GroupedLinearFunc
       Eigen::Map<Matrix>(grad_features.data_ptr<float>(), features.rows(), features.cols())
           .noalias() = per_node * w.rightCols(w.cols() - geometry);
     }
-    return {torch::Tensor(), has_features ? grad_features : torch::Tensor(),
-            torch::Tensor(), grad_weight,
-            grad_bias,       torch::Tensor()};
+    return {
+        grad_geometry, has_features ? grad_features : torch::Tensor(), torch::Tensor(), grad_weight,
+        grad_bias,     group > 0 ? grad_own : torch::Tensor(),         torch::Tensor()};
+  }
+};
+
+/** Without gradients nobody asks which place it came from. */
+torch::Tensor largestOfGroups(const torch::Tensor& x, const torch::Tensor& usable)
+{
+  const std::int64_t n = x.size(0);
+  const std::int64_t k = x.size(1);
+  const std::int64_t c = x.size(2);
+  torch::Tensor result = torch::empty({n, c});
+  const float* in = x.data_ptr<float>();
+  const float* use = usable.data_ptr<float>();
+  float* out = result.data_ptr<float>();
+  at::parallel_for(0, n, 64,
+                   [&](std::int64_t begin, std::int64_t end)
+                   {
+                     for (std::int64_t i = begin; i < end; ++i)
+                     {
+                       Eigen::Map<Row> largest(out + i * c, c);
+                       bool any = false;
+                       for (std::int64_t j = i * k; j < (i + 1) * k; ++j)
+                       {
+                         if (use[j] == 0)
+                         {
+                           continue;
+                         }
+                         const Eigen::Map<const Row> value(in + j * c, c);
+                         if (any)
+                         {
+                           largest = largest.cwiseMax(value);
+                         }
+                         else
+                         {
+                           largest = value;
+                         }
+                         any = true;
+                       }
+                       if (!any)
+                       {
+                         largest.setZero();
+                       }
+                     }
+                   });
+  return result;
+}
+
+class AttendedSumFunction : public torch::autograd::Function<AttendedSumFunction>
+{
+ public:
+  static torch::Tensor forward(torch::autograd::AutogradContext* context,
+                               const torch::Tensor& attention,
+                               const torch::Tensor& values)
+  {
+    const std::int64_t n = values.size(0);
+    const std::int64_t k = values.size(1);
+    const std::int64_t c = values.size(2);
+    torch::Tensor result = torch::empty({n, c});
+    const float* share = attention.data_ptr<float>();
+    const float* in = values.data_ptr<float>();
+    float* out = result.data_ptr<float>();
+    at::parallel_for(0, n, 64,
+                     [&](std::int64_t begin, std::int64_t end)
+                     {
+                       for (std::int64_t i = begin; i < end; ++i)
+                       {
+                         Eigen::Map<Row> sum(out + i * c, c);
+                         sum.setZero();
+                         for (std::int64_t j = i * k; j < (i + 1) * k; ++j)
+                         {
+                           sum += share[j] * Eigen::Map<const Row>(in + j * c, c);
+                         }
+                       }
+                     });
+    context->save_for_backward({attention, values});
+    return result;
+  }
+
+  static torch::autograd::variable_list backward(torch::autograd::AutogradContext* context,
+                                                 const torch::autograd::variable_list& grads)
+  {
+    const auto saved = context->get_saved_variables();
+    const torch::Tensor grad = grads[0].contiguous();
+    const std::int64_t k = saved[1].size(1);
+    const std::int64_t c = saved[1].size(2);
+    torch::Tensor grad_attention = torch::empty_like(saved[0]);
+    torch::Tensor grad_values;
+    if (saved[1].requires_grad())
+    {
+      grad_values = torch::empty_like(saved[1]);
+    }
+    const float* share = saved[0].data_ptr<float>();
+    const float* in = saved[1].data_ptr<float>();
+    for (std::int64_t j = 0; j < saved[0].numel(); ++j)
+    {
+      const Eigen::Map<const Row> g(grad.data_ptr<float>() + j / k * c, c);
+      grad_attention.data_ptr<float>()[j] = g.dot(Eigen::Map<const Row>(in + j * c, c));
+      if (grad_values.defined())
+      {
+        Eigen::Map<Row>(grad_values.data_ptr<float>() + j * c, c) = share[j] * g;
+      }
+    }
+    return {grad_attention, grad_values};
   }
 };
 
@@ -201,27 +333,44 @@ torch::Tensor groupedLinear(const torch::Tensor& geometry,
                             const torch::Tensor& index,
                             const torch::Tensor& weight,
                             const torch::Tensor& bias,
-                            double slope)
+                            double slope,
+                            const torch::Tensor& own)
 {
-  if (!geometry.device().is_cpu() || geometry.scalar_type() != torch::kFloat)
+  if (!onCpu(geometry))
   {
-    return plain::groupedLinear(geometry, features, index, weight, bias, slope);
+    return plain::groupedLinear(geometry, features, index, weight, bias, slope, own);
   }
   const std::int64_t n = geometry.size(0);
   const std::int64_t k = geometry.size(1);
+  const torch::Tensor none = torch::empty({0, 0});
   const torch::Tensor flat = geometry.reshape({n * k, geometry.size(2)}).contiguous();
-  const torch::Tensor used = features.defined() ? features.contiguous() : torch::empty({0, 0});
-  return GroupedLinearFunction::apply(flat, used, index.contiguous(), weight.contiguous(), bias,
-                                      slope)
+  const torch::Tensor nodes =
+      features.defined() ? index.contiguous() : torch::empty({0}, torch::kLong);
+  return GroupedLinearFunction::apply(flat, features.defined() ? features.contiguous() : none,
+                                      nodes, weight.contiguous(), bias,
+                                      own.defined() ? own.contiguous() : none, slope)
       .reshape({n, k, weight.size(0)});
 }
 
 torch::Tensor groupMax(const torch::Tensor& x, const torch::Tensor& usable)
 {
-  if (!x.device().is_cpu() || x.scalar_type() != torch::kFloat)
+  if (!onCpu(x))
   {
     return plain::groupMax(x, usable);
   }
+  if (!torch::GradMode::is_enabled())
+  {
+    return largestOfGroups(x.contiguous(), usable.contiguous());
+  }
   return GroupMaxFunction::apply(x.contiguous(), usable.contiguous());
+}
+
+torch::Tensor attendedSum(const torch::Tensor& attention, const torch::Tensor& values)
+{
+  if (!onCpu(values))
+  {
+    return plain::attendedSum(attention, values);
+  }
+  return AttendedSumFunction::apply(attention.contiguous(), values.contiguous());
 }
 }  // namespace dyslam

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <ATen/Parallel.h>
+#include <dyslam/core/FastAngle.h>
 #include <dyslam/nets/Grouping.h>
 
 #include <Eigen/Eigenvalues>
@@ -29,9 +30,9 @@ struct ImagePlace
 
   ImagePlace(const Eigen::Vector3f& p, const std::int64_t* row_of_slope)
   {
-    const float flat = std::max(std::hypot(p.x(), p.y()), 1e-3F);
+    const float flat = std::max(p.head<2>().norm(), 1e-3F);
     row = row_of_slope[slopeBin(p.z() / flat)];
-    turn = (3.14159265F - std::atan2(p.y(), p.x())) / (2 * 3.14159265F);
+    turn = 0.5F - turnsOf(p.y(), p.x());
   }
   [[nodiscard]] std::int64_t col(std::int64_t cols) const
   {
@@ -229,6 +230,12 @@ struct Surface
   float mass = 0;
 };
 
+/** How far off a surface may lie [m]. */
+float gateAt(float range)
+{
+  return 0.5F + 0.05F * range;
+}
+
 Surface surfaceAround(const Eigen::Vector3f& p, float range, const ImageView& image)
 {
   constexpr std::int64_t cols = PreparedScan::columns;
@@ -237,64 +244,85 @@ Surface surfaceAround(const Eigen::Vector3f& p, float range, const ImageView& im
   const float step = std::max(range * (2 * 3.14159265F / static_cast<float>(cols)), 1e-3F);
   const auto dilation =
       std::clamp<std::int64_t>(static_cast<std::int64_t>(std::nearbyint(0.1F / step)), 1, 16);
-  const float gate = 0.5F + 0.05F * range;
+  const float gate = gateAt(range);
   const float width = 0.087F + 0.0116F * range;
 
-  Surface surface;
-  std::array<Eigen::Vector3f, 27> differences;
-  std::array<float, 27> distances2;
-  std::size_t count = 0;
-  float least = std::numeric_limits<float>::max();
-  Eigen::Vector3f sum = Eigen::Vector3f::Zero();
-  Eigen::Matrix3f second = Eigen::Matrix3f::Zero();
+  // From p to what the window holds and the gate lets through; places left over are far off.
+  constexpr int places = 32;
+  using Places = Eigen::Array<float, places, 1>;
+  Places x = Places::Zero();
+  Places y = Places::Zero();
+  Places z = Places::Zero();
+  Places distance2 = Places::Constant(1e12F);
+  int count = 0;
   for (std::int64_t row = std::max<std::int64_t>(0, place.row - 1);
        row <= std::min(image.rows - 1, place.row + 1); ++row)
   {
     for (std::int64_t k = -4; k <= 4; ++k)
     {
       const std::int64_t cell = row * cols + around(col0 + k * dilation, cols);
-      if (image.valid[cell] == 0)
-      {
-        continue;
-      }
       const Eigen::Vector3f d = pointAt(image.xyz, cell) - p;
-      const float distance2 = d.squaredNorm();
-      const float near = 1 / (1 + distance2 / (gate * gate));
-      if (near <= 0.1F)
+      const float d2 = d.squaredNorm();
+      if (image.valid[cell] != 0 && d2 < 9 * gate * gate)
       {
-        continue;
+        x[count] = d.x();
+        y[count] = d.y();
+        z[count] = d.z();
+        distance2[count++] = d2;
       }
-      differences[count] = d;
-      distances2[count++] = distance2;
-      least = std::min(least, distance2);
-      surface.mass += near;
-      sum += near * d;
-      second += near * d * d.transpose();
     }
   }
+  Surface surface;
+  if (count == 0)
+  {
+    return surface;
+  }
+  const Places near = (1 + distance2 / (gate * gate)).inverse();
+  surface.mass = near.sum();
   // Relative to the nearest, so that a surface far off is not lost in underflow.
-  float attention_sum = 0;
-  for (std::size_t i = 0; i < count; ++i)
+  const Places attention = (-0.5F / (width * width) * (distance2 - distance2.minCoeff())).exp();
+  surface.toward =
+      Eigen::Vector3f((attention * x).sum(), (attention * y).sum(), (attention * z).sum()) /
+      std::max(attention.sum(), 1.F);
+  const Places share = near / surface.mass;
+  const Places sx = share * x;
+  const Places sy = share * y;
+  const Places sz = share * z;
+  const Eigen::Vector3f mean(sx.sum(), sy.sum(), sz.sum());
+  Eigen::Matrix3f covariance;
+  covariance << (sx * x).sum(), (sx * y).sum(), (sx * z).sum(),  //
+      0, (sy * y).sum(), (sy * z).sum(),                         //
+      0, 0, (sz * z).sum();
+  covariance =
+      Eigen::Matrix3f(covariance.selfadjointView<Eigen::Upper>()) - mean * mean.transpose();
+  Eigen::SelfAdjointEigenSolver<Eigen::Matrix3f> solver;
+  solver.computeDirect(covariance);
+  surface.spread = solver.eigenvalues().cwiseMax(0).cwiseSqrt();
+  surface.normal = solver.eigenvectors().col(0);
+  if (!surface.normal.allFinite())
   {
-    const float attention = std::exp(-0.5F * (distances2[i] - least) / (width * width));
-    attention_sum += attention;
-    surface.toward += attention * differences[i];
-  }
-  surface.toward /= std::max(attention_sum, 1.F);
-  if (surface.mass > 0)
-  {
-    const Eigen::Vector3f mean = sum / surface.mass;
-    const Eigen::Matrix3f covariance = second / surface.mass - mean * mean.transpose();
-    Eigen::SelfAdjointEigenSolver<Eigen::Matrix3f> solver;
-    solver.computeDirect(covariance);
-    surface.spread = solver.eigenvalues().cwiseMax(0).cwiseSqrt();
-    surface.normal = solver.eigenvectors().col(0);
-    if (!surface.normal.allFinite())
-    {
-      surface.normal.setZero();
-    }
+    surface.normal.setZero();
   }
   return surface;
+}
+
+/** Surfaces::features of a point `p` with its own normal. */
+std::array<float, Surfaces::feature_size> describe(const Surface& s,
+                                                   const Eigen::Vector3f& p,
+                                                   const Eigen::Vector3f& own_normal)
+{
+  const float range = p.norm();
+  const float residual = std::abs(s.normal.dot(s.toward));
+  return {std::asinh(residual / 0.05F) / 3,
+          std::asinh(residual / 0.5F),
+          s.spread[0] / (s.spread[1] + s.spread[0] + 1e-3F),
+          std::asinh(s.spread[0] / 0.05F) / 3,
+          s.spread[1] / (s.spread[2] + 1e-3F),
+          s.toward.norm() / gateAt(range),
+          s.mass / 27,
+          std::abs(s.normal.dot(p)) / (range + 1e-3F),
+          std::abs(s.normal.dot(own_normal)),
+          std::log1p(range) / 4};
 }
 }  // namespace
 
@@ -309,20 +337,26 @@ Surfaces surfacesAround(const torch::Tensor& warped,
   }
   const torch::NoGradGuard no_grad;
   const std::int64_t n = warped.size(0);
-  Surfaces result{torch::zeros({n, 3}), torch::zeros({n, 3}),
-                  torch::zeros({n}),    torch::zeros({n, Surfaces::feature_size}),
+  Surfaces result{torch::zeros({n, 3}), torch::zeros({n, 3}), torch::zeros({n}), {},
                   torch::zeros({n}),    torch::zeros({n})};
   const torch::Tensor points = warped.contiguous();
-  const torch::Tensor normals = warped_normal.contiguous();
   const float* p_data = points.data_ptr<float>();
-  const float* n_data = normals.data_ptr<float>();
+  torch::Tensor normals;
+  const float* n_data = nullptr;
+  float* features = nullptr;
+  if (warped_normal.defined())
+  {
+    normals = warped_normal.contiguous();
+    n_data = normals.data_ptr<float>();
+    result.features = torch::zeros({n, Surfaces::feature_size});
+    features = result.features.data_ptr<float>();
+  }
   const float* p_valid = valid.data_ptr<float>();
   const ImageView image{scan.image_xyz.data_ptr<float>(), scan.image_valid.data_ptr<float>(),
                         scan.row_of_slope.data_ptr<std::int64_t>(), scan.rows};
   float* normal = result.normal.data_ptr<float>();
   float* target = result.target.data_ptr<float>();
   float* offset = result.offset.data_ptr<float>();
-  float* features = result.features.data_ptr<float>();
   float* thickness = result.thickness.data_ptr<float>();
   float* found = result.valid.data_ptr<float>();
   at::parallel_for(0, n, grain,
@@ -335,29 +369,19 @@ Surfaces surfacesAround(const torch::Tensor& warped,
                          continue;
                        }
                        const Eigen::Vector3f p = pointAt(p_data, i);
-                       const float range = p.norm();
-                       const Surface s = surfaceAround(p, range, image);
+                       const Surface s = surfaceAround(p, p.norm(), image);
                        const Eigen::Vector3f y = p + s.toward;
-                       const float residual = std::abs(s.normal.dot(s.toward));
-                       const float gate = 0.5F + 0.05F * range;
                        Eigen::Map<Eigen::Vector3f>(normal + 3 * i) = s.normal;
                        Eigen::Map<Eigen::Vector3f>(target + 3 * i) = y;
                        offset[i] = s.normal.dot(y);
                        thickness[i] = s.spread[0];
                        found[i] = s.mass > 1.5F ? 1.F : 0.F;
-                       const std::array<float, Surfaces::feature_size> values = {
-                           std::asinh(residual / 0.05F) / 3,
-                           std::asinh(residual / 0.5F),
-                           s.spread[0] / (s.spread[1] + s.spread[0] + 1e-3F),
-                           std::asinh(s.spread[0] / 0.05F) / 3,
-                           s.spread[1] / (s.spread[2] + 1e-3F),
-                           s.toward.norm() / gate,
-                           s.mass / 27,
-                           std::abs(s.normal.dot(p)) / (range + 1e-3F),
-                           std::abs(s.normal.dot(pointAt(n_data, i))),
-                           std::log1p(range) / 4};
-                       std::copy(values.begin(), values.end(),
-                                 features + Surfaces::feature_size * i);
+                       if (features != nullptr)
+                       {
+                         const auto values = describe(s, p, pointAt(n_data, i));
+                         std::copy(values.begin(), values.end(),
+                                   features + Surfaces::feature_size * i);
+                       }
                      }
                    });
   return result;

@@ -101,9 +101,13 @@ Surfaces surfacesAround(const torch::Tensor& warped,
   result.target = warped + toward;
   result.offset = (plane.normal * result.target).sum(1);
   result.valid = valid * mass.gt(1.5).to(valid.scalar_type());
-  const torch::Tensor residual = (plane.normal * toward).sum(1).abs();
   const torch::Tensor thickness = plane.spread.select(1, 0);
   result.thickness = thickness * valid;
+  if (!warped_normal.defined())
+  {
+    return result;
+  }
+  const torch::Tensor residual = (plane.normal * toward).sum(1).abs();
   const torch::Tensor width1 = plane.spread.select(1, 1);
   result.features =
       torch::stack({torch::asinh(residual / 0.05) / 3, torch::asinh(residual / 0.5),
@@ -120,11 +124,16 @@ torch::Tensor groupedLinear(const torch::Tensor& geometry,
                             const torch::Tensor& index,
                             const torch::Tensor& weight,
                             const torch::Tensor& bias,
-                            double slope)
+                            double slope,
+                            const torch::Tensor& own)
 {
   const torch::Tensor x =
       features.defined() ? torch::cat({geometry, gather(features, index)}, 2) : geometry;
-  const torch::Tensor y = torch::matmul(x, weight.t()) + bias;
+  torch::Tensor y = torch::matmul(x, weight.t()) + bias;
+  if (own.defined())
+  {
+    y = y + own.unsqueeze(1);
+  }
   return slope != 1 ? torch::leaky_relu(y, slope) : y;
 }
 
@@ -132,5 +141,10 @@ torch::Tensor groupMax(const torch::Tensor& x, const torch::Tensor& usable)
 {
   const torch::Tensor none = usable.sum(1, true).eq(0);
   return (x + (usable.unsqueeze(2) - 1) * 1e4).amax(1).masked_fill(none, 0);
+}
+
+torch::Tensor attendedSum(const torch::Tensor& attention, const torch::Tensor& values)
+{
+  return torch::bmm(attention.unsqueeze(1), values).squeeze(1);
 }
 }  // namespace dyslam::plain

@@ -39,14 +39,33 @@ MlpImpl::MlpImpl(const std::vector<std::int64_t>& sizes, bool linear_end) : line
   }
 }
 
-torch::Tensor MlpImpl::forward(torch::Tensor x)
+double MlpImpl::slope(std::size_t layer) const
 {
-  for (std::size_t i = 0; i < weights_.size(); ++i)
+  return linear_end_ && layer + 1 == weights_.size() ? 1.0 : leak;
+}
+
+torch::Tensor MlpImpl::from(std::size_t layer, torch::Tensor x) const
+{
+  for (; layer < weights_.size(); ++layer)
   {
-    const bool linear = linear_end_ && i + 1 == weights_.size();
-    x = pointLinear(x, weights_[i], biases_[i], linear ? 1.0 : leak);
+    x = pointLinear(x, weights_[layer], biases_[layer], slope(layer));
   }
   return x;
+}
+
+torch::Tensor MlpImpl::forward(const torch::Tensor& x)
+{
+  return from(0, x);
+}
+
+torch::Tensor MlpImpl::forward(const torch::Tensor& places, const torch::Tensor& own)
+{
+  const torch::Tensor& weight = weights_.front();
+  const std::int64_t split = places.size(2);
+  const torch::Tensor of_group =
+      pointLinear(own, weight.slice(1, split), torch::zeros_like(biases_.front()), 1);
+  return from(1, groupedLinear(places, {}, {}, weight.slice(1, 0, split), biases_.front(), slope(0),
+                               of_group));
 }
 
 void MlpImpl::scaleOutput(double factor)
@@ -55,11 +74,7 @@ void MlpImpl::scaleOutput(double factor)
   weights_.back().mul_(factor);
 }
 
-GroupedMlpImpl::GroupedMlpImpl(std::int64_t geometry,
-                               std::int64_t features,
-                               const Sizes& sizes,
-                               bool linear_start)
-    : slope_(linear_start ? 1.0 : leak)
+GroupedMlpImpl::GroupedMlpImpl(std::int64_t geometry, std::int64_t features, const Sizes& sizes)
 {
   const auto in = static_cast<double>(geometry + features);
   weight_ = register_parameter(
@@ -73,9 +88,10 @@ GroupedMlpImpl::GroupedMlpImpl(std::int64_t geometry,
 
 torch::Tensor GroupedMlpImpl::forward(const torch::Tensor& geometry,
                                       const torch::Tensor& features,
-                                      const torch::Tensor& index)
+                                      const torch::Tensor& index,
+                                      const torch::Tensor& own)
 {
-  const torch::Tensor x = groupedLinear(geometry, features, index, weight_, bias_, slope_);
+  const torch::Tensor x = groupedLinear(geometry, features, index, weight_, bias_, leak, own);
   return rest_.is_empty() ? x : rest_->forward(x);
 }
 
@@ -103,8 +119,7 @@ AttentiveCostVolumeImpl::AttentiveCostVolumeImpl(std::int64_t features,
     : half_rows_(half_rows), half_cols_(half_cols), candidates_(candidates), spacing_(spacing)
 {
   own_ = register_module("own", Mlp(Sizes{features, hidden}, true));
-  embed_ = register_module("embed",
-                           GroupedMlp(Candidates::geometry_size, features, Sizes{hidden}, true));
+  embed_ = register_module("embed", GroupedMlp(Candidates::geometry_size, features, Sizes{hidden}));
   embed_rest_ = register_module("embed_rest", Mlp(Sizes{hidden, out, out}));
   attend_ =
       register_module("attend", Mlp(Sizes{out + Candidates::geometry_size, out / 2, 1}, true));
@@ -127,30 +142,24 @@ Correlation AttentiveCostVolumeImpl::forward(const torch::Tensor& warped,
   const Candidates candidates =
       candidateGeometry(warped, warped_normal, grid, near.index, spacing_);
   const torch::Tensor hidden =
-      torch::leaky_relu(embed_->forward(candidates.geometry, features2, near.index) +
-                            own_->forward(features1).unsqueeze(1),
-                        leak);
+      embed_->forward(candidates.geometry, features2, near.index, own_->forward(features1));
   const torch::Tensor embedded = embed_rest_->forward(hidden);
-  const torch::Tensor attention =
-      maskedSoftmax(attend_->forward(torch::cat({embedded, candidates.geometry}, 2)).squeeze(2),
-                    near.usable)
-          .unsqueeze(1);
+  const torch::Tensor attention = maskedSoftmax(
+      attend_->forward(torch::cat({embedded, candidates.geometry}, 2)).squeeze(2), near.usable);
 
   Correlation result;
   result.valid = near.usable.amax(1);
-  const torch::Tensor plane = torch::bmm(attention, candidates.planes).squeeze(1);
+  const torch::Tensor plane = attendedSum(attention, candidates.planes);
   result.normal = plane.slice(1, 0, 3);
   result.offset = plane.select(1, 3);
   result.target = plane.slice(1, 4, 7);
-  const torch::Tensor first = torch::bmm(attention, embedded).squeeze(1);
+  const torch::Tensor first = attendedSum(attention, embedded);
 
   const torch::Tensor offsets = groupOffsets(warped, warped, patch.index, spacing_);
   const torch::Tensor patched = patch_embed_->forward(offsets, first, patch.index);
-  const torch::Tensor own = first.unsqueeze(1).expand_as(patched);
-  const torch::Tensor patch_attention =
-      maskedSoftmax(patch_attend_->forward(torch::cat({patched, own}, 2)).squeeze(2),
-                    usableOf(result.valid, patch));
-  result.embedding = first + torch::bmm(patch_attention.unsqueeze(1), patched).squeeze(1);
+  const torch::Tensor patch_attention = maskedSoftmax(
+      patch_attend_->forward(patched, first).squeeze(2), usableOf(result.valid, patch));
+  result.embedding = first + attendedSum(patch_attention, patched);
   return result;
 }
 

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/FastAngle.h>
 #include <dyslam/nets/PreparedScan.h>
 
 #include <Eigen/Eigenvalues>
@@ -212,7 +213,7 @@ PreparedScan::Level coarser(const PreparedScan::Level& from, int rows, int cols,
 
 int imageColumn(float x, float y, int cols)
 {
-  const float turn = (pi - std::atan2(y, x)) / (2 * pi);
+  const float turn = 0.5F - turnsOf(y, x);
   return std::clamp(static_cast<int>(turn * static_cast<float>(cols)), 0, cols - 1);
 }
 
@@ -237,7 +238,7 @@ PreparedScan prepareScan(const std::vector<Eigen::Vector3f>& points, const Prepa
     {
       continue;  // also NaN and infinite
     }
-    const float slope = p.z() / std::max(std::hypot(p.x(), p.y()), 1e-3F);
+    const float slope = p.z() / std::max(p.head<2>().norm(), 1e-3F);
     bins[i] = static_cast<std::int16_t>(slopeBin(slope));
     ++histogram[static_cast<std::size_t>(bins[i])];
     ++total;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/nets/ScanTensors.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace dyslam
@@ -17,7 +18,28 @@ torch::Tensor pointTensor(const std::vector<Eigen::Vector3f>& points)
   }
   return tensor;
 }
+
+/** [N] image cell of each node; -1 where it is empty. */
+torch::Tensor cellsOf(const PreparedScan::Level& level)
+{
+  torch::Tensor cell = torch::empty({static_cast<std::int64_t>(level.size())}, torch::kLong);
+  std::copy(level.cell.begin(), level.cell.end(), cell.data_ptr<std::int64_t>());
+  return cell;
+}
 }  // namespace
+
+void movePoints(const PreparedScan& scan, ScanTensors& tensors)
+{
+  const torch::Device device = tensors.image_xyz.device();
+  const torch::Tensor image = pointTensor(scan.points);
+  for (std::size_t l = 0; l < PreparedScan::level_count; ++l)
+  {
+    ScanTensors::Level& level = tensors.levels[l];
+    const torch::Tensor xyz = image.index_select(0, cellsOf(scan.levels[l]).clamp_min(0));
+    level.xyz = xyz.to(device) * level.valid.unsqueeze(1);
+  }
+  tensors.image_xyz = image.to(device);
+}
 
 ScanTensors toTensors(const PreparedScan& scan, torch::Device device)
 {
@@ -25,10 +47,8 @@ ScanTensors toTensors(const PreparedScan& scan, torch::Device device)
   tensors.rows = scan.rows;
   tensors.image_xyz = pointTensor(scan.points);
   torch::Tensor valid = torch::empty({static_cast<std::int64_t>(scan.source.size())});
-  for (std::size_t i = 0; i < scan.source.size(); ++i)
-  {
-    valid.data_ptr<float>()[i] = scan.source[i] >= 0 ? 1.F : 0.F;
-  }
+  std::transform(scan.source.begin(), scan.source.end(), valid.data_ptr<float>(),
+                 [](std::int32_t source) { return source >= 0 ? 1.F : 0.F; });
   tensors.image_valid = valid;
   torch::Tensor rows = torch::empty({PreparedScan::slope_bins}, torch::kLong);
   std::copy(scan.row_of_slope.begin(), scan.row_of_slope.end(), rows.data_ptr<std::int64_t>());
@@ -44,8 +64,7 @@ ScanTensors toTensors(const PreparedScan& scan, torch::Device device)
     ScanTensors::Level& out = tensors.levels[l];
     out.rows = level.rows;
     out.cols = level.cols;
-    torch::Tensor cell = torch::empty({static_cast<std::int64_t>(level.size())}, torch::kLong);
-    std::copy(level.cell.begin(), level.cell.end(), cell.data_ptr<std::int64_t>());
+    const torch::Tensor cell = cellsOf(level);
     out.valid = cell.ge(0).to(torch::kFloat);
     out.xyz = tensors.image_xyz.index_select(0, cell.clamp_min(0)) * out.valid.unsqueeze(1);
     if (l == 1)

@@ -81,6 +81,17 @@ TEST(Grouping, SurfacesEqualPlain)
       20);
 }
 
+TEST(Grouping, SurfacesWithoutFeaturesAreTheSame)
+{
+  const Fixture f;
+  const Surfaces full = surfacesAround(f.points, f.normals, f.valid, f.scan);
+  const Surfaces bare = surfacesAround(f.points, {}, f.valid, f.scan);
+  EXPECT_FALSE(bare.features.defined());
+  EXPECT_TRUE(torch::equal(full.normal, bare.normal));
+  EXPECT_TRUE(torch::equal(full.target, bare.target));
+  EXPECT_TRUE(torch::equal(full.thickness, bare.thickness));
+}
+
 TEST(Grouping, SameBytesForAnyNumberOfThreads)
 {
   const Fixture f;
@@ -113,6 +124,19 @@ TEST(Grouping, LinearEqualsPlainAndItsGradients)
   {
     EXPECT_LT(largestDifference(a[i], b[i]) / b[i].abs().max().item<float>(), 1e-4F) << i;
   }
+  // With what belongs to a whole group, and gradients of the places too.
+  const torch::Tensor own = torch::randn({300, 8}, leaf);
+  const torch::Tensor places = geometry.clone().set_requires_grad(true);
+  const auto c = torch::autograd::grad(
+      {(groupedLinear(places, features, index, weight, bias, 0.1, own) * mix).sum()},
+      {places, own});
+  const auto d = torch::autograd::grad(
+      {(plain::groupedLinear(places, features, index, weight, bias, 0.1, own) * mix).sum()},
+      {places, own});
+  for (std::size_t i = 0; i < c.size(); ++i)
+  {
+    EXPECT_LT(largestDifference(c[i], d[i]), 1e-4F) << i;
+  }
   const torch::Tensor narrow = torch::randn({8, 4}, leaf);
   EXPECT_LT(largestDifference(groupedLinear(geometry, {}, index, narrow, bias, 0.1),
                               plain::groupedLinear(geometry, {}, index, narrow, bias, 0.1)),
@@ -131,9 +155,29 @@ TEST(Grouping, MaxEqualsPlainAndItsGradient)
   const torch::Tensor slow = plain::groupMax(x, usable);
   EXPECT_EQ(largestDifference(fast, slow), 0);
   EXPECT_EQ(fast[3].abs().max().item<float>(), 0);
+  {
+    const torch::NoGradGuard no_grad;
+    EXPECT_TRUE(torch::equal(groupMax(x, usable), fast));
+  }
   const auto a = torch::autograd::grad({(fast * mix).sum()}, {x});
   const auto b = torch::autograd::grad({(slow * mix).sum()}, {x});
   EXPECT_LT(largestDifference(a[0], b[0]), 1e-6F);
+}
+
+TEST(Grouping, AttendedSumEqualsPlainAndItsGradients)
+{
+  torch::manual_seed(4);
+  const auto leaf = torch::dtype(torch::kFloat).requires_grad(true);
+  const torch::Tensor attention = torch::rand({200, 7}, leaf);
+  const torch::Tensor values = torch::randn({200, 7, 5}, leaf);
+  const torch::Tensor mix = torch::randn({200, 5});
+  const torch::Tensor fast = attendedSum(attention, values);
+  const torch::Tensor slow = plain::attendedSum(attention, values);
+  EXPECT_LT(largestDifference(fast, slow), 1e-5F);
+  const auto a = torch::autograd::grad({(fast * mix).sum()}, {attention, values});
+  const auto b = torch::autograd::grad({(slow * mix).sum()}, {attention, values});
+  EXPECT_LT(largestDifference(a[0], b[0]), 1e-5F);
+  EXPECT_LT(largestDifference(a[1], b[1]), 1e-5F);
 }
 }  // namespace
 }  // namespace dyslam

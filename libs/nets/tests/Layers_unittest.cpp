@@ -155,6 +155,39 @@ TEST(SetConv, EqualsALoopOverPoints)
   }
 }
 
+TEST(Mlp, OfPlacesAndTheirGroupEqualsOfBothWrittenDown)
+{
+  torch::manual_seed(6);
+  Mlp mlp(Sizes{9, 8, 2}, true);
+  const torch::Tensor places = torch::randn({50, 6, 4});
+  const torch::Tensor own = torch::randn({50, 5});
+  const torch::Tensor joined = torch::cat({places, own.unsqueeze(1).expand({50, 6, 5})}, 2);
+  const torch::Tensor difference = mlp->forward(places, own) - mlp->forward(joined);
+  EXPECT_LT(difference.abs().max().item<float>(), 1e-5F);
+}
+
+TEST(ScanTensors, MovedPointsAreThoseOfTheMovedScan)
+{
+  PreparedScan scan = prepareScan(testing::room(64, 1800));
+  ScanTensors tensors = toTensors(scan);
+  const torch::Tensor before = tensors.levels[1].xyz;
+  for (std::size_t cell = 0; cell < scan.points.size(); ++cell)
+  {
+    if (scan.source[cell] >= 0)
+    {
+      scan.points[cell] += Eigen::Vector3f(0.1F, 0, 0.2F);
+    }
+  }
+  movePoints(scan, tensors);
+  const ScanTensors anew = toTensors(scan);
+  EXPECT_TRUE(torch::equal(tensors.image_xyz, anew.image_xyz));
+  for (std::size_t l = 0; l < anew.levels.size(); ++l)
+  {
+    EXPECT_TRUE(torch::equal(tensors.levels[l].xyz, anew.levels[l].xyz)) << l;
+  }
+  EXPECT_FALSE(torch::equal(tensors.levels[1].xyz, before));
+}
+
 TEST(DynamicMask, WeightsSumToOneAndLeaveInvalidPointsOut)
 {
   torch::manual_seed(3);
@@ -260,6 +293,29 @@ TEST(GaussNewton, StepHasTheRightGradient)
   };
   EXPECT_LT(gradientError(loss, alignment.weight, 1e-7), 1e-4);
   EXPECT_LT(gradientError(loss, alignment.offset, 1e-6), 1e-4);
+}
+
+TEST(GaussNewton, TheSameStepWithAndWithoutGradients)
+{
+  Vector6 tangent;
+  tangent << 0.3, 0.1, -0.05, 0.01, 0.02, -0.05;
+  Alignment alignment = knownMotion(PoseTensors::from(expSE3(tangent), torch::kDouble));
+  for (torch::Tensor* t : {&alignment.points, &alignment.normal, &alignment.offset,
+                           &alignment.target, &alignment.weight})
+  {
+    *t = t->to(torch::kFloat);
+  }
+  for (const bool isotropic : {false, true})
+  {
+    alignment.isotropic = isotropic ? torch::full({}, 0.1) : torch::Tensor();
+    const GaussNewtonStep with = gaussNewtonStep(alignment);
+    const torch::NoGradGuard no_grad;
+    const GaussNewtonStep without = gaussNewtonStep(alignment);
+    EXPECT_LT(logSE3(with.update.toPose().inverse() * without.update.toPose()).norm(), 1e-5);
+    const torch::Tensor difference = with.normal_matrix - without.normal_matrix;
+    EXPECT_LT(difference.abs().max().item<float>(),
+              1e-5F * with.normal_matrix.abs().max().item<float>());
+  }
 }
 
 TEST(GaussNewton, NothingToGoByGivesTheIdentity)

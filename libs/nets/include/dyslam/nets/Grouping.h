@@ -54,27 +54,34 @@ struct Surfaces
   torch::Tensor normal;     //!< [N, 3]
   torch::Tensor target;     //!< [N, 3] weighted mean of the near points
   torch::Tensor offset;     //!< [N] normal . target
-  torch::Tensor features;   //!< [N, 10] for the mask: residual, thickness, shape, distance, ...
+  torch::Tensor features;   //!< [N, 10] for the mask: residual, thickness, shape, distance...
   torch::Tensor thickness;  //!< [N] deviation of the near points from their plane [m]
   torch::Tensor valid;      //!< [N]
 };
+/** \param warped_normal undefined: features are left undefined too. */
 [[nodiscard]] Surfaces surfacesAround(const torch::Tensor& warped,
                                       const torch::Tensor& warped_normal,
                                       const torch::Tensor& valid,
                                       const ScanTensors& scan);
 
-/** leaky([geometry, features[index]] weight^T + bias), [N, K, out]: the first layer over groups,
- * without ever writing the groups down. \param geometry [N, K, G], no gradient. \param features [M,
- * C] or undefined for C = 0. \param weight [out, G + C]. */
+/** leaky([geometry, features[index]] weight^T + bias + own), [N, K, out]: the first layer over
+ * groups, without ever writing the groups down. \param geometry [N, K, G]. \param features [M, C]
+ * or undefined for C = 0. \param weight [out, G + C]. \param own [N, out] of the whole group, or
+ * undefined. */
 [[nodiscard]] torch::Tensor groupedLinear(const torch::Tensor& geometry,
                                           const torch::Tensor& features,
                                           const torch::Tensor& index,
                                           const torch::Tensor& weight,
                                           const torch::Tensor& bias,
-                                          double slope);
+                                          double slope,
+                                          const torch::Tensor& own = {});
 
 /** Largest of each channel over the usable places of a group, [N, C]; 0 where none is. */
 [[nodiscard]] torch::Tensor groupMax(const torch::Tensor& x, const torch::Tensor& usable);
+
+/** Sum over each group's places of attention [N, K] times values [N, K, C]; [N, C]. */
+[[nodiscard]] torch::Tensor attendedSum(const torch::Tensor& attention,
+                                        const torch::Tensor& values);
 
 namespace plain
 {
@@ -103,7 +110,9 @@ torch::Tensor groupedLinear(const torch::Tensor& geometry,
                             const torch::Tensor& index,
                             const torch::Tensor& weight,
                             const torch::Tensor& bias,
-                            double slope);
+                            double slope,
+                            const torch::Tensor& own = {});
 torch::Tensor groupMax(const torch::Tensor& x, const torch::Tensor& usable);
+torch::Tensor attendedSum(const torch::Tensor& attention, const torch::Tensor& values);
 }  // namespace plain
 }  // namespace dyslam

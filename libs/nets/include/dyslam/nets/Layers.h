@@ -18,11 +18,17 @@ class MlpImpl : public torch::nn::Module
  public:
   /** \param sizes input, hidden..., output. \param linear_end no rectifier after the last. */
   explicit MlpImpl(const Sizes& sizes, bool linear_end = false);
-  torch::Tensor forward(torch::Tensor x);
+  torch::Tensor forward(const torch::Tensor& x);
+  /** Of [places, own of the group], which is never written down. \param places [N, K, A] \param own
+   * [N, B] \returns [N, K, sizes.back()]. */
+  torch::Tensor forward(const torch::Tensor& places, const torch::Tensor& own);
   /** Scale the last layer's weights: small starts that leave what follows near its default. */
   void scaleOutput(double factor);
 
  private:
+  [[nodiscard]] double slope(std::size_t layer) const;
+  [[nodiscard]] torch::Tensor from(std::size_t layer, torch::Tensor x) const;
+
   std::vector<torch::Tensor> weights_;
   std::vector<torch::Tensor> biases_;
   bool linear_end_;
@@ -33,19 +39,17 @@ TORCH_MODULE(Mlp);
 class GroupedMlpImpl : public torch::nn::Module
 {
  public:
-  /** \param sizes outputs of the layers. \param linear_start no rectifier after the first. */
-  GroupedMlpImpl(std::int64_t geometry,
-                 std::int64_t features,
-                 const Sizes& sizes,
-                 bool linear_start = false);
+  /** \param sizes outputs of the layers. */
+  GroupedMlpImpl(std::int64_t geometry, std::int64_t features, const Sizes& sizes);
   /** \param geometry [N, K, G] \param features [M, C] or undefined \param index [N, K] into them.
+   * \param own [N, sizes.front()] joins the first layer's sums of its group, or undefined.
    * \returns [N, K, sizes.back()]. */
   torch::Tensor forward(const torch::Tensor& geometry,
                         const torch::Tensor& features,
-                        const torch::Tensor& index);
+                        const torch::Tensor& index,
+                        const torch::Tensor& own = {});
 
  private:
-  double slope_;
   torch::Tensor weight_, bias_;
   Mlp rest_{nullptr};
 };

@@ -31,6 +31,8 @@ struct ScanTensors
 };
 
 [[nodiscard]] ScanTensors toTensors(const PreparedScan& scan, torch::Device device = torch::kCPU);
+/** Take over where the points of a scan lie now, into the tensors that were made from it. */
+void movePoints(const PreparedScan& scan, ScanTensors& tensors);
 
 /** A rigid motion in tensors: p -> rotation p + translation. */
 struct PoseTensors
