@@ -147,7 +147,7 @@ void bend(const Pose& T_own, const Pose& T_sweep, Frame& frame)
 /** The first scan's motion is not known, the second one's neither, the third one's wrongly. */
 TEST_F(Dylo, DeskewsByTheMotionItFinds)
 {
-  const Pose T = poseFromYpr(0.9, 0, 0, 2 * degree, 0, 0);
+  const Pose T = poseFromYpr(0.7, 0, 0, 2 * degree, 0, 0);
   const Pose predicted = T * poseFromYpr(0.15, 0, 0, -0.5 * degree, 0, 0);
   const auto errors = [&](const std::vector<std::string>& settings)
   {
