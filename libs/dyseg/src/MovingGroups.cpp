@@ -22,6 +22,27 @@ struct Cell
   float high = -1e9F;
 };
 
+/** Where the points of a group are, an earlier scan saw this. */
+struct PastViews
+{
+  int free = 0;
+  int occupied = 0;
+
+  void add(SeenBefore seen)
+  {
+    free += seen == SeenBefore::free ? 1 : 0;
+    occupied += seen == SeenBefore::occupied ? 1 : 0;
+  }
+  /** What moves has left places behind and taken up free ones, if only with its front. */
+  [[nodiscard]] bool stoodThere(int points) const
+  {
+    constexpr float most_free = 0.05F;
+    constexpr float least_occupied = 0.6F;
+    return static_cast<float>(free) <= most_free * static_cast<float>(free + occupied) &&
+           static_cast<float>(occupied) >= least_occupied * static_cast<float>(points);
+  }
+};
+
 /** Joins neighbouring moving cells; gives the number of called points of each group. */
 std::vector<int> joinCells(std::vector<Cell>& cells, int width)
 {
@@ -80,10 +101,11 @@ std::vector<int> joinCells(std::vector<Cell>& cells, int width)
 }
 }  // namespace
 
-void dropLonePoints(const std::vector<Eigen::Vector3f>& points,
-                    double cell_size,
-                    int min_points,
-                    std::vector<float>& probability)
+void keepMovingGroups(const std::vector<Eigen::Vector3f>& points,
+                      const std::vector<SeenBefore>& seen,
+                      double cell_size,
+                      int min_points,
+                      std::vector<float>& probability)
 {
   const int width = 2 * static_cast<int>(std::ceil(reach / cell_size)) + 1;
   std::vector<Cell> cells(static_cast<std::size_t>(width) * static_cast<std::size_t>(width));
@@ -112,6 +134,15 @@ void dropLonePoints(const std::vector<Eigen::Vector3f>& points,
     cell.called += probability[i] > called_over ? 1 : 0;
   }
   const auto sizes = joinCells(cells, width);
+  std::vector<PastViews> views(sizes.size());
+  for (std::size_t i = 0; i < points.size(); ++i)
+  {
+    const int group = cell_of[i] < 0 ? -1 : cells[static_cast<std::size_t>(cell_of[i])].group;
+    if (group >= 0 && probability[i] > called_over)
+    {
+      views[static_cast<std::size_t>(group)].add(seen[i]);
+    }
+  }
   for (std::size_t i = 0; i < points.size(); ++i)
   {
     if (cell_of[i] < 0)
@@ -119,7 +150,8 @@ void dropLonePoints(const std::vector<Eigen::Vector3f>& points,
       continue;
     }
     const int group = cells[static_cast<std::size_t>(cell_of[i])].group;
-    if (group < 0 || sizes[static_cast<std::size_t>(group)] < min_points)
+    if (group < 0 || sizes[static_cast<std::size_t>(group)] < min_points ||
+        views[static_cast<std::size_t>(group)].stoodThere(sizes[static_cast<std::size_t>(group)]))
     {
       probability[i] = std::min(probability[i], taken_back);
     }

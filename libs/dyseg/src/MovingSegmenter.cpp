@@ -19,7 +19,7 @@ void NetworkSegmenterOptions::describe(OptionsVisitor& v)
   v.integer("first_gap", first_gap, 1, 20, "scans back to the one compared with");
   v.integer("second_gap", second_gap, 0, 20,
             "scans back to a second one; not above first_gap: none");
-  v.word("guess", guess, {"none", "prediction"}, "of the static motion");
+  v.word("guess", guess, {"none", "prediction", "settled"}, "of the static motion");
   v.word("combine", combine, {"mean", "max"}, "of the two answers");
   v.real("threshold", threshold, 0.01, 0.99,
          "of the network's answer; becomes 0.5 of what is handed on");

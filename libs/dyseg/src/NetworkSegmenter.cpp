@@ -62,13 +62,26 @@ struct NetworkSegmenter::Impl
   RigidFlowFit last_step;  //!< to the scan before
   MotionEstimate motion;   //!< the same, of the vehicle
   std::optional<SceneFlow> flow;
-  std::vector<float> anchors;  //!< of the last scan's points, in a run's first scans
+  std::vector<SeenBefore> seen;  //!< of the scan at hand, in the first one compared with
+  std::vector<float> anchors;    //!< of the last scan's points, in a run's first scans
 
+  /** There is a predicted motion, and enough scans were seen to look around it alone. */
+  [[nodiscard]] bool heedsPrediction(const Frame& frame) const
+  {
+    return frame.T_previous_predicted.has_value() &&
+           (options.guess == "prediction" || (options.guess == "settled" && full()));
+  }
+  /** The past reaches back as far as scans are compared. */
+  [[nodiscard]] bool full() const
+  {
+    return past.size() >= static_cast<std::size_t>(options.first_gap);
+  }
   [[nodiscard]] RigidFlowFit matchLast(const DysegModel::Encoded& current,
                                        const Frame& frame,
                                        const Eigen::Vector3d& sensor) const;
   /** Judges against the scan `back` scans ago, if there is one; keeps the flow of the first. */
   [[nodiscard]] std::vector<float> judge(const DysegModel::Encoded& current,
+                                         const Frame& frame,
                                          std::size_t back,
                                          const Eigen::Vector3d& sensor);
 };
@@ -79,6 +92,7 @@ NetworkSegmenter::NetworkSegmenter(const NetworkSegmenterOptions& options)
   impl_ = std::make_unique<Impl>(
       Impl{options,
            DysegModel(findGivenOrShared(options.weights, "models", ".pt"), options.threads),
+           {},
            {},
            {},
            {},
@@ -153,7 +167,7 @@ RigidFlowFit NetworkSegmenter::Impl::matchLast(const DysegModel::Encoded& curren
                                                const Eigen::Vector3d& sensor) const
 {
   const auto& before = *past.front().encoded;
-  if (options.guess != "prediction" || !frame.T_previous_predicted)
+  if (!heedsPrediction(frame))
   {
     return model.match(current, before);
   }
@@ -165,16 +179,18 @@ RigidFlowFit NetworkSegmenter::Impl::matchLast(const DysegModel::Encoded& curren
 }
 
 std::vector<float> NetworkSegmenter::Impl::judge(const DysegModel::Encoded& current,
+                                                 const Frame& frame,
                                                  std::size_t back,
                                                  const Eigen::Vector3d& sensor)
 {
   const Past& earlier = past[back - 1];
   const MotionGuess guess{earlier.from_current,
-                          options.guess == "prediction" ? predicted_within : MotionGuess().within};
+                          heedsPrediction(frame) ? predicted_within : MotionGuess().within};
   const RigidFlowFit step = back == 1 ? last_step : model.match(current, *earlier.encoded, &guess);
   auto result = model.judge(current, *earlier.encoded, step, options.iterations);
   if (!flow)
   {
+    seen = std::move(result.seen_before);
     flow.emplace();
     flow->static_motion = motionOf(step, sensor);
     flow->past_index = earlier.index;
@@ -202,7 +218,7 @@ void NetworkSegmenter::segment(Frame& frame)
   frame.moving_probability.assign(points.size(), 0.0F);
   s.flow.reset();
   s.anchors.clear();
-  if (s.past.size() < static_cast<std::size_t>(s.options.first_gap))
+  if (!s.full())
   {
     s.anchors = s.model.anchors(*encoded);
   }
@@ -218,14 +234,14 @@ void NetworkSegmenter::segment(Frame& frame)
     { return std::min(s.past.size(), static_cast<std::size_t>(gap)); };
     const auto first = reach(s.options.first_gap);
     const auto second = reach(s.options.second_gap);
-    frame.moving_probability = s.judge(*encoded, first, sensor);
+    frame.moving_probability = s.judge(*encoded, frame, first, sensor);
     if (second > first)
     {
-      combine(s.options.combine == "max", s.judge(*encoded, second, sensor),
+      combine(s.options.combine == "max", s.judge(*encoded, frame, second, sensor),
               frame.moving_probability);
     }
     shiftTo(s.options.threshold, frame.moving_probability);
-    dropLonePoints(points, group_cell, s.options.min_points, frame.moving_probability);
+    keepMovingGroups(points, s.seen, group_cell, s.options.min_points, frame.moving_probability);
   }
   s.past.push_front({frame.index, encoded, PlanarMotion()});
   if (s.past.size() > static_cast<std::size_t>(std::max(s.options.first_gap, s.options.second_gap)))

@@ -3,11 +3,18 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <limits>
 
 namespace
 {
-using dyslam::dropLonePoints;
+using dyslam::SeenBefore;
+
+void keep(const std::vector<Eigen::Vector3f>& points, std::vector<float>& probability)
+{
+  const std::vector<SeenBefore> seen(points.size(), SeenBefore::unknown);
+  dyslam::keepMovingGroups(points, seen, 0.6, 12, probability);
+}
 
 /** An upright post of `count` points above a point of ground. */
 void addPost(float x,
@@ -31,7 +38,7 @@ TEST(MovingGroups, SmallGroupsAreTakenBackLargeOnesStay)
   std::vector<float> probability;
   addPost(10, 5, 0.8F, points, probability);
   addPost(-20, 15, 0.8F, points, probability);
-  dropLonePoints(points, 0.6, 12, probability);
+  keep(points, probability);
   EXPECT_FLOAT_EQ(probability[3], 0.4F);
   EXPECT_FLOAT_EQ(probability[10], 0.8F);
 }
@@ -42,7 +49,7 @@ TEST(MovingGroups, ACellsMajorityDecides)
   std::vector<float> probability;
   addPost(10, 15, 0.8F, points, probability);
   addPost(10, 20, 0.2F, points, probability);
-  dropLonePoints(points, 0.6, 12, probability);
+  keep(points, probability);
   EXPECT_FLOAT_EQ(probability[3], 0.4F);
   EXPECT_FLOAT_EQ(probability.back(), 0.2F);
 }
@@ -56,22 +63,44 @@ TEST(MovingGroups, FlatGroundDoesNotMove)
     points.emplace_back(0.05F * static_cast<float>(i), 3, -1.5F + 0.002F * static_cast<float>(i));
     probability.push_back(0.9F);
   }
-  dropLonePoints(points, 0.6, 12, probability);
+  keep(points, probability);
   for (const float p : probability)
   {
     EXPECT_FLOAT_EQ(p, 0.4F);
   }
 }
 
+/** One post of 20 points at whose place an earlier scan saw so many returns and rays that went on.
+ */
+TEST(MovingGroups, WhatStoodThereDoesNotMove)
+{
+  const auto after = [](std::size_t occupied, std::size_t free)
+  {
+    std::vector<Eigen::Vector3f> points;
+    std::vector<float> probability;
+    addPost(10, 20, 0.9F, points, probability);
+    std::vector<SeenBefore> seen(points.size(), SeenBefore::unknown);
+    std::fill_n(seen.begin() + 1, occupied, SeenBefore::occupied);
+    std::fill_n(seen.begin() + 1 + static_cast<std::ptrdiff_t>(occupied), free, SeenBefore::free);
+    dyslam::keepMovingGroups(points, seen, 0.6, 12, probability);
+    return probability[3];
+  };
+  EXPECT_FLOAT_EQ(after(20, 0), 0.4F);
+  EXPECT_FLOAT_EQ(after(14, 0), 0.4F);
+  EXPECT_FLOAT_EQ(after(17, 3), 0.9F) << "its front has come into a free place";
+  EXPECT_FLOAT_EQ(after(8, 0), 0.9F) << "hidden before";
+  EXPECT_FLOAT_EQ(after(0, 20), 0.9F);
+}
+
 TEST(MovingGroups, EmptyInvalidAndFarPoints)
 {
   std::vector<Eigen::Vector3f> points;
   std::vector<float> probability;
-  dropLonePoints(points, 0.6, 12, probability);
+  keep(points, probability);
   const float nan = std::numeric_limits<float>::quiet_NaN();
   points = {{nan, 0, 0}, {1000, 0, 0}, {0, 0, 0}};
   probability = {0.9F, 0.9F, 0.9F};
-  dropLonePoints(points, 0.6, 12, probability);
+  keep(points, probability);
   EXPECT_FLOAT_EQ(probability[2], 0.4F);
 }
 }  // namespace

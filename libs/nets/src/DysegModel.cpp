@@ -3,6 +3,7 @@
 #include <dyslam/nets/DysegModel.h>
 #include <torch/torch.h>
 
+#include <array>
 #include <cmath>
 
 namespace dyslam
@@ -11,6 +12,27 @@ namespace
 {
 /** Cells below this logit don't have their points looked at one by one. */
 constexpr float doubtful = -3.0F;
+
+/** Past range less expected one, from which on a place was free, and up to which it was not [m]. */
+constexpr float passed_by = 0.6F;
+constexpr float returned_within = 0.25F;
+
+/** What `past` saw at the place of a point of the scan at hand. */
+SeenBefore placeIn(const BevRays& past, const PlanarMotion& motion, const Eigen::Vector3f& p)
+{
+  const Eigen::Vector2f flat = p.head<2>() + motion.flowAt(p.head<2>());
+  std::array<float, BevRays::channels> seen{};
+  past.compare(Eigen::Vector3f(flat.x(), flat.y(), p.z()), seen.data());
+  if (seen[2] == 0)
+  {
+    return SeenBefore::unknown;
+  }
+  if (2 * seen[0] > passed_by)
+  {
+    return SeenBefore::free;
+  }
+  return seen[1] < returned_within ? SeenBefore::occupied : SeenBefore::unknown;
+}
 
 float sigmoid(float x)
 {
@@ -113,6 +135,7 @@ DysegResult DysegModel::judge(const Encoded& current,
   DysegResult result;
   result.static_flow = static_flow;
   result.moving_probability.assign(current.inputs, 0.0F);
+  result.seen_before.assign(current.inputs, SeenBefore::unknown);
   const auto& scan = current.scan;
   if (scan.size() == 0 || past.scan.size() == 0)
   {
@@ -150,7 +173,10 @@ DysegResult DysegModel::judge(const Encoded& current,
     const float* a = answer.data_ptr<float>();
     for (std::size_t q = 0; q < which.size(); ++q)
     {
-      result.moving_probability[scan.source[static_cast<std::size_t>(which[q])]] = sigmoid(a[q]);
+      const auto i = static_cast<std::size_t>(which[q]);
+      result.moving_probability[scan.source[i]] = sigmoid(a[q]);
+      result.seen_before[scan.source[i]] =
+          placeIn(past.scan.rays, static_flow.motion, scan.points[i]);
     }
   }
   return result;

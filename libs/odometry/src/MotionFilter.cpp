@@ -4,6 +4,7 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <algorithm>
+#include <cmath>
 
 namespace dyslam
 {
@@ -62,6 +63,12 @@ Matrix6 MotionFilter::information(double dt) const
 {
   const Matrix6 P = predictedCovariance(std::max(dt, 0.0)).topLeftCorner<6, 6>();
   return P.llt().solve(Matrix6::Identity());
+}
+
+double MotionFilter::deviation(double dt) const
+{
+  const Eigen::Matrix3d P = predictedCovariance(std::max(dt, 0.0)).topLeftCorner<3, 3>();
+  return std::sqrt(Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(P).eigenvalues().maxCoeff());
 }
 
 bool MotionFilter::allows(double dt,

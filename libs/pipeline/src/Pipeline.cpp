@@ -26,6 +26,7 @@ constexpr double seen_turn = 0.005;         // rad
 constexpr double seen_within = 0.3;         // m, to look for the first motion around it
 constexpr double odometry_deviation = 0.1;  // m, of a motion between scans
 constexpr double odometry_turn = 0.02;      // rad
+constexpr double known_deviation = 0.1;     // m, of a prediction that a segmenter may rely on
 constexpr float looks_mobile = 0.2F;        // likelihood of staying, below which a point may go
 constexpr double usual_period = 0.1;        // s, of a revolution, before the second scan tells it
 constexpr double first_turn = 1;            // rad/s, of a recording's start at most
@@ -41,6 +42,15 @@ struct OdometryOptions : Options
     v.real("start_speed", start_speed, -50, 100, "m/s ahead at the first scan, if known");
   }
 };
+
+/** Information of a motion with these deviations. */
+Matrix6 measuredWith(double deviation, double turn)
+{
+  Vector6 precision;
+  precision.head<3>().setConstant(1 / (deviation * deviation));
+  precision.tail<3>().setConstant(1 / (turn * turn));
+  return precision.asDiagonal();
+}
 
 /** With a known speed the first registration must not look far for another. */
 RefineOptions startingFrom(const OdometryOptions& odometry, RefineOptions refine)
@@ -133,7 +143,7 @@ void Pipeline::process(Frame& frame)
     // The first scan's motion is not known yet: refinement undoes it once the second one tells it.
     frame.cloud = s.preprocessor.prepare(frame.scan, prediction, s.scans == 0 ? usual_period : dt);
   }
-  if (s.scans > 1 || (s.scans == 1 && s.odometry_options.start_speed != 0))
+  if (s.scans > 0 && s.motion.deviation(dt) < known_deviation)
   {
     frame.T_previous_predicted = prediction;
   }
@@ -186,8 +196,7 @@ void Pipeline::Stages::estimateMotion(Frame& frame, double dt)
   const MotionEstimate* seen = staticMotion(dt);
   if (seen != nullptr)
   {
-    seen_information.diagonal().head<3>().setConstant(1 / (seen_deviation * seen_deviation));
-    seen_information.diagonal().tail<3>().setConstant(1 / (seen_turn * seen_turn));
+    seen_information = measuredWith(seen_deviation, seen_turn);
     // A segmenter that looks from above sees neither height nor tilt.
     seen_information.diagonal().segment<3>(2).setZero();
     prior.join(T_odom_last * seen->T_previous_current, seen_information);
@@ -211,7 +220,14 @@ void Pipeline::Stages::estimateMotion(Frame& frame, double dt)
     weighByLooks(frame);
   }
   const CTimeLoggerEntry timed(times, "refine");
-  const Pose& guess = believable ? frame.odometry.T_previous_current : prediction;
+  Pose guess = believable ? frame.odometry.T_previous_current : prediction;
+  if (believable && refining)
+  {
+    // The surer the prediction, the less a registration that may be drawn along by traffic tells.
+    PosePrior joint = prior;
+    joint.join(T_odom_last * guess, measuredWith(odometry_deviation, odometry_turn));
+    guess = T_odom_last.inverse() * joint.T_odom_vehicle;
+  }
   const RefineResult result = refinement.refine(frame, T_odom_last * guess, &prior);
   frame.refined = result.motion;
   frame.T_odom_vehicle = result.T_odom_vehicle;

@@ -16,8 +16,8 @@ struct NetworkSegmenterOptions : Options
   int second_gap = 0;             //!< scans back to a second one; not above the first: none
   /** none: the static motion is looked for among all motions, so that no wrong pose can harm it;
    * prediction: around the predicted one, which among vehicles that drive alike tells the world
-   * from the traffic. */
-  std::string guess = "none";
+   * from the traffic; settled: among all motions in a run's first scans, then as `prediction`. */
+  std::string guess = "settled";
   std::string combine = "mean";  //!< of the two answers: mean (of log-odds), max
   double threshold = 0.5;        //!< of the network's answer, from which on a point moves
   int min_points = 5;            //!< called moving, in the smallest group that counts
@@ -41,7 +41,8 @@ struct SceneFlow
  *
  * Follows the motion of the static world from scan to scan and judges each scan against one some
  * scans back, when slow movers were elsewhere, or against two. Needs no pose: the motion of the
- * static world comes from the scans themselves, so that a drifting odometry can't harm it. The
+ * static world comes from the scans themselves, and a drifting odometry can't harm it. Where the
+ * next motion is predicted well it is looked for around that. The
  * first scan is all static, as are points farther than the network's grid reaches (51 m to each
  * side).
  */

@@ -12,12 +12,22 @@
 
 namespace dyslam
 {
+/** What an earlier scan saw at a place, the static world's motion undone. */
+enum class SeenBefore : std::uint8_t
+{
+  unknown,   //!< hidden, or no ray went there
+  free,      //!< rays went on through it
+  occupied,  //!< a return came from there
+};
+
 /** What DySeg found by comparing a scan with an earlier one. */
 struct DysegResult
 {
   /** One per input point: probability that it moves. 0 for ground, for points outside the grid and
    * for points too high or too low. */
   std::vector<float> moving_probability;
+  /** One per input point; unknown where the probability is 0. */
+  std::vector<SeenBefore> seen_before;
   /** Current scan to past scan in the plane: the motion of the static world, from the two scans
    * alone. */
   RigidFlowFit static_flow;

@@ -36,6 +36,9 @@ class MotionFilter
   /** Information of the predicted pose, of log(T_predicted^-1 T). */
   [[nodiscard]] Matrix6 information(double dt) const;
 
+  /** Deviation of where it puts the vehicle, along its worst direction [m]. */
+  [[nodiscard]] double deviation(double dt) const;
+
   /** False for a motion that can hardly be true if the prediction is.
    * \param deviation of the motion [m] \param angular_deviation [rad] */
   [[nodiscard]] bool allows(double dt,
