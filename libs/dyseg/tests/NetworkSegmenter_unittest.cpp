@@ -100,6 +100,41 @@ TEST(NetworkSegmenter, LooksCountUntilTheFirstGapIsReached)
   EXPECT_EQ(segmenter.staticLikelihood(), nullptr);
 }
 
+/** Scans that stand still, predicted to be 2 m apart: looked at once settled, believed by none. */
+TEST(NetworkSegmenter, PredictionsAreHeededOnceTheFirstGapIsReached)
+{
+  const auto ways = [](const std::string& guess)
+  {
+    NetworkSegmenterOptions options;
+    options.guess = guess;
+    options.first_gap = 2;
+    NetworkSegmenter segmenter(options);
+    std::vector<double> x;
+    for (std::size_t i = 0; i < 3; ++i)
+    {
+      auto frame = frameOf(street(static_cast<unsigned>(i)), i);
+      frame.T_previous_predicted = poseFromYpr(2, 0, 0, 0, 0, 0);
+      segmenter.segment(frame);
+      if (i > 0)
+      {
+        x.push_back(segmenter.staticMotion()->T_previous_current.translation().x());
+      }
+    }
+    return x;
+  };
+  const auto none = ways("none");
+  const auto settled = ways("settled");
+  const auto predicted = ways("prediction");
+  EXPECT_EQ(settled[0], none[0]);
+  EXPECT_NE(settled[1], none[1]);
+  EXPECT_NE(predicted[0], none[0]);
+  for (const auto& x : {none, settled, predicted})
+  {
+    EXPECT_NEAR(x[0], 0, 0.1);
+    EXPECT_NEAR(x[1], 0, 0.1);
+  }
+}
+
 TEST(NetworkSegmenter, ShiftedScanGivesTheShiftAndNoMovers)
 {
   NetworkSegmenter segmenter{NetworkSegmenterOptions()};
