@@ -221,9 +221,9 @@ void Pipeline::Stages::estimateMotion(Frame& frame, double dt)
   }
   const CTimeLoggerEntry timed(times, "refine");
   Pose guess = believable ? frame.odometry.T_previous_current : prediction;
-  if (believable && refining)
+  if (believable && refining && odometry->joinsPrediction())
   {
-    // The surer the prediction, the less a registration that may be drawn along by traffic tells.
+    // The surer the prediction, the less a network that may be drawn along by traffic tells.
     PosePrior joint = prior;
     joint.join(T_odom_last * guess, measuredWith(odometry_deviation, odometry_turn));
     guess = T_odom_last.inverse() * joint.T_odom_vehicle;
