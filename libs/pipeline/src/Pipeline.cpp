@@ -143,7 +143,9 @@ void Pipeline::process(Frame& frame)
     // The first scan's motion is not known yet: refinement undoes it once the second one tells it.
     frame.cloud = s.preprocessor.prepare(frame.scan, prediction, s.scans == 0 ? usual_period : dt);
   }
-  if (s.scans > 0 && s.motion.deviation(dt) < known_deviation)
+  const bool known =
+      s.odometry_options.start_speed != 0 || s.motion.deviation(dt) < known_deviation;
+  if (s.scans > 0 && known)
   {
     frame.T_previous_predicted = prediction;
   }

@@ -38,7 +38,8 @@ struct Frame
   // Preprocessing
   Cloud cloud;
 
-  /** What the motions before say about the motion since the scan before; none at the start. */
+  /** What the motions before say about the motion since the scan before; none where that is little,
+   * as at the start. */
   std::optional<Pose> T_previous_predicted;
 
   // DySeg: one per cloud point, or empty if the stage is off
