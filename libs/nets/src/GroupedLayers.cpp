@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 #include <algorithm>
+#include <limits>
 
 namespace dyslam
 {
@@ -171,26 +172,17 @@ torch::Tensor largestOfGroups(const torch::Tensor& x, const torch::Tensor& usabl
                    {
                      for (std::int64_t i = begin; i < end; ++i)
                      {
+                       constexpr float none = std::numeric_limits<float>::lowest();
                        Eigen::Map<Row> largest(out + i * c, c);
-                       bool any = false;
+                       largest.setConstant(none);
                        for (std::int64_t j = i * k; j < (i + 1) * k; ++j)
                        {
-                         if (use[j] == 0)
+                         if (use[j] != 0)
                          {
-                           continue;
+                           largest = largest.cwiseMax(Eigen::Map<const Row>(in + j * c, c));
                          }
-                         const Eigen::Map<const Row> value(in + j * c, c);
-                         if (any)
-                         {
-                           largest = largest.cwiseMax(value);
-                         }
-                         else
-                         {
-                           largest = value;
-                         }
-                         any = true;
                        }
-                       if (!any)
+                       if (largest[0] == none)
                        {
                          largest.setZero();
                        }

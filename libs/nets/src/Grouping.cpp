@@ -236,8 +236,9 @@ float gateAt(float range)
   return 0.5F + 0.05F * range;
 }
 
-Surface surfaceAround(const Eigen::Vector3f& p, float range, const ImageView& image)
+Surface surfaceAround(const Eigen::Vector3f& p, const ImageView& image)
 {
+  const float range = p.norm();
   constexpr std::int64_t cols = PreparedScan::columns;
   const ImagePlace place(p, image.row_of_slope);
   const std::int64_t col0 = place.col(cols);
@@ -369,7 +370,7 @@ Surfaces surfacesAround(const torch::Tensor& warped,
                          continue;
                        }
                        const Eigen::Vector3f p = pointAt(p_data, i);
-                       const Surface s = surfaceAround(p, p.norm(), image);
+                       const Surface s = surfaceAround(p, image);
                        const Eigen::Vector3f y = p + s.toward;
                        Eigen::Map<Eigen::Vector3f>(normal + 3 * i) = s.normal;
                        Eigen::Map<Eigen::Vector3f>(target + 3 * i) = y;
