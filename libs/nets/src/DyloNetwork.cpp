@@ -272,7 +272,8 @@ DyloStage DyloNetworkImpl::denseStage(const EncodedScan& scan1,
 {
   const ScanTensors::Level& nodes = scan1.scan.levels[0];
   const ScanTensors::Level& parents = scan1.scan.levels[1];
-  const torch::Tensor warped = fine.pose.apply(sweptBy(scan1, 0, fine.pose.toPose()));
+  const PoseTensors start = fine.pose.detached();
+  const torch::Tensor warped = start.apply(sweptBy(scan1, 0, start.toPose()));
   const Surfaces surfaces = surfacesAround(warped, {}, nodes.valid, scan2.scan);
   const torch::Tensor residual = (surfaces.normal * warped).sum(1) - surfaces.offset;
   const torch::Tensor of_parents = fine.weight.reshape({parents.rows, 1, parents.cols, 1})
@@ -290,8 +291,8 @@ DyloStage DyloNetworkImpl::denseStage(const EncodedScan& scan1,
                                {}};
   const GaussNewtonStep step = gaussNewtonStep(alignment);
   DyloStage result = fine;
-  result.pose =
-      prior == nullptr ? step.update * fine.pose : heeding(*prior, alignment, step, fine.pose);
+  result.dense = true;
+  result.pose = prior == nullptr ? step.update * start : heeding(*prior, alignment, step, start);
   result.normal_matrix = step.normal_matrix;
   return result;
 }
@@ -353,6 +354,7 @@ std::vector<DyloStage> DyloNetworkImpl::forward(const EncodedScan& scan1,
       stages.push_back(fineStage(scan1, scan2, pose, embedding, nullptr));
       pose = stages.back().pose.detached();
     }
+    stages.push_back(denseStage(scan1, scan2, stages.back(), nullptr));
     return stages;
   }
   bool settled = false;

@@ -46,7 +46,7 @@ TEST(DyloNetwork, EveryShapeRunsAndHasGradientsEverywhere)
       options.mask = mask;
       DyloNetwork net(options);
       const auto stages = run(net, pair);
-      ASSERT_EQ(stages.size(), head == DyloHead::gauss_newton ? 6U : 4U);
+      ASSERT_EQ(stages.size(), head == DyloHead::gauss_newton ? 7U : 4U);
       torch::Tensor loss = torch::zeros({});
       for (const DyloStage& stage : stages)
       {

@@ -16,6 +16,10 @@ torch::Tensor maskedMean(const torch::Tensor& x, const torch::Tensor& mask)
   return (x * mask).sum() / mask.sum().clamp_min(1);
 }
 
+// Errors of the answer that need not get smaller: of translation [m] and of half an angle [rad].
+constexpr double least_t = 0.005;
+constexpr double least_q = 0.0002;
+
 /** Quadratic below 1, linear beyond. */
 torch::Tensor huber(const torch::Tensor& x)
 {
@@ -29,6 +33,7 @@ void DyloLossOptions::describe(OptionsVisitor& visitor)
   visitor.real("flow", flow, 0, 100, "weight of the soft correspondences' error");
   visitor.real("precision", precision, 0, 100, "weight of the residuals' likelihood");
   visitor.real("moving", moving, 0, 100, "weight of the moving labels");
+  visitor.real("answer", answer, 0, 100, "weight of the log error of the last, dense pass");
 }
 
 DyloLossImpl::DyloLossImpl(const DyloLossOptions& options) : options_(options)
@@ -43,7 +48,7 @@ DyloLossImpl::Terms DyloLossImpl::forward(const std::vector<DyloStage>& stages,
                                           const std::vector<torch::Tensor>& labels)
 {
   const torch::Tensor zero = torch::zeros({}, s_x_.options());
-  Terms terms{zero, zero, zero, zero, zero, {}};
+  Terms terms{zero, zero, zero, zero, zero, zero, {}};
   for (std::size_t i = 0; i < stages.size(); ++i)
   {
     const DyloStage& stage = stages[i];
@@ -54,9 +59,14 @@ DyloLossImpl::Terms DyloLossImpl::forward(const std::vector<DyloStage>& stages,
     // ||R - R*|| / (2 sqrt 2) = sin(angle / 2), to first order ||q - q*||, without q's sign.
     const torch::Tensor q_error =
         ((stage.pose.rotation - truth.rotation).square().sum() / 8 + 1e-10).sqrt();
+    terms.translation_error.push_back(t_error.item<double>());
+    if (stage.dense)
+    {
+      terms.answer = torch::log(t_error + least_t) + torch::log(q_error + least_q);
+      continue;
+    }
     terms.pose = terms.pose + weight * (t_error * torch::exp(-s_x_[slot]) + s_x_[slot] +
                                         q_error * torch::exp(-s_q_[slot]) + s_q_[slot]);
-    terms.translation_error.push_back(t_error.item<double>());
 
     const ScanTensors::Level& nodes = scan1.levels[stage.level];
     const torch::Tensor at_truth = truth.apply(nodes.xyz);
@@ -86,7 +96,7 @@ DyloLossImpl::Terms DyloLossImpl::forward(const std::vector<DyloStage>& stages,
     terms.moving = terms.moving + weight * maskedMean(entropy * known, stage.valid);
   }
   terms.total = terms.pose + options_.flow * terms.flow + options_.precision * terms.precision +
-                options_.moving * terms.moving;
+                options_.moving * terms.moving + options_.answer * terms.answer;
   return terms;
 }
 }  // namespace dyslam

@@ -39,6 +39,8 @@ void DataOptions::describe(OptionsVisitor& visitor)
   visitor.real("recordings_weight", recordings_weight, 0, 1e6, "share of pairs");
   visitor.real("singles_weight", singles_weight, 0, 1e6, "share of pairs");
   visitor.real("simulator_weight", simulator_weight, 0, 1e6, "share of pairs");
+  visitor.text("simulator_worlds", simulator_worlds,
+               "share;world;sensor;columns (0: the sensor's);least;most traffic, by |");
 }
 
 std::vector<std::string> listItems(const std::string& text)

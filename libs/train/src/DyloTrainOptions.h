@@ -41,6 +41,10 @@ struct DataOptions : Options
   double recordings_weight = 1;
   double singles_weight = 0.1;
   double simulator_weight = 0;
+  std::string simulator_worlds =
+      "0.08;urban;HDL64E;1024;0;1 | 0.1;urban;HDL64E;0;0;1 | 0.2;highway;HDL64E;1024;0;0.3 | "
+      "0.1;highway;HDL64E;0;0;0.3 | 0.15;highway;HDL64E;1024;0.3;1 | 0.15;highway;HDL64E;1024;1;1 "
+      "| 0.12;campus;VLP16;0;0;1 | 0.1;urban;VLP16;0;0;1";
 
   void describe(OptionsVisitor& visitor) override;
 };

@@ -65,7 +65,9 @@ std::unique_ptr<PairSource> makeSource(const DataOptions& data,
   }
   if (data.simulator_weight > 0)
   {
-    mixed->add(makeSimulatorPairSource(augmentation, data.most_gap, seed), data.simulator_weight);
+    mixed->add(makeSimulatorPairSource(listItems(data.simulator_worlds), augmentation,
+                                       data.most_gap, seed),
+               data.simulator_weight);
   }
   if (mixed->empty())
   {
@@ -314,13 +316,14 @@ void Trainer::log(const DyloLossImpl::Terms& terms, double gradient)
   std::ofstream csv(file, std::ios::app);
   if (fresh)
   {
-    csv << "step,learning_rate,loss,pose,flow,precision,moving,gradient,first_stage_m,last_stage_"
-           "m\n";
+    csv << "step,learning_rate,loss,pose,flow,precision,moving,answer,gradient,first_stage_m,last_"
+           "stage_m\n";
   }
   csv << step_ << ',' << learningRate() << ',' << terms.total.item<double>() << ','
       << terms.pose.item<double>() << ',' << terms.flow.item<double>() << ','
-      << terms.precision.item<double>() << ',' << terms.moving.item<double>() << ',' << gradient
-      << ',' << terms.translation_error.front() << ',' << terms.translation_error.back() << '\n';
+      << terms.precision.item<double>() << ',' << terms.moving.item<double>() << ','
+      << terms.answer.item<double>() << ',' << gradient << ',' << terms.translation_error.front()
+      << ',' << terms.translation_error.back() << '\n';
   const auto done = static_cast<double>(step_ - first_step_);
   const double per_step = secondsSince(begin_) / done;
   char line[240];

@@ -7,7 +7,7 @@
 #endif
 
 #include <algorithm>
-#include <array>
+#include <numeric>
 #include <sstream>
 
 namespace dyslam
@@ -20,23 +20,52 @@ constexpr std::uint64_t pairs_per_world = 16;
 
 struct Scene
 {
-  double share;
-  sim::WorldKind world;
-  sim::SensorKind sensor;
-  int columns;  //!< 0: the sensor's
-  double min_traffic, max_traffic;
+  double share = 0;
+  sim::WorldKind world = sim::WorldKind::urban;
+  sim::SensorKind sensor = sim::SensorKind::hdl64e;
+  int columns = 0;  //!< 0: the sensor's
+  double min_traffic = 0;
+  double max_traffic = 0;
 };
 
-constexpr std::array<Scene, 8> scenes = {{
-    {0.08, sim::WorldKind::urban, sim::SensorKind::hdl64e, 1024, 0, 1},
-    {0.10, sim::WorldKind::urban, sim::SensorKind::hdl64e, 0, 0, 1},
-    {0.20, sim::WorldKind::highway, sim::SensorKind::hdl64e, 1024, 0, 0.3},
-    {0.10, sim::WorldKind::highway, sim::SensorKind::hdl64e, 0, 0, 0.3},
-    {0.15, sim::WorldKind::highway, sim::SensorKind::hdl64e, 1024, 0.3, 1},
-    {0.15, sim::WorldKind::highway, sim::SensorKind::hdl64e, 1024, 1, 1},
-    {0.12, sim::WorldKind::campus, sim::SensorKind::vlp16, 0, 0, 1},
-    {0.10, sim::WorldKind::urban, sim::SensorKind::vlp16, 0, 0, 1},
-}};
+std::vector<std::string> fields(const std::string& text)
+{
+  std::vector<std::string> words;
+  std::istringstream stream(text);
+  for (std::string word; std::getline(stream, word, ';');)
+  {
+    words.push_back(word);
+  }
+  return words;
+}
+
+Scene parseScene(const std::string& text)
+{
+  const std::vector<std::string> words = fields(text);
+  try
+  {
+    if (words.size() == 6)
+    {
+      const Scene scene = {std::stod(words[0]),
+                           sim::worldKindFromString(words[1]),
+                           sim::sensorKindFromString(words[2]),
+                           std::stoi(words[3]),
+                           std::stod(words[4]),
+                           std::stod(words[5])};
+      if (scene.share > 0 && scene.columns >= 0 && scene.min_traffic >= 0 &&
+          scene.max_traffic >= scene.min_traffic)
+      {
+        return scene;
+      }
+    }
+  }
+  catch (const std::logic_error&)  // no number
+  {
+  }
+  throw UserError("[data] simulator_worlds: '" + text +
+                  "' is not share;world;sensor;columns;least traffic;most traffic, with a share "
+                  "above 0 and 0 columns for the sensor's own");
+}
 
 /** From the lidar of one scan to that of another. */
 Pose motionBetween(const sim::SimulatedScan& from, const sim::SimulatedScan& to)
@@ -60,21 +89,26 @@ std::vector<PointLabel> pointLabels(const sim::SimulatedScan& scan)
 class SimulatorPairSource : public PairSource
 {
  public:
-  SimulatorPairSource(const AugmentationOptions& augmentation, int most_gap, std::uint64_t seed)
+  SimulatorPairSource(const std::vector<std::string>& worlds,
+                      const AugmentationOptions& augmentation,
+                      int most_gap,
+                      std::uint64_t seed)
       : augmentation_(augmentation), most_gap_(std::min(most_gap, 3)), seed_(seed)
   {
     // What the simulator shows needs no pasting.
     augmentation_.bodies = 0;
-    for (std::size_t i = 0; i < scenes.size(); ++i)
+    for (std::size_t i = 0; i < worlds.size(); ++i)
     {
+      const Scene scene = parseScene(worlds[i]);
+      shares_.push_back(scene.share);
       sim::ClipOptions options;
       options.any_world = false;
       options.clips_per_world = static_cast<int>(pairs_per_world);
-      options.min_traffic = scenes[i].min_traffic;
-      options.max_traffic = scenes[i].max_traffic;
-      options.simulator.world = scenes[i].world;
-      options.simulator.sensor = scenes[i].sensor;
-      options.simulator.columns = scenes[i].columns;
+      options.min_traffic = scene.min_traffic;
+      options.max_traffic = scene.max_traffic;
+      options.simulator.world = scene.world;
+      options.simulator.sensor = scene.sensor;
+      options.simulator.columns = scene.columns;
       options.simulator.seed = static_cast<int>(1000003 * (seed % 1000) + 7777 + i);
       clips_.emplace_back(options);
     }
@@ -105,11 +139,11 @@ class SimulatorPairSource : public PairSource
   [[nodiscard]] std::size_t scene(std::uint64_t index) const
   {
     RandomDraws draws(seed_ ^ 0x5CE7EULL, index / pairs_per_world);
-    double rest = draws.uniform();
+    double rest = draws.uniform() * std::accumulate(shares_.begin(), shares_.end(), 0.0);
     std::size_t chosen = 0;
-    while (chosen + 1 < scenes.size() && rest >= scenes[chosen].share)
+    while (chosen + 1 < shares_.size() && rest >= shares_[chosen])
     {
-      rest -= scenes[chosen].share;
+      rest -= shares_[chosen];
       ++chosen;
     }
     return chosen;
@@ -118,25 +152,26 @@ class SimulatorPairSource : public PairSource
   AugmentationOptions augmentation_;
   int most_gap_;
   std::uint64_t seed_;
+  std::vector<double> shares_;
   std::vector<sim::ClipGenerator> clips_;
 };
 }  // namespace
 
-std::unique_ptr<PairSource> makeSimulatorPairSource(const AugmentationOptions& augmentation,
+std::unique_ptr<PairSource> makeSimulatorPairSource(const std::vector<std::string>& worlds,
+                                                    const AugmentationOptions& augmentation,
                                                     int most_gap,
                                                     std::uint64_t seed)
 {
-  return std::make_unique<SimulatorPairSource>(augmentation, most_gap, seed);
+  if (worlds.empty())
+  {
+    throw UserError("[data] simulator_worlds: names none; do, or set simulator_weight to 0");
+  }
+  return std::make_unique<SimulatorPairSource>(worlds, augmentation, most_gap, seed);
 }
 
 Recording simulateRecording(const std::string& text)
 {
-  std::vector<std::string> words;
-  std::istringstream stream(text);
-  for (std::string word; std::getline(stream, word, ';');)
-  {
-    words.push_back(word);
-  }
+  const std::vector<std::string> words = fields(text);
   sim::SimulatorOptions options;
   int scans = 0;
   try
@@ -172,7 +207,10 @@ Recording simulateRecording(const std::string& text)
   return recording;
 }
 #else
-std::unique_ptr<PairSource> makeSimulatorPairSource(const AugmentationOptions&, int, std::uint64_t)
+std::unique_ptr<PairSource> makeSimulatorPairSource(const std::vector<std::string>&,
+                                                    const AugmentationOptions&,
+                                                    int,
+                                                    std::uint64_t)
 {
   throw UserError("[data] simulator_weight: this build has no simulator; set it to 0");
 }

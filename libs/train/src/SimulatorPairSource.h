@@ -7,13 +7,20 @@
 
 #include <memory>
 #include <string>
+#include <vector>
 
 namespace dyslam
 {
-/** Pairs from generated worlds: urban streets, dense motorways and jams seen by 64 beams, campus
- * and streets seen by 16. \throws UserError where the simulator was not built. */
+/** Pairs from generated worlds.
+ *
+ * \param worlds each "share;world;sensor;columns;least traffic;most traffic", e.g.
+ * "0.2;highway;HDL64E;1024;0;0.3"; 0 columns are the sensor's own. \throws UserError for others,
+ * and where the simulator was not built. */
 [[nodiscard]] std::unique_ptr<PairSource> makeSimulatorPairSource(
-    const AugmentationOptions& augmentation, int most_gap, std::uint64_t seed);
+    const std::vector<std::string>& worlds,
+    const AugmentationOptions& augmentation,
+    int most_gap,
+    std::uint64_t seed);
 
 /** A fixed simulated drive, e.g. to validate on.
  *

@@ -27,6 +27,7 @@ struct EncodedScan
 struct DyloStage
 {
   std::size_t level = 0;  //!< of scan 1's points
+  bool dense = false;     //!< only the pose (and its normal matrix) are new: see denseStage
   PoseTensors pose;       //!< scan 1 to scan 2, up to and including this stage
   MaskLogits logits;
   torch::Tensor points;  //!< [N, 3] of scan 1, as deskewed for this stage
@@ -52,9 +53,10 @@ class DyloNetworkImpl : public torch::nn::Module
   /** \param start where the search begins. \param prior joins the points in the fine passes; none
    * for null. \returns every stage; the last pose is the answer.
    *
-   * While gradients are not recorded, fine passes go on until a step is short, and a last one takes
-   * all points of level 0. In each of them a scan 1 with phases is deskewed by the pose found so
-   * far, which is taken for the motion since the scan before. */
+   * Fine passes follow (while gradients are not recorded until a step is short), and a last one,
+   * the dense stage, over all points of level 0 with the weights of the one before. In each of them
+   * a scan 1 with phases is deskewed by the pose found so far, which is taken for the motion since
+   * the scan before. */
   [[nodiscard]] std::vector<DyloStage> forward(const EncodedScan& scan1,
                                                const EncodedScan& scan2,
                                                const PoseTensors& start,
