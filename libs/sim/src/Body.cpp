@@ -90,18 +90,4 @@ std::vector<BodyPart> bodyParts(const BodyModel& model, const BodyState& state)
   }
   return parts;
 }
-
-int bodyPartCount(const BodyModel& model)
-{
-  switch (model.gait)
-  {
-    case BodyModel::Gait::walking:
-      return 7;
-    case BodyModel::Gait::cycling:
-      return 5;
-    case BodyModel::Gait::rigid:
-      break;
-  }
-  return 1;
-}
 }  // namespace dyslam::sim

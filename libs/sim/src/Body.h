@@ -47,5 +47,4 @@ struct BodyPart
 [[nodiscard]] Pose bodyPose(const BodyState& state);
 /** The parts of a body, always in the same order and number for one model. */
 [[nodiscard]] std::vector<BodyPart> bodyParts(const BodyModel& model, const BodyState& state);
-[[nodiscard]] int bodyPartCount(const BodyModel& model);
 }  // namespace dyslam::sim

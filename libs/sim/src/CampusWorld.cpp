@@ -107,13 +107,11 @@ struct Plants
   std::vector<int> trees, bushes, hedges;
   Plants(World& world, Rng& rng)
   {
-    const auto in = [&](double a, double b) { return static_cast<float>(rng.uniform(a, b)); };
     for (int i = 0; i < 5; ++i)
     {
-      trees.push_back(world.addShape(i == 4
-                                         ? makeConifer(rng, in(6, 12), in(1.5, 2.4))
-                                         : makeTree(rng, in(5, 13), in(1.6, 3.6), in(1.6, 3.2))));
-      bushes.push_back(world.addShape(makeBush(rng, in(0.5, 1.4), in(0.6, 1.6))));
+      trees.push_back(world.addShape(i == 4 ? drawConifer(rng, {6, 12}, {1.5, 2.4})
+                                            : drawTree(rng, {5, 13}, {1.6, 3.6}, {1.6, 3.2})));
+      bushes.push_back(world.addShape(drawBush(rng, {0.5, 1.4}, {0.6, 1.6})));
     }
     hedges = {world.addShape(makeHedge(rng, 3, 0.8F, 1.0F)),
               world.addShape(makeHedge(rng, 3, 1.0F, 1.6F))};
@@ -138,8 +136,8 @@ class CampusBuilder
     {
       for (int j = 0; j <= ny_; ++j)
       {
-        nodes_.push_back(origin +
-                         P(i * pitch_ + rng_.uniform(-4, 4), j * pitch_ + rng_.uniform(-4, 4)));
+        const double y = j * pitch_ + rng_.uniform(-4, 4), x = i * pitch_ + rng_.uniform(-4, 4);
+        nodes_.push_back(origin + P(x, y));
         world_.walks.addNode(nodes_.back());
       }
     }
@@ -269,8 +267,8 @@ class CampusBuilder
       {
         // Bicycles against the front
         const double x = rng_.uniform(x0, x1);
-        world_.park(any(world_.parked_bicycles, rng_), {x, y0 - 1.2},
-                    1.57 + rng_.uniform(-0.2, 0.2), rng_);
+        const double yaw = 1.57 + rng_.uniform(-0.2, 0.2);
+        world_.park(any(world_.parked_bicycles, rng_), {x, y0 - 1.2}, yaw, rng_);
       }
     }
     else
@@ -282,7 +280,8 @@ class CampusBuilder
     }
     for (int k = 0; k < 5; ++k)
     {
-      const P where = a + P(rng_.uniform(3, pitch_ - 3), rng_.uniform(3, pitch_ - 3));
+      const double y = rng_.uniform(3, pitch_ - 3), x = rng_.uniform(3, pitch_ - 3);
+      const P where = a + P(x, y);
       const bool in_building = where.x() > x0 - 1.5 && where.x() < x1 + 1.5 &&
                                where.y() > y0 - 1.5 && where.y() < y1 + 1.5;
       if (!in_building)
@@ -314,8 +313,10 @@ class CampusBuilder
       return;
     }
     const bool tree = rng_.chance(tree_share);
-    world_.placeOnGround(tree ? any(plants_.trees, rng_) : any(plants_.bushes, rng_), where,
-                         rng_.uniform(0, 6.28), static_cast<float>(rng_.uniform(0.8, 1.2)));
+    const auto scale = static_cast<float>(rng_.uniform(0.8, 1.2));
+    const double yaw = rng_.uniform(0, 6.28);
+    world_.placeOnGround(tree ? any(plants_.trees, rng_) : any(plants_.bushes, rng_), where, yaw,
+                         scale);
   }
 
   /** Beyond the service road: a row of buildings, hedges and trees; parked vehicles along it. */
@@ -355,7 +356,8 @@ class CampusBuilder
         {
           for (int k = 0; k < 4; ++k)
           {
-            plant(from + (s + rng_.uniform(0, 12)) * along + rng_.uniform(0, 10) * outward, 0.7);
+            const double off = rng_.uniform(0, 10), forth = s + rng_.uniform(0, 12);
+            plant(from + forth * along + off * outward, 0.7);
           }
           s += 12;
         }
@@ -369,13 +371,13 @@ class CampusBuilder
     {
       if (rng_.chance(0.55))
       {
-        world_.park(drawVehicle(world_, rng_, 0), {x, road_low_.y() + 4.5},
-                    rng_.uniform(-0.04, 0.04), rng_);
+        const double yaw = rng_.uniform(-0.04, 0.04);
+        world_.park(drawVehicle(world_, rng_, 0), {x, road_low_.y() + 4.5}, yaw, rng_);
       }
       if (rng_.chance(0.35))
       {
-        world_.park(drawVehicle(world_, rng_, 0), {x, road_high_.y() - 4.5},
-                    3.14159 + rng_.uniform(-0.04, 0.04), rng_);
+        const double yaw = 3.14159 + rng_.uniform(-0.04, 0.04);
+        world_.park(drawVehicle(world_, rng_, 0), {x, road_high_.y() - 4.5}, yaw, rng_);
       }
     }
   }
@@ -397,8 +399,8 @@ class CampusBuilder
         world_.placeOnGround(lamp, a + s * d + off * r, yaw);
         if (rng_.chance(0.5))
         {
-          world_.placeOnGround(rng_.chance(0.6) ? bench : bin, a + (s + 3) * d - off * r,
-                               yaw + (rng_.chance(0.5) ? 0 : 3.1416));
+          const double turned = yaw + (rng_.chance(0.5) ? 0 : 3.1416);
+          world_.placeOnGround(rng_.chance(0.6) ? bench : bin, a + (s + 3) * d - off * r, turned);
         }
       }
       if (rng_.chance(0.4))
@@ -467,8 +469,9 @@ void buildField(World& world, const SimulatorOptions& options)
       const P where(r * std::cos(t), r * std::sin(t));
       if (field.outside(where).first > 1.2)
       {
-        world.placeOnGround(any(shapes, rng), where, rng.uniform(0, 6.28),
-                            static_cast<float>(rng.uniform(0.7, 1.3)));
+        const auto scale = static_cast<float>(rng.uniform(0.7, 1.3));
+        const double yaw = rng.uniform(0, 6.28);
+        world.placeOnGround(any(shapes, rng), where, yaw, scale);
       }
     }
   };
@@ -480,8 +483,8 @@ void buildField(World& world, const SimulatorOptions& options)
   for (int i = 0; i < 12; ++i)
   {
     const double t = 6.2832 * i / 12;
-    const int node = world.walks.addNode(1.25 * radius * P(std::cos(t), std::sin(t)) +
-                                         P(rng.uniform(-6, 6), rng.uniform(-6, 6)));
+    const double y = rng.uniform(-6, 6), x = rng.uniform(-6, 6);
+    const int node = world.walks.addNode(1.25 * radius * P(std::cos(t), std::sin(t)) + P(x, y));
     if (previous >= 0)
     {
       world.walks.addLink(previous, node, false, 2);

@@ -312,13 +312,11 @@ class RoadBuilder
   void roadside()
   {
     std::vector<int> trees, bushes;
-    const auto in = [&](double a, double b) { return static_cast<float>(rng_.uniform(a, b)); };
     for (int i = 0; i < 4; ++i)
     {
-      trees.push_back(world_.addShape(i == 3
-                                          ? makeConifer(rng_, in(6, 12), in(1.5, 2.4))
-                                          : makeTree(rng_, in(6, 11), in(1.8, 3.2), in(1.5, 3))));
-      bushes.push_back(world_.addShape(makeBush(rng_, in(0.7, 1.6), in(0.8, 2.2))));
+      trees.push_back(world_.addShape(i == 3 ? drawConifer(rng_, {6, 12}, {1.5, 2.4})
+                                             : drawTree(rng_, {6, 11}, {1.8, 3.2}, {1.5, 3})));
+      bushes.push_back(world_.addShape(drawBush(rng_, {0.7, 1.6}, {0.8, 2.2})));
     }
     const int post = world_.addShape(makeBollard()), sign = world_.addShape(makeSign(3)),
               small_sign = world_.addShape(makeSign(2));
@@ -344,9 +342,11 @@ class RoadBuilder
              t += rng_.uniform(0.5, 1.5) / density)
         {
           const bool tree = rng_.chance(0.5);
+          const auto scale = static_cast<float>(rng_.uniform(0.8, 1.3));
+          const double off = edge_ + rng_.uniform(6, 26);
           put(tree ? trees[static_cast<std::size_t>(rng_.below(4))]
                    : bushes[static_cast<std::size_t>(rng_.below(4))],
-              t, side * (edge_ + rng_.uniform(6, 26)), in(0.8, 1.3));
+              t, side * off, scale);
         }
         s += run;
       }

@@ -12,10 +12,16 @@ float in(Rng& rng, double a, double b)
   return static_cast<float>(rng.uniform(a, b));
 }
 
+float in(Rng& rng, const SizeRange& range)
+{
+  return in(rng, range.low, range.high);
+}
+
 /** A clump of leaves: one small quad any way round. Between clumps, beams pass. */
 void addLeaves(Mesh& mesh, Rng& rng, const V& center, float size, Material material)
 {
-  V u(in(rng, -1, 1), in(rng, -1, 1), in(rng, -1, 1));
+  const float z = in(rng, -1, 1), y = in(rng, -1, 1), x = in(rng, -1, 1);
+  V u(x, y, z);
   u = (u.norm() > 0.05F ? u : V(1, 0, 0)).normalized();
   const V w = u.unitOrthogonal();
   const float angle = in(rng, 0, 6.2831853);
@@ -30,8 +36,10 @@ void addCrown(
 {
   for (int i = 0; i < clumps; ++i)
   {
-    V d(static_cast<float>(rng.gaussian()), static_cast<float>(rng.gaussian()),
-        static_cast<float>(rng.gaussian()));
+    const auto z = static_cast<float>(rng.gaussian());
+    const auto y = static_cast<float>(rng.gaussian());
+    const auto x = static_cast<float>(rng.gaussian());
+    V d(x, y, z);
     d.normalize();
     const float radius = std::cbrt(in(rng, 0.15, 1.0)) *
                          (0.85F + 0.25F * latticeNoise(3 * d.x(), 3 * d.y(), 3 * d.z()));
@@ -45,7 +53,8 @@ Mesh makeTree(Rng& rng, float height, float crown_radius, float trunk_height)
 {
   Mesh mesh;
   const float r = 0.018F * height + 0.06F;
-  const V lean(in(rng, -0.05, 0.05), in(rng, -0.05, 0.05), 0);
+  const float lean_y = in(rng, -0.05, 0.05), lean_x = in(rng, -0.05, 0.05);
+  const V lean(lean_x, lean_y, 0);
   const V fork = V(0, 0, trunk_height) + trunk_height * lean;
   addTube(mesh, V(0, 0, -0.3F), V(0, 0, 0.25F), 1.5F * r, r, 8, Material::bark);
   addTube(mesh, V(0, 0, 0.25F), fork, r, 0.8F * r, 8, Material::bark);
@@ -117,10 +126,33 @@ Mesh makeGrassTuft(Rng& rng, float radius, float height)
     const float a = in(rng, 0, 6.2831853);
     const float r = radius * std::sqrt(in(rng, 0, 1));
     const V foot(r * std::cos(a), r * std::sin(a), -0.05F);
-    const V tip = foot + V(in(rng, -0.15, 0.15), in(rng, -0.15, 0.15), height * in(rng, 0.6, 1));
+    const float z = height * in(rng, 0.6, 1);
+    const float y = in(rng, -0.15, 0.15), x = in(rng, -0.15, 0.15);
+    const V tip = foot + V(x, y, z);
     const V side(0.03F * std::cos(3 * a), 0.03F * std::sin(3 * a), 0);
     mesh.addQuad(foot - side, foot + side, tip, tip, Material::leaf);
   }
   return mesh;
+}
+
+Mesh drawTree(Rng& rng,
+              const SizeRange& height,
+              const SizeRange& crown_radius,
+              const SizeRange& trunk_height)
+{
+  const float trunk = in(rng, trunk_height), crown = in(rng, crown_radius);
+  return makeTree(rng, in(rng, height), crown, trunk);
+}
+
+Mesh drawConifer(Rng& rng, const SizeRange& height, const SizeRange& radius)
+{
+  const float r = in(rng, radius);
+  return makeConifer(rng, in(rng, height), r);
+}
+
+Mesh drawBush(Rng& rng, const SizeRange& radius, const SizeRange& height)
+{
+  const float h = in(rng, height);
+  return makeBush(rng, in(rng, radius), h);
 }
 }  // namespace dyslam::sim

@@ -34,7 +34,10 @@ inline float normal(std::uint64_t hash)
   return (part(0) + part(16) + part(32) + part(48) - 2.0F) * 1.7320508F;
 }
 
-/** A small generator for making worlds and driving actors; never shared between threads. */
+/** A small generator for making worlds and driving actors; never shared between threads.
+ *
+ * Each draw of several stands in a statement of its own: in which order the arguments of one call
+ * are evaluated is up to the compiler, and a seed is to give one world. */
 class Rng
 {
  public:

@@ -9,6 +9,10 @@ RayDevice::RayDevice() : device_(rtcNewDevice("isa=avx2"))
 {
   if (device_ == nullptr)
   {
+    device_ = rtcNewDevice(nullptr);
+  }
+  if (device_ == nullptr)
+  {
     throw std::runtime_error("Embree gives no device");
   }
 }

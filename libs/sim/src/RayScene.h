@@ -54,7 +54,8 @@ class RayScene
   std::vector<SceneItem> items_;
 };
 
-/** Device in which all runs give the same hits, whatever the processor offers beyond AVX2. */
+/** Device in which all runs give the same hits, whatever the processor offers beyond AVX2; on one
+ * without AVX2 it is Embree's own choice. */
 class RayDevice
 {
  public:

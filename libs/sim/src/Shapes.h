@@ -39,6 +39,17 @@ struct CarStyle
 [[nodiscard]] Mesh makeBush(Rng& rng, float radius, float height);
 [[nodiscard]] Mesh makeHedge(Rng& rng, float length, float width, float height);
 [[nodiscard]] Mesh makeGrassTuft(Rng& rng, float radius, float height);
+/** Bounds of a size that is drawn [m]. */
+struct SizeRange
+{
+  double low, high;
+};
+[[nodiscard]] Mesh drawTree(Rng& rng,
+                            const SizeRange& height,
+                            const SizeRange& crown_radius,
+                            const SizeRange& trunk_height);
+[[nodiscard]] Mesh drawConifer(Rng& rng, const SizeRange& height, const SizeRange& radius);
+[[nodiscard]] Mesh drawBush(Rng& rng, const SizeRange& radius, const SizeRange& height);
 
 // Street furniture: origin at the foot, x away from the carriageway's direction of travel.
 [[nodiscard]] Mesh makeLampPost(float height, float arm);

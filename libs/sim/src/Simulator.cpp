@@ -139,8 +139,7 @@ void Simulator::Impl::gatherBodies(const Eigen::Vector3d& center)
     body.moving = (b.position - a.position).norm() / model.period > options.moving_speed;
     const auto classes = semanticClasses(body_model.object_class);
     body.semantic = body.moving ? classes.second : classes.first;
-    // Parked vehicles count from 1, those that may move from the top.
-    body.instance = static_cast<std::uint16_t>(65535 - i % 30000);
+    body.instance = static_cast<std::uint16_t>(65535 - i % kMovingInstances);
     const bool still = !body.moving && (b.position - a.position).norm() < 1e-6 &&
                        std::abs(b.yaw - a.yaw) < 1e-6 && std::abs(b.phase - a.phase) < 1e-6 &&
                        b.swing == a.swing;

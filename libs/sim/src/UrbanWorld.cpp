@@ -25,16 +25,16 @@ struct Furnishing
     const auto in = [&](double a, double b) { return static_cast<float>(rng.uniform(a, b)); };
     for (int i = 0; i < 4; ++i)
     {
-      trees.push_back(world.addShape(makeTree(rng, in(7, 12), in(1.8, 3.4), in(2.2, 3.2))));
-      small_trees.push_back(
-          world.addShape(i == 3 ? makeConifer(rng, in(5, 9), in(1.3, 2))
-                                : makeTree(rng, in(3.5, 6), in(1, 1.9), in(1.2, 2))));
-      bushes.push_back(world.addShape(makeBush(rng, in(0.5, 1.2), in(0.7, 1.6))));
+      trees.push_back(world.addShape(drawTree(rng, {7, 12}, {1.8, 3.4}, {2.2, 3.2})));
+      small_trees.push_back(world.addShape(i == 3 ? drawConifer(rng, {5, 9}, {1.3, 2})
+                                                  : drawTree(rng, {3.5, 6}, {1, 1.9}, {1.2, 2})));
+      bushes.push_back(world.addShape(drawBush(rng, {0.5, 1.2}, {0.7, 1.6})));
       signs.push_back(world.addShape(makeSign(i)));
     }
     for (int i = 0; i < 3; ++i)
     {
-      hedges.push_back(world.addShape(makeHedge(rng, 3.0F, in(0.6, 1.0), in(0.9, 1.8))));
+      const float height = in(0.9, 1.8), width = in(0.6, 1.0);
+      hedges.push_back(world.addShape(makeHedge(rng, 3.0F, width, height)));
     }
     for (int i = 0; i < 4; ++i)
     {
@@ -42,7 +42,8 @@ struct Furnishing
     }
     clutter = {world.addShape(makeBin()), world.addShape(makeCabinet()),
                world.addShape(makeBollard())};
-    lamp = world.addShape(makeLampPost(in(5, 8.5), in(0.6, 1.6)));
+    const float arm = in(0.6, 1.6);
+    lamp = world.addShape(makeLampPost(in(5, 8.5), arm));
     light = world.addShape(makeTrafficLight());
     bus_stop = world.addShape(makeBusStop());
     bollard = clutter[2];
@@ -145,9 +146,10 @@ class BlockBuilder
         else if (street.trees && s >= next_tree)
         {
           next_tree = s + rng_.uniform(6, 14);
+          const auto scale = static_cast<float>(rng_.uniform(0.8, 1.15));
+          const double turned = rng_.uniform(0, 6.28);
           world_.placeOnGround(any(furnishing_.trees, rng_),
-                               grid_.toWorld(local(s, side * (kerb + 0.5))), rng_.uniform(0, 6.28),
-                               static_cast<float>(rng_.uniform(0.8, 1.15)));
+                               grid_.toWorld(local(s, side * (kerb + 0.5))), turned, scale);
         }
         else if (rng_.chance(0.02))
         {
@@ -163,14 +165,15 @@ class BlockBuilder
         else if (rng_.chance(0.03))
         {
           const P wall = local(s, side * (street.half() + street.walk - 0.35));
-          world_.placeOnGround(any(furnishing_.bushes, rng_), grid_.toWorld(wall),
-                               rng_.uniform(0, 6.28), 0.6F);
+          const double turned = rng_.uniform(0, 6.28);
+          world_.placeOnGround(any(furnishing_.bushes, rng_), grid_.toWorld(wall), turned, 0.6F);
         }
         else if (rng_.chance(0.02))
         {
+          const double turned = yaw + rng_.uniform(-0.3, 0.3);
           world_.park(any(world_.parked_bicycles, rng_),
-                      grid_.toWorld(local(s, side * (street.half() + street.walk - 0.4))),
-                      yaw + rng_.uniform(-0.3, 0.3), rng_);
+                      grid_.toWorld(local(s, side * (street.half() + street.walk - 0.4))), turned,
+                      rng_);
         }
         else if (rng_.chance(0.003))
         {
@@ -189,8 +192,9 @@ class BlockBuilder
       for (const double sv : {-1.0, 1.0})
       {
         const P where(a.center + su * (a.half() + 0.6), b.center + sv * (b.half() + 2.0));
+        const double turned = rng_.uniform(0, 6.28);
         world_.placeOnGround(lights ? furnishing_.light : any(furnishing_.signs, rng_),
-                             grid_.toWorld(where), rng_.uniform(0, 6.28));
+                             grid_.toWorld(where), turned);
       }
     }
   }
@@ -222,9 +226,9 @@ class BlockBuilder
       const int model = rng_.chance(0.9) ? any(world_.cars, rng_) : any(world_.vans, rng_);
       const P where = local(s, side * (street.lane + 0.5 * street.parking + rng_.uniform(0, 0.1)));
       const bool along_v = (local(1, 0) - local(0, 0)).y() > 0.5;
-      const double yaw = heading(where, along_v) +
-                         (rng_.chance(0.85) == (side > 0) ? 0 : 3.14159265) +
-                         rng_.uniform(-0.03, 0.03);
+      const bool ahead = rng_.chance(0.85) == (side > 0);
+      const double yaw =
+          heading(where, along_v) + (ahead ? 0 : 3.14159265) + rng_.uniform(-0.03, 0.03);
       world_.park(model, grid_.toWorld(where), yaw, rng_);
     }
   }
@@ -313,11 +317,12 @@ class BlockBuilder
     const int plants = rng_.below(8);
     for (int k = 0; k < plants; ++k)
     {
-      const P where =
-          side.at(s + rng_.uniform(0, width), rng_.uniform(1.2, std::max(1.3, front - 0.8)));
+      const double inward = rng_.uniform(1.2, std::max(1.3, front - 0.8));
+      const P where = side.at(s + rng_.uniform(0, width), inward);
+      const double turned = rng_.uniform(0, 6.28);
       world_.placeOnGround(
           rng_.chance(0.6) ? any(furnishing_.bushes, rng_) : any(furnishing_.small_trees, rng_),
-          grid_.toWorld(where), rng_.uniform(0, 6.28));
+          grid_.toWorld(where), turned);
     }
     if (rng_.chance(0.4) && front > 5)
     {
@@ -333,10 +338,12 @@ class BlockBuilder
     row(side, s, width, 0.4, any(furnishing_.fences, rng_));
     for (int k = 0; k < 4; ++k)
     {
+      const double turned = rng_.uniform(0, 6.28);
+      const double inward = rng_.uniform(2, side.depth);
+      const P where = side.at(s + rng_.uniform(0, width), inward);
       world_.placeOnGround(
           any(rng_.chance(0.5) ? furnishing_.bushes : furnishing_.small_trees, rng_),
-          grid_.toWorld(side.at(s + rng_.uniform(0, width), rng_.uniform(2, side.depth))),
-          rng_.uniform(0, 6.28));
+          grid_.toWorld(where), turned);
     }
   }
 
@@ -344,10 +351,11 @@ class BlockBuilder
   {
     for (int k = 0; k < count && width > 4 && height > 4; ++k)
     {
-      const P where = corner + P(rng_.uniform(0, width), rng_.uniform(0, height));
+      const double y = rng_.uniform(0, height), x = rng_.uniform(0, width);
+      const double turned = rng_.uniform(0, 6.28);
       world_.placeOnGround(
           any(rng_.chance(0.5) ? furnishing_.trees : furnishing_.small_trees, rng_),
-          grid_.toWorld(where), rng_.uniform(0, 6.28));
+          grid_.toWorld(corner + P(x, y)), turned);
     }
   }
 
@@ -356,9 +364,10 @@ class BlockBuilder
     scatter(corner + P(2, 2), width - 4, height - 4, static_cast<int>(width * height / 110));
     for (int k = 0; k < 10; ++k)
     {
-      const P where = corner + P(rng_.uniform(2, width - 2), rng_.uniform(2, height - 2));
+      const double y = rng_.uniform(2, height - 2), x = rng_.uniform(2, width - 2);
+      const double turned = rng_.uniform(0, 6.28);
       world_.placeOnGround(rng_.chance(0.5) ? any(furnishing_.bushes, rng_) : furnishing_.bench,
-                           grid_.toWorld(where), rng_.uniform(0, 6.28));
+                           grid_.toWorld(corner + P(x, y)), turned);
     }
     const Side south{corner, P(1, 0), P(0, 1), width, height};
     row(south, 1, width - 2, 0.5,

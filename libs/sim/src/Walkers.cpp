@@ -132,9 +132,9 @@ class Walkers : public Crowd::Group
     Walker w;
     w.rides = rides;
     const auto& kinds = rides ? crowd_.world().cyclists : crowd_.world().people;
-    w.actor =
-        crowd_.addActor(kinds[static_cast<std::size_t>(rng_.below(static_cast<int>(kinds.size())))],
-                        drawPaint(rng_));
+    const float paint = drawPaint(rng_);
+    w.actor = crowd_.addActor(
+        kinds[static_cast<std::size_t>(rng_.below(static_cast<int>(kinds.size())))], paint);
     const bool forward = rng_.chance(0.5);
     w.from = forward ? link.a : link.b;
     w.to = forward ? link.b : link.a;
@@ -321,9 +321,9 @@ class Bicycles : public Crowd::Group
         r.wish = rng_.uniform(3.2, 6.5);
         r.v = r.wish;
         const auto& kinds = crowd.world().cyclists;
+        const float paint = drawPaint(rng_);
         r.actor = crowd.addActor(
-            kinds[static_cast<std::size_t>(rng_.below(static_cast<int>(kinds.size())))],
-            drawPaint(rng_));
+            kinds[static_cast<std::size_t>(rng_.below(static_cast<int>(kinds.size())))], paint);
         riders_.push_back(r);
         const auto at = loop.at(s);
         crowd.stand(r.actor, at.position, at.heading);

@@ -15,6 +15,11 @@
 
 namespace dyslam::sim
 {
+/** Numbers in the labels of bodies that may move, from the top ... */
+constexpr int kMovingInstances = 30000;
+/** ... and of parked ones, from 1. */
+constexpr int kParkedInstances = 65535 - kMovingInstances;
+
 /** Static geometry, its meaning, the shapes of everything that moves, and the ways they take. */
 class World
 {
@@ -39,7 +44,7 @@ class World
   void park(int model, const Eigen::Vector2d& world_position, double yaw, Rng& rng);
   [[nodiscard]] std::uint16_t nextInstance()
   {
-    return static_cast<std::uint16_t>(1 + instances_++ % 65000);
+    return static_cast<std::uint16_t>(1 + instances_++ % kParkedInstances);
   }
   /** Ends the building: the scene is made and the world is not changed any more. */
   void finish();

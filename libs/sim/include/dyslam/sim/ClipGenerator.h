@@ -36,7 +36,8 @@ class ClipGenerator
   [[nodiscard]] std::vector<SimulatedScan> clip(std::uint64_t index) const;
   /** The first `scans` scans of the same drive, fewer or more than the options say. */
   [[nodiscard]] std::vector<SimulatedScan> clip(std::uint64_t index, int scans) const;
-  /** The options that clip `index` is simulated with. */
+  /** The options of clip `index`. Their seed is that of its world, which neighbours share; the
+   * drive through it has a seed of its own. */
   [[nodiscard]] SimulatorOptions clipOptions(std::uint64_t index) const;
 
  private:
