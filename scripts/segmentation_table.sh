@@ -45,7 +45,11 @@ for rawlog in "$@"; do
     maps="$maps $folder/map_static.ply"
     # shellcheck disable=SC2086
     [ -f "$folder/report.json" ] || "${bin}dyslam" -i "$rawlog" -c "$config" -o "$folder" --labels \
-      --only-first-n "$scans" --set "dyseg.method=$method" $settings > "$folder.log" 2>&1
+      --only-first-n "$scans" --set "dyseg.method=$method" $settings > "$folder.log" 2>&1 || {
+        tail -n 3 "$folder.log" >&2
+        echo "segmentation_table.sh: dyslam failed on $rawlog with $method; all it said is in $folder.log" >&2
+        exit 1
+      }
   done
   # Every point with its true label, in the frame that the runs' maps are in.
   [ -f "$reference.ply" ] || "${bin}dyslam-map" -q -i "$rawlog" \

@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <dyslam/core/Error.h>
+
 #include <CLI/CLI.hpp>
 #include <exception>
 #include <functional>
 #include <iostream>
 #include <sstream>
 #include <string>
+#include <vector>
 
 namespace dyslam
 {
@@ -55,6 +58,21 @@ inline std::string printable(std::string text)
   return text;
 }
 
+/** What to say of a word that should have been one of the parser's subcommands. */
+inline std::string unknownCommand(const CLI::App& app, const std::string& word)
+{
+  std::vector<std::string> known;
+  std::string all;
+  for (const CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; }))
+  {
+    known.push_back(command->get_name());
+    all += (all.empty() ? "" : ", ") + command->get_name();
+  }
+  const std::string nearest = nearestWord(word, known);
+  return word + ": unknown command" +
+         (nearest.empty() ? "; it is none of " + all : "; did you mean " + nearest + "?");
+}
+
 /** What every program's main calls.
  *
  * `declare` adds flags to the parser, `run` works. Returns 0 on success, --help and --version, and
@@ -100,6 +118,11 @@ inline int runApp(int argc,
       {
         return fail(word + ": unknown option (see " + name + " --help)");
       }
+    }
+    const auto rest = app.remaining();
+    if (!rest.empty() && app.get_require_subcommand_min() > 0 && app.get_subcommands().empty())
+    {
+      return fail(unknownCommand(app, rest.front()) + " (see " + name + " --help)");
     }
     return fail(firstMeaningfulLine(error.what()) + " (see " + name + " --help)");
   }

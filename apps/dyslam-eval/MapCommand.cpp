@@ -14,6 +14,7 @@
 #include <string>
 #include <vector>
 
+#include "../common/Checks.h"
 #include "OutputFiles.h"
 
 namespace dyslam
@@ -123,10 +124,10 @@ Subcommand mapCommand(CLI::App& app)
   sub->add_option("--estimate", a->estimates, "maps to judge (pcd, ply); any number")->required();
   sub->add_option("--radius", a->metrics.point_radius,
                   "a map point this near stands for a reference point (SA, DA) [m]")
-      ->check(CLI::PositiveNumber)
+      ->check(positive())
       ->capture_default_str();
   sub->add_option("--voxel", a->metrics.voxel_size, "side of the voxels (PR, RR) [m]")
-      ->check(CLI::PositiveNumber)
+      ->check(positive())
       ->capture_default_str();
   a->output.declare(*sub);
   return {sub, [a] { run(*a); }};

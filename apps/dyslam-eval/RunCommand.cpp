@@ -16,6 +16,7 @@
 #include <string>
 #include <vector>
 
+#include "../common/Checks.h"
 #include "LabelFolders.h"
 #include "OutputFiles.h"
 
@@ -68,6 +69,7 @@ Json readReport(const fs::path& folder)
   throw UserError(path.string() + ": is not the JSON report of a run");
 }
 
+/** Nothing, and a note, where the run has no truth or too little of it. */
 std::optional<TrajectoryReport> evaluate(const fs::path& folder,
                                          const char* file,
                                          const TrajectoryMetricsOptions& metrics)
@@ -81,10 +83,17 @@ std::optional<TrajectoryReport> evaluate(const fs::path& folder,
   constexpr double tolerance = 1e-3;  // the run writes both with the scans' stamps
   const PosePairs pairs =
       associateByTime(readTum(reference.string()), readTum(estimate.string()), tolerance);
+  if (pairs.size() < 2)
+  {
+    std::cerr << "note: " << estimate.string() << ": " << pairs.size() << " of "
+              << pairs.estimate_size
+              << " poses have a time of the ground truth, 2 are needed: no errors are told\n";
+    return std::nullopt;
+  }
   return evaluateTrajectory(estimate.string(), pairs, metrics);
 }
 
-/** The truth's folder: as given, or beside the rawlog that the report names. */
+/** Where the truth's folder should be: as given, or beside the rawlog that the report names. */
 std::string truthFolder(const Arguments& a, const Json& report)
 {
   if (!a.truth.empty())
@@ -96,8 +105,7 @@ std::string truthFolder(const Arguments& a, const Json& report)
   {
     return "";
   }
-  const std::string folder = groundTruthFolder(input->get<std::string>());
-  return fs::is_directory(folder) ? folder : "";
+  return groundTruthFolder(input->get<std::string>());
 }
 
 RunScores scoresOf(const std::string& folder, const Arguments& a)
@@ -113,12 +121,22 @@ RunScores scoresOf(const std::string& folder, const Arguments& a)
   RunScores scores;
   scores.report = readReport(folder);
   scores.trajectory = evaluate(folder, "trajectory_tum.txt", a.metrics);
-  scores.odometry = evaluate(folder, "odometry_tum.txt", a.metrics);
-  const std::string truth = truthFolder(a, scores.report);
-  const bool has_labels = fs::is_directory(fs::path(folder) / "labels");
-  if (has_labels && !truth.empty() && fs::is_directory(fs::path(truth) / "labels"))
+  if (scores.trajectory)
   {
-    scores.labels = compareLabelFolders(truth, folder);
+    scores.odometry = evaluate(folder, "odometry_tum.txt", a.metrics);
+  }
+  const std::string truth = truthFolder(a, scores.report);
+  if (fs::is_directory(fs::path(folder) / "labels"))
+  {
+    if (!truth.empty() && fs::is_directory(fs::path(truth) / "labels"))
+    {
+      scores.labels = compareLabelFolders(truth, folder);
+    }
+    else
+    {
+      std::cerr << "note: " << folder << ": labels not judged: no truth "
+                << (truth.empty() ? "known" : "at " + truth) << " (--truth)\n";
+    }
   }
   return scores;
 }
@@ -243,6 +261,10 @@ std::string runJson(const std::vector<RunScores>& runs)
 
 void run(const Arguments& a)
 {
+  if (!a.truth.empty() && !fs::is_directory(a.truth))
+  {
+    throw UserError("--truth " + a.truth + ": is not a folder");
+  }
   Arguments arguments = a;
   arguments.metrics.alignment = alignmentFromString(a.align);
   const auto names = shortNames(a.folders);
@@ -251,7 +273,7 @@ void run(const Arguments& a)
   {
     runs.push_back(scoresOf(a.folders[i], arguments));
     runs.back().name = names[i];
-    if (!runs.back().trajectory)
+    if (!fs::exists(fs::path(a.folders[i]) / "reference_tum.txt"))
     {
       std::cerr << "note: " << a.folders[i]
                 << " has no reference_tum.txt: its recording has no ground truth\n";
@@ -279,7 +301,7 @@ Subcommand runCommand(CLI::App& app)
   sub->add_option("--lengths", a->metrics.lengths, "segment lengths of t_rel and r_rel [m]")
       ->delimiter(',')
       ->allow_extra_args(false)
-      ->check(CLI::PositiveNumber)
+      ->check(positive())
       ->default_str("100,200,...,800");
   a->output.declare(*sub);
   return {sub, [a] { run(*a); }};

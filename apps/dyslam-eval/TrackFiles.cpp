@@ -2,7 +2,9 @@
 #include "TrackFiles.h"
 
 #include <dyslam/core/Error.h>
+#include <dyslam/core/Options.h>
 #include <dyslam/io/GroundTruth.h>
+#include <dyslam/io/RawlogSource.h>
 #include <dyslam/io/TrajectoryFiles.h>
 
 #include <algorithm>
@@ -11,6 +13,9 @@
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
+#include <iostream>
+#include <map>
+#include <nlohmann/json.hpp>
 #include <sstream>
 
 namespace fs = std::filesystem;
@@ -19,34 +24,36 @@ namespace dyslam
 {
 namespace
 {
-/** Speeds by central differences of the centres, one-sided at the ends of a track. */
-TrackSpeeds speedsFrom(const std::vector<LabelledBox>& boxes, const Trajectory& poses)
+/** T_world_lidar by frame number, of the scans that have a true pose. Scans' numbers and stamps and
+ * where the lidar sits are in the rawlog alone, `x.rawlog` beside `x.gt`. */
+std::map<int, StampedPose> lidarPoses(const std::string& folder, const Trajectory& T_world_vehicle)
 {
-  std::map<std::pair<int, int>, Eigen::Vector3d> position;  // id, frame
-  for (const LabelledBox& box : boxes)
+  constexpr double tolerance = 1e-3;  // [s]; both were written with the scans' stamps
+  fs::path rawlog = fs::absolute(folder).lexically_normal();
+  rawlog = (rawlog.has_filename() ? rawlog : rawlog.parent_path()).replace_extension(".rawlog");
+  if (!fs::exists(rawlog))
   {
-    if (box.id >= 0 && box.frame >= 0 && static_cast<std::size_t>(box.frame) < poses.size())
+    throw UserError(rawlog.string() + ": no such file, but true speeds need it beside " + folder +
+                    "; put it there, or give its tracks.txt, all of whose boxes count");
+  }
+  RawlogSource source(rawlog.string());
+  std::map<int, StampedPose> poses;
+  try
+  {
+    while (const auto frame = source.next())
     {
-      position[{box.id, box.frame}] =
-          poses[static_cast<std::size_t>(box.frame)].pose * box.box.center;
+      if (const auto pose = T_world_vehicle.nearest(frame->scan.stamp, tolerance))
+      {
+        poses[static_cast<int>(frame->index)] = {
+            frame->scan.stamp, T_world_vehicle[*pose].pose * frame->scan.T_vehicle_lidar};
+      }
     }
   }
-  TrackSpeeds speeds;
-  for (auto now = position.begin(); now != position.end(); ++now)
+  catch (const UserError& error)
   {
-    const auto [id, frame] = now->first;
-    auto first = position.find({id, frame - 1});
-    auto last = position.find({id, frame + 1});
-    first = first == position.end() ? now : first;
-    last = last == position.end() ? now : last;
-    const double dt = poses[static_cast<std::size_t>(last->first.second)].stamp -
-                      poses[static_cast<std::size_t>(first->first.second)].stamp;
-    if (dt > 0)
-    {
-      speeds[{frame, id}] = (last->second - first->second).head<2>().norm() / dt;
-    }
+    std::cerr << "note: " << error.what() << "; true speeds after that are not known\n";
   }
-  return speeds;
+  return poses;
 }
 
 /** Points per frame and instance. */
@@ -96,7 +103,7 @@ TrackData readTruth(const std::string& folder, const TrackSelection& selection)
   const fs::path labels = fs::path(folder) / "labels";
   if (fs::exists(poses))
   {
-    data.speeds = speedsFrom(data.boxes, readTum(poses.string()));
+    data.speeds = speedsFrom(data.boxes, lidarPoses(folder, readTum(poses.string())));
   }
   const bool has_labels = fs::is_directory(labels);
   const auto counts = has_labels ? pointCounts(labels.string()) : decltype(pointCounts("")){};
@@ -152,24 +159,47 @@ TrackData readRun(const std::string& folder, const TrackSelection& selection)
   return data;
 }
 
+std::optional<FrameRange> processedFrames(const std::string& folder)
+{
+  const fs::path ini = fs::path(folder) / "effective.ini";
+  std::ifstream report(fs::path(folder) / "report.json");
+  if (!report || !fs::exists(ini))
+  {
+    return std::nullopt;
+  }
+  const auto json = nlohmann::json::parse(report, nullptr, false);
+  const Config config = Config::fromFile(ini.string());
+  if (!json.is_object() || !json.contains("frames") || !json["frames"].is_number_integer() ||
+      !config.has("input", "skip_first_n"))
+  {
+    return std::nullopt;
+  }
+  RawlogSourceOptions input;
+  load(input, config, "input");
+  return FrameRange{input.skip_first_n, input.skip_first_n + json["frames"].get<int>() - 1};
+}
+
+std::string mergedType(const std::string& type)
+{
+  switch (objectClassFromString(type))
+  {
+    case ObjectClass::car:
+    case ObjectClass::van:
+    case ObjectClass::truck:
+    case ObjectClass::bus:
+      return "Vehicle";
+    case ObjectClass::motorcyclist:
+      return toString(ObjectClass::cyclist);
+    default:
+      return type;
+  }
+}
+
 void mergeTypes(std::vector<LabelledBox>& boxes)
 {
   for (LabelledBox& box : boxes)
   {
-    switch (objectClassFromString(box.type))
-    {
-      case ObjectClass::car:
-      case ObjectClass::van:
-      case ObjectClass::truck:
-      case ObjectClass::bus:
-        box.type = "Vehicle";
-        break;
-      case ObjectClass::motorcyclist:
-        box.type = "Cyclist";
-        break;
-      default:
-        break;
-    }
+    box.type = mergedType(box.type);
   }
 }
 }  // namespace dyslam

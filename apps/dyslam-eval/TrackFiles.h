@@ -4,7 +4,9 @@
 #include <dyslam/eval/TrackErrors.h>
 #include <dyslam/eval/TrackMetrics.h>
 
+#include <optional>
 #include <string>
+#include <vector>
 
 namespace dyslam
 {
@@ -27,13 +29,23 @@ struct TrackData
 };
 
 /** Ground truth of a recording: a folder with tracks.txt and, where there are, poses_tum.txt (for
- * speeds) and labels/ (for points per box). What the selection does not count is marked as passed
- * over. \throws UserError. */
+ * speeds, with the rawlog beside the folder) and labels/ (for points per box). What the selection
+ * does not count is marked as passed over. \throws UserError. */
 [[nodiscard]] TrackData readTruth(const std::string& folder, const TrackSelection& selection);
 
 /** Folder of a run: tracks.txt, and speeds from tracks.csv. \throws UserError. */
 [[nodiscard]] TrackData readRun(const std::string& folder, const TrackSelection& selection);
 
-/** Car, van, truck, bus: Vehicle; all on two wheels: Cyclist. */
+/** Numbers of the scans that a run went over, by its report and config; nothing for a folder
+ * without them. */
+struct FrameRange
+{
+  int first = 0;
+  int last = 0;
+};
+[[nodiscard]] std::optional<FrameRange> processedFrames(const std::string& folder);
+
+/** Car, van, truck, bus: Vehicle; all on two wheels: Cyclist; others as they are. */
+[[nodiscard]] std::string mergedType(const std::string& type);
 void mergeTypes(std::vector<LabelledBox>& boxes);
 }  // namespace dyslam

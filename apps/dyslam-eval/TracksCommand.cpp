@@ -17,6 +17,7 @@
 #include <string>
 #include <vector>
 
+#include "../common/Checks.h"
 #include "OutputFiles.h"
 #include "TrackFiles.h"
 
@@ -64,6 +65,84 @@ int frameCount(const TrackSequence& sequence)
     }
   }
   return last + 1;
+}
+
+/** Only what the run saw can be hit or missed. */
+void keepFrames(std::vector<LabelledBox>& boxes, const FrameRange& range)
+{
+  boxes.erase(std::remove_if(boxes.begin(), boxes.end(),
+                             [&](const LabelledBox& box)
+                             { return box.frame < range.first || box.frame > range.last; }),
+              boxes.end());
+}
+
+/** A run may end before its recording does, or begin after. A scan that was dropped for its time
+ * stamp moves the last frame on, which boxes may tell. */
+void keepProcessedFrames(const std::string& folder, TrackSequence& sequence)
+{
+  auto range = processedFrames(folder);
+  if (!range)
+  {
+    return;
+  }
+  for (const LabelledBox& box : sequence.estimate)
+  {
+    range->last = std::max(range->last, box.frame);
+  }
+  const int all = sequence.frames;
+  if (range->first > 0 || range->last + 1 < all)
+  {
+    std::cout << "frames " << range->first << '-' << range->last << " of " << all << '\n';
+    keepFrames(sequence.reference, *range);
+  }
+}
+
+/** The classes to judge, by the names that the boxes have. \throws UserError for an unknown one. */
+std::vector<std::string> classesToJudge(const Arguments& a, const TrackSequence& sequence)
+{
+  const bool merged = std::filesystem::is_directory(a.reference);
+  std::set<std::string> known;
+  for (const auto* boxes : {&sequence.reference, &sequence.estimate})
+  {
+    for (const LabelledBox& box : *boxes)
+    {
+      if (box.type != "DontCare")
+      {
+        known.insert(box.type);
+      }
+    }
+  }
+  std::set<std::string> words = known;  // what may be asked for: a merged class has several
+  for (const auto c : {ObjectClass::car, ObjectClass::van, ObjectClass::truck, ObjectClass::bus,
+                       ObjectClass::motorcyclist, ObjectClass::cyclist, ObjectClass::pedestrian})
+  {
+    known.insert(merged ? mergedType(toString(c)) : toString(c));
+    words.insert(toString(c));
+  }
+  words.insert(known.begin(), known.end());
+  std::vector<std::string> types;
+  for (const std::string& word : a.types)
+  {
+    const auto matches = [&](const std::string& other)
+    { return CLI::detail::to_lower(word) == CLI::detail::to_lower(other); };
+    if (std::none_of(words.begin(), words.end(), matches))
+    {
+      std::string all;
+      for (const std::string& type : known)
+      {
+        all += (all.empty() ? "" : ", ") + type;
+      }
+      const std::string nearest = nearestWord(word, words);
+      throw UserError("--class " + word + ": is none of " + all +
+                      (nearest.empty() ? "" : "; did you mean " + nearest + "?"));
+    }
+    const std::string type = merged ? mergedType(word) : word;
+    if (std::find(types.begin(), types.end(), type) == types.end())
+    {
+      types.push_back(type);
+    }
+  }
+  return types;
 }
 
 TrackRules rulesFor(const Arguments& a, const std::string& type)
@@ -144,7 +223,11 @@ void run(const Arguments& a)
   sequence.reference = truth.boxes;
   sequence.estimate = estimate.boxes;
   sequence.frames = frameCount(sequence);
-  std::vector<std::string> types = a.types;
+  if (std::filesystem::is_directory(a.estimate))
+  {
+    keepProcessedFrames(a.estimate, sequence);
+  }
+  std::vector<std::string> types = classesToJudge(a, sequence);
   if (types.empty())
   {
     std::set<std::string> found;
@@ -232,7 +315,10 @@ Subcommand tracksCommand(CLI::App& app)
   sub->add_option("--calib", a->calib,
                   "both files are KITTI's own, in the camera's frame: its calibration; the image "
                   "rules of its benchmark apply");
-  sub->add_option("--class", a->types, "classes to judge; all of the reference by default");
+  sub->add_option(
+      "--class", a->types,
+      "classes to judge; all of the reference by default (folders: Car, Van, Truck and Bus are "
+      "Vehicle)");
   sub->add_option("--iou", a->min_iou, "3D overlap of a match")
       ->check(CLI::Range(0.01, 1.0))
       ->capture_default_str();
@@ -242,13 +328,13 @@ Subcommand tracksCommand(CLI::App& app)
       ->check(CLI::Range(0.01, 100.0));
   sub->add_option("--min-points", a->selection.min_points,
                   "folders: true boxes with fewer points are passed over")
-      ->check(CLI::NonNegativeNumber)
+      ->check(notNegative())
       ->capture_default_str();
   sub->add_option("--min-speed", a->selection.min_speed, "folders: slower ones, m/s")
-      ->check(CLI::NonNegativeNumber)
+      ->check(notNegative())
       ->capture_default_str();
   sub->add_option("--max-range", a->selection.max_range, "folders: farther ones, m")
-      ->check(CLI::PositiveNumber)
+      ->check(positive())
       ->capture_default_str();
   sub->add_option(
          "--view", a->selection.view,
@@ -257,7 +343,7 @@ Subcommand tracksCommand(CLI::App& app)
       ->check(CLI::Range(1.0, 360.0))
       ->capture_default_str();
   sub->add_option("--first-frame", a->selection.first_frame, "folders: earlier frames are left out")
-      ->check(CLI::NonNegativeNumber)
+      ->check(notNegative())
       ->capture_default_str();
   sub->add_option("--instance-offset", a->selection.instance_offset,
                   "folders: instance in the labels minus id of the track")

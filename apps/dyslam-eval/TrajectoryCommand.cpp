@@ -6,11 +6,13 @@
 #include <dyslam/eval/TrajectoryReports.h>
 #include <dyslam/io/TrajectoryFiles.h>
 
+#include <filesystem>
 #include <iostream>
 #include <memory>
 #include <string>
 #include <vector>
 
+#include "../common/Checks.h"
 #include "OutputFiles.h"
 
 namespace dyslam
@@ -95,6 +97,10 @@ void addMeanRow(Table& table, const std::vector<TrajectoryReport>& reports)
 
 void run(const Arguments& a)
 {
+  if (!a.plot.empty() && std::filesystem::path(a.plot).extension() != ".png")
+  {
+    throw UserError("--plot " + a.plot + ": the ending must be .png");
+  }
   if (a.references.size() != 1 && a.references.size() != a.estimates.size())
   {
     throw UserError("give one --reference, or as many as there are estimates (" +
@@ -136,7 +142,7 @@ void run(const Arguments& a)
   {
     throw UserError("--plot draws estimates of one reference, but several were given");
   }
-  const auto png = renderTrajectoryPlot(plots, {"", metrics.alignment, {}});
+  const auto png = renderTrajectoryPlot(plots, {"", metrics.alignment});
   writeOutput(a.plot, {reinterpret_cast<const char*>(png.data()), png.size()});
 }
 }  // namespace
@@ -155,10 +161,10 @@ Subcommand trajectoryCommand(CLI::App& app)
   sub->add_option("--lengths", a->metrics.lengths, "segment lengths of t_rel and r_rel [m]")
       ->delimiter(',')
       ->allow_extra_args(false)
-      ->check(CLI::PositiveNumber)
+      ->check(positive())
       ->default_str("100,200,...,800");
   sub->add_option("--tolerance", a->tolerance, "largest difference of time stamps [s]")
-      ->check(CLI::NonNegativeNumber)
+      ->check(notNegative())
       ->capture_default_str();
   sub->add_flag("--statistics", a->statistics, "also max, mean, median, min, RMSE and std");
   sub->add_flag("--per-length", a->per_length, "also t_rel and r_rel of each segment length");

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "MapBuilder.h"
 
+#include <dyslam/core/BoxOverlap.h>
 #include <dyslam/core/Error.h>
+#include <dyslam/core/Labels.h>
 
 #include <algorithm>
-#include <cmath>
 #include <cstdio>
 #include <filesystem>
 
@@ -15,6 +16,8 @@ namespace
 namespace fs = std::filesystem;
 
 constexpr double least_way = 1.0;  // an object that went farther than this from its start moves [m]
+constexpr double keyframe_angle = 0.17;  // a scan is used after this turn, whatever its way [rad]
+constexpr double labelled_voxel = 0.1;   // of the labelled map [m]
 
 std::string labelFolder(const std::string& folder)
 {
@@ -24,26 +27,17 @@ std::string labelFolder(const std::string& folder)
   }
   const fs::path inner = fs::path(folder) / "labels";
   const std::string result = fs::is_directory(inner) ? inner.string() : folder;
-  if (!fs::is_directory(result))
+  const auto isLabelFile = [](const fs::path& path) { return path.extension() == ".label"; };
+  if (!fs::is_directory(result) ||
+      std::none_of(fs::directory_iterator(result), fs::directory_iterator(), isLabelFile))
   {
-    throw UserError(folder + ": is not a folder of .label files");
+    throw UserError(folder + ": is not a folder of .label files (--labels)");
   }
-  return result;
-}
-
-/** An upright box told in another frame; the tilt between them is left out. */
-Box transformed(const Box& box, const Pose& T)
-{
-  Box result = box;
-  result.center = T * box.center;
-  const Eigen::Vector3d heading =
-      T.linear() * Eigen::Vector3d(std::cos(box.yaw), std::sin(box.yaw), 0);
-  result.yaw = std::atan2(heading.y(), heading.x());
   return result;
 }
 }  // namespace
 
-MapBuilder::MapBuilder(const TrajectoryFile& trajectory, const MapBuilderOptions& options)
+MapBuilder::MapBuilder(const Trajectory& trajectory, const MapBuilderOptions& options)
     : trajectory_(trajectory),
       options_(options),
       label_folder_(labelFolder(options.labels)),
@@ -51,7 +45,7 @@ MapBuilder::MapBuilder(const TrajectoryFile& trajectory, const MapBuilderOptions
       preprocessor_(options.preprocess, pool_),
       map_(options.map)
 {
-  if (trajectory_.trajectory.empty())
+  if (trajectory_.empty())
   {
     throw UserError("the trajectory has no poses");
   }
@@ -68,11 +62,7 @@ MapBuilder::MapBuilder(const TrajectoryFile& trajectory, const MapBuilderOptions
 
 std::optional<std::size_t> MapBuilder::poseOf(const Frame& frame) const
 {
-  if (trajectory_.format == TrajectoryFormat::tum)
-  {
-    return trajectory_.trajectory.nearest(frame.scan.stamp, options_.tolerance);
-  }
-  return frame.index < trajectory_.trajectory.size() ? std::optional(frame.index) : std::nullopt;
+  return trajectory_.nearest(frame.scan.stamp, options_.tolerance);
 }
 
 bool MapBuilder::isKeyframe(const Pose& T_map_vehicle) const
@@ -83,22 +73,19 @@ bool MapBuilder::isKeyframe(const Pose& T_map_vehicle) const
   }
   const Pose moved = last_keyframe_->inverse() * T_map_vehicle;
   return moved.translation().norm() >= options_.keyframe_distance ||
-         rotationAngle(moved) >= options_.keyframe_angle;
+         rotationAngle(moved) >= keyframe_angle;
 }
 
 void MapBuilder::fillCloud(Frame& frame, std::size_t pose) const
 {
-  const Trajectory& t = trajectory_.trajectory;
+  const Trajectory& t = trajectory_;
   Pose T_previous_current = Pose::Identity();
   double dt = 0;
   if (t.size() > 1)
   {
     const std::size_t current = std::max<std::size_t>(pose, 1);
     T_previous_current = t[current - 1].pose.inverse() * t[current].pose;
-    // A KITTI file has no times: one scan a revolution, at the usual 10 Hz.
-    constexpr double usual_period = 0.1;
-    dt = trajectory_.format == TrajectoryFormat::tum ? t[current].stamp - t[current - 1].stamp
-                                                     : usual_period;
+    dt = t[current].stamp - t[current - 1].stamp;
   }
   frame.cloud = preprocessor_.prepare(frame.scan, T_previous_current, dt);
 }
@@ -109,6 +96,12 @@ std::vector<Label> MapBuilder::labelsOf(const Frame& frame) const
   char name[32];
   std::snprintf(name, sizeof name, "%06zu.label", frame.index);
   const std::string path = (fs::path(label_folder_) / name).string();
+  if (!fs::exists(path))
+  {
+    throw UserError(path + ": no such file, but scan " + std::to_string(frame.index) +
+                    " needs its labels; give --labels of this recording, and the --skip-first-n "
+                    "and --only-first-n of the run that wrote them");
+  }
   const auto labels = readLabels(path, frame.scan.size());
   std::vector<Label> result;
   result.reserve(frame.cloud.size());
@@ -125,8 +118,7 @@ void MapBuilder::fillMoving(Frame& frame) const
   {
     for (const Label label : labelsOf(frame))
     {
-      const bool moving = isMoving(label) || semanticOf(label) == semanticOf(label_moving);
-      frame.moving_probability.push_back(moving ? 1.0F : 0.0F);
+      frame.moving_probability.push_back(isMovingLabel(label) ? 1.0F : 0.0F);
     }
   }
   const auto [begin, end] = boxes_.equal_range(static_cast<int>(frame.index));
@@ -143,11 +135,17 @@ void MapBuilder::fillMoving(Frame& frame) const
 
 void MapBuilder::noteObjects(const Frame& frame)
 {
+  const auto pose = poseOf(frame);
+  if (!pose)
+  {
+    return;
+  }
+  const Pose T_map_lidar = trajectory_[*pose].pose * frame.scan.T_vehicle_lidar;
   const auto [begin, end] = boxes_.equal_range(static_cast<int>(frame.index));
   for (auto it = begin; it != end; ++it)
   {
     LabelledBox box = it->second;
-    box.box = transformed(box.box, frame.T_odom_vehicle * frame.scan.T_vehicle_lidar);
+    box.box = transformed(box.box, T_map_lidar);
     auto& path = object_paths_[box.id];
     path.push_back(box.box.center);
     last_boxes_[box.id] = box;
@@ -176,10 +174,10 @@ void MapBuilder::collectLabelled(const Frame& frame)
       }
     }
   }
-  const auto inverse = static_cast<float>(1.0 / options_.labelled_voxel);
+  const auto inverse = static_cast<float>(1.0 / labelled_voxel);
   for (std::size_t i = 0; i < labels.size(); ++i)
   {
-    if (isIgnored(labels[i]))
+    if (isIgnoredLabel(labels[i]))
     {
       continue;
     }
@@ -187,13 +185,12 @@ void MapBuilder::collectLabelled(const Frame& frame)
         (frame.T_odom_vehicle * frame.cloud.points[i].cast<double>()).cast<float>();
     const auto next = static_cast<std::uint32_t>(labelled_.points.size());
     const auto found = labelled_index_.findOrInsert(voxelKey(voxelCell(p, inverse)), next);
-    const bool moving = isMoving(labels[i]) || semanticOf(labels[i]) == semanticOf(label_moving);
     if (found == next)
     {
       labelled_.points.push_back(p);
       labelled_.labels.push_back(labels[i]);
     }
-    else if (!moving)
+    else if (!isMovingLabel(labels[i]))
     {
       labelled_.labels[found] = labels[i];
     }
@@ -208,8 +205,7 @@ void MapBuilder::add(Frame frame)
     ++skipped_;
     return;
   }
-  frame.T_odom_vehicle = trajectory_.trajectory[*pose].pose;
-  noteObjects(frame);
+  frame.T_odom_vehicle = trajectory_[*pose].pose;
   if (!isKeyframe(frame.T_odom_vehicle))
   {
     return;
@@ -230,12 +226,12 @@ SceneContent MapBuilder::scene() const
   const MapPoints points = map_.points();
   scene.points = points.points;
   scene.intensity = points.intensity;
-  scene.trajectory = trajectory_.trajectory;
+  scene.trajectory = trajectory_;
   for (const auto& [id, path] : object_paths_)
   {
     if (moves_.at(id))
     {
-      scene.object_paths.push_back(path);
+      scene.object_paths[id] = path;
       scene.boxes.push_back(last_boxes_.at(id));
     }
   }

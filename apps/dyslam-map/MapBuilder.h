@@ -7,7 +7,6 @@
 #include <dyslam/io/GroundTruth.h>
 #include <dyslam/io/Labels.h>
 #include <dyslam/io/SceneExport.h>
-#include <dyslam/io/TrajectoryFiles.h>
 #include <dyslam/mapping/MapExport.h>
 #include <dyslam/mapping/StaticMap.h>
 #include <dyslam/odometry/Preprocessor.h>
@@ -27,11 +26,9 @@ struct MapBuilderOptions
   std::string labels;              //!< folder of NNNNNN.label, or one with such a `labels` folder
   std::string tracks;              //!< objects' boxes; those that move are left out of the map
   double keyframe_distance = 1.0;  //!< [m]
-  double keyframe_angle = 0.17;    //!< [rad]
   double tolerance = 0.01;         //!< of time stamps against the trajectory's [s]
   int threads = 0;                 //!< 0: the machine's number
   bool labelled_map = false;       //!< collect labelledMap() as well
-  double labelled_voxel = 0.1;     //!< its voxels [m]
 };
 
 /** Every point of a recording, thinned, with its true label: what maps are judged against. */
@@ -45,8 +42,13 @@ struct LabelledMap
 class MapBuilder
 {
  public:
-  /** Reads labels' folder and tracks. \throws UserError. */
-  MapBuilder(const TrajectoryFile& trajectory, const MapBuilderOptions& options);
+  /** Reads labels' folder and tracks. \param trajectory has the times of the scans.
+   * \throws UserError. */
+  MapBuilder(const Trajectory& trajectory, const MapBuilderOptions& options);
+
+  /** First pass, if there are tracks: where the objects of a scan are. Every scan comes here before
+   * the first add(), for an object that moves at all is left out of all scans. */
+  void noteObjects(const Frame& frame);
 
   /** The next scan of the recording, in order. Those the trajectory has no pose for are skipped. */
   void add(Frame frame);
@@ -65,10 +67,9 @@ class MapBuilder
   void fillCloud(Frame& frame, std::size_t pose) const;
   [[nodiscard]] std::vector<Label> labelsOf(const Frame& frame) const;
   void fillMoving(Frame& frame) const;
-  void noteObjects(const Frame& frame);
   void collectLabelled(const Frame& frame);
 
-  TrajectoryFile trajectory_;
+  Trajectory trajectory_;
   MapBuilderOptions options_;
   std::string label_folder_;
   std::multimap<int, LabelledBox> boxes_;  // by frame, lidar frame

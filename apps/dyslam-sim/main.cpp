@@ -8,6 +8,7 @@
 #include <string>
 
 #include "../common/AppMain.h"
+#include "../common/Checks.h"
 #include "../common/Progress.h"
 #include "Benchmark.h"
 #include "Recorder.h"
@@ -39,13 +40,13 @@ void declare(CLI::App& app, Arguments& a)
   app.add_option("-o,--output", a.recording.output, "rawlog to write");
   app.add_option("--ego", a.ego,
                  "what carries the sensor: car, robot or handheld (what suits the world)");
-  app.add_option("--speed", o.ego_speed, "cruising speed [m/s] (what suits the world)");
+  app.add_option("--speed", o.ego_speed, "cruising speed [m/s]; 0: what suits the world (0)");
   app.add_option("--loop", o.loop_length, "about how long the closed loop is [m] (400)");
   app.add_option("--start", o.start_fraction, "where on the loop the ego starts, 0 to 1 (0)");
   app.add_option("--start-time", o.start_time, "traffic simulated before the first scan [s] (5)");
   app.add_flag("--one-loop", a.recording.one_loop,
                "stop when the loop is closed, or after --seconds");
-  app.add_option("--columns", o.columns, "firings in one turn (the sensor's)");
+  app.add_option("--columns", o.columns, "firings in one turn; 0: the sensor's (0)");
   app.add_option("--max-range", o.max_range, "[m] (the sensor's)");
   app.add_flag("--compact", a.recording.compact,
                "small files: coordinates on a grid of 1/128 m, points ring by ring");
@@ -53,9 +54,17 @@ void declare(CLI::App& app, Arguments& a)
   app.add_flag("--no-noise", a.no_noise, "every ray that hits returns the exact range");
   app.add_flag("--no-distortion", a.no_distortion, "a whole scan is taken at its stamp");
   app.add_flag("--no-stops", a.no_stops, "the ego stops for others only");
-  app.add_option("--threads", a.recording.threads, "0 takes the machine's number (0)");
-  app.add_option("--benchmark", a.benchmark,
-                 "write the standing benchmark set to this folder instead");
+  app.add_option("--threads", a.recording.threads, "0 takes the machine's number (0)")
+      ->check(CLI::Range(0, 256));
+  CLI::Option* benchmark = app.add_option(
+      "--benchmark", a.benchmark, "write the standing benchmark set to this folder instead");
+  for (const char* fixed :
+       {"--world", "--sensor", "--traffic", "--seed", "--output", "--ego", "--speed", "--loop",
+        "--start", "--start-time", "--one-loop", "--columns", "--max-range", "--compact",
+        "--no-flow", "--no-noise", "--no-distortion", "--no-stops"})
+  {
+    benchmark->excludes(app.get_option(fixed));
+  }
   app.add_option("--only", a.only, "of the benchmark set, this recording alone");
   app.add_flag("-q,--quiet", a.quiet, "no progress");
 }
@@ -120,6 +129,7 @@ void run(Arguments& a)
   {
     throw UserError("say where to write with -o x.rawlog, or --benchmark DIR");
   }
+  requireFolderOf(a.recording.output);
   a.recording.seconds = a.seconds.value_or(a.recording.seconds);
   SimulatorOptions& o = a.recording.simulator;
   o.world = worldKindFromString(a.world);

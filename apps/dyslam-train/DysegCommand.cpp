@@ -4,12 +4,13 @@
 #include <dyslam/core/Config.h>
 #include <dyslam/core/Error.h>
 #include <dyslam/core/Options.h>
+#include <dyslam/core/PendingFile.h>
+#include <dyslam/core/SharedFiles.h>
 #include <dyslam/train/DysegTrainer.h>
 
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
-#include <fstream>
 #include <iostream>
 
 #include "Share.h"
@@ -104,14 +105,7 @@ Arguments parse(const std::vector<std::string>& words)
   {
     throw UserError("--config and --output are needed; see dyslam-train dyseg --help");
   }
-  if (!a.blend.empty() && a.start.empty())
-  {
-    throw UserError("--blend: needs --start, the weights to blend with");
-  }
-  if (a.resume && !a.start.empty())
-  {
-    throw UserError("--start: not together with --resume, which has weights already");
-  }
+  checkStart(a.start, a.resume, a.blend);
   return a;
 }
 
@@ -140,7 +134,7 @@ int trainDysegCommand(const std::vector<std::string>& words)
     std::fputs(usage, stdout);
     return 0;
   }
-  Config config = Config::fromFile(a.config);
+  Config config = Config::fromFile(findGivenOrShared(a.config, "config_files", ".ini"));
   for (const std::string& assignment : a.assignments)
   {
     config.set(assignment);
@@ -156,8 +150,7 @@ int trainDysegCommand(const std::vector<std::string>& words)
   setup.train.data = expanded(setup.train.data);
 
   std::filesystem::create_directories(a.output);
-  const std::string effective = a.output + "/effective.ini";
-  std::ofstream(effective) << loader.effective().toIni();
+  writeWhole(a.output + "/effective.ini", loader.effective().toIni());
   DysegTrainer trainer(setup, a.output);
   if (a.resume)
   {

@@ -19,4 +19,17 @@ inline double shareOf(const std::string& text)
   }
   return share;
 }
+
+/** What --start goes together with. \throws UserError. */
+inline void checkStart(const std::string& start, bool resume, const std::string& blend)
+{
+  if (!blend.empty() && start.empty())
+  {
+    throw UserError("--blend: needs --start, the weights to blend with");
+  }
+  if (resume && !start.empty())
+  {
+    throw UserError("--start: not together with --resume, which has weights already");
+  }
+}
 }  // namespace dyslam

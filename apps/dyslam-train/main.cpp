@@ -2,6 +2,7 @@
 #include <dyslam/core/Config.h>
 #include <dyslam/core/Error.h>
 #include <dyslam/core/FreedMemory.h>
+#include <dyslam/core/SharedFiles.h>
 #include <dyslam/train/DyloTrainer.h>
 
 #include <cstdio>
@@ -128,10 +129,8 @@ Arguments parse(int argc, char** argv)
   {
     throw dyslam::UserError("--config and --output are needed; see --help");
   }
-  if (!arguments.request.blend.empty() && arguments.request.start.empty())
-  {
-    throw dyslam::UserError("--blend: needs --start, the weights to blend with");
-  }
+  const dyslam::DyloTrainRequest& request = arguments.request;
+  dyslam::checkStart(request.start, request.resume, request.blend);
   return arguments;
 }
 }  // namespace
@@ -150,7 +149,8 @@ int main(int argc, char** argv)
     {
       return 0;
     }
-    dyslam::Config config = dyslam::Config::fromFile(arguments.config);
+    dyslam::Config config = dyslam::Config::fromFile(
+        dyslam::findGivenOrShared(arguments.config, "config_files", ".ini"));
     for (const std::string& assignment : arguments.assignments)
     {
       config.set(assignment);
@@ -161,7 +161,8 @@ int main(int argc, char** argv)
   }
   catch (const std::exception& error)
   {
-    std::cerr << "dyslam-train: " << error.what() << std::endl;
+    const std::string text = error.what();  // torch's own goes on for a page
+    std::cerr << "dyslam-train: " << text.substr(0, text.find('\n')) << std::endl;
     return 1;
   }
 }

@@ -3,11 +3,15 @@
 #include <dyslam/core/SharedFiles.h>
 #include <dyslam/pipeline/SlamRun.h>
 
+#include <atomic>
+#include <csignal>
 #include <cstdio>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "../common/AppMain.h"
+#include "../common/Checks.h"
 #include "../common/Progress.h"
 
 namespace
@@ -18,8 +22,8 @@ struct Arguments
   std::string config = "kitti64.ini";
   std::vector<std::string> assignments;
   std::string verbosity = "INFO";
-  int skip_first_n = 0;
-  int only_first_n = 0;
+  std::optional<int> skip_first_n;
+  std::optional<int> only_first_n;
 };
 
 void declare(CLI::App& app, Arguments& a)
@@ -37,13 +41,28 @@ void declare(CLI::App& app, Arguments& a)
   app.add_flag("--static-scans", a.settings.static_scans,
                "write the scans without moving points: static_scans/NNNNNN.bin and a rawlog");
   app.add_option("--skip-first-n", a.skip_first_n, "scans to pass over")
-      ->check(CLI::NonNegativeNumber);
+      ->check(dyslam::notNegative());
   app.add_option("--only-first-n", a.only_first_n, "scans to process after those; 0: all")
-      ->check(CLI::NonNegativeNumber);
+      ->check(dyslam::notNegative());
   app.add_option("--profile", a.settings.profile_csv, "CSV file for the times of every stage");
   app.add_option("-v,--verbosity", a.verbosity, "what is printed")
       ->check(CLI::IsMember({"ERROR", "INFO"}))
       ->capture_default_str();
+}
+
+// The only thing a signal can reach.
+std::atomic<bool> stop_asked{false};
+static_assert(std::atomic<bool>::is_always_lock_free, "a signal handler may set it");
+
+/** Ctrl-C and kill end the run after the scan at hand; the second time they kill as usual. */
+void stopOnSignals()
+{
+  struct sigaction action = {};
+  action.sa_handler = [](int) { stop_asked = true; };
+  action.sa_flags = static_cast<int>(SA_RESETHAND) | SA_RESTART;
+  sigemptyset(&action.sa_mask);
+  sigaction(SIGINT, &action, nullptr);
+  sigaction(SIGTERM, &action, nullptr);
 }
 
 void print(const dyslam::SlamRunReport& report, const std::string& folder)
@@ -83,6 +102,7 @@ int main(int argc, char** argv)
       argc, argv, [&](CLI::App& app) { declare(app, a); },
       [&]
       {
+        dyslam::requireConverted(a.settings.rawlog);
         auto& config = a.settings.config;
         config =
             dyslam::Config::fromFile(dyslam::findGivenOrShared(a.config, "config_files", ".ini"));
@@ -90,19 +110,24 @@ int main(int argc, char** argv)
         {
           config.set(assignment);
         }
-        if (a.skip_first_n > 0)
+        if (a.skip_first_n)
         {
-          config.set("input.skip_first_n=" + std::to_string(a.skip_first_n));
+          config.set("input.skip_first_n=" + std::to_string(*a.skip_first_n));
         }
-        if (a.only_first_n > 0)
+        if (a.only_first_n)
         {
-          config.set("input.only_first_n=" + std::to_string(a.only_first_n));
+          config.set("input.only_first_n=" + std::to_string(*a.only_first_n));
         }
+        stopOnSignals();
+        a.settings.stop = [] { return stop_asked.load(); };
         const bool quiet = a.verbosity == "ERROR";
-        dyslam::Progress progress("dyslam", "scans", quiet);
-        const auto report = dyslam::runSlam(a.settings, [&](double fraction, std::size_t frames)
-                                            { progress.update(fraction, frames); });
-        progress.finish(report.frames);
+        dyslam::SlamRunReport report;
+        {
+          dyslam::Progress progress("dyslam", "scans", quiet);
+          report = dyslam::runSlam(a.settings, [&](double fraction, std::size_t frames)
+                                   { progress.update(fraction, frames); });
+          progress.finish(report.frames);
+        }
         if (!quiet)
         {
           print(report, a.settings.output_folder);

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/Error.h>
 #include <dyslam/io/Converters.h>
 
 #include <map>
 #include <string>
 
 #include "../common/AppMain.h"
+#include "../common/Checks.h"
 #include "../common/ConversionReport.h"
 #include "../common/Progress.h"
 
@@ -25,19 +27,25 @@ const std::map<std::string, KittiKind> kinds{
 const std::map<std::string, PoseFrame> pose_frames{
     {"auto", PoseFrame::automatic}, {"lidar", PoseFrame::lidar}, {"camera", PoseFrame::camera}};
 
+const std::map<std::string, ScansDeskewed> deskewed{
+    {"auto", ScansDeskewed::automatic}, {"yes", ScansDeskewed::yes}, {"no", ScansDeskewed::no}};
+
 void declare(CLI::App& app, Arguments& arguments)
 {
   KittiConverterOptions& o = arguments.options;
   app.description("Converts a KITTI recording to an MRPT rawlog with its ground truth beside it");
   app.add_option("--kind", o.kind, "odometry, raw or tracking")
       ->required()
-      ->transform(CLI::CheckedTransformer(kinds).description(""));
+      ->transform(wordFor(kinds));
   app.add_option("-i,--input", arguments.input, "folder of the recording")->required();
   app.add_option("-o,--output", arguments.output, "rawlog to write")->required();
   app.add_option("--calib", o.calib, "calibration file, or folder with raw's three files");
   app.add_option("--poses", o.poses, "true poses, TUM or KITTI");
   app.add_option("--pose-frame", o.pose_frame, "whose poses those are: auto, lidar or camera")
-      ->transform(CLI::CheckedTransformer(pose_frames).description(""));
+      ->transform(wordFor(pose_frames));
+  app.add_option("--deskewed", o.deskewed,
+                 "whether the scans are deskewed already: auto (odometry's are), yes or no")
+      ->transform(wordFor(deskewed));
   app.add_option("--oxts", o.oxts, "GNSS/INS file or folder: truth where there are no poses");
   app.add_option("--labels", o.labels, "folder of .label files, one label per point");
   app.add_option("--boxes", o.boxes, "label_02 file, or folder of SUSTechPOINTS json");
@@ -53,6 +61,11 @@ void declare(CLI::App& app, Arguments& arguments)
 
 void run(const Arguments& arguments)
 {
+  if (!arguments.options.sequence.empty() && arguments.options.kind != KittiKind::tracking)
+  {
+    throw UserError("--sequence goes with --kind tracking; another recording is its folder, -i");
+  }
+  requireFolderOf(arguments.output);
   ConversionResult result;
   {
     Progress progress("kitti2rawlog", "scans", arguments.quiet);

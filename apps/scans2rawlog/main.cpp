@@ -4,6 +4,7 @@
 #include <string>
 
 #include "../common/AppMain.h"
+#include "../common/Checks.h"
 #include "../common/ConversionReport.h"
 #include "../common/Progress.h"
 
@@ -41,6 +42,7 @@ void declare(CLI::App& app, Arguments& arguments)
 
 void run(const Arguments& arguments)
 {
+  requireFolderOf(arguments.output);
   ConversionResult result;
   {
     Progress progress("scans2rawlog", "scans", arguments.quiet);

@@ -3,6 +3,8 @@
 dyslam_add_library(NAME nets_common
   SOURCES
     src/PointLinear.cpp
+    src/SaveArchive.cpp
+    src/Threads.cpp
   PUBLIC dyslam::core
   PRIVATE ${TORCH_LIBRARIES})
 

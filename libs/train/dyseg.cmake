@@ -9,7 +9,8 @@ dyslam_add_library(NAME train_dyseg
     src/DysegScores.cpp
     src/DysegSources.cpp
     src/DysegTrainer.cpp
-  PUBLIC dyslam::core dyslam::nets_dyseg dyslam::sim
+    src/DysegValidation.cpp
+  PUBLIC dyslam::core dyslam::nets_dyseg dyslam::sim dyslam::train_common
   PRIVATE ${TORCH_LIBRARIES})
 
 dyslam_add_test(NAME train_dyseg

@@ -307,9 +307,13 @@ TEST_F(BadInput, OutputsThatCannotBeWritten)
   {
     expectRefusal(
         "dyslam-eval",
-        "trajectory --reference " + poses + " --estimate " + poses + " " + flag + at("file/x"),
-        {"file/x: cannot be written"});
+        "trajectory --reference " + poses + " --estimate " + poses + " " + flag + at("file/x.png"),
+        {"file/x.png: cannot be written"});
   }
+  expectRefusal(
+      "dyslam-eval",
+      "trajectory --reference " + poses + " --estimate " + poses + " --plot " + at("p.xyz"),
+      {"p.xyz: the ending must be .png"});
   fs::create_directories(at("scans"));
   write("scans/0.bin", std::string(1600, '\x3F'));
   expectRefusal("scans2rawlog", "-i " + at("scans") + " -o " + at("file/a.rawlog"), {"a.rawlog"});
@@ -352,7 +356,32 @@ TEST_F(BadInput, Configs)
       "dyslam-map",
       "-i " + at("good.rawlog") + " --trajectory x -o m.pcd -c vlp16.ini --set mapp.voxel_size=1",
       {"--set mapp.voxel_size=1", "sections map, preprocess"});
+  expectRefusal("dyslam-map",
+                "-i " + at("good.rawlog") + " --trajectory x -o m.pcd -c " +
+                    write("bad.ini", "[mapp]\nvoxel_size = 1\n"),
+                {"bad.ini:1", "[mapp]", "did you mean [map]"});
   EXPECT_FALSE(fs::exists(at("never") + "/trajectory_tum.txt"));
+}
+
+TEST_F(BadInput, WordsOfTheCommandLine)
+{
+  const std::string out = " -o " + at("never.rawlog");
+  expectRefusal("dyslam-eval", "foo", {"foo: unknown command"});
+  expectRefusal("dyslam-eval", "trak", {"trak: unknown command", "did you mean tracks"});
+  expectRefusal("kitti2rawlog", "--kind foo -i " + at("") + out,
+                {"'foo' is none of odometry, raw, tracking"});
+  expectRefusal("kitti2rawlog", "--kind 1 -i " + at("") + out, {"'1' is none of"});
+  expectRefusal("kitti2rawlog", "--kind odometry --sequence 0000 -i " + at("") + out,
+                {"--sequence goes with --kind tracking"});
+  expectRefusal("dyslam", "-i x --skip-first-n -3 -o " + at("never"),
+                {"'-3' is not a number of 0 or more"});
+  expectRefusal("dyslam", "-i " + write("a.pcap", "x") + " -o " + at("never"), {"scans2rawlog"});
+  expectRefusal("dyslam-eval", "run --truth /nope " + at(""), {"/nope: is not a folder"});
+  const std::string box = write("tracks.txt", "0 1 Car 0 0 0 0 0 0 0 1.5 1.8 4 10 2 0 0\n");
+  const std::string tracks = "tracks --reference " + box + " --estimate " + box;
+  expectRefusal("dyslam-eval", tracks + " --class Truckk",
+                {"Truckk: is none of", "Pedestrian", "did you mean Truck?"});
+  EXPECT_EQ(run("dyslam-eval", tracks + " --class Car").code, 0);
 }
 
 TEST_F(BadInput, Trajectories)
@@ -379,6 +408,37 @@ TEST_F(BadInput, Trajectories)
   expectRefusal("dyslam-map",
                 "-q -i " + at("good.rawlog") + " --trajectory " + later + " -o " + at("never.pcd"),
                 {"has no pose for any scan", "--tolerance"});
+  EXPECT_FALSE(fs::exists(at("never.pcd")));
+}
+
+TEST_F(BadInput, MapsOfPosesAndLabelsThatDoNotFit)
+{
+  std::string line = "1 0 0 0 0 1 0 0 0 0 1 0\n";
+  const std::string three = write("three.txt", line + line + line);
+  const std::string map = "-q -i " + at("good.rawlog") + " --trajectory " + three;
+  const std::string output = " -o " + at("never.pcd");
+  expectRefusal("dyslam-map", map + output,
+                {"three.txt: has 3 poses", "12 scans are used", "--skip-first-n"});
+  EXPECT_FALSE(fs::exists(at("never.pcd")));
+  const std::string part = map + " --skip-first-n 4 --only-first-n 3 --keyframe-distance 0";
+  const Outcome fits = run("dyslam-map", part + " -o " + at("part.pcd"));
+  EXPECT_EQ(fits.code, 0) << fits.err;
+  EXPECT_NE(fits.out.find("3 scans, 0 without a pose, 3 keyframes"), std::string::npos) << fits.out;
+
+  fs::create_directories(at("no_labels"));
+  expectRefusal("dyslam-map", part + output + " --labels " + at("no_labels"),
+                {"no_labels: is not a folder of .label files"});
+  write("other_labels/000000.label", "1234");
+  expectRefusal("dyslam-map", part + output + " --labels " + at("other_labels"),
+                {"000004.label: no such file", "--labels of this recording"});
+  write("other_labels/000004.label", "1234");
+  expectRefusal("dyslam-map", part + output + " --labels " + at("other_labels"),
+                {"000004.label: has 1 labels"});
+  expectRefusal("dyslam-map",
+                part + " --labelled-map " + at("ref") + " --labels " + at("no_labels"),
+                {"ref: the ending is none of .ply"});
+  expectRefusal("dyslam-map", part + " --labelled-map " + at("ref.ply"),
+                {"ref.ply", "give --labels or --tracks"});
   EXPECT_FALSE(fs::exists(at("never.pcd")));
 }
 

@@ -240,6 +240,73 @@ TEST_F(SlamRun, ATruncatedRawlogLeavesTheResultsBeforeTheCut)
   EXPECT_GT(contentOf(s.output_folder + "/report.json").size(), 0U);
 }
 
+TEST_F(SlamRun, AStoppedRunLeavesItsResults)
+{
+  auto s = settings("stopped");
+  s.labels = false;
+  int asked = 0;
+  s.stop = [&] { return ++asked == 6; };
+  const std::string error = errorOf(s);
+  EXPECT_NE(error.find("stopped; results of the 6 scans"), std::string::npos) << error;
+  EXPECT_EQ(readTum(s.output_folder + "/trajectory_tum.txt").size(), 6U);
+  EXPECT_GT(contentOf(s.output_folder + "/report.json").size(), 0U);
+}
+
+TEST_F(SlamRun, AnEarlierRunLeavesNothingBehindInTheFolder)
+{
+  auto s = settings("again");
+  s.static_scans = true;
+  s.config.set("input.only_first_n=4");
+  (void)runSlam(s);
+  const fs::path folder = s.output_folder;
+  ASSERT_TRUE(fs::exists(folder / "labels" / "000003.label"));
+  std::ofstream(folder / "notes.txt") << "mine";
+  std::ofstream(folder / "labels" / "notes.txt") << "mine";
+
+  s.labels = false;
+  s.static_scans = false;
+  s.config.set("input.only_first_n=2");
+  s.config.set("pipeline.mapping=false");
+  (void)runSlam(s);
+  EXPECT_FALSE(fs::exists(folder / "labels" / "000000.label"));
+  for (const char* gone : {"static_scans", "static_scans.rawlog", "map_static.ply"})
+  {
+    EXPECT_FALSE(fs::exists(folder / gone)) << gone;
+  }
+  EXPECT_TRUE(fs::exists(folder / "notes.txt"));
+  EXPECT_TRUE(fs::exists(folder / "labels" / "notes.txt"));
+}
+
+TEST_F(SlamRun, WhatNoRunWroteIsNotReplaced)
+{
+  auto s = settings("sequence");
+  const fs::path folder = s.output_folder;
+  fs::create_directories(folder / "labels");
+  std::ofstream(folder / "labels" / "000000.label") << "official";
+  EXPECT_NE(errorOf(s).find("of no run"), std::string::npos);
+  EXPECT_EQ(contentOf(folder / "labels" / "000000.label"), "official");
+
+  s = settings("in_place");
+  fs::create_directories(s.output_folder);
+  s.rawlog = s.output_folder + "/static_scans.rawlog";
+  fs::copy_file(recording(), s.rawlog);
+  const std::string before = contentOf(s.rawlog);
+  EXPECT_NE(errorOf(s).find("would be replaced"), std::string::npos);
+  EXPECT_EQ(contentOf(s.rawlog), before);
+}
+
+TEST_F(SlamRun, WarnsWhereNothingMeasuresTheMotion)
+{
+  auto s = settings("unmeasured");
+  s.labels = false;
+  s.config.set("odometry.method=constant_velocity");
+  s.config.set("refine.method=none");
+  s.config.set("input.only_first_n=2");
+  const auto warnings = runSlam(s).warnings;
+  ASSERT_FALSE(warnings.empty());
+  EXPECT_NE(warnings.back().find("refine.method"), std::string::npos) << warnings.back();
+}
+
 TEST_F(SlamRun, EmptyScansAndBadPointsDoNotStopIt)
 {
   auto s = settings("spoiled");

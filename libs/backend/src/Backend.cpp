@@ -307,16 +307,6 @@ const std::vector<Loop>& Backend::loops() const
   return state_->loops;
 }
 
-std::map<LoopVerdict, std::size_t> Backend::loopCounts() const
-{
-  std::map<LoopVerdict, std::size_t> counts;
-  for (const Loop& loop : state_->loops)
-  {
-    ++counts[loop.verdict];
-  }
-  return counts;
-}
-
 const PoseGraphResult& Backend::lastOptimisation() const
 {
   return state_->last_result;

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "InitialGuess.h"
 
+#include <dyslam/core/Error.h>
+
 #include <Eigen/Dense>
 #include <Eigen/SparseCholesky>
-#include <stdexcept>
 #include <vector>
 
 namespace dyslam
@@ -35,7 +36,9 @@ Eigen::MatrixXd solveSymmetric(Eigen::Index size, const Triplets& lower, const E
   const Eigen::SimplicialLLT<Sparse, Eigen::Lower> cholesky(H);
   if (cholesky.info() != Eigen::Success)
   {
-    throw std::runtime_error("chordal initialisation: factorisation failed");
+    throw UserError(
+        "pose graph: start = chordal fails, as the information of the edges is too uneven; use "
+        "start = spanning_tree");
   }
   return cholesky.solve(rhs);
 }

@@ -9,6 +9,8 @@
 #include <cstdint>
 #include <utility>
 
+#include "GroundHeight.h"
+
 namespace dyslam
 {
 namespace
@@ -17,20 +19,6 @@ constexpr std::size_t least_pairs = 50;
 constexpr double cell_size = 0.5;     // of the grid seen from above [m]
 constexpr float least_height = 0.7F;  // over the ground to count as structure [m]
 constexpr std::size_t most_points = 1500;
-
-/** The height that one in ten points lies below. */
-float groundHeight(const std::vector<Eigen::Vector3f>& points)
-{
-  std::vector<float> heights;
-  heights.reserve(points.size());
-  for (const Eigen::Vector3f& p : points)
-  {
-    heights.push_back(p.z());
-  }
-  const auto tenth = heights.begin() + static_cast<std::ptrdiff_t>(heights.size() / 10);
-  std::nth_element(heights.begin(), tenth, heights.end());
-  return *tenth;
-}
 
 /** Evenly picked points, about `limit` at most. */
 template <typename Point>
@@ -49,7 +37,7 @@ std::vector<Point> thinned(const std::vector<Point>& points, std::size_t limit)
 std::vector<Eigen::Vector2f> structureOf(const std::vector<Eigen::Vector3f>& points,
                                          std::size_t limit)
 {
-  const float ground = groundHeight(points);
+  const float ground = groundHeight(points, 10);
   std::vector<Eigen::Vector2f> all;
   for (const Eigen::Vector3f& p : points)
   {
@@ -152,7 +140,7 @@ Placement bestShift(const GridFromAbove& grid, const std::vector<Eigen::Vector2i
 double RegistrationTarget::overlap(const std::vector<Eigen::Vector3f>& source,
                                    const Pose& T_target_source) const
 {
-  const float ground = groundHeight(source);
+  const float ground = groundHeight(source, 10);
   const Eigen::Isometry3f T = T_target_source.cast<float>();
   std::size_t standing = 0;
   std::size_t met = 0;

@@ -76,7 +76,7 @@ struct Pending
 
 struct LoopCloser::State
 {
-  explicit State(const LoopCloserOptions& given) : options(given) { validate(options, "loops"); }
+  explicit State(const LoopCloserOptions& given) : options(given) { validate(options, "loop"); }
 
   /** How far the estimate of a keyframe `path` metres back may be off [m]. */
   [[nodiscard]] double radiusAfter(double path) const

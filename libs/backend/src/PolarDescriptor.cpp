@@ -4,38 +4,20 @@
 #include <algorithm>
 #include <cmath>
 
+#include "GroundHeight.h"
+
 namespace dyslam
 {
 namespace
 {
 constexpr float height_step = 1.0F / 16;
 
-/** The height that one in twenty points lies below. */
-float groundHeight(const std::vector<Eigen::Vector3f>& points)
-{
-  std::vector<float> heights;
-  for (const Eigen::Vector3f& p : points)
-  {
-    if (p.allFinite())
-    {
-      heights.push_back(p.z());
-    }
-  }
-  if (heights.empty())
-  {
-    return 0;
-  }
-  const auto low = heights.begin() + static_cast<std::ptrdiff_t>(heights.size() / 20);
-  std::nth_element(heights.begin(), low, heights.end());
-  return *low;
-}
-
 using Column = Eigen::Matrix<float, PolarDescriptor::rings, 1>;
 }  // namespace
 
 PolarDescriptor::PolarDescriptor(const std::vector<Eigen::Vector3f>& points, double max_range)
 {
-  const float ground = groundHeight(points);
+  const float ground = groundHeight(points, 20);
   const auto ring_width = static_cast<float>(max_range / static_cast<double>(rings));
   for (const Eigen::Vector3f& p : points)
   {

@@ -47,9 +47,15 @@ ObjectClass objectClassFromString(const std::string& name)
   {
     return ObjectClass::pedestrian;
   }
-  if (wanted == "motorcycle" || wanted == "motorcyclerider" || wanted == "motorcycle_rider")
+  // SUSTechPOINTS's own data have the third spelling.
+  if (wanted == "motorcycle" || wanted == "motorcyclerider" || wanted == "motorcylerider" ||
+      wanted == "motorcycle_rider")
   {
     return ObjectClass::motorcyclist;
+  }
+  if (wanted == "bicyclerider")
+  {
+    return ObjectClass::cyclist;
   }
   for (const auto& [value, known] : names)
   {

@@ -194,88 +194,6 @@ float elevationOf(const Eigen::Vector3f& p)
   return std::atan2(p.z(), std::hypot(p.x(), p.y()));
 }
 
-BeamTable BeamTable::uniform(double lowest, double highest, int count)
-{
-  BeamTable table;
-  for (int i = 0; i < count; ++i)
-  {
-    const double share = count > 1 ? static_cast<double>(i) / (count - 1) : 0.0;
-    table.elevations.push_back(static_cast<float>(lowest + share * (highest - lowest)));
-  }
-  return table;
-}
-
-BeamTable BeamTable::fromRings(const std::vector<Eigen::Vector3f>& points,
-                               const std::vector<std::uint16_t>& rings)
-{
-  if (rings.size() != points.size())
-  {
-    throw std::invalid_argument("BeamTable: one ring per point is needed");
-  }
-  std::vector<std::vector<float>> of_ring;
-  for (std::size_t i = 0; i < points.size(); ++i)
-  {
-    if (isReturn(points[i]))
-    {
-      of_ring.resize(std::max<std::size_t>(of_ring.size(), rings[i] + 1U));
-      of_ring[rings[i]].push_back(elevationOf(points[i]));
-    }
-  }
-  BeamTable table;
-  std::vector<std::size_t> known;
-  for (std::size_t r = 0; r < of_ring.size(); ++r)
-  {
-    table.elevations.push_back(medianOf(of_ring[r]));
-    if (!of_ring[r].empty())
-    {
-      known.push_back(r);
-    }
-  }
-  for (std::size_t k = 0; k < known.size(); ++k)
-  {
-    const std::size_t low = known[k];
-    const std::size_t high = k + 1 < known.size() ? known[k + 1] : low;
-    for (std::size_t r = low + 1; r < high; ++r)
-    {
-      const float share = static_cast<float>(r - low) / static_cast<float>(high - low);
-      table.elevations[r] =
-          table.elevations[low] + share * (table.elevations[high] - table.elevations[low]);
-    }
-  }
-  if (!known.empty())
-  {
-    std::fill_n(table.elevations.begin(), known.front(), table.elevations[known.front()]);
-  }
-  std::sort(table.elevations.begin(), table.elevations.end());
-  return table;
-}
-
-int BeamTable::row(float elevation) const
-{
-  if (elevations.empty() || !std::isfinite(elevation))
-  {
-    return -1;
-  }
-  const auto size = elevations.size();
-  const auto above = static_cast<std::size_t>(
-      std::lower_bound(elevations.begin(), elevations.end(), elevation) - elevations.begin());
-  if (size == 1)
-  {
-    return 0;
-  }
-  if (above == 0)
-  {
-    return elevations[0] - elevation <= (elevations[1] - elevations[0]) / 2 ? 0 : -1;
-  }
-  if (above == size)
-  {
-    const float step = elevations[size - 1] - elevations[size - 2];
-    return elevation - elevations[size - 1] <= step / 2 ? static_cast<int>(size) - 1 : -1;
-  }
-  const bool upper = elevations[above] - elevation < elevation - elevations[above - 1];
-  return static_cast<int>(upper ? above : above - 1);
-}
-
 RangeImage projectByRing(const std::vector<Eigen::Vector3f>& points,
                          const std::vector<std::uint16_t>& rings,
                          int rows,
@@ -291,27 +209,6 @@ RangeImage projectByRing(const std::vector<Eigen::Vector3f>& points,
     if (rings[i] < rows && isReturn(points[i]))
     {
       put(image, rings[i], points[i], i);
-    }
-  }
-  return image;
-}
-
-RangeImage projectByBeams(const std::vector<Eigen::Vector3f>& points,
-                          const BeamTable& beams,
-                          int cols)
-{
-  RangeImage image =
-      emptyImage(static_cast<int>(std::max<std::size_t>(1, beams.elevations.size())), cols);
-  for (std::size_t i = 0; i < points.size(); ++i)
-  {
-    if (!isReturn(points[i]))
-    {
-      continue;
-    }
-    const int row = beams.row(elevationOf(points[i]));
-    if (row >= 0)
-    {
-      put(image, row, points[i], i);
     }
   }
   return image;

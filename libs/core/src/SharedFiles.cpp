@@ -55,26 +55,11 @@ std::string namesIn(const std::string& folder, const std::string& extension)
 }
 }  // namespace
 
-std::string findShared(const std::string& relative_path)
-{
-  std::string places;
-  for (const auto& folder : sharedFolders())
-  {
-    if (fs::is_regular_file(folder / relative_path))
-    {
-      return (folder / relative_path).string();
-    }
-    places += (places.empty() ? "" : ", ") + folder.string();
-  }
-  throw UserError(relative_path + ": not found in " + places +
-                  "; set DYSLAM_SHARE to the folder share/dyslam");
-}
-
 std::string findGivenOrShared(const std::string& path,
                               const std::string& folder,
                               const std::string& extension)
 {
-  if (fs::exists(path))
+  if (fs::is_regular_file(path))
   {
     return path;
   }

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/Labels.h>
 #include <dyslam/core/Objects.h>
 #include <dyslam/core/Trajectory.h>
 #include <gtest/gtest.h>
@@ -50,6 +51,15 @@ TEST(ObjectClass, NamesRoundTrip)
     EXPECT_EQ(objectClassFromString(toString(c)), c);
   }
   EXPECT_EQ(objectClassFromString("DontCare"), ObjectClass::unknown);
+}
+
+TEST(Labels, MovingAndIgnored)
+{
+  constexpr std::uint32_t instance = 7U << 16U;
+  EXPECT_TRUE(isMovingLabel(251) && isMovingLabel(252 + instance) && isMovingLabel(259));
+  EXPECT_FALSE(isMovingLabel(250) || isMovingLabel(260) || isMovingLabel(9 + instance));
+  EXPECT_TRUE(isIgnoredLabel(0) && isIgnoredLabel(1 + instance));
+  EXPECT_FALSE(isIgnoredLabel(2) || isIgnoredLabel(252));
 }
 }  // namespace
 }  // namespace dyslam

@@ -18,9 +18,11 @@ class Scripted : public dyslam::MovingSegmenter
   [[nodiscard]] std::string name() const override { return "scripted"; }
   [[nodiscard]] bool needsPose() const override { return false; }
   void segment(Frame& frame) override { frame.moving_probability = answer; }
+  [[nodiscard]] const dyslam::MotionEstimate* staticMotion() const override { return &motion; }
   void reset() override {}
 
   std::vector<float> answer;
+  dyslam::MotionEstimate motion;
 };
 
 struct Rig
@@ -86,6 +88,14 @@ TEST(TemporalFilter, FollowsThePoseNotTheVehicle)
     rig.see(2.0F * static_cast<float>(k), 8.1F + 2.0F * static_cast<float>(k), 0.1F);
   }
   EXPECT_FLOAT_EQ(rig.see(10, 18.1F, 0.7F), 0.7F);
+}
+
+TEST(TemporalFilter, HandsOnNoMotion)
+{
+  // Behind the odometry, the motion would be that of the scan before.
+  const Rig rig;
+  rig.see(0, 12.1F, 0.1F);
+  EXPECT_EQ(rig.filter->staticMotion(), nullptr);
 }
 
 TEST(TemporalFilter, EmptyAndInvalidPoints)

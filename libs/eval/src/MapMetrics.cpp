@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/Labels.h>
 #include <dyslam/eval/MapMetrics.h>
-#include <dyslam/eval/SegmentationMetrics.h>
 
 #include <array>
 #include <cmath>
@@ -113,7 +113,7 @@ MapScores scoreVoxels(const std::vector<Eigen::Vector3f>& reference,
   MapScores scores;
   for (std::size_t i = 0; i < reference.size(); ++i)
   {
-    if (!reference[i].allFinite() || (labels[i] & 0xFFFFU) == 0)
+    if (!reference[i].allFinite() || isIgnoredLabel(labels[i]))
     {
       ++scores.unlabelled;
       continue;
@@ -193,7 +193,7 @@ MapEvaluation evaluateMap(const std::vector<Eigen::Vector3f>& reference,
   const PointGrid grid(estimate, options.point_radius);
   for (std::size_t i = 0; i < reference.size(); ++i)
   {
-    if (!reference[i].allFinite() || (labels[i] & 0xFFFFU) == 0)
+    if (!reference[i].allFinite() || isIgnoredLabel(labels[i]))
     {
       ++result.points.unlabelled;
       continue;

@@ -154,8 +154,9 @@ std::vector<PaperRow> paperFigures(const std::string& sequence)
               absoluteRow("DyLO-SAM-MOT", f.dylo_sam_mot)};
     }
   }
-  throw UserError("the paper has no sequence '" + sequence + "'; the nearest is '" +
-                  nearestWord(sequence, known) +
-                  "' (odometry/00-10, tracking/04..19, campus/00-02)");
+  const std::string nearest = nearestWord(sequence, known);
+  throw UserError("the paper has no sequence '" + sequence + "'" +
+                  (nearest.empty() ? "" : "; the nearest is '" + nearest + "'") +
+                  " (odometry/00-10, tracking/04..19, campus/00-02)");
 }
 }  // namespace dyslam

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/Labels.h>
 #include <dyslam/eval/SegmentationMetrics.h>
 
 #include <array>
@@ -88,28 +89,20 @@ void SegmentationEvaluator::add(const std::vector<std::uint32_t>& reference,
   ++scans_;
   for (std::size_t i = 0; i < reference.size(); ++i)
   {
-    const auto semantic_class = static_cast<std::uint16_t>(reference[i] & 0xFFFFU);
-    if (semantic_class <= 1)
+    if (isIgnoredLabel(reference[i]))
     {
       ++scores_.ignored;
       continue;
     }
     const bool moving = isMovingLabel(reference[i]);
     const bool called_moving = isMovingLabel(estimate[i]);
-    auto& entry = classes_[semantic_class];
+    auto& entry = classes_[static_cast<std::uint16_t>(reference[i] & 0xFFFFU)];
     ++entry.points;
     entry.called_moving += called_moving ? 1 : 0;
     auto& count = moving ? (called_moving ? scores_.true_positives : scores_.false_negatives)
                          : (called_moving ? scores_.false_positives : scores_.true_negatives);
     ++count;
   }
-}
-
-bool isMovingLabel(std::uint32_t label)
-{
-  const std::uint32_t semantic_class = label & 0xFFFFU;
-  // SemanticKITTI lists 252-259; 251 is the "moving" of SemanticKITTI-MOS predictions.
-  return semantic_class >= 251 && semantic_class <= 259;
 }
 
 std::string semanticKittiName(std::uint16_t semantic_class)

@@ -139,29 +139,6 @@ std::string Table::toText() const
   return out;
 }
 
-std::string Table::toMarkdown() const
-{
-  const auto shown = filledColumns();
-  std::string out = "|";
-  std::string rule = "|";
-  for (const std::size_t c : shown)
-  {
-    out += " " + columns_[c] + " |";
-    rule += c == 0 ? " --- |" : " ---: |";
-  }
-  out += "\n" + rule + "\n";
-  for (const auto& row : rows_)
-  {
-    out += "|";
-    for (const std::size_t c : shown)
-    {
-      out += " " + row[c].text + " |";
-    }
-    out += "\n";
-  }
-  return out;
-}
-
 std::string Table::toCsv() const
 {
   std::string out;

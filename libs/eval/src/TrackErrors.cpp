@@ -54,13 +54,46 @@ TrackError errorOf(const LabelledBox& reference)
 void compare(TrackError& error, const LabelledBox& reference, const LabelledBox& estimate)
 {
   error.found = true;
-  error.estimated_id = estimate.id;
   error.same_type = sameType(reference.type, estimate.type);
   error.position = distance(reference, estimate);
   const double angle = std::abs(wrapAngle(estimate.box.yaw - reference.box.yaw));
   error.yaw = std::min(angle, M_PI - angle);
 }
 }  // namespace
+
+TrackSpeeds speedsFrom(const std::vector<LabelledBox>& boxes,
+                       const std::map<int, StampedPose>& T_world_lidar)
+{
+  struct Sighting
+  {
+    double stamp;
+    Eigen::Vector3d position;  // world
+  };
+  std::map<std::pair<int, int>, Sighting> sightings;  // by id and frame
+  for (const LabelledBox& box : boxes)
+  {
+    const auto pose = T_world_lidar.find(box.frame);
+    if (box.id >= 0 && pose != T_world_lidar.end())
+    {
+      sightings[{box.id, box.frame}] = {pose->second.stamp, pose->second.pose * box.box.center};
+    }
+  }
+  TrackSpeeds speeds;
+  for (auto now = sightings.begin(); now != sightings.end(); ++now)
+  {
+    const auto [id, frame] = now->first;
+    auto first = sightings.find({id, frame - 1});
+    auto last = sightings.find({id, frame + 1});
+    first = first == sightings.end() ? now : first;
+    last = last == sightings.end() ? now : last;
+    const double dt = last->second.stamp - first->second.stamp;
+    if (dt > 0)
+    {
+      speeds[{frame, id}] = (last->second.position - first->second.position).head<2>().norm() / dt;
+    }
+  }
+  return speeds;
+}
 
 std::vector<TrackError> trackErrors(const TrackSequence& sequence,
                                     const TrackRules& rules,

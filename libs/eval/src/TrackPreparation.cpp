@@ -13,6 +13,12 @@ namespace dyslam::track_evaluation
 {
 namespace
 {
+// KITTI's rules.
+constexpr int max_truncated = 0;
+constexpr int max_occluded = 2;
+constexpr double min_image_height = 25;  // of estimates [px]
+constexpr double max_dontcare = 0.5;     // share of an estimate's image box in a DontCare area
+
 std::string lowered(std::string text)
 {
   std::transform(text.begin(), text.end(), text.begin(),
@@ -131,11 +137,10 @@ class Preparation
       bool excusable = false;
       if (rules_.image_rules)
       {
-        excusable = std::abs(box->image_box[3] - box->image_box[1]) <= rules_.min_image_height;
+        excusable = std::abs(box->image_box[3] - box->image_box[1]) <= min_image_height;
         for (const LabelledBox* area : areas_[f])
         {
-          excusable =
-              excusable || imageShare(box->image_box, area->image_box) > rules_.max_dontcare;
+          excusable = excusable || imageShare(box->image_box, area->image_box) > max_dontcare;
         }
       }
       result.excusable.push_back(excusable);
@@ -165,8 +170,7 @@ class Preparation
 bool isPassedOver(const LabelledBox& box, const TrackRules& rules)
 {
   return box.occluded == passed_over_box ||
-         (rules.image_rules &&
-          (box.occluded > rules.max_occluded || box.truncated > rules.max_truncated));
+         (rules.image_rules && (box.occluded > max_occluded || box.truncated > max_truncated));
 }
 
 bool sameType(const std::string& a, const std::string& b)

@@ -2,6 +2,8 @@
 #include <dyslam/core/Error.h>
 #include <dyslam/eval/TrajectoryMetrics.h>
 
+#include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
 #include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
@@ -31,7 +33,48 @@ std::vector<double> travelled(const std::vector<Pose>& poses)
   return lengths;
 }
 
-/** The rotation R that makes sum |r_i - R e_i|^2 least for centred positions (Kabsch, Umeyama). */
+/** Whether the reference's positions are so much a line that what they tell of the rotation about
+ * it is worse than the orientations: they spread less than a hundredth as far across as along, and
+ * less than ten times what R leaves of the estimate's error across.
+ * \param[out] direction of the line. */
+bool isLine(const PosePairs& pairs,
+            const Eigen::Vector3d& reference_mean,
+            const Eigen::Vector3d& estimate_mean,
+            const Eigen::Matrix3d& R,
+            Eigen::Vector3d& direction)
+{
+  constexpr double narrow = 0.01;
+  constexpr double clear = 10;
+  Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
+  Eigen::Matrix3d error = Eigen::Matrix3d::Zero();
+  for (std::size_t i = 0; i < pairs.size(); ++i)
+  {
+    const Eigen::Vector3d r = pairs.reference[i].translation() - reference_mean;
+    const Eigen::Vector3d d = r - R * (pairs.estimate[i].translation() - estimate_mean);
+    spread += r * r.transpose();
+    error += d * d.transpose();
+  }
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(spread);
+  const Eigen::Vector3d& squares = solver.eigenvalues();  // the least first
+  direction = solver.eigenvectors().col(2);
+  const double error_across = error.trace() - direction.dot(error * direction);
+  return squares[1] < narrow * narrow * squares[2] && squares[1] < clear * clear * error_across;
+}
+
+/** The turn about `axis` after R that makes sum |R_r - turn R R_e|^2 least.
+ * \param orientations sum R_r R_e^T. */
+Eigen::Matrix3d turnAbout(const Eigen::Vector3d& axis,
+                          const Eigen::Matrix3d& orientations,
+                          const Eigen::Matrix3d& R)
+{
+  const Eigen::Matrix3d a = orientations * R.transpose();
+  const Eigen::Vector3d skew(a(2, 1) - a(1, 2), a(0, 2) - a(2, 0), a(1, 0) - a(0, 1));
+  const double angle = std::atan2(axis.dot(skew), a.trace() - axis.dot(a * axis));
+  return Eigen::AngleAxisd(angle, axis).toRotationMatrix();
+}
+
+/** The rotation R that makes sum |r_i - R e_i|^2 least for centred positions (Kabsch, Umeyama);
+ * about a line of positions, that of the orientations. */
 Eigen::Matrix3d bestRotation(const PosePairs& pairs,
                              const Eigen::Vector3d& reference_mean,
                              const Eigen::Vector3d& estimate_mean)
@@ -55,7 +98,11 @@ Eigen::Matrix3d bestRotation(const PosePairs& pairs,
   const Eigen::JacobiSVD<Eigen::Matrix3d> svd(positions, Eigen::ComputeFullU | Eigen::ComputeFullV);
   Eigen::Matrix3d mirror = Eigen::Matrix3d::Identity();
   mirror(2, 2) = (svd.matrixU() * svd.matrixV().transpose()).determinant() < 0 ? -1 : 1;
-  return svd.matrixU() * mirror * svd.matrixV().transpose();
+  const Eigen::Matrix3d R = svd.matrixU() * mirror * svd.matrixV().transpose();
+  Eigen::Vector3d line;
+  return isLine(pairs, reference_mean, estimate_mean, R, line)
+             ? turnAbout(line, orientations, R) * R
+             : R;
 }
 }  // namespace
 
@@ -254,7 +301,8 @@ TrajectoryReport evaluateTrajectory(const std::string& name,
   report.pairs = pairs.size();
   report.not_finite = pairs.not_finite;
   report.length = travelled(pairs.reference).back();
-  report.drift = kittiDrift(pairs, options.lengths, options.segment_step);
+  constexpr std::size_t segment_step = 10;  // frames, as the benchmark's devkit
+  report.drift = kittiDrift(pairs, options.lengths, segment_step);
   report.relative = relativePoseError(pairs);
   report.absolute = absoluteTrajectoryError(pairs, options.alignment);
   report.forward_ratio = forwardRatio(pairs);

@@ -2,7 +2,6 @@
 #include <dyslam/eval/TrajectoryPlot.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <stdexcept>
 #include <utility>
@@ -18,21 +17,15 @@ using namespace plot;
 constexpr int page_width = 1600 * supersampling;
 constexpr int page_height = 800 * supersampling;
 
-std::pair<int, int> planeAxes(const PosePairs& pairs, TrajectoryPlotOptions::Plane plane)
+/** The axes of the ground. Vehicles and lidars look along x with z up; cameras along z. */
+std::pair<int, int> groundAxes(const PosePairs& pairs)
 {
-  if (plane == TrajectoryPlotOptions::Plane::automatic)
+  Eigen::Vector3d way = Eigen::Vector3d::Zero();  // along the axes of the body
+  for (std::size_t i = 0; i + 1 < pairs.size(); ++i)
   {
-    std::array<Range, 3> spread;
-    for (const auto& pose : pairs.reference)
-    {
-      for (int axis = 0; axis < 3; ++axis)
-      {
-        spread[static_cast<std::size_t>(axis)].add(pose.translation()[axis]);
-      }
-    }
-    return spread[2].size() > spread[1].size() ? std::pair{0, 2} : std::pair{0, 1};
+    way += (pairs.reference[i].inverse() * pairs.reference[i + 1]).translation().cwiseAbs();
   }
-  return plane == TrajectoryPlotOptions::Plane::xz ? std::pair{0, 2} : std::pair{0, 1};
+  return way.z() > way.head<2>().norm() ? std::pair{0, 2} : std::pair{0, 1};
 }
 
 /** The ranges widened about their centres until a metre is as long on both axes. */
@@ -97,7 +90,7 @@ void drawTopView(cv::Mat& page,
                  const std::vector<TrajectoryPlotItem>& items,
                  const TrajectoryPlotOptions& options)
 {
-  const auto [a, b] = planeAxes(items.front().pairs, options.plane);
+  const auto [a, b] = groundAxes(items.front().pairs);
   std::vector<Curve> curves;
   Curve reference;
   reference.name = "reference";

@@ -73,6 +73,18 @@ TEST(MapMetrics, VoxelWithStaticAndDynamicPointsIsStatic)
   EXPECT_DOUBLE_EQ(*e.voxels.preservation(), 0.0);
 }
 
+TEST(MapMetrics, UnlabelledAndOutlierPointsAreLeftOut)
+{
+  const auto e =
+      evaluateMap({{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {3, 0, 0}}, {9, 0, 1U | (7U << 16U), 251}, {});
+  for (const MapScores& scores : {e.points, e.voxels})
+  {
+    EXPECT_EQ(scores.unlabelled, 2U);
+    EXPECT_EQ(scores.static_total, 1U);
+    EXPECT_EQ(scores.dynamic_total, 1U);
+  }
+}
+
 TEST(MapMetrics, EmptyAndBadInput)
 {
   const auto e = evaluateMap({}, {}, {});

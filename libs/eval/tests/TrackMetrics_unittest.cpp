@@ -123,6 +123,36 @@ TEST(TrackMetrics, emptyInputs)
   EXPECT_EQ(summaryOf({}).boxes, 0u);
 }
 
+TEST(TrackErrors, speedsComeFromTheLidarsPosesByFrameNumber)
+{
+  // The lidar 2 m ahead of a vehicle that turns on the spot; scan 2 has no true pose.
+  const Pose T_vehicle_lidar = poseFromYpr(2, 0, 1.7, 0, 0, 0);
+  std::map<int, StampedPose> T_world_lidar;
+  std::vector<LabelledBox> boxes;
+  for (const int f : {0, 1, 2, 3, 4, 5})
+  {
+    const Pose T = poseFromYpr(0, 0, 0, 0.1 * f, 0, 0) * T_vehicle_lidar;
+    if (f != 2)
+    {
+      T_world_lidar[f] = {100 + 0.1 * f, T};
+    }
+    const Eigen::Vector3d stands = T.inverse() * Eigen::Vector3d(20, 5, 1);
+    const Eigen::Vector3d goes = T.inverse() * Eigen::Vector3d(20 + 0.8 * f, -5, 1);
+    boxes.push_back(boxAt(f, 1, stands.x(), stands.y()));
+    boxes.back().box.center.z() = stands.z();
+    boxes.push_back(boxAt(f, 2, goes.x(), goes.y()));
+    boxes.back().box.center.z() = goes.z();
+  }
+  const TrackSpeeds speeds = speedsFrom(boxes, T_world_lidar);
+  EXPECT_EQ(speeds.size(), 10u);
+  for (const int f : {0, 1, 3, 4, 5})
+  {
+    EXPECT_NEAR(speeds.at({f, 1}), 0, 1e-9) << f;
+    EXPECT_NEAR(speeds.at({f, 2}), 8, 1e-9) << f;
+  }
+  EXPECT_EQ(speeds.count({2, 2}), 0u);
+}
+
 TEST(TrackErrors, placeAxisAndSpeed)
 {
   TrackSequence sequence;

@@ -213,6 +213,38 @@ TEST(Alignment, StraightLineKeepsTheRollOfTheOrientations)
   EXPECT_NEAR(error.rotation_deg.max, 0, 1e-3);
 }
 
+/** Largest error after alignment of 100 m, bent by `bow` metres, against itself elsewhere, with 1
+ * cm of noise. */
+AbsoluteTrajectoryError noisyLineError(double bow)
+{
+  std::mt19937 random(5);
+  std::normal_distribution<double> noise(0, 0.01);
+  const Pose T = poseFromYpr(5, 6, 7, 0.4, 0.1, 0.9);
+  std::vector<Pose> reference = straight(100, 1);
+  std::vector<Pose> estimate;
+  for (auto& pose : reference)
+  {
+    pose.translation().y() = bow * std::sin(0.1 * pose.translation().x());
+    Pose noisy = pose;
+    noisy.translation().y() += noise(random);
+    noisy.translation().z() += noise(random);
+    estimate.push_back(T.inverse() * noisy);
+  }
+  return absoluteTrajectoryError(pairsOf(reference, estimate), Alignment::se3);
+}
+
+TEST(Alignment, NoiseAcrossALineDoesNotTurnItOver)
+{
+  for (const double bow : {0.0, 0.001, 0.02})
+  {
+    const auto error = noisyLineError(bow);
+    EXPECT_LT(error.rotation_deg.max, 0.1) << bow;
+    EXPECT_LT(error.translation.max, 0.06) << bow;
+  }
+  // With 10 m across, the positions alone decide, and well.
+  EXPECT_LT(noisyLineError(10).rotation_deg.max, 0.1);
+}
+
 TEST(Alignment, NoneAndFirst)
 {
   std::vector<Pose> shifted;

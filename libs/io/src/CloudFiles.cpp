@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/Error.h>
+#include <dyslam/core/PendingFile.h>
 #include <dyslam/io/CloudFiles.h>
 #include <pcl/PCLPointCloud2.h>
 #include <pcl/console/print.h>
@@ -37,8 +38,10 @@ std::string lowerExtension(const std::string& path)
 class FieldReader
 {
  public:
-  FieldReader(const pcl::PCLPointCloud2& blob, const pcl::PCLPointField& field)
-      : blob_(blob), field_(field)
+  FieldReader(const pcl::PCLPointCloud2& blob,
+              const pcl::PCLPointField& field,
+              const std::string& path)
+      : blob_(blob), field_(field), path_(path)
   {
   }
 
@@ -50,6 +53,7 @@ class FieldReader
       case pcl::PCLPointField::INT8:
         return as<std::int8_t>(at);
       case pcl::PCLPointField::UINT8:
+      case pcl::PCLPointField::BOOL:
         return as<std::uint8_t>(at);
       case pcl::PCLPointField::INT16:
         return as<std::int16_t>(at);
@@ -59,10 +63,17 @@ class FieldReader
         return as<std::int32_t>(at);
       case pcl::PCLPointField::UINT32:
         return as<std::uint32_t>(at);
+      case pcl::PCLPointField::INT64:
+        return as<std::int64_t>(at);
+      case pcl::PCLPointField::UINT64:
+        return as<std::uint64_t>(at);
+      case pcl::PCLPointField::FLOAT32:
+        return as<float>(at);
       case pcl::PCLPointField::FLOAT64:
         return as<double>(at);
       default:
-        return as<float>(at);
+        throw UserError(path_ + ": field '" + field_.name + "' is of a type that cannot be read (" +
+                        std::to_string(field_.datatype) + "); save it as float32");
     }
   }
   [[nodiscard]] bool isWhole() const
@@ -81,9 +92,11 @@ class FieldReader
   }
   const pcl::PCLPointCloud2& blob_;
   const pcl::PCLPointField& field_;
+  const std::string& path_;
 };
 
 std::optional<FieldReader> findField(const pcl::PCLPointCloud2& blob,
+                                     const std::string& path,
                                      std::initializer_list<const char*> names)
 {
   for (const char* name : names)
@@ -92,7 +105,7 @@ std::optional<FieldReader> findField(const pcl::PCLPointCloud2& blob,
     {
       if (field.name == name)
       {
-        return FieldReader(blob, field);
+        return FieldReader(blob, field, path);
       }
     }
   }
@@ -122,9 +135,9 @@ void fillTimes(const FieldReader& reader, Scan& scan)
 
 Scan scanFromBlob(const pcl::PCLPointCloud2& blob, const std::string& path)
 {
-  const auto x = findField(blob, {"x"});
-  const auto y = findField(blob, {"y"});
-  const auto z = findField(blob, {"z"});
+  const auto x = findField(blob, path, {"x"});
+  const auto y = findField(blob, path, {"y"});
+  const auto z = findField(blob, path, {"z"});
   if (!x || !y || !z)
   {
     throw UserError(path + ": has no fields x, y and z");
@@ -141,22 +154,22 @@ Scan scanFromBlob(const pcl::PCLPointCloud2& blob, const std::string& path)
     scan.points.emplace_back(static_cast<float>((*x)(i)), static_cast<float>((*y)(i)),
                              static_cast<float>((*z)(i)));
   }
-  if (const auto intensity =
-          findField(blob, {"intensity", "scalar_intensity", "scalar_Intensity", "reflectivity"}))
+  if (const auto intensity = findField(
+          blob, path, {"intensity", "scalar_intensity", "scalar_Intensity", "reflectivity"}))
   {
     for (std::size_t i = 0; i < count; ++i)
     {
       scan.intensity.push_back(static_cast<float>((*intensity)(i)));
     }
   }
-  if (const auto ring = findField(blob, {"ring"}))
+  if (const auto ring = findField(blob, path, {"ring"}))
   {
     for (std::size_t i = 0; i < count; ++i)
     {
       scan.ring.push_back(static_cast<std::uint16_t>((*ring)(i)));
     }
   }
-  if (const auto time = findField(blob, {"time", "t", "timestamp"}))
+  if (const auto time = findField(blob, path, {"time", "t", "timestamp"}))
   {
     fillTimes(*time, scan);
   }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/Error.h>
+#include <dyslam/core/PendingFile.h>
 #include <dyslam/core/PoseInformation.h>
 #include <dyslam/io/GraphFiles.h>
 
@@ -391,16 +392,7 @@ class TextWriter
     }
     return *this;
   }
-  void save(const std::string& path) const
-  {
-    std::ofstream file(path, std::ios::binary);
-    file << text_;
-    file.close();
-    if (!file)
-    {
-      throw UserError(path + ": cannot be written; check the folder and the free space");
-    }
-  }
+  void save(const std::string& path) const { writeWhole(path, text_); }
 
  private:
   std::string text_;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/Error.h>
+#include <dyslam/core/PendingFile.h>
 #include <dyslam/io/GroundTruth.h>
 #include <dyslam/io/TrajectoryFiles.h>
 
@@ -35,8 +36,8 @@ std::vector<LabelledBox> readTracks(const std::string& path)
     box.id = file.integer(1);
     box.type = std::string(file.fields()[2]);
     box.object_class = objectClassFromString(box.type);
-    box.truncated = static_cast<int>(file.number(3));
-    box.occluded = static_cast<int>(file.number(4));
+    box.truncated = file.integerPart(3);
+    box.occluded = file.integerPart(4);
     box.image_box = {file.number(6), file.number(7), file.number(8), file.number(9)};
     box.box.size = {file.number(12), file.number(11), file.number(10)};
     box.box.center = {file.number(13), file.number(14), file.number(15)};

@@ -49,6 +49,10 @@ void KittiConverterOptions::describe(OptionsVisitor& visitor)
       "pose_frame", pose_frame,
       {{"auto", PoseFrame::automatic}, {"lidar", PoseFrame::lidar}, {"camera", PoseFrame::camera}},
       "whose poses the pose file has");
+  visitor.choice(
+      "deskewed", deskewed,
+      {{"auto", ScansDeskewed::automatic}, {"yes", ScansDeskewed::yes}, {"no", ScansDeskewed::no}},
+      "the motion within a scan was undone; auto: in KITTI odometry");
   visitor.real("dt", dt, 0, 3600, "seconds between scans; 0: the layout's times, else 0.1034");
   visitor.flag("vertical_angle_correction", vertical_angle_correction, "turn points up 0.205 deg");
   visitor.integer("skip_first_n", skip_first_n, 0, 1000000000, "scans to pass over");
@@ -64,10 +68,10 @@ ConversionResult convertKitti(const std::string& input,
 {
   validate(options, "kitti2rawlog");
   const KittiLayout layout = readKittiLayout(input, options);
-  std::multimap<std::size_t, const LabelledBox*> boxes;
+  std::multimap<int, const LabelledBox*> boxes;
   for (const LabelledBox& box : layout.boxes)
   {
-    boxes.emplace(static_cast<std::size_t>(std::max(0, box.frame)), &box);
+    boxes.emplace(box.frame, &box);
   }
   const std::size_t begin =
       std::min(layout.entries.size(), static_cast<std::size_t>(options.skip_first_n));
@@ -80,6 +84,9 @@ ConversionResult convertKitti(const std::string& input,
     throw UserError(input + ": has " + std::to_string(layout.entries.size()) +
                     " scans; --skip-first-n leaves none");
   }
+  const bool deskewed =
+      options.deskewed == ScansDeskewed::yes ||
+      (options.deskewed == ScansDeskewed::automatic && options.kind == KittiKind::odometry);
   ConversionOutput out(output, options.external_storage, options.compression_level);
   for (std::size_t i = begin; i < begin + count; ++i)
   {
@@ -91,12 +98,16 @@ ConversionResult convertKitti(const std::string& input,
     {
       correctVerticalAngles(scan);
     }
+    if (deskewed)
+    {
+      scan.time.assign(scan.size(), 0.F);  // seen at one instant, as far as deskewing goes
+    }
     out.write(scan, entry.T_world_lidar);
     if (!entry.labels.empty())
     {
       out.addLabels(readLabels(entry.labels, scan.size()));
     }
-    const auto range = boxes.equal_range(entry.number);
+    const auto range = boxes.equal_range(static_cast<int>(entry.number));
     std::for_each(range.first, range.second, [&out](const auto& box) { out.addBox(*box.second); });
     if (progress)
     {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/Error.h>
+#include <dyslam/core/PendingFile.h>
 #include <dyslam/io/KittiFiles.h>
 
 #include <algorithm>
@@ -156,11 +157,11 @@ LabelledBox boxFromLabel(const TextFile& file, const Pose& T_cam_velo)
 {
   LabelledBox box;
   box.frame = file.integer(0);
-  box.id = static_cast<int>(file.number(1));
+  box.id = file.integerPart(1);
   box.type = std::string(file.fields()[2]);
   box.object_class = objectClassFromString(box.type);
-  box.truncated = static_cast<int>(file.number(3));
-  box.occluded = static_cast<int>(file.number(4));
+  box.truncated = file.integerPart(3);
+  box.occluded = file.integerPart(4);
   box.image_box = {file.number(6), file.number(7), file.number(8), file.number(9)};
   const CameraBox camera{{file.number(13), file.number(14), file.number(15)},
                          file.number(10),

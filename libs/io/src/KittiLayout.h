@@ -20,7 +20,6 @@ struct KittiLayout
   {
     std::string scan;        //!< .bin file
     std::string labels;      //!< .label file, empty if there is none
-    std::string boxes_json;  //!< SUSTechPOINTS boxes, empty if there are none
     std::size_t number = 0;  //!< in KITTI's counting: other files refer to it
     double stamp = 0;
     std::optional<Pose> T_world_lidar;

@@ -139,6 +139,18 @@ const VelodyneCalibration& calibrationOfRows(const CObservationRotatingScan& obs
                                                                                 : "HDL32");
 }
 
+/** Rows are written twice, as a count and with the image: a damaged file may have two minds. */
+void requireRows(const CObservationRotatingScan& observation)
+{
+  const auto& ranges = observation.rangeImage;
+  if (ranges.size() != 0 && ranges.rows() != observation.rowCount)
+  {
+    throw UserError("CObservationRotatingScan '" + observation.sensorLabel + "' says " +
+                    std::to_string(observation.rowCount) + " rows, but its range image has " +
+                    std::to_string(ranges.rows()) + "; the file is damaged");
+  }
+}
+
 /** Columns in use. MRPT's fromVelodyne() makes as many times more columns as there are lasers and
  * leaves them empty; the sweep is spread over the first ones only. */
 Eigen::Index usedColumns(const CObservationRotatingScan& observation)
@@ -163,6 +175,7 @@ Eigen::Index usedColumns(const CObservationRotatingScan& observation)
  * clockwise ones as they are. */
 Scan fromRotatingScan(const CObservationRotatingScan& observation)
 {
+  requireRows(observation);
   const auto& lasers = calibrationOfRows(observation).laser_corrections;
   const auto rings = ringsOf(calibrationOfRows(observation));
   const auto& ranges = observation.rangeImage;

@@ -13,6 +13,7 @@
 #include <regex>
 #include <utility>
 
+#include "IntensityScaler.h"
 #include "MrptConversions.h"
 #include "ObservationScans.h"
 #include "RawlogStream.h"
@@ -62,6 +63,7 @@ struct RawlogSource::Impl
   RawlogSourceOptions options;
   RawlogStream stream;
   std::regex wanted;
+  IntensityScaler scale_intensity;
   std::string label;  //!< of the lidar in use, once it is known
 
   /** A scan not yet decoded, its times and rings if it has them, and its number in the file. */
@@ -81,16 +83,17 @@ struct RawlogSource::Impl
   std::size_t dropped = 0;
   std::size_t dropped_in_a_row = 0;
   std::size_t delivered = 0;
-  double scale = 0;
 
   std::map<std::string, std::size_t> seen_classes;
   std::map<std::string, std::size_t> lidar_labels;
   std::vector<std::pair<std::string, std::size_t>> notes;  //!< warning and how often
 
   Impl(const std::string& path, const RawlogSourceOptions& options_in)
-      : options(options_in), stream(path), wanted(compiled(options_in.sensor_label))
+      : options(options_in),
+        stream(path),
+        wanted(compiled(options_in.sensor_label)),
+        scale_intensity(options_in.intensity_scale)
   {
-    scale = options.intensity_scale;
     pending = nextScan();
     if (!pending.observation)
     {
@@ -301,26 +304,6 @@ struct RawlogSource::Impl
     return interpolate(before->pose, after->pose, fraction);
   }
 
-  void scaleIntensity(Scan& scan)
-  {
-    if (scan.intensity.empty())
-    {
-      return;
-    }
-    if (scale == 0)
-    {
-      const auto beyond = [](float value) { return std::isfinite(value) && value > 1.0F; };
-      scale = std::any_of(scan.intensity.begin(), scan.intensity.end(), beyond) ? 1.0 / 255.0 : 1.0;
-    }
-    if (scale != 1.0)
-    {
-      for (float& value : scan.intensity)
-      {
-        value *= static_cast<float>(scale);
-      }
-    }
-  }
-
   Frame deliver(const Numbered& scan)
   {
     Frame frame;
@@ -329,9 +312,10 @@ struct RawlogSource::Impl
     {
       frame.scan = scanFromObservation(*scan.observation, stream.externalFolder());
     }
-    catch (const UserError&)
+    catch (const UserError& error)
     {
-      throw;
+      throw UserError(stream.path() + ": scan " + std::to_string(frame.index) + ": " +
+                      error.what());
     }
     catch (const std::exception& error)
     {
@@ -339,7 +323,7 @@ struct RawlogSource::Impl
                       " is damaged: " + messageOf(error));
     }
     addTimeRing(scan.companion.get(), frame.scan);
-    scaleIntensity(frame.scan);
+    scale_intensity(frame.scan);
     if (frame.scan.size() == 0)
     {
       warn("an empty scan");
@@ -373,7 +357,7 @@ struct RawlogSource::Impl
 
 RawlogSource::RawlogSource(const std::string& path, const RawlogSourceOptions& options)
 {
-  validate(options, "rawlog source");
+  validate(options, "input");
   mrpt::obs::registerAllClasses_mrpt_obs();
   mrpt::maps::registerAllClasses_mrpt_maps();
   impl_ = std::make_unique<Impl>(path, options);

@@ -7,7 +7,7 @@
 #include <deque>
 #include <string>
 
-#include "GzStream.h"
+#include "GzInput.h"
 
 namespace dyslam
 {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/Error.h>
+#include <dyslam/io/GzOutput.h>
 #include <dyslam/io/RawlogWriter.h>
 #include <mrpt/maps/CPointsMapXYZI.h>
 #include <mrpt/maps/CSimplePointsMap.h>
@@ -13,7 +14,6 @@
 #include <limits>
 #include <stdexcept>
 
-#include "GzStream.h"
 #include "MrptConversions.h"
 #include "ObservationScans.h"
 #include "TextFile.h"
@@ -89,40 +89,18 @@ void RawlogWriterOptions::describe(OptionsVisitor& visitor)
 struct RawlogWriter::Impl
 {
   std::string path;
-  std::string temporary;
   RawlogWriterOptions options;
   GzOutput file;
   std::size_t frames = 0;
   bool closed = false;
 
   Impl(const std::string& path_in, const RawlogWriterOptions& options_in)
-      : path(path_in),
-        temporary(path_in + ".tmp"),
-        options(options_in),
-        file(checkedTemporary(path_in), options_in.compression_level)
+      : path(path_in), options(options_in), file(path_in, options_in.compression_level)
   {
     if (options.external_storage)
     {
       makeFolder(externalFolder());
     }
-  }
-
-  /** Nothing was written: an earlier file of the name is worth more. */
-  void discard()
-  {
-    closed = true;
-    file.close();
-    std::error_code ignored;
-    fs::remove(temporary, ignored);
-  }
-
-  static std::string checkedTemporary(const std::string& path)
-  {
-    if (fs::is_directory(path))
-    {
-      throw UserError(path + ": is a folder, give the name of a file");
-    }
-    return path + ".tmp";
   }
 
   [[nodiscard]] std::string externalFolder() const
@@ -185,11 +163,8 @@ RawlogWriter::~RawlogWriter()
 {
   try
   {
-    if (impl_ && !impl_->closed && impl_->frames == 0)
-    {
-      impl_->discard();
-    }
-    else if (impl_)
+    // Where nothing was written, an earlier file of the name is worth more.
+    if (impl_ && impl_->frames > 0)
     {
       close();
     }
@@ -238,12 +213,6 @@ void RawlogWriter::close()
   }
   impl_->closed = true;
   impl_->file.close();
-  std::error_code error;
-  fs::rename(impl_->temporary, impl_->path, error);
-  if (error)
-  {
-    throw UserError(impl_->path + ": cannot be written: " + error.message());
-  }
 }
 
 std::size_t RawlogWriter::framesWritten() const

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <dyslam/core/Error.h>
 #include <dyslam/core/VoxelGrid.h>
+#include <dyslam/io/GzOutput.h>
 #include <dyslam/io/ReplayWriter.h>
 #include <mrpt/maps/CPointsMapXYZI.h>
 #include <mrpt/obs/CObservation3DScene.h>
@@ -12,16 +12,13 @@
 
 #include <cmath>
 #include <cstdio>
-#include <filesystem>
 #include <stdexcept>
 
-#include "GzStream.h"
 #include "MrptConversions.h"
 #include "SceneParts.h"
 
 namespace dyslam
 {
-namespace fs = std::filesystem;
 using mrpt::img::TColor;
 
 namespace
@@ -169,7 +166,6 @@ void ReplayWriterOptions::describe(OptionsVisitor& v)
 
 struct ReplayWriter::Impl
 {
-  std::string path;
   ReplayWriterOptions options;
   GzOutput file;
   std::size_t seen = 0;
@@ -178,26 +174,16 @@ struct ReplayWriter::Impl
   std::vector<Eigen::Vector3d> odometry_path;  // every path_stride-th position
   bool closed = false;
 
-  Impl(const std::string& path_in, const ReplayWriterOptions& options_in)
-      : path(path_in),
-        options(options_in),
-        file(checkedTemporary(path_in), options_in.compression_level)
+  Impl(const std::string& path, const ReplayWriterOptions& options_in)
+      : options(options_in), file(path, options_in.compression_level)
   {
-  }
-
-  static std::string checkedTemporary(const std::string& path)
-  {
-    if (fs::is_directory(path))
-    {
-      throw UserError(path + ": is a folder, give the name of a file");
-    }
-    return path + ".tmp";
   }
 
   void put(const mrpt::serialization::CSerializable& object)
   {
     auto archive = mrpt::serialization::archiveFrom(file);
     archive << object;
+    file.check();
   }
 
   void putCloud(const Frame& frame, const char* label, const Part& part)
@@ -285,7 +271,8 @@ ReplayWriter::~ReplayWriter()
 {
   try
   {
-    if (impl_)
+    // Where nothing was written, an earlier file of the name is worth more.
+    if (impl_ && impl_->written > 0)
     {
       close();
     }
@@ -340,12 +327,6 @@ void ReplayWriter::close()
   }
   m.closed = true;
   m.file.close();
-  std::error_code error;
-  fs::rename(m.path + ".tmp", m.path, error);
-  if (error)
-  {
-    throw UserError(m.path + ": cannot be written: " + error.message());
-  }
 }
 
 std::size_t ReplayWriter::framesWritten() const

@@ -5,12 +5,11 @@
 #include <dyslam/io/PcapSource.h>
 #include <dyslam/io/TrajectoryFiles.h>
 
-#include <algorithm>
 #include <array>
-#include <cmath>
 #include <filesystem>
 
 #include "ConversionOutput.h"
+#include "IntensityScaler.h"
 
 namespace dyslam
 {
@@ -19,30 +18,6 @@ namespace fs = std::filesystem;
 namespace
 {
 constexpr double default_dt = 0.1;  //!< [s]
-
-/** Scans of 0..255 are brought to [0, 1]; the first bright scan decides for all. */
-class IntensityScaler
-{
- public:
-  void operator()(Scan& scan)
-  {
-    if (scale_ == 1.0F && std::any_of(scan.intensity.begin(), scan.intensity.end(),
-                                      [](float value) { return value > 1.0F; }))
-    {
-      scale_ = 1.0F / 255.0F;
-    }
-    if (scale_ != 1.0F)
-    {
-      for (float& value : scan.intensity)
-      {
-        value *= scale_;
-      }
-    }
-  }
-
- private:
-  float scale_ = 1.0F;
-};
 
 /** Skips, limits and re-times scans on their way into the rawlog. */
 class ScanSink

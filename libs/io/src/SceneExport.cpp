@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <dyslam/core/Error.h>
+#include <dyslam/io/GzOutput.h>
 #include <dyslam/io/SceneExport.h>
 #include <mrpt/opengl/CGridPlaneXY.h>
 #include <mrpt/opengl/COpenGLScene.h>
@@ -8,9 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 
-#include "GzStream.h"
 #include "MrptConversions.h"
 #include "SceneParts.h"
 
@@ -122,10 +120,10 @@ mrpt::opengl::COpenGLScene sceneOf(const SceneContent& content)
     camera.setElevationDegrees(40.0F);
   }
   insertBoxes(scene, content);
-  for (std::size_t i = 0; i < content.object_paths.size(); ++i)
+  for (const auto& [id, object_path] : content.object_paths)
   {
-    insert(scene, polyline(content.object_paths[i], objectColour(static_cast<int>(i)), 2.0F),
-           "object path " + std::to_string(i));
+    insert(scene, polyline(object_path, objectColour(id), 2.0F),
+           "object path " + std::to_string(id));
   }
   return scene;
 }
@@ -133,23 +131,10 @@ mrpt::opengl::COpenGLScene sceneOf(const SceneContent& content)
 
 void writeScene(const SceneContent& content, const std::string& path)
 {
-  const std::string temporary = path + ".tmp";
-  if (std::filesystem::is_directory(path))
-  {
-    throw UserError(path + ": is a folder, give the name of a file");
-  }
-  {
-    constexpr int compression_level = 6;
-    GzOutput file(temporary, compression_level);
-    auto archive = mrpt::serialization::archiveFrom(file);
-    archive << sceneOf(content);
-    file.close();
-  }
-  std::error_code error;
-  std::filesystem::rename(temporary, path, error);
-  if (error)
-  {
-    throw UserError(path + ": cannot be written: " + error.message());
-  }
+  constexpr int compression_level = 6;
+  GzOutput file(path, compression_level);
+  auto archive = mrpt::serialization::archiveFrom(file);
+  archive << sceneOf(content);
+  file.close();
 }
 }  // namespace dyslam

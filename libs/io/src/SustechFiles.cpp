@@ -15,20 +15,6 @@ namespace
 constexpr double pi = 3.14159265358979323846;
 using boost::property_tree::ptree;
 
-/** The data spell it "MotorcyleRider". */
-ObjectClass classOf(const std::string& type)
-{
-  if (type == "MotorcyleRider" || type == "MotorcycleRider")
-  {
-    return ObjectClass::motorcyclist;
-  }
-  if (type == "BicycleRider")
-  {
-    return ObjectClass::cyclist;
-  }
-  return objectClassFromString(type);
-}
-
 Eigen::Vector3d vectorAt(const ptree& object, const std::string& path)
 {
   return {object.get<double>(path + ".x"), object.get<double>(path + ".y"),
@@ -41,7 +27,7 @@ LabelledBox boxFrom(const ptree& object, int frame)
   box.frame = frame;
   box.id = object.get<int>("obj_id");
   box.type = object.get<std::string>("obj_type");
-  box.object_class = classOf(box.type);
+  box.object_class = objectClassFromString(box.type);
   box.box.center = vectorAt(object, "psr.position");
   box.box.size = vectorAt(object, "psr.scale");
   box.box.yaw = std::remainder(object.get<double>("psr.rotation.z"), 2 * pi);

@@ -9,6 +9,8 @@
 #include <cmath>
 #include <cstring>
 #include <filesystem>
+#include <limits>
+#include <locale>
 #include <sstream>
 
 namespace dyslam
@@ -72,7 +74,15 @@ double TextFile::number(std::size_t field) const
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   if (error == std::errc::result_out_of_range)
   {
-    return 0 * value;  // denormals and worse: as good as nothing in any of our files
+    // Too near to 0 or too large? from_chars() does not say, a stream does.
+    std::istringstream stream{std::string(text)};
+    stream.imbue(std::locale::classic());
+    stream >> value;
+    if (std::abs(value) > 1)
+    {
+      fail("'" + std::string(text) + "' is too large a number");
+    }
+    return 0;  // as good as nothing in any of our files
   }
   if (error != std::errc() || end != text.data() + text.size())
   {
@@ -95,6 +105,16 @@ int TextFile::integer(std::size_t field) const
     fail("'" + std::string(text) + "' is not a whole number");
   }
   return value;
+}
+
+int TextFile::integerPart(std::size_t field) const
+{
+  const double value = number(field);
+  if (std::abs(value) > std::numeric_limits<int>::max())
+  {
+    fail("'" + std::string(fields_.at(field)) + "' is too large a number");
+  }
+  return static_cast<int>(value);
 }
 
 std::vector<double> TextFile::numbers(std::size_t first) const
@@ -145,29 +165,6 @@ std::string readWhole(const std::string& path)
   std::ostringstream content;
   content << file.rdbuf();
   return content.str();
-}
-
-void writeWhole(const std::string& path, std::string_view content)
-{
-  const std::string temporary = path + ".tmp";
-  {
-    std::ofstream file(temporary, std::ios::binary | std::ios::trunc);
-    file.write(content.data(), static_cast<std::streamsize>(content.size()));
-    file.close();
-    if (!file)
-    {
-      const std::string reason = std::strerror(errno);
-      std::error_code ignored;
-      fs::remove(temporary, ignored);
-      throw UserError(path + ": cannot be written: " + reason);
-    }
-  }
-  std::error_code error;
-  fs::rename(temporary, path, error);
-  if (error)
-  {
-    throw UserError(path + ": cannot be written: " + error.message());
-  }
 }
 
 void makeFolder(const std::string& path)

@@ -19,13 +19,14 @@ class TextFile
   /** The next line that is neither empty nor a comment (`#`). */
   [[nodiscard]] bool next();
   [[nodiscard]] const std::vector<std::string_view>& fields() const { return fields_; }
-  [[nodiscard]] std::size_t lineNumber() const { return line_number_; }
   [[nodiscard]] const std::string& line() const { return line_; }
 
   /** Field as a finite number. \throws UserError. */
   [[nodiscard]] double number(std::size_t field) const;
   /** Field as a whole number. \throws UserError. */
   [[nodiscard]] int integer(std::size_t field) const;
+  /** The whole part of a number. \throws UserError. */
+  [[nodiscard]] int integerPart(std::size_t field) const;
   /** All fields from `first` on as numbers. */
   [[nodiscard]] std::vector<double> numbers(std::size_t first = 0) const;
   /** \throws UserError "file:line: has n fields, not k (what)". */
@@ -50,9 +51,6 @@ void appendFixed(std::string& text, double value, int decimals);
 [[nodiscard]] std::ifstream openBinary(const std::string& path);
 /** The whole of a file. \throws UserError. */
 [[nodiscard]] std::string readWhole(const std::string& path);
-/** Writes under a temporary name and renames, so that no half file is ever seen. \throws UserError.
- */
-void writeWhole(const std::string& path, std::string_view content);
 /** Makes a folder and its parents. \throws UserError. */
 void makeFolder(const std::string& path);
 /** Six digits and an extension: "000042.label". */

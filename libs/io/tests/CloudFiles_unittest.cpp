@@ -2,6 +2,7 @@
 #include <dyslam/core/Error.h>
 #include <dyslam/io/CloudFiles.h>
 
+#include <cstring>
 #include <limits>
 
 #include "SyntheticScans.h"
@@ -86,6 +87,28 @@ TEST(CloudFiles, OtherFieldsOfPcdAndPly)
   ASSERT_EQ(2U, ply.size());
   EXPECT_EQ(Eigen::Vector3f(4, 5, 6), ply.points[1]);
   EXPECT_EQ((std::vector<float>{0.0F, 0.05F}), ply.time);
+}
+
+TEST(CloudFiles, TimesOf64Bits)
+{
+  const TestFolder folder;
+  const std::string header =
+      "# .PCD v0.7 - Point Cloud Data file format\nVERSION 0.7\nFIELDS x y z t\nSIZE 4 4 4 8\n"
+      "TYPE F F F U\nCOUNT 1 1 1 1\nWIDTH 2\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS 2\n"
+      "DATA binary\n";
+  std::string bytes(40, '\0');
+  for (std::size_t i = 0; i < 2; ++i)
+  {
+    const float x = 1.0F + static_cast<float>(i);
+    const std::uint64_t nanoseconds = 1500000000000000000U + i * 50000000U;
+    std::memcpy(&bytes[20 * i], &x, sizeof x);
+    std::memcpy(&bytes[20 * i + 12], &nanoseconds, sizeof nanoseconds);
+  }
+  const Scan scan = readCloud(folder.write("a.pcd", header + bytes));
+  ASSERT_EQ(2U, scan.time.size());
+  EXPECT_DOUBLE_EQ(1500000000.0, scan.stamp);
+  EXPECT_EQ(0.0F, scan.time[0]);
+  EXPECT_NEAR(0.05F, scan.time[1], 1e-6F);
 }
 
 TEST(CloudFiles, RingsBesideBin)

@@ -95,6 +95,25 @@ TEST(KittiConverter, PlainOdometryWithEverything)
   EXPECT_EQ(252U, truth.labels(2, 12).value().front());
 }
 
+TEST(KittiConverter, DeskewedScansWereSeenAtOneInstant)
+{
+  const TestFolder folder;
+  writeBins(folder, "in/velodyne", 2);
+  const auto times = [&](KittiKind kind, ScansDeskewed deskewed)
+  {
+    KittiConverterOptions options;
+    options.kind = kind;
+    options.deskewed = deskewed;
+    (void)convertKitti(folder.file("in"), folder.file("x.rawlog"), options);
+    return readAll(folder.file("x.rawlog")).at(1).scan.time;
+  };
+  // Without times of its own, a scan is deskewed by azimuth.
+  EXPECT_EQ(times(KittiKind::odometry, ScansDeskewed::automatic), std::vector<float>(11, 0.F));
+  EXPECT_EQ(times(KittiKind::raw, ScansDeskewed::yes), std::vector<float>(11, 0.F));
+  EXPECT_TRUE(times(KittiKind::raw, ScansDeskewed::automatic).empty());
+  EXPECT_TRUE(times(KittiKind::odometry, ScansDeskewed::no).empty());
+}
+
 TEST(KittiConverter, OfficialOdometryFindsPosesOfItsSequence)
 {
   const TestFolder folder;
@@ -119,7 +138,8 @@ TEST(KittiConverter, OfficialTrackingWithBoxesAndALostScan)
   folder.write("training/calib/0001.txt", tracking_calib);
   folder.write("training/oxts/0001.txt", oxtsLine(0) + oxtsLine(1) + oxtsLine(2) + oxtsLine(3));
   const std::string box = " 5 Car 0 0 0 1 2 3 4 1.5 1.8 4 0 1 20 -1.5707963\n";
-  folder.write("training/label_02/0001.txt", "0" + box + "1" + box + "2" + box + "2" + box);
+  folder.write("training/label_02/0001.txt",
+               "-1" + box + "0" + box + "1" + box + "2" + box + "2" + box);
   KittiConverterOptions options;
   options.kind = KittiKind::tracking;
   const auto message = messageOfError<UserError>(
@@ -138,6 +158,7 @@ TEST(KittiConverter, OfficialTrackingWithBoxesAndALostScan)
   // Oxts text above has six decimals of a degree: 0.1 m.
   EXPECT_NEAR(2, frames[1].T_world_vehicle_truth->translation().x(), 0.2);
   const GroundTruthReader truth(folder.file("x.gt"));
+  EXPECT_EQ(1U, truth.boxes(0).size());
   ASSERT_EQ(2U, truth.boxes(1).size());
   EXPECT_TRUE(truth.boxes(1)[0].box.center.isApprox(Eigen::Vector3d(20, 0, -0.25), 1e-6));
   EXPECT_TRUE(truth.boxes(2).empty());

@@ -201,6 +201,18 @@ TEST_F(GraphFiles, ErrorsNameFileLineAndField)
   EXPECT_THROW(writeG2o(randomGraph(1), folder_.file("no/such/folder.g2o")), UserError);
 }
 
+TEST_F(GraphFiles, AFullDiskLeavesTheEarlierFile)
+{
+  if (!std::filesystem::exists("/dev/full"))
+  {
+    GTEST_SKIP() << "needs /dev/full";
+  }
+  folder_.write("a.g2o", "an earlier one");
+  std::filesystem::create_symlink("/dev/full", folder_.file("a.g2o.tmp"));
+  EXPECT_THROW(writeG2o(randomGraph(1), folder_.file("a.g2o")), UserError);
+  EXPECT_EQ("an earlier one", folder_.read("a.g2o"));
+}
+
 TEST_F(GraphFiles, GraphSlamProgramAcceptsOurFile)
 {
   if (std::system("command -v graph-slam >/dev/null") != 0)

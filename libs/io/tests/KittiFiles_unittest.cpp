@@ -122,6 +122,13 @@ TEST(KittiBoxes, TrackingFiles)
       messageOfError<UserError>(
           [&] { (void)readKittiTracking(folder.write("b.txt", "\n1 2 Car\n"), someMounting()); }),
       "b.txt:2: has 3 fields"));
+  const auto tooLarge = [&]
+  {
+    (void)readKittiTracking(folder.write("b.txt", "0 4e9 Car 0 0 0 1 2 3 4 1.5 1.8 4 0 1 20 0\n"),
+                            someMounting());
+  };
+  EXPECT_TRUE(
+      contains(messageOfError<UserError>(tooLarge), "b.txt:1: '4e9' is too large a number"));
 }
 
 TEST(KittiBoxes, Detections)

@@ -5,6 +5,7 @@
 #include <mrpt/maps/CSimpleMap.h>
 #include <mrpt/obs/CObservation2DRangeScan.h>
 #include <mrpt/obs/CObservationOdometry.h>
+#include <mrpt/obs/CObservationRotatingScan.h>
 #include <mrpt/serialization/CArchive.h>
 #include <zlib.h>
 
@@ -145,6 +146,27 @@ TEST(RawlogRobustness, FlippedBytesNeverCrash)
       const Outcome outcome = readAll(folder.write("damaged.rawlog", damaged));
       EXPECT_LE(outcome.frames, 3U);
     }
+  }
+}
+
+TEST(RawlogRobustness, RotatingScansMustHaveTheRowsTheySay)
+{
+  const TestFolder folder;
+  for (const unsigned rows : {16U, 32U})
+  {
+    mrpt::obs::CObservationRotatingScan scan;
+    scan.timestamp = mrpt::Clock::fromDouble(1.0);
+    scan.sensorLabel = "velodyne";
+    scan.rowCount = 16;
+    scan.columnCount = 4;
+    scan.rangeResolution = 0.002;
+    scan.rangeImage.resize(rows, 4);
+    scan.rangeImage.fill(5000);
+    writeObjects(folder.file("a.rawlog"), scan);
+    const Outcome outcome = readAll(folder.file("a.rawlog"));
+    EXPECT_EQ(rows == 16 ? 1U : 0U, outcome.frames);
+    EXPECT_EQ(rows != 16, contains(outcome.error, "says 16 rows, but its range image has 32"))
+        << outcome.error;
   }
 }
 

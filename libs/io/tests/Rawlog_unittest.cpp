@@ -2,6 +2,7 @@
 #include <dyslam/core/Error.h>
 #include <dyslam/io/RawlogSource.h>
 #include <dyslam/io/RawlogWriter.h>
+#include <dyslam/io/ReplayWriter.h>
 
 #include <limits>
 
@@ -14,6 +15,14 @@ namespace
 {
 constexpr float nan = std::numeric_limits<float>::quiet_NaN();
 constexpr float inf = std::numeric_limits<float>::infinity();
+
+Frame someFrame(std::size_t points)
+{
+  Frame frame;
+  frame.scan.stamp = 100;
+  frame.cloud.points = someScan(0, points).points;
+  return frame;
+}
 }  // namespace
 
 class RawlogRoundTrip : public ::testing::TestWithParam<bool>
@@ -221,6 +230,24 @@ TEST(RawlogSource, BringsBigIntensitiesToOne)
   EXPECT_FLOAT_EQ(102.0F, scaled.next()->scan.intensity[1]);
 }
 
+TEST(RawlogSource, ADimFirstScanDoesNotDecideTheIntensities)
+{
+  const TestFolder folder;
+  {
+    RawlogWriter writer(folder.file("a.rawlog"));
+    for (std::size_t i = 0; i < 2; ++i)
+    {
+      Scan scan = someScan(i, 3);
+      scan.intensity = {0.0F, 1.0F, i == 0 ? 0.5F : 51.0F};
+      writer.write(scan);
+    }
+    writer.close();
+  }
+  RawlogSource source(folder.file("a.rawlog"));
+  EXPECT_FLOAT_EQ(0.5F, source.next()->scan.intensity[2]);
+  EXPECT_FLOAT_EQ(0.2F, source.next()->scan.intensity[2]);
+}
+
 TEST(RawlogWriter, SameInputGivesTheSameBytes)
 {
   const TestFolder folder;
@@ -292,5 +319,41 @@ TEST(RawlogWriter, RefusesWhatCannotBeWritten)
         },
         UserError);
   }
+}
+
+TEST(ReplayWriter, NothingWrittenLeavesTheEarlierFile)
+{
+  const TestFolder folder;
+  folder.write("a.rawlog", "an earlier one");
+  {
+    const ReplayWriter writer(folder.file("a.rawlog"));
+  }
+  EXPECT_EQ("an earlier one", folder.read("a.rawlog"));
+  EXPECT_FALSE(std::filesystem::exists(folder.file("a.rawlog.tmp")));
+  {
+    ReplayWriter writer(folder.file("a.rawlog"));
+    writer.write(someFrame(100));
+  }
+  RawlogSource source(folder.file("a.rawlog"));
+  EXPECT_TRUE(source.next());
+}
+
+TEST(ReplayWriter, SaysAtOnceThatTheDiskIsFull)
+{
+  if (!std::filesystem::exists("/dev/full"))
+  {
+    GTEST_SKIP() << "needs /dev/full";
+  }
+  const TestFolder folder;
+  folder.write("a.rawlog", "an earlier one");
+  std::filesystem::create_symlink("/dev/full", folder.file("a.rawlog.tmp"));
+  {
+    ReplayWriterOptions options;
+    options.voxel_size = 0;
+    options.compression_level = 0;
+    ReplayWriter writer(folder.file("a.rawlog"), options);
+    EXPECT_THROW(writer.write(someFrame(100000)), UserError);
+  }
+  EXPECT_EQ("an earlier one", folder.read("a.rawlog"));
 }
 }  // namespace dyslam

@@ -91,6 +91,9 @@ TEST(TrajectoryFiles, ErrorsNameFileAndLine)
               "a:2: 'zero' is not a number");
   expectError([&] { (void)readTum(folder.write("a", good + "2 0 nan 0 0 0 0 1\n")); },
               "a:2: 'nan' is not a finite number");
+  expectError([&] { (void)readTum(folder.write("a", good + "2 0 -1e999 0 0 0 0 1\n")); },
+              "a:2: '-1e999' is too large a number");
+  EXPECT_EQ(0, readTum(folder.write("a", "1 0 1e-999 0 0 0 0 1\n"))[0].pose.translation().y());
   expectError([&] { (void)readTum(folder.write("a", good + "2 0 0 0 0 0 0 2\n")); },
               "a:2: the quaternion's length");
   expectError([&] { (void)readTum(folder.write("a", good + good)); }, "a:2: the time");
@@ -146,10 +149,10 @@ TEST(Labels, RoundTripAndBits)
   EXPECT_EQ(std::string("\xfc\x00\x07\x00", 4), folder.read("a.label").substr(8, 4));
   EXPECT_EQ(252, semanticOf(labels[2]));
   EXPECT_EQ(7, instanceOf(labels[2]));
-  EXPECT_TRUE(isMoving(labels[2]) && isMoving(259) && isMoving(251 + 1));
-  EXPECT_FALSE(isMoving(251) || isMoving(260) || isMoving(40) || isMoving(0));
-  EXPECT_TRUE(isIgnored(0) && isIgnored(1) && isIgnored(makeLabel(0, 3)));
-  EXPECT_FALSE(isIgnored(9));
+  EXPECT_TRUE(isMovingLabel(labels[2]) && isMovingLabel(259) && isMovingLabel(label_moving));
+  EXPECT_FALSE(isMovingLabel(250) || isMovingLabel(260) || isMovingLabel(40) || isMovingLabel(0));
+  EXPECT_TRUE(isIgnoredLabel(0) && isIgnoredLabel(1) && isIgnoredLabel(makeLabel(0, 3)));
+  EXPECT_FALSE(isIgnoredLabel(9));
   expectError([&] { (void)readLabels(folder.file("a.label"), 4); }, "has 5 labels");
   expectError([&] { (void)readLabels(folder.write("b.label", "abc")); }, "cut short");
   writeLabels(folder.file("c.label"), {});
@@ -239,6 +242,8 @@ TEST(GroundTruth, BadFiles)
   expectError([&] { GroundTruthReader(folder.file("a.gt")); }, "tracks.txt:1: has 16 fields");
   folder.write("a.gt/tracks.txt", "x 1 Car 0 0 -10 0 0 0 0 1 2 3 4 5 6 0\n");
   expectError([&] { GroundTruthReader(folder.file("a.gt")); }, "tracks.txt:1: 'x'");
+  folder.write("a.gt/tracks.txt", "0 1 Car 1e300 0 -10 0 0 0 0 1 2 3 4 5 6 0\n");
+  expectError([&] { GroundTruthReader(folder.file("a.gt")); }, "'1e300' is too large a number");
   folder.write("file.gt", "");
   EXPECT_THROW(GroundTruthWriter(folder.file("file.gt")), UserError);
 }

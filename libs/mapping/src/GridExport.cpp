@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/Error.h>
+#include <dyslam/core/PendingFile.h>
 #include <dyslam/core/VoxelGrid.h>
 #include <dyslam/mapping/MapExport.h>
 
@@ -11,8 +12,6 @@
 #include <limits>
 #include <opencv2/imgcodecs.hpp>
 #include <vector>
-
-#include "WriteFile.h"
 
 namespace dyslam
 {
@@ -243,14 +242,9 @@ void writeOccupancyGrid(const StaticMap& map,
   {
     throw UserError(path + ": encoding the picture failed");
   }
-  writeFile(path,
-            [&](std::ostream& out)
-            {
-              out.write(reinterpret_cast<const char*>(png.data()),
-                        static_cast<std::streamsize>(png.size()));
-            });
+  writeWhole(path, std::string_view(reinterpret_cast<const char*>(png.data()), png.size()));
   const std::filesystem::path file(path);
   const std::string yaml = std::filesystem::path(path).replace_extension(".yaml").string();
-  writeFile(yaml, [&](std::ostream& out) { out << yamlOf(grid, file.filename().string()); });
+  writeWhole(yaml, yamlOf(grid, file.filename().string()));
 }
 }  // namespace dyslam

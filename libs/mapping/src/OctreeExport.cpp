@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/Error.h>
+#include <dyslam/core/PendingFile.h>
 #include <dyslam/mapping/MapExport.h>
 #include <octomap/OcTree.h>
 
 #include <filesystem>
-
-#include "WriteFile.h"
 
 namespace dyslam
 {
@@ -40,15 +39,15 @@ void writeOctomap(const StaticMap& map, const std::string& path, const MapExport
                               once_per_leaf);
       });
   tree.updateInnerOccupancy();
-  writeFile(path,
-            [&](std::ostream& out)
-            {
-              // An empty tree has no binary form other than its header.
-              const bool good = ending == ".bt" ? tree.writeBinary(out) : tree.write(out);
-              if (!good)
-              {
-                out.setstate(std::ios::failbit);
-              }
-            });
+  writeWhole(path,
+             [&](std::ostream& out)
+             {
+               // An empty tree has no binary form other than its header.
+               const bool good = ending == ".bt" ? tree.writeBinary(out) : tree.write(out);
+               if (!good)
+               {
+                 out.setstate(std::ios::failbit);
+               }
+             });
 }
 }  // namespace dyslam

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <dyslam/core/Error.h>
+#include <dyslam/io/GzOutput.h>
 #include <dyslam/mapping/MapExport.h>
-#include <mrpt/io/CFileGZOutputStream.h>
 #include <mrpt/maps/CPointsMapXYZI.h>
 #include <mrpt/maps/CSimpleMap.h>
 #include <mrpt/obs/CObservationPointCloud.h>
@@ -11,8 +10,6 @@
 
 #include <cmath>
 #include <cstdint>
-
-#include "WriteFile.h"
 
 namespace dyslam
 {
@@ -73,15 +70,10 @@ void writeSimplemap(const StaticMap& map, const std::string& path)
         auto pose = mrpt::poses::CPose3DPDFGaussian::Create(toMrpt(map.poses()[k]));
         simplemap.insert(pose, frame);
       });
-  const std::string temporary = path + ".tmp";
-  mrpt::io::CFileGZOutputStream file;
-  if (!file.open(temporary))
-  {
-    throw UserError(path + ": cannot be written; mend the folder or its permissions");
-  }
+  constexpr int compression_level = 1;
+  GzOutput file(path, compression_level);
   auto archive = mrpt::serialization::archiveFrom(file);
   archive << simplemap;
   file.close();
-  renameWritten(temporary, path);
 }
 }  // namespace dyslam

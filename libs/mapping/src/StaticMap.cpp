@@ -496,18 +496,4 @@ std::size_t StaticMap::voxelCount() const
 {
   return impl_->voxels.size();
 }
-
-std::size_t StaticMap::memoryUsed() const
-{
-  // A hash slot is 16 bytes and the table is at most half full before it doubles.
-  constexpr std::size_t hash_bytes_per_entry = 64;
-  std::size_t bytes = impl_->voxels.capacity() * sizeof(Voxel) +
-                      impl_->index.size() * hash_bytes_per_entry +
-                      impl_->keyframes.pointCount() * 8 + impl_->poses.capacity() * sizeof(Pose);
-  for (const auto& block : impl_->blocks)
-  {
-    bytes += block.capacity() * sizeof(std::uint32_t);
-  }
-  return bytes;
-}
 }  // namespace dyslam

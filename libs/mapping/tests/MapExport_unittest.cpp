@@ -213,6 +213,19 @@ TEST_F(MapExport, EmptyMapGivesValidFiles)
   EXPECT_EQ(cv::imread(path("e.png"), cv::IMREAD_UNCHANGED).total(), 1U);
 }
 
+TEST_F(MapExport, AFullDiskLeavesTheEarlierSimplemap)
+{
+  if (!fs::exists("/dev/full"))
+  {
+    GTEST_SKIP() << "needs /dev/full";
+  }
+  std::ofstream(path("f.simplemap")) << "an earlier one";
+  fs::create_symlink("/dev/full", path("f.simplemap.tmp"));
+  // Few bytes: they are written by the close only.
+  EXPECT_THROW(writeSimplemap(StaticMap(), path("f.simplemap")), UserError);
+  EXPECT_EQ(bytes(path("f.simplemap")), "an earlier one");
+}
+
 TEST_F(MapExport, UnwritableFoldersAndBadEndings)
 {
   const StaticMap map = room();

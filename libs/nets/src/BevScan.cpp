@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/Error.h>
 #include <dyslam/core/FastAngle.h>
 #include <dyslam/core/Scan.h>
 #include <dyslam/nets/BevScan.h>
@@ -52,9 +53,20 @@ float supportedLow(const std::uint16_t* histogram)
 }
 }  // namespace
 
+void requireWholeCells(const std::string& field, int cells)
+{
+  if (cells % 16 != 0)
+  {
+    throw UserError(field + " = " + std::to_string(cells) + " is no multiple of 16; use " +
+                    std::to_string(cells / 16 * 16) + " or " +
+                    std::to_string(cells / 16 * 16 + 16));
+  }
+}
+
 void BevOptions::describe(OptionsVisitor& v)
 {
   v.integer("cells", cells, 64, 2048, "along each side of the grid, a multiple of 16");
+  requireWholeCells("[grid] cells", cells);
   v.real("cell_size", cell_size, 0.05, 2, "m");
   v.real("ground_clearance", ground_clearance, 0, 2, "m above ground that still counts as ground");
   v.real("max_height", max_height, 1, 20, "m above ground, higher points are left out");
@@ -333,6 +345,7 @@ BevScan makeBevScan(const std::vector<Eigen::Vector3f>& points,
                     const BevOptions& options,
                     const Eigen::Vector2f& centre)
 {
+  validate(options, "grid");
   const BevGround ground(points);
   BevScan scan;
   scan.cells = options.cells;

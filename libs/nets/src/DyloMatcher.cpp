@@ -2,6 +2,7 @@
 #include <dyslam/core/Deskew.h>
 #include <dyslam/nets/DyloMatcher.h>
 #include <dyslam/nets/DyloModel.h>
+#include <dyslam/nets/Threads.h>
 
 #include <algorithm>
 #include <cmath>
@@ -86,13 +87,6 @@ struct DyloMatcher::Impl
   SeenScan current, reference;
   std::vector<SampledNode> nodes;  //!< of the last match
 
-  void useThreads() const
-  {
-    if (torch::get_num_threads() != threads)
-    {
-      torch::set_num_threads(threads);
-    }
-  }
   void layOut(SeenScan& scan, const std::vector<Eigen::Vector3f>& points, const Pose& T_sweep);
   std::vector<DyloStage> search(const Pose& start, bool deskew, const DyloPrior* prior);
   void keepConfidence(const DyloStage& stage);
@@ -107,7 +101,7 @@ DyloMatcher::DyloMatcher(const std::string& weights, int threads) : impl_(std::m
 {
   impl_->network = loadDylo(weights);
   impl_->network->eval();
-  impl_->threads = std::max(1, threads);
+  impl_->threads = threads;
 }
 
 DyloMatcher::~DyloMatcher() = default;
@@ -152,7 +146,7 @@ std::size_t DyloMatcher::setCurrent(const std::vector<Eigen::Vector3f>& points,
 {
   const torch::NoGradGuard no_grad;
   Impl& s = *impl_;
-  s.useThreads();
+  useTorchThreads(s.threads);
   s.current.points = points;
   s.current.phase = phase.size() == points.size() ? phase : std::vector<float>();
   s.current.T_given = T_sweep;
@@ -226,7 +220,7 @@ DyloMatch DyloMatcher::match(const Pose& start, bool deskew, const DyloPrior* pr
   {
     return match;
   }
-  s.useThreads();
+  useTorchThreads(s.threads);
   const std::vector<DyloStage> stages = s.search(start, deskew, prior);
   const DyloStage& last = stages.back();
   const Pose before = stages[stages.size() - 2].pose.toPose();

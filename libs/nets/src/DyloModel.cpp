@@ -2,6 +2,7 @@
 #include <dyslam/core/Config.h>
 #include <dyslam/core/Error.h>
 #include <dyslam/nets/DyloModel.h>
+#include <dyslam/nets/SaveArchive.h>
 
 #include <filesystem>
 
@@ -20,14 +21,7 @@ void saveDylo(DyloNetwork& network, const std::string& path)
   archive.write("dyslam_dylo_version", torch::IValue(static_cast<std::int64_t>(1)));
   archive.write("options", torch::IValue(config.toIni()));
   network->save(archive);
-  try
-  {
-    archive.save_to(path);
-  }
-  catch (const std::exception&)
-  {
-    throw UserError(path + ": the model cannot be written there");
-  }
+  saveArchive(archive, path);
 }
 
 bool isDyloModel(const std::string& path)

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/Error.h>
 #include <dyslam/nets/DysegFile.h>
-#include <torch/serialize.h>
+#include <dyslam/nets/SaveArchive.h>
 
 #include <filesystem>
 
@@ -50,7 +50,7 @@ void saveDyseg(const DysegNetwork& network, const std::string& file)
   {
     archive.write("weights." + p.key(), p.value().cpu().contiguous().to(torch::kFloat16));
   }
-  archive.save_to(file);
+  saveArchive(archive, file);
 }
 
 DysegNetwork loadDyseg(const std::string& file)

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/nets/DysegFile.h>
 #include <dyslam/nets/DysegModel.h>
+#include <dyslam/nets/Threads.h>
 #include <torch/torch.h>
 
 #include <array>
@@ -53,12 +54,12 @@ class DysegModel::Encoded
 struct DysegModel::Impl
 {
   DysegNetwork network;
+  int threads = 1;
 };
 
 DysegModel::DysegModel(const std::string& file, int threads)
-    : impl_(std::make_unique<Impl>(Impl{loadDyseg(file)}))
+    : impl_(std::make_unique<Impl>(Impl{loadDyseg(file), threads}))
 {
-  torch::set_num_threads(std::max(1, threads));
   impl_->network.net->eval();
 }
 
@@ -68,7 +69,7 @@ DysegModel::DysegModel(const DysegNetworkOptions& network,
                        int threads)
     : impl_(std::make_unique<Impl>())
 {
-  torch::set_num_threads(std::max(1, threads));
+  impl_->threads = threads;
   torch::manual_seed(seed);
   impl_->network.net = DysegNet(network);
   impl_->network.grid = grid;
@@ -87,6 +88,7 @@ std::shared_ptr<const DysegModel::Encoded> DysegModel::encode(
     const std::vector<Eigen::Vector3f>& points) const
 {
   torch::InferenceMode inference;
+  useTorchThreads(impl_->threads);
   auto encoded = std::make_shared<Encoded>(makeBevScan(points, grid()), points.size());
   encoded->encoding = impl_->network.net->encode(encoded->scan);
   return encoded;
@@ -97,6 +99,7 @@ RigidFlowFit DysegModel::match(const Encoded& current,
                                const MotionGuess* guess) const
 {
   torch::InferenceMode inference;
+  useTorchThreads(impl_->threads);
   if (current.scan.size() == 0 || past.scan.size() == 0)
   {
     return {};
@@ -132,6 +135,7 @@ DysegResult DysegModel::judge(const Encoded& current,
                               int iterations) const
 {
   torch::InferenceMode inference;
+  useTorchThreads(impl_->threads);
   DysegResult result;
   result.static_flow = static_flow;
   result.moving_probability.assign(current.inputs, 0.0F);

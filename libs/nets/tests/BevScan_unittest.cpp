@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/Error.h>
 #include <dyslam/nets/BevScan.h>
 #include <gtest/gtest.h>
 
@@ -134,6 +135,15 @@ TEST(BevScan, CellsAscendAndCropMoves)
     EXPECT_LT(std::abs(p.x() - 20), 12.81F);
     EXPECT_LT(std::abs(p.y() + 10), 12.81F);
   }
+}
+
+TEST(BevScan, SidesThatCannotBeHalvedAreRefused)
+{
+  BevOptions options;
+  options.cells = 100;
+  EXPECT_THROW((void)makeBevScan({{1, 1, 1}}, options), dyslam::UserError);
+  const auto config = dyslam::Config::fromText("[grid]\ncells = 100\n", "test");
+  EXPECT_THROW(dyslam::load(options, config, "grid"), dyslam::UserError);
 }
 
 TEST(BevScan, EmptyAndOnePoint)

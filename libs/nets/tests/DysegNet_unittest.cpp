@@ -108,6 +108,27 @@ TEST(DysegModel, OnePerPointAndQuietOnNothing)
   EXPECT_EQ(model.compare(*one, *some).moving_probability.size(), 1U);
 }
 
+TEST(DysegModel, EachUsesItsOwnThreads)
+{
+  const int before = torch::get_num_threads();
+  const DysegModel one(DysegNetworkOptions(), smallGrid(), 1, 1);
+  const DysegModel two(DysegNetworkOptions(), smallGrid(), 1, 2);
+  const auto scan = one.encode(street(1));
+  EXPECT_EQ(torch::get_num_threads(), 1);
+  (void)two.encode(street(1));
+  EXPECT_EQ(torch::get_num_threads(), 2);
+  (void)one.compare(*scan, *scan);
+  EXPECT_EQ(torch::get_num_threads(), 1);
+  torch::set_num_threads(before);
+}
+
+TEST(DysegFile, FilesThatCannotBeWrittenAreAClearError)
+{
+  dyslam::DysegNetwork network;
+  network.net = dyslam::DysegNet(DysegNetworkOptions());
+  EXPECT_THROW(saveDyseg(network, "/nowhere/dyseg.pt"), dyslam::UserError);
+}
+
 TEST(DysegFile, WeightsReturnAndWrongFilesAreRefused)
 {
   torch::manual_seed(7);

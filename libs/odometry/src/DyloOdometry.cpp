@@ -8,6 +8,8 @@
 #include <limits>
 #include <optional>
 
+#include "SimpleOdometry.h"
+
 namespace dyslam
 {
 namespace
@@ -23,6 +25,11 @@ DyloOdometry::DyloOdometry(const DyloOptions& options)
 
 std::string DyloOdometry::extract(const Frame& frame)
 {
+  confidence_.clear();
+  if (const std::string trouble = cloudTrouble(frame); !trouble.empty())
+  {
+    return trouble;
+  }
   T_vehicle_lidar_ = frame.scan.T_vehicle_lidar;
   const Eigen::Isometry3f T_lidar_vehicle = T_vehicle_lidar_.inverse().cast<float>();
   points_.resize(frame.cloud.size());
@@ -37,7 +44,6 @@ std::string DyloOdometry::extract(const Frame& frame)
       points_[i].setConstant(std::numeric_limits<float>::quiet_NaN());
     }
   }
-  confidence_.clear();
   const Pose T_sweep = T_vehicle_lidar_.inverse() * frame.cloud.T_sweep * T_vehicle_lidar_;
   const std::size_t usable = options_.deskew
                                  ? matcher_.setCurrent(points_, frame.cloud.phase, T_sweep)

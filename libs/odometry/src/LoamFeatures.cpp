@@ -23,14 +23,27 @@ struct RingPoint
   std::uint32_t index;  //!< in the cloud
 };
 
+/** The cloud's points in the lidar frame, where beams start from the origin. */
+std::vector<Eigen::Vector3f> fromLidar(const Frame& frame)
+{
+  const Eigen::Isometry3f T_lidar_vehicle = frame.scan.T_vehicle_lidar.inverse().cast<float>();
+  std::vector<Eigen::Vector3f> seen;
+  seen.reserve(frame.cloud.size());
+  for (const Eigen::Vector3f& p : frame.cloud.points)
+  {
+    seen.push_back(T_lidar_vehicle * p);
+  }
+  return seen;
+}
+
 /** Rings of the cloud's points, or empty. */
-std::vector<std::uint16_t> cloudRings(const Frame& frame)
+std::vector<std::uint16_t> cloudRings(const Frame& frame, const std::vector<Eigen::Vector3f>& seen)
 {
   const Cloud& cloud = frame.cloud;
   const bool traced = cloud.source.size() == cloud.size() && frame.scan.size() > 0;
   if (!traced)
   {
-    return estimateRings(cloud.points);
+    return estimateRings(seen);
   }
   const std::vector<std::uint16_t> estimated = frame.scan.ring.size() == frame.scan.size()
                                                    ? std::vector<std::uint16_t>()
@@ -53,16 +66,13 @@ std::vector<std::uint16_t> cloudRings(const Frame& frame)
   return rings;
 }
 
-std::vector<std::vector<RingPoint>> sortedRings(const Frame& frame,
+std::vector<std::vector<RingPoint>> sortedRings(const std::vector<Eigen::Vector3f>& seen,
                                                 const std::vector<std::uint16_t>& rings)
 {
-  const Pose T_lidar_vehicle = frame.scan.T_vehicle_lidar.inverse();
-  const Eigen::Matrix3f R = T_lidar_vehicle.linear().cast<float>();
-  const Eigen::Vector3f t = T_lidar_vehicle.translation().cast<float>();
   std::vector<std::vector<RingPoint>> sorted;
   for (std::size_t i = 0; i < rings.size(); ++i)
   {
-    const Eigen::Vector3f q = R * frame.cloud.points[i] + t;
+    const Eigen::Vector3f& q = seen[i];
     if (!q.allFinite())
     {
       continue;
@@ -83,8 +93,11 @@ std::vector<std::vector<RingPoint>> sortedRings(const Frame& frame,
 class RingFeatures
 {
  public:
-  RingFeatures(const Frame& frame, const std::vector<float>& weights, const LoamOptions& options)
-      : points_(frame.cloud.points), weights_(weights), options_(options)
+  RingFeatures(const Frame& frame,
+               const std::vector<Eigen::Vector3f>& seen,
+               const std::vector<float>& weights,
+               const LoamOptions& options)
+      : points_(frame.cloud.points), seen_(seen), weights_(weights), options_(options)
   {
   }
 
@@ -127,7 +140,7 @@ class RingFeatures
     curvature_.assign(n, 0);
     blocked_.assign(n, 0);
     edge_.assign(n, 0);
-    const auto at = [&](std::size_t i) -> const Eigen::Vector3f& { return points_[ring[i].index]; };
+    const auto at = [&](std::size_t i) -> const Eigen::Vector3f& { return seen_[ring[i].index]; };
     for (std::size_t i = 0; i < n; ++i)
     {
       if (i < half_window || i + half_window >= n)
@@ -221,7 +234,8 @@ class RingFeatures
     }
   }
 
-  const std::vector<Eigen::Vector3f>& points_;
+  const std::vector<Eigen::Vector3f>& points_;  // vehicle frame
+  const std::vector<Eigen::Vector3f>& seen_;    // lidar frame
   const std::vector<float>& weights_;
   const LoamOptions& options_;
   std::vector<float> curvature_;
@@ -252,14 +266,15 @@ void LoamOptions::describe(OptionsVisitor& v)
 LoamFeatures loamFeatures(const Frame& frame, const LoamOptions& options)
 {
   LoamFeatures features;
-  const std::vector<std::uint16_t> rings = cloudRings(frame);
+  const std::vector<Eigen::Vector3f> seen = fromLidar(frame);
+  const std::vector<std::uint16_t> rings = cloudRings(frame, seen);
   if (rings.size() != frame.cloud.size())
   {
     return features;
   }
   const std::vector<float> weights = pointWeights(frame);
-  const auto sorted = sortedRings(frame, rings);
-  RingFeatures extractor(frame, weights, options);
+  const auto sorted = sortedRings(seen, rings);
+  RingFeatures extractor(frame, seen, weights, options);
   for (std::size_t r = 0; r < sorted.size(); ++r)
   {
     extractor.extract(sorted[r], static_cast<std::uint16_t>(r), features);

@@ -9,6 +9,7 @@
 #include <optional>
 
 #include "ScanToMap.h"
+#include "ScanToScan.h"
 #include "SimpleOdometry.h"
 #include "SurfaceMap.h"
 
@@ -95,6 +96,7 @@ struct LocalMapRefinement::State
   Eigen::Vector3d cropped_at = Eigen::Vector3d::Zero();
   int joined = 0;  //!< frames in the map
   int failures = 0;
+  std::optional<double> start_deviation;        //!< for the next first registration alone [m]
   std::optional<Pose> T_prior;                  //!< of the frame at hand
   Matrix6 prior_information = Matrix6::Zero();  //!< of the prior and the guess
   Matrix6 guess_information = Matrix6::Zero();  //!< of a guess that is not the prior
@@ -160,11 +162,10 @@ void LocalMapRefinement::State::takeIn(const Frame& frame)
   }
 
   const bool skewed = cloud.phase.size() == count;
-  const bool has_moving = frame.moving_probability.size() == count;
-  const bool has_static = frame.static_confidence.size() == count;
+  const std::vector<float> weights = pointWeights(frame);
   scan.points.resize(kept.size());
   scan.phase.resize(skewed ? kept.size() : 0);
-  scan.weight.resize(has_moving || has_static ? kept.size() : 0);
+  scan.weight.resize(weights.empty() ? 0 : kept.size());
   points.resize(kept.size());
   const SweepMotion motion(cloud.T_sweep, 0);
   pool.forChunks(kept.size(), 8192,
@@ -181,11 +182,9 @@ void LocalMapRefinement::State::takeIn(const Frame& frame)
                        scan.phase[i] = cloud.phase[from];
                        scan.points[i] = motion.toReference(p, -cloud.phase[from]);
                      }
-                     if (has_moving || has_static)
+                     if (!weights.empty())
                      {
-                       float w = has_moving ? 1 - frame.moving_probability[from] : 1.0F;
-                       w *= has_static ? frame.static_confidence[from] : 1.0F;
-                       scan.weight[i] = w > 0 ? std::min(w, 1.0F) : 0.0F;
+                       scan.weight[i] = weights[from];
                      }
                    }
                  });
@@ -256,7 +255,8 @@ ScanToMapSettings LocalMapRefinement::State::settings(double start_kernel) const
 /** Coarse to fine where the guess may be off by more than the map's cells can catch. */
 ScanToMapResult LocalMapRefinement::State::registerScan(const Pose& T_before, const Pose& T_guess)
 {
-  const double expected = joined == 1 ? options.start_deviation : std::sqrt(deviation2);
+  const double expected =
+      joined == 1 ? start_deviation.value_or(options.start_deviation) : std::sqrt(deviation2);
   const auto coarseFrom = [&](int factor)
   {
     Pose T = T_guess;
@@ -390,6 +390,7 @@ RefineResult LocalMapRefinement::refine(const Frame& frame,
   s.shapeSample();
   const ScanToMapResult found =
       s.joined == 1 ? s.registerSecond(T_before, T_guess) : s.registerScan(T_before, T_guess);
+  s.start_deviation.reset();
   result.points = s.sample.size();
   result.inlier_share = found.inlier_share;
   result.motion.iterations = found.iterations;
@@ -436,7 +437,7 @@ RefineResult LocalMapRefinement::refine(const Frame& frame,
 
 void LocalMapRefinement::setStartDeviation(double deviation)
 {
-  state_->options.start_deviation = deviation;
+  state_->start_deviation = deviation;
 }
 
 const Pose& LocalMapRefinement::pose() const

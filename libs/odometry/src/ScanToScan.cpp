@@ -22,9 +22,10 @@ MotionEstimate ScanToScan::process(const Frame& frame,
   estimate.T_previous_current = has_reference_ ? prediction : Pose::Identity();
   estimate.information.setZero();
   estimate.reason = cloudTrouble(frame);
+  const std::string unusable = extract(frame);
   if (estimate.reason.empty())
   {
-    estimate.reason = extract(frame);
+    estimate.reason = unusable;
   }
   const Pose guess = T_reference_previous_ * estimate.T_previous_current;
   if (!estimate.reason.empty())

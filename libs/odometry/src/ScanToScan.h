@@ -16,7 +16,9 @@ class ScanToScan : public LidarOdometry
   void reset() final;
 
  protected:
-  /** Make ready what align() and accept() need of the frame. \return why it cannot be used */
+  /** Make ready what align() and accept() need of the frame, and forget what was told of the one
+   * before. Called with every frame, those in trouble (see cloudTrouble()) too. \return why it
+   * cannot be used */
   virtual std::string extract(const Frame& frame) = 0;
   /** Register the frame to the reference; T_previous_current is then from the reference. */
   virtual MotionEstimate align(const Pose& T_reference_current_guess) = 0;

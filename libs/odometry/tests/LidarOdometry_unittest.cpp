@@ -163,6 +163,15 @@ TEST_P(EveryOdometry, MotionGoesOnAfterAUselessFrame)
   expectNear(estimate, half.inverse() * T_);
 }
 
+TEST_P(EveryOdometry, UselessFramesHaveNoConfidence)
+{
+  const auto odometry = make(GetParam().name, pool_);
+  odometry->process(scene_.frame(Pose::Identity(), 0.01, 1), Pose::Identity());
+  odometry->process(scene_.frame(T_, 0.01, 2), T_);
+  odometry->process(test::frameOf({}), T_);
+  EXPECT_TRUE(odometry->staticConfidence().empty());
+}
+
 TEST_P(EveryOdometry, NanPointsAmongGoodOnesDoNoHarm)
 {
   if (!GetParam().looks_at_points)

@@ -78,6 +78,25 @@ TEST_P(Refinement, FollowsADriveFromAStartInMotion)
   }
 }
 
+TEST_P(Refinement, StartDeviationHoldsForOneRegistration)
+{
+  LocalMapRefinement refinement(options(), pool_);
+  refinement.setStartDeviation(0.01);
+  (void)refinement.refine(scene_.frame(Pose::Identity(), 0.01, 1), Pose::Identity());
+  std::vector<Eigen::Vector3f> sky;
+  for (int i = 0; i < 400; ++i)
+  {
+    const float x = static_cast<float>(i % 20), y = static_cast<float>(i / 20);
+    sky.emplace_back(x, y, 60 + 0.1F * x * y);
+  }
+  EXPECT_FALSE(refinement.refine(test::frameOf(sky), Pose::Identity()).motion.converged);
+  // The next one may be as wrong as the options say.
+  const Pose T = poseFromYpr(1.6, 0.1, 0, 2 * degree, 0, 0);
+  const RefineResult found = refinement.refine(scene_.frame(T, 0.01, 2), Pose::Identity());
+  EXPECT_TRUE(found.motion.converged) << found.motion.reason;
+  EXPECT_LT((T.inverse() * found.T_odom_vehicle).translation().norm(), 0.05);
+}
+
 TEST_P(Refinement, MotionsChainToThePoses)
 {
   Pose T = Pose::Identity();

@@ -117,6 +117,15 @@ TEST(Preprocessor, RefusesBadOptions)
   PreprocessOptions options;
   options.max_range = -1;
   EXPECT_THROW(Preprocessor(options, pool), UserError);
+  // A sensor that does not turn would leave every scan as it is.
+  PreprocessOptions still;
+  still.sweep.direction = 0;
+  EXPECT_THROW(Preprocessor(still, pool), UserError);
+  EXPECT_THROW(
+      load(still, Config::fromText("[preprocess]\nsweep_direction = 0\n", "x.ini"), "preprocess"),
+      UserError);
+  load(still, Config::fromText("[preprocess]\nsweep_direction = 1\n", "x.ini"), "preprocess");
+  EXPECT_EQ(still.sweep.direction, 1);
 }
 }  // namespace
 }  // namespace dyslam

@@ -328,4 +328,17 @@ std::string Pipeline::summary() const
   }
   return text;
 }
+
+std::vector<std::string> Pipeline::warnings() const
+{
+  const Stages& s = *stages_;
+  if (s.refine_options.method == RefineMethod::none &&
+      s.odometry_options.method == "constant_velocity")
+  {
+    return {
+        "nothing measures the motion: odometry.method=constant_velocity only predicts it, and "
+        "refine.method is none; change one of them"};
+  }
+  return {};
+}
 }  // namespace dyslam

@@ -4,6 +4,7 @@
 #include <dyslam/backend/Backend.h>
 #include <dyslam/core/BoxOverlap.h>
 #include <dyslam/core/Error.h>
+#include <dyslam/core/PendingFile.h>
 #include <dyslam/core/VoxelGrid.h>
 #include <dyslam/eval/TrajectoryPlot.h>
 #include <dyslam/io/CloudFiles.h>
@@ -19,6 +20,7 @@
 #include <filesystem>
 
 #include "JsonText.h"
+#include "OutputFolder.h"
 
 namespace fs = std::filesystem;
 
@@ -113,27 +115,18 @@ RunOutputs::RunOutputs(const SlamRunSettings& settings,
       static_scans_(settings.static_scans),
       options_(options)
 {
-  std::error_code error;
-  fs::create_directories(folder_, error);
-  if (error || !fs::is_directory(folder_))
-  {
-    throw UserError(folder_ + ": the output folder cannot be made (" + error.message() +
-                    "); choose another --output");
-  }
-  fs::remove(fs::path(folder_) / "report.json", error);
-  opened(path("effective.ini")) << effective.toIni();
+  prepareOutputFolder(folder_, input_);
+  writeWhole(path("effective.ini"), effective.toIni());
   odometry_ = opened(path("odometry_tum.txt"));
   tracks_csv_ = opened(path("tracks.csv"));
   tracks_csv_ << "frame,stamp,id,class,x,y,z,length,width,height,yaw,vx,vy,vz,speed,dynamic,"
                  "observed,score\n";
   if (labels_)
   {
-    fs::remove_all(fs::path(folder_) / "labels", error);
     fs::create_directories(path("labels"));
   }
   if (static_scans_)
   {
-    fs::remove_all(fs::path(folder_) / "static_scans", error);
     fs::create_directories(path("static_scans"));
     static_rawlog_ = std::make_unique<RawlogWriter>(path("static_scans.rawlog"));
   }
@@ -152,6 +145,7 @@ std::string RunOutputs::path(const std::string& name)
 
 void RunOutputs::add(Frame frame, const Pipeline& pipeline)
 {
+  T_odom_vehicle_.push_back(frame.T_odom_vehicle);
   odometry_ << tumLine(frame.scan.stamp, frame.T_odom_vehicle);
   odometry_.flush();
   if (frame.T_world_vehicle_truth)
@@ -202,10 +196,11 @@ void RunOutputs::addTracks(const Frame& frame, const Pipeline& pipeline)
     tracks_.push_back(box);
     if (object.dynamic)
     {
-      object_paths_[object.id].push_back(frame.T_map_odom * object.box.center);
-      LabelledBox in_map = box;
-      in_map.box = transformed(object.box, frame.T_map_odom);
-      last_moving_[object.id] = {in_map, frame.T_map_odom.linear() * object.velocity};
+      MovingObject& moving = moving_[object.id];
+      moving.path.push_back({T_odom_vehicle_.size() - 1, object.box.center});
+      moving.last = box;
+      moving.last.box = object.box;
+      moving.velocity = object.velocity;
     }
     const auto& c = object.box.center;
     const auto& s = object.box.size;
@@ -259,7 +254,7 @@ void RunOutputs::writeStaticScan(const Frame& frame, const std::vector<Label>& l
   };
   for (std::size_t i = 0; i < labels.size(); ++i)
   {
-    if (!isMoving(labels[i]) && semanticOf(labels[i]) != semanticOf(label_moving))
+    if (!isMovingLabel(labels[i]))
     {
       keep(kept.points, i);
       keep(kept.intensity, i);
@@ -358,16 +353,26 @@ void RunOutputs::writeMap(const Pipeline& pipeline, const Trajectory& trajectory
     }
     scene.trajectory = trajectory;
     scene.reference = reference_;
-    for (const auto& [id, object_path] : object_paths_)
-    {
-      scene.object_paths.push_back(object_path);
-    }
-    for (const auto& [id, last] : last_moving_)
-    {
-      scene.boxes.push_back(last.first);
-      scene.velocities.push_back(last.second);
-    }
+    addMovingObjects(trajectory, scene);
     writeScene(scene, path("map.3Dscene"));
+  }
+}
+
+void RunOutputs::addMovingObjects(const Trajectory& trajectory, SceneContent& scene) const
+{
+  // Loops closed since have moved the odometry frame of each scan.
+  const auto T_map_odom = [&](std::size_t ordinal)
+  { return trajectory[ordinal].pose * T_odom_vehicle_[ordinal].inverse(); };
+  for (const auto& [id, object] : moving_)
+  {
+    for (const auto& [ordinal, centre] : object.path)
+    {
+      scene.object_paths[id].push_back(T_map_odom(ordinal) * centre);
+    }
+    const Pose T = T_map_odom(object.path.back().first);
+    scene.boxes.push_back(object.last);
+    scene.boxes.back().box = transformed(object.last.box, T);
+    scene.velocities.push_back(T.linear() * object.velocity);
   }
 }
 
@@ -384,8 +389,8 @@ void RunOutputs::writePlot(const Trajectory& trajectory)
     return;
   }
   const auto png = renderTrajectoryPlot({item}, options);
-  std::ofstream file(path("trajectory.png"), std::ios::binary);
-  file.write(reinterpret_cast<const char*>(png.data()), static_cast<std::streamsize>(png.size()));
+  writeWhole(path("trajectory.png"),
+             std::string_view(reinterpret_cast<const char*>(png.data()), png.size()));
 }
 
 void RunOutputs::writeReport(SlamRunReport& report, const std::map<std::string, double>& stage_ms)
@@ -408,6 +413,6 @@ void RunOutputs::writeReport(SlamRunReport& report, const std::map<std::string, 
   json.add("stage_ms", stage_ms);
   json.add("warnings", report.warnings);
   json.add("files", report.files);
-  opened(file) << json.text();
+  writeWhole(file, json.text());
 }
 }  // namespace dyslam

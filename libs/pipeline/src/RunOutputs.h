@@ -7,6 +7,7 @@
 #include <dyslam/io/Labels.h>
 #include <dyslam/io/RawlogWriter.h>
 #include <dyslam/io/ReplayWriter.h>
+#include <dyslam/io/SceneExport.h>
 #include <dyslam/pipeline/Pipeline.h>
 #include <dyslam/pipeline/SlamRun.h>
 #include <dyslam/pipeline/WriteBehind.h>
@@ -15,6 +16,7 @@
 #include <map>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace dyslam
@@ -54,11 +56,19 @@ class RunOutputs
   /** report.json: the last file, so that a folder that has it is whole. */
   void writeReport(SlamRunReport& report, const std::map<std::string, double>& stage_ms);
 
-  [[nodiscard]] std::size_t trackCount() const { return object_paths_.size(); }
+  [[nodiscard]] std::size_t trackCount() const { return moving_.size(); }
   [[nodiscard]] bool hasReference() const { return !reference_.empty(); }
   [[nodiscard]] const std::vector<std::string>& files() const { return files_; }
 
  private:
+  /** All in the odometry frame. */
+  struct MovingObject
+  {
+    std::vector<std::pair<std::size_t, Eigen::Vector3d>> path;  //!< ordinals of frames, centres
+    LabelledBox last;                                           //!< where it was reported last
+    Eigen::Vector3d velocity;
+  };
+
   [[nodiscard]] std::string path(const std::string& name);
   void addTracks(const Frame& frame, const Pipeline& pipeline);
   /** SemanticKITTI's label of every point of the frame's scan. */
@@ -67,6 +77,7 @@ class RunOutputs
   void writeTrajectories(const Trajectory& trajectory);
   void writeGraphs(const Pipeline& pipeline);
   void writeMap(const Pipeline& pipeline, const Trajectory& trajectory);
+  void addMovingObjects(const Trajectory& trajectory, SceneContent& scene) const;
   void writePlot(const Trajectory& trajectory);
 
   std::string folder_;
@@ -79,9 +90,8 @@ class RunOutputs
   std::ofstream tracks_csv_;
   Trajectory reference_;  //!< ground truth in the map frame
   std::vector<LabelledBox> tracks_;
-  std::map<int, std::vector<Eigen::Vector3d>> object_paths_;
-  /** Box and velocity of each moving object where it was reported last, map frame. */
-  std::map<int, std::pair<LabelledBox, Eigen::Vector3d>> last_moving_;
+  std::vector<Pose> T_odom_vehicle_;  //!< of every frame
+  std::map<int, MovingObject> moving_;
   std::unique_ptr<ReplayWriter> replay_;
   std::unique_ptr<RawlogWriter> static_rawlog_;
   std::unique_ptr<WriteBehind> writer_;  //!< last: its jobs use the members above

@@ -8,6 +8,8 @@
 #include <dyslam/pipeline/SlamRun.h>
 #include <mrpt/system/CTimeLogger.h>
 
+#include <algorithm>
+#include <atomic>
 #include <fstream>
 #include <map>
 
@@ -44,7 +46,30 @@ SlamRunReport summaryOf(const Pipeline& pipeline, const RawlogSource& source, st
   report.path_length = lengths.empty() ? 0 : lengths.back();
   report.map_points = pipeline.map() == nullptr ? 0 : pipeline.map()->points().size();
   report.warnings = source.warnings();
+  for (const std::string& warning : pipeline.warnings())
+  {
+    report.warnings.push_back(warning);
+  }
   return report;
+}
+/** Of the scans asked for; 0 where all are. */
+double shareOf(std::size_t frames, int only_first_n)
+{
+  return only_first_n > 0 ? static_cast<double>(frames) / only_first_n : 0;
+}
+
+/** Runs that are worth a second look, though nothing failed. */
+void warnOfDoubts(SlamRunReport& report)
+{
+  constexpr double many = 0.2;  // of all scans
+  const auto lost = static_cast<double>(report.unconverged);
+  if (lost > many * static_cast<double>(report.frames))
+  {
+    report.warnings.push_back(std::to_string(report.unconverged) + " of " +
+                              std::to_string(report.frames) +
+                              " scans could not be registered; does the config fit the sensor? (-c "
+                              "kitti64.ini is made for 64 beams, -c vlp16.ini for 16)");
+  }
 }
 }  // namespace
 
@@ -72,7 +97,14 @@ SlamRunReport runSlam(const SlamRunSettings& settings,
   std::string damage;
   try
   {
-    ReadAhead reader([&] { return source.next(); });
+    std::atomic<double> read = 0;  // share of the file; only the reading thread may ask the source
+    ReadAhead reader(
+        [&]
+        {
+          auto frame = source.next();
+          read = source.progress();
+          return frame;
+        });
     while (auto frame = reader.next())
     {
       pipeline.process(*frame);
@@ -81,7 +113,11 @@ SlamRunReport runSlam(const SlamRunSettings& settings,
       outputs.add(std::move(*frame), pipeline);
       if (on_frame)
       {
-        on_frame(source.progress(), frames);
+        on_frame(std::max(read.load(), shareOf(frames, input.only_first_n)), frames);
+      }
+      if (settings.stop && settings.stop())
+      {
+        throw UserError(settings.rawlog + ": stopped");
       }
     }
   }
@@ -98,6 +134,7 @@ SlamRunReport runSlam(const SlamRunSettings& settings,
   outputs.finish(pipeline);
   SlamRunReport report = summaryOf(pipeline, source, frames);
   report.unconverged = unconverged;
+  warnOfDoubts(report);
   const auto stage_ms = stageMilliseconds(times, frames);
   for (const auto& [stage, ms] : stage_ms)
   {

@@ -180,7 +180,7 @@ Detector::Detector(const DetectorOptions& options) : options_(options)
   validate(options_, "detector");
 }
 
-void Detector::detect(Frame& frame)
+void Detector::detect(Frame& frame) const
 {
   frame.detections.clear();
   if (frame.moving_probability.size() == frame.cloud.size())
@@ -289,7 +289,8 @@ std::vector<std::vector<std::uint32_t>> Detector::clusters(
   return result;
 }
 
-std::vector<Detection> Detector::detect(const Points& points, const std::vector<float>& moving)
+std::vector<Detection> Detector::detect(const Points& points,
+                                        const std::vector<float>& moving) const
 {
   std::vector<Detection> detections;
   for (auto& cluster : clusters(points, candidates(points, moving)))

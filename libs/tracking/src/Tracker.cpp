@@ -56,7 +56,7 @@ Assignment solve(AssociationMethod method, const CostMatrix& cost)
 
 struct Tracker::Implementation
 {
-  explicit Implementation(const TrackerOptions& o) : options(o) { validate(options, "tracking"); }
+  explicit Implementation(const TrackerOptions& o) : options(o) { validate(options, "tracker"); }
 
   const TrackerOptions options;
   std::vector<Track> tracks;

@@ -10,6 +10,7 @@
 #include <map>
 #include <random>
 #include <set>
+#include <utility>
 
 using namespace dyslam;
 using Eigen::Vector2d;
@@ -18,7 +19,7 @@ namespace
 {
 constexpr double dt = 0.1;  // [s]
 
-Detection carAt(const Vector2d& position, double yaw = 0, int truth_id = -1)
+Detection carAt(const Vector2d& position, double yaw = 0)
 {
   Detection detection;
   detection.box.center = {position.x(), position.y(), -0.8};
@@ -26,7 +27,6 @@ Detection carAt(const Vector2d& position, double yaw = 0, int truth_id = -1)
   detection.box.yaw = yaw;
   detection.object_class = ObjectClass::car;
   detection.covariance = Eigen::Vector4d(0.01, 0.01, 0.01, 0.01).asDiagonal();
-  detection.truth_id = truth_id;
   return detection;
 }
 
@@ -70,7 +70,7 @@ Outcome play(
   {
     const double t = dt * scan;
     const Pose T_odom_vehicle = sensor(t);
-    std::vector<Detection> detections;
+    std::vector<std::pair<Detection, int>> seen;  // with its actor
     for (std::size_t i = 0; i < actors.size(); ++i)
     {
       if (actors[i].seen(scan))
@@ -79,10 +79,15 @@ Outcome play(
         const Eigen::Vector3d v =
             T_odom_vehicle.inverse() *
             Eigen::Vector3d(w.x() + normal(generator), w.y() + normal(generator), 0);
-        detections.push_back(carAt(v.head<2>(), 0, static_cast<int>(i)));
+        seen.emplace_back(carAt(v.head<2>()), static_cast<int>(i));
       }
     }
-    std::shuffle(detections.begin(), detections.end(), generator);
+    std::shuffle(seen.begin(), seen.end(), generator);
+    std::vector<Detection> detections;
+    for (const auto& [detection, actor] : seen)
+    {
+      detections.push_back(detection);
+    }
     outcome.final_objects = tracker.update(t, detections, T_odom_vehicle);
     for (const TrackedObject& object : outcome.final_objects)
     {
@@ -95,7 +100,7 @@ Outcome play(
       {
         continue;
       }
-      const int actor = detections[static_cast<std::size_t>(object.detection)].truth_id;
+      const int actor = seen[static_cast<std::size_t>(object.detection)].second;
       std::vector<int>& ids = outcome.ids[actor];
       outcome.changes[actor] += !ids.empty() && ids.back() != object.id ? 1 : 0;
       ids.push_back(object.id);

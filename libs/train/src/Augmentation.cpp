@@ -2,7 +2,7 @@
 #include <dyslam/core/Error.h>
 #include <dyslam/nets/PreparedScan.h>
 #include <dyslam/train/Augmentation.h>
-#include <dyslam/train/Recordings.h>
+#include <dyslam/train/ScanFiles.h>
 
 #include <algorithm>
 #include <cmath>

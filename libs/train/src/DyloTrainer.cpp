@@ -1,12 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/Error.h>
+#include <dyslam/core/PendingFile.h>
 #include <dyslam/nets/DyloModel.h>
+#include <dyslam/nets/SaveArchive.h>
+#include <dyslam/nets/Threads.h>
 #include <dyslam/train/Augmentation.h>
 #include <dyslam/train/BlendWeights.h>
 #include <dyslam/train/DyloLoss.h>
 #include <dyslam/train/DyloTrainer.h>
 #include <dyslam/train/RandomDraws.h>
-#include <dyslam/train/RealPairSource.h>
+#include <dyslam/train/RecordingPairSource.h>
+#include <dyslam/train/ScanFiles.h>
 
 #include <algorithm>
 #include <chrono>
@@ -167,7 +171,7 @@ Trainer::Trainer(const Config& config, const DyloTrainRequest& request)
   data_ = loader.get<DataOptions>("data");
   loader.requireAllUsed();
 
-  torch::set_num_threads(options_.threads);
+  useTorchThreads(options_.threads);
   torch::manual_seed(static_cast<std::uint64_t>(options_.seed));
   network_ = DyloNetwork(shape);
   loss_ = DyloLoss(loss);
@@ -207,7 +211,7 @@ Trainer::Trainer(const Config& config, const DyloTrainRequest& request)
   }
   if (!request.validate_only)
   {
-    std::ofstream(request.output + "/effective.ini") << loader.effective().toIni();
+    writeWhole(request.output + "/effective.ini", loader.effective().toIni());
     source_ = makeSource(data_, augmentation_, base, static_cast<std::uint64_t>(options_.seed));
   }
 }
@@ -381,12 +385,8 @@ void Trainer::save()
   archive.write("loss", loss);
   archive.write("optimizer", optimizer);
   archive.write("step", torch::IValue(step_));
-  // Written beside and renamed, so that a stop in between leaves the old one whole.
-  const std::string path = request_.output + "/checkpoint.pt";
-  archive.save_to(path + ".new");
-  std::filesystem::rename(path + ".new", path);
-  saveDylo(network_, request_.output + "/dylo.pt.new");
-  std::filesystem::rename(request_.output + "/dylo.pt.new", request_.output + "/dylo.pt");
+  saveArchive(archive, request_.output + "/checkpoint.pt");
+  saveDylo(network_, request_.output + "/dylo.pt");
 }
 
 /** A checkpoint of the same network, or a model: of that, the layers both have. */

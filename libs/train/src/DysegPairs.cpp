@@ -2,17 +2,15 @@
 #include "DysegPairs.h"
 
 #include <dyslam/core/Error.h>
+#include <dyslam/train/ScanFiles.h>
 
 #include <algorithm>
-#include <filesystem>
 #include <sstream>
 
 namespace dyslam
 {
 namespace
 {
-namespace fs = std::filesystem;
-
 constexpr int clip_scans = 11;
 constexpr std::size_t longest_gap = 10;  // scans between those compared
 constexpr double period = 0.1;           // s, as if between single scans seen twice
@@ -66,16 +64,7 @@ DysegPairs::DysegPairs(const DysegTrainerOptions& options) : options_(options)
   }
   for (const auto& part : split(options.single_scans))
   {
-    std::vector<std::string> files;
-    for (const auto& entry : fs::directory_iterator(under(part)))
-    {
-      if (entry.path().extension() == ".bin")
-      {
-        files.push_back(entry.path().string());
-      }
-    }
-    std::sort(files.begin(), files.end());
-    for (const auto& f : files)
+    for (const auto& f : binFiles(under(part)))
     {
       singles_.push_back(readPoints(f));
     }

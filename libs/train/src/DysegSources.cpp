@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/Error.h>
+#include <dyslam/core/Labels.h>
 #include <dyslam/core/Scan.h>
 #include <dyslam/sim/Simulator.h>
 #include <dyslam/train/DysegData.h>
+#include <dyslam/train/ScanFiles.h>
 
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <fstream>
-#include <sstream>
+#include <stdexcept>
 
 namespace dyslam
 {
@@ -19,42 +20,6 @@ std::string numbered(const std::string& folder, std::size_t number, const char* 
   char name[32];
   std::snprintf(name, sizeof(name), "/%06zu%s", number, end);
   return folder + name;
-}
-
-std::string readText(const std::string& file)
-{
-  std::ifstream in(file, std::ios::binary);
-  if (!in)
-  {
-    throw UserError(file + ": cannot be read; check the folder of the training data");
-  }
-  std::ostringstream text;
-  text << in.rdbuf();
-  return text.str();
-}
-
-std::vector<Pose> readPoses(const std::string& file)
-{
-  std::istringstream text(readText(file));
-  std::vector<Pose> poses;
-  std::string line;
-  while (std::getline(text, line))
-  {
-    std::istringstream numbers(line);
-    Eigen::Matrix<double, 3, 4, Eigen::RowMajor> m;
-    for (int i = 0; i < 12; ++i)
-    {
-      numbers >> m.data()[i];
-    }
-    if (numbers)
-    {
-      Pose pose = Pose::Identity();
-      pose.linear() = m.leftCols<3>();
-      pose.translation() = m.col(3);
-      poses.push_back(orthonormalized(pose));
-    }
-  }
-  return poses;
 }
 
 struct BoxLine
@@ -91,29 +56,38 @@ Eigen::Vector3d tripleAfter(const std::string& text, const char* key, std::size_
   return v;
 }
 
+/** The object that begins with the next id from `at` on; moves `at` behind the id. */
+BoxLine parseBox(const std::string& text, std::size_t& at)
+{
+  // One object's text may name its parts in any order, all before the next object's id.
+  BoxLine box;
+  box.id = std::stoi(valueAfter(text, "obj_id", at));
+  std::size_t type_at = at;
+  box.type = valueAfter(text, "obj_type", type_at);
+  box.centre = tripleAfter(text, "position", at);
+  box.size = tripleAfter(text, "scale", at);
+  box.yaw = tripleAfter(text, "rotation", at).z();
+  return box;
+}
+
 /** The boxes of one SUSTechPOINTS file. */
 std::vector<BoxLine> readBoxes(const std::string& file)
 {
-  const std::string text = readText(file);
+  const std::string text = readFile(file);
   std::vector<BoxLine> boxes;
-  std::size_t at = 0;
-  for (;;)
+  try
   {
-    const auto id = valueAfter(text, "obj_id", at);
-    if (at == std::string::npos)
+    for (std::size_t at = 0; (at = text.find("\"obj_id\"", at)) != std::string::npos;)
     {
-      return boxes;
+      boxes.push_back(parseBox(text, at));
     }
-    // One object's text may name its parts in any order, all before the next object's id.
-    BoxLine box;
-    box.id = std::stoi(id);
-    std::size_t type_at = at;
-    box.type = valueAfter(text, "obj_type", type_at);
-    box.centre = tripleAfter(text, "position", at);
-    box.size = tripleAfter(text, "scale", at);
-    box.yaw = tripleAfter(text, "rotation", at).z();
-    boxes.push_back(box);
   }
+  catch (const std::logic_error&)  // no number, one too large, or the text is at its end
+  {
+    throw UserError(file + ": object " + std::to_string(boxes.size() + 1) +
+                    ": obj_id, position, scale and rotation must be numbers");
+  }
+  return boxes;
 }
 
 /** Marks the points in a box, and those just around it as unknown if the box moves. */
@@ -157,15 +131,12 @@ constexpr std::int32_t last_parked = 599;
 
 std::vector<Eigen::Vector3f> readPoints(const std::string& file)
 {
-  const std::string bytes = readText(file);
-  std::vector<Eigen::Vector3f> points(bytes.size() / (4 * sizeof(float)));
-  const auto* values = reinterpret_cast<const float*>(bytes.data());
-  for (std::size_t i = 0; i < points.size(); ++i)
+  auto points = readBinPoints(file);
+  for (auto& p : points)
   {
-    points[i] = {values[4 * i], values[4 * i + 1], values[4 * i + 2]};
-    if (!isReturn(points[i]))
+    if (!isReturn(p))
     {
-      points[i].setZero();
+      p.setZero();
     }
   }
   return points;
@@ -176,7 +147,7 @@ DysegClip loadBoxedRun(const std::string& folder, std::size_t first, std::size_t
   DysegClip clip;
   clip.name = folder;
   clip.period = 0.091;
-  const auto poses = readPoses(folder + "/poses_icp_frame_to_frame.txt");
+  const auto poses = readPoses12(folder + "/poses_icp_frame_to_frame.txt");
   if (poses.size() <= last)
   {
     throw UserError(folder + ": fewer poses than frames asked for");
@@ -229,7 +200,7 @@ DysegClip loadLabelledRun(const std::string& folder,
   DysegClip clip;
   clip.name = folder;
   clip.period = 0.1034;
-  const auto poses = readPoses(pose_file);
+  const auto poses = readPoses12(pose_file);
   if (poses.size() <= last)
   {
     throw UserError(pose_file + ": fewer poses than frames asked for");
@@ -239,22 +210,16 @@ DysegClip loadLabelledRun(const std::string& folder,
     DysegClip::Frame frame;
     frame.T_world_sensor = poses[f];
     frame.points = readPoints(numbered(folder + "/velodyne", f, ".bin"));
-    const auto bytes = readText(numbered(folder + "/labels", f, ".label"));
-    if (bytes.size() != frame.points.size() * sizeof(std::uint32_t))
-    {
-      throw UserError(numbered(folder + "/labels", f, ".label") + ": not one label per point");
-    }
+    const auto labels = readLabels(numbered(folder + "/labels", f, ".label"), frame.points.size());
     frame.object.assign(frame.points.size(), DysegClip::still);
-    const auto* labels = reinterpret_cast<const std::uint32_t*>(bytes.data());
     std::map<std::int32_t, std::pair<Eigen::Vector3d, int>> sums;
     for (std::size_t i = 0; i < frame.points.size(); ++i)
     {
-      const auto label = labels[i] & 0xFFFFU;
-      if (label == 0)
+      if (isIgnoredLabel(labels[i]))
       {
         frame.object[i] = DysegClip::unknown;
       }
-      else if (label >= 252 && label <= 259)
+      else if (isMovingLabel(labels[i]))
       {
         const auto id = static_cast<std::int32_t>(labels[i] >> 16U) + 1;
         frame.object[i] = id;

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/Error.h>
 #include <dyslam/nets/DysegFile.h>
+#include <dyslam/nets/DysegModel.h>
+#include <dyslam/nets/SaveArchive.h>
+#include <dyslam/nets/Threads.h>
 #include <dyslam/train/BlendWeights.h>
 #include <dyslam/train/DysegLosses.h>
 #include <dyslam/train/DysegScores.h>
@@ -15,6 +18,7 @@
 #include <fstream>
 
 #include "DysegPairs.h"
+#include "DysegValidation.h"
 
 namespace dyslam
 {
@@ -27,7 +31,6 @@ constexpr int warm_up = 100;  // steps
 constexpr double clip_norm = 2;
 constexpr double last_rate = 0.02;
 constexpr double mean_decay = 0.998;
-constexpr std::uint64_t validation_seeds = 900000000;  // never drawn in training
 
 /** A CSV file to go on with; a new one gets its header. */
 std::ofstream openLog(const std::string& file, const char* header)
@@ -42,9 +45,13 @@ std::ofstream openLog(const std::string& file, const char* header)
 }
 
 /** Where a crop lies: around a mover if there is one, else somewhere. */
-Eigen::Vector2f drawCentre(const DysegSample& sample, float half, RandomDraws& draws)
+Eigen::Vector2f drawCentre(const DysegSample& sample,
+                           const BevOptions& grid,
+                           const BevOptions& crop,
+                           RandomDraws& draws)
 {
-  const float reach = 51.2F - half;
+  const float half = crop.halfExtent();
+  const float reach = grid.halfExtent() - half;
   const auto within = [&](float r) { return static_cast<float>(draws.uniform(-r, r)); };
   Eigen::Vector2f centre(within(0.8F * reach), within(0.8F * reach));
   if (!sample.movers.empty() && draws.chance(0.85))
@@ -63,8 +70,16 @@ void DysegTrainerOptions::describe(OptionsVisitor& v)
   v.text("boxed_run", boxed_run, "run with boxes, under data; empty for none");
   v.integer("boxed_last", boxed_last, 0, 1000000, "its last frame for training");
   v.text("labelled_run", labelled_run, "run with labels per point, under data; empty for none");
-  v.text("labelled_poses", labelled_poses, "poses, in that run's folder");
+  v.text("labelled_poses", labelled_poses, "poses, in the folders of runs with labels");
   v.integer("labelled_last", labelled_last, 0, 1000000, "its last frame for training");
+  v.text("boxed_validation", boxed_validation, "run with boxes, under data; empty for none");
+  v.integer("boxed_validation_first", boxed_validation_first, 8, 1000000, "its first frame judged");
+  v.integer("boxed_validation_last", boxed_validation_last, 8, 1000000, "its last frame judged");
+  v.text("labelled_validation", labelled_validation, "run with labels, under data; empty for none");
+  v.integer("labelled_validation_first", labelled_validation_first, 1, 1000000,
+            "its first frame judged");
+  v.integer("labelled_validation_last", labelled_validation_last, 1, 1000000,
+            "its last frame judged");
   v.text("single_scans", single_scans, "folders of scans under data, separated by commas");
   v.real("simulated_share", simulated_share, 0, 1, "of pairs");
   v.real("single_share", single_share, 0, 1, "of the real pairs");
@@ -75,6 +90,7 @@ void DysegTrainerOptions::describe(OptionsVisitor& v)
   v.integer("simulated_pool", simulated_pool, 1, 100000, "simulated clips kept in memory");
   v.integer("simulate_every", simulate_every, 1, 100000, "steps between new clips");
   v.integer("crop", crop, 64, 2048, "cells along each side in training, a multiple of 16");
+  requireWholeCells("[train] crop", crop);
   v.integer("steps", steps, 1, 100000000, "optimiser steps");
   v.real("minutes", minutes, 0, 1e6, "stop after this long; 0 for no limit");
   v.integer("batch", batch, 1, 1000, "pairs in a step");
@@ -103,7 +119,7 @@ struct DysegTrainer::Impl
   Clock::time_point start = Clock::now();
 
   std::unique_ptr<DysegPairs> pairs;
-  std::vector<std::pair<std::string, std::vector<DysegSample>>> validation;
+  std::vector<DysegValidationSet> validation;
 
   [[nodiscard]] double minutes() const
   {
@@ -111,7 +127,6 @@ struct DysegTrainer::Impl
   }
   [[nodiscard]] std::string file(const char* name) const { return folder + "/" + name; }
   [[nodiscard]] double rate() const;
-  void makeValidation();
   DysegLoss learn();
   void updateMean();
   void save();
@@ -134,42 +149,6 @@ double DysegTrainer::Impl::rate() const
   return rate;
 }
 
-void DysegTrainer::Impl::makeValidation()
-{
-  std::vector<DysegSample> simulated;
-  std::vector<DysegSample> simulated_slow;
-  for (std::uint64_t i = 0; i < 8; ++i)
-  {
-    const auto clip = simulateClip(validation_seeds + i, 9, true);
-    simulated.push_back(makeSample(clip, 8, 7));
-    simulated_slow.push_back(makeSample(clip, 8, 0));
-  }
-  validation.emplace_back("simulated", std::move(simulated));
-  validation.emplace_back("simulated 8 scans back", std::move(simulated_slow));
-  if (options.data.empty())
-  {
-    return;
-  }
-  std::vector<DysegSample> boxed;
-  std::vector<DysegSample> boxed_slow;
-  const auto run = loadBoxedRun(options.data + "/vls128_run88", 40, 63);
-  for (std::size_t i = 8; i < run.frames.size(); i += 2)
-  {
-    boxed.push_back(makeSample(run, i, i - 1));
-    boxed_slow.push_back(makeSample(run, i, i - 8));
-  }
-  validation.emplace_back("vls128_run88 48-63", std::move(boxed));
-  validation.emplace_back("vls128_run88 48-63 8 scans back", std::move(boxed_slow));
-  const auto folder_0005 = options.data + "/kitti_raw_2011_09_26_drive_0005";
-  const auto drive = loadLabelledRun(folder_0005, folder_0005 + "/poses_icp_raw_velo.txt", 79, 109);
-  std::vector<DysegSample> labelled;
-  for (std::size_t i = 1; i < drive.frames.size(); i += 3)
-  {
-    labelled.push_back(makeSample(drive, i, i - 1));
-  }
-  validation.emplace_back("drive 0005 80-109", std::move(labelled));
-}
-
 DysegLoss DysegTrainer::Impl::learn()
 {
   optimizer->zero_grad();
@@ -181,7 +160,7 @@ DysegLoss DysegTrainer::Impl::learn()
                       static_cast<std::uint64_t>(step) * 64 + static_cast<std::uint64_t>(b));
     auto sample = pairs->draw(draws);
     augment(augmentation, draws, sample);
-    const auto centre = drawCentre(sample, crop.halfExtent(), draws);
+    const auto centre = drawCentre(sample, grid, crop, draws);
     auto loss = dysegLoss(net, sample, crop, centre, loss_options, draws);
     if (!loss.total.defined() || !std::isfinite(loss.total.item<double>()))
     {
@@ -220,8 +199,6 @@ void DysegTrainer::Impl::updateMean()
 
 void DysegTrainer::Impl::save()
 {
-  // Written beside and renamed, so that an interrupted run keeps its last state.
-  saveDyseg({mean, grid}, file("dyseg.pt.new"));
   torch::serialize::OutputArchive archive;
   torch::serialize::OutputArchive net_part;
   torch::serialize::OutputArchive mean_part;
@@ -234,19 +211,18 @@ void DysegTrainer::Impl::save()
   archive.write("optimizer", optimizer_part);
   archive.write("step", c10::IValue(static_cast<std::int64_t>(step)));
   archive.write("minutes", c10::IValue(minutes()));
-  archive.save_to(file("state.pt.new"));
-  fs::rename(file("dyseg.pt.new"), file("dyseg.pt"));
-  fs::rename(file("state.pt.new"), file("state.pt"));
+  saveDyseg({mean, grid}, file("dyseg.pt"));
+  saveArchive(archive, file("state.pt"));
 }
 
 void DysegTrainer::Impl::validateNow(const std::function<void(const std::string&)>& say)
 {
   if (validation.empty())
   {
-    makeValidation();
+    validation = makeDysegValidation(options);
   }
   saveDyseg({mean, grid}, file("validate.pt"));
-  const DysegModel model(file("validate.pt"), torch::get_num_threads());
+  const DysegModel model(file("validate.pt"), options.threads);
   auto csv = openLog(file("validation.csv"),
                      "step,set,iou,precision,recall,epe_static_m,epe_moving_m,own_motion_m,"
                      "own_motion_rad");
@@ -257,16 +233,17 @@ void DysegTrainer::Impl::validateNow(const std::function<void(const std::string&
     {
       s.add(scorePair(model, sample));
     }
-    char line[256];
-    std::snprintf(line, sizeof(line), "%d,%s,%.4f,%.4f,%.4f,%.4f,%.4f,%.4f,%.5f", step,
-                  name.c_str(), s.iou(), s.precision(), s.recall(),
+    char scores[200];
+    std::snprintf(scores, sizeof(scores), ",%.4f,%.4f,%.4f,%.4f,%.4f,%.4f,%.5f", s.iou(),
+                  s.precision(), s.recall(),
                   s.static_error / std::max<double>(1, static_cast<double>(s.static_cells)),
                   s.moving_error / std::max<double>(1, static_cast<double>(s.moving_cells)),
                   s.translation_error / static_cast<double>(s.pairs),
                   s.yaw_error / static_cast<double>(s.pairs));
+    const std::string line = std::to_string(step) + "," + name + scores;
     csv << line << '\n';
     say("validation (step, set, IoU, precision, recall, EPE static, EPE moving, ego m, ego rad): " +
-        std::string(line));
+        line);
   }
 }
 
@@ -276,8 +253,9 @@ DysegTrainer::DysegTrainer(const DysegTrainerSetup& setup, std::string folder)
   const DysegTrainerOptions& options = setup.train;
   const DysegNetworkOptions& network = setup.network;
   validate(options, "train");
+  checkDysegValidation(options);
   fs::create_directories(folder);
-  torch::set_num_threads(options.threads);
+  useTorchThreads(options.threads);
   impl_->options = options;
   impl_->augmentation = setup.augmentation;
   impl_->loss_options = setup.loss;
@@ -363,6 +341,11 @@ void DysegTrainer::validateOnly(const std::function<void(const std::string&)>& s
 void DysegTrainer::run(const std::function<void(const std::string&)>& say)
 {
   Impl& t = *impl_;
+  if (t.options.validate_every > 0)
+  {
+    // What is missing shows now, not after hours.
+    t.validation = makeDysegValidation(t.options);
+  }
   t.pairs = std::make_unique<DysegPairs>(t.options);
   say("data: " + t.pairs->summary());
   t.start = Clock::now();

@@ -1,48 +1,30 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/Deskew.h>
 #include <dyslam/core/Error.h>
+#include <dyslam/core/Labels.h>
 #include <dyslam/core/Scan.h>
 #include <dyslam/train/Recordings.h>
+#include <dyslam/train/ScanFiles.h>
 
 #include <algorithm>
 #include <filesystem>
-#include <fstream>
-#include <limits>
 #include <sstream>
 
 namespace dyslam
 {
 namespace
 {
-std::vector<char> readBytes(const std::string& path)
+std::vector<PointLabel> pointLabels(const std::string& path, std::size_t points)
 {
-  std::ifstream file(path, std::ios::binary);
-  if (!file)
-  {
-    throw UserError(path + ": cannot be read");
-  }
-  return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
-}
-
-std::vector<PointLabel> readLabels(const std::string& path, std::size_t points)
-{
-  const std::vector<char> bytes = readBytes(path);
-  if (bytes.size() != 4 * points)
-  {
-    throw UserError(path + ": holds " + std::to_string(bytes.size() / 4) + " labels for " +
-                    std::to_string(points) + " points");
-  }
   std::vector<PointLabel> labels(points, PointLabel::unknown);
+  const std::vector<std::uint32_t> given = readLabels(path, points);
   for (std::size_t i = 0; i < points; ++i)
   {
-    std::uint32_t label = 0;
-    std::copy_n(bytes.data() + 4 * i, 4, reinterpret_cast<char*>(&label));
-    const std::uint32_t kind = label & 0xFFFFU;
-    if (kind >= 252 && kind <= 259)
+    if (isMovingLabel(given[i]))
     {
       labels[i] = PointLabel::moving;
     }
-    else if (kind != 0)
+    else if (!isIgnoredLabel(given[i]))
     {
       labels[i] = PointLabel::still;
     }
@@ -80,85 +62,21 @@ std::vector<std::string> split(const std::string& text, char separator)
 }
 }  // namespace
 
-std::vector<Eigen::Vector3f> readBinPoints(const std::string& path)
-{
-  const std::vector<char> bytes = readBytes(path);
-  if (bytes.size() % 16 != 0)
-  {
-    throw UserError(path + ": " + std::to_string(bytes.size()) +
-                    " bytes are no whole number of points of x y z intensity");
-  }
-  std::vector<Eigen::Vector3f> points(bytes.size() / 16);
-  for (std::size_t i = 0; i < points.size(); ++i)
-  {
-    std::copy_n(bytes.data() + 16 * i, 12, reinterpret_cast<char*>(points[i].data()));
-    if (!isReturn(points[i]))
-    {
-      points[i].setConstant(std::numeric_limits<float>::quiet_NaN());
-    }
-  }
-  return points;
-}
-
-std::vector<Pose> readPoses12(const std::string& path)
-{
-  std::ifstream file(path);
-  if (!file)
-  {
-    throw UserError(path + ": cannot be read");
-  }
-  std::vector<Pose> poses;
-  for (std::string line; std::getline(file, line);)
-  {
-    std::istringstream stream(line);
-    Pose pose = Pose::Identity();
-    int numbers = 0;
-    for (; numbers < 12 && stream >> pose.matrix()(numbers / 4, numbers % 4); ++numbers)
-    {
-    }
-    if (numbers == 0)
-    {
-      continue;
-    }
-    if (numbers != 12)
-    {
-      throw UserError(path + ": line " + std::to_string(poses.size() + 1) +
-                      ": 12 numbers a line are needed");
-    }
-    poses.push_back(orthonormalized(pose));
-  }
-  return poses;
-}
-
-std::vector<std::string> binFiles(const std::string& folder)
-{
-  std::vector<std::string> files;
-  std::error_code error;
-  for (const auto& entry : std::filesystem::directory_iterator(folder, error))
-  {
-    if (entry.path().extension() == ".bin")
-    {
-      files.push_back(entry.path().string());
-    }
-  }
-  if (files.empty())
-  {
-    throw UserError(folder + ": no .bin scans there");
-  }
-  std::sort(files.begin(), files.end());
-  return files;
-}
-
 Recording loadRecording(const RecordingDescription& description, bool by_own_motion)
 {
   const std::vector<std::string> files = binFiles(description.folder);
   const std::vector<Pose> poses = readPoses12(description.pose_file);
-  if (description.last >= files.size() || description.last >= poses.size() ||
-      description.first > description.last)
+  if (description.last >= files.size() || description.last >= poses.size())
   {
     throw UserError(description.folder + ": frames " + std::to_string(description.first) + " to " +
                     std::to_string(description.last) + " are asked for, but there are " +
                     std::to_string(std::min(files.size(), poses.size())));
+  }
+  if (description.first >= description.last)
+  {
+    throw UserError(description.folder + ": frames " + std::to_string(description.first) + " to " +
+                    std::to_string(description.last) +
+                    " are asked for; a recording needs two scans or more");
   }
   Recording recording;
   recording.name = std::filesystem::path(description.folder).parent_path().filename().string();
@@ -172,7 +90,7 @@ Recording loadRecording(const RecordingDescription& description, bool by_own_mot
     {
       const std::string stem = std::filesystem::path(files[k]).stem().string();
       recording.labels.push_back(
-          readLabels(description.label_folder + "/" + stem + ".label", points.size()));
+          pointLabels(description.label_folder + "/" + stem + ".label", points.size()));
     }
     if (description.deskew && poses.size() > 1)
     {

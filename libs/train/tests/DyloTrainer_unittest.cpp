@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/Error.h>
+#include <dyslam/core/PendingFile.h>
 #include <dyslam/nets/DyloModel.h>
 #include <dyslam/train/DyloTrainer.h>
 #include <gtest/gtest.h>
@@ -127,6 +128,22 @@ TEST(DyloTrainer, DoesNotOverwriteATraining)
   request.output = freshFolder("none");
   request.resume = true;
   EXPECT_THROW(trainDylo(tiny(1), request), UserError);
+}
+
+TEST(Recordings, OneScanIsNone)
+{
+  const std::string folder = freshFolder("recording");
+  std::filesystem::create_directories(folder);
+  writeWhole(folder + "/0.bin", "");
+  writeWhole(folder + "/1.bin", "");
+  const std::string pose = "1 0 0 0 0 1 0 0 0 0 1 0\n";
+  writeWhole(folder + "/poses.txt", pose + pose);
+  RecordingDescription description;
+  description.folder = folder;
+  description.pose_file = folder + "/poses.txt";
+  EXPECT_THROW((void)loadRecording(description, false), UserError);
+  description.last = 1;
+  EXPECT_EQ(loadRecording(description, false).scans.size(), 2U);
 }
 
 TEST(DyloValidation, AreaUnderCurveByHand)

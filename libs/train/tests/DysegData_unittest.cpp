@@ -1,9 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/Error.h>
+#include <dyslam/core/PendingFile.h>
 #include <dyslam/train/DysegBodies.h>
 #include <dyslam/train/DysegData.h>
+#include <dyslam/train/ScanFiles.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <filesystem>
 
 namespace
 {
@@ -133,6 +137,62 @@ TEST(DysegSample, AugmentingKeepsFlowAndMotionInStep)
     }
     EXPECT_GT(checked, 10000U);
   }
+}
+
+/** A boxed run of one frame without any point. */
+class BoxedRun : public ::testing::Test
+{
+ protected:
+  BoxedRun()
+  {
+    std::filesystem::create_directories(folder_ + "/velodyne");
+    std::filesystem::create_directories(folder_ + "/label_json");
+    dyslam::writeWhole(folder_ + "/velodyne/000000.bin", "");
+    setBox("1.5");
+    dyslam::writeWhole(folder_ + "/poses_icp_frame_to_frame.txt", "1 0 0 0 0 1 0 0 0 0 1 0\n");
+  }
+  ~BoxedRun() override { std::filesystem::remove_all(folder_); }
+
+  void setBox(const std::string& x) const
+  {
+    const std::string rest = ", \"y\": 2, \"z\": 0}";
+    dyslam::writeWhole(folder_ + "/label_json/000000.json",
+                       "[{\"obj_id\": \"3\", \"position\": {\"x\": " + x + rest +
+                           ", \"rotation\": {\"x\": 0" + rest + ", \"scale\": {\"x\": 4" + rest +
+                           "}]");
+  }
+  [[nodiscard]] dyslam::DysegClip load() const { return dyslam::loadBoxedRun(folder_, 0, 0); }
+
+  std::string folder_ = ::testing::TempDir() + "dyslam_boxed_run";
+};
+
+TEST_F(BoxedRun, BoxesWithoutNumbersAreAClearError)
+{
+  EXPECT_NEAR(load().frames[0].objects.at(3).T_sensor_object.translation().x(), 1.5, 1e-9);
+  for (const char* x : {"wide", "", "1e999"})
+  {
+    setBox(x);
+    EXPECT_THROW((void)load(), dyslam::UserError) << x;
+  }
+  dyslam::writeWhole(folder_ + "/label_json/000000.json", "[{\"obj_id\":");
+  EXPECT_THROW((void)load(), dyslam::UserError);
+}
+
+TEST_F(BoxedRun, MalformedPosesAndTruncatedScansAreRefused)
+{
+  const std::string pose = "1 0 0 0 0 1 0 0 0 0 1 0\n";
+  const std::string poses = folder_ + "/poses_icp_frame_to_frame.txt";
+  dyslam::writeWhole(poses, pose + "\n" + pose);
+  EXPECT_EQ(dyslam::readPoses12(poses).size(), 2U) << "a blank line is none";
+  for (const char* line : {"nothing", "1 0 0 0 0 1 0 0 0 0 1", "1 0 0 0 0 1 0 0 0 0 1 0 7"})
+  {
+    // Passed over, it would give the frames behind it the poses of others.
+    dyslam::writeWhole(poses, line + ("\n" + pose));
+    EXPECT_THROW((void)load(), dyslam::UserError) << line;
+  }
+  dyslam::writeWhole(poses, pose);
+  dyslam::writeWhole(folder_ + "/velodyne/000000.bin", std::string(20, '\0'));
+  EXPECT_THROW((void)load(), dyslam::UserError);
 }
 
 TEST(DysegSample, SameNumberSameSample)

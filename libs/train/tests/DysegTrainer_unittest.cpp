@@ -88,6 +88,42 @@ TEST_F(DysegTraining, BlendsTheWeightsOfTwoTrainings)
   EXPECT_NE(blended(0.5), blended(0.4));
 }
 
+TEST_F(DysegTraining, FramesToValidateOnAreNotTrainedOn)
+{
+  setup_.train.data = folder_.string();
+  fs::create_directories(folder_ / "run");
+  setup_.train.boxed_run = "run";
+  setup_.train.boxed_validation = "run";
+  setup_.train.boxed_validation_first = 48;
+  const auto make = [&](int last)
+  {
+    setup_.train.boxed_last = last;
+    const DysegTrainer trainer(setup_, (folder_ / "out").string());
+  };
+  EXPECT_NO_THROW(make(47));
+  EXPECT_THROW(make(48), dyslam::UserError);
+  setup_.train.boxed_validation.clear();
+  EXPECT_NO_THROW(make(48));
+}
+
+TEST_F(DysegTraining, MissingValidationDataAreToldBeforeTheFirstStep)
+{
+  setup_.train.data = folder_.string();
+  setup_.train.validate_every = 1000;
+  setup_.train.boxed_run.clear();
+  setup_.train.single_scans.clear();
+  setup_.train.boxed_validation = "nowhere";
+  DysegTrainer trainer(setup_, (folder_ / "out").string());
+  EXPECT_THROW(trainer.run([](const std::string&) {}), dyslam::UserError);
+  EXPECT_FALSE(fs::exists(folder_ / "out" / "train.csv"));
+}
+
+TEST_F(DysegTraining, CropsThatCannotBeHalvedAreRefused)
+{
+  setup_.train.crop = 100;
+  EXPECT_THROW(DysegTrainer(setup_, (folder_ / "out").string()), dyslam::UserError);
+}
+
 TEST_F(DysegTraining, WeightsOfAnotherShapeAndMissingStatesAreRefused)
 {
   const auto weights = train("small", 1).string();

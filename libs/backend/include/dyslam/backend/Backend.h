@@ -9,7 +9,6 @@
 #include <dyslam/core/Trajectory.h>
 
 #include <cstddef>
-#include <map>
 #include <memory>
 #include <vector>
 
@@ -55,7 +54,8 @@ struct KeyframePose
 
 /** Keyframes, odometry edges, loops and their optimisation for the pipeline.
  *
- * Between loops a frame costs a bounded time. Results do not depend on the number of threads.
+ * Between loops a frame costs a bounded time. The number of the solver's threads changes results by
+ * rounding alone.
  * Not thread-safe.
  */
 class Backend
@@ -83,7 +83,6 @@ class Backend
   [[nodiscard]] Trajectory optimizedTrajectory() const;
   /** All candidates that were looked at, in order. */
   [[nodiscard]] const std::vector<Loop>& loops() const;
-  [[nodiscard]] std::map<LoopVerdict, std::size_t> loopCounts() const;
   /** Of the last optimisation; default before the first. */
   [[nodiscard]] const PoseGraphResult& lastOptimisation() const;
 

@@ -59,7 +59,7 @@ struct PoseGraphSolverOptions : Options
   GraphStart start = GraphStart::chordal;
   GraphLinearSolver linear_solver = GraphLinearSolver::suite_sparse;
   IndefiniteInformation indefinite_information = IndefiniteInformation::error;
-  int threads = 1;  //!< the result does not depend on it
+  int threads = 1;  //!< changes the result by rounding alone; with 1 it is always the same
 
   void describe(OptionsVisitor& visitor) override;
 };
@@ -89,7 +89,8 @@ class PoseGraphSolver
   /** Moves all nodes except the root, which stays where it is (at identity if it has no pose).
    * An empty graph and one without edges converge at once.
    * \throws UserError for a node without edges to the root's component, and for an edge whose
-   * information is not positive definite or whose numbers are not finite, naming them. */
+   * information is not positive definite or whose numbers are not finite, naming them; also if the
+   * information is too uneven for start = chordal. */
   PoseGraphResult solve(PoseGraph& graph) const;
 
   /** Sum of e' Omega e of the graph as it is. \throws UserError as solve(). */

@@ -42,7 +42,6 @@ struct Detection
   Eigen::Matrix4d covariance =
       0.1 * Eigen::Matrix4d::Identity();  //!< of x, y, z [m^2], yaw [rad^2]
   std::vector<std::uint32_t> points;  //!< positions in Frame::cloud; empty for boxes from a file
-  int truth_id = -1;                  //!< ground-truth id where a file gives it
 };
 
 /** The state of one tracked object after a scan. */

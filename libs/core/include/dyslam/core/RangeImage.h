@@ -39,30 +39,11 @@ struct RangeImage
 /** Angle over the sensor's xy plane [rad]. */
 [[nodiscard]] float elevationOf(const Eigen::Vector3f& p);
 
-/** Elevations of a sensor's beams, ascending [rad]. */
-struct BeamTable
-{
-  std::vector<float> elevations;
-
-  /** `count` beams at equal steps, both ends included. */
-  [[nodiscard]] static BeamTable uniform(double lowest, double highest, int count);
-  /** Median elevation of each ring; rings without points are interpolated. */
-  [[nodiscard]] static BeamTable fromRings(const std::vector<Eigen::Vector3f>& points,
-                                           const std::vector<std::uint16_t>& rings);
-  /** The beam nearest to an elevation; -1 beyond half a step outside the table. */
-  [[nodiscard]] int row(float elevation) const;
-};
-
 /** Rows from the ring numbers; points that are no returns or whose ring is >= rows are left out. */
 [[nodiscard]] RangeImage projectByRing(const std::vector<Eigen::Vector3f>& points,
                                        const std::vector<std::uint16_t>& rings,
                                        int rows,
                                        int cols);
-
-/** Rows by the nearest beam. */
-[[nodiscard]] RangeImage projectByBeams(const std::vector<Eigen::Vector3f>& points,
-                                        const BeamTable& beams,
-                                        int cols);
 
 /** Ring of each point where a recording has none, 0 the lowest; empty if they cannot be told.
  *

@@ -5,16 +5,11 @@
 
 namespace dyslam
 {
-/** Path of a file that comes with DySLAM, e.g. findShared("models/dylo.pt") or
- * findShared("config_files/kitti64.ini").
- *
- * Looked for in $DYSLAM_SHARE, then in share/dyslam beside the folder of the running program (an
- * installed tree), then in the source tree that was built.
- * \throws UserError naming the places if none has it. */
-[[nodiscard]] std::string findShared(const std::string& relative_path);
-
 /** A file given by the user: the path itself if there is such a file, else the shared one in
  * `folder` ("kitti64.ini" and "kitti64" find config_files/kitti64.ini).
+ *
+ * Shared files are looked for in $DYSLAM_SHARE, then in share/dyslam beside the folder of the
+ * running program (an installed tree), then in the source tree that was built.
  * \throws UserError naming the shared files of that kind. */
 [[nodiscard]] std::string findGivenOrShared(const std::string& path,
                                             const std::string& folder,

@@ -24,7 +24,9 @@ struct TemporalFilterOptions : Options
  * Each cell of a grid fixed in the odometry frame keeps log-odds of moving, fading from scan to
  * scan: what stood there for some scans is hardly believed to move in one, and what creeps through
  * a cell for several is believed sooner. Cells that nobody saw before change nothing, so that a
- * mover on free ground is found at once. Needs poses.
+ * mover on free ground is found at once. Needs poses, and so runs behind the odometry: what the
+ * other segmenter knows of the motion and of looks in a run's first scans is not handed on, for it
+ * would be a scan old.
  */
 class TemporalFilter : public MovingSegmenter
 {
@@ -34,10 +36,6 @@ class TemporalFilter : public MovingSegmenter
   [[nodiscard]] std::string name() const override { return inner_->name() + " + filter"; }
   [[nodiscard]] bool needsPose() const override { return true; }
   void segment(Frame& frame) override;
-  [[nodiscard]] const MotionEstimate* staticMotion() const override
-  {
-    return inner_->staticMotion();
-  }
   void reset() override;
 
   /** Only the filter, on a frame that has probabilities already. */

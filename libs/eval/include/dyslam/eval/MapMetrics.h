@@ -16,7 +16,7 @@ struct MapScores
   std::size_t static_preserved = 0;  //!< of them, still in the estimate
   std::size_t dynamic_total = 0;     //!< dynamic things in the reference
   std::size_t dynamic_rejected = 0;  //!< of them, gone from the estimate
-  std::size_t unlabelled = 0;        //!< of the reference, left out
+  std::size_t unlabelled = 0;        //!< of the reference (0, 1, or not finite), left out
 
   /** Shares in [0, 1]; nothing where the reference has no such point. */
   [[nodiscard]] std::optional<double> preservation() const;
@@ -45,7 +45,7 @@ struct MapMetricsOptions
   double voxel_size = 0.2;    //!< [m]
 };
 
-/** \param labels one per reference point: SemanticKITTI labels (252-259 dynamic, 0 left out).
+/** \param labels one per reference point: SemanticKITTI labels (251-259 dynamic, 0 and 1 left out).
  * Points that are not finite are left out.
  * \throws std::invalid_argument if labels and reference differ in length or an option is not
  * positive. */

@@ -35,7 +35,7 @@ struct ClassScores
 
 /** Moving-object segmentation over many scans, as SemanticKITTI-MOS defines it.
  *
- * A label's low 16 bits are its class; 252-259 (and 251, the generic one of MOS predictions) move,
+ * A label's low 16 bits are its class; 252-259 (and 251, where only moving is known) move,
  * 0 and 1 are unlabelled and outlier and ignored in the reference, everything else is static. An
  * estimated 0 counts as static.
  */
@@ -56,8 +56,6 @@ class SegmentationEvaluator
   std::size_t scans_ = 0;
 };
 
-/** True for SemanticKITTI's moving classes. */
-[[nodiscard]] bool isMovingLabel(std::uint32_t label);
 /** SemanticKITTI's name of a class; "class N" for others. */
 [[nodiscard]] std::string semanticKittiName(std::uint16_t semantic_class);
 }  // namespace dyslam

@@ -24,7 +24,7 @@ struct TableCell
   std::optional<double> value;  //!< full precision, for CSV
 };
 
-/** Rows under named columns, printed with aligned columns or as CSV or Markdown. */
+/** Rows under named columns, printed with aligned columns or as CSV. */
 class Table
 {
  public:
@@ -40,7 +40,6 @@ class Table
   /** First column left-aligned, the others right-aligned; ends in a line feed. Columns in which
    * no row has an entry are left out. */
   [[nodiscard]] std::string toText() const;
-  [[nodiscard]] std::string toMarkdown() const;
   /** RFC 4180; numbers with 9 significant digits, missing ones empty. */
   [[nodiscard]] std::string toCsv() const;
 

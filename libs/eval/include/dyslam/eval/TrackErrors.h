@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <dyslam/core/Trajectory.h>
 #include <dyslam/eval/TrackMetrics.h>
 
 #include <limits>
@@ -23,12 +24,18 @@ struct TrackError
   std::string type;
   double range = 0;    //!< of the true centre from the sensor, in the ground plane [m]
   bool found = false;  //!< the rest says nothing if not
-  int estimated_id = -1;
   bool same_type = false;
   double position = 0;          //!< between the centres in the ground plane [m]
   double yaw = 0;               //!< between the axes, 0 to 90 degrees: front and rear alike [rad]
   std::optional<double> speed;  //!< estimated minus true, where both are known [m/s]
 };
+
+/** Speeds over ground by central differences of the centres, one-sided at the ends of a track.
+ *
+ * \param boxes in the lidar frame of their scan. \param T_world_lidar by frame number; boxes at
+ * frames without a pose have no speed. */
+[[nodiscard]] TrackSpeeds speedsFrom(const std::vector<LabelledBox>& boxes,
+                                     const std::map<int, StampedPose>& T_world_lidar);
 
 /** Pairs true and estimated boxes of every frame by their centres' distance in the ground plane:
  * as many pairs as possible up to `max_distance` apart, of least distance in sum.

@@ -30,11 +30,9 @@ struct TrackRules
   /** Above 0, pairs are made by the centres' distance in the ground plane instead [m]: their
    * overlap is then 1 at distance 0, falling to 0 at this distance. */
   double max_distance = 0;
-  int max_truncated = 0;  //!< reference boxes above are passed over
-  int max_occluded = 2;
-  double min_image_height = 25;  //!< unmatched estimates at most this high are passed over [px]
-  double max_dontcare = 0.5;     //!< so are those with more of their image box in a DontCare area
-  bool image_rules = true;       //!< false: no image boxes, the four rules above do not apply
+  /** KITTI's: truncated and heavily occluded reference boxes are passed over, and so are unmatched
+   * estimates that are low in the image or in a DontCare area. */
+  bool image_rules = true;
   bool switches_across_gaps = false;  //!< count an id that changed while the object was missed
 
   /** The rules of KITTI for Car, Pedestrian or Cyclist. */

@@ -26,7 +26,6 @@ struct TrajectoryMetricsOptions
 {
   Alignment alignment = Alignment::se3;
   std::vector<double> lengths{100, 200, 300, 400, 500, 600, 700, 800};  //!< of segments [m]
-  std::size_t segment_step = 10;  //!< a segment starts every so many frames
 };
 
 /** Mean drift over segments of one or more lengths. */
@@ -65,8 +64,8 @@ struct RelativePoseError
 
 /** T_reference_estimate: takes the estimate's frame to the reference's.
  *
- * For se3 of positions on one line, where Umeyama's rotation about that line is free, the
- * orientations decide. Identity for an empty set.
+ * For se3 of positions on one line, where Umeyama's rotation about that line is free or follows the
+ * noise across it, the orientations decide that rotation. Identity for an empty set.
  */
 [[nodiscard]] Pose alignEstimate(const PosePairs& pairs, Alignment alignment);
 

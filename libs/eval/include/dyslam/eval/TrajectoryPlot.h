@@ -21,18 +21,11 @@ struct TrajectoryPlotOptions
 {
   std::string title;
   Alignment alignment = Alignment::se3;
-  /** The two axes of the top view; `automatic` takes the two along which the reference spreads
-   * most (x-z for KITTI's camera frame). */
-  enum class Plane
-  {
-    automatic,
-    xy,
-    xz
-  } plane = Plane::automatic;
 };
 
 /** A picture of the aligned trajectories from above and of their errors over the distance
- * travelled (position, and per-frame translation error below it), as PNG bytes.
+ * travelled (position, and per-frame translation error below it), as PNG bytes. The view from above
+ * is x-y, or x-z where the reference goes along its own z, as KITTI's cameras do.
  * \throws std::invalid_argument without items or for an item without poses. */
 [[nodiscard]] std::vector<std::uint8_t> renderTrajectoryPlot(
     const std::vector<TrajectoryPlotItem>& items, const TrajectoryPlotOptions& options = {});

@@ -18,8 +18,8 @@ void writeBin(const std::string& path,
 
 /** Reads `.bin`, `.pcd` or `.ply` by its ending. Of PCD and PLY the fields x y z, `intensity` (or
  * `reflectivity`), `ring` and `time` (or `t`, `timestamp`: seconds, or nanoseconds for whole
- * numbers) are taken; times are counted from the earliest. Intensities are as in the file.
- * \throws UserError. */
+ * numbers) are taken. Times since 1970 (above an hour) are counted from the earliest, which becomes
+ * the stamp; smaller ones are as in the file, and so are intensities. \throws UserError. */
 [[nodiscard]] Scan readCloud(const std::string& path);
 
 /** True for the endings that readCloud() knows. */

@@ -31,6 +31,14 @@ enum class KittiKind
   tracking   //!< velodyne/NNNN/NNNNNN.bin, oxts/NNNN.txt, calib/NNNN.txt, label_02/NNNN.txt
 };
 
+/** Whether the motion within a scan was undone before; such scans are given point times of 0. */
+enum class ScansDeskewed
+{
+  automatic,  //!< KITTI odometry's are
+  yes,
+  no
+};
+
 /** Which frame the poses of a pose file are in. */
 enum class PoseFrame
 {
@@ -49,6 +57,7 @@ struct KittiConverterOptions : Options
   std::string boxes;     //!< label_02 file, or folder of SUSTechPOINTS json
   std::string sequence;  //!< of tracking's official layout: "0000"; empty: the only one
   PoseFrame pose_frame = PoseFrame::automatic;
+  ScansDeskewed deskewed = ScansDeskewed::automatic;
   double dt = 0;  //!< seconds between scans; 0: the layout's own times, else 0.1034
   bool vertical_angle_correction = false;  //!< lifts the points by 0.205 deg about the sensor
   int skip_first_n = 0;

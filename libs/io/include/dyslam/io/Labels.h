@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <dyslam/core/Labels.h>
+
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -22,18 +24,6 @@ using Label = std::uint32_t;
 [[nodiscard]] constexpr Label makeLabel(std::uint16_t semantic, std::uint16_t instance)
 {
   return (static_cast<Label>(instance) << 16U) | semantic;
-}
-
-/** SemanticKITTI's moving classes: 252 car, 253 bicyclist, 254 person, 255 motorcyclist, 256 rail,
- * 257 bus, 258 truck, 259 other vehicle. */
-[[nodiscard]] constexpr bool isMoving(Label label)
-{
-  return semanticOf(label) >= 252 && semanticOf(label) <= 259;
-}
-/** Unlabelled (0) and outlier (1) points: no metric or loss may use them. */
-[[nodiscard]] constexpr bool isIgnored(Label label)
-{
-  return semanticOf(label) <= 1;
 }
 
 /** Labels used where only moving or static is known, as in the SemanticKITTI-MOS benchmark. */

@@ -31,7 +31,8 @@ struct ReplayWriterOptions : Options
  * and the trajectory so far. Streams: memory does not grow with the run. The same input gives the
  * same bytes.
  *
- * The file grows under `<path>.tmp` and gets its name when closed (by the destructor, too).
+ * The file grows under `<path>.tmp` and gets its name when closed: by close(), or by the destructor
+ * when an error unwinds the program after the first scan. A full disk leaves an earlier file.
  */
 class ReplayWriter
 {

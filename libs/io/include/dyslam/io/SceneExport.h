@@ -5,6 +5,7 @@
 #include <dyslam/core/Trajectory.h>
 
 #include <Eigen/Core>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -19,8 +20,8 @@ struct SceneContent
   Trajectory reference;                     //!< ground truth, drawn beside
   std::vector<LabelledBox> boxes;           //!< objects, with their ids
   std::vector<Eigen::Vector3d> velocities;  //!< one per box, drawn as arrows, or empty [m/s]
-  /** Paths of moving objects by id, drawn as lines. */
-  std::vector<std::vector<Eigen::Vector3d>> object_paths;
+  /** Paths of moving objects by id, drawn as lines of the box's colour. */
+  std::map<int, std::vector<Eigen::Vector3d>> object_paths;
 };
 
 /** Write a scene that MRPT's SceneViewer3D shows: map points coloured by height (brightness by

@@ -85,8 +85,6 @@ class StaticMap
   [[nodiscard]] double voxelSize() const;
   /** Voxels held, cleaned ones too. */
   [[nodiscard]] std::size_t voxelCount() const;
-  /** Bytes held by voxels, index and keyframes. */
-  [[nodiscard]] std::size_t memoryUsed() const;
 
  private:
   struct Impl;

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Includes torch: for nets, train and their tests only.
 #pragma once
 
 #include <torch/types.h>
@@ -32,8 +33,8 @@ struct CellMap
  * \param centre N x 2 (x, y): where each looks, in cells of the target, fractions allowed
  * \param radius of the window in cells
  * \return N x (2r+1)^2, row by row (y slow, x fast): <source, target at centre + (x, y)> /
- * sqrt(C), bilinear in the target and 0 outside it. Gradients reach source and target (and its empty cells), not centre.
- * Any device; on the CPU a hand-written loop.
+ * sqrt(C), bilinear in the target and 0 outside it. Gradients reach source and target (and its
+ * empty cells), not centre. Any device; on the CPU a hand-written loop.
  */
 [[nodiscard]] torch::Tensor correlate(const torch::Tensor& source,
                                       const CellMap& target,

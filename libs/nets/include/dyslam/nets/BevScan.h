@@ -6,10 +6,15 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <string>
 #include <vector>
 
 namespace dyslam
 {
+/** \throws UserError naming `field` if a side of so many cells is no multiple of 16, as the
+ * network's resolutions need it. */
+void requireWholeCells(const std::string& field, int cells);
+
 /** The grid seen from above in which DySeg reads scans. */
 struct BevOptions : Options
 {
@@ -89,7 +94,8 @@ struct BevScan
 };
 
 /** \param points sensor at the origin, z up; invalid ones are left out.
- * \param centre of the grid, in the frame of the points [m]. */
+ * \param centre of the grid, in the frame of the points [m].
+ * \throws UserError if an option is out of range. */
 [[nodiscard]] BevScan makeBevScan(const std::vector<Eigen::Vector3f>& points,
                                   const BevOptions& options,
                                   const Eigen::Vector2f& centre = Eigen::Vector2f::Zero());

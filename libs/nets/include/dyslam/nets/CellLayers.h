@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Includes torch: for nets, train and their tests only.
 #pragma once
 
 #include <torch/nn.h>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Includes torch: for nets, train and their tests only.
 #pragma once
 
 #include <dyslam/nets/DysegNet.h>
@@ -14,7 +15,8 @@ struct DysegNetwork
   BevOptions grid;
 };
 
-/** Writes weights, shape and grid into one file, as half-precision numbers. */
+/** Writes weights, shape and grid into one file, as half-precision numbers. \throws UserError if it
+ * cannot be written. */
 void saveDyseg(const DysegNetwork& network, const std::string& file);
 /** \throws UserError naming the file if it is missing or is not a DySeg network. */
 [[nodiscard]] DysegNetwork loadDyseg(const std::string& file);

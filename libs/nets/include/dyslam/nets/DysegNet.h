@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Includes torch: for nets, train and their tests only.
 #pragma once
 
 #include <dyslam/nets/BevScan.h>
@@ -85,8 +86,8 @@ struct DysegCellsOut
  * Everything is computed for occupied cells only, an eighth to a quarter of the grid.
  * Pillars, a shared encoder, correlation at 1/8 (all motions), 1/4 (around the static flow) and 1/2
  * of the grid (single points); the static flow in closed form, of cells that look like walls and
- * trees rather than like vehicles; recurrent updates of the flow around it; cells, then points, from
- * residual flow, context, correlation and what earlier rays saw.
+ * trees rather than like vehicles; recurrent updates of the flow around it; cells, then points,
+ * from residual flow, context, correlation and what earlier rays saw.
  */
 class DysegNetImpl : public torch::nn::Module
 {
@@ -132,7 +133,7 @@ class DysegNetImpl : public torch::nn::Module
   [[nodiscard]] torch::Tensor surroundings(const torch::Tensor& quarter, const DysegCells& cells);
 
   DysegNetworkOptions options_;
-  torch::Tensor empty_fine_;    //!< what an empty cell shows to those that look for a match
+  torch::Tensor empty_fine_;  //!< what an empty cell shows to those that look for a match
   torch::Tensor empty_middle_;
   torch::Tensor empty_coarse_;
   RowLinear pillar_{nullptr};

@@ -106,7 +106,8 @@ class LocalMapRefinement
                       const Pose& T_odom_vehicle_guess,
                       const PosePrior* prior = nullptr);
 
-  /** How wrong the guess of the first motion may be from now on, in place of the option's [m]. */
+  /** How wrong the guess of the next registration may be if it is the first to its map, in place of
+   * the option's [m]. Maps begun anew later go by the option again. */
   void setStartDeviation(double deviation);
 
   /** Pose after the last frame. */

@@ -55,6 +55,8 @@ class Pipeline
   [[nodiscard]] bool isReported(const TrackedObject& object) const;
   /** Words in force, e.g. for reports: "constant_velocity + point_to_plane". */
   [[nodiscard]] std::string summary() const;
+  /** What a config asks for that can hardly be meant, one sentence each. */
+  [[nodiscard]] std::vector<std::string> warnings() const;
 
  private:
   struct Stages;

@@ -16,9 +16,10 @@ struct SlamRunSettings
   std::string rawlog;         //!< input
   std::string output_folder;  //!< made if missing; files of an earlier run in it are replaced
   Config config;
-  bool static_scans = false;  //!< write the scans without what moves: .bin files and a rawlog
-  bool labels = false;        //!< write labels/NNNNNN.label, one entry per point of the input scan
-  std::string profile_csv;    //!< times of every stage, if not empty
+  bool static_scans = false;   //!< write the scans without what moves: .bin files and a rawlog
+  bool labels = false;         //!< write labels/NNNNNN.label, one entry per point of the input scan
+  std::string profile_csv;     //!< times of every stage, if not empty
+  std::function<bool()> stop;  //!< asked after every scan: true ends the run there
 };
 
 /** What came of it; the same is in report.json. */
@@ -40,9 +41,9 @@ struct SlamRunReport
 
 /** Replays a rawlog through the pipeline and fills a folder with the results.
  *
- * A recording that turns out damaged halfway still leaves complete results of the frames before;
- * then the error is thrown.
- * \param on_frame called after each frame with the share of the input read and the number of
+ * A recording that turns out damaged halfway, and a run that is stopped, still leave complete
+ * results of the frames before; then the error is thrown.
+ * \param on_frame called after each frame with the share of the work done and the number of
  * frames. \throws UserError for bad input, config or output folder. */
 SlamRunReport runSlam(const SlamRunSettings& settings,
                       const std::function<void(double, std::size_t)>& on_frame = {});

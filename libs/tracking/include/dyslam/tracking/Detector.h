@@ -32,7 +32,7 @@ struct DetectorOptions : Options
 /** Moving points to boxes: range-adaptive clustering of what stands above the local ground, an
  * L-shape fit to each cluster, a class by size.
  *
- * Deterministic; not thread-safe (it keeps scratch memory between calls).
+ * Deterministic and thread-safe: detect() is const.
  */
 class Detector
 {
@@ -41,11 +41,11 @@ class Detector
 
   /** Reads the frame's cloud and moving_probability, fills its detections. A frame without
    * probabilities gets none. */
-  void detect(Frame& frame);
+  void detect(Frame& frame) const;
 
   /** Boxes of the marked points; `moving` as long as `points`. Vehicle frame. */
   [[nodiscard]] std::vector<Detection> detect(const std::vector<Eigen::Vector3f>& points,
-                                              const std::vector<float>& moving);
+                                              const std::vector<float>& moving) const;
 
  private:
   [[nodiscard]] std::vector<std::uint32_t> candidates(const std::vector<Eigen::Vector3f>& points,

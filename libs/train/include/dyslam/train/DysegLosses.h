@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Includes torch: for train and its tests only.
 #pragma once
 
 #include <dyslam/nets/DysegNet.h>

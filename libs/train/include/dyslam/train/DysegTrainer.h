@@ -28,8 +28,16 @@ struct DysegTrainerOptions : Options
   std::string boxed_run = "vls128_run88";  //!< under `data`; empty for none
   int boxed_last = 47;                     //!< its last training frame
   std::string labelled_run;                //!< folder under `data` with labels; empty for none
-  std::string labelled_poses = "poses_icp_raw_velo.txt";  //!< in that folder
+  std::string labelled_poses = "poses_icp_raw_velo.txt";  //!< in the folders with labels
   int labelled_last = 79;                                 //!< its last training frame
+  /** Frames of a run with boxes and of one with labels that are judged and never trained on. They
+   * are compared with frames before them, up to 8 back, that may be. Empty for none. */
+  std::string boxed_validation = "vls128_run88";
+  int boxed_validation_first = 48;
+  int boxed_validation_last = 63;
+  std::string labelled_validation = "kitti_raw_2011_09_26_drive_0005";
+  int labelled_validation_first = 80;
+  int labelled_validation_last = 109;
   std::string single_scans = "hdl64_singles_sceneflow,hdl64_singles_object/velodyne";
   double simulated_share = 0.5;  //!< of pairs; the rest is real, if there is any
   double single_share = 0.3;     //!< of real pairs
@@ -72,6 +80,7 @@ struct DysegTrainerSetup
 class DysegTrainer
 {
  public:
+  /** \throws UserError for options out of range, or if frames to validate on are trained on. */
   DysegTrainer(const DysegTrainerSetup& setup, std::string folder);
   ~DysegTrainer();
 
@@ -82,9 +91,10 @@ class DysegTrainer
   /** Take a share of the weights from a file, the rest stays: the mean of two trainings that began
    * alike often does better than both (Wortsman et al. 2022). \throws UserError. */
   void blend(const std::string& weights, double share);
-  /** Write the weights and the state as they are. */
+  /** Write the weights and the state as they are. \throws UserError if they cannot be written. */
   void save();
-  /** \param say gets a line of progress now and then. */
+  /** \param say gets a line of progress now and then. \throws UserError if data are missing, also
+   * those to validate on. */
   void run(const std::function<void(const std::string&)>& say);
   /** The validation table of the weights as they are. */
   void validateOnly(const std::function<void(const std::string&)>& say);

@@ -10,13 +10,6 @@
 
 namespace dyslam
 {
-/** Points of a .bin file (float32 x y z intensity); those that are no returns stay, as NaN.
- * \throws UserError. */
-[[nodiscard]] std::vector<Eigen::Vector3f> readBinPoints(const std::string& path);
-
-/** Poses of a text file of 12 numbers a line (3x4, row-major). \throws UserError. */
-[[nodiscard]] std::vector<Pose> readPoses12(const std::string& path);
-
 /** One training or validation stretch of a folder of numbered scans. */
 struct RecordingDescription
 {
@@ -38,13 +31,11 @@ struct Recording
 };
 
 /** \param by_own_motion deskew by the truth's motion of the same step (training); else by that of
- * the step before, as a running odometry would (validation). \throws UserError. */
+ * the step before, as a running odometry would (validation). \throws UserError, also for fewer than
+ * two scans. */
 [[nodiscard]] Recording loadRecording(const RecordingDescription& description, bool by_own_motion);
 
 /** "folder;poses;first;last[;deskew][;labels=folder]", paths relative to `base`. \throws UserError.
  */
 [[nodiscard]] RecordingDescription parseRecording(const std::string& text, const std::string& base);
-
-/** Scans of a folder whose names end in .bin, sorted. \throws UserError if there is none. */
-[[nodiscard]] std::vector<std::string> binFiles(const std::string& folder);
 }  // namespace dyslam

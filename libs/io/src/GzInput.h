@@ -43,29 +43,4 @@ class GzInput
   bool cut_ = false;
   bool broken_ = false;
 };
-
-/** Writes a gzip file for MRPT's archiveFrom(). The header holds no time: same data, same bytes. */
-class GzOutput
-{
- public:
-  /** \throws UserError. */
-  GzOutput(const std::string& path, int level);
-  ~GzOutput();
-  GzOutput(const GzOutput&) = delete;
-  GzOutput& operator=(const GzOutput&) = delete;
-
-  /** Notes a failure, for check() to tell: MRPT would wrap an exception into pages of text. */
-  std::size_t Write(const void* buffer, std::size_t count);
-  std::size_t Read(void* buffer, std::size_t count);  //!< throws
-  [[nodiscard]] std::string getStreamDescription() const { return path_; }
-  /** \throws UserError if something could not be written. */
-  void check() const;
-  /** \throws UserError if not all could be written. */
-  void close();
-
- private:
-  std::string path_;
-  gzFile file_ = nullptr;
-  std::string failure_;
-};
 }  // namespace dyslam

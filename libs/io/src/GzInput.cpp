@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "GzStream.h"
+#include "GzInput.h"
 
 #include <dyslam/core/Error.h>
 
@@ -94,69 +94,5 @@ double GzInput::progress() const
   const auto at = gzoffset(file_);
   return size_ == 0 || at < 0 ? 1.0
                               : std::min(1.0, static_cast<double>(at) / static_cast<double>(size_));
-}
-
-GzOutput::GzOutput(const std::string& path, int level) : path_(path)
-{
-  const std::string mode = "wb" + std::to_string(std::clamp(level, 0, 9));
-  file_ = gzopen(path.c_str(), mode.c_str());
-  if (file_ == nullptr)
-  {
-    throw UserError(path + ": cannot be written: " + std::strerror(errno));
-  }
-  gzbuffer(file_, buffer_size);
-}
-
-GzOutput::~GzOutput()
-{
-  if (file_ != nullptr)
-  {
-    gzclose_w(file_);
-  }
-}
-
-std::size_t GzOutput::Write(const void* buffer, std::size_t count)
-{
-  const auto* from = static_cast<const char*>(buffer);
-  for (std::size_t done = 0; done < count;)
-  {
-    const std::size_t step = std::min(count - done, largest_step);
-    if (!failure_.empty() ||
-        gzwrite(file_, from + done, static_cast<unsigned>(step)) != static_cast<int>(step))
-    {
-      failure_ = failure_.empty() ? std::strerror(errno) : failure_;
-      return count;
-    }
-    done += step;
-  }
-  return count;
-}
-
-void GzOutput::check() const
-{
-  if (!failure_.empty())
-  {
-    throw UserError(path_ + ": cannot be written: " + failure_);
-  }
-}
-
-std::size_t GzOutput::Read(void*, std::size_t)
-{
-  throw std::logic_error("GzOutput is for writing");
-}
-
-void GzOutput::close()
-{
-  if (file_ == nullptr)
-  {
-    return;
-  }
-  const int code = gzclose_w(file_);
-  file_ = nullptr;
-  check();
-  if (code != Z_OK)
-  {
-    throw UserError(path_ + ": cannot be written to its end: " + std::strerror(errno));
-  }
 }
 }  // namespace dyslam

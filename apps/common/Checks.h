@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <dyslam/core/Error.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <filesystem>
+#include <map>
+#include <string>
+
+namespace dyslam
+{
+/** A finite number for which `good` holds. CLI11's own checks tell of the whole range of doubles.
+ * \param name as --help shows it. \param wanted for the message: "0 or more". */
+inline CLI::Validator numberThatIs(const std::string& name,
+                                   const std::string& wanted,
+                                   bool (*good)(double))
+{
+  return {[wanted, good](std::string& text) -> std::string
+          {
+            double value = 0;
+            const bool fits =
+                CLI::detail::lexical_cast(text, value) && std::isfinite(value) && good(value);
+            return fits ? "" : "'" + text + "' is not a number " + wanted;
+          },
+          name};
+}
+
+inline CLI::Validator notNegative()
+{
+  return numberThatIs("NONNEGATIVE", "of 0 or more", [](double v) { return v >= 0; });
+}
+
+inline CLI::Validator positive()
+{
+  return numberThatIs("POSITIVE", "above 0", [](double v) { return v > 0; });
+}
+
+/** Takes an option's word to the enumerator it stands for; nothing but the words is accepted. */
+template <typename Enum>
+CLI::Validator wordFor(const std::map<std::string, Enum>& words)
+{
+  return {[words](std::string& text) -> std::string
+          {
+            const auto found = words.find(text);
+            if (found != words.end())
+            {
+              text = std::to_string(static_cast<int>(found->second));
+              return "";
+            }
+            std::string known;
+            for (const auto& [word, value] : words)
+            {
+              known += (known.empty() ? "" : ", ") + word;
+            }
+            return "'" + text + "' is none of " + known;
+          },
+          ""};
+}
+
+/** \throws UserError unless the folder that a file is to be written to is there. */
+inline void requireFolderOf(const std::string& file)
+{
+  const auto folder = std::filesystem::path(file).parent_path();
+  if (!folder.empty() && !std::filesystem::is_directory(folder))
+  {
+    throw UserError(file + ": the folder " + folder.string() +
+                    " is not there; make it, or choose another");
+  }
+}
+
+/** \throws UserError for a recording that the converters would make a rawlog of. */
+inline void requireConverted(const std::string& input)
+{
+  std::string extension = std::filesystem::path(input).extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  if (std::filesystem::is_directory(input))
+  {
+    throw UserError(input +
+                    ": is a folder, a file is needed: make a rawlog of a KITTI recording with "
+                    "kitti2rawlog, of a folder of scans with scans2rawlog");
+  }
+  if (extension == ".pcap")
+  {
+    throw UserError(input + ": is not a rawlog; make one of it with scans2rawlog");
+  }
+}
+}  // namespace dyslam

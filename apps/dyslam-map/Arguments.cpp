@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Arguments.h"
+
+#include <dyslam/core/Error.h>
+#include <dyslam/core/SharedFiles.h>
+#include <dyslam/io/CloudFiles.h>
+#include <dyslam/odometry/LidarOdometry.h>
+
+#include <CLI/CLI.hpp>
+
+#include "../common/Checks.h"
+
+namespace dyslam
+{
+namespace
+{
+/** What an ini may hold: our own sections, and those of dyslam, which may have made it. */
+std::vector<std::string> knownSections()
+{
+  std::vector<std::string> known{"map",    "preprocess", "map_export", "input",         "pipeline",
+                                 "dyseg",  "residual",   "odometry",   "dyseg_network", "refine",
+                                 "motion", "detector",   "tracker",    "dyseg_filter",  "solver",
+                                 "loop",   "backend",    "output",     "replay"};
+  const auto methods = odometryMethods();
+  known.insert(known.end(), methods.begin(), methods.end());
+  return known;
+}
+
+/** Of [backend], the one key that counts here. */
+struct KeyframeOptions : Options
+{
+  double distance = MapBuilderOptions().keyframe_distance;
+
+  void describe(OptionsVisitor& visitor) override
+  {
+    visitor.real("keyframe_distance", distance, 0, 1000, "a new keyframe after this way [m]");
+  }
+};
+
+double keyframeDistance(const Config& config)
+{
+  KeyframeOptions options;
+  if (config.has("backend", "keyframe_distance"))
+  {
+    Config only;
+    only.set("backend", "keyframe_distance", config.section("backend").at("keyframe_distance"));
+    load(options, only, "backend");
+  }
+  return options.distance;
+}
+}  // namespace
+
+void declare(CLI::App& app, Arguments& a)
+{
+  app.description("Builds the static map of a rawlog along a trajectory");
+  app.add_option("-i,--input", a.rawlog, "rawlog of 3D LiDAR scans")->required();
+  app.add_option("--trajectory", a.trajectory, "poses of the scans: TUM, or KITTI line by line")
+      ->required();
+  app.add_option("-o,--output", a.outputs,
+                 "map.{pcd,ply,bt,ot,simplemap,3Dscene,png}; any number (png: grid with its yaml)");
+  app.add_option("--labels", a.builder.labels,
+                 "folder of .label files: moving points are left out");
+  app.add_option("--tracks", a.builder.tracks, "tracks.txt: objects that move are left out");
+  app.add_option("-c,--config", a.config,
+                 "ini file with [map], [preprocess], [map_export] and backend.keyframe_distance");
+  app.add_option("--set", a.assignments, "section.key=value, as if it stood in the ini; repeatable")
+      ->take_all()
+      ->allow_extra_args(false);
+  app.add_option("--keyframe-distance", a.keyframe_distance,
+                 "a scan is used after so much way [m], or a turn of 0.17 rad; 0: every scan; "
+                 "default: the ini's backend.keyframe_distance, else 1")
+      ->check(notNegative());
+  app.add_option("--tolerance", a.builder.tolerance, "largest difference of time stamps [s]")
+      ->check(notNegative())
+      ->capture_default_str();
+  app.add_option("--skip-first-n", a.source.skip_first_n, "scans to pass over")
+      ->check(notNegative());
+  app.add_option("--only-first-n", a.source.only_first_n, "scans to use after those; 0: all")
+      ->check(notNegative());
+  app.add_option(
+      "--labelled-map", a.labelled_map,
+      "also write all points with the true labels of --labels or --tracks (F.ply or F.pcd, "
+      "and F.label beside it): the reference for dyslam-eval map");
+  app.add_option("--threads", a.builder.threads, "0: as many as the machine has")
+      ->check(CLI::Range(0, 256))
+      ->capture_default_str();
+  app.add_flag("-q,--quiet", a.quiet, "no progress");
+}
+
+void loadConfig(Arguments& a)
+{
+  Config config;
+  if (!a.config.empty())
+  {
+    config = Config::fromFile(findGivenOrShared(a.config, "config_files", ".ini"));
+  }
+  for (const auto& assignment : a.assignments)
+  {
+    const std::string section = assignment.substr(0, assignment.find('.'));
+    if (section != "map" && section != "preprocess" && section != "map_export")
+    {
+      throw UserError("--set " + assignment +
+                      ": dyslam-map has the sections map, preprocess and map_export");
+    }
+    config.set(assignment);
+  }
+  config.requireKnownSections(knownSections());
+  ConfigLoader loader(config);
+  a.builder.map = loader.get<StaticMapOptions>("map");
+  a.builder.preprocess = loader.get<PreprocessOptions>("preprocess");
+  a.exports = loader.get<MapExportOptions>("map_export");
+  a.builder.keyframe_distance =
+      a.keyframe_distance ? *a.keyframe_distance : keyframeDistance(config);
+}
+
+void checkOutputs(const Arguments& a)
+{
+  if (a.outputs.empty() && a.labelled_map.empty())
+  {
+    throw UserError("nothing to write: give at least one --output");
+  }
+  for (const auto& path : a.outputs)
+  {
+    (void)mapFormatOf(path);
+    requireFolderOf(path);
+  }
+  if (a.labelled_map.empty())
+  {
+    return;
+  }
+  if (!isCloudFile(a.labelled_map))
+  {
+    throw UserError("--labelled-map " + a.labelled_map +
+                    ": the ending is none of .ply, .pcd and .bin");
+  }
+  if (a.builder.labels.empty() && a.builder.tracks.empty())
+  {
+    throw UserError("--labelled-map " + a.labelled_map +
+                    ": nothing tells what moves; give --labels or --tracks");
+  }
+  requireFolderOf(a.labelled_map);
+}
+}  // namespace dyslam

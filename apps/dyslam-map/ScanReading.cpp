@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "ScanReading.h"
+
+#include <dyslam/core/Error.h>
+#include <dyslam/io/TrajectoryFiles.h>
+
+#include <cstdio>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "../common/Progress.h"
+
+namespace dyslam
+{
+namespace
+{
+/** Poses of KITTI with the times of the scans they are of. */
+Trajectory withScanTimes(const Trajectory& poses, const Arguments& a)
+{
+  RawlogSourceOptions everything = a.source;
+  everything.skip_first_n = 0;
+  everything.only_first_n = 0;
+  RawlogSource source(a.rawlog, everything);
+  std::vector<std::pair<std::size_t, double>> scans;  // number in the file and time, to be used
+  const auto first = static_cast<std::size_t>(a.source.skip_first_n);
+  const auto limit = static_cast<std::size_t>(a.source.only_first_n);
+  (void)readScans(source, "dyslam-map (times)", a.quiet,
+                  [&](const Frame& frame)
+                  {
+                    if (frame.index >= first && (limit == 0 || scans.size() < limit))
+                    {
+                      scans.emplace_back(frame.index, frame.scan.stamp);
+                    }
+                  });
+  const std::size_t in_file = source.framesRead() + source.framesDropped();
+  if (poses.size() != scans.size() && poses.size() != in_file)
+  {
+    throw UserError(
+        a.trajectory + ": has " + std::to_string(poses.size()) + " poses, but " +
+        std::to_string(scans.size()) + " scans are used and " + a.rawlog + " has " +
+        std::to_string(in_file) +
+        "; give the run's --skip-first-n and --only-first-n, or its trajectory_tum.txt");
+  }
+  Trajectory timed;
+  for (std::size_t i = 0; i < scans.size(); ++i)
+  {
+    timed.push_back(scans[i].second, poses[poses.size() == scans.size() ? i : scans[i].first].pose);
+  }
+  return timed;
+}
+}  // namespace
+
+std::string readScans(RawlogSource& source,
+                      const std::string& what,
+                      bool quiet,
+                      const std::function<void(Frame)>& use)
+{
+  Progress progress(what, "scans", quiet);
+  for (;;)
+  {
+    std::optional<Frame> frame;
+    try
+    {
+      frame = source.next();
+    }
+    catch (const UserError& error)
+    {
+      return error.what();  // the map of the scans before it is worth keeping
+    }
+    if (!frame)
+    {
+      progress.finish(source.framesRead());
+      return {};
+    }
+    use(std::move(*frame));
+    progress.update(source.progress(), source.framesRead());
+  }
+}
+
+Trajectory readPoses(const Arguments& a)
+{
+  const auto file = readTrajectory(a.trajectory);
+  return file.format == TrajectoryFormat::tum ? file.trajectory : withScanTimes(file.trajectory, a);
+}
+}  // namespace dyslam

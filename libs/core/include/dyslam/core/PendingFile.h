@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <functional>
+#include <iosfwd>
+#include <string>
+#include <string_view>
+
+namespace dyslam
+{
+/** A file that grows under a temporary name and gets its own only when it is whole.
+ *
+ * Write to temporary(), make sure that all could be written, then commit(). Without a commit() the
+ * destructor removes what there is, and an earlier file of the name stays as it was. A killed
+ * program leaves the `.tmp`.
+ */
+class PendingFile
+{
+ public:
+  /** Opens nothing yet. \throws UserError if `path` is a folder. */
+  explicit PendingFile(const std::string& path);
+  ~PendingFile();
+  PendingFile(const PendingFile&) = delete;
+  PendingFile& operator=(const PendingFile&) = delete;
+
+  [[nodiscard]] const std::string& path() const { return path_; }
+  /** `<path>.tmp` */
+  [[nodiscard]] const std::string& temporary() const { return temporary_; }
+  /** Gives the closed file its name. \throws UserError. */
+  void commit();
+
+ private:
+  std::string path_;
+  std::string temporary_;
+  bool committed_ = false;
+};
+
+/** Writes a file by `write`, as a PendingFile: no half file is ever seen. \throws UserError. */
+void writeWhole(const std::string& path, const std::function<void(std::ostream&)>& write);
+void writeWhole(const std::string& path, std::string_view content);
+}  // namespace dyslam

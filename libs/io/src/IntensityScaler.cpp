@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "IntensityScaler.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace dyslam
+{
+void IntensityScaler::operator()(Scan& scan)
+{
+  const auto bright = [](float value) { return std::isfinite(value) && value > 1.0F; };
+  if (scale_ == 0 && std::any_of(scan.intensity.begin(), scan.intensity.end(), bright))
+  {
+    scale_ = 1.0 / 255.0;
+  }
+  if (scale_ == 0 || scale_ == 1.0)
+  {
+    return;
+  }
+  for (float& value : scan.intensity)
+  {
+    value *= static_cast<float>(scale_);
+  }
+}
+}  // namespace dyslam

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/Error.h>
+#include <dyslam/io/SceneExport.h>
+#include <mrpt/opengl/COpenGLScene.h>
+
+#include "TestFolder.h"
+
+namespace dyslam
+{
+namespace
+{
+mrpt::img::TColor colourOf(mrpt::opengl::COpenGLScene& scene, const std::string& name)
+{
+  const auto object = scene.getByName(name);
+  EXPECT_TRUE(object) << name;
+  return object ? object->getColor_u8() : mrpt::img::TColor();
+}
+
+bool same(const mrpt::img::TColor& a, const mrpt::img::TColor& b)
+{
+  return a.R == b.R && a.G == b.G && a.B == b.B;
+}
+}  // namespace
+
+TEST(SceneExport, BoxAndPathOfAnObjectHaveOneColour)
+{
+  const TestFolder folder;
+  SceneContent content;
+  for (const int id : {4, 7})
+  {
+    LabelledBox box;
+    box.id = id;
+    box.box.size = {4, 2, 1.5};
+    content.boxes.push_back(box);
+    content.object_paths[id] = {{0, 0, 0}, {1, static_cast<double>(id), 0}};
+  }
+  writeScene(content, folder.file("a.3Dscene"));
+  mrpt::opengl::COpenGLScene scene;
+  ASSERT_TRUE(scene.loadFromFile(folder.file("a.3Dscene")));
+  for (const std::string id : {"4", "7"})
+  {
+    EXPECT_TRUE(same(colourOf(scene, "object " + id), colourOf(scene, "object path " + id))) << id;
+  }
+  EXPECT_FALSE(same(colourOf(scene, "object 4"), colourOf(scene, "object 7")));
+}
+
+TEST(SceneExport, AFullDiskLeavesTheEarlierFile)
+{
+  if (!std::filesystem::exists("/dev/full"))
+  {
+    GTEST_SKIP() << "needs /dev/full";
+  }
+  const TestFolder folder;
+  folder.write("a.3Dscene", "an earlier one");
+  std::filesystem::create_symlink("/dev/full", folder.file("a.3Dscene.tmp"));
+  EXPECT_THROW(writeScene({}, folder.file("a.3Dscene")), UserError);
+  EXPECT_EQ("an earlier one", folder.read("a.3Dscene"));
+  EXPECT_THROW(writeScene({}, folder.path()), UserError);
+}
+}  // namespace dyslam

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "LoamFeatures.h"
+
+#include <gtest/gtest.h>
+
+#include "TestScene.h"
+
+namespace dyslam
+{
+namespace
+{
+void expectSame(const std::vector<LoamPoint>& found,
+                const std::vector<LoamPoint>& from_lidar,
+                const Pose& T_vehicle_lidar)
+{
+  ASSERT_EQ(found.size(), from_lidar.size());
+  EXPECT_GT(found.size(), 100U);
+  for (std::size_t i = 0; i < found.size(); ++i)
+  {
+    EXPECT_EQ(found[i].ring, from_lidar[i].ring);
+    EXPECT_LT((found[i].p - T_vehicle_lidar.cast<float>() * from_lidar[i].p).norm(), 1e-4F);
+  }
+}
+
+TEST(LoamFeatures, DoNotDependOnWhereTheVehicleHasItsOrigin)
+{
+  const Frame frame = test::StreetScene().frame(Pose::Identity(), 0.01, 1);
+  Frame bare = frame;
+  const Eigen::Isometry3f T_lidar_vehicle = frame.scan.T_vehicle_lidar.inverse().cast<float>();
+  for (Eigen::Vector3f& p : bare.cloud.points)
+  {
+    p = T_lidar_vehicle * p;
+  }
+  bare.scan.T_vehicle_lidar.setIdentity();
+  for (const bool with_rings : {true, false})
+  {
+    Frame ours = frame, theirs = bare;
+    if (!with_rings)
+    {
+      ours.cloud.source.clear();
+      theirs.cloud.source.clear();
+    }
+    const LoamFeatures found = loamFeatures(ours, LoamOptions());
+    const LoamFeatures from_lidar = loamFeatures(theirs, LoamOptions());
+    const Pose& T = frame.scan.T_vehicle_lidar;
+    expectSame(found.edges, from_lidar.edges, T);
+    expectSame(found.target_edges, from_lidar.target_edges, T);
+    expectSame(found.planes, from_lidar.planes, T);
+  }
+}
+}  // namespace
+}  // namespace dyslam

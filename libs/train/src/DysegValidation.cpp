@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "DysegValidation.h"
+
+#include <dyslam/core/Error.h>
+
+#include <filesystem>
+
+namespace dyslam
+{
+namespace
+{
+namespace fs = std::filesystem;
+
+constexpr std::uint64_t validation_seeds = 900000000;  // never drawn in training
+constexpr std::size_t far_back = 8;                    // scans, of the slower comparison
+
+/** Some frames of a run, and the keys of [train] they come from. */
+struct Stretch
+{
+  std::string folder;
+  std::string key;
+  int first = 0;
+  int last = 0;
+};
+
+void checkApart(const Stretch& judged, const Stretch& trained, const std::string& data)
+{
+  std::error_code missing;  // told where it is read
+  if (!judged.folder.empty() && !trained.folder.empty() && judged.first <= trained.last &&
+      fs::equivalent(fs::path(data) / judged.folder, fs::path(data) / trained.folder, missing))
+  {
+    throw UserError("[train] " + judged.key + "_first = " + std::to_string(judged.first) +
+                    ": frames of " + judged.folder + " up to " + trained.key +
+                    "_last = " + std::to_string(trained.last) +
+                    " are trained on; begin behind them, or train on fewer");
+  }
+}
+
+void checkThere(const Stretch& judged, const std::string& data)
+{
+  if (!judged.folder.empty() && !fs::is_directory(data + "/" + judged.folder))
+  {
+    throw UserError("[train] " + judged.key + " = " + judged.folder + ": no such folder in " +
+                    data + "; name another, or leave it empty");
+  }
+}
+
+std::string nameOf(const Stretch& judged)
+{
+  return judged.folder + " " + std::to_string(judged.first) + "-" + std::to_string(judged.last);
+}
+
+Stretch boxedOf(const DysegTrainerOptions& o)
+{
+  return {o.boxed_validation, "boxed_validation", o.boxed_validation_first,
+          o.boxed_validation_last};
+}
+
+Stretch labelledOf(const DysegTrainerOptions& o)
+{
+  return {o.labelled_validation, "labelled_validation", o.labelled_validation_first,
+          o.labelled_validation_last};
+}
+}  // namespace
+
+void checkDysegValidation(const DysegTrainerOptions& options)
+{
+  if (options.data.empty())
+  {
+    return;
+  }
+  for (const Stretch& judged : {boxedOf(options), labelledOf(options)})
+  {
+    if (!judged.folder.empty() && judged.first > judged.last)
+    {
+      throw UserError("[train] " + judged.key + "_first = " + std::to_string(judged.first) +
+                      " is behind " + judged.key + "_last = " + std::to_string(judged.last) +
+                      "; exchange them, or leave " + judged.key + " empty");
+    }
+    checkApart(judged, {options.boxed_run, "boxed", 0, options.boxed_last}, options.data);
+    checkApart(judged, {options.labelled_run, "labelled", 0, options.labelled_last}, options.data);
+  }
+}
+
+std::vector<DysegValidationSet> makeDysegValidation(const DysegTrainerOptions& options)
+{
+  const Stretch boxed = boxedOf(options);
+  const Stretch labelled = labelledOf(options);
+  if (!options.data.empty())
+  {
+    checkThere(boxed, options.data);
+    checkThere(labelled, options.data);
+  }
+  std::vector<DysegValidationSet> sets(2);
+  sets[0].name = "simulated";
+  sets[1].name = "simulated 8 scans back";
+  for (std::uint64_t i = 0; i < 8; ++i)
+  {
+    const auto clip = simulateClip(validation_seeds + i, far_back + 1, true);
+    sets[0].samples.push_back(makeSample(clip, far_back, far_back - 1));
+    sets[1].samples.push_back(makeSample(clip, far_back, 0));
+  }
+  if (options.data.empty())
+  {
+    return sets;
+  }
+  if (!boxed.folder.empty())
+  {
+    const auto run = loadBoxedRun(options.data + "/" + boxed.folder,
+                                  static_cast<std::size_t>(boxed.first) - far_back,
+                                  static_cast<std::size_t>(boxed.last));
+    DysegValidationSet near{nameOf(boxed), {}};
+    DysegValidationSet slow{nameOf(boxed) + " 8 scans back", {}};
+    for (std::size_t i = far_back; i < run.frames.size(); i += 2)
+    {
+      near.samples.push_back(makeSample(run, i, i - 1));
+      slow.samples.push_back(makeSample(run, i, i - far_back));
+    }
+    sets.push_back(std::move(near));
+    sets.push_back(std::move(slow));
+  }
+  if (!labelled.folder.empty())
+  {
+    const auto folder = options.data + "/" + labelled.folder;
+    const auto run = loadLabelledRun(folder, folder + "/" + options.labelled_poses,
+                                     static_cast<std::size_t>(labelled.first) - 1,
+                                     static_cast<std::size_t>(labelled.last));
+    DysegValidationSet set{nameOf(labelled), {}};
+    for (std::size_t i = 1; i < run.frames.size(); i += 3)
+    {
+      set.samples.push_back(makeSample(run, i, i - 1));
+    }
+    sets.push_back(std::move(set));
+  }
+  return sets;
+}
+}  // namespace dyslam
