@@ -23,7 +23,7 @@ using mrpt::system::CTimeLoggerEntry;
 
 constexpr double seen_deviation = 0.1;      // m, of the segmenter's static motion
 constexpr double seen_turn = 0.005;         // rad
-constexpr double seen_within = 0.3;         // m, to look for the first motion around it
+constexpr double seen_within = 0.3;         // m, to look for a first motion around what was seen
 constexpr double odometry_deviation = 0.1;  // m, of a motion between scans
 constexpr double odometry_turn = 0.02;      // rad
 constexpr double known_deviation = 0.1;     // m, of a prediction that a segmenter may rely on
@@ -229,6 +229,10 @@ void Pipeline::Stages::estimateMotion(Frame& frame, double dt)
     PosePrior joint = prior;
     joint.join(T_odom_last * guess, measuredWith(odometry_deviation, odometry_turn));
     guess = T_odom_last.inverse() * joint.T_odom_vehicle;
+    if (scans == 1)
+    {
+      refinement.setStartDeviation(std::min(refine_options.start_deviation, seen_within));
+    }
   }
   const RefineResult result = refinement.refine(frame, T_odom_last * guess, &prior);
   frame.refined = result.motion;
