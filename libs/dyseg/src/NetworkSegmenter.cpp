@@ -18,6 +18,7 @@ namespace
 // height, roll and pitch are not looked at.
 constexpr double least_rmse = 0.05;  // m
 constexpr double cells_per_witness = 20;
+constexpr double least_lead = 0.1;        // of the motion voted for over any other
 constexpr double unseen_height = 0.1;     // m
 constexpr double unseen_tilt = 0.01;      // rad
 constexpr double group_cell = 0.6;        // m
@@ -30,8 +31,11 @@ MotionEstimate motionOf(const RigidFlowFit& fit, const Eigen::Vector3d& sensor)
   // The network's frame is the vehicle's, moved to the sensor.
   const Pose to_vehicle = Pose(Eigen::Translation3d(sensor));
   m.T_previous_current = to_vehicle * fit.motion.pose() * to_vehicle.inverse();
-  m.converged = fit.converged;
-  m.reason = fit.converged ? "" : "too few cells with flow";
+  const bool distinct = fit.lead >= least_lead;
+  m.converged = fit.converged && distinct;
+  m.reason = !fit.converged ? "too few cells with flow"
+             : !distinct    ? "two motions explain about the same"
+                            : "";
   m.rmse = fit.rmse;
   for (const float w : fit.inlier)
   {

@@ -120,14 +120,14 @@ RigidFlowFit fitPeaks(const Tensor& correlation,
 }
 
 /** The static motion that the windows of a correlation speak for. */
-PlanarMotion vote(const Tensor& correlation,
-                  const Tensor& trust,
-                  int radius,
-                  float size,
-                  const std::vector<Eigen::Vector2f>& places,
-                  const PlanarMotion& centre,
-                  double yaw_step,
-                  int yaw_steps)
+MotionVote vote(const Tensor& correlation,
+                const Tensor& trust,
+                int radius,
+                float size,
+                const std::vector<Eigen::Vector2f>& places,
+                const PlanarMotion& centre,
+                double yaw_step,
+                int yaw_steps)
 {
   torch::NoGradGuard no_gradient;
   const auto probability = correlation.softmax(1).cpu().contiguous();
@@ -270,6 +270,7 @@ DysegMatch DysegNetImpl::match(const BevScan& scan,
         correlate(current.coarse, {past.coarse, past.cells->eighth_index, empty_coarse_},
                   occupied.eighth_position, radius);
   }
+  double lead = 1;
   if (guide != nullptr)
   {
     out.first = guide->first;
@@ -281,13 +282,17 @@ DysegMatch DysegNetImpl::match(const BevScan& scan,
   else
   {
     const auto coarse_trust = gatherRows(trust.unsqueeze(1), occupied.eighth_parts).mean(1);
-    out.first = vote(out.coarse_correlation, coarse_trust, radius, 2 * size, occupied.eighth_place,
-                     PlanarMotion(), coarse_yaw_step, coarse_yaw_steps);
+    const MotionVote coarse =
+        vote(out.coarse_correlation, coarse_trust, radius, 2 * size, occupied.eighth_place,
+             PlanarMotion(), coarse_yaw_step, coarse_yaw_steps);
+    lead = coarse.lead;
+    out.first = coarse.motion;
     const auto flow = rigidFlow(out.first, occupied.quarter_place);
     const auto window = correlate(current.middle, past_middle,
                                   occupied.quarter_position + flow.to(device) / size, radius);
     out.first = vote(window, trust, radius, size, occupied.quarter_place, out.first, fine_yaw_step,
-                     fine_yaw_steps);
+                     fine_yaw_steps)
+                    .motion;
   }
   // Peaks between cells are seen too near the window's centre: look again from there, until what is
   // found is the centre. Each look takes the same share of what is left, which Aitken's method
@@ -326,6 +331,7 @@ DysegMatch DysegNetImpl::match(const BevScan& scan,
       break;
     }
   }
+  out.fit.lead = lead;
   return out;
 }
 

@@ -19,6 +19,23 @@ double vertex(double before, double at, double after)
   return bend < -1e-9 ? std::clamp(0.5 * (before - after) / bend, -0.5, 0.5) : 0;
 }
 
+/** The best score outside the neighbourhood of (x, y). */
+float bestElsewhere(const Eigen::ArrayXf& scores, int side, int x, int y)
+{
+  float best = 0;
+  for (int v = 0; v < side; ++v)
+  {
+    for (int u = 0; u < side; ++u)
+    {
+      if (std::max(std::abs(u - x), std::abs(v - y)) > 1)
+      {
+        best = std::max(best, scores[v * side + u]);
+      }
+    }
+  }
+  return best;
+}
+
 class Vote
 {
  public:
@@ -90,10 +107,10 @@ class Vote
 };
 }  // namespace
 
-PlanarMotion voteMotion(const OffsetWindows& windows,
-                        const PlanarMotion& centre,
-                        double yaw_step,
-                        int yaw_steps)
+MotionVote voteMotion(const OffsetWindows& windows,
+                      const PlanarMotion& centre,
+                      double yaw_step,
+                      int yaw_steps)
 {
   const Vote vote(windows);
   const int side = vote.side();
@@ -124,7 +141,13 @@ PlanarMotion voteMotion(const OffsetWindows& windows,
   Eigen::Vector2d offset(x - windows.radius, y - windows.radius);
   offset.x() += vertex(at(x - 1, y), at(x, y), at(x + 1, y));
   offset.y() += vertex(at(x, y - 1), at(x, y), at(x, y + 1));
-  PlanarMotion motion = centre;
+  MotionVote found;
+  if (best[place] > 0)
+  {
+    found.lead = 1 - static_cast<double>(bestElsewhere(best, side, x, y) / best[place]);
+  }
+  PlanarMotion& motion = found.motion;
+  motion = centre;
   motion.translation += static_cast<double>(windows.cell_size) * offset;
   motion.yaw += turn * yaw_step;
   const auto k = static_cast<std::size_t>(turn + yaw_steps);
@@ -132,6 +155,6 @@ PlanarMotion voteMotion(const OffsetWindows& windows,
   {
     motion.yaw += yaw_step * vertex(best_of_yaw[k - 1], best_of_yaw[k], best_of_yaw[k + 1]);
   }
-  return motion;
+  return found;
 }
 }  // namespace dyslam

@@ -7,6 +7,7 @@
 
 namespace
 {
+using dyslam::MotionVote;
 using dyslam::PlanarMotion;
 
 constexpr int radius = 5;
@@ -45,10 +46,11 @@ struct Cells
       probability.push_back(w / static_cast<float>(sum));
     }
   }
-  [[nodiscard]] PlanarMotion vote(const PlanarMotion& centre) const
+  [[nodiscard]] MotionVote voted(const PlanarMotion& centre) const
   {
     return dyslam::voteMotion({probability.data(), radius, size, places, trust}, centre, 0.02, 3);
   }
+  [[nodiscard]] PlanarMotion vote(const PlanarMotion& centre) const { return voted(centre).motion; }
 };
 
 PlanarMotion motionOf(double x, double y, double yaw)
@@ -89,6 +91,21 @@ TEST(MotionVote, RailsTakeNoSideAndTheUntrustedHardlyCount)
   // Trusted, the traffic is the world.
   std::fill(cells.trust.begin(), cells.trust.end(), 1.0F);
   EXPECT_LT(cells.vote(PlanarMotion()).translation.norm(), 0.2);
+}
+
+TEST(MotionVote, LeadsByWhatTellsMotionsApart)
+{
+  Cells cells;
+  for (int i = 0; i < 300; ++i)
+  {
+    cells.add(motionOf(-3.2, 0, 0), true, 1);
+  }
+  EXPECT_LT(cells.voted(PlanarMotion()).lead, 0.05) << "rails alone";
+  for (int i = 0; i < 100; ++i)
+  {
+    cells.add(motionOf(-3.2, 0, 0), false, 1);
+  }
+  EXPECT_GT(cells.voted(PlanarMotion()).lead, 0.15);
 }
 
 TEST(MotionVote, NothingToGoByGivesAFiniteMotion)

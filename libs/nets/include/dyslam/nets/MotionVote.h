@@ -18,6 +18,14 @@ struct OffsetWindows
   const std::vector<float>& trust;             //!< N, >= 0
 };
 
+struct MotionVote
+{
+  PlanarMotion motion;
+  /** By how much of its score it is ahead of any motion a cell and more away, of the same turn:
+   * near 0 where two motions explain about the same. */
+  double lead = 1;
+};
+
 /** The planar motion that most trusted cells' windows speak for: maximum likelihood over a grid of
  * translations and some yaws, refined between its nodes.
  *
@@ -27,8 +35,8 @@ struct OffsetWindows
  * \param centre motion that the windows lie around \param yaw_step between the yaws tried, to both
  * sides of the centre's \param yaw_steps to each side.
  */
-[[nodiscard]] PlanarMotion voteMotion(const OffsetWindows& windows,
-                                      const PlanarMotion& centre,
-                                      double yaw_step,
-                                      int yaw_steps);
+[[nodiscard]] MotionVote voteMotion(const OffsetWindows& windows,
+                                    const PlanarMotion& centre,
+                                    double yaw_step,
+                                    int yaw_steps);
 }  // namespace dyslam
