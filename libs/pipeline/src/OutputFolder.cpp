@@ -17,12 +17,12 @@ namespace dyslam
 namespace
 {
 /** report.json goes first: a folder that has it is whole. */
-constexpr std::array<const char*, 18> run_files = {
+constexpr std::array<const char*, 17> run_files = {
     "report.json",          "effective.ini",     "odometry_tum.txt",    "trajectory_tum.txt",
     "trajectory_kitti.txt", "reference_tum.txt", "trajectory.png",      "tracks.csv",
     "tracks.txt",           "graph.graph",       "graph.g2o",           "map_static.pcd",
     "map_static.ply",       "map.3Dscene",       "keyframes.simplemap", "replay.rawlog",
-    "static_scans.rawlog",  "replay.rawlog.tmp"};
+    "static_scans.rawlog"};
 
 struct NumberedFiles
 {
@@ -84,6 +84,7 @@ void prepareOutputFolder(const std::string& folder, const std::string& input)
   {
     std::error_code ignored;
     fs::remove(base / name, ignored);
+    fs::remove(base / (std::string(name) + ".tmp"), ignored);  // of a run that was killed
   }
   for (const NumberedFiles& kind : numbered_files)
   {
