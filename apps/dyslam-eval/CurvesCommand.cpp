@@ -2,6 +2,7 @@
 #include "CurvesCommand.h"
 
 #include <dyslam/core/Error.h>
+#include <dyslam/core/PendingFile.h>
 #include <dyslam/eval/LearningCurves.h>
 
 #include <cstdio>
@@ -46,7 +47,7 @@ Subcommand curvesCommand(CLI::App& app)
     {
       const auto picture = renderLearningCurves(parseLearningLog(readWhole(file), file));
       const auto to = std::filesystem::path(file).replace_extension(".png").string();
-      writeOutput(to, {reinterpret_cast<const char*>(picture.data()), picture.size()});
+      writeWhole(to, {reinterpret_cast<const char*>(picture.data()), picture.size()});
       std::printf("%s\n", to.c_str());
     }
   };

@@ -1,13 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "OutputFiles.h"
 
-#include <dyslam/core/Error.h>
+#include <dyslam/core/PendingFile.h>
 
-#include <cerrno>
-#include <cstdio>
-#include <cstring>
 #include <filesystem>
-#include <fstream>
 #include <iostream>
 #include <set>
 
@@ -30,28 +26,6 @@ std::string tail(const std::filesystem::path& path, int parts)
 }
 }  // namespace
 
-void writeOutput(const std::string& path, std::string_view content)
-{
-  const std::string temporary = path + ".tmp";
-  {
-    std::ofstream file(temporary, std::ios::binary);
-    file.write(content.data(), static_cast<std::streamsize>(content.size()));
-    file.close();
-    if (!file)
-    {
-      const std::string reason = std::strerror(errno);
-      std::remove(temporary.c_str());
-      throw UserError(path + ": cannot be written (" + reason + ")");
-    }
-  }
-  if (std::rename(temporary.c_str(), path.c_str()) != 0)
-  {
-    const std::string reason = std::strerror(errno);
-    std::remove(temporary.c_str());
-    throw UserError(path + ": cannot be written (" + reason + ")");
-  }
-}
-
 void OutputFlags::declare(CLI::App& app)
 {
   app.add_option("--json", json, "write all figures to this JSON file");
@@ -63,11 +37,11 @@ void OutputFlags::put(const Table& table, const std::string& json_text) const
   std::cout << table.toText();
   if (!csv.empty())
   {
-    writeOutput(csv, table.toCsv());
+    writeWhole(csv, table.toCsv());
   }
   if (!json.empty())
   {
-    writeOutput(json, json_text);
+    writeWhole(json, json_text);
   }
 }
 

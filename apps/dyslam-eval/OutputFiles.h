@@ -5,13 +5,10 @@
 
 #include <CLI/CLI.hpp>
 #include <string>
-#include <string_view>
+#include <vector>
 
 namespace dyslam
 {
-/** Write a whole file, under a temporary name first. \throws UserError. */
-void writeOutput(const std::string& path, std::string_view content);
-
 /** The files every command can write beside what it prints. */
 struct OutputFlags
 {

@@ -2,6 +2,7 @@
 #include "TrajectoryCommand.h"
 
 #include <dyslam/core/Error.h>
+#include <dyslam/core/PendingFile.h>
 #include <dyslam/eval/TrajectoryPlot.h>
 #include <dyslam/eval/TrajectoryReports.h>
 #include <dyslam/io/TrajectoryFiles.h>
@@ -143,7 +144,7 @@ void run(const Arguments& a)
     throw UserError("--plot draws estimates of one reference, but several were given");
   }
   const auto png = renderTrajectoryPlot(plots, {"", metrics.alignment});
-  writeOutput(a.plot, {reinterpret_cast<const char*>(png.data()), png.size()});
+  writeWhole(a.plot, {reinterpret_cast<const char*>(png.data()), png.size()});
 }
 }  // namespace
 
