@@ -8,7 +8,7 @@ namespace dyslam
 {
 namespace
 {
-constexpr double reach = 64;  // m to each side; the network sees less
+constexpr double reach = 104;  // m to each side; the network sees less
 constexpr float called_over = 0.5F;
 constexpr float taken_back = 0.4F;
 constexpr float flat = 0.35F;  // m; a patch of three by three cells that spans less is ground

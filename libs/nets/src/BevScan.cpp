@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numeric>
 
 namespace dyslam
 {
@@ -265,60 +266,66 @@ void BevRays::compare(const Eigen::Vector3f& point, float* out) const
 
 namespace
 {
-/** Sorts kept points by cell with a counting sort; gives the first position of each cell. */
-std::vector<std::int32_t> sortByCell(const std::vector<Eigen::Vector3f>& points,
-                                     const std::vector<std::int32_t>& cell_of,
-                                     const std::vector<float>& height_of,
-                                     BevScan& scan)
+/** Stable counting sort of `order` by a digit of each one's cell. */
+template <typename Digit>
+void sortByDigit(int digits, const Digit& digit, std::vector<std::uint32_t>& order)
 {
-  std::vector<std::int32_t> first(at(scan.cells * scan.cells + 1), 0);
-  for (const auto c : cell_of)
+  std::vector<std::uint32_t> next(at(digits + 1), 0);
+  for (const auto i : order)
   {
-    if (c >= 0)
-    {
-      ++first[at(c + 1)];
-    }
+    ++next[at(digit(i) + 1)];
   }
-  for (std::size_t i = 1; i < first.size(); ++i)
+  std::partial_sum(next.begin(), next.end(), next.begin());
+  std::vector<std::uint32_t> sorted(order.size());
+  for (const auto i : order)
   {
-    first[i] += first[i - 1];
+    sorted[next[at(digit(i))]++] = i;
   }
-  const auto kept = at(first.back());
-  scan.points.resize(kept);
-  scan.height.resize(kept);
-  scan.source.resize(kept);
-  scan.cell.resize(kept);
-  std::vector<std::int32_t> next(first.begin(), first.end() - 1);
+  order.swap(sorted);
+}
+
+/** Takes the points that have a cell, by cell and then as they came. */
+void sortByCell(const std::vector<Eigen::Vector3f>& points,
+                const std::vector<std::int32_t>& cell_of,
+                const std::vector<float>& height_of,
+                BevScan& scan)
+{
   for (std::size_t i = 0; i < points.size(); ++i)
   {
     if (cell_of[i] >= 0)
     {
-      const auto to = at(next[at(cell_of[i])]++);
-      scan.points[to] = points[i];
-      scan.height[to] = height_of[i];
-      scan.source[to] = static_cast<std::uint32_t>(i);
-      scan.cell[to] = cell_of[i];
+      scan.source.push_back(static_cast<std::uint32_t>(i));
     }
   }
-  return first;
+  // Column by column, then row by row: the grid has far more cells than a scan has points.
+  sortByDigit(
+      scan.cells, [&](std::uint32_t i) { return cell_of[i] % scan.cells; }, scan.source);
+  sortByDigit(
+      scan.cells, [&](std::uint32_t i) { return cell_of[i] / scan.cells; }, scan.source);
+  for (const auto i : scan.source)
+  {
+    scan.points.push_back(points[i]);
+    scan.height.push_back(height_of[i]);
+    scan.cell.push_back(cell_of[i]);
+  }
 }
 
-void fillFeatures(const std::vector<std::int32_t>& first, BevScan& scan)
+void fillFeatures(BevScan& scan)
 {
   scan.features.resize(scan.size() * BevScan::feature_count);
   const float half = 0.5F * scan.cell_size;
   for (std::size_t begin = 0; begin < scan.size();)
   {
     const int cell = scan.cell[begin];
-    const auto end = at(first[at(cell) + 1]);
+    std::size_t end = begin;
     float low = unknown_height;
     float high = -unknown_height;
     float sum = 0;
-    for (std::size_t i = begin; i < end; ++i)
+    for (; end < scan.size() && scan.cell[end] == cell; ++end)
     {
-      low = std::min(low, scan.height[i]);
-      high = std::max(high, scan.height[i]);
-      sum += scan.height[i];
+      low = std::min(low, scan.height[end]);
+      high = std::max(high, scan.height[end]);
+      sum += scan.height[end];
     }
     const float count = static_cast<float>(end - begin);
     const float mean = sum / count;
@@ -381,8 +388,8 @@ BevScan makeBevScan(const std::vector<Eigen::Vector3f>& points,
       cell_of[i] = iy * scan.cells + ix;
     }
   }
-  const auto first = sortByCell(points, cell_of, height_of, scan);
-  fillFeatures(first, scan);
+  sortByCell(points, cell_of, height_of, scan);
+  fillFeatures(scan);
   return scan;
 }
 }  // namespace dyslam

@@ -10,18 +10,36 @@ std::size_t at(std::int32_t i)
   return static_cast<std::size_t>(i);
 }
 
-CellLevel makeLevel(const BevScan& scan, int factor)
+/** The cells that points lie in, which are in order. */
+CellLevel finestLevel(const BevScan& scan)
 {
   CellLevel level;
-  level.width = scan.cells / factor;
+  level.width = scan.cells;
   level.row_of_cell.assign(at(level.width) * at(level.width), -1);
-  level.row_of_point.resize(scan.size());
-  for (std::size_t i = 0; i < scan.size(); ++i)
+  level.row_of_point.reserve(scan.size());
+  for (const auto c : scan.cell)
   {
-    const int x = scan.cell[i] % scan.cells / factor;
-    const int y = scan.cell[i] / scan.cells / factor;
-    level.row_of_point[i] = y * level.width + x;
-    level.row_of_cell[at(level.row_of_point[i])] = 0;
+    if (level.number.empty() || level.number.back() != c)
+    {
+      level.row_of_cell[at(c)] = static_cast<std::int32_t>(level.number.size());
+      level.number.push_back(c);
+    }
+    level.row_of_point.push_back(level.row_of_cell[at(c)]);
+  }
+  return level;
+}
+
+/** The same at half of the resolution. */
+CellLevel halved(const CellLevel& fine)
+{
+  CellLevel level;
+  level.width = fine.width / 2;
+  level.row_of_cell.assign(at(level.width) * at(level.width), -1);
+  const auto parent = [&](std::int32_t n)
+  { return n / fine.width / 2 * level.width + n % fine.width / 2; };
+  for (const auto n : fine.number)
+  {
+    level.row_of_cell[at(parent(n))] = 0;
   }
   for (std::size_t c = 0; c < level.row_of_cell.size(); ++c)
   {
@@ -31,9 +49,10 @@ CellLevel makeLevel(const BevScan& scan, int factor)
       level.number.push_back(static_cast<std::int32_t>(c));
     }
   }
-  for (auto& r : level.row_of_point)
+  level.row_of_point.reserve(fine.row_of_point.size());
+  for (const auto r : fine.row_of_point)
   {
-    r = level.row_of_cell[at(r)];
+    level.row_of_point.push_back(level.row_of_cell[at(parent(fine.number[at(r)]))]);
   }
   return level;
 }
@@ -62,10 +81,7 @@ std::vector<std::int32_t> rowsAround(const CellLevel& in, const CellLevel& out, 
 }  // namespace
 
 CellLevels::CellLevels(const BevScan& scan)
-    : full(makeLevel(scan, 1)),
-      half(makeLevel(scan, 2)),
-      quarter(makeLevel(scan, 4)),
-      eighth(makeLevel(scan, 8))
+    : full(finestLevel(scan)), half(halved(full)), quarter(halved(half)), eighth(halved(quarter))
 {
 }
 

@@ -124,6 +124,16 @@ void DyloMatcher::Impl::layOut(SeenScan& scan,
   {
     return;
   }
+  const std::vector<std::int32_t>& source = scan.prepared.source;
+  scan.encoded.image_phase = torch::zeros({static_cast<std::int64_t>(source.size())});
+  for (std::size_t cell = 0; cell < source.size(); ++cell)
+  {
+    if (source[cell] >= 0)
+    {
+      scan.encoded.image_phase.data_ptr<float>()[cell] =
+          scan.phase[static_cast<std::size_t>(source[cell])];
+    }
+  }
   for (std::size_t l = 0; l < scan.encoded.phase.size(); ++l)
   {
     const std::vector<std::int32_t>& cells = scan.prepared.levels[l].cell;
@@ -190,6 +200,7 @@ std::vector<DyloStage> DyloMatcher::Impl::search(const Pose& start,
     {
       // Bent alike, two scans fit best.
       scan1.phase = {};
+      scan1.image_phase = torch::Tensor();
     }
     stages =
         network->forward(scan1, reference.encoded, PoseTensors::from(found, torch::kFloat), prior);

@@ -15,7 +15,7 @@ constexpr std::array<double, PreparedScan::level_count> spacing = {0.02, 0.05, 0
 
 /** Steps against the full-resolution image, at most, until one is as short as this [m]. */
 constexpr int most_fine_passes = 8;
-constexpr double settled_step = 0.003;
+constexpr double settled_step = 0.008;
 
 /** Of the last pass, over all points of level 0 [m]. */
 constexpr double dense_kernel = 0.1;
@@ -51,20 +51,27 @@ torch::Tensor motionReadings(const torch::Tensor& warped, const Correlation& cor
                     1);
 }
 
-/** Level 1 of a scan, deskewed by `motion` instead of by what it was; to first order of the
+/** Points of a scan, deskewed by `motion` instead of by what it was; to first order of the
  * difference. */
-torch::Tensor sweptBy(const EncodedScan& scan, std::size_t level, const Pose& motion)
+torch::Tensor swept(const torch::Tensor& xyz,
+                    const torch::Tensor& phase,
+                    const EncodedScan& scan,
+                    const Pose& motion)
 {
-  const torch::Tensor& xyz = scan.scan.levels[level].xyz;
-  if (!scan.phase[level].defined())
+  if (!phase.defined())
   {
     return xyz;
   }
   const Vector6 more = logSE3(scan.T_sweep.inverse() * motion);
-  const torch::Tensor twist =
-      torch::tensor({more[0], more[1], more[2], more[3], more[4], more[5]}, xyz.options());
-  const torch::Tensor turned = torch::cross(twist.slice(0, 3, 6).expand_as(xyz), xyz, 1);
-  return xyz + scan.phase[level].unsqueeze(1) * (twist.slice(0, 0, 3) + turned);
+  const torch::Tensor shift = torch::tensor({more[0], more[1], more[2]}, xyz.options());
+  const torch::Tensor turn = torch::tensor(
+      {0.0, more[5], -more[4], -more[5], 0.0, more[3], more[4], -more[3], 0.0}, xyz.options());
+  return torch::addcmul(xyz, phase.unsqueeze(1), torch::addmm(shift, xyz, turn.view({3, 3})));
+}
+
+torch::Tensor sweptBy(const EncodedScan& scan, std::size_t level, const Pose& motion)
+{
+  return swept(scan.scan.levels[level].xyz, scan.phase[level], scan, motion);
 }
 
 /** `start`, moved by the step that the prior allows. */
@@ -83,6 +90,24 @@ PoseTensors heeding(const DyloPrior& prior,
   const Pose T = start.toPose();
   const Vector6 moved = jointStep(prior, T, logSE3(step.update.toPose()), measured);
   return PoseTensors::from(expSE3(moved) * T, start.rotation.options());
+}
+
+/** Share of its node's weight that a point keeps in the dense stage. */
+torch::Tensor closeness(const Surfaces& surfaces, const torch::Tensor& residual)
+{
+  const torch::Tensor off = (residual / dense_kernel).square() + 1;
+  const torch::Tensor thick = (surfaces.thickness / dense_thickness).square() + 1;
+  return surfaces.valid / (off.square() * thick);
+}
+
+/** Every other column of a level's nodes. \param of_nodes [N] or [N, 3]. */
+torch::Tensor everyOther(const torch::Tensor& of_nodes,
+                         const ScanTensors::Level& level,
+                         std::int64_t first)
+{
+  std::vector<std::int64_t> halved = of_nodes.sizes().vec();
+  halved[0] /= 2;
+  return of_nodes.reshape({level.rows, level.cols / 2, 2, -1}).select(2, first).reshape(halved);
 }
 
 torch::Tensor nodeGeometry(const ScanTensors::Level& level)
@@ -273,22 +298,38 @@ DyloStage DyloNetworkImpl::denseStage(const EncodedScan& scan1,
   const ScanTensors::Level& nodes = scan1.scan.levels[0];
   const ScanTensors::Level& parents = scan1.scan.levels[1];
   const PoseTensors start = fine.pose.detached();
-  const torch::Tensor warped = start.apply(sweptBy(scan1, 0, start.toPose()));
-  const Surfaces surfaces = surfacesAround(warped, {}, nodes.valid, scan2.scan);
+  const Pose motion = start.toPose();
+  const torch::Tensor warped = start.apply(everyOther(sweptBy(scan1, 0, motion), nodes, 0));
+  const Surfaces surfaces =
+      surfacesAround(warped, {}, everyOther(nodes.valid, nodes, 0), scan2.scan);
   const torch::Tensor residual = (surfaces.normal * warped).sum(1) - surfaces.offset;
   const torch::Tensor of_parents = fine.weight.reshape({parents.rows, 1, parents.cols, 1})
                                        .expand({parents.rows, nodes.rows / parents.rows,
-                                                parents.cols, nodes.cols / parents.cols})
+                                                parents.cols, nodes.cols / 2 / parents.cols})
                                        .reshape({-1});
-  const torch::Tensor off = (residual / dense_kernel).square() + 1;
-  const torch::Tensor thick = (surfaces.thickness / dense_thickness).square() + 1;
-  const torch::Tensor weight = of_parents * surfaces.valid / (off.square() * thick);
-  const Alignment alignment = {warped,
-                               surfaces.normal,
-                               surfaces.offset,
-                               surfaces.target,
-                               weight / weight.sum().clamp_min(1e-9),
-                               {}};
+  const torch::Tensor weight = of_parents * closeness(surfaces, residual);
+
+  // Scan 2 on the surfaces of scan 1, which the step moves: with rows and normals turned round.
+  ScanTensors image1 = scan1.scan;
+  image1.image_xyz = swept(image1.image_xyz, scan1.image_phase, scan1, motion);
+  const ScanTensors::Level& nodes2 = scan2.scan.levels[0];
+  const torch::Tensor others = everyOther(nodes2.xyz, nodes2, 1);
+  const torch::Tensor seen = torch::matmul(others - start.translation, start.rotation);
+  const Surfaces own = surfacesAround(seen, {}, everyOther(nodes2.valid, nodes2, 1), image1);
+  const torch::Tensor own_residual = (own.normal * seen).sum(1) - own.offset;
+  const torch::Tensor at =
+      windowAround(seen, image1, parents.rows, parents.cols, 0, 0).index.squeeze(1);
+  const torch::Tensor own_weight = fine.weight.index_select(0, at) * closeness(own, own_residual);
+  const torch::Tensor turned = -torch::matmul(own.normal, start.rotation.t());
+
+  const torch::Tensor weights = torch::cat({weight, own_weight});
+  const Alignment alignment = {
+      torch::cat({warped, others}),
+      torch::cat({surfaces.normal, turned}),
+      torch::cat({surfaces.offset, (turned * others).sum(1) - own_residual}),
+      {},
+      weights / weights.sum().clamp_min(1e-9),
+      {}};
   const GaussNewtonStep step = gaussNewtonStep(alignment);
   DyloStage result = fine;
   result.dense = true;

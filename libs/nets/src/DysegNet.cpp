@@ -18,7 +18,8 @@ constexpr std::int64_t cell_features = 24;
 constexpr std::int64_t anchor_channels = 16;
 constexpr std::int64_t peak_channels = 3;
 constexpr std::int64_t subcells = 4;
-constexpr double rectified = 0;  // slope below zero
+constexpr double rectified = 0;        // slope below zero
+constexpr float voting_reach = 51.2F;  // m to each side
 // Widths of the fit's robust kernel [m].
 constexpr double fine_width = 0.15;
 constexpr double voted_within = 0.6;
@@ -117,6 +118,17 @@ RigidFlowFit fitPeaks(const Tensor& correlation,
     weight[i] = p[3 * i + 2] * p[3 * i + 2] * t[i];
   }
   return fitRigidFlow(places, found, weight, fine_width, within, &centre);
+}
+
+/** 1 for cells that have a say in the static motion, else 0: far ones hold a few points each, and
+ * their windows are as wide as those of near ones. */
+Tensor heardOf(const std::vector<Eigen::Vector2f>& places)
+{
+  auto heard = torch::empty({static_cast<std::int64_t>(places.size())});
+  std::transform(places.begin(), places.end(), heard.data_ptr<float>(),
+                 [](const Eigen::Vector2f& p)
+                 { return p.cwiseAbs().maxCoeff() < voting_reach ? 1.0F : 0.0F; });
+  return heard;
 }
 
 /** The static motion that the windows of a correlation speak for. */
@@ -262,7 +274,8 @@ DysegMatch DysegNetImpl::match(const BevScan& scan,
   const float size = 4 * scan.cell_size;
   const int radius = options_.radius;
   const CellMap past_middle{past.middle, past.cells->quarter_index, empty_middle_};
-  const auto trust = current.anchor.detach().sigmoid().square();
+  const auto trust =
+      current.anchor.detach().sigmoid().square() * heardOf(occupied.quarter_place).to(device);
   DysegMatch out;
   if (guess == nullptr)
   {

@@ -95,6 +95,22 @@ TEST(DyloNetwork, SameScanTwiceStandsStill)
   EXPECT_LT(logSE3(estimate).norm(), 0.02);
 }
 
+TEST(DyloNetwork, EitherScanMayBeTheReference)
+{
+  torch::manual_seed(6);
+  DyloNetworkOptions options;
+  options.mask = DyloMask::none;
+  options.fine_passes = 6;
+  DyloNetwork net(options);
+  const torch::NoGradGuard no_grad;
+  const Pose truth = motion(0.15);
+  const Pair pair = roomPair(truth);
+  const Pose there = run(net, pair).back().pose.toPose();
+  const Pose back = run(net, {pair.scan2, pair.scan1}).back().pose.toPose();
+  EXPECT_LT(motionSize(logSE3(there.inverse() * truth)), 0.005);
+  EXPECT_LT(motionSize(logSE3(there * back)), 0.005);
+}
+
 TEST(DyloNetwork, SurvivesEmptyAndSparseScans)
 {
   torch::manual_seed(4);

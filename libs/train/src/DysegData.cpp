@@ -181,7 +181,7 @@ Pose drawPlace(const CastBody& body, bool beside, RandomDraws& draws)
                        (draws.chance(0.5) ? pi : 0) + draws.normal(0.08), 0, 0);
   }
   // Near places more often: that is where points are.
-  const double distance = 4 + 41 * std::pow(draws.uniform(), 1.3);
+  const double distance = 4 + 76 * std::pow(draws.uniform(), 1.8);
   const double bearing = draws.uniform(-pi, pi);
   return poseFromYpr(distance * std::cos(bearing), distance * std::sin(bearing), 0,
                      draws.uniform(-pi, pi), 0, 0);

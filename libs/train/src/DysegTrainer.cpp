@@ -44,7 +44,7 @@ std::ofstream openLog(const std::string& file, const char* header)
   return csv;
 }
 
-/** Where a crop lies: around a mover if there is one, else somewhere. */
+/** Where a crop lies: around a mover if there is one, else somewhere, near places more often. */
 Eigen::Vector2f drawCentre(const DysegSample& sample,
                            const BevOptions& grid,
                            const BevOptions& crop,
@@ -53,7 +53,10 @@ Eigen::Vector2f drawCentre(const DysegSample& sample,
   const float half = crop.halfExtent();
   const float reach = grid.halfExtent() - half;
   const auto within = [&](float r) { return static_cast<float>(draws.uniform(-r, r)); };
-  Eigen::Vector2f centre(within(0.8F * reach), within(0.8F * reach));
+  const float some = 0.8F * reach * static_cast<float>(draws.uniform());
+  const float x = within(some);
+  const float y = within(some);
+  Eigen::Vector2f centre(x, y);
   if (!sample.movers.empty() && draws.chance(0.85))
   {
     const float spread = 0.7F * half;

@@ -43,7 +43,7 @@ struct SceneFlow
  * scans back, when slow movers were elsewhere, or against two. Needs no pose: the motion of the
  * static world comes from the scans themselves, and a drifting odometry can't harm it. Where the
  * next motion is predicted well it is looked for around that. The
- * first scan is all static, as are points farther than the network's grid reaches (51 m to each
+ * first scan is all static, as are points farther than the network's grid reaches (102 m to each
  * side).
  */
 class NetworkSegmenter : public MovingSegmenter

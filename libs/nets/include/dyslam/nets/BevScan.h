@@ -36,7 +36,7 @@ class BevGround
 {
  public:
   /** \param points invalid ones allowed. \param reach half side of the covered square [m]. */
-  explicit BevGround(const std::vector<Eigen::Vector3f>& points, float reach = 80);
+  explicit BevGround(const std::vector<Eigen::Vector3f>& points, float reach = 102.4F);
 
   /** Height of the ground under a place, in the frame of the points; 0 without any points. */
   [[nodiscard]] float heightAt(float x, float y) const;

@@ -20,6 +20,7 @@ struct EncodedScan
   /** Of the nodes of levels 0 and 1 [N]: when each was measured, in shares of T_sweep from the
    * scan's own time. Undefined where a scan is not to be deskewed any further. */
   std::array<torch::Tensor, 2> phase;
+  torch::Tensor image_phase;        //!< the same of every image cell
   Pose T_sweep = Pose::Identity();  //!< the motion it was deskewed with
 };
 
@@ -54,9 +55,9 @@ class DyloNetworkImpl : public torch::nn::Module
    * for null. \returns every stage; the last pose is the answer.
    *
    * Fine passes follow (while gradients are not recorded until a step is short), and a last one,
-   * the dense stage, over all points of level 0 with the weights of the one before. In each of them
-   * a scan 1 with phases is deskewed by the pose found so far, which is taken for the motion since
-   * the scan before. */
+   * the dense stage, over points of level 0 of both scans with the weights of the one before. In
+   * each of them a scan 1 with phases is deskewed by the pose found so far, which is taken for the
+   * motion since the scan before. */
   [[nodiscard]] std::vector<DyloStage> forward(const EncodedScan& scan1,
                                                const EncodedScan& scan2,
                                                const PoseTensors& start,
@@ -83,8 +84,9 @@ class DyloNetworkImpl : public torch::nn::Module
                                     const torch::Tensor& embedding,
                                     const DyloPrior* prior);
 
-  /** One more step, over four times the points of a fine stage. Each is weighed as its node of
-   * level 1 was, by its residual and by how thick its surface is. */
+  /** One more step, over twice the points of a fine stage and as many of scan 2 on the surfaces of
+   * scan 1: what draws the ones too short draws the others too far. Each is weighed as the node of
+   * level 1 there was, by its residual and by how thick its surface is. */
   [[nodiscard]] DyloStage denseStage(const EncodedScan& scan1,
                                      const EncodedScan& scan2,
                                      const DyloStage& fine,
