@@ -5,26 +5,36 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <functional>
 #include <iterator>
 #include <string>
+#include <system_error>
 #include <vector>
 
 /** What the benchmarks of the networks share. */
 namespace timing
 {
-/** The .bin files of a folder, in the order of their names. */
-inline std::vector<std::string> scanFiles(const std::string& folder)
+/** The .bin files of a folder, in the order of their names. Says so and ends the program where
+ * there are fewer than `needed`. */
+inline std::vector<std::string> scanFiles(const std::string& folder, std::size_t needed)
 {
   std::vector<std::string> files;
-  for (const auto& entry : std::filesystem::directory_iterator(folder))
+  std::error_code none;
+  for (const auto& entry : std::filesystem::directory_iterator(folder, none))
   {
     if (entry.path().extension() == ".bin")
     {
       files.push_back(entry.path().string());
     }
+  }
+  if (files.size() < needed)
+  {
+    std::fprintf(stderr, "%s: holds %zu scans (*.bin), %zu are needed; name another folder\n",
+                 folder.c_str(), files.size(), needed);
+    std::exit(1);
   }
   std::sort(files.begin(), files.end());
   return files;

@@ -16,7 +16,7 @@ int main(int argc, char** argv)
     std::puts("dylo_benchmark FOLDER [threads] [MODEL]");
     return 1;
   }
-  const auto files = timing::scanFiles(argv[1]);
+  const auto files = timing::scanFiles(argv[1], 2);
   torch::set_num_threads(argc > 2 ? std::atoi(argv[2]) : 1);
   torch::manual_seed(1);
   using namespace dyslam;

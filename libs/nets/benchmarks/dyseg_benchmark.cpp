@@ -17,7 +17,7 @@ int main(int argc, char** argv)
     return 1;
   }
   using namespace dyslam;
-  const auto files = timing::scanFiles(argv[1]);
+  const auto files = timing::scanFiles(argv[1], 11);
   const int threads = argc > 2 ? std::atoi(argv[2]) : 1;
   const DysegModel model = argc > 3 ? DysegModel(argv[3], threads)
                                     : DysegModel(DysegNetworkOptions{}, BevOptions{}, 1, threads);
