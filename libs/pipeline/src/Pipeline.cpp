@@ -231,7 +231,7 @@ void Pipeline::Stages::estimateMotion(Frame& frame, double dt)
     guess = T_odom_last.inverse() * joint.T_odom_vehicle;
     if (scans == 1)
     {
-      refinement.setStartDeviation(std::min(refine_options.start_deviation, seen_within));
+      refinement.setStartDeviation(std::min(refine_options.start_deviation, odometry_deviation));
     }
   }
   const RefineResult result = refinement.refine(frame, T_odom_last * guess, &prior);
