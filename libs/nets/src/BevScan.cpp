@@ -302,6 +302,9 @@ void sortByCell(const std::vector<Eigen::Vector3f>& points,
       scan.cells, [&](std::uint32_t i) { return cell_of[i] % scan.cells; }, scan.source);
   sortByDigit(
       scan.cells, [&](std::uint32_t i) { return cell_of[i] / scan.cells; }, scan.source);
+  scan.points.reserve(scan.source.size());
+  scan.height.reserve(scan.source.size());
+  scan.cell.reserve(scan.source.size());
   for (const auto i : scan.source)
   {
     scan.points.push_back(points[i]);

@@ -126,12 +126,12 @@ void DyloMatcher::Impl::layOut(SeenScan& scan,
   }
   const std::vector<std::int32_t>& source = scan.prepared.source;
   scan.encoded.image_phase = torch::zeros({static_cast<std::int64_t>(source.size())});
+  float* of_cell = scan.encoded.image_phase.data_ptr<float>();
   for (std::size_t cell = 0; cell < source.size(); ++cell)
   {
     if (source[cell] >= 0)
     {
-      scan.encoded.image_phase.data_ptr<float>()[cell] =
-          scan.phase[static_cast<std::size_t>(source[cell])];
+      of_cell[cell] = scan.phase[static_cast<std::size_t>(source[cell])];
     }
   }
   for (std::size_t l = 0; l < scan.encoded.phase.size(); ++l)
@@ -142,8 +142,7 @@ void DyloMatcher::Impl::layOut(SeenScan& scan,
     {
       if (cells[n] >= 0)
       {
-        const std::int32_t point = scan.prepared.source[static_cast<std::size_t>(cells[n])];
-        phase.data_ptr<float>()[n] = scan.phase[static_cast<std::size_t>(point)];
+        phase.data_ptr<float>()[n] = of_cell[cells[n]];
       }
     }
     scan.encoded.phase[l] = phase;

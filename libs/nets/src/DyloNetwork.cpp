@@ -17,7 +17,7 @@ constexpr std::array<double, PreparedScan::level_count> spacing = {0.02, 0.05, 0
 constexpr int most_fine_passes = 8;
 constexpr double settled_step = 0.008;
 
-/** Of the last pass, over all points of level 0 [m]. */
+/** Of the last pass, over points of level 0 [m]. */
 constexpr double dense_kernel = 0.1;
 constexpr double dense_thickness = 0.05;
 
@@ -108,6 +108,53 @@ torch::Tensor everyOther(const torch::Tensor& of_nodes,
   std::vector<std::int64_t> halved = of_nodes.sizes().vec();
   halved[0] /= 2;
   return of_nodes.reshape({level.rows, level.cols / 2, 2, -1}).select(2, first).reshape(halved);
+}
+
+/** Points of one scan on the surfaces of the other; as in Alignment, weights not yet normalised. */
+struct DenseMatch
+{
+  torch::Tensor points, normal, offset, weight;
+};
+
+/** Points of scan 1 on surfaces of scan 2. \param fine the weights of scan 1's nodes of level 1. */
+DenseMatch matchOnto(const EncodedScan& scan1,
+                     const ScanTensors& scan2,
+                     const PoseTensors& start,
+                     const torch::Tensor& fine)
+{
+  const ScanTensors::Level& nodes = scan1.scan.levels[0];
+  const ScanTensors::Level& parents = scan1.scan.levels[1];
+  const torch::Tensor points = everyOther(sweptBy(scan1, 0, start.toPose()), nodes, 0);
+  const torch::Tensor warped = start.apply(points);
+  const Surfaces surfaces = surfacesAround(warped, {}, everyOther(nodes.valid, nodes, 0), scan2);
+  const torch::Tensor residual = (surfaces.normal * warped).sum(1) - surfaces.offset;
+  const torch::Tensor of_parents = fine.reshape({parents.rows, 1, parents.cols, 1})
+                                       .expand({parents.rows, nodes.rows / parents.rows,
+                                                parents.cols, nodes.cols / 2 / parents.cols})
+                                       .reshape({-1});
+  return {warped, surfaces.normal, surfaces.offset, of_parents * closeness(surfaces, residual)};
+}
+
+/** The other way round: points of scan 2 on surfaces of scan 1, which a step moves; so rows and
+ * normals are turned round. */
+DenseMatch matchBack(const EncodedScan& scan1,
+                     const ScanTensors& scan2,
+                     const PoseTensors& start,
+                     const torch::Tensor& fine)
+{
+  ScanTensors image1 = scan1.scan;
+  image1.image_xyz = swept(image1.image_xyz, scan1.image_phase, scan1, start.toPose());
+  const ScanTensors::Level& nodes = scan2.levels[0];
+  const torch::Tensor points = everyOther(nodes.xyz, nodes, 1);
+  const torch::Tensor seen = torch::matmul(points - start.translation, start.rotation);
+  const Surfaces surfaces = surfacesAround(seen, {}, everyOther(nodes.valid, nodes, 1), image1);
+  const torch::Tensor residual = (surfaces.normal * seen).sum(1) - surfaces.offset;
+  const ScanTensors::Level& parents = image1.levels[1];
+  const torch::Tensor parent =
+      windowAround(seen, image1, parents.rows, parents.cols, 0, 0).index.squeeze(1);
+  const torch::Tensor normal = -torch::matmul(surfaces.normal, start.rotation.t());
+  return {points, normal, (normal * points).sum(1) - residual,
+          fine.index_select(0, parent) * closeness(surfaces, residual)};
 }
 
 torch::Tensor nodeGeometry(const ScanTensors::Level& level)
@@ -295,41 +342,14 @@ DyloStage DyloNetworkImpl::denseStage(const EncodedScan& scan1,
                                       const DyloStage& fine,
                                       const DyloPrior* prior)
 {
-  const ScanTensors::Level& nodes = scan1.scan.levels[0];
-  const ScanTensors::Level& parents = scan1.scan.levels[1];
   const PoseTensors start = fine.pose.detached();
-  const Pose motion = start.toPose();
-  const torch::Tensor warped = start.apply(everyOther(sweptBy(scan1, 0, motion), nodes, 0));
-  const Surfaces surfaces =
-      surfacesAround(warped, {}, everyOther(nodes.valid, nodes, 0), scan2.scan);
-  const torch::Tensor residual = (surfaces.normal * warped).sum(1) - surfaces.offset;
-  const torch::Tensor of_parents = fine.weight.reshape({parents.rows, 1, parents.cols, 1})
-                                       .expand({parents.rows, nodes.rows / parents.rows,
-                                                parents.cols, nodes.cols / 2 / parents.cols})
-                                       .reshape({-1});
-  const torch::Tensor weight = of_parents * closeness(surfaces, residual);
-
-  // Scan 2 on the surfaces of scan 1, which the step moves: with rows and normals turned round.
-  ScanTensors image1 = scan1.scan;
-  image1.image_xyz = swept(image1.image_xyz, scan1.image_phase, scan1, motion);
-  const ScanTensors::Level& nodes2 = scan2.scan.levels[0];
-  const torch::Tensor others = everyOther(nodes2.xyz, nodes2, 1);
-  const torch::Tensor seen = torch::matmul(others - start.translation, start.rotation);
-  const Surfaces own = surfacesAround(seen, {}, everyOther(nodes2.valid, nodes2, 1), image1);
-  const torch::Tensor own_residual = (own.normal * seen).sum(1) - own.offset;
-  const torch::Tensor at =
-      windowAround(seen, image1, parents.rows, parents.cols, 0, 0).index.squeeze(1);
-  const torch::Tensor own_weight = fine.weight.index_select(0, at) * closeness(own, own_residual);
-  const torch::Tensor turned = -torch::matmul(own.normal, start.rotation.t());
-
-  const torch::Tensor weights = torch::cat({weight, own_weight});
+  const DenseMatch onto = matchOnto(scan1, scan2.scan, start, fine.weight);
+  const DenseMatch back = matchBack(scan1, scan2.scan, start, fine.weight);
+  const torch::Tensor weight = torch::cat({onto.weight, back.weight});
   const Alignment alignment = {
-      torch::cat({warped, others}),
-      torch::cat({surfaces.normal, turned}),
-      torch::cat({surfaces.offset, (turned * others).sum(1) - own_residual}),
-      {},
-      weights / weights.sum().clamp_min(1e-9),
-      {}};
+      torch::cat({onto.points, back.points}), torch::cat({onto.normal, back.normal}),
+      torch::cat({onto.offset, back.offset}), {},
+      weight / weight.sum().clamp_min(1e-9),  {}};
   const GaussNewtonStep step = gaussNewtonStep(alignment);
   DyloStage result = fine;
   result.dense = true;
