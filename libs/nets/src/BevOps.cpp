@@ -5,6 +5,7 @@
 #include <torch/torch.h>
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <vector>
@@ -116,6 +117,51 @@ constexpr std::size_t largest_window = 21 * 21;  // of radius 10
 using Row = Eigen::Map<Eigen::ArrayXf>;
 using ConstRow = Eigen::Map<const Eigen::ArrayXf>;
 
+/** What windows are laid over: a map of cells, of which only the occupied ones have features. */
+struct WindowTarget
+{
+  const float* rows;
+  const float* empty;  //!< features of an empty cell
+  const std::int32_t* index;
+  std::int64_t height;
+  std::int64_t width;
+  std::int64_t channels;
+};
+
+/** Products of a cell's features with those of the (2 radius + 2)^2 cells around its window's corners.
+ *
+ * \tparam channels known when compiled, which keeps the features in registers; or Eigen::Dynamic */
+template <int channels>
+void windowProducts(
+    const float* source, const WindowTarget& target, const Window& w, std::int64_t side, float* out)
+{
+  using Features = Eigen::Array<float, channels, 1>;
+  using ConstFeatures = Eigen::Map<const Features>;
+  const Features mine =
+      ConstFeatures(source, target.channels) / std::sqrt(static_cast<float>(target.channels));
+  const float nothing = (mine * ConstFeatures(target.empty, target.channels)).sum();
+  const auto first = std::clamp<std::int64_t>(-w.x, 0, side);
+  const auto last = std::clamp<std::int64_t>(target.width - w.x, first, side);
+  for (std::int64_t y = w.y; y < w.y + side; ++y, out += side)
+  {
+    if (y < 0 || y >= target.height)
+    {
+      std::fill_n(out, side, 0.0F);
+      continue;
+    }
+    std::fill_n(out, first, 0.0F);
+    std::fill(out + last, out + side, 0.0F);
+    const std::int32_t* cell = target.index + y * target.width + w.x;
+    for (std::int64_t x = first; x < last; ++x)
+    {
+      out[x] = cell[x] < 0 ? nothing
+                           : (mine * ConstFeatures(target.rows + cell[x] * target.channels,
+                                                   target.channels))
+                                 .sum();
+    }
+  }
+}
+
 class Correlate : public torch::autograd::Function<Correlate>
 {
  public:
@@ -138,13 +184,18 @@ class Correlate : public torch::autograd::Function<Correlate>
     const auto height = index.size(0);
     const auto width = index.size(1);
     auto out = torch::empty({source.size(0), side * side}, source.options());
-    const float scale = 1.0F / std::sqrt(static_cast<float>(channels));
+    const WindowTarget there = {target.data_ptr<float>(),
+                                empty.data_ptr<float>(),
+                                index.data_ptr<std::int32_t>(),
+                                height,
+                                width,
+                                channels};
+    const auto products = channels == 32   ? &windowProducts<32>
+                          : channels == 16 ? &windowProducts<16>
+                                           : &windowProducts<Eigen::Dynamic>;
     const float* s = source.data_ptr<float>();
-    const float* t = target.data_ptr<float>();
     const float* c = centre.data_ptr<float>();
-    const auto* row = index.data_ptr<std::int32_t>();
     float* o = out.data_ptr<float>();
-    const ConstRow nothing_there(empty.data_ptr<float>(), channels);
     at::parallel_for(0, source.size(0), 128,
                      [&](std::int64_t begin, std::int64_t end)
                      {
@@ -152,23 +203,7 @@ class Correlate : public torch::autograd::Function<Correlate>
                        for (std::int64_t i = begin; i < end; ++i)
                        {
                          const Window w = windowAt(c + 2 * i, radius);
-                         const ConstRow mine(s + i * channels, channels);
-                         const float nothing = (mine * nothing_there).sum() * scale;
-                         for (std::int64_t y = 0; y <= side; ++y)
-                         {
-                           for (std::int64_t x = 0; x <= side; ++x)
-                           {
-                             const auto tx = w.x + x;
-                             const auto ty = w.y + y;
-                             const bool inside = tx >= 0 && ty >= 0 && tx < width && ty < height;
-                             const auto r = inside ? row[ty * width + tx] : -1;
-                             dots[static_cast<std::size_t>(y * (side + 1) + x)] =
-                                 r >= 0
-                                     ? (mine * ConstRow(t + r * channels, channels)).sum() * scale
-                                 : inside ? nothing
-                                          : 0.0F;
-                           }
-                         }
+                         products(s + i * channels, there, w, side + 1, dots.data());
                          for (std::int64_t y = 0; y < side; ++y)
                          {
                            const float* upper = &dots[static_cast<std::size_t>(y * (side + 1))];
@@ -332,8 +367,8 @@ Tensor peakOffset(const Tensor& correlation_in, int radius)
                      for (std::int64_t i = begin; i < end; ++i)
                      {
                        const ConstRow row(c + i * side * side, side * side);
-                       Eigen::Index best = 0;
-                       const float highest = row.maxCoeff(&best);
+                       const float highest = row.maxCoeff();
+                       const auto best = std::find(row.begin(), row.end(), highest) - row.begin();
                        share = (row - highest).exp();
                        const int bx = static_cast<int>(best) % side;
                        const int by = static_cast<int>(best) / side;

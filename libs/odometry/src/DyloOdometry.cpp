@@ -85,10 +85,7 @@ MotionEstimate DyloOdometry::align(const Pose& T_reference_current_guess)
 {
   const Pose T_lidar_vehicle = T_vehicle_lidar_.inverse();
   const Pose predicted = T_lidar_vehicle * T_reference_current_guess * T_vehicle_lidar_;
-  const bool far = predicted.translation().norm() > options_.reach;
-  const bool from_prediction =
-      options_.start == DyloStart::prediction || (options_.start == DyloStart::automatic && far);
-  const Pose start = from_prediction ? predicted : Pose::Identity();
+  const Pose start = options_.start == DyloStart::prediction ? predicted : Pose::Identity();
   DyloPrior prior;
   prior.T_reference_current = predicted;
   const Matrix6 to_vehicle = adjointSE3(T_vehicle_lidar_);

@@ -7,11 +7,8 @@ void DyloOptions::describe(OptionsVisitor& v)
 {
   v.text("weights", weights, "file, or name of weights that come with DySLAM");
   v.choice("start", start,
-           {{"standing", DyloStart::standing},
-            {"prediction", DyloStart::prediction},
-            {"automatic", DyloStart::automatic}},
-           "where the search begins: at no motion, at the predicted one, or there if it is far");
-  v.real("reach", reach, 0, 100, "predicted motions beyond it are far [m]");
+           {{"standing", DyloStart::standing}, {"prediction", DyloStart::prediction}},
+           "where the search begins: at no motion or at the predicted one");
   v.integer("threads", threads, 1, 64, "of the network");
   v.flag("prior", prior, "weigh the predicted motion against the points");
   v.flag("deskew", deskew, "deskew by the motion found, not only by the predicted one");

@@ -11,17 +11,15 @@ namespace dyslam
 /** Where DyLO's search begins. */
 enum class DyloStart : std::uint8_t
 {
-  standing,    //!< at no motion, as in the paper: the two scans alone decide
-  prediction,  //!< at the predicted motion
-  automatic    //!< standing, but for predictions that are beyond the network's reach
+  standing,   //!< at no motion, as in the paper: the two scans alone decide
+  prediction  //!< at the predicted motion
 };
 
 /** Ini section `[dylo]`. */
 struct DyloOptions : Options
 {
   std::string weights = "dylo.pt";  //!< file, or name of weights that come with DySLAM
-  DyloStart start = DyloStart::automatic;
-  double reach = 1.5;  //!< of the search from standing, for `automatic` [m]
+  DyloStart start = DyloStart::prediction;
   int threads = 1;
   bool prior = true;       //!< weigh the prediction against the points, where it has an information
   bool deskew = true;      //!< by the motion found, not only by the predicted one

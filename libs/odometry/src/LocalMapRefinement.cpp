@@ -72,6 +72,15 @@ void PosePrior::join(const Pose& T_measured, const Matrix6& measured)
   T_odom_vehicle = T_odom_vehicle * expSE3(information.ldlt().solve(measured * apart));
 }
 
+double PosePrior::deviationsTo(const Pose& T_measured, double deviation, double turn) const
+{
+  Matrix6 covariance = information.llt().solve(Matrix6::Identity());
+  covariance.diagonal().head<3>().array() += deviation * deviation;
+  covariance.diagonal().tail<3>().array() += turn * turn;
+  const Vector6 apart = logSE3(T_odom_vehicle.inverse() * T_measured);
+  return std::sqrt(apart.dot(covariance.llt().solve(apart)));
+}
+
 struct LocalMapRefinement::State
 {
   State(const RefineOptions& o, ThreadPool& p)

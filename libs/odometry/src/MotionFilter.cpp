@@ -13,8 +13,6 @@ namespace
 /** Floor under the deviation of a prediction: nothing is known better [m] and [rad]. */
 constexpr double least_deviation = 1e-3;
 constexpr double least_angle = 1e-4;
-/** Deviations from the prediction beyond which a motion is another one. */
-constexpr double farthest = 4;
 }  // namespace
 
 void MotionFilterOptions::describe(OptionsVisitor& v)
@@ -69,18 +67,6 @@ double MotionFilter::deviation(double dt) const
 {
   const Eigen::Matrix3d P = predictedCovariance(std::max(dt, 0.0)).topLeftCorner<3, 3>();
   return std::sqrt(Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(P).eigenvalues().maxCoeff());
-}
-
-bool MotionFilter::allows(double dt,
-                          const Pose& T_previous_current,
-                          double deviation,
-                          double angular_deviation) const
-{
-  Matrix6 covariance = predictedCovariance(std::max(dt, 0.0)).topLeftCorner<6, 6>();
-  covariance.diagonal().head<3>().array() += deviation * deviation;
-  covariance.diagonal().tail<3>().array() += angular_deviation * angular_deviation;
-  const Vector6 apart = logSE3(predict(dt).inverse() * T_previous_current);
-  return apart.dot(covariance.llt().solve(apart)) < farthest * farthest;
 }
 
 void MotionFilter::update(double dt,

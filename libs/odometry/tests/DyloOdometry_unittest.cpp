@@ -90,8 +90,8 @@ TEST_F(Dylo, FindsASkippedFramesMotion)
   expectNear(move(T, poseFromYpr(0.8, 0.01, 0, 0.5 * degree, 0, 0)), T, 0.06, 0.2);
 }
 
-/** Search begins at the prediction if that is beyond reach, and only then. */
-TEST_F(Dylo, StartsFromFarPredictions)
+/** From standing a far motion is out of reach. */
+TEST_F(Dylo, StartsFromThePrediction)
 {
   const Pose prediction = poseFromYpr(2.5, 0, 0, 0, 0, 0);
   const auto with = [&](const std::vector<std::string>& settings)
@@ -100,10 +100,9 @@ TEST_F(Dylo, StartsFromFarPredictions)
     (void)odometry->process(scene_.frame(Pose::Identity(), 0.01, 1), Pose::Identity());
     return odometry->process(scene_.frame(prediction, 0.01, 2), prediction).T_previous_current;
   };
-  const Pose automatic = with({});
-  EXPECT_EQ(automatic.matrix(), with({"dylo.start=prediction"}).matrix());
-  EXPECT_EQ(with({"dylo.reach=3"}).matrix(), with({"dylo.start=standing"}).matrix());
-  EXPECT_LT((automatic.translation() - prediction.translation()).norm(), 0.06);
+  const Pose found = with({});
+  EXPECT_LT((found.translation() - prediction.translation()).norm(), 0.06);
+  EXPECT_NE(found.matrix(), with({"dylo.start=standing"}).matrix());
 }
 
 /** Points that show the motion well overrule a prediction that is not sure of itself, and only it.

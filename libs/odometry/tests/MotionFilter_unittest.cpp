@@ -59,18 +59,6 @@ TEST(MotionFilter, SpeedIsKeptWhereAMeasurementIsBlind)
   }
 }
 
-TEST(MotionFilter, AllowsWhatItsUncertaintyAllows)
-{
-  MotionFilter filter = started(20);
-  const Pose far = poseFromYpr(2.5, 0, 0, 0, 0, 0);
-  EXPECT_TRUE(filter.allows(period, far, 0.1, 0.02)) << "nothing is known yet";
-  filter.follow(period, poseFromYpr(1.5, 0, 0, 0, 0, 0));
-  EXPECT_TRUE(filter.allows(period, poseFromYpr(1.6, 0, 0, 0.01, 0, 0), 0.1, 0.02));
-  EXPECT_FALSE(filter.allows(period, far, 0.1, 0.02));
-  EXPECT_FALSE(filter.allows(period, poseFromYpr(1.5, 0, 0, 0.2, 0, 0), 0.1, 0.02));
-  EXPECT_TRUE(filter.allows(period, far, 0.5, 0.02));
-}
-
 TEST(MotionFilter, TellsHowFarOffAPredictionMayBe)
 {
   MotionFilter filter = started(20);

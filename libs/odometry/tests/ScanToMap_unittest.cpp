@@ -136,6 +136,19 @@ TEST(PosePrior, JoinsMeasurementsByTheirInformation)
   EXPECT_NEAR(prior.T_odom_vehicle.translation().y(), 0, 1e-12);
 }
 
+TEST(PosePrior, CountsDeviationsOfBoth)
+{
+  Vector6 information;
+  information << 400, 400, 400, 1e4, 1e4, 1e4;
+  const Pose T = poseFromYpr(3, 1, 0, 0.5, 0, 0);
+  const PosePrior prior{T, information.asDiagonal()};
+  EXPECT_NEAR(prior.deviationsTo(T, 0.1, 0.02), 0, 1e-9);
+  const double both = std::hypot(0.05, 0.1);
+  EXPECT_NEAR(prior.deviationsTo(T * poseFromYpr(3 * both, 0, 0, 0, 0, 0), 0.1, 0.02), 3, 1e-9);
+  const double turn = std::hypot(0.01, 0.02);
+  EXPECT_NEAR(prior.deviationsTo(T * poseFromYpr(0, 0, 0, 2 * turn, 0, 0), 0.1, 0.02), 2, 1e-9);
+}
+
 INSTANTIATE_TEST_SUITE_P(Methods,
                          ScanToMapTest,
                          testing::Bool(),

@@ -26,6 +26,10 @@ constexpr double seen_turn = 0.005;         // rad
 constexpr double seen_within = 0.3;         // m, to look for a first motion around what was seen
 constexpr double odometry_deviation = 0.1;  // m, of a motion between scans
 constexpr double odometry_turn = 0.02;      // rad
+constexpr double farthest = 4;              // deviations, beyond which it is another one
+constexpr double settled_deviation = 0.03;  // m, of a method's that knows the prediction
+constexpr double settled_turn = 0.006;      // rad
+constexpr double farthest_settled = 1;      // deviations
 constexpr double known_deviation = 0.1;     // m, of a prediction that a segmenter may rely on
 constexpr float looks_mobile = 0.2F;        // likelihood of staying, below which a point may go
 constexpr double usual_period = 0.1;        // s, of a revolution, before the second scan tells it
@@ -100,7 +104,11 @@ struct Pipeline::Stages
   /** The segmenter's own motion of the static world, as long as too little time has passed to see
    * anything else move: of what looks as if it stayed, it is not misled by traffic all around.
    * Null if there is none, or none to be believed. */
-  [[nodiscard]] const MotionEstimate* staticMotion(double dt) const;
+  [[nodiscard]] const MotionEstimate* staticMotion(double dt, const PosePrior& prior) const;
+  /** A scan-to-scan method may follow the traffic around, and call the world moving. One that weighs
+   * its motion against the prediction is heeded only where they agree: beyond that it tells less
+   * than the prediction does. */
+  [[nodiscard]] bool heeds(const Pose& T_odom_found, const PosePrior& prior) const;
   void estimateMotion(Frame& frame, double dt);
   /** As long as nothing can be seen to move, what looks as if it could does not count. */
   void weighByLooks(Frame& frame) const;
@@ -178,7 +186,7 @@ void Pipeline::process(Frame& frame)
   s.remember(frame);
 }
 
-const MotionEstimate* Pipeline::Stages::staticMotion(double dt) const
+const MotionEstimate* Pipeline::Stages::staticMotion(double dt, const PosePrior& prior) const
 {
   // The first two scans are skewed alike, no motion being known yet; the third one is not.
   if (scans == 0 || scans == 2 || dt <= 0 || odometry_options.start_speed != 0 || !segmenter ||
@@ -187,7 +195,15 @@ const MotionEstimate* Pipeline::Stages::staticMotion(double dt) const
     return nullptr;
   }
   const MotionEstimate* seen = segmenter->staticMotion();
-  return motion.allows(dt, seen->T_previous_current, seen_deviation, seen_turn) ? seen : nullptr;
+  const Pose T_odom_seen = T_odom_last * seen->T_previous_current;
+  return prior.deviationsTo(T_odom_seen, seen_deviation, seen_turn) < farthest ? seen : nullptr;
+}
+
+bool Pipeline::Stages::heeds(const Pose& T_odom_found, const PosePrior& prior) const
+{
+  return odometry->joinsPrediction()
+             ? prior.deviationsTo(T_odom_found, settled_deviation, settled_turn) < farthest_settled
+             : prior.deviationsTo(T_odom_found, odometry_deviation, odometry_turn) < farthest;
 }
 
 void Pipeline::Stages::estimateMotion(Frame& frame, double dt)
@@ -195,7 +211,7 @@ void Pipeline::Stages::estimateMotion(Frame& frame, double dt)
   const bool refining = refine_options.method != RefineMethod::none;
   PosePrior prior{T_odom_last * motion.predict(dt), motion.information(dt)};
   Matrix6 seen_information = Matrix6::Zero();
-  const MotionEstimate* seen = staticMotion(dt);
+  const MotionEstimate* seen = staticMotion(dt, prior);
   if (seen != nullptr)
   {
     seen_information = measuredWith(seen_deviation, seen_turn);
@@ -213,11 +229,8 @@ void Pipeline::Stages::estimateMotion(Frame& frame, double dt)
   {
     const CTimeLoggerEntry timed(times, "odometry");
     frame.odometry = odometry->process(frame, prediction, prior.information);
-    // Among traffic a scan-to-scan method may follow the traffic, and call the world moving.
-    const Pose& found = frame.odometry.T_previous_current;
-    believable =
-        frame.odometry.converged &&
-        (!refining || (!started && motion.allows(dt, found, odometry_deviation, odometry_turn)));
+    const Pose T_odom_found = T_odom_last * frame.odometry.T_previous_current;
+    believable = frame.odometry.converged && (!refining || (!started && heeds(T_odom_found, prior)));
     frame.static_confidence = believable ? odometry->staticConfidence() : std::vector<float>();
     weighByLooks(frame);
   }

@@ -107,9 +107,9 @@ std::vector<torch::Tensor> nodeLabels(const PreparedScan& scan,
 Pose drawStart(const Pose& truth, double guessed_starts, std::uint64_t seed, std::uint64_t index)
 {
   RandomDraws draws(seed ^ 0x57A27ULL, index);
-  // As in use, where far motions are searched for from the prediction (`dylo.reach`).
+  constexpr double reach = 1.5;  // m, beyond which a search from standing finds little
   const double share =
-      truth.translation().norm() > 1.5 ? std::max(guessed_starts, 0.8) : guessed_starts;
+      truth.translation().norm() > reach ? std::max(guessed_starts, 0.8) : guessed_starts;
   if (guessed_starts <= 0 || !draws.chance(share))
   {
     return Pose::Identity();

@@ -78,6 +78,9 @@ struct PosePrior
 
   /** Take in an independent measurement of the same pose. */
   void join(const Pose& T_measured, const Matrix6& measured);
+  /** Standard deviations (Mahalanobis) to a measurement with its own [m] and [rad]. \pre
+   * `information` is positive definite. */
+  [[nodiscard]] double deviationsTo(const Pose& T_measured, double deviation, double turn) const;
 };
 
 /** Registration of each scan to a local map that it then joins: scan to map odometry.

@@ -39,13 +39,6 @@ class MotionFilter
   /** Deviation of where it puts the vehicle, along its worst direction [m]. */
   [[nodiscard]] double deviation(double dt) const;
 
-  /** False for a motion that can hardly be true if the prediction is.
-   * \param deviation of the motion [m] \param angular_deviation [rad] */
-  [[nodiscard]] bool allows(double dt,
-                            const Pose& T_previous_current,
-                            double deviation,
-                            double angular_deviation) const;
-
   /** Take in the motion that was found with the prediction as a prior.
    * \param measured information of the measurement alone, without the prior; zero for none
    * \param prior_weight the share that each part of the prediction counted, in (0, 1] */
