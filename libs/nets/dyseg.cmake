@@ -6,7 +6,7 @@ dyslam_add_library(NAME nets_common
     src/SaveArchive.cpp
     src/Threads.cpp
   PUBLIC dyslam::core
-  PRIVATE ${TORCH_LIBRARIES})
+  PRIVATE ${TORCH_LIBRARIES} OpenMP::OpenMP_CXX)
 
 # DySeg's network. A library of its own: the DySeg stage needs no other network.
 dyslam_add_library(NAME nets_dyseg

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <ATen/Parallel.h>
 #include <dyslam/nets/BevOps.h>
 #include <dyslam/nets/CellLayers.h>
+#include <dyslam/nets/Threads.h>
 #include <torch/torch.h>
 
 #include <Eigen/Core>
@@ -128,7 +128,8 @@ struct WindowTarget
   std::int64_t channels;
 };
 
-/** Products of a cell's features with those of the (2 radius + 2)^2 cells around its window's corners.
+/** Products of a cell's features with those of the (2 radius + 2)^2 cells around its window's
+ * corners.
  *
  * \tparam channels known when compiled, which keeps the features in registers; or Eigen::Dynamic */
 template <int channels>
@@ -154,10 +155,11 @@ void windowProducts(
     const std::int32_t* cell = target.index + y * target.width + w.x;
     for (std::int64_t x = first; x < last; ++x)
     {
-      out[x] = cell[x] < 0 ? nothing
-                           : (mine * ConstFeatures(target.rows + cell[x] * target.channels,
-                                                   target.channels))
-                                 .sum();
+      out[x] =
+          cell[x] < 0
+              ? nothing
+              : (mine * ConstFeatures(target.rows + cell[x] * target.channels, target.channels))
+                    .sum();
     }
   }
 }
@@ -196,27 +198,27 @@ class Correlate : public torch::autograd::Function<Correlate>
     const float* s = source.data_ptr<float>();
     const float* c = centre.data_ptr<float>();
     float* o = out.data_ptr<float>();
-    at::parallel_for(0, source.size(0), 128,
-                     [&](std::int64_t begin, std::int64_t end)
-                     {
-                       std::vector<float> dots(static_cast<std::size_t>((side + 1) * (side + 1)));
-                       for (std::int64_t i = begin; i < end; ++i)
-                       {
-                         const Window w = windowAt(c + 2 * i, radius);
-                         products(s + i * channels, there, w, side + 1, dots.data());
-                         for (std::int64_t y = 0; y < side; ++y)
-                         {
-                           const float* upper = &dots[static_cast<std::size_t>(y * (side + 1))];
-                           const float* lower = upper + side + 1;
-                           for (std::int64_t x = 0; x < side; ++x)
-                           {
-                             o[(i * side + y) * side + x] =
-                                 (1 - w.fy) * ((1 - w.fx) * upper[x] + w.fx * upper[x + 1]) +
-                                 w.fy * ((1 - w.fx) * lower[x] + w.fx * lower[x + 1]);
-                           }
-                         }
-                       }
-                     });
+    forRows(source.size(0), 128,
+            [&](std::int64_t begin, std::int64_t end)
+            {
+              std::vector<float> dots(static_cast<std::size_t>((side + 1) * (side + 1)));
+              for (std::int64_t i = begin; i < end; ++i)
+              {
+                const Window w = windowAt(c + 2 * i, radius);
+                products(s + i * channels, there, w, side + 1, dots.data());
+                for (std::int64_t y = 0; y < side; ++y)
+                {
+                  const float* upper = &dots[static_cast<std::size_t>(y * (side + 1))];
+                  const float* lower = upper + side + 1;
+                  for (std::int64_t x = 0; x < side; ++x)
+                  {
+                    o[(i * side + y) * side + x] =
+                        (1 - w.fy) * ((1 - w.fx) * upper[x] + w.fx * upper[x + 1]) +
+                        w.fy * ((1 - w.fx) * lower[x] + w.fx * lower[x + 1]);
+                  }
+                }
+              }
+            });
     context->saved_data["radius"] = radius_in;
     context->save_for_backward({source, target, index, centre, empty});
     return out;
@@ -357,36 +359,36 @@ Tensor peakOffset(const Tensor& correlation_in, int radius)
   auto out = torch::empty({correlation.size(0), 3}, correlation.options());
   const float* c = correlation.data_ptr<float>();
   float* o = out.data_ptr<float>();
-  at::parallel_for(0, correlation.size(0), 256,
-                   [&](std::int64_t begin, std::int64_t end)
-                   {
-                     // Aligned like this everywhere, or sums are put together differently from run
-                     // to run.
-                     alignas(64) std::array<float, largest_window> memory;
-                     Eigen::Map<Eigen::ArrayXf, Eigen::Aligned64> share(memory.data(), side * side);
-                     for (std::int64_t i = begin; i < end; ++i)
-                     {
-                       const ConstRow row(c + i * side * side, side * side);
-                       const float highest = row.maxCoeff();
-                       const auto best = std::find(row.begin(), row.end(), highest) - row.begin();
-                       share = (row - highest).exp();
-                       const int bx = static_cast<int>(best) % side;
-                       const int by = static_cast<int>(best) / side;
-                       Eigen::Array3f sum = Eigen::Array3f::Zero();
-                       for (int y = std::max(0, by - 1); y <= std::min(side - 1, by + 1); ++y)
-                       {
-                         for (int x = std::max(0, bx - 1); x <= std::min(side - 1, bx + 1); ++x)
-                         {
-                           const Eigen::Array3f at(static_cast<float>(x - radius),
-                                                   static_cast<float>(y - radius), 1);
-                           sum += share[y * side + x] * at;
-                         }
-                       }
-                       o[3 * i] = sum[0] / sum[2];
-                       o[3 * i + 1] = sum[1] / sum[2];
-                       o[3 * i + 2] = sum[2] / share.sum();
-                     }
-                   });
+  forRows(correlation.size(0), 256,
+          [&](std::int64_t begin, std::int64_t end)
+          {
+            // Aligned like this everywhere, or sums are put together differently from run
+            // to run.
+            alignas(64) std::array<float, largest_window> memory;
+            Eigen::Map<Eigen::ArrayXf, Eigen::Aligned64> share(memory.data(), side * side);
+            for (std::int64_t i = begin; i < end; ++i)
+            {
+              const ConstRow row(c + i * side * side, side * side);
+              const float highest = row.maxCoeff();
+              const auto best = std::find(row.begin(), row.end(), highest) - row.begin();
+              share = (row - highest).exp();
+              const int bx = static_cast<int>(best) % side;
+              const int by = static_cast<int>(best) / side;
+              Eigen::Array3f sum = Eigen::Array3f::Zero();
+              for (int y = std::max(0, by - 1); y <= std::min(side - 1, by + 1); ++y)
+              {
+                for (int x = std::max(0, bx - 1); x <= std::min(side - 1, bx + 1); ++x)
+                {
+                  const Eigen::Array3f at(static_cast<float>(x - radius),
+                                          static_cast<float>(y - radius), 1);
+                  sum += share[y * side + x] * at;
+                }
+              }
+              o[3 * i] = sum[0] / sum[2];
+              o[3 * i + 1] = sum[1] / sum[2];
+              o[3 * i + 2] = sum[2] / share.sum();
+            }
+          });
   return out;
 }
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <ATen/Parallel.h>
 #include <dyslam/nets/CellLayers.h>
 #include <dyslam/nets/PointLinear.h>
+#include <dyslam/nets/Threads.h>
 #include <torch/torch.h>
 
 #include <Eigen/Core>
@@ -102,25 +102,25 @@ class GatheredLinear : public torch::autograd::Function<GatheredLinear>
     Eigen::Map<Matrix> out(y.data_ptr<float>(), y.size(0), y.size(1));
     const auto leak = static_cast<float>(slope);
     const auto cells = table.size(0);
-    at::parallel_for(0, (cells + block - 1) / block, 1,
-                     [&](std::int64_t begin, std::int64_t end)
-                     {
-                       Matrix gathered;
-                       for (std::int64_t k = begin; k < end; ++k)
-                       {
-                         const auto first = k * block;
-                         const auto count = std::min(block, cells - first);
-                         gathered.resize(count, weight.size(1));
-                         gatherBlock(rows, table, first, count, gathered.data());
-                         auto part = out.middleRows(first, count);
-                         part.noalias() = gathered * w_t;
-                         part.rowwise() += b;
-                         if (leak != 1.0F)
-                         {
-                           part = part.cwiseMax(leak * part);
-                         }
-                       }
-                     });
+    forRows((cells + block - 1) / block, 1,
+            [&](std::int64_t begin, std::int64_t end)
+            {
+              Matrix gathered;
+              for (std::int64_t k = begin; k < end; ++k)
+              {
+                const auto first = k * block;
+                const auto count = std::min(block, cells - first);
+                gathered.resize(count, weight.size(1));
+                gatherBlock(rows, table, first, count, gathered.data());
+                auto part = out.middleRows(first, count);
+                part.noalias() = gathered * w_t;
+                part.rowwise() += b;
+                if (leak != 1.0F)
+                {
+                  part = part.cwiseMax(leak * part);
+                }
+              }
+            });
     context->save_for_backward({rows, table, weight, y});
     context->saved_data["slope"] = slope;
     return y;

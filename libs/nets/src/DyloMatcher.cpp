@@ -20,6 +20,7 @@ constexpr double seen_bend = 0.005;     //!< worth taking back
 constexpr double far_bend = 0.3;        //!< points are elsewhere in the image
 constexpr double farthest_motion = 10;  //!< not to be believed
 constexpr int most_layouts = 4;
+constexpr std::int64_t point_grain = 4096;  //!< worth a thread
 
 /** A residual that may come from noise and the sampling of surfaces [m]. */
 double inlierDistance(double range)
@@ -57,10 +58,14 @@ std::vector<Eigen::Vector3f> SeenScan::sweptBy(const Pose& T_sweep) const
   const SweepMotion given(T_given, 0);
   const SweepMotion wanted(T_sweep, 0);
   std::vector<Eigen::Vector3f> swept(points.size());
-  for (std::size_t i = 0; i < points.size(); ++i)
-  {
-    swept[i] = wanted.toReference(given.toReference(points[i], -phase[i]), phase[i]);
-  }
+  forRows(static_cast<std::int64_t>(points.size()), point_grain,
+          [&](std::int64_t first, std::int64_t last)
+          {
+            for (auto i = static_cast<std::size_t>(first); i < static_cast<std::size_t>(last); ++i)
+            {
+              swept[i] = wanted.toReference(given.toReference(points[i], -phase[i]), phase[i]);
+            }
+          });
   return swept;
 }
 
@@ -68,14 +73,22 @@ void SeenScan::bend(const Pose& T_sweep)
 {
   const SweepMotion given(T_given, 0);
   const SweepMotion wanted(T_sweep, 0);
-  for (std::size_t cell = 0; cell < prepared.source.size(); ++cell)
+  const auto bendCell = [&](std::size_t cell)
   {
     if (prepared.source[cell] >= 0)
     {
       const auto i = static_cast<std::size_t>(prepared.source[cell]);
       prepared.points[cell] = wanted.toReference(given.toReference(points[i], -phase[i]), phase[i]);
     }
-  }
+  };
+  forRows(static_cast<std::int64_t>(prepared.source.size()), point_grain,
+          [&](std::int64_t first, std::int64_t last)
+          {
+            for (std::int64_t cell = first; cell < last; ++cell)
+            {
+              bendCell(static_cast<std::size_t>(cell));
+            }
+          });
   movePoints(prepared, encoded.scan);
   encoded.T_sweep = T_sweep;
 }
@@ -380,13 +393,17 @@ std::vector<float> DyloMatcher::staticConfidence() const
       ordered[static_cast<std::size_t>(place)] = static_cast<std::int32_t>(i);
     }
   }
-  std::int32_t begin = 0;
-  for (std::size_t n = 0; n < level.size(); ++n)
-  {
-    s.blendAround(static_cast<std::int32_t>(n), ordered.data() + begin, ordered.data() + end[n],
-                  confidence);
-    begin = end[n];
-  }
+  useTorchThreads(s.threads);
+  forRows(static_cast<std::int64_t>(level.size()), 64,
+          [&](std::int64_t first, std::int64_t last)
+          {
+            for (auto n = static_cast<std::size_t>(first); n < static_cast<std::size_t>(last); ++n)
+            {
+              const std::int32_t begin = n == 0 ? 0 : end[n - 1];
+              s.blendAround(static_cast<std::int32_t>(n), ordered.data() + begin,
+                            ordered.data() + end[n], confidence);
+            }
+          });
   return confidence;
 }
 }  // namespace dyslam

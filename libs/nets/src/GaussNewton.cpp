@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <ATen/Parallel.h>
 #include <dyslam/core/Pose.h>
 #include <dyslam/nets/GaussNewton.h>
+#include <dyslam/nets/Threads.h>
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
@@ -222,25 +222,24 @@ PlaneFit fitPlanes(const torch::Tensor& covariance)
   const float* source = in.data_ptr<float>();
   float* normals = fit.normal.data_ptr<float>();
   float* spreads = fit.spread.data_ptr<float>();
-  at::parallel_for(0, n, 256,
-                   [&](std::int64_t begin, std::int64_t end)
-                   {
-                     Eigen::SelfAdjointEigenSolver<Eigen::Matrix3f> solver;
-                     for (std::int64_t i = begin; i < end; ++i)
-                     {
-                       const Eigen::Matrix3f matrix =
-                           Eigen::Map<const Eigen::Matrix3f>(source + 9 * i);
-                       solver.computeDirect(matrix);
-                       Eigen::Vector3f normal = solver.eigenvectors().col(0);
-                       if (!normal.allFinite())
-                       {
-                         normal.setZero();
-                       }
-                       Eigen::Map<Eigen::Vector3f>(normals + 3 * i) = normal;
-                       Eigen::Map<Eigen::Vector3f>(spreads + 3 * i) =
-                           solver.eigenvalues().cwiseMax(0).cwiseSqrt();
-                     }
-                   });
+  forRows(n, 256,
+          [&](std::int64_t begin, std::int64_t end)
+          {
+            Eigen::SelfAdjointEigenSolver<Eigen::Matrix3f> solver;
+            for (std::int64_t i = begin; i < end; ++i)
+            {
+              const Eigen::Matrix3f matrix = Eigen::Map<const Eigen::Matrix3f>(source + 9 * i);
+              solver.computeDirect(matrix);
+              Eigen::Vector3f normal = solver.eigenvectors().col(0);
+              if (!normal.allFinite())
+              {
+                normal.setZero();
+              }
+              Eigen::Map<Eigen::Vector3f>(normals + 3 * i) = normal;
+              Eigen::Map<Eigen::Vector3f>(spreads + 3 * i) =
+                  solver.eigenvalues().cwiseMax(0).cwiseSqrt();
+            }
+          });
   return fit;
 }
 }  // namespace dyslam

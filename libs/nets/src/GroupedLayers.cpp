@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <ATen/Parallel.h>
 #include <dyslam/nets/Grouping.h>
+#include <dyslam/nets/Threads.h>
 
 #include <Eigen/Core>
 #include <algorithm>
@@ -56,31 +56,31 @@ class GroupedLinearFunction : public torch::autograd::Function<GroupedLinearFunc
     const auto of_group = viewOf(own);
     const auto leak = static_cast<float>(slope);
     const std::int64_t places = geometry.size(0);
-    at::parallel_for(0, (places + block - 1) / block, 1,
-                     [&](std::int64_t first, std::int64_t last)
-                     {
-                       for (std::int64_t chunk = first; chunk < last; ++chunk)
-                       {
-                         const std::int64_t begin = chunk * block;
-                         const std::int64_t count = std::min(block, places - begin);
-                         auto part = result.middleRows(begin, count);
-                         part.noalias() = in.middleRows(begin, count) * w_geometry;
-                         for (std::int64_t i = 0; i < count; ++i)
-                         {
-                           auto row = part.row(i);
-                           row += b;
-                           if (per_node.size() > 0)
-                           {
-                             row += per_node.row(node[begin + i]);
-                           }
-                           if (group > 0)
-                           {
-                             row += of_group.row((begin + i) / group);
-                           }
-                           row = row.cwiseMax(leak * row);
-                         }
-                       }
-                     });
+    forRows((places + block - 1) / block, 1,
+            [&](std::int64_t first, std::int64_t last)
+            {
+              for (std::int64_t chunk = first; chunk < last; ++chunk)
+              {
+                const std::int64_t begin = chunk * block;
+                const std::int64_t count = std::min(block, places - begin);
+                auto part = result.middleRows(begin, count);
+                part.noalias() = in.middleRows(begin, count) * w_geometry;
+                for (std::int64_t i = 0; i < count; ++i)
+                {
+                  auto row = part.row(i);
+                  row += b;
+                  if (per_node.size() > 0)
+                  {
+                    row += per_node.row(node[begin + i]);
+                  }
+                  if (group > 0)
+                  {
+                    row += of_group.row((begin + i) / group);
+                  }
+                  row = row.cwiseMax(leak * row);
+                }
+              }
+            });
     context->save_for_backward({geometry, features, index, weight, y});
     context->saved_data["group"] = group;
     context->saved_data["slope"] = slope;
@@ -167,27 +167,27 @@ torch::Tensor largestOfGroups(const torch::Tensor& x, const torch::Tensor& usabl
   const float* in = x.data_ptr<float>();
   const float* use = usable.data_ptr<float>();
   float* out = result.data_ptr<float>();
-  at::parallel_for(0, n, 64,
-                   [&](std::int64_t begin, std::int64_t end)
-                   {
-                     for (std::int64_t i = begin; i < end; ++i)
-                     {
-                       constexpr float none = std::numeric_limits<float>::lowest();
-                       Eigen::Map<Row> largest(out + i * c, c);
-                       largest.setConstant(none);
-                       for (std::int64_t j = i * k; j < (i + 1) * k; ++j)
-                       {
-                         if (use[j] != 0)
-                         {
-                           largest = largest.cwiseMax(Eigen::Map<const Row>(in + j * c, c));
-                         }
-                       }
-                       if (largest[0] == none)
-                       {
-                         largest.setZero();
-                       }
-                     }
-                   });
+  forRows(n, 64,
+          [&](std::int64_t begin, std::int64_t end)
+          {
+            for (std::int64_t i = begin; i < end; ++i)
+            {
+              constexpr float none = std::numeric_limits<float>::lowest();
+              Eigen::Map<Row> largest(out + i * c, c);
+              largest.setConstant(none);
+              for (std::int64_t j = i * k; j < (i + 1) * k; ++j)
+              {
+                if (use[j] != 0)
+                {
+                  largest = largest.cwiseMax(Eigen::Map<const Row>(in + j * c, c));
+                }
+              }
+              if (largest[0] == none)
+              {
+                largest.setZero();
+              }
+            }
+          });
   return result;
 }
 
@@ -205,19 +205,19 @@ class AttendedSumFunction : public torch::autograd::Function<AttendedSumFunction
     const float* share = attention.data_ptr<float>();
     const float* in = values.data_ptr<float>();
     float* out = result.data_ptr<float>();
-    at::parallel_for(0, n, 64,
-                     [&](std::int64_t begin, std::int64_t end)
-                     {
-                       for (std::int64_t i = begin; i < end; ++i)
-                       {
-                         Eigen::Map<Row> sum(out + i * c, c);
-                         sum.setZero();
-                         for (std::int64_t j = i * k; j < (i + 1) * k; ++j)
-                         {
-                           sum += share[j] * Eigen::Map<const Row>(in + j * c, c);
-                         }
-                       }
-                     });
+    forRows(n, 64,
+            [&](std::int64_t begin, std::int64_t end)
+            {
+              for (std::int64_t i = begin; i < end; ++i)
+              {
+                Eigen::Map<Row> sum(out + i * c, c);
+                sum.setZero();
+                for (std::int64_t j = i * k; j < (i + 1) * k; ++j)
+                {
+                  sum += share[j] * Eigen::Map<const Row>(in + j * c, c);
+                }
+              }
+            });
     context->save_for_backward({attention, values});
     return result;
   }
@@ -266,28 +266,27 @@ class GroupMaxFunction : public torch::autograd::Function<GroupMaxFunction>
     const float* use = usable.data_ptr<float>();
     float* out = result.data_ptr<float>();
     std::int32_t* place = from.data_ptr<std::int32_t>();
-    at::parallel_for(0, n, 64,
-                     [&](std::int64_t begin, std::int64_t end)
-                     {
-                       for (std::int64_t i = begin; i < end; ++i)
-                       {
-                         for (std::int64_t j = 0; j < k; ++j)
-                         {
-                           if (use[i * k + j] == 0)
-                           {
-                             continue;
-                           }
-                           const float* value = in + (i * k + j) * c;
-                           for (std::int64_t a = 0; a < c; ++a)
-                           {
-                             const bool better = place[i * c + a] < 0 || value[a] > out[i * c + a];
-                             out[i * c + a] = better ? value[a] : out[i * c + a];
-                             place[i * c + a] =
-                                 better ? static_cast<std::int32_t>(j) : place[i * c + a];
-                           }
-                         }
-                       }
-                     });
+    forRows(n, 64,
+            [&](std::int64_t begin, std::int64_t end)
+            {
+              for (std::int64_t i = begin; i < end; ++i)
+              {
+                for (std::int64_t j = 0; j < k; ++j)
+                {
+                  if (use[i * k + j] == 0)
+                  {
+                    continue;
+                  }
+                  const float* value = in + (i * k + j) * c;
+                  for (std::int64_t a = 0; a < c; ++a)
+                  {
+                    const bool better = place[i * c + a] < 0 || value[a] > out[i * c + a];
+                    out[i * c + a] = better ? value[a] : out[i * c + a];
+                    place[i * c + a] = better ? static_cast<std::int32_t>(j) : place[i * c + a];
+                  }
+                }
+              }
+            });
     context->save_for_backward({from});
     context->saved_data["places"] = k;
     return result;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <ATen/Parallel.h>
 #include <dyslam/core/FastAngle.h>
 #include <dyslam/nets/Grouping.h>
+#include <dyslam/nets/Threads.h>
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
@@ -77,44 +77,44 @@ Neighbours nearestInWindow(const torch::Tensor& points,
   const std::int64_t* row_of_slope = scan.row_of_slope.data_ptr<std::int64_t>();
   std::int64_t* index = result.index.data_ptr<std::int64_t>();
   float* usable = result.usable.data_ptr<float>();
-  at::parallel_for(
-      0, n, grain,
-      [&](std::int64_t begin, std::int64_t end)
-      {
-        std::vector<std::pair<float, std::int64_t>> found;
-        for (std::int64_t i = begin; i < end; ++i)
-        {
-          if (p_valid[i] == 0)
+  forRows(n, grain,
+          [&](std::int64_t begin, std::int64_t end)
           {
-            continue;
-          }
-          const Eigen::Vector3f p = pointAt(p_data, i);
-          const ImagePlace place(p, row_of_slope);
-          const std::int64_t row0 = place.row * grid.rows / scan.rows;
-          const std::int64_t col0 = place.col(grid.cols);
-          found.clear();
-          for (std::int64_t row = std::max<std::int64_t>(0, row0 - half_rows);
-               row <= std::min(grid.rows - 1, row0 + half_rows); ++row)
-          {
-            for (std::int64_t col = col0 - half_cols; col <= col0 + half_cols; ++col)
+            std::vector<std::pair<float, std::int64_t>> found;
+            for (std::int64_t i = begin; i < end; ++i)
             {
-              const std::int64_t node = row * grid.cols + around(col, grid.cols);
-              if (q_valid[node] != 0)
+              if (p_valid[i] == 0)
               {
-                found.emplace_back((pointAt(q_data, node) - p).squaredNorm(), node);
+                continue;
+              }
+              const Eigen::Vector3f p = pointAt(p_data, i);
+              const ImagePlace place(p, row_of_slope);
+              const std::int64_t row0 = place.row * grid.rows / scan.rows;
+              const std::int64_t col0 = place.col(grid.cols);
+              found.clear();
+              for (std::int64_t row = std::max<std::int64_t>(0, row0 - half_rows);
+                   row <= std::min(grid.rows - 1, row0 + half_rows); ++row)
+              {
+                for (std::int64_t col = col0 - half_cols; col <= col0 + half_cols; ++col)
+                {
+                  const std::int64_t node = row * grid.cols + around(col, grid.cols);
+                  if (q_valid[node] != 0)
+                  {
+                    found.emplace_back((pointAt(q_data, node) - p).squaredNorm(), node);
+                  }
+                }
+              }
+              const auto kept =
+                  std::min<std::size_t>(found.size(), static_cast<std::size_t>(count));
+              std::partial_sort(found.begin(), found.begin() + static_cast<std::ptrdiff_t>(kept),
+                                found.end());
+              for (std::size_t k = 0; k < kept; ++k)
+              {
+                index[i * count + static_cast<std::int64_t>(k)] = found[k].second;
+                usable[i * count + static_cast<std::int64_t>(k)] = 1;
               }
             }
-          }
-          const auto kept = std::min<std::size_t>(found.size(), static_cast<std::size_t>(count));
-          std::partial_sort(found.begin(), found.begin() + static_cast<std::ptrdiff_t>(kept),
-                            found.end());
-          for (std::size_t k = 0; k < kept; ++k)
-          {
-            index[i * count + static_cast<std::int64_t>(k)] = found[k].second;
-            usable[i * count + static_cast<std::int64_t>(k)] = 1;
-          }
-        }
-      });
+          });
   return result;
 }
 
@@ -137,20 +137,20 @@ torch::Tensor groupOffsets(const torch::Tensor& xyz,
   const float* q_data = from.data_ptr<float>();
   const std::int64_t* node = index.data_ptr<std::int64_t>();
   float* out = result.data_ptr<float>();
-  at::parallel_for(0, n, grain,
-                   [&](std::int64_t begin, std::int64_t end)
-                   {
-                     for (std::int64_t i = begin; i < end; ++i)
-                     {
-                       const Eigen::Vector3f c = pointAt(c_data, i);
-                       const float scale = 1 / (c.norm() * static_cast<float>(spacing) + 0.2F);
-                       for (std::int64_t j = i * k; j < (i + 1) * k; ++j)
-                       {
-                         Eigen::Map<Eigen::Vector3f>(out + 3 * j) =
-                             ((pointAt(q_data, node[j]) - c) * scale).cwiseMax(-8).cwiseMin(8);
-                       }
-                     }
-                   });
+  forRows(n, grain,
+          [&](std::int64_t begin, std::int64_t end)
+          {
+            for (std::int64_t i = begin; i < end; ++i)
+            {
+              const Eigen::Vector3f c = pointAt(c_data, i);
+              const float scale = 1 / (c.norm() * static_cast<float>(spacing) + 0.2F);
+              for (std::int64_t j = i * k; j < (i + 1) * k; ++j)
+              {
+                Eigen::Map<Eigen::Vector3f>(out + 3 * j) =
+                    ((pointAt(q_data, node[j]) - c) * scale).cwiseMax(-8).cwiseMin(8);
+              }
+            }
+          });
   return result;
 }
 
@@ -178,36 +178,36 @@ Candidates candidateGeometry(const torch::Tensor& warped,
   const std::int64_t* node = nodes.data_ptr<std::int64_t>();
   float* geometry = result.geometry.data_ptr<float>();
   float* planes = result.planes.data_ptr<float>();
-  at::parallel_for(0, n, grain,
-                   [&](std::int64_t begin, std::int64_t end)
-                   {
-                     for (std::int64_t i = begin; i < end; ++i)
-                     {
-                       const Eigen::Vector3f p = pointAt(p_data, i);
-                       const Eigen::Vector3f own = pointAt(n_data, i);
-                       const float range = p.norm();
-                       const float scale = 1 / (range * static_cast<float>(spacing) + 0.2F);
-                       const Eigen::Vector3f direction = p / (range + 1);
-                       const float depth = std::log1p(range) / 4;
-                       for (std::int64_t j = i * k; j < (i + 1) * k; ++j)
-                       {
-                         const Eigen::Vector3f q = pointAt(q_data, node[j]);
-                         const Eigen::Vector3f m = pointAt(m_data, node[j]);
-                         const Eigen::Vector3f d = ((q - p) * scale).cwiseMax(-8).cwiseMin(8);
-                         float* g = geometry + Candidates::geometry_size * j;
-                         Eigen::Map<Eigen::Vector3f>{g} = d;
-                         g[3] = d.norm();
-                         g[4] = m.dot(d);
-                         g[5] = m.dot(own);
-                         Eigen::Map<Eigen::Vector3f>(g + 6) = direction;
-                         g[9] = depth;
-                         float* plane = planes + 7 * j;
-                         Eigen::Map<Eigen::Vector3f>{plane} = m;
-                         plane[3] = m.dot(q);
-                         Eigen::Map<Eigen::Vector3f>(plane + 4) = q;
-                       }
-                     }
-                   });
+  forRows(n, grain,
+          [&](std::int64_t begin, std::int64_t end)
+          {
+            for (std::int64_t i = begin; i < end; ++i)
+            {
+              const Eigen::Vector3f p = pointAt(p_data, i);
+              const Eigen::Vector3f own = pointAt(n_data, i);
+              const float range = p.norm();
+              const float scale = 1 / (range * static_cast<float>(spacing) + 0.2F);
+              const Eigen::Vector3f direction = p / (range + 1);
+              const float depth = std::log1p(range) / 4;
+              for (std::int64_t j = i * k; j < (i + 1) * k; ++j)
+              {
+                const Eigen::Vector3f q = pointAt(q_data, node[j]);
+                const Eigen::Vector3f m = pointAt(m_data, node[j]);
+                const Eigen::Vector3f d = ((q - p) * scale).cwiseMax(-8).cwiseMin(8);
+                float* g = geometry + Candidates::geometry_size * j;
+                Eigen::Map<Eigen::Vector3f>{g} = d;
+                g[3] = d.norm();
+                g[4] = m.dot(d);
+                g[5] = m.dot(own);
+                Eigen::Map<Eigen::Vector3f>(g + 6) = direction;
+                g[9] = depth;
+                float* plane = planes + 7 * j;
+                Eigen::Map<Eigen::Vector3f>{plane} = m;
+                plane[3] = m.dot(q);
+                Eigen::Map<Eigen::Vector3f>(plane + 4) = q;
+              }
+            }
+          });
   return result;
 }
 
@@ -360,31 +360,30 @@ Surfaces surfacesAround(const torch::Tensor& warped,
   float* offset = result.offset.data_ptr<float>();
   float* thickness = result.thickness.data_ptr<float>();
   float* found = result.valid.data_ptr<float>();
-  at::parallel_for(0, n, grain,
-                   [&](std::int64_t begin, std::int64_t end)
-                   {
-                     for (std::int64_t i = begin; i < end; ++i)
-                     {
-                       if (p_valid[i] == 0)
-                       {
-                         continue;
-                       }
-                       const Eigen::Vector3f p = pointAt(p_data, i);
-                       const Surface s = surfaceAround(p, image);
-                       const Eigen::Vector3f y = p + s.toward;
-                       Eigen::Map<Eigen::Vector3f>(normal + 3 * i) = s.normal;
-                       Eigen::Map<Eigen::Vector3f>(target + 3 * i) = y;
-                       offset[i] = s.normal.dot(y);
-                       thickness[i] = s.spread[0];
-                       found[i] = s.mass > 1.5F ? 1.F : 0.F;
-                       if (features != nullptr)
-                       {
-                         const auto values = describe(s, p, pointAt(n_data, i));
-                         std::copy(values.begin(), values.end(),
-                                   features + Surfaces::feature_size * i);
-                       }
-                     }
-                   });
+  forRows(n, grain,
+          [&](std::int64_t begin, std::int64_t end)
+          {
+            for (std::int64_t i = begin; i < end; ++i)
+            {
+              if (p_valid[i] == 0)
+              {
+                continue;
+              }
+              const Eigen::Vector3f p = pointAt(p_data, i);
+              const Surface s = surfaceAround(p, image);
+              const Eigen::Vector3f y = p + s.toward;
+              Eigen::Map<Eigen::Vector3f>(normal + 3 * i) = s.normal;
+              Eigen::Map<Eigen::Vector3f>(target + 3 * i) = y;
+              offset[i] = s.normal.dot(y);
+              thickness[i] = s.spread[0];
+              found[i] = s.mass > 1.5F ? 1.F : 0.F;
+              if (features != nullptr)
+              {
+                const auto values = describe(s, p, pointAt(n_data, i));
+                std::copy(values.begin(), values.end(), features + Surfaces::feature_size * i);
+              }
+            }
+          });
   return result;
 }
 }  // namespace dyslam

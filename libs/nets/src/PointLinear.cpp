@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <ATen/Parallel.h>
 #include <dyslam/nets/PointLinear.h>
+#include <dyslam/nets/Threads.h>
 #include <torch/torch.h>
 
 #include <Eigen/Core>
@@ -35,22 +35,22 @@ void linearForward(const torch::Tensor& x,
   Eigen::Map<Matrix<T>> out(y.data_ptr<T>(), y.size(0), y.size(1));
   const Matrix<T> w_t = w.transpose();
   const std::int64_t rows = x.size(0);
-  at::parallel_for(0, (rows + block - 1) / block, 1,
-                   [&](std::int64_t begin, std::int64_t end)
-                   {
-                     for (std::int64_t chunk = begin; chunk < end; ++chunk)
-                     {
-                       const std::int64_t first = chunk * block;
-                       const std::int64_t count = std::min(block, rows - first);
-                       auto part = out.middleRows(first, count);
-                       part.noalias() = in.middleRows(first, count) * w_t;
-                       part.rowwise() += b;
-                       if (slope != T(1))
-                       {
-                         part = part.cwiseMax(slope * part);
-                       }
-                     }
-                   });
+  forRows((rows + block - 1) / block, 1,
+          [&](std::int64_t begin, std::int64_t end)
+          {
+            for (std::int64_t chunk = begin; chunk < end; ++chunk)
+            {
+              const std::int64_t first = chunk * block;
+              const std::int64_t count = std::min(block, rows - first);
+              auto part = out.middleRows(first, count);
+              part.noalias() = in.middleRows(first, count) * w_t;
+              part.rowwise() += b;
+              if (slope != T(1))
+              {
+                part = part.cwiseMax(slope * part);
+              }
+            }
+          });
 }
 
 template <typename T>

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/FastAngle.h>
 #include <dyslam/nets/PreparedScan.h>
+#include <dyslam/nets/Threads.h>
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
@@ -278,7 +279,7 @@ PreparedScan prepareScan(const std::vector<Eigen::Vector3f>& points, const Prepa
   second = picked;
   scan.normals.resize(second.size());
   scan.planarity.resize(second.size());
-  for (std::size_t n = 0; n < second.size(); ++n)
+  const auto describe = [&](std::size_t n)
   {
     if (second.cell[n] >= 0)
     {
@@ -290,7 +291,15 @@ PreparedScan prepareScan(const std::vector<Eigen::Vector3f>& points, const Prepa
       scan.normals[n].setZero();
       scan.planarity[n] = 0;
     }
-  }
+  };
+  forRows(static_cast<std::int64_t>(second.size()), 128,
+          [&](std::int64_t from, std::int64_t to)
+          {
+            for (std::int64_t n = from; n < to; ++n)
+            {
+              describe(static_cast<std::size_t>(n));
+            }
+          });
   constexpr std::array<std::array<int, 2>, 3> shapes = {{{16, 64}, {8, 32}, {4, 16}}};
   for (std::size_t l = 2; l < PreparedScan::level_count; ++l)
   {

@@ -15,4 +15,14 @@ void useTorchThreads(int threads)
     at::set_num_threads(wanted);
   }
 }
+
+void forRows(std::int64_t count,
+             std::int64_t grain,
+             const std::function<void(std::int64_t, std::int64_t)>& body)
+{
+#ifndef _OPENMP
+#error "without OpenMP, at::parallel_for is a plain loop"
+#endif
+  at::parallel_for(0, count, grain, body);
+}
 }  // namespace dyslam

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/nets/DyloNetwork.h>
+#include <dyslam/nets/Threads.h>
 #include <gtest/gtest.h>
 
 #include "SyntheticScan.h"
@@ -141,6 +142,22 @@ TEST(DyloNetwork, SameSeedSameBytes)
     results.push_back(run(net, pair).back().pose.translation);
   }
   EXPECT_TRUE(torch::equal(results[0], results[1]));
+}
+
+/** Our own layers give the same bytes; torch's sums may differ by rounding. */
+TEST(DyloNetwork, TheSameForAnyNumberOfThreads)
+{
+  const Pair pair = roomPair(motion(0.3));
+  const torch::NoGradGuard no_grad;
+  torch::manual_seed(5);
+  DyloNetwork net(DyloNetworkOptions{});
+  const int before = torch::get_num_threads();
+  useTorchThreads(1);
+  const torch::Tensor one = run(net, pair).back().pose.translation;
+  useTorchThreads(3);
+  const torch::Tensor three = run(net, pair).back().pose.translation;
+  useTorchThreads(before);
+  EXPECT_LT((one - three).abs().max().item<float>(), 1e-5F);
 }
 }  // namespace
 }  // namespace dyslam
