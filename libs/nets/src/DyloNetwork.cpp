@@ -21,6 +21,11 @@ constexpr double settled_step = 0.008;
 constexpr double dense_kernel = 0.1;
 constexpr double dense_thickness = 0.05;
 
+/** Also of the last pass: level surfaces count at most as much as all others together, for of the
+ * way ahead they tell but what their errors make up. */
+constexpr double level_share = 1;
+constexpr double level_cosine = 0.9;  //!< of their normals with the sensor's z axis
+
 /** Full sizes, as PWCLO-Net's. */
 std::int64_t scaled(double width, std::int64_t size)
 {
@@ -98,6 +103,16 @@ torch::Tensor closeness(const Surfaces& surfaces, const torch::Tensor& residual)
   const torch::Tensor off = (residual / dense_kernel).square() + 1;
   const torch::Tensor thick = (surfaces.thickness / dense_thickness).square() + 1;
   return surfaces.valid / (off.square() * thick);
+}
+
+/** `weight`, less for level surfaces where they outweigh the others. */
+torch::Tensor balanced(const torch::Tensor& weight, const torch::Tensor& normal)
+{
+  const torch::Tensor level = normal.select(1, 2).abs().gt(level_cosine).to(weight.dtype());
+  const torch::Tensor of_level = (weight * level).sum().detach();
+  const torch::Tensor of_others = weight.sum().detach() - of_level;
+  const torch::Tensor share = (level_share * of_others / of_level.clamp_min(1e-9)).clamp_max(1);
+  return weight * (1 - (1 - share) * level);
 }
 
 /** Every other column of a level's nodes. \param of_nodes [N] or [N, 3]. */
@@ -345,11 +360,11 @@ DyloStage DyloNetworkImpl::denseStage(const EncodedScan& scan1,
   const PoseTensors start = fine.pose.detached();
   const DenseMatch onto = matchOnto(scan1, scan2.scan, start, fine.weight);
   const DenseMatch back = matchBack(scan1, scan2.scan, start, fine.weight);
-  const torch::Tensor weight = torch::cat({onto.weight, back.weight});
-  const Alignment alignment = {
-      torch::cat({onto.points, back.points}), torch::cat({onto.normal, back.normal}),
-      torch::cat({onto.offset, back.offset}), {},
-      weight / weight.sum().clamp_min(1e-9),  {}};
+  const torch::Tensor normal = torch::cat({onto.normal, back.normal});
+  const torch::Tensor weight = balanced(torch::cat({onto.weight, back.weight}), normal);
+  const Alignment alignment = {torch::cat({onto.points, back.points}), normal,
+                               torch::cat({onto.offset, back.offset}), {},
+                               weight / weight.sum().clamp_min(1e-9),  {}};
   const GaussNewtonStep step = gaussNewtonStep(alignment);
   DyloStage result = fine;
   result.dense = true;
