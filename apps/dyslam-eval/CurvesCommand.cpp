@@ -1,35 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "CurvesCommand.h"
 
-#include <dyslam/core/Error.h>
 #include <dyslam/core/PendingFile.h>
 #include <dyslam/eval/LearningCurves.h>
 
 #include <cstdio>
 #include <filesystem>
-#include <fstream>
 #include <memory>
-#include <sstream>
 
-#include "OutputFiles.h"
+#include "InputFiles.h"
 
 namespace dyslam
 {
-namespace
-{
-std::string readWhole(const std::string& file)
-{
-  std::ifstream in(file, std::ios::binary);
-  if (!in)
-  {
-    throw UserError(file + ": cannot be read; give a log.csv or validation.csv of dyslam-train");
-  }
-  std::ostringstream text;
-  text << in.rdbuf();
-  return text.str();
-}
-}  // namespace
-
 Subcommand curvesCommand(CLI::App& app)
 {
   struct Arguments
@@ -45,7 +27,8 @@ Subcommand curvesCommand(CLI::App& app)
   {
     for (const auto& file : a->logs)
     {
-      const auto picture = renderLearningCurves(parseLearningLog(readWhole(file), file));
+      const auto picture = renderLearningCurves(parseLearningLog(
+          readWhole(file, "give a log.csv or validation.csv of dyslam-train"), file));
       const auto to = std::filesystem::path(file).replace_extension(".png").string();
       writeWhole(to, {reinterpret_cast<const char*>(picture.data()), picture.size()});
       std::printf("%s\n", to.c_str());

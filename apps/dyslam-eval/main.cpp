@@ -5,6 +5,7 @@
 #include "CurvesCommand.h"
 #include "KittiMotCommand.h"
 #include "MapCommand.h"
+#include "MaskCommand.h"
 #include "PredictionCommand.h"
 #include "RunCommand.h"
 #include "SegmentationCommand.h"
@@ -23,7 +24,8 @@ int main(int argc, char** argv)
         commands = {dyslam::trajectoryCommand(app), dyslam::segmentationCommand(app),
                     dyslam::mapCommand(app),        dyslam::tracksCommand(app),
                     dyslam::predictionCommand(app), dyslam::kittiMotCommand(app),
-                    dyslam::runCommand(app),        dyslam::curvesCommand(app)};
+                    dyslam::runCommand(app),        dyslam::curvesCommand(app),
+                    dyslam::maskCommand(app)};
       },
       [&]
       {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/Error.h>
 #include <dyslam/eval/LearningCurves.h>
+#include <dyslam/eval/MaskPicture.h>
 #include <dyslam/eval/TrajectoryPlot.h>
 #include <dyslam/eval/TrajectoryReports.h>
 #include <gtest/gtest.h>
@@ -159,5 +160,42 @@ TEST(LearningCurves, RefusesWhatIsNoLog)
   refused("step,loss\n", "no rows");
   refused("step,loss\n1,2\n2,3,4\n", "row 2 has 3 fields");
   EXPECT_THROW((void)renderLearningCurves(LearningLog()), std::invalid_argument);
+}
+
+TEST(MaskPicture, CountsFalseAlarmsAndFinds)
+{
+  // Two of three moving points are held for less static than any static one; ties go together.
+  const auto scan = parseMaskScan(
+      "x,y,z,static_confidence,label\n1,2,0,0.1,2\n3,4,0,0.2,2\n5,6,0,0.9,2\n7,8,0,0.9,1\n"
+      "9,1,0,0.95,1\r\n9,2,0,-1,1\n9,3,0,0.5,0\n",
+      "m.csv");
+  ASSERT_EQ(scan.points.size(), 7U);
+  const auto roc = rocCurve(scan);
+  ASSERT_EQ(roc.size(), 5U);
+  EXPECT_EQ(roc[2], Eigen::Vector2d(0, 2.0 / 3));
+  EXPECT_EQ(roc[3], Eigen::Vector2d(0.5, 1));
+  EXPECT_EQ(roc[4], Eigen::Vector2d(1, 1));
+  EXPECT_NEAR(areaUnder(roc), (2 + 2 + 0.5 + 1) / 6.0, 1e-12);
+  const auto picture = renderMaskScan(scan);
+  const cv::Mat image = cv::imdecode(picture, cv::IMREAD_COLOR);
+  EXPECT_GT(image.cols, image.rows) << "the view and the curve";
+}
+
+TEST(MaskPicture, WithoutMovingPointsThereIsNoCurve)
+{
+  const auto scan = parseMaskScan("x,y,z,static_confidence,label\n1,2,0,0.1,1\n", "m.csv");
+  EXPECT_TRUE(rocCurve(scan).empty());
+  EXPECT_TRUE(std::isnan(areaUnder(rocCurve(scan))));
+  const cv::Mat image = cv::imdecode(renderMaskScan(scan), cv::IMREAD_COLOR);
+  EXPECT_EQ(image.cols, image.rows);
+}
+
+TEST(MaskPicture, RefusesOtherFiles)
+{
+  EXPECT_THROW((void)parseMaskScan("step,loss\n1,2\n", "m.csv"), UserError);
+  EXPECT_THROW((void)parseMaskScan("x,y,z,static_confidence,label\n", "m.csv"), UserError);
+  EXPECT_THROW((void)parseMaskScan("x,y,z,static_confidence,label\n1,2,3,4\n", "m.csv"), UserError);
+  EXPECT_THROW((void)parseMaskScan("x,y,z,static_confidence,label\n1,2,3,4,a\n", "m.csv"),
+               UserError);
 }
 }  // namespace dyslam

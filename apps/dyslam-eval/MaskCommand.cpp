@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "MaskCommand.h"
+
+#include <dyslam/core/PendingFile.h>
+#include <dyslam/eval/MaskPicture.h>
+#include <dyslam/eval/Table.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+
+#include "InputFiles.h"
+
+namespace dyslam
+{
+namespace
+{
+double sampled(const MaskScan& scan, MaskScan::Truth truth)
+{
+  return static_cast<double>(std::count_if(scan.points.begin(), scan.points.end(),
+                                           [&](const auto& p)
+                                           { return p.confidence >= 0 && p.truth == truth; }));
+}
+}  // namespace
+
+Subcommand maskCommand(CLI::App& app)
+{
+  struct Arguments
+  {
+    std::vector<std::string> files;
+  };
+  const auto a = std::make_shared<Arguments>();
+  Subcommand command;
+  command.parser = app.add_subcommand(
+      "mask", "draws what DyLO's network holds for static, each file to a PNG beside it");
+  command.parser->add_option("files", a->files, "CSV files of dyslam-train dylo --mask-csv")
+      ->required();
+  command.run = [a]
+  {
+    Table table({"scan", "static", "moving", "area under ROC", "picture"});
+    for (const auto& file : a->files)
+    {
+      const std::filesystem::path path(file);
+      MaskScan scan =
+          parseMaskScan(readWhole(file, "give a file of dyslam-train dylo --mask-csv"), file);
+      scan.name = path.stem().string();
+      const auto picture = renderMaskScan(scan);
+      const auto to = std::filesystem::path(file).replace_extension(".png").string();
+      writeWhole(to, {reinterpret_cast<const char*>(picture.data()), picture.size()});
+      table.addRow({scan.name, TableCell(sampled(scan, MaskScan::Truth::still), 0),
+                    TableCell(sampled(scan, MaskScan::Truth::moving), 0),
+                    TableCell(areaUnder(rocCurve(scan)), 3), to});
+    }
+    std::fputs(table.toText().c_str(), stdout);
+  };
+  return command;
+}
+}  // namespace dyslam
