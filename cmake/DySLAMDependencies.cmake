@@ -4,17 +4,17 @@ find_package(Threads REQUIRED)
 find_package(Eigen3 3.4 REQUIRED NO_MODULE)
 find_package(embree 3 QUIET)
 
-# The networks are built where libtorch is.
+# The networks are built where libtorch is, and OpenMP for their threads.
 option(DYSLAM_WITH_TORCH "Build the networks if libtorch is found" ON)
 set(DYSLAM_HAVE_TORCH OFF)
 if(DYSLAM_WITH_TORCH)
   find_package(Torch QUIET)
-  if(Torch_FOUND)
-    find_package(OpenMP REQUIRED COMPONENTS CXX)
+  find_package(OpenMP QUIET COMPONENTS CXX)
+  if(Torch_FOUND AND OpenMP_CXX_FOUND)
     set(DYSLAM_HAVE_TORCH ON)
   endif()
 endif()
-message(STATUS "Networks (libtorch): ${DYSLAM_HAVE_TORCH}")
+message(STATUS "Networks (libtorch and OpenMP): ${DYSLAM_HAVE_TORCH}")
 
 if(NOT DYSLAM_TRAIN_ONLY)
   find_package(MRPT 2.5.8 REQUIRED COMPONENTS core config io math poses serialization system obs maps graphs opengl)

@@ -4,18 +4,17 @@
 #include <dyslam/core/Error.h>
 
 #include <fstream>
-#include <sstream>
+#include <iterator>
 
 namespace dyslam
 {
 std::string readWhole(const std::string& file, const std::string& advice)
 {
   std::ifstream in(file, std::ios::binary);
-  std::ostringstream text;
-  if (!in || !(text << in.rdbuf()))
+  if (!in)
   {
     throw UserError(file + ": cannot be read; " + advice);
   }
-  return text.str();
+  return {std::istreambuf_iterator<char>(in), {}};
 }
 }  // namespace dyslam

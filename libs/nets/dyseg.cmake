@@ -6,7 +6,10 @@ dyslam_add_library(NAME nets_common
     src/SaveArchive.cpp
     src/Threads.cpp
   PUBLIC dyslam::core
-  PRIVATE ${TORCH_LIBRARIES} OpenMP::OpenMP_CXX)
+  PRIVATE ${TORCH_LIBRARIES} ${OpenMP_CXX_LIBRARIES})
+# This file alone: elsewhere OpenMP would have Eigen start threads of its own.
+separate_arguments(openmp_flags NATIVE_COMMAND "${OpenMP_CXX_FLAGS}")
+set_source_files_properties(src/Threads.cpp PROPERTIES COMPILE_OPTIONS "${openmp_flags}")
 
 # DySeg's network. A library of its own: the DySeg stage needs no other network.
 dyslam_add_library(NAME nets_dyseg

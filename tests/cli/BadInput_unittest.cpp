@@ -382,6 +382,12 @@ TEST_F(BadInput, WordsOfTheCommandLine)
   expectRefusal("dyslam-eval", tracks + " --class Truckk",
                 {"Truckk: is none of", "Pedestrian", "did you mean Truck?"});
   EXPECT_EQ(run("dyslam-eval", tracks + " --class Car").code, 0);
+  expectRefusal("dyslam-eval", "mask /nope.csv", {"/nope.csv: cannot be read", "--mask-csv"});
+  expectRefusal("dyslam-eval", "mask " + write("log.csv", "step,loss\n1,2\n"),
+                {"log.csv: the first line must be x,y,z,static_confidence,label"});
+  const std::string mask = write("mask.csv", "x,y,z,static_confidence,label\n1,2,3,0.5,2\n");
+  EXPECT_EQ(run("dyslam-eval", "mask " + mask).code, 0);
+  EXPECT_TRUE(fs::exists(at("mask.png")));
 }
 
 TEST_F(BadInput, Trajectories)

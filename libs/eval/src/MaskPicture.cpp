@@ -64,7 +64,7 @@ void drawView(const MaskScan& scan, cv::Mat& page)
   std::vector<const MaskScan::Point*> inside;
   for (const auto& point : scan.points)
   {
-    if (point.position.cwiseAbs().maxCoeff() < half_side)
+    if (point.position.allFinite() && point.position.cwiseAbs().maxCoeff() < half_side)
     {
       inside.push_back(&point);
     }
@@ -80,7 +80,7 @@ void drawView(const MaskScan& scan, cv::Mat& page)
     if (point->confidence >= 0)
     {
       const bool moves = point->truth == MaskScan::Truth::moving;
-      cv::circle(page, pixelOf(point->position), (moves ? 5 : 3) * supersampling / 2 * 2,
+      cv::circle(page, pixelOf(point->position), (moves ? 5 : 3) * supersampling,
                  confidenceColour(point->confidence), cv::FILLED, cv::LINE_AA);
     }
   }
@@ -114,10 +114,19 @@ MaskScan parseMaskScan(const std::string& content, const std::string& name)
       continue;
     }
     std::array<float, 5> v{};
+    const auto refuse = [&](const char* what)
+    { throw UserError(name + ": row " + std::to_string(scan.points.size() + 1) + what); };
     if (!parseRow(row, v))
     {
-      throw UserError(name + ": row " + std::to_string(scan.points.size() + 1) +
-                      " is not five numbers with commas between");
+      refuse(" is not five numbers with commas between");
+    }
+    if (!(v[3] <= 1))
+    {
+      refuse(": static_confidence must be at most 1, or below 0 for none");
+    }
+    if (v[4] != 0 && v[4] != 1 && v[4] != 2)
+    {
+      refuse(": label must be 0 (unknown), 1 (static) or 2 (moving)");
     }
     const auto truth = v[4] == 1   ? MaskScan::Truth::still
                        : v[4] == 2 ? MaskScan::Truth::moving

@@ -192,10 +192,12 @@ TEST(MaskPicture, WithoutMovingPointsThereIsNoCurve)
 
 TEST(MaskPicture, RefusesOtherFiles)
 {
+  const std::string header = "x,y,z,static_confidence,label\n";
   EXPECT_THROW((void)parseMaskScan("step,loss\n1,2\n", "m.csv"), UserError);
-  EXPECT_THROW((void)parseMaskScan("x,y,z,static_confidence,label\n", "m.csv"), UserError);
-  EXPECT_THROW((void)parseMaskScan("x,y,z,static_confidence,label\n1,2,3,4\n", "m.csv"), UserError);
-  EXPECT_THROW((void)parseMaskScan("x,y,z,static_confidence,label\n1,2,3,4,a\n", "m.csv"),
-               UserError);
+  for (const char* rows : {"", "1,2,3,4\n", "1,2,3,0.4,a\n", "1,2,3,5,1\n", "1,2,3,nan,1\n",
+                           "1,2,3,0.5,7\n", "1,2,3,0.5,1,9\n"})
+  {
+    EXPECT_THROW((void)parseMaskScan(header + rows, "m.csv"), UserError) << rows;
+  }
 }
 }  // namespace dyslam

@@ -152,14 +152,14 @@ void windowProducts(
     }
     std::fill_n(out, first, 0.0F);
     std::fill(out + last, out + side, 0.0F);
-    const std::int32_t* cell = target.index + y * target.width + w.x;
+    const std::int32_t* row = target.index + y * target.width;
     for (std::int64_t x = first; x < last; ++x)
     {
+      const auto cell = row[w.x + x];
       out[x] =
-          cell[x] < 0
+          cell < 0
               ? nothing
-              : (mine * ConstFeatures(target.rows + cell[x] * target.channels, target.channels))
-                    .sum();
+              : (mine * ConstFeatures(target.rows + cell * target.channels, target.channels)).sum();
     }
   }
 }

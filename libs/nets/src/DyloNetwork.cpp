@@ -25,6 +25,7 @@ constexpr double dense_thickness = 0.05;
  * way ahead they tell but what their errors make up. */
 constexpr double level_share = 1;
 constexpr double level_cosine = 0.9;  //!< of their normals with the sensor's z axis
+constexpr double least_level_weight = 0.02;
 
 /** Full sizes, as PWCLO-Net's. */
 std::int64_t scaled(double width, std::int64_t size)
@@ -110,8 +111,9 @@ torch::Tensor balanced(const torch::Tensor& weight, const torch::Tensor& normal)
 {
   const torch::Tensor level = normal.select(1, 2).abs().gt(level_cosine).to(weight.dtype());
   const torch::Tensor of_level = (weight * level).sum().detach();
-  const torch::Tensor of_others = weight.sum().detach() - of_level;
-  const torch::Tensor share = (level_share * of_others / of_level.clamp_min(1e-9)).clamp_max(1);
+  const torch::Tensor of_others = (weight * (1 - level)).sum().detach();
+  const torch::Tensor share =
+      (level_share * of_others / of_level.clamp_min(1e-9)).clamp(least_level_weight, 1);
   return weight * (1 - (1 - share) * level);
 }
 

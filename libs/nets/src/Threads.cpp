@@ -20,8 +20,8 @@ void forRows(std::int64_t count,
              std::int64_t grain,
              const std::function<void(std::int64_t, std::int64_t)>& body)
 {
-#ifndef _OPENMP
-#error "without OpenMP, at::parallel_for is a plain loop"
+#ifndef INTRA_OP_PARALLEL
+#error "at::parallel_for is a plain loop here: compile with OpenMP"
 #endif
   at::parallel_for(0, count, grain, body);
 }

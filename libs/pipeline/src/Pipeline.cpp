@@ -105,10 +105,10 @@ struct Pipeline::Stages
    * anything else move: of what looks as if it stayed, it is not misled by traffic all around.
    * Null if there is none, or none to be believed. */
   [[nodiscard]] const MotionEstimate* staticMotion(double dt, const PosePrior& prior) const;
-  /** A scan-to-scan method may follow the traffic around, and call the world moving. One that weighs
-   * its motion against the prediction is heeded only where they agree: beyond that it tells less
-   * than the prediction does. */
-  [[nodiscard]] bool heeds(const Pose& T_odom_found, const PosePrior& prior) const;
+  /** A scan-to-scan method may follow the traffic around, and call the world moving. One that
+   * weighs its motion against the prediction is heeded only where they agree: beyond that it tells
+   * less than the prediction does. */
+  [[nodiscard]] bool heeds(const Pose& T_odom_found, double dt, const PosePrior& prior) const;
   void estimateMotion(Frame& frame, double dt);
   /** As long as nothing can be seen to move, what looks as if it could does not count. */
   void weighByLooks(Frame& frame) const;
@@ -199,9 +199,10 @@ const MotionEstimate* Pipeline::Stages::staticMotion(double dt, const PosePrior&
   return prior.deviationsTo(T_odom_seen, seen_deviation, seen_turn) < farthest ? seen : nullptr;
 }
 
-bool Pipeline::Stages::heeds(const Pose& T_odom_found, const PosePrior& prior) const
+bool Pipeline::Stages::heeds(const Pose& T_odom_found, double dt, const PosePrior& prior) const
 {
-  return odometry->joinsPrediction()
+  const bool predicted = scans > 1 && dt > 0;
+  return predicted && odometry->joinsPrediction()
              ? prior.deviationsTo(T_odom_found, settled_deviation, settled_turn) < farthest_settled
              : prior.deviationsTo(T_odom_found, odometry_deviation, odometry_turn) < farthest;
 }
@@ -230,7 +231,8 @@ void Pipeline::Stages::estimateMotion(Frame& frame, double dt)
     const CTimeLoggerEntry timed(times, "odometry");
     frame.odometry = odometry->process(frame, prediction, prior.information);
     const Pose T_odom_found = T_odom_last * frame.odometry.T_previous_current;
-    believable = frame.odometry.converged && (!refining || (!started && heeds(T_odom_found, prior)));
+    believable =
+        frame.odometry.converged && (!refining || (!started && heeds(T_odom_found, dt, prior)));
     frame.static_confidence = believable ? odometry->staticConfidence() : std::vector<float>();
     weighByLooks(frame);
   }

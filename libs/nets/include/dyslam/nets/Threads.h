@@ -10,8 +10,8 @@ namespace dyslam
  * own before it runs. Below 1 counts as 1. */
 void useTorchThreads(int threads);
 
-/** Calls body(begin, end) for parts of [0, count) on these threads. Parts are at least `grain`
- * long; where they end depends on the number of threads, so a body must treat each row by itself.
+/** Calls body(begin, end) for parts of [0, count) on these threads; up to `grain` rows stay in one
+ * part. Where parts end depends on the number of threads, so a body must treat each row by itself.
  */
 void forRows(std::int64_t count,
              std::int64_t grain,
