@@ -21,9 +21,9 @@ constexpr double settled_step = 0.008;
 constexpr double dense_kernel = 0.1;
 constexpr double dense_thickness = 0.05;
 
-/** Also of the last pass: level surfaces count at most as much as all others together, for of the
- * way ahead they tell but what their errors make up. */
-constexpr double level_share = 1;
+/** Also of the last pass: how much level surfaces together may count, over all others. Of the way
+ * ahead they tell but what their errors make up. */
+constexpr double level_share = 1.5;
 constexpr double level_cosine = 0.9;  //!< of their normals with the sensor's z axis
 constexpr double least_level_weight = 0.02;
 

@@ -201,8 +201,7 @@ const MotionEstimate* Pipeline::Stages::staticMotion(double dt, const PosePrior&
 
 bool Pipeline::Stages::heeds(const Pose& T_odom_found, double dt, const PosePrior& prior) const
 {
-  const bool predicted = scans > 1 && dt > 0;
-  return predicted && odometry->joinsPrediction()
+  return dt > 0 && odometry->joinsPrediction()
              ? prior.deviationsTo(T_odom_found, settled_deviation, settled_turn) < farthest_settled
              : prior.deviationsTo(T_odom_found, odometry_deviation, odometry_turn) < farthest;
 }
