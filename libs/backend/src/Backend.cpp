@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/backend/Backend.h>
+#include <dyslam/core/MovingPoints.h>
 #include <dyslam/core/PoseInformation.h>
 
 #include <Eigen/Dense>
@@ -61,14 +62,11 @@ mrpt::poses::CPose3DPDFGaussianInf makeEdge(const Pose& mean, const Matrix6& inf
 
 std::vector<Eigen::Vector3f> staticPoints(const Frame& frame, double threshold)
 {
-  if (frame.moving_probability.size() != frame.cloud.size())
-  {
-    return frame.cloud.points;
-  }
+  const std::vector<bool> moving = likelyMoving(frame, threshold);
   std::vector<Eigen::Vector3f> points;
-  for (std::size_t i = 0; i < frame.cloud.size(); ++i)
+  for (std::size_t i = 0; i < moving.size(); ++i)
   {
-    if (static_cast<double>(frame.moving_probability[i]) <= threshold)
+    if (!moving[i])
     {
       points.push_back(frame.cloud.points[i]);
     }

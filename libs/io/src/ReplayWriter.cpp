@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/MovingPoints.h>
 #include <dyslam/core/VoxelGrid.h>
 #include <dyslam/io/GzOutput.h>
 #include <dyslam/io/ReplayWriter.h>
@@ -38,35 +39,6 @@ struct Part
 float coarse(float v)
 {
   return std::round(v * 256.0F) / 256.0F;
-}
-
-std::vector<bool> movingPoints(const Frame& frame, double threshold)
-{
-  std::vector<bool> moving(frame.cloud.size(), false);
-  if (frame.moving_probability.size() == moving.size())
-  {
-    for (std::size_t i = 0; i < moving.size(); ++i)
-    {
-      moving[i] = static_cast<double>(frame.moving_probability[i]) > threshold;
-    }
-  }
-  for (const auto& object : frame.objects)
-  {
-    const bool has_points = object.dynamic && object.detection >= 0 &&
-                            static_cast<std::size_t>(object.detection) < frame.detections.size();
-    if (!has_points)
-    {
-      continue;
-    }
-    for (const auto i : frame.detections[static_cast<std::size_t>(object.detection)].points)
-    {
-      if (i < moving.size())
-      {
-        moving[i] = true;
-      }
-    }
-  }
-  return moving;
 }
 
 Part partOf(const Frame& frame, const std::vector<bool>& moving, bool wanted, double voxel_size)

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/MovingPoints.h>
 #include <dyslam/core/VoxelGrid.h>
 #include <dyslam/mapping/StaticMap.h>
 
@@ -74,32 +75,14 @@ bool inside(const Box& box, const Eigen::Vector3d& p, double margin)
 }
 
 /** Points of the cloud that move: by their probability, their track's points, their track's box. */
-std::vector<bool> movingPoints(const Frame& frame, const StaticMapOptions& options)
+std::vector<bool> notStatic(const Frame& frame, const StaticMapOptions& options)
 {
-  std::vector<bool> moving(frame.cloud.size(), false);
-  if (frame.moving_probability.size() == moving.size())
-  {
-    for (std::size_t i = 0; i < moving.size(); ++i)
-    {
-      moving[i] = static_cast<double>(frame.moving_probability[i]) > options.moving_threshold;
-    }
-  }
+  std::vector<bool> moving = movingPoints(frame, options.moving_threshold);
   for (const auto& object : frame.objects)
   {
     if (!object.dynamic)
     {
       continue;
-    }
-    if (object.detection >= 0 &&
-        static_cast<std::size_t>(object.detection) < frame.detections.size())
-    {
-      for (const auto i : frame.detections[static_cast<std::size_t>(object.detection)].points)
-      {
-        if (i < moving.size())
-        {
-          moving[i] = true;
-        }
-      }
     }
     // The box stands on the ground: its lower side must not cut the road out of the map.
     Box box = object.box;
@@ -390,7 +373,7 @@ void StaticMap::insert(const Frame& frame)
   const bool placed = T_map_vehicle.matrix().allFinite();
   m.poses.push_back(T_map_vehicle);
   m.keyframes.add(info,
-                  placed ? m.thinned(frame, movingPoints(frame, m.options)) : KeyframeCloud());
+                  placed ? m.thinned(frame, notStatic(frame, m.options)) : KeyframeCloud());
   if (!placed)
   {
     return;

@@ -101,16 +101,10 @@ class GatheredLinear : public torch::autograd::Function<GatheredLinear>
     const Eigen::Map<const Row> b(bias.data_ptr<float>(), bias.size(0));
     Eigen::Map<Matrix> out(y.data_ptr<float>(), y.size(0), y.size(1));
     const auto leak = static_cast<float>(slope);
-    const auto cells = table.size(0);
-    forRows((cells + block - 1) / block, 1,
-            [&](std::int64_t begin, std::int64_t end)
-            {
-              Matrix gathered;
-              for (std::int64_t k = begin; k < end; ++k)
+    forBlocks(table.size(0), block,
+              [&](std::int64_t first, std::int64_t count)
               {
-                const auto first = k * block;
-                const auto count = std::min(block, cells - first);
-                gathered.resize(count, weight.size(1));
+                Matrix gathered(count, weight.size(1));
                 gatherBlock(rows, table, first, count, gathered.data());
                 auto part = out.middleRows(first, count);
                 part.noalias() = gathered * w_t;
@@ -119,8 +113,7 @@ class GatheredLinear : public torch::autograd::Function<GatheredLinear>
                 {
                   part = part.cwiseMax(leak * part);
                 }
-              }
-            });
+              });
     context->save_for_backward({rows, table, weight, y});
     context->saved_data["slope"] = slope;
     return y;

@@ -55,14 +55,9 @@ class GroupedLinearFunction : public torch::autograd::Function<GroupedLinearFunc
     const std::int64_t* node = index.data_ptr<std::int64_t>();
     const auto of_group = viewOf(own);
     const auto leak = static_cast<float>(slope);
-    const std::int64_t places = geometry.size(0);
-    forRows((places + block - 1) / block, 1,
-            [&](std::int64_t first, std::int64_t last)
-            {
-              for (std::int64_t chunk = first; chunk < last; ++chunk)
+    forBlocks(geometry.size(0), block,
+              [&](std::int64_t begin, std::int64_t count)
               {
-                const std::int64_t begin = chunk * block;
-                const std::int64_t count = std::min(block, places - begin);
                 auto part = result.middleRows(begin, count);
                 part.noalias() = in.middleRows(begin, count) * w_geometry;
                 for (std::int64_t i = 0; i < count; ++i)
@@ -79,8 +74,7 @@ class GroupedLinearFunction : public torch::autograd::Function<GroupedLinearFunc
                   }
                   row = row.cwiseMax(leak * row);
                 }
-              }
-            });
+              });
     context->save_for_backward({geometry, features, index, weight, y});
     context->saved_data["group"] = group;
     context->saved_data["slope"] = slope;

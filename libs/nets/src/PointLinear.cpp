@@ -34,14 +34,9 @@ void linearForward(const torch::Tensor& x,
   const Eigen::Map<const Eigen::Matrix<T, 1, Eigen::Dynamic>> b(bias.data_ptr<T>(), bias.size(0));
   Eigen::Map<Matrix<T>> out(y.data_ptr<T>(), y.size(0), y.size(1));
   const Matrix<T> w_t = w.transpose();
-  const std::int64_t rows = x.size(0);
-  forRows((rows + block - 1) / block, 1,
-          [&](std::int64_t begin, std::int64_t end)
-          {
-            for (std::int64_t chunk = begin; chunk < end; ++chunk)
+  forBlocks(x.size(0), block,
+            [&](std::int64_t first, std::int64_t count)
             {
-              const std::int64_t first = chunk * block;
-              const std::int64_t count = std::min(block, rows - first);
               auto part = out.middleRows(first, count);
               part.noalias() = in.middleRows(first, count) * w_t;
               part.rowwise() += b;
@@ -49,8 +44,7 @@ void linearForward(const torch::Tensor& x,
               {
                 part = part.cwiseMax(slope * part);
               }
-            }
-          });
+            });
 }
 
 template <typename T>

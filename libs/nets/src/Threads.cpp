@@ -25,4 +25,19 @@ void forRows(std::int64_t count,
 #endif
   at::parallel_for(0, count, grain, body);
 }
+
+void forBlocks(std::int64_t count,
+               std::int64_t block,
+               const std::function<void(std::int64_t, std::int64_t)>& body)
+{
+  forRows((count + block - 1) / block, 1,
+          [&](std::int64_t begin, std::int64_t end)
+          {
+            for (std::int64_t first = begin * block; first < std::min(count, end * block);
+                 first += block)
+            {
+              body(first, std::min(block, count - first));
+            }
+          });
+}
 }  // namespace dyslam

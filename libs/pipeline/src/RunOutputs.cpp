@@ -4,6 +4,7 @@
 #include <dyslam/backend/Backend.h>
 #include <dyslam/core/BoxOverlap.h>
 #include <dyslam/core/Error.h>
+#include <dyslam/core/MovingPoints.h>
 #include <dyslam/core/PendingFile.h>
 #include <dyslam/core/VoxelGrid.h>
 #include <dyslam/eval/TrajectoryPlot.h>
@@ -28,7 +29,7 @@ namespace dyslam
 {
 namespace
 {
-constexpr float moving_threshold = 0.5F;
+constexpr double moving_threshold = 0.5;
 
 std::string tumLine(double stamp, const Pose& pose)
 {
@@ -219,11 +220,10 @@ void RunOutputs::addTracks(const Frame& frame, const Pipeline& pipeline)
 std::vector<Label> RunOutputs::labelsOf(const Frame& frame)
 {
   std::vector<Label> labels(frame.scan.size(), 0);
-  const bool segmented = frame.moving_probability.size() == frame.cloud.size();
+  const std::vector<bool> moving = likelyMoving(frame, moving_threshold);
   for (std::size_t i = 0; i < frame.cloud.size(); ++i)
   {
-    const bool moving = segmented && frame.moving_probability[i] > moving_threshold;
-    labels[frame.cloud.source[i]] = moving ? label_moving : label_static;
+    labels[frame.cloud.source[i]] = moving[i] ? label_moving : label_static;
   }
   for (const auto& object : frame.objects)
   {

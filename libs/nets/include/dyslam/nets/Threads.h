@@ -16,4 +16,10 @@ void useTorchThreads(int threads);
 void forRows(std::int64_t count,
              std::int64_t grain,
              const std::function<void(std::int64_t, std::int64_t)>& body);
+
+/** Calls body(first, size) on these threads for each block of `block` rows in [0, count), the last
+ * one shorter. Where blocks end depends on nothing else. */
+void forBlocks(std::int64_t count,
+               std::int64_t block,
+               const std::function<void(std::int64_t, std::int64_t)>& body);
 }  // namespace dyslam
