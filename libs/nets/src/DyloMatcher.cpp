@@ -198,39 +198,42 @@ void DyloMatcher::forgetReference()
   impl_->reference = SeenScan();
 }
 
-/** Where a scan was bent too much to be straightened in its place, it is laid out anew. */
+/** Where a scan was bent too much to be straightened in its place, it is laid out anew: the current
+ * one for good, the reference only for this search, for the motion found may yet be refused. */
 std::vector<DyloStage> DyloMatcher::Impl::search(const Pose& start,
                                                  bool deskew,
                                                  const DyloPrior* prior)
 {
+  SeenScan straightened;
+  const SeenScan* against = &reference;
   Pose found = start;
-  std::vector<DyloStage> stages;
-  for (int pass = 0; pass < most_layouts; ++pass)
+  for (int layouts = 1;; ++layouts)
   {
     EncodedScan scan1 = current.encoded;
-    if (!deskew || !reference.motion_known)
+    if (!deskew || !against->motion_known)
     {
       // Bent alike, two scans fit best.
       scan1.phase = {};
       scan1.image_phase = torch::Tensor();
     }
-    stages =
-        network->forward(scan1, reference.encoded, PoseTensors::from(found, torch::kFloat), prior);
+    std::vector<DyloStage> stages =
+        network->forward(scan1, against->encoded, PoseTensors::from(found, torch::kFloat), prior);
     found = stages.back().pose.toPose();
     const double apart = motionSize(logSE3(current.encoded.T_sweep.inverse() * found));
-    if (!deskew || current.phase.empty() || apart > farthest_motion ||
-        (reference.motion_known && apart < far_bend))
+    if (layouts == most_layouts || !deskew || current.phase.empty() || apart > farthest_motion ||
+        (against->motion_known && apart < far_bend))
     {
-      break;
+      return stages;
     }
-    if (!reference.motion_known)
+    if (!against->motion_known)
     {
-      layOut(reference, reference.sweptBy(found), found);
-      reference.motion_known = true;
+      straightened = reference;
+      layOut(straightened, reference.sweptBy(found), found);
+      straightened.motion_known = true;
+      against = &straightened;
     }
     layOut(current, current.sweptBy(found), found);
   }
-  return stages;
 }
 
 DyloMatch DyloMatcher::match(const Pose& start, bool deskew, const DyloPrior* prior)
@@ -307,7 +310,8 @@ void DyloMatcher::Impl::keepConfidence(const DyloStage& stage)
   {
     if (level.cell[n] >= 0 && valid[n] > 0)
     {
-      nodes[n] = {prepared.points[static_cast<std::size_t>(level.cell[n])], c[n]};
+      const auto point = prepared.source[static_cast<std::size_t>(level.cell[n])];
+      nodes[n] = {current.points[static_cast<std::size_t>(point)], c[n]};
     }
   }
 }

@@ -352,7 +352,8 @@ Surfaces surfacesAround(const torch::Tensor& warped,
     result.features = torch::zeros({n, Surfaces::feature_size});
     features = result.features.data_ptr<float>();
   }
-  const float* p_valid = valid.data_ptr<float>();
+  const torch::Tensor valid_all = valid.contiguous();
+  const float* p_valid = valid_all.data_ptr<float>();
   const ImageView image{scan.image_xyz.data_ptr<float>(), scan.image_valid.data_ptr<float>(),
                         scan.row_of_slope.data_ptr<std::int64_t>(), scan.rows};
   float* normal = result.normal.data_ptr<float>();

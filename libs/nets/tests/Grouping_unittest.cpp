@@ -92,6 +92,20 @@ TEST(Grouping, SurfacesWithoutFeaturesAreTheSame)
   EXPECT_TRUE(torch::equal(full.thickness, bare.thickness));
 }
 
+/** Every other node of a level is such a view. */
+TEST(Grouping, SurfacesOfStridedViewsAreTheSame)
+{
+  const Fixture f;
+  const torch::Tensor between = torch::stack({f.valid, 1 - f.valid}, 1).select(1, 0);
+  ASSERT_FALSE(between.is_contiguous());
+  const torch::Tensor points = torch::stack({f.points, -f.points}, 1).select(1, 0);
+  ASSERT_FALSE(points.is_contiguous());
+  const Surfaces expected = surfacesAround(f.points, f.normals, f.valid, f.scan);
+  const Surfaces found = surfacesAround(points, f.normals, between, f.scan);
+  EXPECT_TRUE(torch::equal(expected.valid, found.valid));
+  EXPECT_TRUE(torch::equal(expected.target, found.target));
+}
+
 TEST(Grouping, SameBytesForAnyNumberOfThreads)
 {
   const Fixture f;

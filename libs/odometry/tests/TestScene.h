@@ -17,6 +17,12 @@ namespace dyslam::test
 class StreetScene
 {
  public:
+  /** Puts one more box there. World frame. */
+  void add(const Eigen::Vector3d& low, const Eigen::Vector3d& high)
+  {
+    boxes_.push_back({low, high});
+  }
+
   /** Distance to the first surface along a ray; infinite if none. World frame. */
   [[nodiscard]] double range(const Eigen::Vector3d& from, const Eigen::Vector3d& along) const
   {
