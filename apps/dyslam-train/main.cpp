@@ -1,29 +1,35 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <dyslam/core/Config.h>
+// Without CLI11 and MRPT: the training-only build has neither.
 #include <dyslam/core/Error.h>
 #include <dyslam/core/FreedMemory.h>
-#include <dyslam/core/SharedFiles.h>
-#include <dyslam/train/DyloTrainer.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <exception>
 #include <iostream>
 #include <string>
 #include <vector>
 
-#include "DysegCommand.h"
-#include "Share.h"
+#include "TrainArguments.h"
 
 namespace
 {
-constexpr const char* usage = R"(Usage: dyslam-train dylo -c train.ini -o DIR [options]
-       dyslam-train dyseg --help
+constexpr const char* overview = R"(Usage: dyslam-train dylo -c train_dylo.ini -o DIR [options]
+       dyslam-train dyseg -c train_dyseg.ini -o DIR [options]
 
-Trains the LiDAR odometry network. Writes DIR/dylo.pt (the weights), checkpoint.pt, log.csv,
-validation.csv and effective.ini.
+Trains the networks: dylo the LiDAR odometry, dyseg the moving-object segmentation.
+dyslam-train dylo --help and dyslam-train dyseg --help tell the options.
+
+  --help, --version
+)";
+
+constexpr const char* dylo_usage = R"(Usage: dyslam-train dylo -c train_dylo.ini -o DIR [options]
+
+Trains the LiDAR odometry network. Writes DIR/dylo.pt (the weights), checkpoint.pt (everything to go
+on from), log.csv, validation.csv and effective.ini. Ctrl-C ends a training after a last checkpoint.
 
   -c, --config FILE   sections [train], [network], [loss], [augmentation], [data]
-  -o, --output DIR    made if it is not there
+  -o, --output DIR    made if it is not there; one that holds a training is not overwritten
   --resume            go on from DIR/checkpoint.pt, exactly where it stopped
   --start FILE        begin with the weights of another training's checkpoint.pt, or with the layers
                       of a dylo.pt that the network of the config has too
@@ -33,105 +39,54 @@ validation.csv and effective.ini.
   --mask-csv DIR      a validation scan's points and their static confidence, per recording
   --device cpu|cuda
   --set SECTION.KEY=VALUE   instead of what the file says; may be repeated
-  --help, --version
 )";
 
-struct Arguments
-{
-  std::string network;
-  std::string config;
-  std::vector<std::string> assignments;
-  dyslam::DyloTrainRequest request;
-  bool done = false;
-};
+constexpr const char* dyseg_usage = R"(Usage: dyslam-train dyseg -c train_dyseg.ini -o DIR [options]
 
-Arguments parse(int argc, char** argv)
+Trains the moving-object segmentation network. Writes DIR/dyseg.pt (the weights), state.pt
+(everything to go on from), train.csv, validation.csv and effective.ini. Ctrl-C ends a training
+after a last checkpoint.
+
+  -c, --config FILE   sections [train], [network], [grid], [augmentation], [loss]
+  -o, --output DIR    made if it is not there; one that holds a training is not overwritten
+  --resume            go on from DIR/state.pt, exactly where it stopped
+  --start FILE        begin with the weights of another dyseg.pt
+  --blend FILE SHARE  no training: writes the mean of --start and of this dyseg.pt, SHARE of it
+                      from this
+  --validate          only print the validation table of DIR/dyseg.pt
+  --set SECTION.KEY=VALUE   instead of what the file says; may be repeated
+)";
+
+bool asksFor(const std::vector<std::string>& words, const char* brief, const char* option)
 {
-  Arguments arguments;
-  const std::vector<std::string> words(argv + 1, argv + argc);
-  for (std::size_t i = 0; i < words.size(); ++i)
+  return std::any_of(words.begin(), words.end(),
+                     [&](const std::string& word) { return word == brief || word == option; });
+}
+
+void run(const std::vector<std::string>& words)
+{
+  const std::string network = words.empty() ? "" : words.front();
+  const bool known = network == "dylo" || network == "dyseg";
+  if (asksFor(words, "--version", "--version"))
   {
-    const std::string& word = words[i];
-    const auto value = [&]() -> std::string
-    {
-      if (i + 1 >= words.size())
-      {
-        throw dyslam::UserError(word + ": a value is missing");
-      }
-      return words[++i];
-    };
-    if (word == "--help" || word == "-h")
-    {
-      std::fputs(usage, stdout);
-      arguments.done = true;
-      return arguments;
-    }
-    if (word == "--version")
-    {
-      std::puts("dyslam-train " DYSLAM_VERSION);
-      arguments.done = true;
-      return arguments;
-    }
-    if (word == "-c" || word == "--config")
-    {
-      arguments.config = value();
-    }
-    else if (word == "-o" || word == "--output")
-    {
-      arguments.request.output = value();
-    }
-    else if (word == "--device")
-    {
-      arguments.request.device = value();
-    }
-    else if (word == "--set")
-    {
-      arguments.assignments.push_back(value());
-    }
-    else if (word == "--mask-csv")
-    {
-      arguments.request.mask_folder = value();
-    }
-    else if (word == "--start")
-    {
-      arguments.request.start = value();
-    }
-    else if (word == "--blend")
-    {
-      arguments.request.blend = value();
-      arguments.request.blend_share = dyslam::shareOf(value());
-    }
-    else if (word == "--resume")
-    {
-      arguments.request.resume = true;
-    }
-    else if (word == "--validate")
-    {
-      arguments.request.validate_only = true;
-    }
-    else if (word.rfind('-', 0) != 0 && arguments.network.empty())
-    {
-      arguments.network = word;
-    }
-    else
-    {
-      throw dyslam::UserError(word + ": unknown option; see --help");
-    }
+    std::puts("dyslam-train " DYSLAM_VERSION);
+    return;
   }
-  if (arguments.network != "dylo")
+  if (asksFor(words, "-h", "--help"))
   {
-    throw dyslam::UserError(arguments.network.empty()
-                                ? "which network? Write dyslam-train dylo; see --help"
-                                : arguments.network +
-                                      ": unknown network; there are dylo and dyseg");
+    std::fputs(network == "dylo" ? dylo_usage : known ? dyseg_usage : overview, stdout);
+    return;
   }
-  if (arguments.config.empty() || arguments.request.output.empty())
+  if (!known)
   {
-    throw dyslam::UserError("--config and --output are needed; see --help");
+    throw dyslam::UserError(
+        network.empty() || network.front() == '-'
+            ? "which network? Write dyslam-train dylo or dyslam-train dyseg; see --help"
+            : network + ": unknown network; there are dylo and dyseg");
   }
-  const dyslam::DyloTrainRequest& request = arguments.request;
-  dyslam::checkStart(request.start, request.resume, request.blend);
-  return arguments;
+  const auto arguments = dyslam::parseTrainArguments(
+      network, std::vector<std::string>(words.begin() + 1, words.end()));
+  network == "dylo" ? dyslam::trainDyloCommand(arguments) : dyslam::trainDysegCommand(arguments);
 }
 }  // namespace
 
@@ -140,23 +95,7 @@ int main(int argc, char** argv)
   dyslam::keepFreedMemory();
   try
   {
-    if (argc > 1 && std::string(argv[1]) == "dyseg")
-    {
-      return dyslam::trainDysegCommand({argv + 2, argv + argc});
-    }
-    Arguments arguments = parse(argc, argv);
-    if (arguments.done)
-    {
-      return 0;
-    }
-    dyslam::Config config = dyslam::Config::fromFile(
-        dyslam::findGivenOrShared(arguments.config, "config_files", ".ini"));
-    for (const std::string& assignment : arguments.assignments)
-    {
-      config.set(assignment);
-    }
-    arguments.request.report = [](const std::string& line) { std::cout << line << std::endl; };
-    dyslam::trainDylo(config, arguments.request);
+    run({argv + 1, argv + argc});
     return 0;
   }
   catch (const std::exception& error)

@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <fstream>
 #include <limits>
 #include <map>
 
@@ -114,10 +113,15 @@ void disturb(double noise, double dropout, RandomDraws& draws, std::vector<Eigen
   }
 }
 
-/** Leaves only every `keep`-th of 64 beams. */
+/** Leaves only every `keep`-th beam, of a sensor with many. */
 void thinBeams(int keep, int offset, std::vector<Eigen::Vector3f>& points)
 {
+  constexpr int many = 32;
   const PreparedScan scan = prepareScan(points);
+  if (scan.rows < many)
+  {
+    return;
+  }
   for (Eigen::Vector3f& p : points)
   {
     const float slope = p.z() / std::max(std::hypot(p.x(), p.y()), 1e-3F);
@@ -172,7 +176,7 @@ void pasteBodies(const AugmentationOptions& options,
 void AugmentationOptions::describe(OptionsVisitor& visitor)
 {
   visitor.real("translation", translation, 0, 5, "deviation of T_aug along x [m]");
-  visitor.degrees("yaw", yaw, 0, 45, "deviation of T_aug's yaw");
+  visitor.degrees("yaw_deg", yaw, 0, 45, "deviation of T_aug's yaw");
   visitor.real("mirror", mirror, 0, 1, "probability of a mirrored scene");
   visitor.real("turned", turned, 0, 1, "probability of a common random heading");
   visitor.real("range_noise", range_noise, 0, 1, "largest deviation of added range noise [m]");
@@ -188,23 +192,19 @@ std::vector<Body> loadBodies(const std::string& folder, std::size_t min_points)
   std::vector<Body> bodies;
   for (const std::string& file : binFiles(folder))
   {
-    const std::string label_file = std::filesystem::path(file).replace_extension(".label").string();
-    std::ifstream labels(label_file, std::ios::binary);
-    if (!labels)
+    const auto label_file = std::filesystem::path(file).replace_extension(".label");
+    if (!std::filesystem::exists(label_file))
     {
       continue;
     }
+    const std::vector<Eigen::Vector3f> points = readBinPoints(file);
+    const std::vector<std::uint32_t> labels = readLabels(label_file.string(), points.size());
     std::map<std::uint32_t, Body> instances;
-    for (const Eigen::Vector3f& p : readBinPoints(file))
+    for (std::size_t i = 0; i < points.size(); ++i)
     {
-      std::uint32_t label = 0;
-      if (!labels.read(reinterpret_cast<char*>(&label), 4))
+      if ((labels[i] & 0xFFFFU) == 252 && points[i].allFinite())
       {
-        throw UserError(label_file + ": holds fewer labels than the scan has points");
-      }
-      if ((label & 0xFFFFU) == 252 && p.allFinite())
-      {
-        instances[label >> 16].push_back(p);
+        instances[labels[i] >> 16U].push_back(points[i]);
       }
     }
     for (auto& [number, body] : instances)

@@ -1,10 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "DyloTrainOptions.h"
 
-#include <dyslam/core/Error.h>
-
-#include <cstdlib>
-#include <sstream>
+#include <dyslam/train/DataText.h>
 
 namespace dyslam
 {
@@ -43,44 +40,12 @@ void DataOptions::describe(OptionsVisitor& visitor)
                "share;world;sensor;columns (0: the sensor's);least;most traffic, by |");
 }
 
-std::vector<std::string> listItems(const std::string& text)
-{
-  std::vector<std::string> items;
-  std::istringstream stream(text);
-  for (std::string item; std::getline(stream, item, '|');)
-  {
-    const auto begin = item.find_first_not_of(' ');
-    if (begin != std::string::npos)
-    {
-      items.push_back(item.substr(begin, item.find_last_not_of(' ') - begin + 1));
-    }
-  }
-  return items;
-}
-
-std::string dataBase(const std::string& base)
-{
-  if (base.empty() || base.front() != '$')
-  {
-    return base;
-  }
-  const std::size_t slash = base.find('/');
-  const std::string name = base.substr(1, slash == std::string::npos ? slash : slash - 1);
-  const char* value = std::getenv(name.c_str());
-  if (value == nullptr)
-  {
-    throw UserError("[data] base is " + base + ", but the environment variable " + name +
-                    " is not set");
-  }
-  return value + (slash == std::string::npos ? "" : base.substr(slash));
-}
-
 std::vector<Recording> loadRecordings(const std::string& list,
                                       const std::string& base,
                                       bool by_own_motion)
 {
   std::vector<Recording> recordings;
-  for (const std::string& item : listItems(list))
+  for (const std::string& item : listItems(list, '|'))
   {
     recordings.push_back(loadRecording(parseRecording(item, base), by_own_motion));
   }

@@ -49,11 +49,7 @@ struct DataOptions : Options
   void describe(OptionsVisitor& visitor) override;
 };
 
-/** Items of a list separated by '|'. */
-[[nodiscard]] std::vector<std::string> listItems(const std::string& text);
-/** The folder that `base` names; a leading $NAME is read from the environment. \throws UserError.
- */
-[[nodiscard]] std::string dataBase(const std::string& base);
+/** Recordings described one by one, separated by '|'; see parseRecording(). \throws UserError. */
 [[nodiscard]] std::vector<Recording> loadRecordings(const std::string& list,
                                                     const std::string& base,
                                                     bool by_own_motion);

@@ -6,6 +6,7 @@
 #include <dyslam/nets/Threads.h>
 #include <dyslam/train/Augmentation.h>
 #include <dyslam/train/BlendWeights.h>
+#include <dyslam/train/DataText.h>
 #include <dyslam/train/DyloLoss.h>
 #include <dyslam/train/DyloTrainer.h>
 #include <dyslam/train/RandomDraws.h>
@@ -40,7 +41,7 @@ std::unique_ptr<PairSource> makeSource(const DataOptions& data,
                                        std::uint64_t seed)
 {
   std::vector<Body> bodies;
-  for (const std::string& folder : listItems(data.bodies))
+  for (const std::string& folder : listItems(data.bodies, '|'))
   {
     for (Body& body : loadBodies(base + "/" + folder, 120))
     {
@@ -57,7 +58,7 @@ std::unique_ptr<PairSource> makeSource(const DataOptions& data,
   if (data.singles_weight > 0 && !data.singles.empty())
   {
     std::vector<std::vector<Eigen::Vector3f>> scans;
-    for (const std::string& folder : listItems(data.singles))
+    for (const std::string& folder : listItems(data.singles, '|'))
     {
       for (const std::string& file : binFiles(base + "/" + folder))
       {
@@ -69,7 +70,7 @@ std::unique_ptr<PairSource> makeSource(const DataOptions& data,
   }
   if (data.simulator_weight > 0)
   {
-    mixed->add(makeSimulatorPairSource(listItems(data.simulator_worlds), augmentation,
+    mixed->add(makeSimulatorPairSource(listItems(data.simulator_worlds, '|'), augmentation,
                                        data.most_gap, seed),
                data.simulator_weight);
   }
@@ -188,7 +189,7 @@ Trainer::Trainer(const Config& config, const DyloTrainRequest& request)
   std::filesystem::create_directories(request.output);
   if (request.resume || request.validate_only)
   {
-    load(request.output + "/checkpoint.pt", request.validate_only);
+    load(request.output + "/checkpoint.pt", false);
   }
   else if (std::filesystem::exists(request.output + "/checkpoint.pt"))
   {
@@ -203,9 +204,9 @@ Trainer::Trainer(const Config& config, const DyloTrainRequest& request)
   {
     return;  // needs no data
   }
-  const std::string base = dataBase(data_.base);
+  const std::string base = dataFolder(data_.base, "[data] base");
   validation_ = loadRecordings(data_.validation, base, false);
-  for (const std::string& item : listItems(data_.simulated_validation))
+  for (const std::string& item : listItems(data_.simulated_validation, '|'))
   {
     validation_.push_back(simulateRecording(item));
   }
@@ -274,6 +275,12 @@ void Trainer::run()
   request_.report("training on: " + source_->name());
   while (step_ < options_.steps)
   {
+    if (request_.stopped && request_.stopped())
+    {
+      save();
+      request_.report("stopped at step " + std::to_string(step_) + "; --resume goes on from here");
+      return;
+    }
     const double rate = learningRate();
     for (auto& group : optimizer_->param_groups())
     {
@@ -353,6 +360,10 @@ void Trainer::validate()
   }
   const auto rows = validateDylo(network_, validation_, device_, request_.mask_folder);
   request_.report("validation at step " + std::to_string(step_) + "\n" + validationTable(rows));
+  if (request_.validate_only)
+  {
+    return;
+  }
   const std::string file = request_.output + "/validation.csv";
   const bool fresh = !std::filesystem::exists(file);
   std::ofstream csv(file, std::ios::app);
@@ -408,6 +419,10 @@ void Trainer::startFrom(const std::string& path)
       torch::Tensor(*mine).copy_(given.value());
       ++taken;
     }
+  }
+  if (taken == 0)
+  {
+    throw UserError(path + ": fits none of the [network]'s layers; give weights of a like one");
   }
   request_.report("started from " + path + ": " + std::to_string(taken) + " of " +
                   std::to_string(own.size()) + " tensors");

@@ -2,10 +2,10 @@
 #include "DysegPairs.h"
 
 #include <dyslam/core/Error.h>
+#include <dyslam/train/DataText.h>
 #include <dyslam/train/ScanFiles.h>
 
 #include <algorithm>
-#include <sstream>
 
 namespace dyslam
 {
@@ -15,20 +15,6 @@ constexpr int clip_scans = 11;
 constexpr std::size_t longest_gap = 10;  // scans between those compared
 constexpr double period = 0.1;           // s, as if between single scans seen twice
 constexpr std::uint64_t training_seeds = 500000000;
-
-std::vector<std::string> split(const std::string& text)
-{
-  std::vector<std::string> parts;
-  std::istringstream in(text);
-  for (std::string part; std::getline(in, part, ',');)
-  {
-    if (!part.empty())
-    {
-      parts.push_back(part);
-    }
-  }
-  return parts;
-}
 
 /** Streets most often, and among them places of people, fast roads, and fewer beams. */
 DysegClipScene sceneOf(std::uint64_t number, const DysegTrainerOptions& options)
@@ -62,7 +48,7 @@ DysegPairs::DysegPairs(const DysegTrainerOptions& options) : options_(options)
     runs_.push_back(loadLabelledRun(run, run + "/" + options.labelled_poses, 0,
                                     static_cast<std::size_t>(options.labelled_last)));
   }
-  for (const auto& part : split(options.single_scans))
+  for (const auto& part : listItems(options.single_scans, ','))
   {
     for (const auto& f : binFiles(under(part)))
     {

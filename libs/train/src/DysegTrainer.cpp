@@ -27,10 +27,13 @@ namespace
 namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;
 
-constexpr int warm_up = 100;  // steps
+constexpr int warm_up = 100;    // steps
+constexpr int most_pairs = 64;  // in a step
 constexpr double clip_norm = 2;
 constexpr double last_rate = 0.02;
 constexpr double mean_decay = 0.998;
+constexpr const char* score_names =
+    "set,iou,precision,recall,epe_static_m,epe_moving_m,own_motion_m,own_motion_rad";
 
 /** A CSV file to go on with; a new one gets its header. */
 std::ofstream openLog(const std::string& file, const char* header)
@@ -71,10 +74,10 @@ void DysegTrainerOptions::describe(OptionsVisitor& v)
 {
   v.text("data", data, "folder with the real data; empty: simulated data only");
   v.text("boxed_run", boxed_run, "run with boxes, under data; empty for none");
-  v.integer("boxed_last", boxed_last, 0, 1000000, "its last frame for training");
+  v.integer("boxed_last", boxed_last, 1, 1000000, "its last frame for training");
   v.text("labelled_run", labelled_run, "run with labels per point, under data; empty for none");
   v.text("labelled_poses", labelled_poses, "poses, in the folders of runs with labels");
-  v.integer("labelled_last", labelled_last, 0, 1000000, "its last frame for training");
+  v.integer("labelled_last", labelled_last, 1, 1000000, "its last frame for training");
   v.text("boxed_validation", boxed_validation, "run with boxes, under data; empty for none");
   v.integer("boxed_validation_first", boxed_validation_first, 8, 1000000, "its first frame judged");
   v.integer("boxed_validation_last", boxed_validation_last, 8, 1000000, "its last frame judged");
@@ -96,7 +99,7 @@ void DysegTrainerOptions::describe(OptionsVisitor& v)
   requireWholeCells("[train] crop", crop);
   v.integer("steps", steps, 1, 100000000, "optimiser steps");
   v.real("minutes", minutes, 0, 1e6, "stop after this long; 0 for no limit");
-  v.integer("batch", batch, 1, 1000, "pairs in a step");
+  v.integer("batch", batch, 1, most_pairs, "pairs in a step");
   v.real("learning_rate", learning_rate, 0, 1, "of AdamW");
   v.real("decay_from", decay_from, 0, 1, "share of the run after which the rate goes down");
   v.real("weight_decay", weight_decay, 0, 1, "of AdamW");
@@ -118,6 +121,8 @@ struct DysegTrainer::Impl
   DysegNet mean{nullptr};  //!< running mean of the weights
   std::unique_ptr<torch::optim::AdamW> optimizer;
   int step = 0;
+  int saved_step = -1;
+  int validated_step = -1;
   double minutes_before = 0;
   Clock::time_point start = Clock::now();
 
@@ -133,7 +138,10 @@ struct DysegTrainer::Impl
   DysegLoss learn();
   void updateMean();
   void save();
+  /** Saves, judges what was saved, and notes it in validation.csv; only once at a step. */
   void validateNow(const std::function<void(const std::string&)>& say);
+  /** Rows "set,scores" of the weights that the folder holds. */
+  std::vector<std::string> judge();
 };
 
 double DysegTrainer::Impl::rate() const
@@ -159,8 +167,9 @@ DysegLoss DysegTrainer::Impl::learn()
   bool learnt = false;
   for (int b = 0; b < options.batch; ++b)
   {
-    RandomDraws draws(static_cast<std::uint64_t>(options.seed),
-                      static_cast<std::uint64_t>(step) * 64 + static_cast<std::uint64_t>(b));
+    RandomDraws draws(
+        static_cast<std::uint64_t>(options.seed),
+        static_cast<std::uint64_t>(step) * most_pairs + static_cast<std::uint64_t>(b));
     auto sample = pairs->draw(draws);
     augment(augmentation, draws, sample);
     const auto centre = drawCentre(sample, grid, crop, draws);
@@ -202,6 +211,10 @@ void DysegTrainer::Impl::updateMean()
 
 void DysegTrainer::Impl::save()
 {
+  if (saved_step == step)
+  {
+    return;
+  }
   torch::serialize::OutputArchive archive;
   torch::serialize::OutputArchive net_part;
   torch::serialize::OutputArchive mean_part;
@@ -216,19 +229,17 @@ void DysegTrainer::Impl::save()
   archive.write("minutes", c10::IValue(minutes()));
   saveDyseg({mean, grid}, file("dyseg.pt"));
   saveArchive(archive, file("state.pt"));
+  saved_step = step;
 }
 
-void DysegTrainer::Impl::validateNow(const std::function<void(const std::string&)>& say)
+std::vector<std::string> DysegTrainer::Impl::judge()
 {
   if (validation.empty())
   {
     validation = makeDysegValidation(options);
   }
-  saveDyseg({mean, grid}, file("validate.pt"));
-  const DysegModel model(file("validate.pt"), options.threads);
-  auto csv = openLog(file("validation.csv"),
-                     "step,set,iou,precision,recall,epe_static_m,epe_moving_m,own_motion_m,"
-                     "own_motion_rad");
+  const DysegModel model(file("dyseg.pt"), options.threads);
+  std::vector<std::string> rows;
   for (const auto& [name, samples] : validation)
   {
     DysegScores s;
@@ -243,10 +254,25 @@ void DysegTrainer::Impl::validateNow(const std::function<void(const std::string&
                   s.moving_error / std::max<double>(1, static_cast<double>(s.moving_cells)),
                   s.translation_error / static_cast<double>(s.pairs),
                   s.yaw_error / static_cast<double>(s.pairs));
-    const std::string line = std::to_string(step) + "," + name + scores;
-    csv << line << '\n';
-    say("validation (step, set, IoU, precision, recall, EPE static, EPE moving, ego m, ego rad): " +
-        line);
+    rows.push_back(name + scores);
+  }
+  return rows;
+}
+
+void DysegTrainer::Impl::validateNow(const std::function<void(const std::string&)>& say)
+{
+  if (validated_step == step)
+  {
+    return;
+  }
+  validated_step = step;
+  save();
+  auto csv = openLog(file("validation.csv"), (std::string("step,") + score_names).c_str());
+  say("validation at step " + std::to_string(step) + ": " + score_names);
+  for (const std::string& row : judge())
+  {
+    csv << step << ',' << row << '\n';
+    say("  " + row);
   }
 }
 
@@ -285,6 +311,15 @@ DysegTrainer::DysegTrainer(const DysegTrainerSetup& setup, std::string folder)
 
 DysegTrainer::~DysegTrainer() = default;
 
+void DysegTrainer::requireFreshFolder() const
+{
+  if (fs::exists(impl_->file("state.pt")))
+  {
+    throw UserError(impl_->file("state.pt") +
+                    ": is there already; add --resume or choose another folder");
+  }
+}
+
 void DysegTrainer::startFrom(const std::string& weights)
 {
   blend(weights, 1);
@@ -297,6 +332,7 @@ void DysegTrainer::blend(const std::string& weights, double share)
   {
     blendWeights(**net, *loaded.net, share, weights);
   }
+  impl_->saved_step = -1;
 }
 
 void DysegTrainer::resume()
@@ -325,9 +361,9 @@ void DysegTrainer::resume()
     archive.read("minutes", value);
     impl_->minutes_before = value.toDouble();
   }
-  catch (const c10::Error&)
+  catch (const std::exception&)  // what torch throws has no type in common
   {
-    throw UserError(path + ": state of another network or version");
+    throw UserError(path + ": does not fit the [network] of the config, or is damaged");
   }
 }
 
@@ -338,10 +374,15 @@ void DysegTrainer::save()
 
 void DysegTrainer::validateOnly(const std::function<void(const std::string&)>& say)
 {
-  impl_->validateNow(say);
+  say(std::string("validation: ") + score_names);
+  for (const std::string& row : impl_->judge())
+  {
+    say("  " + row);
+  }
 }
 
-void DysegTrainer::run(const std::function<void(const std::string&)>& say)
+void DysegTrainer::run(const std::function<void(const std::string&)>& say,
+                       const std::function<bool()>& stopped)
 {
   Impl& t = *impl_;
   if (t.options.validate_every > 0)
@@ -357,6 +398,12 @@ void DysegTrainer::run(const std::function<void(const std::string&)>& say)
   int counted = 0;
   while (t.step < t.options.steps && (t.options.minutes <= 0 || t.minutes() < t.options.minutes))
   {
+    if (stopped && stopped())
+    {
+      t.save();
+      say("stopped at step " + std::to_string(t.step) + "; --resume goes on from here");
+      return;
+    }
     t.pairs->prepare(t.step);
     const auto loss = t.learn();
     mean.matching += loss.matching;

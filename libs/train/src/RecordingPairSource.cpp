@@ -43,14 +43,16 @@ TrainingPair RecordingPairSource::pair(std::uint64_t index) const
   }
   const Recording& recording = recordings_[chosen];
   // Steps of one scan are what odometry meets most.
-  const std::size_t gap =
-      draws.chance(0.45) ? 1 : 1 + draws.below(static_cast<std::size_t>(most_gap_));
   const std::size_t last = recording.scans.size() - 1;
+  const std::size_t drawn =
+      draws.chance(0.45) ? 1 : 1 + draws.below(static_cast<std::size_t>(most_gap_));
+  const std::size_t gap = std::min(drawn, last);
   bool forward = draws.chance(0.7);
   if (forward ? scan < gap : scan + gap > last)
   {
     forward = !forward;
   }
+  // Near the middle of a short recording neither way is long enough.
   const std::size_t other = forward ? scan - std::min(gap, scan) : std::min(scan + gap, last);
 
   TrainingPair pair;

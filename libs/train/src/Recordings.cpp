@@ -3,12 +3,13 @@
 #include <dyslam/core/Error.h>
 #include <dyslam/core/Labels.h>
 #include <dyslam/core/Scan.h>
+#include <dyslam/train/DataText.h>
 #include <dyslam/train/Recordings.h>
 #include <dyslam/train/ScanFiles.h>
 
 #include <algorithm>
 #include <filesystem>
-#include <sstream>
+#include <stdexcept>
 
 namespace dyslam
 {
@@ -46,19 +47,6 @@ std::vector<Eigen::Vector3f> deskewed(const std::vector<Eigen::Vector3f>& points
     }
   }
   return result;
-}
-
-std::vector<std::string> split(const std::string& text, char separator)
-{
-  std::vector<std::string> parts;
-  std::istringstream stream(text);
-  for (std::string part; std::getline(stream, part, separator);)
-  {
-    const auto begin = part.find_first_not_of(' ');
-    const auto end = part.find_last_not_of(' ');
-    parts.push_back(begin == std::string::npos ? "" : part.substr(begin, end - begin + 1));
-  }
-  return parts;
 }
 }  // namespace
 
@@ -104,7 +92,7 @@ Recording loadRecording(const RecordingDescription& description, bool by_own_mot
 
 RecordingDescription parseRecording(const std::string& text, const std::string& base)
 {
-  const std::vector<std::string> parts = split(text, ';');
+  const std::vector<std::string> parts = splitFields(text, ';');
   if (parts.size() < 4)
   {
     throw UserError("recording '" + text +
@@ -117,10 +105,16 @@ RecordingDescription parseRecording(const std::string& text, const std::string& 
   description.pose_file = path(parts[1]);
   try
   {
-    description.first = std::stoul(parts[2]);
-    description.last = std::stoul(parts[3]);
+    const int first = wholeNumberOf(parts[2]);
+    const int last = wholeNumberOf(parts[3]);
+    if (first < 0 || last < 0)
+    {
+      throw std::out_of_range("below 0");
+    }
+    description.first = static_cast<std::size_t>(first);
+    description.last = static_cast<std::size_t>(last);
   }
-  catch (const std::exception&)
+  catch (const std::logic_error&)
   {
     throw UserError("recording '" + text + "': first and last must be frame numbers");
   }

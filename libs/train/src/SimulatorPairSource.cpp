@@ -2,13 +2,13 @@
 #include "SimulatorPairSource.h"
 
 #include <dyslam/core/Error.h>
+#include <dyslam/train/DataText.h>
 #ifdef DYSLAM_HAVE_SIM
 #include <dyslam/sim/ClipGenerator.h>
 #endif
 
 #include <algorithm>
 #include <numeric>
-#include <sstream>
 
 namespace dyslam
 {
@@ -28,30 +28,19 @@ struct Scene
   double max_traffic = 0;
 };
 
-std::vector<std::string> fields(const std::string& text)
-{
-  std::vector<std::string> words;
-  std::istringstream stream(text);
-  for (std::string word; std::getline(stream, word, ';');)
-  {
-    words.push_back(word);
-  }
-  return words;
-}
-
 Scene parseScene(const std::string& text)
 {
-  const std::vector<std::string> words = fields(text);
+  const std::vector<std::string> words = splitFields(text, ';');
   try
   {
     if (words.size() == 6)
     {
-      const Scene scene = {std::stod(words[0]),
+      const Scene scene = {numberOf(words[0]),
                            sim::worldKindFromString(words[1]),
                            sim::sensorKindFromString(words[2]),
-                           std::stoi(words[3]),
-                           std::stod(words[4]),
-                           std::stod(words[5])};
+                           wholeNumberOf(words[3]),
+                           numberOf(words[4]),
+                           numberOf(words[5])};
       if (scene.share > 0 && scene.columns >= 0 && scene.min_traffic >= 0 &&
           scene.max_traffic >= scene.min_traffic)
       {
@@ -171,7 +160,7 @@ std::unique_ptr<PairSource> makeSimulatorPairSource(const std::vector<std::strin
 
 Recording simulateRecording(const std::string& text)
 {
-  const std::vector<std::string> words = fields(text);
+  const std::vector<std::string> words = splitFields(text, ';');
   sim::SimulatorOptions options;
   int scans = 0;
   try
@@ -180,9 +169,9 @@ Recording simulateRecording(const std::string& text)
     {
       options.world = sim::worldKindFromString(words[0]);
       options.sensor = sim::sensorKindFromString(words[1]);
-      options.traffic = std::stod(words[2]);
-      options.seed = std::stoi(words[3]);
-      scans = std::stoi(words[4]);
+      options.traffic = numberOf(words[2]);
+      options.seed = wholeNumberOf(words[3]);
+      scans = wholeNumberOf(words[4]);
     }
   }
   catch (const std::logic_error&)

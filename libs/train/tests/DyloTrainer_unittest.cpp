@@ -130,6 +130,40 @@ TEST(DyloTrainer, DoesNotOverwriteATraining)
   EXPECT_THROW(trainDylo(tiny(1), request), UserError);
 }
 
+TEST(DyloTrainer, AskedToStopItSavesWhatItHas)
+{
+  DyloTrainRequest request = requestFor(freshFolder("stopped"));
+  int asked = 0;
+  request.stopped = [&] { return ++asked > 1; };
+  trainDylo(tiny(5), request);
+  EXPECT_EQ(asked, 2);
+  const std::string stopped = request.output;
+  request = requestFor(freshFolder("one_step"));
+  trainDylo(tiny(1), request);
+  const auto expected = loadDylo(request.output + "/dylo.pt")->named_parameters();
+  for (const auto& parameter : loadDylo(stopped + "/dylo.pt")->named_parameters())
+  {
+    EXPECT_TRUE(torch::equal(parameter.value(), expected[parameter.key()])) << parameter.key();
+  }
+}
+
+TEST(Recordings, DescribedByATextOfFields)
+{
+  const RecordingDescription d =
+      parseRecording("run/velodyne; run/poses.txt ;3; 20;deskew;labels=run/labels", "/data");
+  EXPECT_EQ(d.folder, "/data/run/velodyne");
+  EXPECT_EQ(d.pose_file, "/data/run/poses.txt");
+  EXPECT_EQ(d.label_folder, "/data/run/labels");
+  EXPECT_EQ(d.first, 3U);
+  EXPECT_EQ(d.last, 20U);
+  EXPECT_TRUE(d.deskew);
+  for (const char* wrong : {"run;poses;1", "run;poses;1;20x", "run;poses;-1;20", "run;poses;a;20",
+                            "run;poses;1;20;unskew"})
+  {
+    EXPECT_THROW((void)parseRecording(wrong, "/data"), UserError) << wrong;
+  }
+}
+
 TEST(Recordings, OneScanIsNone)
 {
   const std::string folder = freshFolder("recording");

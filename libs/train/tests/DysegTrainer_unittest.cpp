@@ -88,6 +88,43 @@ TEST_F(DysegTraining, BlendsTheWeightsOfTwoTrainings)
   EXPECT_NE(blended(0.5), blended(0.4));
 }
 
+TEST_F(DysegTraining, DoesNotOverwriteATraining)
+{
+  train("kept", 1);
+  const DysegTrainer again(setup_, (folder_ / "kept").string());
+  EXPECT_THROW(again.requireFreshFolder(), dyslam::UserError);
+  const DysegTrainer other(setup_, (folder_ / "other").string());
+  EXPECT_NO_THROW(other.requireFreshFolder());
+}
+
+TEST_F(DysegTraining, AskedToStopItSavesAndGoesOnExactly)
+{
+  const auto whole = contentOf(train("whole", 4));
+  setup_.train.steps = 4;
+  int asked = 0;
+  {
+    DysegTrainer trainer(setup_, (folder_ / "parts").string());
+    trainer.run([](const std::string&) {}, [&] { return ++asked > 2; });
+  }
+  EXPECT_EQ(asked, 3);
+  EXPECT_NE(contentOf(folder_ / "parts" / "dyseg.pt"), whole);
+  EXPECT_EQ(contentOf(train("parts", 4, true)), whole);
+}
+
+TEST_F(DysegTraining, ValidationAloneLeavesTheFolderAsItIs)
+{
+  setup_.train.data.clear();
+  train("judged", 1);
+  const auto files = [&]
+  { return std::distance(fs::directory_iterator(folder_ / "judged"), fs::directory_iterator()); };
+  const auto before = files();
+  DysegTrainer trainer(setup_, (folder_ / "judged").string());
+  std::string said;
+  trainer.validateOnly([&](const std::string& line) { said += line + "\n"; });
+  EXPECT_NE(said.find("simulated 8 scans back,"), std::string::npos) << said;
+  EXPECT_EQ(files(), before);
+}
+
 TEST_F(DysegTraining, FramesToValidateOnAreNotTrainedOn)
 {
   setup_.train.data = folder_.string();

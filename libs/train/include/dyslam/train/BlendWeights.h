@@ -26,7 +26,7 @@ inline void blendWeights(torch::nn::Module& own,
     {
       throw UserError(file + ": weights of another shape of network");
     }
-    weight.value().mul_(1 - share).add_(*given, share);
+    weight.value().mul_(1 - share).add_(given->to(weight.value().device()), share);
   }
 }
 }  // namespace dyslam

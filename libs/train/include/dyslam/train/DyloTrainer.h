@@ -22,6 +22,8 @@ struct DyloTrainRequest
   /** Gets a CSV of points and static confidence per validation recording; empty for none. */
   std::string mask_folder;
   bool validate_only = false;  //!< print the validation table of what is in the folder, then stop
+  std::function<bool()>
+      stopped;  //!< asked before each step: save and end the training? May be empty
   std::function<void(const std::string&)> report;  //!< one line of progress at a time
 };
 

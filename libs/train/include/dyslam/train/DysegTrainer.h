@@ -50,7 +50,7 @@ struct DysegTrainerOptions : Options
   int crop = 256;                //!< cells along each side in training
   int steps = 100000;
   double minutes = 0;  //!< stop after this long, whatever the steps; 0: no limit
-  int batch = 2;       //!< pairs in a step
+  int batch = 2;       //!< pairs in a step, up to 64
   double learning_rate = 1.5e-3;
   double decay_from = 0.6;  //!< share of the run after which the rate goes down to 2 %
   double weight_decay = 1e-4;
@@ -84,6 +84,8 @@ class DysegTrainer
   DysegTrainer(const DysegTrainerSetup& setup, std::string folder);
   ~DysegTrainer();
 
+  /** Makes sure that no training is overwritten. \throws UserError if the folder holds one. */
+  void requireFreshFolder() const;
   /** Go on from the folder's state. \throws UserError if there is none or it does not fit. */
   void resume();
   /** Start from the weights of a file. \throws UserError. */
@@ -93,10 +95,12 @@ class DysegTrainer
   void blend(const std::string& weights, double share);
   /** Write the weights and the state as they are. \throws UserError if they cannot be written. */
   void save();
-  /** \param say gets a line of progress now and then. \throws UserError if data are missing, also
-   * those to validate on. */
-  void run(const std::function<void(const std::string&)>& say);
-  /** The validation table of the weights as they are. */
+  /** \param say gets a line of progress now and then \param stopped is asked before each step
+   * whether to save and end; null for never. \throws UserError if data are missing, also those to
+   * validate on. */
+  void run(const std::function<void(const std::string&)>& say,
+           const std::function<bool()>& stopped = nullptr);
+  /** The validation table of the folder's dyseg.pt. \throws UserError if there is none. */
   void validateOnly(const std::function<void(const std::string&)>& say);
 
  private:

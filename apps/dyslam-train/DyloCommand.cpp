@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/train/DyloTrainer.h>
+
+#include <iostream>
+
+#include "TrainArguments.h"
+
+namespace dyslam
+{
+void trainDyloCommand(const TrainArguments& arguments)
+{
+  DyloTrainRequest request;
+  request.output = arguments.output;
+  request.resume = arguments.resume;
+  request.start = arguments.start;
+  request.blend = arguments.blend;
+  request.blend_share = arguments.blend_share;
+  request.device = arguments.device;
+  request.mask_folder = arguments.mask_folder;
+  request.validate_only = arguments.validate_only;
+  request.report = [](const std::string& line) { std::cout << line << std::endl; };
+  request.stopped = stopRequested;
+  trainDylo(arguments.loadConfig(), request);
+}
+}  // namespace dyslam

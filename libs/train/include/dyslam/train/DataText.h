@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace dyslam
+{
+/** What stands between the separators, blanks around it left out; empty fields stay. */
+[[nodiscard]] std::vector<std::string> splitFields(const std::string& text, char separator);
+
+/** The same without empty fields. */
+[[nodiscard]] std::vector<std::string> listItems(const std::string& text, char separator);
+
+/** A text that is a number and nothing else. \throws std::invalid_argument or std::out_of_range. */
+[[nodiscard]] double numberOf(const std::string& text);
+/** ... a whole number. */
+[[nodiscard]] int wholeNumberOf(const std::string& text);
+
+/** The folder that a setting names; a leading $NAME is read from the environment.
+ * \param field the setting, for the message \throws UserError if the variable is not set. */
+[[nodiscard]] std::string dataFolder(const std::string& folder, const std::string& field);
+}  // namespace dyslam

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/Error.h>
+#include <dyslam/train/DataText.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <sstream>
+#include <stdexcept>
+
+namespace dyslam
+{
+std::vector<std::string> splitFields(const std::string& text, char separator)
+{
+  std::vector<std::string> fields;
+  std::istringstream stream(text);
+  for (std::string field; std::getline(stream, field, separator);)
+  {
+    const auto begin = field.find_first_not_of(" \t");
+    const auto end = field.find_last_not_of(" \t");
+    fields.push_back(begin == std::string::npos ? "" : field.substr(begin, end - begin + 1));
+  }
+  return fields;
+}
+
+std::vector<std::string> listItems(const std::string& text, char separator)
+{
+  std::vector<std::string> items = splitFields(text, separator);
+  items.erase(std::remove(items.begin(), items.end(), ""), items.end());
+  return items;
+}
+
+double numberOf(const std::string& text)
+{
+  std::size_t read = 0;
+  const double number = std::stod(text, &read);
+  if (read != text.size())
+  {
+    throw std::invalid_argument(text);
+  }
+  return number;
+}
+
+int wholeNumberOf(const std::string& text)
+{
+  std::size_t read = 0;
+  const int number = std::stoi(text, &read);
+  if (read != text.size())
+  {
+    throw std::invalid_argument(text);
+  }
+  return number;
+}
+
+std::string dataFolder(const std::string& folder, const std::string& field)
+{
+  if (folder.empty() || folder.front() != '$')
+  {
+    return folder;
+  }
+  const std::size_t slash = folder.find('/');
+  const std::string name = folder.substr(1, slash == std::string::npos ? slash : slash - 1);
+  const char* value = std::getenv(name.c_str());
+  if (value == nullptr)
+  {
+    throw UserError(field + " is " + folder + ", but the environment variable " + name +
+                    " is not set; export it, or write the folder");
+  }
+  return value + (slash == std::string::npos ? "" : folder.substr(slash));
+}
+}  // namespace dyslam

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/Error.h>
+#include <dyslam/train/DataText.h>
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <stdexcept>
+
+namespace dyslam
+{
+namespace
+{
+using Words = std::vector<std::string>;
+
+TEST(DataText, FieldsAreTrimmedAndEmptyOnesStay)
+{
+  EXPECT_EQ(splitFields(" a b ;;\tc", ';'), (Words{"a b", "", "c"}));
+  EXPECT_EQ(listItems(" a b ;;\tc; ", ';'), (Words{"a b", "c"}));
+  EXPECT_TRUE(listItems("", ',').empty());
+}
+
+TEST(DataText, NumbersAreNothingElse)
+{
+  EXPECT_DOUBLE_EQ(numberOf("-2.5e1"), -25);
+  EXPECT_EQ(wholeNumberOf("80"), 80);
+  EXPECT_THROW((void)wholeNumberOf("80x"), std::logic_error);
+  EXPECT_THROW((void)wholeNumberOf("8.5"), std::logic_error);
+  EXPECT_THROW((void)numberOf("1,5"), std::logic_error);
+  EXPECT_THROW((void)numberOf(""), std::logic_error);
+}
+
+TEST(DataText, ALeadingVariableIsReadFromTheEnvironment)
+{
+  ::setenv("DYSLAM_TEST_FOLDER", "/some/where", 1);
+  ::unsetenv("DYSLAM_TEST_FOLDER2");
+  EXPECT_EQ(dataFolder("$DYSLAM_TEST_FOLDER", "f"), "/some/where");
+  EXPECT_EQ(dataFolder("$DYSLAM_TEST_FOLDER/run", "f"), "/some/where/run");
+  EXPECT_EQ(dataFolder("run/$DYSLAM_TEST_FOLDER", "f"), "run/$DYSLAM_TEST_FOLDER");
+  EXPECT_THROW((void)dataFolder("$DYSLAM_TEST_FOLDER2/run", "f"), UserError);
+}
+}  // namespace
+}  // namespace dyslam
