@@ -18,7 +18,8 @@ inline void report(const ConversionResult& result, const std::string& output)
   std::cout << output << ": " << result.scans << " scans, " << result.points << " points";
   if (!result.ground_truth.empty())
   {
-    std::cout << "; truth in " << result.ground_truth << ": " << result.poses << " poses, "
+    std::cout << "; truth in " << result.ground_truth << ": " << result.poses << " poses"
+              << (result.pose_source.empty() ? "" : " (from " + result.pose_source + ")") << ", "
               << result.label_files << " label files, " << result.boxes << " boxes";
   }
   std::cout << '\n';

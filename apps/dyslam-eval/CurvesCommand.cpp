@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "CurvesCommand.h"
 
+#include <dyslam/core/Files.h>
 #include <dyslam/core/PendingFile.h>
 #include <dyslam/eval/LearningCurves.h>
 
 #include <cstdio>
 #include <filesystem>
 #include <memory>
-
-#include "InputFiles.h"
 
 namespace dyslam
 {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "MaskCommand.h"
 
+#include <dyslam/core/Files.h>
 #include <dyslam/core/PendingFile.h>
 #include <dyslam/eval/MaskPicture.h>
 #include <dyslam/eval/Table.h>
@@ -9,8 +10,6 @@
 #include <cstdio>
 #include <filesystem>
 #include <memory>
-
-#include "InputFiles.h"
 
 namespace dyslam
 {

@@ -298,7 +298,8 @@ Subcommand runCommand(CLI::App& app)
   sub->add_option("--align", a->align, "alignment for absolute errors: none, first or se3")
       ->check(CLI::IsMember({"none", "first", "se3"}))
       ->capture_default_str();
-  sub->add_option("--lengths", a->metrics.lengths, "segment lengths of t_rel and r_rel [m]")
+  sub->add_option("--lengths", a->metrics.lengths,
+                  "segment lengths of t_rel and r_rel [m], separated by commas")
       ->delimiter(',')
       ->allow_extra_args(false)
       ->check(positive())

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/Error.h>
+#include <dyslam/core/Files.h>
 
 #include <algorithm>
 #include <filesystem>
@@ -111,7 +112,7 @@ void run(Arguments& a)
   }
   if (!a.benchmark.empty())
   {
-    std::filesystem::create_directories(a.benchmark);
+    dyslam::makeFolder(a.benchmark);
     for (auto& named : benchmarkSet(a.benchmark, a.only))
     {
       named.recording.threads = a.recording.threads;

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/Files.h>
 #include <dyslam/core/Options.h>
 #include <dyslam/core/PendingFile.h>
 #include <dyslam/train/DataText.h>
 #include <dyslam/train/DysegTrainer.h>
 
-#include <filesystem>
 #include <iostream>
 
 #include "TrainArguments.h"
@@ -29,7 +29,7 @@ void trainDysegCommand(const TrainArguments& arguments)
   DysegTrainer trainer(setup, output);
   if (arguments.validate_only)
   {
-    trainer.validateOnly(say);
+    trainer.validateOnly(arguments.start, say);
     return;
   }
   if (arguments.resume)
@@ -44,6 +44,7 @@ void trainDysegCommand(const TrainArguments& arguments)
       trainer.startFrom(arguments.start);
     }
   }
+  makeFolder(output, "choose another --output");
   writeWhole(output + "/effective.ini", loader.effective().toIni());
   if (!arguments.blend.empty())
   {

@@ -25,7 +25,8 @@ double shareOf(const std::string& text)
 
 void checkTogether(const TrainArguments& a, const std::string& help)
 {
-  if (a.config.empty() || a.output.empty())
+  const bool judges_a_file = a.validate_only && !a.start.empty();
+  if (a.config.empty() || (a.output.empty() && !judges_a_file))
   {
     throw UserError("--config and --output are needed; see " + help);
   }
@@ -37,10 +38,9 @@ void checkTogether(const TrainArguments& a, const std::string& help)
   {
     throw UserError("--start: not together with --resume, which has weights already");
   }
-  if (a.validate_only && (a.resume || !a.start.empty()))
+  if (a.validate_only && (a.resume || !a.blend.empty()))
   {
-    throw UserError(
-        "--validate: judges what is in --output; not together with --resume or --start");
+    throw UserError("--validate: only judges; not together with --resume or --blend");
   }
 }
 

@@ -35,7 +35,8 @@ on from), log.csv, validation.csv and effective.ini. Ctrl-C ends a training afte
                       of a dylo.pt that the network of the config has too
   --blend FILE SHARE  no training: writes the mean of --start and of this dylo.pt, SHARE of it
                       from this
-  --validate          only print the validation table of DIR/checkpoint.pt
+  --validate          only print the validation table, of --start FILE or else of
+                      DIR/checkpoint.pt
   --mask-csv DIR      a validation scan's points and their static confidence, per recording
   --device cpu|cuda
   --set SECTION.KEY=VALUE   instead of what the file says; may be repeated
@@ -53,7 +54,7 @@ after a last checkpoint.
   --start FILE        begin with the weights of another dyseg.pt
   --blend FILE SHARE  no training: writes the mean of --start and of this dyseg.pt, SHARE of it
                       from this
-  --validate          only print the validation table of DIR/dyseg.pt
+  --validate          only print the validation table, of --start FILE or else of DIR/dyseg.pt
   --set SECTION.KEY=VALUE   instead of what the file says; may be repeated
 )";
 
@@ -80,9 +81,9 @@ void run(const std::vector<std::string>& words)
   if (!known)
   {
     throw dyslam::UserError(
-        network.empty() || network.front() == '-'
-            ? "which network? Write dyslam-train dylo or dyslam-train dyseg; see --help"
-            : network + ": unknown network; there are dylo and dyseg");
+        network.empty() ? "which network? Write dyslam-train dylo or dyslam-train dyseg; see --help"
+        : network.front() == '-' ? network + ": the network comes first, dylo or dyseg; see --help"
+                                 : network + ": unknown network; there are dylo and dyseg");
   }
   const auto arguments = dyslam::parseTrainArguments(
       network, std::vector<std::string>(words.begin() + 1, words.end()));

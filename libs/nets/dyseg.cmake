@@ -5,6 +5,7 @@ dyslam_add_library(NAME nets_common
     src/PointLinear.cpp
     src/SaveArchive.cpp
     src/Threads.cpp
+    src/WeightsChecksum.cpp
   PUBLIC dyslam::core
   PRIVATE ${TORCH_LIBRARIES} ${OpenMP_CXX_LIBRARIES})
 # This file alone: elsewhere OpenMP would have Eigen start threads of its own.
@@ -36,6 +37,7 @@ dyslam_add_test(NAME nets_dyseg
     tests/FlowUpdate_unittest.cpp
     tests/MotionVote_unittest.cpp
     tests/RigidFlow_unittest.cpp
+    tests/WeightsChecksum_unittest.cpp
   LIBRARIES dyslam::nets_dyseg ${TORCH_LIBRARIES})
 
 if(DYSLAM_BUILD_BENCHMARKS)

@@ -291,7 +291,7 @@ TEST_F(BadInput, OutputsThatCannotBeWritten)
   const std::string good = at("good.rawlog");
   expectRefusal("dyslam", slam(good, "file/below"), {"file/below", "choose another --output"});
   expectRefusal("dyslam", slam(good, "file"),
-                {"file: the output folder", "choose another --output"});
+                {"file: cannot make this folder", "choose another --output"});
   expectRefusal("dyslam", "-i " + good + " -c vlp16.ini -o /proc/x", {"/proc/x", "--output"});
   expectRefusal("dyslam", slam(good, "y") + " --profile " + at("file/p.csv"),
                 {"p.csv: cannot be written", "--profile"});
@@ -382,7 +382,7 @@ TEST_F(BadInput, WordsOfTheCommandLine)
   expectRefusal("dyslam-eval", tracks + " --class Truckk",
                 {"Truckk: is none of", "Pedestrian", "did you mean Truck?"});
   EXPECT_EQ(run("dyslam-eval", tracks + " --class Car").code, 0);
-  expectRefusal("dyslam-eval", "mask /nope.csv", {"/nope.csv: cannot be read", "--mask-csv"});
+  expectRefusal("dyslam-eval", "mask /nope.csv", {"/nope.csv: no such file", "--mask-csv"});
   expectRefusal("dyslam-eval", "mask " + write("log.csv", "step,loss\n1,2\n"),
                 {"log.csv: the first line must be x,y,z,static_confidence,label"});
   const std::string mask = write("mask.csv", "x,y,z,static_confidence,label\n1,2,3,0.5,2\n");

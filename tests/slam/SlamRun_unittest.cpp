@@ -158,7 +158,7 @@ TEST_F(SlamRun, LeavesEveryFileAndASmallError)
   EXPECT_TRUE(report.has_reference);
   for (const auto& name :
        {"effective.ini", "odometry_tum.txt", "trajectory_tum.txt", "trajectory_kitti.txt",
-        "reference_tum.txt", "tracks.csv", "tracks.txt", "graph.graph", "graph.g2o",
+        "reference_tum.txt", "scans.csv", "tracks.csv", "tracks.txt", "graph.graph", "graph.g2o",
         "map_static.pcd", "map_static.ply", "keyframes.simplemap", "map.3Dscene", "replay.rawlog",
         "trajectory.png", "report.json"})
   {

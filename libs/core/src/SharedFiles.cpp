@@ -57,7 +57,8 @@ std::string namesIn(const std::string& folder, const std::string& extension)
 
 std::string findGivenOrShared(const std::string& path,
                               const std::string& folder,
-                              const std::string& extension)
+                              const std::string& extension,
+                              const std::string& field)
 {
   if (fs::is_regular_file(path))
   {
@@ -77,7 +78,8 @@ std::string findGivenOrShared(const std::string& path,
     }
   }
   const std::string known = namesIn(folder, extension);
-  throw UserError(path + ": no such file" +
+  throw UserError((field.empty() ? "" : field + " = ") + (path.empty() ? "(nothing)" : path) +
+                  (fs::is_directory(path) ? ": is a folder" : ": no such file") +
                   (known.empty() ? "" : "; give a path or one of: " + known));
 }
 }  // namespace dyslam

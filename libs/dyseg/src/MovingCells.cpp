@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "CellGroups.h"
+
 namespace dyslam
 {
 MovingCells::MovingCells(const std::vector<Eigen::Vector3f>& points,
@@ -56,43 +58,6 @@ float MovingCells::lowestAround(int cell) const
   return lowest;
 }
 
-int MovingCells::labelObjects()
-{
-  const auto is_moving = [](const Cell& cell)
-  { return cell.moving > 0 && cell.moving > cell.still; };
-  const int cell_count = static_cast<int>(cells_.size());
-  int objects = 0;
-  std::vector<int> open;
-  for (int seed = 0; seed < cell_count; ++seed)
-  {
-    if (at(seed).object >= 0 || !is_moving(at(seed)))
-    {
-      continue;
-    }
-    at(seed).object = objects;
-    open.assign(1, seed);
-    while (!open.empty())
-    {
-      // Cells with points never lie on the rim, so all eight neighbours exist.
-      const int cell = open.back();
-      open.pop_back();
-      for (const int row : {cell - width_, cell, cell + width_})
-      {
-        for (const int next : {row - 1, row, row + 1})
-        {
-          if (at(next).object < 0 && is_moving(at(next)))
-          {
-            at(next).object = objects;
-            open.push_back(next);
-          }
-        }
-      }
-    }
-    ++objects;
-  }
-  return objects;
-}
-
 std::vector<std::uint32_t> MovingCells::moving(const std::vector<std::int8_t>& votes)
 {
   for (std::size_t i = 0; i < candidates_.size(); ++i)
@@ -102,21 +67,24 @@ std::vector<std::uint32_t> MovingCells::moving(const std::vector<std::int8_t>& v
     cell.moving += votes[i] > 0 ? 1 : 0;
     cell.still += votes[i] < 0 ? 1 : 0;
   }
-  const auto objects = static_cast<std::size_t>(labelObjects());
-  std::vector<int> point_count(objects, 0);
-  std::vector<int> moving_count(objects, 0);
-  for (const Cell& cell : cells_)
+  std::vector<int> object_of(cells_.size(), -1);
+  const int objects = joinNeighbours(
+      width_, [&](int cell) { return at(cell).moving > 0 && at(cell).moving > at(cell).still; },
+      object_of);
+  std::vector<int> point_count(static_cast<std::size_t>(objects), 0);
+  std::vector<int> moving_count(static_cast<std::size_t>(objects), 0);
+  for (std::size_t i = 0; i < cells_.size(); ++i)
   {
-    if (cell.object >= 0)
+    if (object_of[i] >= 0)
     {
-      point_count[static_cast<std::size_t>(cell.object)] += cell.points;
-      moving_count[static_cast<std::size_t>(cell.object)] += cell.moving;
+      point_count[static_cast<std::size_t>(object_of[i])] += cells_[i].points;
+      moving_count[static_cast<std::size_t>(object_of[i])] += cells_[i].moving;
     }
   }
   std::vector<std::uint32_t> result;
   for (std::size_t i = 0; i < candidates_.size(); ++i)
   {
-    const int object = at(candidate_cells_[i]).object;
+    const int object = object_of[static_cast<std::size_t>(candidate_cells_[i])];
     if (object < 0)
     {
       continue;

@@ -32,14 +32,12 @@ class MovingCells
     int points = 0;       //!< candidates
     int moving = 0;       //!< of them, those with moving votes
     int still = 0;
-    int object = -1;  //!< connected set of moving cells it is part of
   };
 
   [[nodiscard]] int cellOf(const Eigen::Vector3f& p) const;
   [[nodiscard]] float lowestAround(int cell) const;
   [[nodiscard]] Cell& at(int cell) { return cells_[static_cast<std::size_t>(cell)]; }
   [[nodiscard]] const Cell& at(int cell) const { return cells_[static_cast<std::size_t>(cell)]; }
-  [[nodiscard]] int labelObjects();
 
   ResidualSegmenterOptions options_;
   float cells_per_metre_;

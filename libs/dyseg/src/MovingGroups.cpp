@@ -4,11 +4,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "CellGroups.h"
+
 namespace dyslam
 {
 namespace
 {
-constexpr double reach = 104;  // m to each side; the network sees less
+constexpr double margin = 1.6;  // m, so that nothing that is looked at lies on the grid's rim
 constexpr float called_over = 0.5F;
 constexpr float taken_back = 0.4F;
 constexpr float flat = 0.35F;  // m; a patch of three by three cells that spans less is ground
@@ -17,7 +19,6 @@ struct Cell
 {
   int called = 0;
   int doubtful = 0;
-  int group = -1;
   float low = 1e9F;
   float high = -1e9F;
 };
@@ -43,70 +44,35 @@ struct PastViews
   }
 };
 
-/** Joins neighbouring moving cells; gives the number of called points of each group. */
-std::vector<int> joinCells(std::vector<Cell>& cells, int width)
+/** Most of what is doubtful in the cell is called moving, and it is not flat ground. */
+bool moves(const std::vector<Cell>& cells, int width, int cell)
 {
-  const auto at = [&](int i) -> Cell& { return cells[static_cast<std::size_t>(i)]; };
-  const auto moves = [&](int i)
+  const auto at = [&](int i) -> const Cell& { return cells[static_cast<std::size_t>(i)]; };
+  if (at(cell).called == 0 || 2 * at(cell).called <= at(cell).doubtful)
   {
-    const Cell& c = at(i);
-    if (c.called == 0 || 2 * c.called <= c.doubtful)
-    {
-      return false;
-    }
-    float low = c.low;
-    float high = c.high;
-    for (const int row : {i - width, i, i + width})
-    {
-      for (const int next : {row - 1, row, row + 1})
-      {
-        low = std::min(low, at(next).low);
-        high = std::max(high, at(next).high);
-      }
-    }
-    return high - low > flat;
-  };
-  std::vector<int> sizes;
-  std::vector<int> open;
-  for (int seed = 0; seed < static_cast<int>(cells.size()); ++seed)
+    return false;
+  }
+  float low = at(cell).low;
+  float high = at(cell).high;
+  for (const int row : {cell - width, cell, cell + width})
   {
-    if (at(seed).group >= 0 || !moves(seed))
+    for (const int next : {row - 1, row, row + 1})
     {
-      continue;
-    }
-    const int group = static_cast<int>(sizes.size());
-    sizes.push_back(0);
-    at(seed).group = group;
-    open.assign(1, seed);
-    while (!open.empty())
-    {
-      const int cell = open.back();
-      open.pop_back();
-      sizes.back() += at(cell).called;
-      // Cells with points never lie on the rim, so all eight neighbours exist.
-      for (const int row : {cell - width, cell, cell + width})
-      {
-        for (const int next : {row - 1, row, row + 1})
-        {
-          if (at(next).group < 0 && moves(next))
-          {
-            at(next).group = group;
-            open.push_back(next);
-          }
-        }
-      }
+      low = std::min(low, at(next).low);
+      high = std::max(high, at(next).high);
     }
   }
-  return sizes;
+  return high - low > flat;
 }
 }  // namespace
 
 void keepMovingGroups(const std::vector<Eigen::Vector3f>& points,
                       const std::vector<SeenBefore>& seen,
-                      double cell_size,
-                      int min_points,
+                      const MovingGroupsOptions& options,
                       std::vector<float>& probability)
 {
+  const double cell_size = options.cell_size;
+  const double reach = options.reach + margin;
   const int width = 2 * static_cast<int>(std::ceil(reach / cell_size)) + 1;
   std::vector<Cell> cells(static_cast<std::size_t>(width) * static_cast<std::size_t>(width));
   std::vector<int> cell_of(points.size(), -1);
@@ -133,11 +99,21 @@ void keepMovingGroups(const std::vector<Eigen::Vector3f>& points,
     ++cell.doubtful;
     cell.called += probability[i] > called_over ? 1 : 0;
   }
-  const auto sizes = joinCells(cells, width);
+  std::vector<int> group_of(cells.size(), -1);
+  const int groups = joinNeighbours(
+      width, [&](int cell) { return moves(cells, width, cell); }, group_of);
+  std::vector<int> sizes(static_cast<std::size_t>(groups), 0);
+  for (std::size_t i = 0; i < cells.size(); ++i)
+  {
+    if (group_of[i] >= 0)
+    {
+      sizes[static_cast<std::size_t>(group_of[i])] += cells[i].called;
+    }
+  }
   std::vector<PastViews> views(sizes.size());
   for (std::size_t i = 0; i < points.size(); ++i)
   {
-    const int group = cell_of[i] < 0 ? -1 : cells[static_cast<std::size_t>(cell_of[i])].group;
+    const int group = cell_of[i] < 0 ? -1 : group_of[static_cast<std::size_t>(cell_of[i])];
     if (group >= 0 && probability[i] > called_over)
     {
       views[static_cast<std::size_t>(group)].add(seen[i]);
@@ -149,8 +125,8 @@ void keepMovingGroups(const std::vector<Eigen::Vector3f>& points,
     {
       continue;
     }
-    const int group = cells[static_cast<std::size_t>(cell_of[i])].group;
-    if (group < 0 || sizes[static_cast<std::size_t>(group)] < min_points ||
+    const int group = group_of[static_cast<std::size_t>(cell_of[i])];
+    if (group < 0 || sizes[static_cast<std::size_t>(group)] < options.min_points ||
         views[static_cast<std::size_t>(group)].stoodThere(sizes[static_cast<std::size_t>(group)]))
     {
       probability[i] = std::min(probability[i], taken_back);

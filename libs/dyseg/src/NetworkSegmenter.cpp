@@ -21,7 +21,6 @@ constexpr double cells_per_witness = 20;
 constexpr double least_lead = 0.1;        // of the motion voted for over any other
 constexpr double unseen_height = 0.1;     // m
 constexpr double unseen_tilt = 0.01;      // rad
-constexpr double group_cell = 0.6;        // m
 constexpr double predicted_within = 0.2;  // m
 constexpr double lever = 20;              // m, typical distance of a cell
 
@@ -95,7 +94,8 @@ NetworkSegmenter::NetworkSegmenter(const NetworkSegmenterOptions& options)
   validate(options, "dyseg_network");
   impl_ = std::make_unique<Impl>(
       Impl{options,
-           DysegModel(findGivenOrShared(options.weights, "models", ".pt"), options.threads),
+           DysegModel(findGivenOrShared(options.weights, "models", ".pt", "dyseg_network.weights"),
+                      options.threads),
            {},
            {},
            {},
@@ -245,7 +245,10 @@ void NetworkSegmenter::segment(Frame& frame)
               frame.moving_probability);
     }
     shiftTo(s.options.threshold, frame.moving_probability);
-    keepMovingGroups(points, s.seen, group_cell, s.options.min_points, frame.moving_probability);
+    MovingGroupsOptions groups;
+    groups.reach = static_cast<double>(s.model.grid().halfExtent());
+    groups.min_points = s.options.min_points;
+    keepMovingGroups(points, s.seen, groups, frame.moving_probability);
   }
   s.past.push_front({frame.index, encoded, PlanarMotion()});
   if (s.past.size() > static_cast<std::size_t>(std::max(s.options.first_gap, s.options.second_gap)))

@@ -10,10 +10,12 @@ namespace
 {
 using dyslam::SeenBefore;
 
+const dyslam::MovingGroupsOptions groups = {0.6, 102.4, 12};
+
 void keep(const std::vector<Eigen::Vector3f>& points, std::vector<float>& probability)
 {
   const std::vector<SeenBefore> seen(points.size(), SeenBefore::unknown);
-  dyslam::keepMovingGroups(points, seen, 0.6, 12, probability);
+  dyslam::keepMovingGroups(points, seen, groups, probability);
 }
 
 /** An upright post of `count` points above a point of ground. */
@@ -82,7 +84,7 @@ TEST(MovingGroups, WhatStoodThereDoesNotMove)
     std::vector<SeenBefore> seen(points.size(), SeenBefore::unknown);
     std::fill_n(seen.begin() + 1, occupied, SeenBefore::occupied);
     std::fill_n(seen.begin() + 1 + static_cast<std::ptrdiff_t>(occupied), free, SeenBefore::free);
-    dyslam::keepMovingGroups(points, seen, 0.6, 12, probability);
+    dyslam::keepMovingGroups(points, seen, groups, probability);
     return probability[3];
   };
   EXPECT_FLOAT_EQ(after(20, 0), 0.4F);

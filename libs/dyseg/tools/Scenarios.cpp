@@ -14,9 +14,7 @@ namespace
 {
 constexpr int scans = 19;
 constexpr std::size_t first_judged = 10;
-constexpr double period = 0.1;         // s
-constexpr double moving_speed = 0.5;   // m/s
-constexpr double claimed_speed = 0.3;  // m/s: slower ones that do move are not judged
+constexpr double period = 0.1;  // s
 constexpr double half_turn = 3.14159265358979;
 
 /** One body: where it is on its line at a time, in metres from its place at 0 s. */
@@ -77,8 +75,8 @@ void play(const Actor& actor, std::int32_t id, DysegClip& clip)
         ground.heightAt(static_cast<float>(flat.x()), static_cast<float>(flat.y()));
     DysegClip::Object object;
     object.T_sensor_object = poseFromYpr(flat.x(), flat.y(), height, yawPitchRoll(place).x(), 0, 0);
-    object.moving = std::abs(speed) > moving_speed;
-    object.doubtful = !object.moving && std::abs(speed) > claimed_speed;
+    object.moving = std::abs(speed) > moving_over;
+    object.doubtful = !object.moving && std::abs(speed) > cast_moving_over;
     RandomDraws noise(static_cast<std::uint64_t>(id), f);
     const auto hit = castBody(body, object.T_sensor_object, 0.02F, noise, frame.points);
     frame.objects[id] = object;

@@ -28,8 +28,7 @@ namespace
 {
 using namespace dyslam;
 
-constexpr std::size_t simulated_history = 10;      // scans before those judged
-constexpr std::uint64_t unseen_seeds = 900000000;  // the trainer never draws these
+constexpr std::size_t simulated_history = 10;  // scans before those judged
 
 struct Arguments
 {

@@ -127,10 +127,9 @@ LearningLog parseLearningLog(const std::string& text, const std::string& name)
   std::string line;
   std::getline(in, line);
   const auto names = cellsOf(line);
-  double ignored = 0;
-  if (names.size() < 2 || numberOf(names.front(), ignored))
+  if (names.size() < 2 || names.front() != "step")
   {
-    throw UserError(name + ": the first line must name the columns, the step first");
+    throw UserError(name + ": the first column must be `step`; give a log of dyslam-train");
   }
   LearningLog log;
   log.name = name;

@@ -121,6 +121,11 @@ void Panel::drawAxes(const std::string& title,
 
 void Panel::drawCurve(const Curve& curve)
 {
+  if (curve.points.size() == 1)
+  {
+    drawMark(curve.points.front(), curve.colour, false);
+    return;
+  }
   std::vector<cv::Point> line;
   for (const auto& p : curve.points)
   {

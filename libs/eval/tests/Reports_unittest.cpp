@@ -155,8 +155,9 @@ TEST(LearningCurves, RefusesWhatIsNoLog)
       EXPECT_NE(std::string(error.what()).find(part), std::string::npos) << error.what();
     }
   };
-  refused("", "name the columns");
-  refused("20,0.5,1\n40,0.4,1\n", "name the columns");
+  refused("", "must be `step`");
+  refused("20,0.5,1\n40,0.4,1\n", "must be `step`");
+  refused("x,y,z\n1,2,3\n", "must be `step`");
   refused("step,loss\n", "no rows");
   refused("step,loss\n1,2\n2,3,4\n", "row 2 has 3 fields");
   EXPECT_THROW((void)renderLearningCurves(LearningLog()), std::invalid_argument);

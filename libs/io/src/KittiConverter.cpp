@@ -116,6 +116,7 @@ ConversionResult convertKitti(const std::string& input,
   }
   ConversionResult result = out.close();
   result.warnings = layout.warnings;
+  result.pose_source = layout.pose_file;
   return result;
 }
 }  // namespace dyslam

@@ -313,6 +313,7 @@ class LayoutReader
       }
       assign(poses);
     }
+    layout_.pose_file = path;
     warnAboutMissing(path);
   }
 
@@ -348,6 +349,7 @@ class LayoutReader
       throw UserError(calib_path_ + ": has no IMU mounting (Tr_imu_velo), needed for oxts");
     }
     assign(imuToLidarPoses(oxtsPoses(readOxts(path)), calib_.T_velo_imu));
+    layout_.pose_file = path;
     warnAboutMissing(path);
   }
 

@@ -25,6 +25,7 @@ struct KittiLayout
     std::optional<Pose> T_world_lidar;
   };
   std::vector<Entry> entries;
+  std::string pose_file;           //!< that the true poses are from; empty without
   std::vector<LabelledBox> boxes;  //!< lidar frame; LabelledBox::frame is an Entry::number
   std::vector<std::string> warnings;
 };

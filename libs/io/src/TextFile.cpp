@@ -4,10 +4,8 @@
 #include <dyslam/core/Error.h>
 
 #include <array>
-#include <cerrno>
 #include <charconv>
 #include <cmath>
-#include <cstring>
 #include <filesystem>
 #include <limits>
 #include <locale>
@@ -16,26 +14,6 @@
 namespace dyslam
 {
 namespace fs = std::filesystem;
-
-std::ifstream openBinary(const std::string& path)
-{
-  std::error_code error;
-  const auto status = fs::status(path, error);
-  if (!fs::exists(status))
-  {
-    throw UserError(path + ": no such file");
-  }
-  if (fs::is_directory(status))
-  {
-    throw UserError(path + ": is a folder, a file is needed");
-  }
-  std::ifstream file(path, std::ios::binary);
-  if (!file)
-  {
-    throw UserError(path + ": cannot be read: " + std::strerror(errno));
-  }
-  return file;
-}
 
 TextFile::TextFile(const std::string& path, std::string separators)
     : path_(path), separators_(std::move(separators)), file_(openBinary(path))
@@ -157,25 +135,6 @@ void appendFixed(std::string& text, double value, int decimals)
                                  std::chars_format::fixed, decimals)
                        .ptr;
   text.append(buffer.data(), end);
-}
-
-std::string readWhole(const std::string& path)
-{
-  std::ifstream file = openBinary(path);
-  std::ostringstream content;
-  content << file.rdbuf();
-  return content.str();
-}
-
-void makeFolder(const std::string& path)
-{
-  std::error_code error;
-  fs::create_directories(path, error);
-  if (error || !fs::is_directory(path))
-  {
-    throw UserError(path + ": cannot make this folder" +
-                    (error ? ": " + error.message() : std::string(": a file is in the way")));
-  }
 }
 
 std::string numberedName(std::size_t number, const std::string& extension)

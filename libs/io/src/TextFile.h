@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <dyslam/core/Files.h>
+
 #include <cstddef>
 #include <fstream>
 #include <string>
@@ -47,12 +49,6 @@ void appendNumber(std::string& text, double value, int digits);
 /** Appends a number with `decimals` behind the point. */
 void appendFixed(std::string& text, double value, int decimals);
 
-/** Opens a file for reading; tells folders and missing files apart. \throws UserError. */
-[[nodiscard]] std::ifstream openBinary(const std::string& path);
-/** The whole of a file. \throws UserError. */
-[[nodiscard]] std::string readWhole(const std::string& path);
-/** Makes a folder and its parents. \throws UserError. */
-void makeFolder(const std::string& path);
 /** Six digits and an extension: "000042.label". */
 [[nodiscard]] std::string numberedName(std::size_t number, const std::string& extension);
 }  // namespace dyslam

@@ -40,6 +40,18 @@ inline std::vector<std::string> scanFiles(const std::string& folder, std::size_t
   return files;
 }
 
+/** The number of threads that a word asks for. Says so and ends the program where it is none. */
+inline int threadsOf(const char* word)
+{
+  const int threads = std::atoi(word);
+  if (threads < 1)
+  {
+    std::fprintf(stderr, "%s: is no number of threads; give 1 or more\n", word);
+    std::exit(1);
+  }
+  return threads;
+}
+
 inline std::vector<Eigen::Vector3f> readBin(const std::string& path)
 {
   std::ifstream file(path, std::ios::binary);

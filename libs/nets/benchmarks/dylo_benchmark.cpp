@@ -13,11 +13,11 @@ int main(int argc, char** argv)
   dyslam::keepFreedMemory();
   if (argc < 2)
   {
-    std::puts("dylo_benchmark FOLDER [threads] [MODEL]");
+    std::puts("dylo_benchmark FOLDER_OF_BIN_FILES [threads] [MODEL]");
     return 1;
   }
   const auto files = timing::scanFiles(argv[1], 2);
-  torch::set_num_threads(argc > 2 ? std::atoi(argv[2]) : 1);
+  torch::set_num_threads(argc > 2 ? timing::threadsOf(argv[2]) : 1);
   torch::manual_seed(1);
   using namespace dyslam;
   DyloNetwork network = argc > 3 ? loadDylo(argv[3]) : DyloNetwork(DyloNetworkOptions{});

@@ -13,12 +13,12 @@ int main(int argc, char** argv)
   dyslam::keepFreedMemory();
   if (argc < 2)
   {
-    std::puts("dyseg_benchmark FOLDER [threads] [MODEL]");
+    std::puts("dyseg_benchmark FOLDER_OF_BIN_FILES [threads] [MODEL]");
     return 1;
   }
   using namespace dyslam;
   const auto files = timing::scanFiles(argv[1], 11);
-  const int threads = argc > 2 ? std::atoi(argv[2]) : 1;
+  const int threads = argc > 2 ? timing::threadsOf(argv[2]) : 1;
   const DysegModel model = argc > 3 ? DysegModel(argv[3], threads)
                                     : DysegModel(DysegNetworkOptions{}, BevOptions{}, 1, threads);
   const auto points = timing::readBin(files.at(10));

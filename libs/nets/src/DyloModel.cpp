@@ -3,6 +3,7 @@
 #include <dyslam/core/Error.h>
 #include <dyslam/nets/DyloModel.h>
 #include <dyslam/nets/SaveArchive.h>
+#include <dyslam/nets/WeightsChecksum.h>
 
 #include <filesystem>
 
@@ -21,6 +22,7 @@ void saveDylo(DyloNetwork& network, const std::string& path)
   archive.write("dyslam_dylo_version", torch::IValue(static_cast<std::int64_t>(1)));
   archive.write("options", torch::IValue(config.toIni()));
   network->save(archive);
+  writeChecksum(checksumOf(*network), archive);
   saveArchive(archive, path);
 }
 
@@ -54,7 +56,7 @@ DyloNetwork loadDylo(const std::string& path)
     archive.load_from(path);
     if (!archive.try_read("dyslam_dylo_version", version) || !archive.try_read("options", text))
     {
-      throw UserError(path + ": is no DyLO model");
+      throw UserError(path + ": is no DyLO model; give a dylo.pt made by dyslam-train dylo");
     }
   }
   catch (const UserError&)
@@ -63,7 +65,8 @@ DyloNetwork loadDylo(const std::string& path)
   }
   catch (const std::exception&)
   {
-    throw UserError(path + ": is no DyLO model or is damaged");
+    throw UserError(path +
+                    ": is no DyLO model or is damaged; give a dylo.pt made by dyslam-train dylo");
   }
   if (version.toInt() != 1)
   {
@@ -81,6 +84,7 @@ DyloNetwork loadDylo(const std::string& path)
   {
     throw UserError(path + ": its weights do not fit the network of this program; train it anew");
   }
+  requireUndamaged(*network, archive, path);
   return network;
 }
 }  // namespace dyslam

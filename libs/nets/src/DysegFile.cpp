@@ -2,6 +2,7 @@
 #include <dyslam/core/Error.h>
 #include <dyslam/nets/DysegFile.h>
 #include <dyslam/nets/SaveArchive.h>
+#include <dyslam/nets/WeightsChecksum.h>
 
 #include <filesystem>
 
@@ -50,6 +51,7 @@ void saveDyseg(const DysegNetwork& network, const std::string& file)
   {
     archive.write("weights." + p.key(), p.value().cpu().contiguous().to(torch::kFloat16));
   }
+  writeChecksum(checksumOf(*network.net, torch::kFloat16), archive);
   saveArchive(archive, file);
 }
 
@@ -73,7 +75,8 @@ DysegNetwork loadDyseg(const std::string& file)
     archive.read("grid", grid);
     if (found.toStringRef() != kind || shape[0].item<std::int64_t>() != version)
     {
-      throw UserError(file + ": weights of another network or version");
+      throw UserError(
+          file + ": weights of another network or version; give a dyseg.pt of this one's training");
     }
     network.net = DysegNet(optionsOf(shape));
     network.grid.cells = static_cast<int>(grid[0].item<double>());
@@ -87,6 +90,7 @@ DysegNetwork loadDyseg(const std::string& file)
       TORCH_CHECK(value.sizes() == p.value().sizes(), "shape of ", p.key());
       p.value().copy_(value);
     }
+    requireUndamaged(*network.net, archive, file);
   }
   catch (const UserError&)
   {

@@ -36,8 +36,8 @@ struct ImagePlace
   }
   [[nodiscard]] std::int64_t col(std::int64_t cols) const
   {
-    return std::clamp<std::int64_t>(static_cast<std::int64_t>(turn * static_cast<float>(cols)), 0,
-                                    cols - 1);
+    return std::clamp<std::int64_t>(
+        static_cast<std::int64_t>(std::max(0.F, turn * static_cast<float>(cols))), 0, cols - 1);
   }
 };
 
@@ -83,11 +83,11 @@ Neighbours nearestInWindow(const torch::Tensor& points,
             std::vector<std::pair<float, std::int64_t>> found;
             for (std::int64_t i = begin; i < end; ++i)
             {
-              if (p_valid[i] == 0)
+              const Eigen::Vector3f p = pointAt(p_data, i);
+              if (p_valid[i] == 0 || !p.allFinite())
               {
                 continue;
               }
-              const Eigen::Vector3f p = pointAt(p_data, i);
               const ImagePlace place(p, row_of_slope);
               const std::int64_t row0 = place.row * grid.rows / scan.rows;
               const std::int64_t col0 = place.col(grid.cols);
@@ -366,11 +366,11 @@ Surfaces surfacesAround(const torch::Tensor& warped,
           {
             for (std::int64_t i = begin; i < end; ++i)
             {
-              if (p_valid[i] == 0)
+              const Eigen::Vector3f p = pointAt(p_data, i);
+              if (p_valid[i] == 0 || !p.allFinite())
               {
                 continue;
               }
-              const Eigen::Vector3f p = pointAt(p_data, i);
               const Surface s = surfaceAround(p, image);
               const Eigen::Vector3f y = p + s.toward;
               Eigen::Map<Eigen::Vector3f>(normal + 3 * i) = s.normal;

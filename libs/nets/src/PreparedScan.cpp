@@ -11,6 +11,8 @@ namespace dyslam
 {
 namespace
 {
+constexpr float min_range = 1.5F;  // m
+constexpr float max_range = 100;   // m
 constexpr float pi = 3.14159265F;
 
 /** Edges of beam rows found from how often each slope occurs. */
@@ -221,10 +223,11 @@ int imageColumn(float x, float y, int cols)
 int slopeBin(float slope)
 {
   const float bin = (slope + 1) * (PreparedScan::slope_bins / 2);
-  return static_cast<int>(std::clamp(bin, 0.F, PreparedScan::slope_bins - 1.F));
+  // In this order NaN becomes 0.
+  return static_cast<int>(std::min(std::max(0.F, bin), PreparedScan::slope_bins - 1.F));
 }
 
-PreparedScan prepareScan(const std::vector<Eigen::Vector3f>& points, const PrepareLimits& limits)
+PreparedScan prepareScan(const std::vector<Eigen::Vector3f>& points)
 {
   PreparedScan scan;
   std::vector<std::int16_t> bins(points.size(), -1);
@@ -234,8 +237,7 @@ PreparedScan prepareScan(const std::vector<Eigen::Vector3f>& points, const Prepa
   {
     const Eigen::Vector3f& p = points[i];
     const float range2 = p.squaredNorm();
-    if (!(range2 >= limits.min_range * limits.min_range) ||
-        !(range2 <= limits.max_range * limits.max_range))
+    if (!(range2 >= min_range * min_range) || !(range2 <= max_range * max_range))
     {
       continue;  // also NaN and infinite
     }

@@ -116,17 +116,14 @@ RigidFlowFit fitRigidFlow(const std::vector<Eigen::Vector2f>& places,
     left -= current <= width ? 1 : 0;
     current = std::max(width, shrink * current);
   }
-  double total = 0;
   double in = 0;
   double squares = 0;
   for (std::size_t i = 0; i < places.size(); ++i)
   {
     const double w = weights[i];
-    total += w;
     in += w * fit.inlier[i];
     squares += w * fit.inlier[i] * (fit.motion.flowAt(places[i]) - flow[i]).squaredNorm();
   }
-  fit.support = in / total;
   fit.rmse = in > 0 ? std::sqrt(squares / in) : 0;
   fit.converged = in > 0;
   return fit;

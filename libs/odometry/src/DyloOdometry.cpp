@@ -19,7 +19,7 @@ constexpr std::size_t fewest_matches = 50;
 
 DyloOdometry::DyloOdometry(const DyloOptions& options)
     : options_(options),
-      matcher_(findGivenOrShared(options.weights, "models", ".pt"), options.threads)
+      matcher_(findGivenOrShared(options.weights, "models", ".pt", "dylo.weights"), options.threads)
 {
 }
 

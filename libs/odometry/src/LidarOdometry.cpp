@@ -44,6 +44,13 @@ std::unique_ptr<LidarOdometry> makeOdometry(const std::string& method,
                                             ConfigLoader& loader,
                                             ThreadPool& pool)
 {
+  // Every method's section is known, whichever is chosen: one ini serves all.
+  const auto po2po = loader.get<IcpPointToPointOptions>("icp_po2po");
+  const auto po2pl = loader.get<IcpOptions>("icp_po2pl");
+  const auto gicp = loader.get<GicpOptions>("gicp");
+  const auto loam = loader.get<LoamOptions>("loam");
+  const auto loam_no_mapping = loader.get<LoamOptions>("loam_no_mapping");
+  const auto dylo = loader.get<DyloOptions>("dylo");
   if (method == "constant_velocity")
   {
     return std::make_unique<SimpleOdometry>(SimpleOdometry::Kind::constant_velocity);
@@ -54,25 +61,27 @@ std::unique_ptr<LidarOdometry> makeOdometry(const std::string& method,
   }
   if (method == "icp_po2po")
   {
-    return std::make_unique<IcpOdometry>(IcpOdometry::Residual::point_to_point,
-                                         loader.get<IcpPointToPointOptions>(method), pool);
+    return std::make_unique<IcpOdometry>(IcpOdometry::Residual::point_to_point, po2po, pool);
   }
   if (method == "icp_po2pl")
   {
-    return std::make_unique<IcpOdometry>(IcpOdometry::Residual::point_to_plane,
-                                         loader.get<IcpOptions>(method), pool);
+    return std::make_unique<IcpOdometry>(IcpOdometry::Residual::point_to_plane, po2pl, pool);
   }
   if (method == "gicp")
   {
-    return std::make_unique<GicpOdometry>(loader.get<GicpOptions>(method), pool);
+    return std::make_unique<GicpOdometry>(gicp, pool);
   }
-  if (method == "loam" || method == "loam_no_mapping")
+  if (method == "loam")
   {
-    return std::make_unique<LoamOdometry>(method == "loam", loader.get<LoamOptions>(method), pool);
+    return std::make_unique<LoamOdometry>(true, loam, pool);
+  }
+  if (method == "loam_no_mapping")
+  {
+    return std::make_unique<LoamOdometry>(false, loam_no_mapping, pool);
   }
   if (method == "dylo")
   {
-    return makeDylo(loader.get<DyloOptions>(method));
+    return makeDylo(dylo);
   }
   const std::string nearest = nearestWord(method, odometryMethods());
   throw UserError("odometry.method: unknown method '" + method + "'" +

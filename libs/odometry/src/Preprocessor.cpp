@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/Error.h>
 #include <dyslam/odometry/Preprocessor.h>
 
 #include <cmath>
@@ -32,6 +33,12 @@ Preprocessor::Preprocessor(const PreprocessOptions& options, ThreadPool& pool)
     : options_(options), pool_(pool)
 {
   validate(options_, "preprocess");
+  if (options_.min_range >= options_.max_range)
+  {
+    throw UserError(
+        "[preprocess] min_range and max_range: leave nothing in between; lower the one "
+        "or raise the other");
+  }
 }
 
 Cloud Preprocessor::prepare(const Scan& scan, const Pose& T_previous_current, double dt) const

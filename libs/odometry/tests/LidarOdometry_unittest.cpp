@@ -2,9 +2,9 @@
 // One contract for every odometry method.
 #include <dyslam/core/Error.h>
 #include <dyslam/odometry/LidarOdometry.h>
-#include <Eigen/Eigenvalues>
 #include <gtest/gtest.h>
 
+#include <Eigen/Eigenvalues>
 #include <cctype>
 
 #include "TestScene.h"
@@ -250,14 +250,19 @@ TEST(MakeOdometry, NamesTheNearestMethod)
   }
 }
 
-TEST(MakeOdometry, OptionsComeFromTheSectionOfItsName)
+/** One ini serves all methods, and is checked whole. */
+TEST(MakeOdometry, SectionsOfOtherMethodsAreKnown)
 {
   ThreadPool pool(1);
   Config config;
-  config.set("icp_po2pl.sample_size=-3");
+  config.set("icp_po2pl.sample_size=0.5");
+  config.set("dylo.threads=2");
   ConfigLoader loader(config);
   EXPECT_NO_THROW(makeOdometry("icp_po2po", loader, pool));
-  EXPECT_THROW(makeOdometry("icp_po2pl", loader, pool), UserError);
+  EXPECT_NO_THROW(loader.requireAllUsed());
+  config.set("icp_po2pl.sample_size=-3");
+  ConfigLoader wrong(config);
+  EXPECT_THROW(makeOdometry("icp_po2po", wrong, pool), UserError);
 }
 }  // namespace
 }  // namespace dyslam

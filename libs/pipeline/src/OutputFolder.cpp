@@ -2,6 +2,7 @@
 #include "OutputFolder.h"
 
 #include <dyslam/core/Error.h>
+#include <dyslam/core/Files.h>
 
 #include <algorithm>
 #include <array>
@@ -17,12 +18,12 @@ namespace dyslam
 namespace
 {
 /** report.json goes first: a folder that has it is whole. */
-constexpr std::array<const char*, 17> run_files = {
+constexpr std::array<const char*, 18> run_files = {
     "report.json",          "effective.ini",     "odometry_tum.txt",    "trajectory_tum.txt",
     "trajectory_kitti.txt", "reference_tum.txt", "trajectory.png",      "tracks.csv",
     "tracks.txt",           "graph.graph",       "graph.g2o",           "map_static.pcd",
     "map_static.ply",       "map.3Dscene",       "keyframes.simplemap", "replay.rawlog",
-    "static_scans.rawlog"};
+    "static_scans.rawlog",  "scans.csv"};
 
 struct NumberedFiles
 {
@@ -55,13 +56,7 @@ std::vector<fs::path> filesIn(const fs::path& folder)
 void prepareOutputFolder(const std::string& folder, const std::string& input)
 {
   const fs::path base = folder;
-  std::error_code error;
-  fs::create_directories(base, error);
-  if (error || !fs::is_directory(base))
-  {
-    throw UserError(folder + ": the output folder cannot be made (" + error.message() +
-                    "); choose another --output");
-  }
+  makeFolder(folder, "choose another --output");
   for (const char* name : run_files)
   {
     std::error_code ignored;

@@ -109,6 +109,8 @@ struct Pipeline::Stages
    * weighs its motion against the prediction is heeded only where they agree: beyond that it tells
    * less than the prediction does. */
   [[nodiscard]] bool heeds(const Pose& T_odom_found, double dt, const PosePrior& prior) const;
+  /** How often the first scans left open which motion is the world's. */
+  void countVote();
   void estimateMotion(Frame& frame, double dt);
   /** As long as nothing can be seen to move, what looks as if it could does not count. */
   void weighByLooks(Frame& frame) const;
@@ -130,6 +132,8 @@ struct Pipeline::Stages
   StaticMap map;
 
   int scans = 0;  //!< before the one at hand
+  int votes = 0;  //!< motions of the static world that the segmenter told in a run's first scans
+  int unclear_votes = 0;
   double last_stamp = 0;
   Pose T_odom_last = Pose::Identity();
 };
@@ -161,6 +165,7 @@ void Pipeline::process(Frame& frame)
   {
     const CTimeLoggerEntry timed(s.times, "dyseg");
     s.segmenter->segment(frame);
+    s.countVote();
   }
   s.estimateMotion(frame, dt);
   if (s.segmenter && s.segmenter->needsPose())
@@ -199,6 +204,15 @@ const MotionEstimate* Pipeline::Stages::staticMotion(double dt, const PosePrior&
   return prior.deviationsTo(T_odom_seen, seen_deviation, seen_turn) < farthest ? seen : nullptr;
 }
 
+void Pipeline::Stages::countVote()
+{
+  if (scans > 0 && segmenter->staticLikelihood() != nullptr)
+  {
+    ++votes;
+    unclear_votes += segmenter->staticMotion() == nullptr ? 1 : 0;
+  }
+}
+
 bool Pipeline::Stages::heeds(const Pose& T_odom_found, double dt, const PosePrior& prior) const
 {
   return dt > 0 && odometry->joinsPrediction()
@@ -232,6 +246,7 @@ void Pipeline::Stages::estimateMotion(Frame& frame, double dt)
     const Pose T_odom_found = T_odom_last * frame.odometry.T_previous_current;
     believable =
         frame.odometry.converged && (!refining || (!started && heeds(T_odom_found, dt, prior)));
+    frame.odometry_heeded = believable;
     frame.static_confidence = believable ? odometry->staticConfidence() : std::vector<float>();
     weighByLooks(frame);
   }
@@ -350,13 +365,23 @@ std::string Pipeline::summary() const
 std::vector<std::string> Pipeline::warnings() const
 {
   const Stages& s = *stages_;
+  std::vector<std::string> warnings;
   if (s.refine_options.method == RefineMethod::none &&
       s.odometry_options.method == "constant_velocity")
   {
-    return {
+    warnings.emplace_back(
         "nothing measures the motion: odometry.method=constant_velocity only predicts it, and "
-        "refine.method is none; change one of them"};
+        "refine.method is none; change one of them");
   }
-  return {};
+  constexpr int fewest_votes = 4;
+  if (s.odometry_options.start_speed == 0 && s.votes >= fewest_votes &&
+      2 * s.unclear_votes >= s.votes)
+  {
+    warnings.emplace_back(
+        "the first scans leave open how fast the recording begins; if its speed there is known, "
+        "set "
+        "odometry.start_speed");
+  }
+  return warnings;
 }
 }  // namespace dyslam

@@ -4,6 +4,7 @@
 #include <dyslam/backend/Backend.h>
 #include <dyslam/core/BoxOverlap.h>
 #include <dyslam/core/Error.h>
+#include <dyslam/core/Files.h>
 #include <dyslam/core/MovingPoints.h>
 #include <dyslam/core/PendingFile.h>
 #include <dyslam/core/VoxelGrid.h>
@@ -16,6 +17,7 @@
 #include <dyslam/mapping/MapExport.h>
 #include <dyslam/mapping/StaticMap.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
@@ -39,6 +41,12 @@ std::string tumLine(double stamp, const Pose& pose)
   std::snprintf(text, sizeof text, "%.9f %.12g %.12g %.12g %.12g %.12g %.12g %.12g\n", stamp, t.x(),
                 t.y(), t.z(), q.x(), q.y(), q.z(), q.w());
   return text;
+}
+
+/** A field of a CSV file. */
+std::string quoted(const std::string& text)
+{
+  return text.find_first_of(",\"\n") == std::string::npos ? text : '"' + text + '"';
 }
 
 std::string numbered(std::size_t number, const std::string& ending)
@@ -122,13 +130,17 @@ RunOutputs::RunOutputs(const SlamRunSettings& settings,
   tracks_csv_ = opened(path("tracks.csv"));
   tracks_csv_ << "frame,stamp,id,class,x,y,z,length,width,height,yaw,vx,vy,vz,speed,dynamic,"
                  "observed,score\n";
+  scans_csv_ = opened(path("scans.csv"));
+  scans_csv_ << "frame,stamp,points,moving_points,odometry_converged,odometry_heeded,"
+                "odometry_inliers,odometry_rmse,odometry_reason,registered,inliers,rmse,reason,"
+                "forward,turn_deg,keyframe\n";
   if (labels_)
   {
-    fs::create_directories(path("labels"));
+    makeFolder(path("labels"));
   }
   if (static_scans_)
   {
-    fs::create_directories(path("static_scans"));
+    makeFolder(path("static_scans"));
     static_rawlog_ = std::make_unique<RawlogWriter>(path("static_scans.rawlog"));
   }
   if (options_.replay)
@@ -154,6 +166,7 @@ void RunOutputs::add(Frame frame, const Pipeline& pipeline)
     reference_.push_back(frame.scan.stamp, *frame.T_world_vehicle_truth);
   }
   addTracks(frame, pipeline);
+  addScan(frame);
   if (!labels_ && !static_scans_ && !replay_)
   {
     return;
@@ -215,6 +228,26 @@ void RunOutputs::addTracks(const Frame& frame, const Pipeline& pipeline)
         object.observed ? 1 : 0, object.score);
     tracks_csv_ << text;
   }
+}
+
+void RunOutputs::addScan(const Frame& frame)
+{
+  const std::vector<bool> moving = likelyMoving(frame, moving_threshold);
+  const MotionEstimate& odometry = frame.odometry;
+  const MotionEstimate& refined = frame.refined;
+  const Pose& step = refined.T_previous_current;
+  char numbers[160];
+  std::snprintf(numbers, sizeof numbers, "%zu,%.9f,%zu,%td,%d,%d,%zu,%.4f,", frame.index,
+                frame.scan.stamp, frame.cloud.size(),
+                std::count(moving.begin(), moving.end(), true), odometry.converged ? 1 : 0,
+                frame.odometry_heeded ? 1 : 0, odometry.inliers, odometry.rmse);
+  scans_csv_ << numbers << quoted(odometry.reason);
+  std::snprintf(numbers, sizeof numbers, ",%d,%zu,%.4f,", refined.converged ? 1 : 0,
+                refined.inliers, refined.rmse);
+  scans_csv_ << numbers << quoted(refined.reason);
+  std::snprintf(numbers, sizeof numbers, ",%.4f,%.4f,%d\n", step.translation().x(),
+                rotationAngle(step) * 180 / 3.14159265358979323846, frame.is_keyframe ? 1 : 0);
+  scans_csv_ << numbers;
 }
 
 std::vector<Label> RunOutputs::labelsOf(const Frame& frame)
@@ -293,8 +326,9 @@ void RunOutputs::finish(const Pipeline& pipeline)
     writePlot(trajectory);
   }
   tracks_csv_.close();
+  scans_csv_.close();
   odometry_.close();
-  if (!tracks_csv_ || !odometry_)
+  if (!tracks_csv_ || !scans_csv_ || !odometry_)
   {
     throw UserError(folder_ + ": not everything could be written; is the disk full?");
   }
@@ -404,6 +438,7 @@ void RunOutputs::writeReport(SlamRunReport& report, const std::map<std::string, 
   json.add("method", report.method);
   json.add("frames", report.frames);
   json.add("unconverged", report.unconverged);
+  json.add("odometry_failed", report.odometry_failed);
   json.add("keyframes", report.keyframes);
   json.add("loops", report.loops);
   json.add("tracks", report.tracks);

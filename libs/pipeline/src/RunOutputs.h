@@ -71,6 +71,8 @@ class RunOutputs
 
   [[nodiscard]] std::string path(const std::string& name);
   void addTracks(const Frame& frame, const Pipeline& pipeline);
+  /** What became of a scan: the row of scans.csv. */
+  void addScan(const Frame& frame);
   /** SemanticKITTI's label of every point of the frame's scan. */
   [[nodiscard]] static std::vector<Label> labelsOf(const Frame& frame);
   void writeStaticScan(const Frame& frame, const std::vector<Label>& labels);
@@ -88,6 +90,7 @@ class RunOutputs
   std::vector<std::string> files_;
   std::ofstream odometry_;
   std::ofstream tracks_csv_;
+  std::ofstream scans_csv_;
   Trajectory reference_;  //!< ground truth in the map frame
   std::vector<LabelledBox> tracks_;
   std::vector<Pose> T_odom_vehicle_;  //!< of every frame

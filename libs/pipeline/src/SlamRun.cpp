@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cctype>
 #include <fstream>
 #include <map>
 
@@ -58,10 +59,45 @@ double shareOf(std::size_t frames, int only_first_n)
   return only_first_n > 0 ? static_cast<double>(frames) / only_first_n : 0;
 }
 
+/** Why scans failed, reasons that differ in their numbers counted together. */
+class Reasons
+{
+ public:
+  void add(const std::string& reason)
+  {
+    std::string kind = reason;
+    std::replace_if(
+        kind.begin(), kind.end(), [](unsigned char c) { return std::isdigit(c) != 0; }, '0');
+    auto& [count, example] = kinds_[kind];
+    ++count;
+    example = reason;
+    ++total_;
+  }
+  [[nodiscard]] std::size_t total() const { return total_; }
+  [[nodiscard]] std::string commonest() const
+  {
+    const auto most = std::max_element(kinds_.begin(), kinds_.end(),
+                                       [](const auto& a, const auto& b)
+                                       { return a.second.first < b.second.first; });
+    return most == kinds_.end() ? "" : most->second.second;
+  }
+
+ private:
+  std::map<std::string, std::pair<std::size_t, std::string>> kinds_;
+  std::size_t total_ = 0;
+};
+
 /** Runs that are worth a second look, though nothing failed. */
-void warnOfDoubts(SlamRunReport& report)
+void warnOfDoubts(const Reasons& odometry_failures, SlamRunReport& report)
 {
   constexpr double many = 0.2;  // of all scans
+  if (static_cast<double>(odometry_failures.total()) > many * static_cast<double>(report.frames))
+  {
+    report.warnings.push_back(
+        "odometry.method found no motion on " + std::to_string(odometry_failures.total()) + " of " +
+        std::to_string(report.frames) +
+        " scans, most often because: " + odometry_failures.commonest() + " (scans.csv tells each)");
+  }
   const auto lost = static_cast<double>(report.unconverged);
   if (lost > many * static_cast<double>(report.frames))
   {
@@ -94,6 +130,7 @@ SlamRunReport runSlam(const SlamRunSettings& settings,
 
   std::size_t frames = 0;
   std::size_t unconverged = 0;
+  Reasons odometry_failures;
   std::string damage;
   try
   {
@@ -110,6 +147,10 @@ SlamRunReport runSlam(const SlamRunSettings& settings,
       pipeline.process(*frame);
       ++frames;
       unconverged += frame->refined.converged ? 0 : 1;
+      if (!frame->odometry.converged)
+      {
+        odometry_failures.add(frame->odometry.reason);
+      }
       outputs.add(std::move(*frame), pipeline);
       if (on_frame)
       {
@@ -134,7 +175,8 @@ SlamRunReport runSlam(const SlamRunSettings& settings,
   outputs.finish(pipeline);
   SlamRunReport report = summaryOf(pipeline, source, frames);
   report.unconverged = unconverged;
-  warnOfDoubts(report);
+  report.odometry_failed = odometry_failures.total();
+  warnOfDoubts(odometry_failures, report);
   const auto stage_ms = stageMilliseconds(times, frames);
   for (const auto& [stage, ms] : stage_ms)
   {

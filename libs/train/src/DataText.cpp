@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/Error.h>
+#include <dyslam/core/PendingFile.h>
 #include <dyslam/train/DataText.h>
 
 #include <algorithm>
 #include <cstdlib>
+#include <fstream>
 #include <sstream>
 #include <stdexcept>
 
@@ -49,6 +51,22 @@ int wholeNumberOf(const std::string& text)
     throw std::invalid_argument(text);
   }
   return number;
+}
+
+void beginLog(const std::string& file, const std::string& header, long long last_step)
+{
+  std::string kept = header + '\n';
+  std::ifstream before(file);
+  std::string line;
+  for (bool first = true; std::getline(before, line); first = false)
+  {
+    if (!first && std::atoll(line.c_str()) <= last_step)
+    {
+      kept += line + '\n';
+    }
+  }
+  before.close();
+  writeWhole(file, kept);
 }
 
 std::string dataFolder(const std::string& folder, const std::string& field)

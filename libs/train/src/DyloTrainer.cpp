@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/Error.h>
+#include <dyslam/core/Files.h>
 #include <dyslam/core/PendingFile.h>
 #include <dyslam/nets/DyloModel.h>
 #include <dyslam/nets/SaveArchive.h>
@@ -122,6 +123,16 @@ Pose drawStart(const Pose& truth, double guessed_starts, std::uint64_t seed, std
                              draws.normal(0.3 * radians), draws.normal(0.3 * radians));
 }
 
+std::vector<std::vector<std::int64_t>> shapesOf(const torch::nn::Module& network)
+{
+  std::vector<std::vector<std::int64_t>> shapes;
+  for (const torch::Tensor& parameter : network.parameters())
+  {
+    shapes.push_back(parameter.sizes().vec());
+  }
+  return shapes;
+}
+
 class Trainer
 {
  public:
@@ -186,8 +197,11 @@ Trainer::Trainer(const Config& config, const DyloTrainRequest& request)
   optimizer_ = std::make_unique<torch::optim::Adam>(
       parameters, torch::optim::AdamOptions(options_.learning_rate).betas({0.9, 0.999}));
 
-  std::filesystem::create_directories(request.output);
-  if (request.resume || request.validate_only)
+  if (request.validate_only && !request.start.empty())
+  {
+    startFrom(request.start);
+  }
+  else if (request.resume || request.validate_only)
   {
     load(request.output + "/checkpoint.pt", false);
   }
@@ -199,6 +213,10 @@ Trainer::Trainer(const Config& config, const DyloTrainRequest& request)
   else if (!request.start.empty())
   {
     startFrom(request.start);
+  }
+  if (!request.validate_only)
+  {
+    makeFolder(request.output, "choose another --output");
   }
   if (!request.blend.empty())
   {
@@ -271,6 +289,12 @@ void Trainer::run()
     save();
     return;
   }
+  beginLog(request_.output + "/log.csv",
+           "step,learning_rate,loss,pose,flow,precision,moving,answer,gradient,first_stage_m,"
+           "last_stage_m",
+           step_);
+  beginLog(request_.output + "/validation.csv",
+           "step,recording,start,t_mean_m,t_rmse_m,r_mean_deg,r_rmse_deg,forward_ratio", step_);
   auto saved = Clock::now();
   request_.report("training on: " + source_->name());
   while (step_ < options_.steps)
@@ -322,14 +346,7 @@ void Trainer::log(const DyloLossImpl::Terms& terms, double gradient)
   {
     return;
   }
-  const std::string file = request_.output + "/log.csv";
-  const bool fresh = !std::filesystem::exists(file);
-  std::ofstream csv(file, std::ios::app);
-  if (fresh)
-  {
-    csv << "step,learning_rate,loss,pose,flow,precision,moving,answer,gradient,first_stage_m,last_"
-           "stage_m\n";
-  }
+  std::ofstream csv(request_.output + "/log.csv", std::ios::app);
   csv << step_ << ',' << learningRate() << ',' << terms.total.item<double>() << ','
       << terms.pose.item<double>() << ',' << terms.flow.item<double>() << ','
       << terms.precision.item<double>() << ',' << terms.moving.item<double>() << ','
@@ -356,7 +373,7 @@ void Trainer::validate()
   }
   if (!request_.mask_folder.empty())
   {
-    std::filesystem::create_directories(request_.mask_folder);
+    makeFolder(request_.mask_folder);
   }
   const auto rows = validateDylo(network_, validation_, device_, request_.mask_folder);
   request_.report("validation at step " + std::to_string(step_) + "\n" + validationTable(rows));
@@ -364,13 +381,7 @@ void Trainer::validate()
   {
     return;
   }
-  const std::string file = request_.output + "/validation.csv";
-  const bool fresh = !std::filesystem::exists(file);
-  std::ofstream csv(file, std::ios::app);
-  if (fresh)
-  {
-    csv << "step,recording,start,t_mean_m,t_rmse_m,r_mean_deg,r_rmse_deg,forward_ratio\n";
-  }
+  std::ofstream csv(request_.output + "/validation.csv", std::ios::app);
   for (const ValidationRow& row : rows)
   {
     for (const bool predicted : {false, true})
@@ -444,7 +455,12 @@ void Trainer::load(const std::string& path, bool weights_only)
     archive.read("network", network);
     archive.read("loss", loss);
     archive.read("optimizer", optimizer);
+    const std::vector<std::vector<std::int64_t>> shapes = shapesOf(*network_);
     network_->load(network);
+    if (shapesOf(*network_) != shapes)
+    {
+      throw std::invalid_argument("weights of another width");  // torch takes their shape over
+    }
     loss_->load(loss);
     if (weights_only)
     {

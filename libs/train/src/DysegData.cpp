@@ -14,7 +14,6 @@ namespace
 {
 const Eigen::Vector2f no_flow = Eigen::Vector2f::Constant(std::numeric_limits<float>::quiet_NaN());
 constexpr double pi = 3.14159265358979323846;
-constexpr double claimed_speed = 0.3;  // m/s: slower bodies are neither moving nor static
 
 Eigen::Vector2f flowOf(const Eigen::Isometry3f& motion, const Eigen::Vector3f& p)
 {
@@ -255,9 +254,9 @@ void castOne(const DysegAugmentOptions& options,
   castBody(body, T_then, noise, draws, sample.past);
   const Eigen::Isometry3f flow =
       (motion.moving ? T_then * T_now.inverse() : sample.T_past_current).cast<float>();
-  const auto label = !motion.moving                 ? DysegSample::static_point
-                     : motion.speed < claimed_speed ? DysegSample::ignored_point
-                                                    : DysegSample::moving_point;
+  const auto label = !motion.moving                    ? DysegSample::static_point
+                     : motion.speed < cast_moving_over ? DysegSample::ignored_point
+                                                       : DysegSample::moving_point;
   for (const auto i : on_body)
   {
     sample.label[i] = label;

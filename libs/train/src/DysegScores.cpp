@@ -44,10 +44,7 @@ void DysegScores::add(const DysegScores& o)
   pairs += o.pairs;
 }
 
-DysegScores scorePair(const DysegModel& model,
-                      const DysegSample& sample,
-                      int iterations,
-                      float threshold)
+DysegScores scorePair(const DysegModel& model, const DysegSample& sample, int iterations)
 {
   const auto current = model.encode(sample.current);
   const auto past = model.encode(sample.past);
@@ -60,7 +57,7 @@ DysegScores scorePair(const DysegModel& model,
       continue;
     }
     const bool moves = sample.label[i] == DysegSample::moving_point;
-    const bool called = result.moving_probability[i] > threshold;
+    const bool called = result.moving_probability[i] > 0.5F;
     s.hits += moves && called ? 1 : 0;
     s.alarms += !moves && called ? 1 : 0;
     s.misses += moves && !called ? 1 : 0;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/Error.h>
+#include <dyslam/core/Files.h>
 #include <dyslam/core/Labels.h>
 #include <dyslam/core/Scan.h>
 #include <dyslam/sim/Simulator.h>
@@ -25,7 +26,6 @@ std::string numbered(const std::string& folder, std::size_t number, const char* 
 struct BoxLine
 {
   std::int32_t id = 0;
-  std::string type;
   Eigen::Vector3d centre;
   Eigen::Vector3d size;
   double yaw = 0;
@@ -62,8 +62,6 @@ BoxLine parseBox(const std::string& text, std::size_t& at)
   // One object's text may name its parts in any order, all before the next object's id.
   BoxLine box;
   box.id = std::stoi(valueAfter(text, "obj_id", at));
-  std::size_t type_at = at;
-  box.type = valueAfter(text, "obj_type", type_at);
   box.centre = tripleAfter(text, "position", at);
   box.size = tripleAfter(text, "scale", at);
   box.yaw = tripleAfter(text, "rotation", at).z();
@@ -73,7 +71,7 @@ BoxLine parseBox(const std::string& text, std::size_t& at)
 /** The boxes of one SUSTechPOINTS file. */
 std::vector<BoxLine> readBoxes(const std::string& file)
 {
-  const std::string text = readFile(file);
+  const std::string text = readWhole(file, "check the folder of the training data");
   std::vector<BoxLine> boxes;
   try
   {
@@ -121,8 +119,6 @@ void claimPoints(const BoxLine& box, bool moving, DysegClip::Frame& frame)
 }
 
 constexpr std::size_t speed_window = 3;  // frames to each side
-constexpr double moving_over = 0.5;      // m/s
-constexpr double standing_under = 0.25;  // m/s
 // Parked motorcycles of vls128_run88, whose boxes of one frame were copied to others as they stood
 // relative to the sensor.
 constexpr std::int32_t first_parked = 500;

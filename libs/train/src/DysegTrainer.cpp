@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/Error.h>
+#include <dyslam/core/Files.h>
 #include <dyslam/nets/DysegFile.h>
 #include <dyslam/nets/DysegModel.h>
 #include <dyslam/nets/SaveArchive.h>
 #include <dyslam/nets/Threads.h>
 #include <dyslam/train/BlendWeights.h>
+#include <dyslam/train/DataText.h>
 #include <dyslam/train/DysegLosses.h>
 #include <dyslam/train/DysegScores.h>
 #include <dyslam/train/DysegTrainer.h>
@@ -34,18 +36,6 @@ constexpr double last_rate = 0.02;
 constexpr double mean_decay = 0.998;
 constexpr const char* score_names =
     "set,iou,precision,recall,epe_static_m,epe_moving_m,own_motion_m,own_motion_rad";
-
-/** A CSV file to go on with; a new one gets its header. */
-std::ofstream openLog(const std::string& file, const char* header)
-{
-  const bool begun = fs::exists(file) && fs::file_size(file) > 0;
-  std::ofstream csv(file, std::ios::app);
-  if (!begun)
-  {
-    csv << header << '\n';
-  }
-  return csv;
-}
 
 /** Where a crop lies: around a mover if there is one, else somewhere, near places more often. */
 Eigen::Vector2f drawCentre(const DysegSample& sample,
@@ -140,8 +130,8 @@ struct DysegTrainer::Impl
   void save();
   /** Saves, judges what was saved, and notes it in validation.csv; only once at a step. */
   void validateNow(const std::function<void(const std::string&)>& say);
-  /** Rows "set,scores" of the weights that the folder holds. */
-  std::vector<std::string> judge();
+  /** Rows "set,scores" of the weights in a file. */
+  std::vector<std::string> judge(const std::string& weights);
 };
 
 double DysegTrainer::Impl::rate() const
@@ -215,6 +205,7 @@ void DysegTrainer::Impl::save()
   {
     return;
   }
+  makeFolder(folder);
   torch::serialize::OutputArchive archive;
   torch::serialize::OutputArchive net_part;
   torch::serialize::OutputArchive mean_part;
@@ -232,13 +223,13 @@ void DysegTrainer::Impl::save()
   saved_step = step;
 }
 
-std::vector<std::string> DysegTrainer::Impl::judge()
+std::vector<std::string> DysegTrainer::Impl::judge(const std::string& weights)
 {
   if (validation.empty())
   {
     validation = makeDysegValidation(options);
   }
-  const DysegModel model(file("dyseg.pt"), options.threads);
+  const DysegModel model(weights, options.threads);
   std::vector<std::string> rows;
   for (const auto& [name, samples] : validation)
   {
@@ -267,9 +258,9 @@ void DysegTrainer::Impl::validateNow(const std::function<void(const std::string&
   }
   validated_step = step;
   save();
-  auto csv = openLog(file("validation.csv"), (std::string("step,") + score_names).c_str());
+  std::ofstream csv(file("validation.csv"), std::ios::app);
   say("validation at step " + std::to_string(step) + ": " + score_names);
-  for (const std::string& row : judge())
+  for (const std::string& row : judge(file("dyseg.pt")))
   {
     csv << step << ',' << row << '\n';
     say("  " + row);
@@ -283,7 +274,6 @@ DysegTrainer::DysegTrainer(const DysegTrainerSetup& setup, std::string folder)
   const DysegNetworkOptions& network = setup.network;
   validate(options, "train");
   checkDysegValidation(options);
-  fs::create_directories(folder);
   useTorchThreads(options.threads);
   impl_->options = options;
   impl_->augmentation = setup.augmentation;
@@ -372,10 +362,11 @@ void DysegTrainer::save()
   impl_->save();
 }
 
-void DysegTrainer::validateOnly(const std::function<void(const std::string&)>& say)
+void DysegTrainer::validateOnly(const std::string& weights,
+                                const std::function<void(const std::string&)>& say)
 {
   say(std::string("validation: ") + score_names);
-  for (const std::string& row : impl_->judge())
+  for (const std::string& row : impl_->judge(weights.empty() ? impl_->file("dyseg.pt") : weights))
   {
     say("  " + row);
   }
@@ -393,7 +384,10 @@ void DysegTrainer::run(const std::function<void(const std::string&)>& say,
   t.pairs = std::make_unique<DysegPairs>(t.options);
   say("data: " + t.pairs->summary());
   t.start = Clock::now();
-  auto csv = openLog(t.file("train.csv"), "step,minutes,rate,matching,flow,anchor,cell,point");
+  makeFolder(t.folder, "choose another --output");
+  beginLog(t.file("train.csv"), "step,minutes,rate,matching,flow,anchor,cell,point", t.step);
+  beginLog(t.file("validation.csv"), std::string("step,") + score_names, t.step);
+  std::ofstream csv(t.file("train.csv"), std::ios::app);
   DysegLoss mean;
   int counted = 0;
   while (t.step < t.options.steps && (t.options.minutes <= 0 || t.minutes() < t.options.minutes))

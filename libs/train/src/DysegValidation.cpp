@@ -11,8 +11,7 @@ namespace
 {
 namespace fs = std::filesystem;
 
-constexpr std::uint64_t validation_seeds = 900000000;  // never drawn in training
-constexpr std::size_t far_back = 8;                    // scans, of the slower comparison
+constexpr std::size_t far_back = 8;  // scans, of the slower comparison
 
 /** Some frames of a run, and the keys of [train] they come from. */
 struct Stretch
@@ -96,7 +95,7 @@ std::vector<DysegValidationSet> makeDysegValidation(const DysegTrainerOptions& o
   sets[1].name = "simulated 8 scans back";
   for (std::uint64_t i = 0; i < 8; ++i)
   {
-    const auto clip = simulateClip(validation_seeds + i, far_back + 1, true);
+    const auto clip = simulateClip(unseen_seeds + i, far_back + 1, true);
     sets[0].samples.push_back(makeSample(clip, far_back, far_back - 1));
     sets[1].samples.push_back(makeSample(clip, far_back, 0));
   }

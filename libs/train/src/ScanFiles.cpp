@@ -1,32 +1,20 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/Error.h>
+#include <dyslam/core/Files.h>
 #include <dyslam/core/Scan.h>
 #include <dyslam/train/ScanFiles.h>
 
 #include <algorithm>
 #include <cstring>
 #include <filesystem>
-#include <fstream>
 #include <limits>
 #include <sstream>
 
 namespace dyslam
 {
-std::string readFile(const std::string& path)
-{
-  std::ifstream file(path, std::ios::binary);
-  if (!file)
-  {
-    throw UserError(path + ": cannot be read; check the folder of the training data");
-  }
-  std::ostringstream bytes;
-  bytes << file.rdbuf();
-  return bytes.str();
-}
-
 std::vector<Eigen::Vector3f> readBinPoints(const std::string& path)
 {
-  const std::string bytes = readFile(path);
+  const std::string bytes = readWhole(path, "check the folder of the training data");
   if (bytes.size() % 16 != 0)
   {
     throw UserError(path + ": " + std::to_string(bytes.size()) +
@@ -46,7 +34,7 @@ std::vector<Eigen::Vector3f> readBinPoints(const std::string& path)
 
 std::vector<std::uint32_t> readLabels(const std::string& path, std::size_t points)
 {
-  const std::string bytes = readFile(path);
+  const std::string bytes = readWhole(path, "check the folder of the training data");
   if (bytes.size() != 4 * points)
   {
     throw UserError(path + ": holds " + std::to_string(bytes.size() / 4) + " labels for " +
@@ -59,7 +47,7 @@ std::vector<std::uint32_t> readLabels(const std::string& path, std::size_t point
 
 std::vector<Pose> readPoses12(const std::string& path)
 {
-  std::istringstream text(readFile(path));
+  std::istringstream text(readWhole(path, "check the folder of the training data"));
   std::vector<Pose> poses;
   int number = 0;
   for (std::string line; std::getline(text, line);)

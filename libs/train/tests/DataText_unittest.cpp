@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/Error.h>
+#include <dyslam/core/Files.h>
 #include <dyslam/train/DataText.h>
 #include <gtest/gtest.h>
 
 #include <cstdlib>
+#include <filesystem>
+#include <fstream>
 #include <stdexcept>
 
 namespace dyslam
@@ -27,6 +30,18 @@ TEST(DataText, NumbersAreNothingElse)
   EXPECT_THROW((void)wholeNumberOf("8.5"), std::logic_error);
   EXPECT_THROW((void)numberOf("1,5"), std::logic_error);
   EXPECT_THROW((void)numberOf(""), std::logic_error);
+}
+
+TEST(DataText, LogsGoOnBehindTheLastStep)
+{
+  const std::string file = testing::TempDir() + "log.csv";
+  std::filesystem::remove(file);
+  const auto content = [&] { return readWhole(file); };
+  beginLog(file, "step,loss", 0);
+  EXPECT_EQ(content(), "step,loss\n");
+  std::ofstream(file, std::ios::app) << "10,0.5\n20,0.4\n30,0.3\n";
+  beginLog(file, "step,loss", 20);
+  EXPECT_EQ(content(), "step,loss\n10,0.5\n20,0.4\n");
 }
 
 TEST(DataText, ALeadingVariableIsReadFromTheEnvironment)

@@ -120,7 +120,7 @@ TEST_F(DysegTraining, ValidationAloneLeavesTheFolderAsItIs)
   const auto before = files();
   DysegTrainer trainer(setup_, (folder_ / "judged").string());
   std::string said;
-  trainer.validateOnly([&](const std::string& line) { said += line + "\n"; });
+  trainer.validateOnly("", [&](const std::string& line) { said += line + "\n"; });
   EXPECT_NE(said.find("simulated 8 scans back,"), std::string::npos) << said;
   EXPECT_EQ(files(), before);
 }

@@ -47,6 +47,7 @@ struct Frame
 
   // Odometry
   MotionEstimate odometry;
+  bool odometry_heeded = false;          //!< its motion was believed, not only the predicted one
   std::vector<float> static_confidence;  //!< one per cloud point in [0, 1], or empty
 
   // Refinement: the pose that later stages use

@@ -10,8 +10,10 @@ namespace dyslam
  *
  * Shared files are looked for in $DYSLAM_SHARE, then in share/dyslam beside the folder of the
  * running program (an installed tree), then in the source tree that was built.
+ * \param field the setting that named it, for the message; empty for none
  * \throws UserError naming the shared files of that kind. */
 [[nodiscard]] std::string findGivenOrShared(const std::string& path,
                                             const std::string& folder,
-                                            const std::string& extension);
+                                            const std::string& extension,
+                                            const std::string& field = "");
 }  // namespace dyslam

@@ -18,6 +18,7 @@ struct ConversionResult
   std::size_t scans = 0;
   std::size_t points = 0;
   std::size_t poses = 0;        //!< scans with a true pose
+  std::string pose_source;      //!< the file they are from; empty without
   std::size_t label_files = 0;  //!< scans with labels per point
   std::size_t boxes = 0;        //!< true boxes of all scans
   std::string ground_truth;     //!< sidecar folder; empty if there is no truth

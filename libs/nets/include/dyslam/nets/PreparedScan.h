@@ -46,16 +46,9 @@ struct PreparedScan
   [[nodiscard]] bool empty() const { return valid_points == 0; }
 };
 
-struct PrepareLimits
-{
-  float min_range = 1.5F;  //!< m
-  float max_range = 100;   //!< m
-};
-
-/** \param points sensor at the origin, z up, x forward [m]; points that are not finite are left
- * out. Linear in the number of points. */
-[[nodiscard]] PreparedScan prepareScan(const std::vector<Eigen::Vector3f>& points,
-                                       const PrepareLimits& limits = {});
+/** \param points sensor at the origin, z up, x forward [m]; points that are not finite, nearer than
+ * 1.5 m or farther than 100 m are left out. Linear in the number of points. */
+[[nodiscard]] PreparedScan prepareScan(const std::vector<Eigen::Vector3f>& points);
 
 /** Column of a direction, as the networks compute it. */
 [[nodiscard]] int imageColumn(float x, float y, int cols);

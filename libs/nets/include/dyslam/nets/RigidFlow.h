@@ -39,7 +39,6 @@ struct RigidFlowFit
 {
   PlanarMotion motion;
   std::vector<float> inlier;  //!< robust weight of each vector in [0, 1]
-  double support = 0;         //!< weighted share of inliers
   double rmse = 0;            //!< of the weighted residuals [m]
   double lead = 1;            //!< over other motions, where all were looked at: MotionVote
   bool converged = false;     //!< false with fewer than three vectors of any weight

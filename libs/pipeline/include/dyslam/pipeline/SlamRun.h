@@ -27,7 +27,8 @@ struct SlamRunReport
 {
   std::string method;  //!< stages in force, e.g. "residual + constant_velocity + point_to_plane"
   std::size_t frames = 0;
-  std::size_t unconverged = 0;  //!< frames whose motion was predicted, not measured
+  std::size_t unconverged = 0;      //!< frames whose motion was predicted, not measured
+  std::size_t odometry_failed = 0;  //!< frames on which odometry.method found no motion
   std::size_t keyframes = 0;
   std::size_t loops = 0;
   std::size_t tracks = 0;  //!< confirmed moving objects

@@ -13,7 +13,7 @@ struct DyloTrainRequest
   std::string
       output;  //!< folder for checkpoint.pt, dylo.pt, log.csv, validation.csv, effective.ini
   bool resume = false;  //!< go on from checkpoint.pt there
-  std::string start;    //!< a checkpoint.pt whose weights a new training begins with, or empty
+  std::string start;    //!< a checkpoint.pt or dylo.pt whose weights are begun with, or empty
   /** A dylo.pt: no training, but the mean of it and `start`, which is written as a training's
    * weights are. Empty for none. */
   std::string blend;
@@ -21,7 +21,8 @@ struct DyloTrainRequest
   std::string device = "cpu";
   /** Gets a CSV of points and static confidence per validation recording; empty for none. */
   std::string mask_folder;
-  bool validate_only = false;  //!< print the validation table of what is in the folder, then stop
+  /** Print the validation table of `start`, or else of what is in the folder, and write nothing. */
+  bool validate_only = false;
   std::function<bool()>
       stopped;  //!< asked before each step: save and end the training? May be empty
   std::function<void(const std::string&)> report;  //!< one line of progress at a time

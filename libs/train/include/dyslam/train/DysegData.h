@@ -14,6 +14,14 @@
 
 namespace dyslam
 {
+/** Speeds that objects are called by; in between they are neither moving nor static [m/s]. */
+constexpr double moving_over = 0.5;
+constexpr double standing_under = 0.25;
+/** Cast bodies move exactly as they are told: any that move, and faster than this, are movers. */
+constexpr double cast_moving_over = 0.3;  // m/s
+/** Seeds of simulated clips that training never draws; from here on. */
+constexpr std::uint64_t unseen_seeds = 900000000;
+
 /** Some consecutive scans of one drive with what is known about every point. */
 struct DysegClip
 {
@@ -56,7 +64,7 @@ struct DysegSample
   std::vector<Eigen::Vector2f> movers;  //!< centres of what moves, to choose crops by
 };
 
-/** Frame `current` of a clip against frame `past`. Ids must be of the clip. */
+/** Frame `current` of a clip against frame `past`: places in the clip, from 0. */
 [[nodiscard]] DysegSample makeSample(const DysegClip& clip, std::size_t current, std::size_t past);
 
 /** A scan as if it had been taken twice, from two places: itself, moved, thinned and with new

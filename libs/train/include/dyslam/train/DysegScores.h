@@ -32,6 +32,5 @@ struct DysegScores
 /** One pair through the whole network, judged on all labelled points of the scan. */
 [[nodiscard]] DysegScores scorePair(const DysegModel& model,
                                     const DysegSample& sample,
-                                    int iterations = 2,
-                                    float threshold = 0.5F);
+                                    int iterations = 2);
 }  // namespace dyslam

@@ -100,8 +100,9 @@ class DysegTrainer
    * validate on. */
   void run(const std::function<void(const std::string&)>& say,
            const std::function<bool()>& stopped = nullptr);
-  /** The validation table of the folder's dyseg.pt. \throws UserError if there is none. */
-  void validateOnly(const std::function<void(const std::string&)>& say);
+  /** The validation table of a file of weights, empty for the folder's dyseg.pt. Writes nothing.
+   * \throws UserError if there is none. */
+  void validateOnly(const std::string& weights, const std::function<void(const std::string&)>& say);
 
  private:
   struct Impl;

@@ -10,9 +10,6 @@
 
 namespace dyslam
 {
-/** All bytes of a file. \throws UserError. */
-[[nodiscard]] std::string readFile(const std::string& path);
-
 /** Points of a .bin file (float32 x y z intensity); those that are no returns stay, as NaN.
  * \throws UserError. */
 [[nodiscard]] std::vector<Eigen::Vector3f> readBinPoints(const std::string& path);
