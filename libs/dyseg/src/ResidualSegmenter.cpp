@@ -41,13 +41,21 @@ void ResidualSegmenterOptions::describe(OptionsVisitor& v)
   v.real("min_share", min_share, 0, 1, "share of an object's points that must have voted moving");
 }
 
+namespace
+{
+const ResidualSegmenterOptions& validated(const ResidualSegmenterOptions& options)
+{
+  validate(options, "residual");
+  return options;
+}
+}  // namespace
+
 ResidualSegmenter::ResidualSegmenter(const ResidualSegmenterOptions& options, ThreadPool& pool)
-    : options_(options),
+    : options_(validated(options)),
       pool_(pool),
       rows_(static_cast<int>((highest_slope - lowest_slope) / options.slope_bin)),
       columns_(static_cast<int>(2 * pi / options.azimuth_bin))
 {
-  validate(options_, "residual");
 }
 
 namespace

@@ -10,6 +10,12 @@ namespace dyslam
 {
 namespace
 {
+/** The level of points that a stage of the search from coarse to fine looks at. */
+std::size_t coarseLevel(std::size_t stage)
+{
+  return stage == 0 ? 3 : 4 - stage;
+}
+
 /** Angle between nodes of each level [rad], about. */
 constexpr std::array<double, PreparedScan::level_count> spacing = {0.02, 0.05, 0.1, 0.2, 0.4};
 
@@ -375,6 +381,48 @@ DyloStage DyloNetworkImpl::denseStage(const EncodedScan& scan1,
   return result;
 }
 
+DyloStage DyloNetworkImpl::coarseStage(std::size_t stage,
+                                       const EncodedScan& scan1,
+                                       const EncodedScan& scan2,
+                                       const PoseTensors& start,
+                                       std::size_t level_before,
+                                       torch::Tensor& embedding)
+{
+  const std::size_t level = coarseLevel(stage);
+  const ScanTensors::Level& nodes = scan1.scan.levels[level];
+  const torch::Tensor& features = scan1.features[level];
+  const torch::Tensor warped = start.apply(nodes.xyz);
+  const torch::Tensor normal = torch::matmul(nodes.normal, start.rotation.t());
+  AttentiveCostVolume& cost = stage == 0 ? first_cost_ : cost_[stage - 1];
+  const Correlation correlation =
+      cost->forward(warped, normal, nodes.valid, features, scan2.scan, level, scan2.features[level],
+                    window(level, level, scan1, 2, 2));
+  if (stage == 0)
+  {
+    const ScanTensors::Level& coarsest = scan1.scan.levels[4];
+    const torch::Tensor down =
+        cost_down_->forward(correlation.embedding, nodes, coarsest, window(3, 4, scan1, 4, 4));
+    const MaskLogits mask = coarsest_mask_->forward(down, scan1.features[4], coarsest.valid);
+    const torch::Tensor masked = down * torch::sigmoid(mask.is_static).unsqueeze(1);
+    embedding = cost_up_->forward(torch::cat({masked, scan1.features[4]}, 1), coarsest,
+                                  torch::cat({correlation.embedding, features}, 1), nodes,
+                                  window(4, 3, scan1, 2, 4));
+  }
+  else
+  {
+    const torch::Tensor up =
+        level_before == level
+            ? embedding
+            : up_[stage - 1]->forward(embedding, scan1.scan.levels[level_before], features, nodes,
+                                      window(level_before, level, scan1, 2, 4));
+    embedding = join_[stage - 1]->forward(torch::cat({correlation.embedding, up}, 1));
+  }
+  const MaskLogits logits = mask_[stage]->forward(embedding, features, nodes.valid);
+  DyloStage result = poseStage(stage, level, start, warped, correlation, logits, embedding);
+  result.points = nodes.xyz;
+  return result;
+}
+
 std::vector<DyloStage> DyloNetworkImpl::forward(const EncodedScan& scan1,
                                                 const EncodedScan& scan2,
                                                 const PoseTensors& start,
@@ -385,40 +433,8 @@ std::vector<DyloStage> DyloNetworkImpl::forward(const EncodedScan& scan1,
   torch::Tensor embedding;
   for (std::size_t stage = 0; stage < 4; ++stage)
   {
-    const std::size_t level = stage == 0 ? 3 : 4 - stage;
-    const ScanTensors::Level& nodes = scan1.scan.levels[level];
-    const torch::Tensor& features = scan1.features[level];
-    const torch::Tensor warped = pose.apply(nodes.xyz);
-    const torch::Tensor normal = torch::matmul(nodes.normal, pose.rotation.t());
-    AttentiveCostVolume& cost = stage == 0 ? first_cost_ : cost_[stage - 1];
-    Correlation correlation =
-        cost->forward(warped, normal, nodes.valid, features, scan2.scan, level,
-                      scan2.features[level], window(level, level, scan1, 2, 2));
-    torch::Tensor here;
-    if (stage == 0)
-    {
-      const ScanTensors::Level& coarsest = scan1.scan.levels[4];
-      const torch::Tensor down =
-          cost_down_->forward(correlation.embedding, nodes, coarsest, window(3, 4, scan1, 4, 4));
-      const MaskLogits mask = coarsest_mask_->forward(down, scan1.features[4], coarsest.valid);
-      const torch::Tensor masked = down * torch::sigmoid(mask.is_static).unsqueeze(1);
-      here = cost_up_->forward(torch::cat({masked, scan1.features[4]}, 1), coarsest,
-                               torch::cat({correlation.embedding, features}, 1), nodes,
-                               window(4, 3, scan1, 2, 4));
-    }
-    else
-    {
-      const std::size_t before = stages.back().level;
-      const torch::Tensor up =
-          before == level ? embedding
-                          : up_[stage - 1]->forward(embedding, scan1.scan.levels[before], features,
-                                                    nodes, window(before, level, scan1, 2, 4));
-      here = join_[stage - 1]->forward(torch::cat({correlation.embedding, up}, 1));
-    }
-    const MaskLogits logits = mask_[stage]->forward(here, features, nodes.valid);
-    stages.push_back(poseStage(stage, level, pose, warped, correlation, logits, here));
-    stages.back().points = nodes.xyz;
-    embedding = here;
+    const std::size_t level_before = stage == 0 ? 0 : stages.back().level;
+    stages.push_back(coarseStage(stage, scan1, scan2, pose, level_before, embedding));
     pose = stages.back().pose.detached();
   }
   if (options_.head == DyloHead::regression || options_.fine_passes == 0)

@@ -14,6 +14,6 @@ void DyloNetworkOptions::describe(OptionsVisitor& visitor)
                  "how the pose is found");
   visitor.real("width", width, 0.125, 4, "of the layers, 1 = the paper's");
   visitor.integer("fine_passes", fine_passes, 0, 8,
-                  "steps against the full-resolution image (gauss_newton)");
+                  "steps against the full-resolution image in training (gauss_newton); 0: never any");
 }
 }  // namespace dyslam

@@ -13,18 +13,18 @@ namespace dyslam
 {
 struct TrainOptions : Options
 {
-  int seed = 1;
-  int steps = 8000;
-  int batch = 2;
+  int seed = 1;      //!< of the first weights and of all data
+  int steps = 8000;  //!< of the optimiser
+  int batch = 2;     //!< pairs in a step
   double learning_rate = 1e-3;
-  double last_learning_rate = 1e-6;
-  std::string schedule = "exponential";
-  double clip = 5;
-  double guessed_starts = 0.5;
+  double last_learning_rate = 1e-6;      //!< at the last step
+  std::string schedule = "exponential";  //!< or cosine
+  double clip = 5;                       //!< largest norm of a gradient
+  double guessed_starts = 0.5;           //!< share of pairs that start near the truth
   int threads = 1;
-  double checkpoint_minutes = 3;
-  int validate_every = 500;
-  int report_every = 20;
+  double checkpoint_minutes = 3;  //!< between checkpoints
+  int validate_every = 500;       //!< steps
+  int report_every = 20;          //!< steps
 
   void describe(OptionsVisitor& visitor) override;
 };
@@ -32,12 +32,14 @@ struct TrainOptions : Options
 struct DataOptions : Options
 {
   std::string base = "$DYSLAM_DATA";
+  // Lists, separated by '|'; describe() tells their fields.
   std::string recordings;
   std::string singles;
   std::string bodies;
   std::string validation;
   std::string simulated_validation;
-  int most_gap = 5;
+  int most_gap = 5;  //!< steps between the scans of a pair; simulated ones: 3 at most
+  // Shares of pairs, relative to each other.
   double recordings_weight = 1;
   double singles_weight = 0.1;
   double simulator_weight = 0;

@@ -225,6 +225,12 @@ DrawnPoints drawPoints(const DysegSample& sample,
   return chosen;
 }
 
+/** Lengths of rows, N x 2; never quite 0, where the root has no slope. */
+Tensor lengthOf(const Tensor& rows)
+{
+  return rows.square().sum(1).add(1e-4).sqrt();
+}
+
 /** NaN where the place a cell goes to was not seen in the past scan: nothing to match there. */
 Tensor seenOffsets(const std::vector<Eigen::Vector2f>& flow,
                    const std::vector<Eigen::Vector2f>& places,
@@ -257,6 +263,170 @@ Tensor seenOffsets(const std::vector<Eigen::Vector2f>& flow,
   }
   return rowsOf(offset);
 }
+/** One pair and what the network made of it. */
+struct Lesson
+{
+  Lesson(const DysegSample& pair,
+         const DysegLossOptions& loss,
+         const BevOptions& grid,
+         const Eigen::Vector2f& centre)
+      : sample(pair),
+        options(loss),
+        current(makeBevScan(pair.current, grid, centre)),
+        past(makeBevScan(pair.past, grid, centre))
+  {
+  }
+
+  const DysegSample& sample;
+  const DysegLossOptions& options;
+  BevScan current, past;
+  PlanarMotion ego;
+  DysegGuide guide;
+  DysegEncoding a, b;  //!< of the current and the past scan
+  DysegMatch match;
+  DysegCellsOut out;
+  DysegCellTruth truth;  //!< of the cells at 1/4
+  Tensor moving;         //!< flags of these cells
+  int radius = 0;        //!< of the windows [cells]
+
+  [[nodiscard]] const DysegCells& cells() const { return *a.cells; }
+  [[nodiscard]] torch::Device device() const { return out.logit.device(); }
+};
+
+/** Coarse and finer windows against the true offsets. */
+Tensor matchingLoss(const Lesson& l)
+{
+  const DysegCells& cells = l.cells();
+  const auto coarse =
+      cellTruth(l.sample, l.current, cells.level.eighth.row_of_point, cells.eighth_place, l.ego);
+  const auto coarse_offset =
+      seenOffsets(coarse.flow, cells.eighth_place, PlanarMotion(), l.past, 8);
+  const auto offset = seenOffsets(l.truth.flow, cells.quarter_place, l.guide.first, l.past, 4);
+  return matching_weight *
+         (correlationLoss(l.match.coarse_correlation, coarse_offset.to(l.device()),
+                          flagsOf(coarse.label, DysegSample::moving_point).to(l.device()),
+                          l.radius) +
+          correlationLoss(l.match.correlation, offset.to(l.device()), l.moving, l.radius));
+}
+
+/** Of the flow after each update, relative to the static flow that the network was given; without
+ * a value where no cell's flow is known. */
+Tensor flowLoss(const Lesson& l)
+{
+  std::vector<Eigen::Vector2f> residual(l.truth.flow.size());
+  for (std::size_t i = 0; i < residual.size(); ++i)
+  {
+    residual[i] = l.truth.flow[i] - l.guide.second.flowAt(l.cells().quarter_place[i]);
+  }
+  const auto residual_truth = rowsOf(residual).to(l.device());
+  // What moves out of the windows cannot be followed.
+  const float farthest = (static_cast<float>(l.radius) + 0.5F) * 4 * l.current.cell_size;
+  const auto known = residual_truth.isfinite().all(1) & residual_truth.abs().le(farthest).all(1);
+  const auto index = known.nonzero().squeeze(1);
+  if (index.numel() == 0)
+  {
+    return {};
+  }
+  auto loss = torch::zeros({}, l.out.logit.options());
+  double weight = 1;
+  for (auto r = l.out.residual.rbegin(); r != l.out.residual.rend(); ++r, weight *= l.options.decay)
+  {
+    loss = loss + weight * balancedMean(lengthOf(r->index_select(0, index) -
+                                                 residual_truth.index_select(0, index)),
+                                        l.moving.index_select(0, index));
+  }
+  return loss;
+}
+
+struct CellLosses
+{
+  Tensor anchor;  //!< what looks as if it stayed, by the scan alone
+  Tensor cell;
+};
+
+/** Without values where no cell may be judged. */
+CellLosses cellLosses(const Lesson& l)
+{
+  const auto judged = flagsOf(l.truth.label, DysegSample::ignored_point)
+                          .logical_not()
+                          .to(l.device())
+                          .nonzero()
+                          .squeeze(1);
+  if (judged.numel() == 0)
+  {
+    return {};
+  }
+  const auto label = l.moving.index_select(0, judged);
+  const auto each = nnf::BinaryCrossEntropyWithLogitsFuncOptions().reduction(torch::kNone);
+  const auto error = nnf::binary_cross_entropy_with_logits(l.out.logit.index_select(0, judged),
+                                                           label.to(torch::kFloat32), each);
+  const auto anchor_error = nnf::binary_cross_entropy_with_logits(
+      l.a.anchor.index_select(0, judged), label.logical_not().to(torch::kFloat32), each);
+  return {balancedMean(anchor_error, label), 0.5 * balancedMean(error, label) + error.mean()};
+}
+
+struct PointLosses
+{
+  Tensor point;
+  Tensor upsampled;  //!< of the flow at the points; no value where it is not known
+};
+
+/** Without values where no point may be judged. */
+PointLosses pointLosses(DysegNet& net, const Lesson& l, RandomDraws& draws)
+{
+  const auto logits = l.out.logit.detach().cpu().contiguous();
+  const std::vector<float> cell_logit(logits.data_ptr<float>(),
+                                      logits.data_ptr<float>() + logits.numel());
+  const auto drawn =
+      drawPoints(l.sample, l.current, cell_logit, l.cells(), l.options.points, draws);
+  const auto& which = drawn.which;
+  if (which.empty())
+  {
+    return {};
+  }
+  std::vector<std::uint8_t> label;
+  std::vector<Eigen::Vector2f> residual;
+  for (const auto w : which)
+  {
+    const auto i = static_cast<std::size_t>(w);
+    label.push_back(l.sample.label[l.current.source[i]]);
+    const Eigen::Vector2f at = l.current.points[i].head<2>();
+    residual.emplace_back(l.sample.flow[l.current.source[i]] - l.guide.second.flowAt(at));
+  }
+  const auto answer = net->points(l.current, l.a, l.b, l.past.rays, l.out, which);
+  const auto moving = flagsOf(label, DysegSample::moving_point).to(l.device());
+  // Half as drawn, half as often as they are: sure of movers, yet few false alarms.
+  const auto often = torch::tensor(drawn.weight).to(l.device());
+  const auto error = nnf::binary_cross_entropy_with_logits(
+      answer, moving.to(torch::kFloat32),
+      nnf::BinaryCrossEntropyWithLogitsFuncOptions().reduction(torch::kNone));
+  PointLosses losses;
+  losses.point = 0.5 * error.mean() + 2.0 * torch::dot(error, often) / often.sum();
+  if (moving.any().item<bool>())
+  {
+    losses.point = losses.point + lovaszLoss(answer, moving, often);
+  }
+  const auto fine = rowsOf(residual).to(l.device());
+  const auto known = fine.isfinite().all(1).nonzero().squeeze(1);
+  if (known.numel() > 0)
+  {
+    const auto off =
+        lengthOf((net->pointFlow(l.current, l.a, l.out, which) - fine).index_select(0, known));
+    losses.upsampled = balancedMean(off, moving.index_select(0, known));
+  }
+  return losses;
+}
+
+/** Adds a loss, where there is one. \return its value. */
+double addTo(Tensor& total, const Tensor& loss, double weight)
+{
+  if (!loss.defined())
+  {
+    return 0;
+  }
+  total = total + weight * loss;
+  return loss.item<double>();
+}
 }  // namespace
 
 DysegLoss dysegLoss(DysegNet& net,
@@ -267,138 +437,32 @@ DysegLoss dysegLoss(DysegNet& net,
                     RandomDraws& draws)
 {
   DysegLoss loss;
-  const BevScan current = makeBevScan(sample.current, grid, centre);
-  const BevScan past = makeBevScan(sample.past, grid, centre);
-  if (current.size() < 50 || past.size() < 50)
+  Lesson l(sample, options, grid, centre);
+  if (l.current.size() < 50 || l.past.size() < 50)
   {
     return loss;
   }
-  const PlanarMotion ego = PlanarMotion::fromPose(sample.T_past_current);
-  DysegGuide guide;
-  guide.first = disturbed(ego, options.first_noise, draws);
-  guide.second = disturbed(ego, options.second_noise, draws);
-  const int radius = net->options().radius;
-  const auto a = net->encode(current);
-  const auto b = net->encode(past);
-  const DysegCells& cells = *a.cells;
-  const auto match = net->match(current, a, b, &guide);
-  const auto out = net->cells(current, a, b, guide.second, options.iterations);
-  const auto device = out.logit.device();
+  l.ego = PlanarMotion::fromPose(sample.T_past_current);
+  l.guide.first = disturbed(l.ego, options.first_noise, draws);
+  l.guide.second = disturbed(l.ego, options.second_noise, draws);
+  l.radius = net->options().radius;
+  l.a = net->encode(l.current);
+  l.b = net->encode(l.past);
+  l.match = net->match(l.current, l.a, l.b, &l.guide);
+  l.out = net->cells(l.current, l.a, l.b, l.guide.second, options.iterations);
+  l.truth = cellTruth(sample, l.current, l.cells().level.quarter.row_of_point,
+                      l.cells().quarter_place, l.ego);
+  l.moving = flagsOf(l.truth.label, DysegSample::moving_point).to(l.device());
 
-  // Matching.
-  const auto coarse_truth =
-      cellTruth(sample, current, cells.level.eighth.row_of_point, cells.eighth_place, ego);
-  const auto truth =
-      cellTruth(sample, current, cells.level.quarter.row_of_point, cells.quarter_place, ego);
-  const auto moving = flagsOf(truth.label, DysegSample::moving_point).to(device);
-  const auto coarse_offset =
-      seenOffsets(coarse_truth.flow, cells.eighth_place, PlanarMotion(), past, 8);
-  const auto offset = seenOffsets(truth.flow, cells.quarter_place, guide.first, past, 4);
-  auto total =
-      matching_weight *
-      (correlationLoss(match.coarse_correlation, coarse_offset.to(device),
-                       flagsOf(coarse_truth.label, DysegSample::moving_point).to(device), radius) +
-       correlationLoss(match.correlation, offset.to(device), moving, radius));
-  loss.matching = total.item<double>();
-
-  // Flow, relative to the static flow that the network was given.
-  std::vector<Eigen::Vector2f> residual(truth.flow.size());
-  for (std::size_t i = 0; i < residual.size(); ++i)
-  {
-    residual[i] = truth.flow[i] - guide.second.flowAt(cells.quarter_place[i]);
-  }
-  const auto residual_truth = rowsOf(residual).to(device);
-  // What moves out of the windows cannot be followed.
-  const float farthest = (static_cast<float>(radius) + 0.5F) * 4 * current.cell_size;
-  const auto known = residual_truth.isfinite().all(1) & residual_truth.abs().le(farthest).all(1);
-  const auto known_index = known.nonzero().squeeze(1);
-  if (known_index.numel() > 0)
-  {
-    auto flow_loss = torch::zeros({}, total.options());
-    double weight = 1;
-    for (auto r = out.residual.rbegin(); r != out.residual.rend(); ++r, weight *= options.decay)
-    {
-      const auto error =
-          (r->index_select(0, known_index) - residual_truth.index_select(0, known_index))
-              .square()
-              .sum(1)
-              .add(1e-4)
-              .sqrt();
-      flow_loss = flow_loss + weight * balancedMean(error, moving.index_select(0, known_index));
-    }
-    loss.flow = flow_loss.item<double>();
-    total = total + flow_weight * flow_loss;
-  }
-
-  // Cells.
-  const auto judged = flagsOf(truth.label, DysegSample::ignored_point)
-                          .logical_not()
-                          .to(device)
-                          .nonzero()
-                          .squeeze(1);
-  const auto cell_label = moving.index_select(0, judged);
-  const auto cell_error = nnf::binary_cross_entropy_with_logits(
-      out.logit.index_select(0, judged), cell_label.to(torch::kFloat32),
-      nnf::BinaryCrossEntropyWithLogitsFuncOptions().reduction(torch::kNone));
-  // What looks as if it stayed, by the scan alone.
-  const auto anchor_loss = balancedMean(
-      nnf::binary_cross_entropy_with_logits(
-          a.anchor.index_select(0, judged), cell_label.logical_not().to(torch::kFloat32),
-          nnf::BinaryCrossEntropyWithLogitsFuncOptions().reduction(torch::kNone)),
-      cell_label);
-  loss.anchor = anchor_loss.item<double>();
-  total = total + anchor_weight * anchor_loss;
-  const auto cell_loss = 0.5 * balancedMean(cell_error, cell_label) + cell_error.mean();
-  loss.cell = cell_loss.item<double>();
-  total = total + cell_loss;
-
-  // Points.
-  const auto logits = out.logit.detach().cpu().contiguous();
-  const std::vector<float> cell_logit(logits.data_ptr<float>(),
-                                      logits.data_ptr<float>() + logits.numel());
-  const auto drawn = drawPoints(sample, current, cell_logit, cells, options.points, draws);
-  const auto& which = drawn.which;
-  if (!which.empty())
-  {
-    std::vector<std::uint8_t> label;
-    std::vector<Eigen::Vector2f> point_residual;
-    for (const auto w : which)
-    {
-      const auto i = static_cast<std::size_t>(w);
-      label.push_back(sample.label[current.source[i]]);
-      const Eigen::Vector2f at = current.points[i].head<2>();
-      point_residual.emplace_back(sample.flow[current.source[i]] - guide.second.flowAt(at));
-    }
-    const auto answer = net->points(current, a, b, past.rays, out, which);
-    const auto truth_flag = flagsOf(label, DysegSample::moving_point).to(device);
-    // Half as drawn, half as often as they are: sure of movers, yet few false alarms.
-    const auto often = torch::tensor(drawn.weight).to(device);
-    const auto point_error = nnf::binary_cross_entropy_with_logits(
-        answer, truth_flag.to(torch::kFloat32),
-        nnf::BinaryCrossEntropyWithLogitsFuncOptions().reduction(torch::kNone));
-    auto point_loss = 0.5 * point_error.mean() + 2.0 * torch::dot(point_error, often) / often.sum();
-    if (truth_flag.any().item<bool>())
-    {
-      point_loss = point_loss + lovaszLoss(answer, truth_flag, often);
-    }
-    loss.point = point_loss.item<double>();
-    total = total + point_loss;
-
-    const auto fine = rowsOf(point_residual).to(device);
-    const auto fine_known = fine.isfinite().all(1).nonzero().squeeze(1);
-    if (fine_known.numel() > 0)
-    {
-      const auto error = (net->pointFlow(current, a, out, which) - fine)
-                             .index_select(0, fine_known)
-                             .square()
-                             .sum(1)
-                             .add(1e-4)
-                             .sqrt();
-      total =
-          total + upsampled_weight * balancedMean(error, truth_flag.index_select(0, fine_known));
-    }
-  }
-  loss.total = total;
+  loss.total = matchingLoss(l);
+  loss.matching = loss.total.item<double>();
+  loss.flow = addTo(loss.total, flowLoss(l), flow_weight);
+  const CellLosses of_cells = cellLosses(l);
+  loss.anchor = addTo(loss.total, of_cells.anchor, anchor_weight);
+  loss.cell = addTo(loss.total, of_cells.cell, 1);
+  const PointLosses of_points = pointLosses(net, l, draws);
+  loss.point = addTo(loss.total, of_points.point, 1);
+  (void)addTo(loss.total, of_points.upsampled, upsampled_weight);
   return loss;
 }
 }  // namespace dyslam

@@ -42,9 +42,8 @@ struct SceneFlow
  * Follows the motion of the static world from scan to scan and judges each scan against one some
  * scans back, when slow movers were elsewhere, or against two. Needs no pose: the motion of the
  * static world comes from the scans themselves, and a drifting odometry can't harm it. Where the
- * next motion is predicted well it is looked for around that. The
- * first scan is all static, as are points farther than the network's grid reaches (102 m to each
- * side).
+ * next motion is predicted well it is looked for around that. The first scan is all static, as are
+ * points farther than the network's grid reaches (102 m to each side with the shipped weights).
  */
 class NetworkSegmenter : public MovingSegmenter
 {

@@ -78,6 +78,13 @@ class DyloNetworkImpl : public torch::nn::Module
                                     const Correlation& correlation,
                                     const MaskLogits& logits,
                                     const torch::Tensor& embedding);
+  /** \param embedding of the points of `level_before`, nothing at stage 0; becomes this stage's. */
+  [[nodiscard]] DyloStage coarseStage(std::size_t stage,
+                                      const EncodedScan& scan1,
+                                      const EncodedScan& scan2,
+                                      const PoseTensors& start,
+                                      std::size_t level_before,
+                                      torch::Tensor& embedding);
   [[nodiscard]] DyloStage fineStage(const EncodedScan& scan1,
                                     const EncodedScan& scan2,
                                     const PoseTensors& start,

@@ -28,7 +28,9 @@ struct DyloNetworkOptions : Options
   DyloMask mask = DyloMask::attention;
   DyloHead head = DyloHead::gauss_newton;
   double width = 0.5;   //!< of the layers, as a share of the full sizes
-  int fine_passes = 2;  //!< Gauss-Newton steps against the full-resolution image, at least
+  /** Gauss-Newton steps against the full-resolution image in training; where nothing is learnt, as
+   * many as it takes until a step is short. 0 for none, and no last pass over all points. */
+  int fine_passes = 2;
 
   void describe(OptionsVisitor& visitor) override;
 };

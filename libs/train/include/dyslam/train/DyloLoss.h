@@ -34,8 +34,8 @@ class DyloLossImpl : public torch::nn::Module
     torch::Tensor total, pose, flow, precision, moving, answer;
     std::vector<double> translation_error;  //!< per stage [m]
   };
-  /** \param labels [level] 0 unknown, 1 still, 2 moving per node of scan 1 (levels 1 and 3 are
-   * read, 2 too). */
+  /** \param labels [level] 0 unknown, 1 still, 2 moving per node of scan 1; levels 1 to 3 are read.
+   */
   Terms forward(const std::vector<DyloStage>& stages,
                 const ScanTensors& scan1,
                 const PoseTensors& truth,

@@ -45,9 +45,9 @@ enum class BodyKind
 
 /** Lets a scan's own rays hit a body: a point whose ray meets the body before it comes to lie on
  * the body. What the body hides disappears with that, and it is sampled as the sensor would.
+ * Nothing is hit from within or from right beside the body.
  *
  * \param T_sensor_body upright pose of the body, its origin on the ground
- * Nothing is hit from within or from right beside the body.
  * \param points sensor at the origin; changed \return positions of the points that now lie on it.
  */
 std::vector<std::uint32_t> castBody(const CastBody& body,
