@@ -376,7 +376,10 @@ void Trainer::validate()
     makeFolder(request_.mask_folder);
   }
   const auto rows = validateDylo(network_, validation_, device_, request_.mask_folder);
-  request_.report("validation at step " + std::to_string(step_) + "\n" + validationTable(rows));
+  const std::string when = request_.validate_only && !request_.start.empty()
+                               ? "validation of " + request_.start
+                               : "validation at step " + std::to_string(step_);
+  request_.report(when + "\n" + validationTable(rows));
   if (request_.validate_only)
   {
     return;
