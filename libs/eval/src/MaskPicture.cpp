@@ -86,6 +86,33 @@ void drawView(const MaskScan& scan, cv::Mat& page)
   }
   cv::rectangle(page, area, ink, supersampling);
 }
+/** Below the view: what colours and sizes mean, and how long ten metres are. */
+void drawKey(cv::Mat& page)
+{
+  constexpr double text_size = 0.5;
+  const int y = view_pixels + margin + 28 * supersampling;
+  const auto write = [&](const char* words, int x, Anchor anchor) {
+    text(page, words, {x, y + 5 * supersampling}, anchor, text_size);
+  };
+  constexpr int ramp_begin = margin + 120 * supersampling;
+  constexpr int ramp_pixels = 160 * supersampling;
+  write("held for moving", ramp_begin - 8 * supersampling, Anchor::right);
+  for (int x = 0; x < ramp_pixels; ++x)
+  {
+    const float confidence = static_cast<float>(x) / static_cast<float>(ramp_pixels);
+    cv::line(page, {ramp_begin + x, y - 6 * supersampling}, {ramp_begin + x, y + 6 * supersampling},
+             confidenceColour(confidence));
+  }
+  write("static", ramp_begin + ramp_pixels + 8 * supersampling, Anchor::left);
+  constexpr int dot = margin + 380 * supersampling;
+  cv::circle(page, {dot, y}, 5 * supersampling, reference_grey, cv::FILLED, cv::LINE_AA);
+  write("truly moving", dot + 12 * supersampling, Anchor::left);
+  constexpr int bar_pixels = static_cast<int>(10 * view_pixels / (2 * half_side));
+  const int bar = margin + view_pixels - bar_pixels;
+  cv::rectangle(page, cv::Rect(bar, y - 2 * supersampling, bar_pixels, 4 * supersampling), ink,
+                cv::FILLED);
+  write("10 m", bar - 8 * supersampling, Anchor::right);
+}
 }  // namespace
 
 MaskScan parseMaskScan(const std::string& content, const std::string& name)
@@ -199,6 +226,7 @@ std::vector<std::uint8_t> renderMaskScan(const MaskScan& scan)
   const int width = view_pixels + 2 * margin + (roc.empty() ? 0 : curve_pixels + 2 * margin);
   cv::Mat page(view_pixels + 2 * margin, width, CV_8UC3, white);
   drawView(scan, page);
+  drawKey(page);
   text(page, scan.name, {margin + view_pixels / 2, 30 * supersampling}, Anchor::middle, 0.6);
   if (!roc.empty())
   {

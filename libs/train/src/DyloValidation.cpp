@@ -2,6 +2,7 @@
 #include "DyloValidation.h"
 
 #include <algorithm>
+#include <cctype>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
@@ -117,6 +118,18 @@ MotionErrors motionErrors(const std::vector<Pose>& estimates, const std::vector<
   return errors;
 }
 
+namespace
+{
+/** Letters, digits, dots and dashes; what else there is becomes an underscore. */
+std::string asFileName(std::string name)
+{
+  std::replace_if(
+      name.begin(), name.end(),
+      [](unsigned char c) { return std::isalnum(c) == 0 && c != '.' && c != '-'; }, '_');
+  return name;
+}
+}  // namespace
+
 std::vector<ValidationRow> validateDylo(DyloNetwork& network,
                                         const std::vector<Recording>& recordings,
                                         torch::Device device,
@@ -148,7 +161,8 @@ std::vector<ValidationRow> validateDylo(DyloNetwork& network,
         std::ofstream csv;
         if (!mask_folder.empty() && k == recording.scans.size() / 2)
         {
-          csv.open(mask_folder + "/mask_" + std::to_string(rows.size()) + ".csv");
+          csv.open(mask_folder + "/mask_" + std::to_string(rows.size()) + "_" +
+                   asFileName(recording.name) + ".csv");
         }
         if (recording.labels.size() > k || csv.is_open())
         {

@@ -19,7 +19,8 @@ struct DyloTrainRequest
   std::string blend;
   double blend_share = 0.5;  //!< of it in the mean
   std::string device = "cpu";
-  /** Gets a CSV of points and static confidence per validation recording; empty for none. */
+  /** Gets a CSV of points and static confidence per validation recording, named by its number and
+   * name; empty for none. */
   std::string mask_folder;
   /** Print the validation table of `start`, or else of what is in the folder, and write nothing. */
   bool validate_only = false;
