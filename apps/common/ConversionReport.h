@@ -3,8 +3,12 @@
 
 #include <dyslam/io/Converters.h>
 
+#include <functional>
 #include <iostream>
 #include <string>
+
+#include "Checks.h"
+#include "Progress.h"
 
 namespace dyslam
 {
@@ -23,5 +27,23 @@ inline void report(const ConversionResult& result, const std::string& output)
               << result.label_files << " label files, " << result.boxes << " boxes";
   }
   std::cout << '\n';
+}
+
+/** Converts with a line of progress, and says what came of it.
+ * \param program its name \param convert does it, telling how far it is. \throws UserError. */
+inline void runConversion(const std::string& program,
+                          const std::string& output,
+                          bool quiet,
+                          const std::function<ConversionResult(const ConversionProgress&)>& convert)
+{
+  requireFolderOf(output);
+  ConversionResult result;
+  {
+    Progress progress(program, "scans", quiet);
+    result = convert([&progress](double fraction, std::size_t scans)
+                     { progress.update(fraction, scans); });
+    progress.finish(result.scans);
+  }
+  report(result, output);
 }
 }  // namespace dyslam

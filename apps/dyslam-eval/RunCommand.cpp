@@ -18,6 +18,7 @@
 
 #include "../common/Checks.h"
 #include "LabelFolders.h"
+#include "MetricFlags.h"
 #include "OutputFiles.h"
 
 namespace dyslam
@@ -31,8 +32,7 @@ struct Arguments
 {
   std::vector<std::string> folders;
   std::string truth;
-  std::string align = "se3";
-  TrajectoryMetricsOptions metrics;
+  MetricFlags metrics;
   OutputFlags output;
 };
 
@@ -120,10 +120,10 @@ RunScores scoresOf(const std::string& folder, const Arguments& a)
   }
   RunScores scores;
   scores.report = readReport(folder);
-  scores.trajectory = evaluate(folder, "trajectory_tum.txt", a.metrics);
+  scores.trajectory = evaluate(folder, "trajectory_tum.txt", a.metrics.options());
   if (scores.trajectory)
   {
-    scores.odometry = evaluate(folder, "odometry_tum.txt", a.metrics);
+    scores.odometry = evaluate(folder, "odometry_tum.txt", a.metrics.options());
   }
   const std::string truth = truthFolder(a, scores.report);
   if (fs::is_directory(fs::path(folder) / "labels"))
@@ -265,13 +265,11 @@ void run(const Arguments& a)
   {
     throw UserError("--truth " + a.truth + ": is not a folder");
   }
-  Arguments arguments = a;
-  arguments.metrics.alignment = alignmentFromString(a.align);
   const auto names = shortNames(a.folders);
   std::vector<RunScores> runs;
   for (std::size_t i = 0; i < a.folders.size(); ++i)
   {
-    runs.push_back(scoresOf(a.folders[i], arguments));
+    runs.push_back(scoresOf(a.folders[i], a));
     runs.back().name = names[i];
     if (!fs::exists(fs::path(a.folders[i]) / "reference_tum.txt"))
     {
@@ -295,15 +293,7 @@ Subcommand runCommand(CLI::App& app)
       "run", "Everything that runs' folders and their truth allow, in one table");
   sub->add_option("folders", a->folders, "output folders of dyslam")->required();
   sub->add_option("--truth", a->truth, "ground-truth folder (.gt), if not beside the rawlog");
-  sub->add_option("--align", a->align, "alignment for absolute errors: none, first or se3")
-      ->check(CLI::IsMember({"none", "first", "se3"}))
-      ->capture_default_str();
-  sub->add_option("--lengths", a->metrics.lengths,
-                  "segment lengths of t_rel and r_rel [m], separated by commas")
-      ->delimiter(',')
-      ->allow_extra_args(false)
-      ->check(positive())
-      ->default_str("100,200,...,800");
+  a->metrics.declare(*sub);
   a->output.declare(*sub);
   return {sub, [a] { run(*a); }};
 }

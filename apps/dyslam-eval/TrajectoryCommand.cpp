@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "../common/Checks.h"
+#include "MetricFlags.h"
 #include "OutputFiles.h"
 
 namespace dyslam
@@ -24,8 +25,7 @@ struct Arguments
 {
   std::vector<std::string> references;
   std::vector<std::string> estimates;
-  std::string align = "se3";
-  TrajectoryMetricsOptions metrics;
+  MetricFlags metrics;
   double tolerance = 0.01;
   std::string plot;
   std::string paper;
@@ -108,8 +108,7 @@ void run(const Arguments& a)
                     std::to_string(a.references.size()) + " and " +
                     std::to_string(a.estimates.size()) + " given)");
   }
-  TrajectoryMetricsOptions metrics = a.metrics;
-  metrics.alignment = alignmentFromString(a.align);
+  const TrajectoryMetricsOptions metrics = a.metrics.options();
   const std::vector<std::string> names = shortNames(a.estimates);
   std::vector<TrajectoryReport> reports;
   std::vector<TrajectoryPlotItem> plots;
@@ -156,15 +155,7 @@ Subcommand trajectoryCommand(CLI::App& app)
   sub->add_option("--reference", a->references, "true poses; one file, or one for each estimate")
       ->required();
   sub->add_option("--estimate", a->estimates, "poses to judge; any number of files")->required();
-  sub->add_option("--align", a->align, "alignment for absolute errors: none, first or se3")
-      ->check(CLI::IsMember({"none", "first", "se3"}))
-      ->capture_default_str();
-  sub->add_option("--lengths", a->metrics.lengths,
-                  "segment lengths of t_rel and r_rel [m], separated by commas")
-      ->delimiter(',')
-      ->allow_extra_args(false)
-      ->check(positive())
-      ->default_str("100,200,...,800");
+  a->metrics.declare(*sub);
   sub->add_option("--tolerance", a->tolerance, "largest difference of time stamps [s]")
       ->check(notNegative())
       ->capture_default_str();

@@ -6,9 +6,7 @@
 #include <string>
 
 #include "../common/AppMain.h"
-#include "../common/Checks.h"
 #include "../common/ConversionReport.h"
-#include "../common/Progress.h"
 
 namespace
 {
@@ -65,16 +63,10 @@ void run(const Arguments& arguments)
   {
     throw UserError("--sequence goes with --kind tracking; another recording is its folder, -i");
   }
-  requireFolderOf(arguments.output);
-  ConversionResult result;
-  {
-    Progress progress("kitti2rawlog", "scans", arguments.quiet);
-    result = convertKitti(arguments.input, arguments.output, arguments.options,
-                          [&progress](double fraction, std::size_t scans)
-                          { progress.update(fraction, scans); });
-    progress.finish(result.scans);
-  }
-  report(result, arguments.output);
+  runConversion(
+      "kitti2rawlog", arguments.output, arguments.quiet,
+      [&](const ConversionProgress& progress)
+      { return convertKitti(arguments.input, arguments.output, arguments.options, progress); });
 }
 }  // namespace
 

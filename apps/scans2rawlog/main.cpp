@@ -4,9 +4,7 @@
 #include <string>
 
 #include "../common/AppMain.h"
-#include "../common/Checks.h"
 #include "../common/ConversionReport.h"
-#include "../common/Progress.h"
 
 namespace
 {
@@ -42,16 +40,10 @@ void declare(CLI::App& app, Arguments& arguments)
 
 void run(const Arguments& arguments)
 {
-  requireFolderOf(arguments.output);
-  ConversionResult result;
-  {
-    Progress progress("scans2rawlog", "scans", arguments.quiet);
-    result = convertScans(arguments.input, arguments.output, arguments.options,
-                          [&progress](double fraction, std::size_t scans)
-                          { progress.update(fraction, scans); });
-    progress.finish(result.scans);
-  }
-  report(result, arguments.output);
+  runConversion(
+      "scans2rawlog", arguments.output, arguments.quiet,
+      [&](const ConversionProgress& progress)
+      { return convertScans(arguments.input, arguments.output, arguments.options, progress); });
 }
 }  // namespace
 

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <dyslam/eval/TrajectoryMetrics.h>
+
+#include <CLI/CLI.hpp>
+#include <string>
+
+#include "../common/Checks.h"
+
+namespace dyslam
+{
+/** How trajectories are judged: --align and --lengths. */
+struct MetricFlags
+{
+  std::string align = "se3";
+  TrajectoryMetricsOptions lengths;  //!< all but the alignment
+
+  void declare(CLI::App& app)
+  {
+    app.add_option("--align", align, "alignment for absolute errors: none, first or se3")
+        ->check(CLI::IsMember({"none", "first", "se3"}))
+        ->capture_default_str();
+    app.add_option("--lengths", lengths.lengths,
+                   "segment lengths of t_rel and r_rel [m], separated by commas")
+        ->delimiter(',')
+        ->allow_extra_args(false)
+        ->check(positive())
+        ->default_str("100,200,...,800");
+  }
+  [[nodiscard]] TrajectoryMetricsOptions options() const
+  {
+    TrajectoryMetricsOptions all = lengths;
+    all.alignment = alignmentFromString(align);
+    return all;
+  }
+};
+}  // namespace dyslam
