@@ -47,6 +47,10 @@ PosePairs associate(const std::string& reference_path,
   }
   if (reference.format == TrajectoryFormat::tum && estimate.format == TrajectoryFormat::tum)
   {
+    if (estimate.trajectory.size() < 2)
+    {
+      throw UserError(estimate_path + ": has one pose; errors need two or more");
+    }
     PosePairs pairs = associateByTime(reference.trajectory, estimate.trajectory, tolerance);
     if (pairs.size() < 2)
     {

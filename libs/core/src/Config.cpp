@@ -54,7 +54,8 @@ Config Config::fromFile(const std::string& path)
 Config Config::fromText(const std::string& text, const std::string& name)
 {
   Config config;
-  std::istringstream lines(text);
+  const std::string mark = "\xEF\xBB\xBF";  // that some editors begin a file with
+  std::istringstream lines(text.rfind(mark, 0) == 0 ? text.substr(mark.size()) : text);
   std::string section;
   std::string line;
   for (int number = 1; std::getline(lines, line); ++number)

@@ -118,6 +118,13 @@ TEST(Config, SetReplacesTheFilesValue)
   EXPECT_THROW(config.set("sample.threads"), UserError);
 }
 
+TEST(Config, AByteOrderMarkIsPassedOver)
+{
+  SampleOptions options;
+  load(options, Config::fromText("\xEF\xBB\xBF[sample]\nthreads = 5\n", "t.ini"), "sample");
+  EXPECT_EQ(options.threads, 5);
+}
+
 TEST(Config, UnknownSectionNamesTheNearest)
 {
   const Config config = Config::fromText("[smaple]\n", "a.ini");

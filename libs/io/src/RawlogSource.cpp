@@ -86,7 +86,14 @@ struct RawlogSource::Impl
 
   std::map<std::string, std::size_t> seen_classes;
   std::map<std::string, std::size_t> lidar_labels;
-  std::vector<std::pair<std::string, std::size_t>> notes;  //!< warning and how often
+  struct Note
+  {
+    std::string text;
+    std::size_t times = 0;
+    std::size_t first_scan = 0;
+    bool tells_scan = true;
+  };
+  std::vector<Note> notes;
 
   Impl(const std::string& path, const RawlogSourceOptions& options_in)
       : options(options_in),
@@ -101,17 +108,18 @@ struct RawlogSource::Impl
     }
   }
 
-  void warn(const std::string& text)
+  /** \param at_scan tells the number of the scan at hand with it. */
+  void warn(const std::string& text, bool at_scan = true)
   {
     const auto it = std::find_if(notes.begin(), notes.end(),
-                                 [&text](const auto& note) { return note.first == text; });
+                                 [&text](const Note& note) { return note.text == text; });
     if (it == notes.end())
     {
-      notes.emplace_back(text, 1);
+      notes.push_back({text, 1, scans_seen - std::min<std::size_t>(scans_seen, 1), at_scan});
     }
     else
     {
-      ++it->second;
+      ++it->times;
     }
   }
 
@@ -162,7 +170,8 @@ struct RawlogSource::Impl
     else if (name != label)
     {
       warn("scans of '" + name + "' are passed over: '" + label +
-           "' came first; choose with sensor_label");
+               "' came first; choose with sensor_label",
+           false);
       return false;
     }
     return true;
@@ -391,10 +400,14 @@ std::string RawlogSource::sensorLabel() const
 std::vector<std::string> RawlogSource::warnings() const
 {
   std::vector<std::string> lines;
-  for (const auto& [text, count] : impl_->notes)
+  for (const Impl::Note& note : impl_->notes)
   {
-    lines.push_back(impl_->stream.path() + ": " + text +
-                    (count > 1 ? " (" + std::to_string(count) + " times)" : ""));
+    const std::string times = note.times > 1 ? std::to_string(note.times) + " times" : "";
+    const std::string scan = note.tells_scan ? (times.empty() ? "scan " : ", first scan ") +
+                                                   std::to_string(note.first_scan)
+                                             : "";
+    lines.push_back(impl_->stream.path() + ": " + note.text +
+                    (times.empty() && scan.empty() ? "" : " (" + times + scan + ")"));
   }
   return lines;
 }

@@ -221,8 +221,10 @@ TEST(RawlogRobustness, RepeatedAndBackwardStampsAreDropped)
   EXPECT_EQ((std::vector<std::size_t>{0, 1, 3, 6}), indices);
   EXPECT_EQ(3U, source.framesDropped());
   ASSERT_EQ(2U, source.warnings().size());
-  EXPECT_TRUE(contains(source.warnings()[0], "time stamp of the one before"));
-  EXPECT_TRUE(contains(source.warnings()[1], "goes back was dropped (2 times)"));
+  EXPECT_TRUE(contains(source.warnings()[0], "time stamp of the one before was dropped (scan 2)"))
+      << source.warnings()[0];
+  EXPECT_TRUE(contains(source.warnings()[1], "goes back was dropped (2 times, first scan 4)"))
+      << source.warnings()[1];
 }
 
 TEST(RawlogRobustness, StampsThatStandStillAreAnError)
