@@ -6,10 +6,10 @@
 #include <dyslam/nets/SaveArchive.h>
 #include <dyslam/nets/Threads.h>
 #include <dyslam/train/Augmentation.h>
-#include <dyslam/train/BlendWeights.h>
 #include <dyslam/train/DataText.h>
 #include <dyslam/train/DyloLoss.h>
 #include <dyslam/train/DyloTrainer.h>
+#include <dyslam/train/NetworkWeights.h>
 #include <dyslam/train/RandomDraws.h>
 #include <dyslam/train/RecordingPairSource.h>
 #include <dyslam/train/ScanFiles.h>
@@ -121,16 +121,6 @@ Pose drawStart(const Pose& truth, double guessed_starts, std::uint64_t seed, std
   return truth * poseFromYpr(draws.normal(meters), draws.normal(0.3 * meters),
                              draws.normal(0.15 * meters), draws.normal(radians),
                              draws.normal(0.3 * radians), draws.normal(0.3 * radians));
-}
-
-std::vector<std::vector<std::int64_t>> shapesOf(const torch::nn::Module& network)
-{
-  std::vector<std::vector<std::int64_t>> shapes;
-  for (const torch::Tensor& parameter : network.parameters())
-  {
-    shapes.push_back(parameter.sizes().vec());
-  }
-  return shapes;
 }
 
 class Trainer
@@ -458,12 +448,7 @@ void Trainer::load(const std::string& path, bool weights_only)
     archive.read("network", network);
     archive.read("loss", loss);
     archive.read("optimizer", optimizer);
-    const std::vector<std::vector<std::int64_t>> shapes = shapesOf(*network_);
-    network_->load(network);
-    if (shapesOf(*network_) != shapes)
-    {
-      throw std::invalid_argument("weights of another width");  // torch takes their shape over
-    }
+    loadSameShape(*network_, network);
     loss_->load(loss);
     if (weights_only)
     {

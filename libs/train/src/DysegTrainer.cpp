@@ -5,11 +5,11 @@
 #include <dyslam/nets/DysegModel.h>
 #include <dyslam/nets/SaveArchive.h>
 #include <dyslam/nets/Threads.h>
-#include <dyslam/train/BlendWeights.h>
 #include <dyslam/train/DataText.h>
 #include <dyslam/train/DysegLosses.h>
 #include <dyslam/train/DysegScores.h>
 #include <dyslam/train/DysegTrainer.h>
+#include <dyslam/train/NetworkWeights.h>
 #include <torch/torch.h>
 
 #include <algorithm>
@@ -342,8 +342,8 @@ void DysegTrainer::resume()
     archive.read("net", net_part);
     archive.read("mean", mean_part);
     archive.read("optimizer", optimizer_part);
-    impl_->net->load(net_part);
-    impl_->mean->load(mean_part);
+    loadSameShape(*impl_->net, net_part);
+    loadSameShape(*impl_->mean, mean_part);
     impl_->optimizer->load(optimizer_part);
     c10::IValue value;
     archive.read("step", value);

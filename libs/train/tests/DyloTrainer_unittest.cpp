@@ -125,8 +125,11 @@ TEST(DyloTrainer, DoesNotOverwriteATraining)
   DyloTrainRequest request = requestFor(folder);
   trainDylo(tiny(1), request);
   EXPECT_THROW(trainDylo(tiny(1), request), UserError);
-  request.output = freshFolder("none");
   request.resume = true;
+  Config wider = tiny(2);
+  wider.set("network.width=0.25");
+  EXPECT_THROW(trainDylo(wider, request), UserError) << "the checkpoint is of another shape";
+  request.output = freshFolder("none");
   EXPECT_THROW(trainDylo(tiny(1), request), UserError);
 }
 

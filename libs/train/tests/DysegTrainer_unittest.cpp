@@ -168,5 +168,7 @@ TEST_F(DysegTraining, WeightsOfAnotherShapeAndMissingStatesAreRefused)
   DysegTrainer other(setup_, (folder_ / "other").string());
   EXPECT_THROW(other.startFrom(weights), dyslam::UserError);
   EXPECT_THROW(other.resume(), dyslam::UserError);
+  DysegTrainer same_folder(setup_, (folder_ / "small").string());
+  EXPECT_THROW(same_folder.resume(), dyslam::UserError) << "the state is of another shape";
 }
 }  // namespace

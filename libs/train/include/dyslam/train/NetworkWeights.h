@@ -5,7 +5,10 @@
 #include <dyslam/core/Error.h>
 #include <torch/torch.h>
 
+#include <cstdint>
+#include <stdexcept>
 #include <string>
+#include <vector>
 
 namespace dyslam
 {
@@ -27,6 +30,26 @@ inline void blendWeights(torch::nn::Module& own,
       throw UserError(file + ": weights of another shape of network");
     }
     weight.value().mul_(1 - share).add_(given->to(weight.value().device()), share);
+  }
+}
+
+/** Loads weights into a network; torch itself would take over their shape, too.
+ * \throws std::invalid_argument if they are of another shape. */
+inline void loadSameShape(torch::nn::Module& network, torch::serialize::InputArchive& weights)
+{
+  std::vector<std::vector<std::int64_t>> shapes;
+  for (const torch::Tensor& parameter : network.parameters())
+  {
+    shapes.push_back(parameter.sizes().vec());
+  }
+  network.load(weights);
+  const auto loaded = network.parameters();
+  for (std::size_t i = 0; i < shapes.size(); ++i)
+  {
+    if (loaded[i].sizes().vec() != shapes[i])
+    {
+      throw std::invalid_argument("weights of another shape");
+    }
   }
 }
 }  // namespace dyslam
