@@ -139,7 +139,7 @@ void trackSequence(const std::vector<LabelledBox>& boxes,
     const Pose T_velo_world = poses[f].inverse();
     for (const TrackedObject& object : objects)
     {
-      if (!tracker.reported(object))
+      if (!object.reported)
       {
         continue;
       }

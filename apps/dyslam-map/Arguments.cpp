@@ -4,7 +4,7 @@
 #include <dyslam/core/Error.h>
 #include <dyslam/core/SharedFiles.h>
 #include <dyslam/io/CloudFiles.h>
-#include <dyslam/odometry/LidarOdometry.h>
+#include <dyslam/odometry/ScanMatcher.h>
 
 #include <CLI/CLI.hpp>
 
@@ -20,8 +20,8 @@ std::vector<std::string> knownSections()
   std::vector<std::string> known{"map",    "preprocess", "map_export", "input",         "pipeline",
                                  "dyseg",  "residual",   "odometry",   "dyseg_network", "refine",
                                  "motion", "detector",   "tracker",    "dyseg_filter",  "solver",
-                                 "loop",   "backend",    "output",     "replay"};
-  const auto methods = odometryMethods();
+                                 "loop",   "backend",    "output",     "replay",        "fusion"};
+  const auto methods = scanMatcherNames();
   known.insert(known.end(), methods.begin(), methods.end());
   return known;
 }

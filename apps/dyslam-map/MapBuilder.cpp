@@ -118,7 +118,7 @@ void MapBuilder::fillMoving(Frame& frame) const
   {
     for (const Label label : labelsOf(frame))
     {
-      frame.moving_probability.push_back(isMovingLabel(label) ? 1.0F : 0.0F);
+      frame.moving.push_back(isMovingLabel(label));
     }
   }
   const auto [begin, end] = boxes_.equal_range(static_cast<int>(frame.index));

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Registers two synthetic scans through the installed library; exit code 0 if the motion is found.
 #include <dyslam/io/TrajectoryFiles.h>
-#include <dyslam/odometry/LocalMapRefinement.h>
+#include <dyslam/odometry/LocalMapRegistration.h>
 
 #include <cmath>
 #include <cstdio>
@@ -31,10 +31,12 @@ dyslam::Frame frameAt(const dyslam::Pose& T_world_vehicle)
 int main()
 {
   dyslam::ThreadPool pool(1);
-  dyslam::LocalMapRefinement refinement(dyslam::RefineOptions(), pool);
-  refinement.refine(frameAt(dyslam::Pose::Identity()), dyslam::Pose::Identity());
+  dyslam::LocalMapRegistration registration(dyslam::RefineOptions(), pool);
+  const dyslam::Frame first = frameAt(dyslam::Pose::Identity());
+  (void)registration.registerFrame(first, dyslam::Pose::Identity());
+  registration.integrate(first);
   const auto truth = dyslam::poseFromYpr(0.3, 0.1, 0, 0.01, 0, 0);
-  const auto result = refinement.refine(frameAt(truth), dyslam::Pose::Identity());
+  const auto result = registration.registerFrame(frameAt(truth), dyslam::Pose::Identity());
   dyslam::Trajectory trajectory;
   trajectory.push_back(0, result.T_odom_vehicle);
   dyslam::writeTum("consumer_tum.txt", trajectory);

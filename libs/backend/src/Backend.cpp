@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/backend/Backend.h>
-#include <dyslam/core/MovingPoints.h>
 #include <dyslam/core/PoseInformation.h>
 
 #include <Eigen/Dense>
@@ -60,13 +59,12 @@ mrpt::poses::CPose3DPDFGaussianInf makeEdge(const Pose& mean, const Matrix6& inf
   return {toMrptPose(mean), mrpt::math::CMatrixDouble66(informationToYpr(mean, information))};
 }
 
-std::vector<Eigen::Vector3f> staticPoints(const Frame& frame, double threshold)
+std::vector<Eigen::Vector3f> staticPoints(const Frame& frame)
 {
-  const std::vector<bool> moving = likelyMoving(frame, threshold);
   std::vector<Eigen::Vector3f> points;
-  for (std::size_t i = 0; i < moving.size(); ++i)
+  for (std::size_t i = 0; i < frame.cloud.size(); ++i)
   {
-    if (!moving[i])
+    if (!frame.isMoving(i))
     {
       points.push_back(frame.cloud.points[i]);
     }
@@ -121,7 +119,7 @@ void Backend::State::moveOn(const Frame& frame)
 {
   const Pose step = T_odom_previous.inverse() * frame.T_odom_vehicle;
   const Matrix6 carry = adjointSE3(step.inverse());
-  covariance = carry * covariance * carry.transpose() + stepCovariance(frame.refined, options);
+  covariance = carry * covariance * carry.transpose() + stepCovariance(frame.motion, options);
   T_keyframe_now = orthonormalized(T_keyframe_now * step);
   path_length += step.translation().norm();
 }
@@ -155,7 +153,7 @@ void Backend::State::addKeyframe(const Frame& frame)
   covariance.setZero();
   if (options.mode == BackendMode::ego)
   {
-    closer.add({id, path_length, staticPoints(frame, options.moving_threshold)});
+    closer.add({id, path_length, staticPoints(frame)});
     take(closer.search(T_map_keyframe));
     if (waiting_loops >= options.loops_to_optimise ||
         (waiting_loops > 0 && worst_misfit > options.misfit_to_optimise))
@@ -206,7 +204,6 @@ void BackendOptions::describe(OptionsVisitor& visitor)
   visitor.real("keyframe_distance", keyframe_distance, 0, 1000,
                "a new keyframe after this way [m]");
   visitor.degrees("keyframe_angle_deg", keyframe_angle, 0, 180, "or after this turn");
-  visitor.real("moving_threshold", moving_threshold, 0, 1, "points likelier to move are left out");
   visitor.real("odometry_sigma_translation", odometry_sigma_translation, 1e-6, 100,
                "added to each step's own uncertainty [m]");
   visitor.real("odometry_sigma_rotation", odometry_sigma_rotation, 1e-7, 3,

@@ -40,10 +40,10 @@ Drive makeDrive(const BoxWorld& world, std::vector<Pose> truth, double turn, dou
       step.translation() *= 1 + stretch;
       step = step * poseFromYpr(0, 0, 0, turn, 0, 0);
       T_odom_vehicle = T_odom_vehicle * step;
-      frame.refined.T_previous_current = step;
+      frame.motion.T_previous_current = step;
     }
-    frame.refined.converged = true;
-    frame.refined.information = 1e6 * Matrix6::Identity();
+    frame.motion.converged = true;
+    frame.motion.information = 1e6 * Matrix6::Identity();
     frame.T_odom_vehicle = T_odom_vehicle;
     drive.frames.push_back(std::move(frame));
   }
@@ -153,8 +153,8 @@ TEST(Backend, EdgesCarryTheComposedMotionAndCovariance)
     Frame frame;
     frame.index = i;
     frame.scan.stamp = static_cast<double>(i);
-    frame.refined.converged = true;
-    frame.refined.information = sigma.cwiseAbs2().cwiseInverse().asDiagonal();
+    frame.motion.converged = true;
+    frame.motion.information = sigma.cwiseAbs2().cwiseInverse().asDiagonal();
     frame.T_odom_vehicle = i == 0 ? Pose::Identity() : i == 1 ? step : step * step;
     backend.addFrame(frame);
     EXPECT_EQ(frame.is_keyframe, i != 1);
@@ -188,8 +188,8 @@ TEST(Backend, UnconvergedOrSenselessInformationMeansLittleTrust)
     {
       Frame frame;
       frame.index = i;
-      frame.refined.converged = kind != 1;
-      frame.refined.information = (kind == 2 ? NAN : 1e8) * Matrix6::Identity();
+      frame.motion.converged = kind != 1;
+      frame.motion.information = (kind == 2 ? NAN : 1e8) * Matrix6::Identity();
       frame.T_odom_vehicle = poseFromYpr(2.0 * static_cast<double>(i), 0, 0, 0, 0, 0);
       backend.addFrame(frame);
     }

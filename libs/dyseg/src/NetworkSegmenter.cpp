@@ -14,15 +14,15 @@ namespace dyslam
 {
 namespace
 {
-// What a static flow knows beside its own residuals: cells of 0.8 m are not independent, and
-// height, roll and pitch are not looked at.
-constexpr double least_rmse = 0.05;  // m
-constexpr double cells_per_witness = 20;
-constexpr double least_lead = 0.1;        // of the motion voted for over any other
-constexpr double unseen_height = 0.1;     // m
-constexpr double unseen_tilt = 0.01;      // rad
-constexpr double predicted_within = 0.2;  // m
-constexpr double lever = 20;              // m, typical distance of a cell
+// Uncertainty of a static flow beyond its own residuals: cells of 0.8 m are not independent, and
+// height, roll and pitch are not observed.
+constexpr double min_rmse = 0.05;  // m
+constexpr double cells_per_measurement = 20;
+constexpr double min_lead = 0.1;             // of the motion with the most votes over any other
+constexpr double height_sigma = 0.1;         // m
+constexpr double tilt_sigma = 0.01;          // rad
+constexpr double prior_search_radius = 0.2;  // m
+constexpr double lever = 20;                 // m, typical distance of a cell
 
 MotionEstimate motionOf(const RigidFlowFit& fit, const Eigen::Vector3d& sensor)
 {
@@ -30,22 +30,22 @@ MotionEstimate motionOf(const RigidFlowFit& fit, const Eigen::Vector3d& sensor)
   // The network's frame is the vehicle's, moved to the sensor.
   const Pose to_vehicle = Pose(Eigen::Translation3d(sensor));
   m.T_previous_current = to_vehicle * fit.motion.pose() * to_vehicle.inverse();
-  const bool distinct = fit.lead >= least_lead;
+  const bool distinct = fit.lead >= min_lead;
   m.converged = fit.converged && distinct;
   m.reason = !fit.converged ? "too few cells with flow"
-             : !distinct    ? "two motions explain about the same"
+             : !distinct    ? "two motions explain the flow about equally well"
                             : "";
   m.rmse = fit.rmse;
   for (const float w : fit.inlier)
   {
     m.inliers += w > 0.5F ? 1 : 0;
   }
-  const double deviation = std::max(fit.rmse, least_rmse);
-  const double witnesses = std::max(1.0, static_cast<double>(m.inliers) / cells_per_witness);
-  const double plane = witnesses / (deviation * deviation);
+  const double sigma = std::max(fit.rmse, min_rmse);
+  const double measurements = std::max(1.0, static_cast<double>(m.inliers) / cells_per_measurement);
+  const double plane = measurements / (sigma * sigma);
   m.information.setZero();
-  m.information.diagonal() << plane, plane, 1 / (unseen_height * unseen_height),
-      1 / (unseen_tilt * unseen_tilt), 1 / (unseen_tilt * unseen_tilt), plane * lever * lever;
+  m.information.diagonal() << plane, plane, 1 / (height_sigma * height_sigma),
+      1 / (tilt_sigma * tilt_sigma), 1 / (tilt_sigma * tilt_sigma), plane * lever * lever;
   return m;
 }
 }  // namespace
@@ -63,19 +63,17 @@ struct NetworkSegmenter::Impl
   DysegModel model;
   std::deque<Past> past;   //!< newest first
   RigidFlowFit last_step;  //!< to the scan before
-  MotionEstimate motion;   //!< the same, of the vehicle
   std::optional<SceneFlow> flow;
   std::vector<SeenBefore> seen;  //!< of the scan at hand, in the first one compared with
-  std::vector<float> anchors;    //!< of the last scan's points, in a run's first scans
 
-  /** There is a predicted motion, and enough scans were seen to look around it alone. */
-  [[nodiscard]] bool heedsPrediction(const Frame& frame) const
+  /** The static motion is searched around the prior alone. */
+  [[nodiscard]] bool searchesAroundPrior(const Frame& frame) const
   {
-    return frame.T_previous_predicted.has_value() &&
-           (options.guess == "prediction" || (options.guess == "settled" && full()));
+    return frame.prior.reliable &&
+           (options.search == "prior" || (options.search == "auto" && historyComplete()));
   }
   /** The past reaches back as far as scans are compared. */
-  [[nodiscard]] bool full() const
+  [[nodiscard]] bool historyComplete() const
   {
     return past.size() >= static_cast<std::size_t>(options.first_gap);
   }
@@ -99,8 +97,6 @@ NetworkSegmenter::NetworkSegmenter(const NetworkSegmenterOptions& options)
            {},
            {},
            {},
-           {},
-           {},
            {}});
 }
 
@@ -110,18 +106,6 @@ void NetworkSegmenter::reset()
 {
   impl_->past.clear();
   impl_->flow.reset();
-  impl_->anchors.clear();
-  impl_->motion = MotionEstimate();
-}
-
-const MotionEstimate* NetworkSegmenter::staticMotion() const
-{
-  return impl_->motion.converged ? &impl_->motion : nullptr;
-}
-
-const std::vector<float>* NetworkSegmenter::staticLikelihood() const
-{
-  return impl_->anchors.empty() ? nullptr : &impl_->anchors;
 }
 
 const SceneFlow* NetworkSegmenter::sceneFlow() const
@@ -147,7 +131,7 @@ void shiftTo(double threshold, std::vector<float>& probability)
   }
 }
 
-/** Joins what two comparisons say; points that neither looked at stay at 0. */
+/** Combines the probabilities of two comparisons; points in neither stay at 0. */
 void combine(bool highest, const std::vector<float>& other, std::vector<float>& probability)
 {
   for (std::size_t i = 0; i < probability.size(); ++i)
@@ -171,14 +155,14 @@ RigidFlowFit NetworkSegmenter::Impl::matchLast(const DysegModel::Encoded& curren
                                                const Eigen::Vector3d& sensor) const
 {
   const auto& before = *past.front().encoded;
-  if (!heedsPrediction(frame))
+  if (!searchesAroundPrior(frame))
   {
     return model.match(current, before);
   }
   const Pose to_vehicle = Pose(Eigen::Translation3d(sensor));
   const MotionGuess guess{
-      PlanarMotion::fromPose(to_vehicle.inverse() * *frame.T_previous_predicted * to_vehicle),
-      predicted_within};
+      PlanarMotion::fromPose(to_vehicle.inverse() * frame.prior.T_previous_current * to_vehicle),
+      prior_search_radius};
   return model.match(current, before, &guess);
 }
 
@@ -189,7 +173,7 @@ std::vector<float> NetworkSegmenter::Impl::judge(const DysegModel::Encoded& curr
 {
   const Past& earlier = past[back - 1];
   const MotionGuess guess{earlier.from_current,
-                          heedsPrediction(frame) ? predicted_within : MotionGuess().within};
+                          searchesAroundPrior(frame) ? prior_search_radius : MotionGuess().within};
   const RigidFlowFit step = back == 1 ? last_step : model.match(current, *earlier.encoded, &guess);
   auto result = model.judge(current, *earlier.encoded, step, options.iterations);
   if (!flow)
@@ -221,15 +205,20 @@ void NetworkSegmenter::segment(Frame& frame)
   const auto encoded = s.model.encode(points);
   frame.moving_probability.assign(points.size(), 0.0F);
   s.flow.reset();
-  s.anchors.clear();
-  if (!s.full())
+  frame.segmenter_motion.reset();
+  frame.static_prior.clear();
+  if (!s.historyComplete())
   {
-    s.anchors = s.model.anchors(*encoded);
+    frame.static_prior = s.model.anchors(*encoded);
   }
   if (!s.past.empty())
   {
     s.last_step = s.matchLast(*encoded, frame, sensor);
-    s.motion = motionOf(s.last_step, sensor);
+    MotionEstimate motion = motionOf(s.last_step, sensor);
+    if (motion.converged)
+    {
+      frame.segmenter_motion = std::move(motion);
+    }
     for (auto& p : s.past)
     {
       p.from_current = PlanarMotion::fromPose(p.from_current.pose() * s.last_step.motion.pose());

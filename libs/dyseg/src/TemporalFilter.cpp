@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <utility>
 
 namespace dyslam
 {
@@ -73,31 +72,23 @@ std::vector<float> lowestAround(const std::vector<Eigen::Vector3f>& points, floa
 
 void TemporalFilterOptions::describe(OptionsVisitor& v)
 {
-  v.real("cell_size", cell_size, 0.05, 5, "m, of the cells that remember");
-  v.real("ground_clearance", ground_clearance, 0, 2, "m above the lowest nearby that says nothing");
-  v.real("decay", decay, 0, 1, "of what a cell knows, per scan");
-  v.real("share", share, 0, 1, "of a point's log-odds that its cell's past makes up");
-  v.real("most", most, 0.1, 100, "log-odds of a cell, either way");
+  v.real("cell_size", cell_size, 0.05, 5, "side of the cells [m]");
+  v.real("ground_clearance", ground_clearance, 0, 2,
+         "points lower above the lowest nearby are left as they are [m]");
+  v.real("decay", decay, 0, 1, "of a cell's log-odds, per scan");
+  v.real("share", share, 0, 1, "weight of a cell's past log-odds in a point's");
+  v.real("max_log_odds", max_log_odds, 0.1, 100, "of a cell, either way");
 }
 
-TemporalFilter::TemporalFilter(const TemporalFilterOptions& options,
-                               std::unique_ptr<MovingSegmenter> inner)
-    : options_(options), inner_(std::move(inner))
+TemporalFilter::TemporalFilter(const TemporalFilterOptions& options) : options_(options)
 {
   validate(options_, "dyseg_filter");
 }
 
 void TemporalFilter::reset()
 {
-  inner_->reset();
   cells_.clear();
   scan_ = 0;
-}
-
-void TemporalFilter::segment(Frame& frame)
-{
-  inner_->segment(frame);
-  apply(frame);
 }
 
 std::uint64_t TemporalFilter::keyOf(const Eigen::Vector3f& point) const
@@ -109,6 +100,10 @@ void TemporalFilter::apply(Frame& frame)
 {
   ++scan_;
   const auto& points = frame.cloud.points;
+  if (frame.moving_probability.size() != points.size())
+  {
+    return;
+  }
   const auto low = lowestAround(points, static_cast<float>(options_.cell_size));
   const Eigen::Isometry3f T = frame.T_odom_vehicle.cast<float>();
   struct Sum
@@ -140,7 +135,7 @@ void TemporalFilter::apply(Frame& frame)
       probability = 1 / (1 + std::exp(-(now + share * before)));
     }
   }
-  const auto most = static_cast<float>(options_.most);
+  const auto most = static_cast<float>(options_.max_log_odds);
   const auto decay = static_cast<float>(options_.decay);
   for (const auto& [key, sum] : seen)
   {

@@ -75,60 +75,59 @@ TEST(NetworkSegmenter, TheFirstScanIsStatic)
   EXPECT_EQ(segmenter.sceneFlow(), nullptr);
 }
 
-TEST(NetworkSegmenter, LooksCountUntilTheFirstGapIsReached)
+TEST(NetworkSegmenter, AppearanceCountsUntilTheFirstGapIsReached)
 {
   NetworkSegmenterOptions options;
   options.first_gap = 2;
   NetworkSegmenter segmenter(options);
-  EXPECT_EQ(segmenter.staticLikelihood(), nullptr);
   for (std::size_t i = 0; i < 4; ++i)
   {
     auto frame = frameOf(street(static_cast<unsigned>(i)), i);
     segmenter.segment(frame);
-    const auto* looks = segmenter.staticLikelihood();
-    ASSERT_EQ(looks != nullptr, i < 2) << i;
-    if (looks == nullptr)
+    const std::vector<float>& prior = frame.static_prior;
+    ASSERT_EQ(!prior.empty(), i < 2) << i;
+    if (prior.empty())
     {
       continue;
     }
-    ASSERT_EQ(looks->size(), frame.cloud.points.size());
-    EXPECT_EQ(looks->front(), 1.0F) << "ground is not asked";
-    EXPECT_LT(*std::min_element(looks->begin(), looks->end()), 1.0F);
-    EXPECT_GE(*std::min_element(looks->begin(), looks->end()), 0.0F);
+    ASSERT_EQ(prior.size(), frame.cloud.points.size());
+    EXPECT_EQ(prior.front(), 1.0F) << "ground is static";
+    EXPECT_LT(*std::min_element(prior.begin(), prior.end()), 1.0F);
+    EXPECT_GE(*std::min_element(prior.begin(), prior.end()), 0.0F);
   }
-  segmenter.reset();
-  EXPECT_EQ(segmenter.staticLikelihood(), nullptr);
 }
 
-/** Scans that stand still, predicted to be 2 m apart: looked at once settled, believed by none. */
-TEST(NetworkSegmenter, PredictionsAreHeededOnceTheFirstGapIsReached)
+/** Scans that stand still, with a prior of 2 m: it is where the search begins, and not its result.
+ */
+TEST(NetworkSegmenter, TheSearchIsAroundThePriorOnceTheFirstGapIsReached)
 {
-  const auto ways = [](const std::string& guess)
+  const auto motions = [](const std::string& search)
   {
     NetworkSegmenterOptions options;
-    options.guess = guess;
+    options.search = search;
     options.first_gap = 2;
     NetworkSegmenter segmenter(options);
     std::vector<double> x;
     for (std::size_t i = 0; i < 3; ++i)
     {
       auto frame = frameOf(street(static_cast<unsigned>(i)), i);
-      frame.T_previous_predicted = poseFromYpr(2, 0, 0, 0, 0, 0);
+      frame.prior.T_previous_current = poseFromYpr(2, 0, 0, 0, 0, 0);
+      frame.prior.reliable = true;
       segmenter.segment(frame);
       if (i > 0)
       {
-        x.push_back(segmenter.staticMotion()->T_previous_current.translation().x());
+        x.push_back(frame.segmenter_motion.value().T_previous_current.translation().x());
       }
     }
     return x;
   };
-  const auto none = ways("none");
-  const auto settled = ways("settled");
-  const auto predicted = ways("prediction");
-  EXPECT_EQ(settled[0], none[0]);
-  EXPECT_NE(settled[1], none[1]);
-  EXPECT_NE(predicted[0], none[0]);
-  for (const auto& x : {none, settled, predicted})
+  const auto global = motions("global");
+  const auto automatic = motions("auto");
+  const auto around_prior = motions("prior");
+  EXPECT_EQ(automatic[0], global[0]);
+  EXPECT_NE(automatic[1], global[1]);
+  EXPECT_NE(around_prior[0], global[0]);
+  for (const auto& x : {global, automatic, around_prior})
   {
     EXPECT_NEAR(x[0], 0, 0.1);
     EXPECT_NEAR(x[1], 0, 0.1);

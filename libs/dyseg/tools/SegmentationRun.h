@@ -2,6 +2,7 @@
 #pragma once
 
 #include <dyslam/dyseg/MovingSegmenter.h>
+#include <dyslam/dyseg/TemporalFilter.h>
 #include <dyslam/train/DysegData.h>
 #include <dyslam/train/DysegScores.h>
 
@@ -47,10 +48,12 @@ struct PoseNoise
 
 /** Runs a segmenter over a set in order, as the pipeline does.
  * \param picture file for the middle scan from above (PPM, 80 m square, x up: grey static, green
- * found movers, red missed ones, blue false alarms); empty for none. */
+ * found movers, red missed ones, blue false alarms); empty for none \param filter runs behind the
+ * segmenter, if given */
 [[nodiscard]] SegmentationCounts runSegmenter(MovingSegmenter& segmenter,
                                               const SegmentationSet& set,
                                               const PoseNoise& noise = {},
                                               SegmentedInstances* instances = nullptr,
-                                              const std::string& picture = {});
+                                              const std::string& picture = {},
+                                              TemporalFilter* filter = nullptr);
 }  // namespace dyslam

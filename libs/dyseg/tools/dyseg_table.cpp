@@ -261,11 +261,10 @@ void printTable(const Arguments& a)
       {
         break;
       }
-      TemporalFilter filtered(
-          TemporalFilterOptions(),
-          std::make_unique<NetworkSegmenter>(networkOptions(a, a.network.second_gap)));
+      NetworkSegmenter network(networkOptions(a, a.network.second_gap));
+      TemporalFilter filter{TemporalFilterOptions()};
       std::snprintf(name, sizeof(name), "the same, filter, poses off %.2f m", m);
-      printRow(set.name, name, runSegmenter(filtered, set, {m, rad}, nullptr));
+      printRow(set.name, name, runSegmenter(network, set, {m, rad}, nullptr, {}, &filter));
     }
     SegmentedInstances by_baseline;
     for (const auto& [m, rad] : pose_errors)
@@ -279,9 +278,9 @@ void printTable(const Arguments& a)
       printRow(set.name, name,
                runSegmenter(residual, set, {m, rad}, m == 0 ? &by_baseline : nullptr));
     }
-    TemporalFilter filtered(TemporalFilterOptions(),
-                            std::make_unique<ResidualSegmenter>(ResidualSegmenterOptions(), pool));
-    printRow(set.name, "residual, filter", runSegmenter(filtered, set));
+    ResidualSegmenter residual(ResidualSegmenterOptions(), pool);
+    TemporalFilter filter{TemporalFilterOptions()};
+    printRow(set.name, "residual, filter", runSegmenter(residual, set, {}, nullptr, {}, &filter));
     printFlow(a, model, set);
     if (a.instances)
     {

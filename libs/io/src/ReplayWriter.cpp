@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <dyslam/core/MovingPoints.h>
 #include <dyslam/core/VoxelGrid.h>
 #include <dyslam/io/GzOutput.h>
 #include <dyslam/io/ReplayWriter.h>
@@ -123,8 +122,6 @@ void insertObject(mrpt::opengl::COpenGLScene& scene,
 
 void ReplayWriterOptions::describe(OptionsVisitor& v)
 {
-  v.real("moving_threshold", moving_threshold, 0, 1,
-         "points with a moving probability above are `moving`");
   v.integer("every_nth_scan", every_nth_scan, 1, 100000, "1: every scan");
   v.real("voxel_size", voxel_size, 0, 10,
          "m, one point of the static cloud per cube of this side, 0 keeps all");
@@ -132,7 +129,6 @@ void ReplayWriterOptions::describe(OptionsVisitor& v)
             "at most so many points in the 3D scene, 0: no scene");
   v.integer("trajectory_points", trajectory_points, 2, 1000000,
             "at most so many poses of the trajectory in a scene");
-  v.flag("confirmed_only", confirmed_only, "draw confirmed tracks only");
   v.integer("compression_level", compression_level, 0, 9, "of gzip: 0 none, 1 fast, 9 small");
 }
 
@@ -223,7 +219,7 @@ struct ReplayWriter::Impl
       }
       for (const auto& object : frame.objects)
       {
-        if (object.confirmed || !options.confirmed_only)
+        if (object.reported)
         {
           insertObject(scene, object, T_vehicle_odom);
         }
@@ -270,7 +266,8 @@ void ReplayWriter::write(const Frame& frame)
   {
     return;
   }
-  const auto moving = movingPoints(frame, m.options.moving_threshold);
+  auto moving = frame.moving;
+  moving.resize(frame.cloud.size(), false);
   const Part standing_part = partOf(frame, moving, false, m.options.voxel_size);
   const Part moving_part = partOf(frame, moving, true, 0);
   if (frame.T_map_vehicle().matrix().allFinite())

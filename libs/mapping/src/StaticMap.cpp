@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <dyslam/core/MovingPoints.h>
 #include <dyslam/core/VoxelGrid.h>
 #include <dyslam/mapping/StaticMap.h>
 
@@ -74,10 +73,11 @@ bool inside(const Box& box, const Eigen::Vector3d& p, double margin)
          std::abs(d.z()) <= 0.5 * box.size.z() + margin;
 }
 
-/** Points of the cloud that move: by their probability, their track's points, their track's box. */
+/** Points of the cloud that move, or lie in the box of a dynamic track. */
 std::vector<bool> notStatic(const Frame& frame, const StaticMapOptions& options)
 {
-  std::vector<bool> moving = movingPoints(frame, options.moving_threshold);
+  std::vector<bool> moving = frame.moving;
+  moving.resize(frame.cloud.size(), false);
   for (const auto& object : frame.objects)
   {
     if (!object.dynamic)
@@ -107,8 +107,6 @@ void StaticMapOptions::describe(OptionsVisitor& v)
   v.real("voxel_size", voxel_size, 0.01, 10, "m, one map point per cube of this side");
   v.real("min_range", min_range, 0, 100, "m, nearer returns (own vehicle) are left out");
   v.real("max_range", max_range, 1, 300, "m, farther returns are left out");
-  v.real("moving_threshold", moving_threshold, 0, 1,
-         "points with a moving probability above are left out");
   v.real("box_margin", box_margin, 0, 5, "m, boxes of dynamic tracks are widened by this");
   v.integer("points_per_voxel", points_per_voxel, 1, 1000,
             "keyframe points kept per voxel, later ones add nothing");
@@ -372,8 +370,7 @@ void StaticMap::insert(const Frame& frame)
   const Pose T_map_vehicle = frame.T_map_vehicle();
   const bool placed = T_map_vehicle.matrix().allFinite();
   m.poses.push_back(T_map_vehicle);
-  m.keyframes.add(info,
-                  placed ? m.thinned(frame, notStatic(frame, m.options)) : KeyframeCloud());
+  m.keyframes.add(info, placed ? m.thinned(frame, notStatic(frame, m.options)) : KeyframeCloud());
   if (!placed)
   {
     return;

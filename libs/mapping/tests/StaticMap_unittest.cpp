@@ -159,14 +159,7 @@ TEST(StaticMap, LeavesOutMovingPointsAndTracks)
   Frame frame;
   frame.cloud.points = {{5, 0, 1}, {6, 0, 1}, {7, 0, 1}, {8, 0, 1}};
   frame.cloud.source = {0, 1, 2, 3};
-  frame.moving_probability = {0.9F, 0.1F, 0.1F, 0.1F};
-  Detection detection;
-  detection.points = {1};
-  frame.detections = {detection};
-  TrackedObject by_points;
-  by_points.dynamic = true;
-  by_points.detection = 0;
-  by_points.box.center = {100, 100, 0};
+  frame.moving = {true, true, false, false};
   TrackedObject by_box;
   by_box.dynamic = true;
   by_box.box.center = {7, 0, 1};
@@ -174,7 +167,7 @@ TEST(StaticMap, LeavesOutMovingPointsAndTracks)
   TrackedObject parked = by_box;
   parked.dynamic = false;
   parked.box.center = {8, 0, 1};
-  frame.objects = {by_points, by_box, parked};
+  frame.objects = {by_box, parked};
   StaticMap map;
   map.insert(frame);
   ASSERT_EQ(map.points().size(), 1U);

@@ -2,19 +2,19 @@
 // All odometry methods and the refinement on the same frames: one table of accuracy and time.
 //
 //   odometry_benchmark DIR [--poses FILE] [--frames N] [--first N] [--threads N]
-//                      [--methods a,b,...] [--set section.key=value]...
+//                      [--period SECONDS] [--methods a,b,...] [--set section.key=value]...
 //
 // DIR holds .bin files (float32 x y z intensity), or a folder velodyne/ with them. FILE has 12
-// numbers a line, the sensor's poses; without it only times and the ends are printed. Each method
-// is its own constant-velocity prediction, except that constant_velocity repeats the reference's
-// last motion. Rows `refine:*` are the refinement with the constant-velocity prediction, rows
-// `METHOD+refine` that from the method's motion and static confidence.
+// numbers a line, the sensor's poses; without it only times and the ends are printed. All rows run
+// the class Odometry: METHOD is a scan matcher alone, METHOD+refine the matcher with registration
+// to the local map, refine:point_to_plane and refine:gicp that registration from the prior alone.
+// constant_velocity repeats the reference's previous motion.
 #include <dyslam/core/Error.h>
 #include <dyslam/core/FreedMemory.h>
-#include <dyslam/odometry/LidarOdometry.h>
-#include <dyslam/odometry/LocalMapRefinement.h>
-#include <dyslam/odometry/MotionFilter.h>
+#include <dyslam/odometry/Odometry.h>
 #include <dyslam/odometry/Preprocessor.h>
+#include <dyslam/odometry/ScanMatcher.h>
+#include <mrpt/system/CTimeLogger.h>
 
 #include <algorithm>
 #include <chrono>
@@ -25,7 +25,6 @@
 #include <ctime>
 #include <filesystem>
 #include <fstream>
-#include <functional>
 #include <iostream>
 #include <sstream>
 
@@ -40,11 +39,10 @@ struct Arguments
   std::size_t first = 0;
   std::size_t frames = 100000;
   int threads = 2;
+  double period = 0.1;  //!< between scans [s]
   std::vector<std::string> methods;
   Config config;
 };
-
-constexpr double period = 0.1;  // s, between scans
 
 struct Row
 {
@@ -129,6 +127,10 @@ Arguments parse(int argc, char** argv)
     {
       a.threads = std::stoi(value);
     }
+    else if (key == "--period")
+    {
+      a.period = std::stod(value);
+    }
     else if (key == "--set")
     {
       a.config.set(value);
@@ -152,7 +154,7 @@ Arguments parse(int argc, char** argv)
   }
   if (a.methods.empty())
   {
-    a.methods = odometryMethods();
+    a.methods = scanMatcherNames();
     a.methods.insert(a.methods.end(), {"refine:point_to_plane", "refine:gicp"});
   }
   return a;
@@ -191,8 +193,41 @@ double cpuMs()
   return 1e3 * static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
 }
 
-/** One step of a method: frame and prediction in, motion out. */
-using Step = std::function<MotionEstimate(Frame&, const Pose&)>;
+/** The config that a row's name asks for. */
+Config configOf(const std::string& method, const Arguments& a)
+{
+  Config config = a.config;
+  const std::size_t plus = method.find("+refine");
+  if (method.rfind("refine:", 0) == 0)
+  {
+    config.set("odometry.method=constant_velocity");
+    config.set("refine.method=" + method.substr(7));
+  }
+  else
+  {
+    config.set("odometry.method=" + method.substr(0, plus));
+    if (plus == std::string::npos)
+    {
+      config.set("refine.method=none");
+    }
+  }
+  return config;
+}
+
+/** The reference's previous motion, as if it were an estimate. */
+Row repeatReference(const std::vector<Pose>& reference)
+{
+  Row row;
+  for (std::size_t i = 0; i < reference.size(); ++i)
+  {
+    const Pose motion =
+        i < 2 ? Pose::Identity() : Pose(reference[i - 2].inverse() * reference[i - 1]);
+    row.poses.push_back(i == 0 ? Pose::Identity() : Pose(row.poses.back() * motion));
+    row.wall_ms.push_back(0);
+    row.cpu_ms.push_back(0);
+  }
+  return row;
+}
 
 Row runMethod(const std::string& method,
               const Arguments& a,
@@ -200,86 +235,38 @@ Row runMethod(const std::string& method,
               const std::vector<Pose>& reference)
 {
   ThreadPool pool(a.threads);
-  Config config = a.config;
-  const bool refining = method.rfind("refine:", 0) == 0;
-  if (refining)
-  {
-    config.set("refine.method=" + method.substr(7));
-  }
+  const Config config = configOf(method, a);
   ConfigLoader loader(config);
+  mrpt::system::CTimeLogger times(false);
   const Preprocessor preprocessor(loader.get<PreprocessOptions>("preprocess"), pool);
-  LocalMapRefinement refinement(loader.get<RefineOptions>("refine"), pool);
-  std::unique_ptr<LidarOdometry> odometry;
-  MotionFilter filter(loader.get<MotionFilterOptions>("motion"));
-  filter.start(Vector6::Zero(), loader.get<RefineOptions>("refine").start_deviation / period, 1);
-  // Motions count from the second scan on.
-  const auto since = [](const Frame& frame) { return frame.index > 0 ? period : 0.0; };
-  const auto refine = [&](const Frame& frame, const Pose& motion)
-  {
-    const double dt = since(frame);
-    const PosePrior prior{refinement.pose() * filter.predict(dt), filter.information(dt)};
-    const RefineResult result = refinement.refine(frame, refinement.pose() * motion, &prior);
-    filter.update(dt, result.motion.T_previous_current, result.measured_information,
-                  result.prior_weight);
-    return result.motion;
-  };
-  Step step = refine;
-  const std::size_t plus = method.find("+refine");
-  const bool refined = refining || plus != std::string::npos;
-  if (!refining)
-  {
-    odometry = makeOdometry(method.substr(0, plus), loader, pool);
-    step = [&](const Frame& frame, const Pose& prediction)
-    {
-      const double dt = since(frame);
-      const MotionEstimate found = odometry->process(frame, prediction, filter.information(dt));
-      filter.update(dt, found.T_previous_current,
-                    found.converged ? found.information : Matrix6(Matrix6::Zero()));
-      return found;
-    };
-  }
-
-  if (plus != std::string::npos)
-  {
-    step = [&](Frame& frame, const Pose& prediction)
-    {
-      frame.odometry = odometry->process(frame, prediction, filter.information(since(frame)));
-      frame.static_confidence = odometry->staticConfidence();
-      return refine(frame,
-                    frame.odometry.converged ? frame.odometry.T_previous_current : prediction);
-    };
-  }
+  Odometry odometry(loader, pool, times);
+  loader.requireAllUsed();
 
   Row row;
-  Pose T = Pose::Identity();
-  Pose motion = Pose::Identity();
   std::size_t judged = 0;
   for (std::size_t i = 0; i < scans.size(); ++i)
   {
-    if (method == "constant_velocity" && i >= 2 && i - 1 < reference.size())
-    {
-      motion = reference[i - 2].inverse() * reference[i - 1];
-    }
     Frame frame;
     frame.index = i;
     frame.scan = scans[i];
+    frame.scan.stamp = a.period * static_cast<double>(i);
     const auto start = std::chrono::steady_clock::now();
     const double cpu_start = cpuMs();
-    frame.cloud = preprocessor.prepare(frame.scan, motion, 1.0);
-    const MotionEstimate estimate = step(frame, motion);
+    odometry.predict(frame);
+    frame.cloud = preprocessor.prepare(frame.scan, frame.prior.T_previous_current, frame.dt);
+    odometry.estimate(frame);
+    odometry.integrate(frame);
     row.cpu_ms.push_back(cpuMs() - cpu_start);
     row.wall_ms.push_back(
         std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start)
             .count());
-    row.failures += estimate.converged ? 0U : 1U;
-    const Pose found = i > 0 ? estimate.T_previous_current : Pose::Identity();
-    T = orthonormalized(T * found);
-    motion = refined || odometry->joinsPrediction() ? filter.predict(period) : found;
-    row.poses.push_back(T);
+    row.failures += frame.motion.converged ? 0U : 1U;
+    row.poses.push_back(frame.T_odom_vehicle);
     if (i > 0 && i < reference.size())
     {
-      const Vector6 e = logSE3(found.inverse() * reference[i - 1].inverse() * reference[i]);
-      row.normalised_error += e.dot(estimate.information * e);
+      const Vector6 e = logSE3(frame.motion.T_previous_current.inverse() *
+                               reference[i - 1].inverse() * reference[i]);
+      row.normalised_error += e.dot(frame.motion.information * e);
       ++judged;
     }
   }
@@ -350,7 +337,9 @@ int main(int argc, char** argv)
         " CPU ms | e'Ie | failed |\n|---|---|---|---|---|---|---|---|---|---|---|---|\n");
     for (const std::string& method : a.methods)
     {
-      print(method, runMethod(method, a, scans, reference), reference);
+      const bool repeats = method == "constant_velocity" && !reference.empty();
+      print(method, repeats ? repeatReference(reference) : runMethod(method, a, scans, reference),
+            reference);
     }
     return EXIT_SUCCESS;
   }

@@ -20,14 +20,14 @@ class DyloOdometry : public ScanToScan
   explicit DyloOdometry(const DyloOptions& options);
 
   [[nodiscard]] std::string name() const override { return "dylo"; }
-  [[nodiscard]] bool joinsPrediction() const override { return options_.prior; }
-  [[nodiscard]] const std::vector<float>& staticConfidence() const override { return confidence_; }
+  [[nodiscard]] bool usesPrior() const override { return options_.prior; }
 
  private:
   std::string extract(const Frame& frame) override;
   MotionEstimate align(const Pose& T_reference_current_guess) override;
   void accept(const Pose& T_reference_current) override;
   void clear() override;
+  [[nodiscard]] std::vector<float> staticConfidence() const override { return confidence_; }
 
   [[nodiscard]] std::string doubts(const DyloMatch& match) const;
 

@@ -13,7 +13,8 @@ void DyloOptions::describe(OptionsVisitor& v)
   v.flag("prior", prior, "weigh the predicted motion against the points");
   v.flag("deskew", deskew, "deskew by the motion found, not only by the predicted one");
   v.flag("confidence", confidence, "hand on how surely each point stands still");
-  v.real("correlated_points", correlated_points, 1, 1e6, "points that count as one measurement");
+  v.real("points_per_measurement", points_per_measurement, 1, 1e6,
+         "correlated points that count as one measurement");
   v.real("min_inlier_share", min_inlier_share, 0, 1, "with less agreement the match has failed");
   v.real("max_last_step", max_last_step, 1e-6, 100, "of the last pass, or nothing was found [m]");
   v.real("max_translation", max_translation, 0.01, 100, "between two scans [m]");

@@ -24,11 +24,11 @@ struct DyloOptions : Options
   bool prior = true;       //!< weigh the prediction against the points, where it has an information
   bool deskew = true;      //!< by the motion found, not only by the predicted one
   bool confidence = true;  //!< hand on how surely each point stands still
-  double correlated_points = 24;   //!< sampled points that count as one measurement
-  double min_inlier_share = 0.55;  //!< with less agreement the match has failed
-  double max_last_step = 0.3;      //!< the last pass moves less, or nothing was found [m]
-  double max_translation = 6;      //!< farther between two scans is absurd [m]
-  double max_rotation = 0.6;       //!< [rad]
+  double points_per_measurement = 24;  //!< sampled points that count as one measurement
+  double min_inlier_share = 0.55;      //!< with less agreement the match has failed
+  double max_last_step = 0.3;          //!< the last pass moves less, or nothing was found [m]
+  double max_translation = 6;          //!< farther between two scans is absurd [m]
+  double max_rotation = 0.6;           //!< [rad]
 
   void describe(OptionsVisitor& visitor) override;
 };

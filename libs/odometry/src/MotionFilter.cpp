@@ -10,15 +10,19 @@ namespace dyslam
 {
 namespace
 {
-/** Floor under the deviation of a prediction: nothing is known better [m] and [rad]. */
-constexpr double least_deviation = 1e-3;
-constexpr double least_angle = 1e-4;
+/** Floor under the standard deviation of a prediction [m] and [rad]. */
+constexpr double min_sigma = 1e-3;
+constexpr double min_sigma_angle = 1e-4;
 }  // namespace
 
 void MotionFilterOptions::describe(OptionsVisitor& v)
 {
-  v.real("acceleration", acceleration, 1e-3, 1e4, "change of velocity, one sigma [m/s^2]");
+  v.real("acceleration", acceleration, 1e-3, 1e4, "standard deviation of the acceleration [m/s^2]");
   v.degrees("angular_acceleration_deg", angular_acceleration, 0.01, 1e6, "... and of its rotation");
+  v.real("start_speed_sigma", start_speed_sigma, 1e-3, 1e3,
+         "of the velocity at the first scan, if it is not known [m/s]");
+  v.degrees("start_turn_rate_sigma_deg", start_turn_rate_sigma, 0.01, 1e4,
+            "of the turn rate at the first scan, per second");
 }
 
 MotionFilter::MotionFilter(const MotionFilterOptions& options) : options_(options)
@@ -26,12 +30,12 @@ MotionFilter::MotionFilter(const MotionFilterOptions& options) : options_(option
   validate(options_, "motion");
 }
 
-void MotionFilter::start(const Vector6& velocity, double deviation, double angular_deviation)
+void MotionFilter::start(const Vector6& velocity, double sigma, double angular_sigma)
 {
   velocity_ = velocity;
   covariance_.setZero();
-  covariance_.diagonal().segment<3>(6).setConstant(deviation * deviation);
-  covariance_.diagonal().segment<3>(9).setConstant(angular_deviation * angular_deviation);
+  covariance_.diagonal().segment<3>(6).setConstant(sigma * sigma);
+  covariance_.diagonal().segment<3>(9).setConstant(angular_sigma * angular_sigma);
 }
 
 Pose MotionFilter::predict(double dt) const
@@ -52,8 +56,8 @@ MotionFilter::Matrix12 MotionFilter::predictedCovariance(double dt) const
   P.topRightCorner<6, 6>().diagonal() += 0.5 * dt * dt * dt * noise;
   P.bottomLeftCorner<6, 6>().diagonal() += 0.5 * dt * dt * dt * noise;
   P.bottomRightCorner<6, 6>().diagonal() += dt * dt * noise;
-  P.diagonal().head<3>().array() += least_deviation * least_deviation;
-  P.diagonal().segment<3>(3).array() += least_angle * least_angle;
+  P.diagonal().head<3>().array() += min_sigma * min_sigma;
+  P.diagonal().segment<3>(3).array() += min_sigma_angle * min_sigma_angle;
   return 0.5 * (P + P.transpose());
 }
 
@@ -63,7 +67,7 @@ Matrix6 MotionFilter::information(double dt) const
   return P.llt().solve(Matrix6::Identity());
 }
 
-double MotionFilter::deviation(double dt) const
+double MotionFilter::sigma(double dt) const
 {
   const Eigen::Matrix3d P = predictedCovariance(std::max(dt, 0.0)).topLeftCorner<3, 3>();
   return std::sqrt(Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(P).eigenvalues().maxCoeff());
@@ -78,7 +82,7 @@ void MotionFilter::update(double dt,
   {
     return;
   }
-  // What did not count was not that certain.
+  // A component of the prior that was given less weight was less certain.
   const Vector6 wider = prior_weight.cwiseSqrt().cwiseInverse();
   Eigen::Matrix<double, 12, 1> scale;
   scale << wider, wider;

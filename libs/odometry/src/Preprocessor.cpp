@@ -2,6 +2,7 @@
 #include <dyslam/core/Error.h>
 #include <dyslam/odometry/Preprocessor.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace dyslam
@@ -9,6 +10,18 @@ namespace dyslam
 namespace
 {
 constexpr std::size_t chunk_size = 8192;
+
+/** Seconds between the first and the last point; 0 where there are no times. */
+double timeSpan(const Scan& scan)
+{
+  if (scan.time.size() != scan.size() || scan.time.empty())
+  {
+    return 0;
+  }
+  const auto [first, last] = std::minmax_element(scan.time.begin(), scan.time.end());
+  const double span = static_cast<double>(*last - *first);
+  return std::isfinite(span) ? span : 0;
+}
 }  // namespace
 
 void PreprocessOptions::describe(OptionsVisitor& v)
@@ -44,18 +57,19 @@ Preprocessor::Preprocessor(const PreprocessOptions& options, ThreadPool& pool)
 Cloud Preprocessor::prepare(const Scan& scan, const Pose& T_previous_current, double dt) const
 {
   const std::size_t count = scan.size();
-  const bool has_time = scan.time.size() == count && count > 0;
   const bool has_intensity = scan.intensity.size() == count;
-  const bool moving = dt > 0 && std::isfinite(dt);
-  const bool by_time = moving && has_time && options_.deskew != DeskewMode::none &&
-                       options_.deskew != DeskewMode::azimuth;
-  const bool by_azimuth =
-      moving && !by_time &&
-      (options_.deskew == DeskewMode::azimuth || options_.deskew == DeskewMode::automatic);
+  const bool has_motion = dt > 0 && std::isfinite(dt);
+  const bool time_wanted =
+      options_.deskew == DeskewMode::time || options_.deskew == DeskewMode::automatic;
+  // Without a motion yet, phases are in units of the scan's own duration.
+  const double unit = has_motion ? dt : time_wanted ? timeSpan(scan) : 0;
+  const bool by_time = time_wanted && unit > 0 && scan.time.size() == count && count > 0;
+  const bool by_azimuth = !by_time && (options_.deskew == DeskewMode::azimuth ||
+                                       options_.deskew == DeskewMode::automatic);
   const bool skewed = by_time || by_azimuth;
-  const Pose T_sweep = skewed ? T_previous_current : Pose::Identity();
+  const Pose T_sweep = skewed && has_motion ? T_previous_current : Pose::Identity();
   const SweepMotion motion(T_sweep, 0);
-  const auto per_dt = static_cast<float>(moving ? 1 / dt : 0);
+  const auto per_unit = static_cast<float>(by_time ? 1 / unit : 0);
   const auto reference = static_cast<float>(options_.sweep_reference);
   const Eigen::Matrix3f R = scan.T_vehicle_lidar.linear().cast<float>();
   const Eigen::Vector3f t = scan.T_vehicle_lidar.translation().cast<float>();
@@ -87,7 +101,7 @@ Cloud Preprocessor::prepare(const Scan& scan, const Pose& T_previous_current, do
                       Eigen::Vector3f q = R * p + t;
                       if (skewed)
                       {
-                        const float phase = by_time ? scan.time[i] * per_dt
+                        const float phase = by_time ? scan.time[i] * per_unit
                                                     : sweepFraction(p, options_.sweep) - reference;
                         q = motion.toReference(q, phase);
                         if (!q.allFinite())
@@ -103,6 +117,7 @@ Cloud Preprocessor::prepare(const Scan& scan, const Pose& T_previous_current, do
 
   Cloud cloud;
   cloud.T_sweep = T_sweep;
+  cloud.phase_unit = by_time ? unit : 0;
   cloud.points.reserve(count);
   cloud.source.reserve(count);
   for (const Part& part : parts)

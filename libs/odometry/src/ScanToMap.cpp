@@ -14,19 +14,19 @@ namespace
 {
 constexpr std::size_t chunk_size = 512;
 /** Blobs and lines say too little about a normal. */
-constexpr float least_planarity = 0.2F;
-/** Normals nearer to the map's z axis than this cosine belong to level surfaces. */
-constexpr float level_cosine = 0.9F;
+constexpr float min_planarity = 0.2F;
+/** Normals nearer to the map's z axis than this cosine belong to the ground. */
+constexpr float ground_cosine = 0.9F;
 /** In an open field the ground is all there is. */
-constexpr double least_level_weight = 0.2;
-/** Residuals beyond this many kernel scales are outliers. */
+constexpr double min_ground_weight = 0.2;
+/** Residuals beyond this many scales of the robust loss are outliers. */
 constexpr float gate = 4;
-/** A surface is read anew when the point moved by this share of a cell. */
+/** A surface is read again when the point moved by this share of a cell. */
 constexpr float reread_share = 0.2F;
 /** Noise of a range measurement [m]: a floor under all residuals' spread. */
 constexpr double sensor_sigma = 0.015;
 constexpr double kernel_decay = 0.6;
-/** A prior yields where the points insist on more than so many of its deviations. */
+/** The prior's robust weight falls where the points contradict it by more than this many sigmas. */
 constexpr double translation_gate = 10;
 constexpr double rotation_gate = 3.5;
 
@@ -43,34 +43,6 @@ Vector6 priorWeight(const Matrix6& information, const Vector6& off)
 }
 }  // namespace
 
-void RawPoints::clear()
-{
-  points.clear();
-  phase.clear();
-  weight.clear();
-}
-
-void RawPoints::deskewed(const Pose& T_sweep,
-                         ThreadPool& pool,
-                         std::vector<Eigen::Vector3f>& result) const
-{
-  result.resize(points.size());
-  if (phase.empty())
-  {
-    std::copy(points.begin(), points.end(), result.begin());
-    return;
-  }
-  const SweepMotion motion(T_sweep, 0);
-  pool.forChunks(points.size(), 8192,
-                 [&](std::size_t begin, std::size_t end, std::size_t)
-                 {
-                   for (std::size_t i = begin; i < end; ++i)
-                   {
-                     result[i] = motion.toReference(points[i], phase[i]);
-                   }
-                 });
-}
-
 void ScanToMap::NormalEquations::add(const NormalEquations& other, double share)
 {
   H += share * other.H;
@@ -78,18 +50,18 @@ void ScanToMap::NormalEquations::add(const NormalEquations& other, double share)
   weight += share * other.weight;
 }
 
-ScanToMap::NormalEquations ScanToMap::Sums::balanced(double level_share) const
+ScanToMap::NormalEquations ScanToMap::Sums::balanced(double max_ground_weight_ratio) const
 {
   NormalEquations all = upright;
-  const double within = level_share * upright.weight / std::max(level.weight, 1e-9);
-  all.add(level, std::clamp(within, least_level_weight, 1.0));
+  const double within = max_ground_weight_ratio * upright.weight / std::max(ground.weight, 1e-9);
+  all.add(ground, std::clamp(within, min_ground_weight, 1.0));
   return all;
 }
 
 void ScanToMap::Sums::add(const Sums& other)
 {
   upright.add(other.upright);
-  level.add(other.level);
+  ground.add(other.ground);
   error += other.error;
   weight += other.weight;
   agreeing += other.agreeing;
@@ -105,7 +77,7 @@ void ScanToMap::refresh(Match& match,
   match.surface = map.surfaceAt(q, base);
   const float planarity = match.surface.planarity;
   match.offset = match.surface.normal.dot(match.surface.mean);
-  match.weight = planarity > least_planarity ? planarity * planarity : 0;
+  match.weight = planarity > min_planarity ? planarity * planarity : 0;
 }
 
 void ScanToMap::accumulate(const RawPoints& scan,
@@ -149,8 +121,8 @@ void ScanToMap::accumulate(const RawPoints& scan,
       // Geman-McClure
       const float robust = k2 / (k2 + r2);
       const float base_weight = own_weight * robust * robust;
-      const bool is_level = std::abs(match.surface.normal.z()) > level_cosine;
-      NormalEquations& equations = is_level ? sums.level : sums.upright;
+      const bool is_ground = std::abs(match.surface.normal.z()) > ground_cosine;
+      NormalEquations& equations = is_ground ? sums.ground : sums.upright;
       double w = static_cast<double>(base_weight);
       if (iteration.distributions)
       {
@@ -220,12 +192,12 @@ ScanToMapResult ScanToMap::align(const RawPoints& scan,
     iteration.kernel = static_cast<float>(kernel);
     Sums sums;
     accumulate(scan, shapes, map, iteration, sums);
-    const NormalEquations equations = sums.balanced(settings.level_share);
+    const NormalEquations equations = sums.balanced(settings.max_ground_weight_ratio);
     ++result.iterations;
 
     const double variance = sums.error / std::max(sums.agreeing, 1e-9);
     const double unit =
-        (variance + sensor_sigma * sensor_sigma) * std::max(1.0, settings.correlated_points);
+        (variance + sensor_sigma * sensor_sigma) * std::max(1.0, settings.points_per_measurement);
     result.rmse = std::sqrt(variance);
     result.inliers = sums.inliers;
     result.inlier_share = sums.weight > 0 ? sums.agreeing / sums.weight : 0;
@@ -245,10 +217,10 @@ ScanToMapResult ScanToMap::align(const RawPoints& scan,
     result.T = orthonormalized(result.T * expSE3(step));
     if (kernel <= settings.kernel && step.head<3>().norm() < 3e-4 && step.tail<3>().norm() < 3e-5)
     {
-      result.settled = true;
+      result.converged = true;
       break;
     }
-    result.settled = step.head<3>().norm() < 1e-2 && step.tail<3>().norm() < 1e-3;
+    result.converged = step.head<3>().norm() < 1e-2 && step.tail<3>().norm() < 1e-3;
     kernel = std::max(settings.kernel, kernel_decay * kernel);
   }
   return result;

@@ -5,33 +5,21 @@
 #include <optional>
 #include <vector>
 
+#include "ScanSample.h"
 #include "SurfaceMap.h"
 
 namespace dyslam
 {
-/** Points of one scan as measured, before deskewing. */
-struct RawPoints
-{
-  std::vector<Eigen::Vector3f> points;  //!< vehicle frame at the moment of measurement [m]
-  std::vector<float> phase;             //!< as Cloud::phase; empty if there is nothing to deskew
-  std::vector<float> weight;            //!< in [0, 1]; empty for 1
-
-  [[nodiscard]] std::size_t size() const { return points.size(); }
-  void clear();
-  /** All points in the vehicle frame at the stamp, if the vehicle moves by `T_sweep`. */
-  void deskewed(const Pose& T_sweep, ThreadPool& pool, std::vector<Eigen::Vector3f>& result) const;
-};
-
 struct ScanToMapSettings
 {
   bool distributions = false;  //!< distribution to distribution instead of point to plane
   double start_kernel = 0.5;   //!< [m]
   double kernel = 0.05;        //!< [m]
   int max_iterations = 20;
-  std::optional<Pose> T_prior;                  //!< expected pose; the start if there is none
+  std::optional<Pose> T_prior;                  //!< of the pose; the guess if there is none
   Matrix6 prior_information = Matrix6::Zero();  //!< of log(T_prior^-1 T) [1/m^2, 1/rad^2]
-  double correlated_points = 1;
-  double level_share = 1e9;  //!< see RefineOptions
+  double points_per_measurement = 1;
+  double max_ground_weight_ratio = 1e9;  //!< see RefineOptions
 };
 
 struct ScanToMapResult
@@ -42,8 +30,8 @@ struct ScanToMapResult
   std::size_t inliers = 0;
   double inlier_share = 0;                 //!< of the weight of all points
   double rmse = 0;                         //!< of the inliers [m]
-  Vector6 prior_weight = Vector6::Ones();  //!< what the prior still counted in the end
-  bool settled = false;
+  Vector6 prior_weight = Vector6::Ones();  //!< robust weight of the prior in the end
+  bool converged = false;
 };
 
 /** Robust Gauss-Newton of one scan against a SurfaceMap; keeps its working memory. */
@@ -79,17 +67,17 @@ class ScanToMap
   };
   struct Sums
   {
-    NormalEquations upright;  //!< all surfaces but level ones
-    NormalEquations level;
+    NormalEquations upright;  //!< all surfaces but the ground's
+    NormalEquations ground;
     double error = 0;
     double weight = 0;
     double agreeing = 0;
     std::size_t inliers = 0;
 
     void add(const Sums& other);
-    /** All together, level surfaces with at most `level_share` times the others' weight,
-     * but with a fifth of their own at least. */
-    [[nodiscard]] NormalEquations balanced(double level_share) const;
+    /** All together, ground surfaces with at most `max_ground_weight_ratio` times the others'
+     * weight, but with a fifth of their own at least. */
+    [[nodiscard]] NormalEquations balanced(double max_ground_weight_ratio) const;
   };
   struct Iteration
   {

@@ -13,12 +13,18 @@ namespace
 constexpr int patience = 3;
 }  // namespace
 
-MotionEstimate ScanToScan::process(const Frame& frame,
-                                   const Pose& T_previous_current_prediction,
-                                   const Matrix6& information)
+ScanMatch ScanToScan::match(const Frame& frame, const MotionPrior& prior)
+{
+  ScanMatch match;
+  match.motion = find(frame, prior);
+  match.static_confidence = staticConfidence();
+  return match;
+}
+
+MotionEstimate ScanToScan::find(const Frame& frame, const MotionPrior& prior)
 {
   MotionEstimate estimate;
-  const Pose prediction = orthonormalized(T_previous_current_prediction);
+  const Pose prediction = orthonormalized(prior.T_previous_current);
   estimate.T_previous_current = has_reference_ ? prediction : Pose::Identity();
   estimate.information.setZero();
   estimate.reason = cloudTrouble(frame);
@@ -40,7 +46,7 @@ MotionEstimate ScanToScan::process(const Frame& frame,
     estimate.converged = true;
     return estimate;
   }
-  guess_information_ = referenceIsPrevious() ? information : Matrix6(Matrix6::Zero());
+  guess_information_ = referenceIsPrevious() ? prior.information : Matrix6(Matrix6::Zero());
   MotionEstimate found = align(guess);
   if (!found.converged)
   {

@@ -1,22 +1,20 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <dyslam/odometry/LidarOdometry.h>
+#include <dyslam/odometry/ScanMatcher.h>
 
 namespace dyslam
 {
 /** What all registrations of one scan to an earlier one share: the first frame, frames that cannot
  * be used, and the chain of motions over them. */
-class ScanToScan : public LidarOdometry
+class ScanToScan : public ScanMatcher
 {
  public:
-  MotionEstimate process(const Frame& frame,
-                         const Pose& T_previous_current_prediction,
-                         const Matrix6& information = Matrix6::Zero()) final;
+  [[nodiscard]] ScanMatch match(const Frame& frame, const MotionPrior& prior) final;
   void reset() final;
 
  protected:
-  /** Make ready what align() and accept() need of the frame, and forget what was told of the one
+  /** Prepares what align() and accept() need of the frame, and forgets what was kept of the one
    * before. Called with every frame, those in trouble (see cloudTrouble()) too. \return why it
    * cannot be used */
   virtual std::string extract(const Frame& frame) = 0;
@@ -25,6 +23,8 @@ class ScanToScan : public LidarOdometry
   /** The frame becomes the reference. \param T_reference_current the motion found, or the guess */
   virtual void accept(const Pose& T_reference_current) = 0;
   virtual void clear() = 0;
+  /** As ScanMatch::static_confidence, of the frame last extracted and aligned. */
+  [[nodiscard]] virtual std::vector<float> staticConfidence() const { return {}; }
   /** Whether there is a reference, with no motion between it and the frame before this one. */
   [[nodiscard]] bool referenceIsPrevious() const
   {
@@ -34,12 +34,15 @@ class ScanToScan : public LidarOdometry
   [[nodiscard]] const Matrix6& guessInformation() const { return guess_information_; }
 
  private:
+  [[nodiscard]] MotionEstimate find(const Frame& frame, const MotionPrior& prior);
+
   bool has_reference_ = false;
   Pose T_reference_previous_ = Pose::Identity();
   Matrix6 guess_information_ = Matrix6::Zero();
   int failures_ = 0;
 };
 
-/** Weight of each point of the frame's cloud, from what it knows of moving; empty for 1. */
+/** Weight in [0, 1] of each point of the frame's cloud: 1 - moving_probability, times
+ * static_confidence; empty for 1. */
 [[nodiscard]] std::vector<float> pointWeights(const Frame& frame);
 }  // namespace dyslam

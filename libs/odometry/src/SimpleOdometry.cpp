@@ -21,24 +21,20 @@ std::string cloudTrouble(const Frame& frame)
   return {};
 }
 
-MotionEstimate SimpleOdometry::process(const Frame& frame,
-                                       const Pose& T_previous_current_prediction,
-                                       const Matrix6& /*information*/)
+ScanMatch SimpleOdometry::match(const Frame& frame, const MotionPrior& prior)
 {
-  MotionEstimate estimate;
   constexpr double degree = 3.14159265358979323846 / 180;
-  estimate.information.setZero();
-  estimate.information.diagonal() << 100, 100, 100, 1 / (degree * degree), 1 / (degree * degree),
-      1 / (degree * degree);
-  estimate.reason = cloudTrouble(frame);
-  estimate.converged = estimate.reason.empty();
+  ScanMatch match;
+  match.motion.information = informationFromSigmas(0.1, degree);
+  match.motion.reason = cloudTrouble(frame);
+  match.motion.converged = match.motion.reason.empty();
   const bool first = first_;
   first_ = false;
-  if (!first && (kind_ == Kind::constant_velocity || !estimate.converged))
+  if (!first && (kind_ == Kind::constant_velocity || !match.motion.converged))
   {
-    estimate.T_previous_current = T_previous_current_prediction;
+    match.motion.T_previous_current = prior.T_previous_current;
   }
-  return estimate;
+  return match;
 }
 
 std::string SimpleOdometry::name() const

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <dyslam/odometry/LidarOdometry.h>
+#include <dyslam/odometry/ScanMatcher.h>
 
 namespace dyslam
 {
@@ -11,9 +11,9 @@ constexpr std::size_t fewest_points = 30;
 /** Why the frame's cloud cannot be used; empty if it can. */
 [[nodiscard]] std::string cloudTrouble(const Frame& frame);
 
-/** Baselines that look at no points: the prediction itself, or no motion at all. Their information
- * is that of 0.1 m and 1 degree. */
-class SimpleOdometry : public LidarOdometry
+/** Baselines that look at no points: the prior itself, or no motion at all. Their information is
+ * that of 0.1 m and 1 degree. */
+class SimpleOdometry : public ScanMatcher
 {
  public:
   enum class Kind
@@ -23,9 +23,7 @@ class SimpleOdometry : public LidarOdometry
   };
   explicit SimpleOdometry(Kind kind) : kind_(kind) {}
 
-  MotionEstimate process(const Frame& frame,
-                         const Pose& T_previous_current_prediction,
-                         const Matrix6& information) override;
+  [[nodiscard]] ScanMatch match(const Frame& frame, const MotionPrior& prior) override;
   void reset() override { first_ = true; }
   [[nodiscard]] std::string name() const override;
 

@@ -2,7 +2,7 @@
 // DyLO with the weights that come with DySLAM, on scenes of exact geometry.
 #include <dyslam/core/Deskew.h>
 #include <dyslam/core/Error.h>
-#include <dyslam/odometry/LidarOdometry.h>
+#include <dyslam/odometry/ScanMatcher.h>
 #include <gtest/gtest.h>
 
 #include <Eigen/Eigenvalues>
@@ -16,13 +16,24 @@ namespace
 {
 constexpr double degree = 3.14159265358979323846 / 180;
 
+ScanMatch matchFrom(ScanMatcher& matcher,
+                    const Frame& frame,
+                    const Pose& guess,
+                    const Matrix6& information = Matrix6::Zero())
+{
+  MotionPrior prior;
+  prior.T_previous_current = guess;
+  prior.information = information;
+  return matcher.match(frame, prior);
+}
+
 class Dylo : public testing::Test
 {
  protected:
   test::StreetScene scene_;
   ThreadPool pool_{1};
 
-  [[nodiscard]] std::unique_ptr<LidarOdometry> make(const std::vector<std::string>& settings = {})
+  [[nodiscard]] std::unique_ptr<ScanMatcher> make(const std::vector<std::string>& settings = {})
   {
     Config config;
     for (const std::string& setting : settings)
@@ -30,15 +41,15 @@ class Dylo : public testing::Test
       config.set(setting);
     }
     ConfigLoader loader(config);
-    return makeOdometry("dylo", loader, pool_);
+    return makeScanMatcher("dylo", loader, pool_);
   }
 
   MotionEstimate move(const Pose& T, const Pose& prediction = Pose::Identity(), int keep_ring = 1)
   {
-    const auto odometry = make();
-    (void)odometry->process(thinned(scene_.frame(Pose::Identity(), 0.01, 1), keep_ring),
-                            Pose::Identity());
-    return odometry->process(thinned(scene_.frame(T, 0.01, 2), keep_ring), prediction);
+    const auto matcher = make();
+    (void)matchFrom(*matcher, thinned(scene_.frame(Pose::Identity(), 0.01, 1), keep_ring),
+                    Pose::Identity());
+    return matchFrom(*matcher, thinned(scene_.frame(T, 0.01, 2), keep_ring), prediction).motion;
   }
 
   /** Every `keep`th beam of the scene's 32. */
@@ -96,9 +107,10 @@ TEST_F(Dylo, StartsFromThePrediction)
   const Pose prediction = poseFromYpr(2.5, 0, 0, 0, 0, 0);
   const auto with = [&](const std::vector<std::string>& settings)
   {
-    const auto odometry = make(settings);
-    (void)odometry->process(scene_.frame(Pose::Identity(), 0.01, 1), Pose::Identity());
-    return odometry->process(scene_.frame(prediction, 0.01, 2), prediction).T_previous_current;
+    const auto matcher = make(settings);
+    (void)matchFrom(*matcher, scene_.frame(Pose::Identity(), 0.01, 1), Pose::Identity());
+    return matchFrom(*matcher, scene_.frame(prediction, 0.01, 2), prediction)
+        .motion.T_previous_current;
   };
   const Pose found = with({});
   EXPECT_LT((found.translation() - prediction.translation()).norm(), 0.06);
@@ -113,11 +125,12 @@ TEST_F(Dylo, WeighsThePredictionByItsInformation)
   const Pose prediction = T * poseFromYpr(0.2, 0, 0, 0, 0, 0);
   const auto off = [&](double information, const std::vector<std::string>& settings)
   {
-    const auto odometry = make(settings);
-    EXPECT_EQ(odometry->joinsPrediction(), settings.empty());
-    (void)odometry->process(scene_.frame(Pose::Identity(), 0.01, 1), Pose::Identity());
+    const auto matcher = make(settings);
+    EXPECT_EQ(matcher->usesPrior(), settings.empty());
+    (void)matchFrom(*matcher, scene_.frame(Pose::Identity(), 0.01, 1), Pose::Identity());
     const MotionEstimate found =
-        odometry->process(scene_.frame(T, 0.01, 2), prediction, information * Matrix6::Identity());
+        matchFrom(*matcher, scene_.frame(T, 0.01, 2), prediction, information * Matrix6::Identity())
+            .motion;
     EXPECT_TRUE(found.converged) << found.reason;
     return (T.inverse() * found.T_previous_current).translation().x();
   };
@@ -150,7 +163,7 @@ TEST_F(Dylo, DeskewsByTheMotionItFinds)
   const Pose predicted = T * poseFromYpr(0.15, 0, 0, -0.5 * degree, 0, 0);
   const auto errors = [&](const std::vector<std::string>& settings)
   {
-    const auto odometry = make(settings);
+    const auto matcher = make(settings);
     std::vector<double> sizes;
     for (int i = 0; i < 3; ++i)
     {
@@ -158,7 +171,7 @@ TEST_F(Dylo, DeskewsByTheMotionItFinds)
       const Pose prediction = i < 2 ? Pose::Identity() : predicted;
       Frame frame = scene_.frame(at, 0.01, static_cast<unsigned>(i + 1));
       bend(T, prediction, frame);
-      const MotionEstimate found = odometry->process(frame, prediction);
+      const MotionEstimate found = matchFrom(*matcher, frame, prediction).motion;
       EXPECT_TRUE(found.converged) << found.reason;
       sizes.push_back(motionSize(logSE3(T.inverse() * found.T_previous_current)));
     }
@@ -181,21 +194,22 @@ TEST_F(Dylo, SixteenBeamsWithTheSameWeights)
 
 TEST_F(Dylo, EmptyScanFallsBackToThePredictionAndTheChainHolds)
 {
-  const auto odometry = make();
+  const auto matcher = make();
   const Pose step = poseFromYpr(0.5, 0, 0, 0, 0, 0);
-  (void)odometry->process(scene_.frame(Pose::Identity(), 0.01, 1), Pose::Identity());
+  (void)matchFrom(*matcher, scene_.frame(Pose::Identity(), 0.01, 1), Pose::Identity());
   Frame empty;
-  const MotionEstimate lost = odometry->process(empty, step);
+  const ScanMatch match = matchFrom(*matcher, empty, step);
+  const MotionEstimate& lost = match.motion;
   EXPECT_FALSE(lost.converged);
   EXPECT_FALSE(lost.reason.empty());
   EXPECT_TRUE(lost.T_previous_current.isApprox(step));
-  EXPECT_TRUE(odometry->staticConfidence().empty());
+  EXPECT_TRUE(match.static_confidence.empty());
   // The next motion is told from the empty frame's place.
   const Pose T = poseFromYpr(1.0, 0, 0, 0, 0, 0);
-  expectNear(odometry->process(scene_.frame(T, 0.01, 2), step), step, 0.05, 0.2);
+  expectNear(matchFrom(*matcher, scene_.frame(T, 0.01, 2), step).motion, step, 0.05, 0.2);
 }
 
-TEST_F(Dylo, AScanOfAnotherPlaceIsNotBelieved)
+TEST_F(Dylo, AScanOfAnotherPlaceIsRejected)
 {
   // A wall of points close by has nothing in common with the street.
   Frame other = scene_.frame(Pose::Identity(), 0.01, 1);
@@ -204,21 +218,22 @@ TEST_F(Dylo, AScanOfAnotherPlaceIsNotBelieved)
     const float reach = 3 + 20 * std::abs(std::sin(7 * p.x()) * std::cos(5 * p.y()));
     p *= reach / std::max(p.norm(), 1.F);
   }
-  const auto odometry = make();
-  (void)odometry->process(scene_.frame(Pose::Identity(), 0.01, 1), Pose::Identity());
+  const auto matcher = make();
+  (void)matchFrom(*matcher, scene_.frame(Pose::Identity(), 0.01, 1), Pose::Identity());
   const Pose prediction = poseFromYpr(0.4, 0, 0, 0, 0, 0);
-  const MotionEstimate lost = odometry->process(other, prediction);
+  const MotionEstimate lost = matchFrom(*matcher, other, prediction).motion;
   EXPECT_FALSE(lost.converged);
   EXPECT_TRUE(lost.T_previous_current.isApprox(prediction));
 }
 
 TEST_F(Dylo, ConfidencePerPointAndInformation)
 {
-  const auto odometry = make();
-  (void)odometry->process(scene_.frame(Pose::Identity(), 0.01, 1), Pose::Identity());
+  const auto matcher = make();
+  (void)matchFrom(*matcher, scene_.frame(Pose::Identity(), 0.01, 1), Pose::Identity());
   const Frame frame = scene_.frame(poseFromYpr(0.6, 0, 0, 0, 0, 0), 0.01, 2);
-  const MotionEstimate estimate = odometry->process(frame, Pose::Identity());
-  const std::vector<float>& confidence = odometry->staticConfidence();
+  const ScanMatch match = matchFrom(*matcher, frame, Pose::Identity());
+  const MotionEstimate& estimate = match.motion;
+  const std::vector<float>& confidence = match.static_confidence;
   ASSERT_EQ(confidence.size(), frame.cloud.size());
   for (const float c : confidence)
   {
@@ -227,7 +242,9 @@ TEST_F(Dylo, ConfidencePerPointAndInformation)
   }
   const Eigen::SelfAdjointEigenSolver<Matrix6> eigen(estimate.information);
   EXPECT_GT(eigen.eigenvalues().minCoeff(), 0);
-  EXPECT_TRUE(make({"dylo.confidence=false"})->staticConfidence().empty());
+  const auto without = make({"dylo.confidence=false"});
+  (void)matchFrom(*without, scene_.frame(Pose::Identity(), 0.01, 1), Pose::Identity());
+  EXPECT_TRUE(matchFrom(*without, frame, Pose::Identity()).static_confidence.empty());
 }
 
 /** A vehicle comes along the other lane; how surely the points on it stand, and all others do. */
@@ -245,7 +262,7 @@ TEST_F(Dylo, ConfidenceTellsWhatMoves)
   // Scans that were taken at rest, and bent ones, which are laid out anew.
   for (const bool underway : {false, true})
   {
-    const auto odometry = make();
+    const auto matcher = make();
     Frame first = at(low + Eigen::Vector3d(1.2, 0, 0)).frame(Pose::Identity(), 0.01, 1);
     Frame second = at(low).frame(T, 0.01, 2);
     std::vector<bool> on_vehicle;
@@ -260,9 +277,10 @@ TEST_F(Dylo, ConfidenceTellsWhatMoves)
       bend(T, Pose::Identity(), first);
       bend(T, Pose::Identity(), second);
     }
-    (void)odometry->process(first, Pose::Identity());
-    expectNear(odometry->process(second, Pose::Identity()), T, 0.05, 0.2);
-    const std::vector<float>& confidence = odometry->staticConfidence();
+    (void)matchFrom(*matcher, first, Pose::Identity());
+    const ScanMatch match = matchFrom(*matcher, second, Pose::Identity());
+    expectNear(match.motion, T, 0.05, 0.2);
+    const std::vector<float>& confidence = match.static_confidence;
     ASSERT_EQ(confidence.size(), on_vehicle.size());
     double sum[2] = {0, 0};
     int count[2] = {0, 0};

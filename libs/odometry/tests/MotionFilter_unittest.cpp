@@ -62,10 +62,10 @@ TEST(MotionFilter, SpeedIsKeptWhereAMeasurementIsBlind)
 TEST(MotionFilter, TellsHowFarOffAPredictionMayBe)
 {
   MotionFilter filter = started(20);
-  EXPECT_NEAR(filter.deviation(period), 2, 0.01) << "20 m/s for 0.1 s";
+  EXPECT_NEAR(filter.sigma(period), 2, 0.01) << "20 m/s for 0.1 s";
   filter.update(period, Pose::Identity(), informationOf(1e-3, 1e-4));
-  EXPECT_LT(filter.deviation(period), 0.05);
-  EXPECT_GT(filter.deviation(10 * period), 1) << "3 m/s^2 for 1 s";
+  EXPECT_LT(filter.sigma(period), 0.05);
+  EXPECT_GT(filter.sigma(10 * period), 1) << "3 m/s^2 for 1 s";
 }
 
 TEST(MotionFilter, NoMeasurementLeavesThePredictionAsItWas)

@@ -96,6 +96,30 @@ TEST(Preprocessor, NoDeskewWithoutPeriodOrIfOff)
   const Cloud b = Preprocessor(PreprocessOptions(), pool).prepare(scan, motion, 0);
   EXPECT_EQ(a.points, b.points);
   EXPECT_TRUE(a.phase.empty());
+  EXPECT_TRUE(b.T_sweep.isApprox(Pose::Identity()));
+}
+
+/** The phases of a first scan, whose motion is told by the second one. */
+TEST(Preprocessor, PhasesWithoutAPeriodAreInUnitsOfTheScansDuration)
+{
+  const test::StreetScene scene;
+  const Pose motion = poseFromYpr(1, 0, 0, 0, 0, 0);
+  const Scan scan = scene.scan(Pose::Identity(), 0, 1, motion);
+  ThreadPool pool(1);
+  const Preprocessor preprocessor(PreprocessOptions(), pool);
+  const Cloud first = preprocessor.prepare(scan, motion, 0);
+  const Cloud known = preprocessor.prepare(scan, motion, 0.1);
+  ASSERT_EQ(first.phase.size(), known.phase.size());
+  EXPECT_NEAR(first.phase_unit, 0.1, 2e-4);
+  EXPECT_EQ(known.phase_unit, 0.1);
+  const auto scale = static_cast<float>(first.phase_unit / known.phase_unit);
+  for (std::size_t i = 0; i < first.phase.size(); i += 100)
+  {
+    EXPECT_NEAR(first.phase[i] * scale, known.phase[i], 1e-5F);
+  }
+  Scan untimed = scan;
+  untimed.time.clear();
+  EXPECT_EQ(preprocessor.prepare(untimed, motion, 0).phase_unit, 0) << "one revolution";
 }
 
 TEST(Preprocessor, SameForAnyNumberOfThreads)

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "ScanToMap.h"
 
-#include <dyslam/odometry/LocalMapRefinement.h>
+#include <dyslam/odometry/LocalMapRegistration.h>
 #include <gtest/gtest.h>
 
 #include <random>
@@ -80,7 +80,7 @@ TEST_P(ScanToMapTest, FindsThePoseFromAround)
     const ScanToMapResult result =
         registration.align(scan_, shapes_, map_, Pose::Identity(), T_ * expSE3(off), settings_);
     const Pose error = T_.inverse() * result.T;
-    EXPECT_TRUE(result.settled);
+    EXPECT_TRUE(result.converged);
     EXPECT_GT(result.inlier_share, 0.5);
     EXPECT_LT(error.translation().norm(), 0.02);
     EXPECT_LT(rotationAngle(error), 0.001);
@@ -101,7 +101,7 @@ TEST_P(ScanToMapTest, LevelGroundCountsWithinItsShare)
   ScanToMap registration(pool_);
   const auto heightInformation = [&](const RawPoints& scan, double share)
   {
-    settings_.level_share = share;
+    settings_.max_ground_weight_ratio = share;
     return registration.align(scan, shapes_, map_, Pose::Identity(), T_, settings_)
         .information(2, 2);
   };
@@ -114,39 +114,12 @@ TEST_P(ScanToMapTest, LevelGroundCountsWithinItsShare)
   EXPECT_LT(least, 0.8 * full);
   EXPECT_GT(least, 0.15 * full);
 
-  settings_.level_share = 0.1;
+  settings_.max_ground_weight_ratio = 0.1;
   Vector6 off;
   off << 0.2, 0.1, -0.1, 0.005, 0.005, -0.01;
   const ScanToMapResult found =
       registration.align(scan_, shapes_, map_, Pose::Identity(), T_ * expSE3(off), settings_);
   EXPECT_LT((T_.inverse() * found.T).translation().norm(), 0.02);
-}
-
-TEST(PosePrior, JoinsMeasurementsByTheirInformation)
-{
-  PosePrior prior{Pose::Identity(), Matrix6::Identity()};
-  prior.join(poseFromYpr(0.4, 0, 0, 0, 0, 0), 3 * Matrix6::Identity());
-  EXPECT_NEAR(prior.T_odom_vehicle.translation().x(), 0.3, 1e-12);
-  EXPECT_NEAR(prior.information(0, 0), 4, 1e-12);
-  // What a measurement does not see stays as it was.
-  Matrix6 ahead = Matrix6::Zero();
-  ahead(0, 0) = 1e6;
-  prior.join(poseFromYpr(1, 5, 0, 0, 0, 0), ahead);
-  EXPECT_NEAR(prior.T_odom_vehicle.translation().x(), 1, 1e-4);
-  EXPECT_NEAR(prior.T_odom_vehicle.translation().y(), 0, 1e-12);
-}
-
-TEST(PosePrior, CountsDeviationsOfBoth)
-{
-  Vector6 information;
-  information << 400, 400, 400, 1e4, 1e4, 1e4;
-  const Pose T = poseFromYpr(3, 1, 0, 0.5, 0, 0);
-  const PosePrior prior{T, information.asDiagonal()};
-  EXPECT_NEAR(prior.deviationsTo(T, 0.1, 0.02), 0, 1e-9);
-  const double both = std::hypot(0.05, 0.1);
-  EXPECT_NEAR(prior.deviationsTo(T * poseFromYpr(3 * both, 0, 0, 0, 0, 0), 0.1, 0.02), 3, 1e-9);
-  const double turn = std::hypot(0.01, 0.02);
-  EXPECT_NEAR(prior.deviationsTo(T * poseFromYpr(0, 0, 0, 2 * turn, 0, 0), 0.1, 0.02), 2, 1e-9);
 }
 
 INSTANTIATE_TEST_SUITE_P(Methods,

@@ -5,7 +5,6 @@
 #include <dyslam/core/BoxOverlap.h>
 #include <dyslam/core/Error.h>
 #include <dyslam/core/Files.h>
-#include <dyslam/core/MovingPoints.h>
 #include <dyslam/core/PendingFile.h>
 #include <dyslam/core/VoxelGrid.h>
 #include <dyslam/eval/TrajectoryPlot.h>
@@ -31,8 +30,6 @@ namespace dyslam
 {
 namespace
 {
-constexpr double moving_threshold = 0.5;
-
 std::string tumLine(double stamp, const Pose& pose)
 {
   const Eigen::Quaterniond q(pose.linear());
@@ -131,7 +128,7 @@ RunOutputs::RunOutputs(const SlamRunSettings& settings,
   tracks_csv_ << "frame,stamp,id,class,x,y,z,length,width,height,yaw,vx,vy,vz,speed,dynamic,"
                  "observed,score\n";
   scans_csv_ = opened(path("scans.csv"));
-  scans_csv_ << "frame,stamp,points,moving_points,odometry_converged,odometry_heeded,"
+  scans_csv_ << "frame,stamp,points,moving_points,odometry_converged,odometry_accepted,"
                 "odometry_inliers,odometry_rmse,odometry_reason,registered,inliers,rmse,reason,"
                 "forward,turn_deg,keyframe\n";
   if (labels_)
@@ -196,7 +193,7 @@ void RunOutputs::addTracks(const Frame& frame, const Pipeline& pipeline)
 {
   for (const auto& object : frame.objects)
   {
-    if (!pipeline.isReported(object))
+    if (!object.reported)
     {
       continue;
     }
@@ -232,15 +229,14 @@ void RunOutputs::addTracks(const Frame& frame, const Pipeline& pipeline)
 
 void RunOutputs::addScan(const Frame& frame)
 {
-  const std::vector<bool> moving = likelyMoving(frame, moving_threshold);
   const MotionEstimate& odometry = frame.odometry;
-  const MotionEstimate& refined = frame.refined;
+  const MotionEstimate& refined = frame.motion;
   const Pose& step = refined.T_previous_current;
   char numbers[160];
-  std::snprintf(numbers, sizeof numbers, "%zu,%.9f,%zu,%td,%d,%d,%zu,%.4f,", frame.index,
-                frame.scan.stamp, frame.cloud.size(),
-                std::count(moving.begin(), moving.end(), true), odometry.converged ? 1 : 0,
-                frame.odometry_heeded ? 1 : 0, odometry.inliers, odometry.rmse);
+  std::snprintf(
+      numbers, sizeof numbers, "%zu,%.9f,%zu,%td,%d,%d,%zu,%.4f,", frame.index, frame.scan.stamp,
+      frame.cloud.size(), std::count(frame.moving.begin(), frame.moving.end(), true),
+      odometry.converged ? 1 : 0, frame.odometry_accepted ? 1 : 0, odometry.inliers, odometry.rmse);
   scans_csv_ << numbers << quoted(odometry.reason);
   std::snprintf(numbers, sizeof numbers, ",%d,%zu,%.4f,", refined.converged ? 1 : 0,
                 refined.inliers, refined.rmse);
@@ -253,10 +249,9 @@ void RunOutputs::addScan(const Frame& frame)
 std::vector<Label> RunOutputs::labelsOf(const Frame& frame)
 {
   std::vector<Label> labels(frame.scan.size(), 0);
-  const std::vector<bool> moving = likelyMoving(frame, moving_threshold);
   for (std::size_t i = 0; i < frame.cloud.size(); ++i)
   {
-    labels[frame.cloud.source[i]] = moving[i] ? label_moving : label_static;
+    labels[frame.cloud.source[i]] = frame.isMoving(i) ? label_moving : label_static;
   }
   for (const auto& object : frame.objects)
   {

@@ -146,7 +146,7 @@ SlamRunReport runSlam(const SlamRunSettings& settings,
     {
       pipeline.process(*frame);
       ++frames;
-      unconverged += frame->refined.converged ? 0 : 1;
+      unconverged += frame->motion.converged ? 0 : 1;
       if (!frame->odometry.converged)
       {
         odometry_failures.add(frame->odometry.reason);

@@ -159,8 +159,6 @@ double usualLength(ObjectClass object_class)
 
 void DetectorOptions::describe(OptionsVisitor& v)
 {
-  v.real("moving_threshold", moving_threshold, 0, 1,
-         "points at least this likely to move are clustered");
   v.real("ground_clearance", ground_clearance, -10, 10, "lower points do not join clusters, m");
   v.real("ground_cell", ground_cell, 0.1, 100, "of the local ground heights, m");
   v.real("distance", distance, 0.01, 10, "joins points near the sensor, m");
@@ -182,22 +180,17 @@ Detector::Detector(const DetectorOptions& options) : options_(options)
 
 void Detector::detect(Frame& frame) const
 {
-  frame.detections.clear();
-  if (frame.moving_probability.size() == frame.cloud.size())
-  {
-    frame.detections = detect(frame.cloud.points, frame.moving_probability);
-  }
+  frame.detections = detect(frame.cloud.points, frame.moving, frame.moving_probability);
 }
 
 std::vector<std::uint32_t> Detector::candidates(const Points& points,
-                                                const std::vector<float>& moving) const
+                                                const std::vector<bool>& moving) const
 {
   std::vector<std::uint32_t> chosen;
-  const auto threshold = static_cast<float>(options_.moving_threshold);
   const auto range = static_cast<float>(options_.max_range);
-  for (std::size_t i = 0; i < points.size(); ++i)
+  for (std::size_t i = 0; i < moving.size(); ++i)
   {
-    if (moving[i] >= threshold && points[i].allFinite() && points[i].head<2>().norm() < range)
+    if (moving[i] && points[i].allFinite() && points[i].head<2>().norm() < range)
     {
       chosen.push_back(static_cast<std::uint32_t>(i));
     }
@@ -290,7 +283,8 @@ std::vector<std::vector<std::uint32_t>> Detector::clusters(
 }
 
 std::vector<Detection> Detector::detect(const Points& points,
-                                        const std::vector<float>& moving) const
+                                        const std::vector<bool>& moving,
+                                        const std::vector<float>& probability) const
 {
   std::vector<Detection> detections;
   for (auto& cluster : clusters(points, candidates(points, moving)))
@@ -300,11 +294,11 @@ std::vector<Detection> Detector::detect(const Points& points,
       continue;
     }
     Points body;
-    double probability = 0;
+    double probability_sum = 0;
     for (const std::uint32_t i : cluster)
     {
       body.push_back(points[i]);
-      probability += static_cast<double>(moving[i]);
+      probability_sum += probability.empty() ? 1.0 : static_cast<double>(probability[i]);
     }
     Detection detection;
     detection.box = fitLShape(body, options_.yaw_step);
@@ -315,7 +309,7 @@ std::vector<Detection> Detector::detect(const Points& points,
     }
     const auto count = static_cast<double>(body.size());
     detection.object_class = guessClass(detection.box.size);
-    detection.score = probability / count * std::min(1.0, count / 30);
+    detection.score = probability_sum / count * std::min(1.0, count / 30);
 
     // Little is known of where the far end of a half-seen body is, and less from few points.
     const double few = 1 + 10 / count;

@@ -39,6 +39,11 @@ Sighting sightingOf(const Detection& detection, int index, const Pose& T_odom_ve
   return sighting;
 }
 
+bool isReported(const Track& track, const TrackedObject& object)
+{
+  return object.confirmed && (object.observed || track.misses() <= track.kind().report_misses);
+}
+
 Assignment solve(AssociationMethod method, const CostMatrix& cost)
 {
   constexpr double unassigned = 1;  // costs are divided by the dearest allowed
@@ -240,23 +245,9 @@ std::vector<TrackedObject> Tracker::update(double stamp,
   for (const Track& track : self.tracks)
   {
     objects.push_back(track.object());
+    objects.back().reported = isReported(track, objects.back());
   }
   return objects;
 }
 
-bool Tracker::reported(const TrackedObject& object) const
-{
-  if (!object.confirmed || object.observed)
-  {
-    return object.confirmed;
-  }
-  for (const Track& track : implementation_->tracks)
-  {
-    if (track.id() == object.id)
-    {
-      return track.misses() <= track.kind().report_misses;
-    }
-  }
-  return false;
-}
 }  // namespace dyslam

@@ -15,13 +15,15 @@ namespace
 struct Scene
 {
   Points points;
-  std::vector<float> moving;
+  std::vector<bool> moving;
+  std::vector<float> probability;
   std::mt19937 generator{4};
 
-  void add(const Eigen::Vector3d& p, float probability)
+  void add(const Eigen::Vector3d& p, float moving_probability)
   {
     points.push_back(p.cast<float>());
-    moving.push_back(probability);
+    moving.push_back(moving_probability > 0.5F);
+    probability.push_back(moving_probability);
   }
   /** Flat ground at `z`, not moving. */
   void addGround(double z)
@@ -82,7 +84,8 @@ TEST(Detector, findsACarAPersonAndACyclistOnTheGround)
   scene.addBody(person, 120);
   scene.addBody(cyclist, 200);
   Detector detector;
-  const std::vector<Detection> found = detector.detect(scene.points, scene.moving);
+  const std::vector<Detection> found =
+      detector.detect(scene.points, scene.moving, scene.probability);
   ASSERT_EQ(found.size(), 3u);
   EXPECT_EQ(found[0].object_class, ObjectClass::car);
   EXPECT_EQ(found[1].object_class, ObjectClass::pedestrian);
@@ -96,7 +99,7 @@ TEST(Detector, findsACarAPersonAndACyclistOnTheGround)
     EXPECT_EQ(Eigen::LLT<Eigen::Matrix4d>(detection.covariance).info(), Eigen::Success);
     for (const auto i : detection.points)
     {
-      EXPECT_GT(scene.moving[i], 0.5F);
+      EXPECT_TRUE(scene.moving[i]);
     }
   }
 }
@@ -112,7 +115,7 @@ TEST(Detector, movingGroundDoesNotJoinTwoPeople)
   {
     scene.add({10, y, -1.68}, 0.9F);
   }
-  EXPECT_EQ(Detector().detect(scene.points, scene.moving).size(), 2u);
+  EXPECT_EQ(Detector().detect(scene.points, scene.moving, scene.probability).size(), 2u);
 }
 
 /** The same car far away has wide gaps between its points; they still join. */
@@ -128,7 +131,7 @@ TEST(Detector, clusteringAdaptsToRange)
     }
   }
   scene.addGround(-1.9);
-  const auto found = Detector().detect(scene.points, scene.moving);
+  const auto found = Detector().detect(scene.points, scene.moving, scene.probability);
   int far = 0;
   int near = 0;
   for (const Detection& detection : found)
@@ -142,11 +145,12 @@ TEST(Detector, clusteringAdaptsToRange)
 TEST(Detector, emptyOnePointAndNaN)
 {
   Detector detector;
-  EXPECT_TRUE(detector.detect({}, {}).empty());
-  EXPECT_TRUE(detector.detect({{1, 2, 3}}, {1.0F}).empty());
+  EXPECT_TRUE(detector.detect({}, {}, {}).empty());
+  EXPECT_TRUE(detector.detect({{1, 2, 3}}, {true}, {1.0F}).empty());
   const float nan = std::numeric_limits<float>::quiet_NaN();
   const Points bad(50, Eigen::Vector3f(nan, 1, 1));
-  EXPECT_TRUE(detector.detect(bad, std::vector<float>(50, 1.0F)).empty());
+  EXPECT_TRUE(
+      detector.detect(bad, std::vector<bool>(50, true), std::vector<float>(50, 1.0F)).empty());
   Frame frame;
   frame.cloud.points.assign(100, {5, 5, 0});
   frame.detections.resize(3);

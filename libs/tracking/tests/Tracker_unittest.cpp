@@ -91,7 +91,7 @@ Outcome play(
     outcome.final_objects = tracker.update(t, detections, T_odom_vehicle);
     for (const TrackedObject& object : outcome.final_objects)
     {
-      if (!tracker.reported(object))
+      if (!object.reported)
       {
         continue;
       }
@@ -175,7 +175,7 @@ TEST(Tracker, coastsOnlyBriefly)
     }
     ASSERT_EQ(objects.size(), 1u);
     EXPECT_FALSE(objects[0].observed);
-    EXPECT_EQ(tracker.reported(objects[0]), miss <= defaults.vehicle.report_misses) << miss;
+    EXPECT_EQ(objects[0].reported, miss <= defaults.vehicle.report_misses) << miss;
     EXPECT_NEAR(objects[0].box.center.x(), 0.8 * (19 + miss), 0.3);
   }
 }
@@ -358,9 +358,9 @@ TEST(Tracker, clustersMustMoveToBeReported)
          carAt({0, 20})},
         Pose::Identity());
     ASSERT_EQ(objects.size(), 3u);
-    EXPECT_FALSE(tracker.reported(objects[0])) << scan;
-    EXPECT_EQ(tracker.reported(objects[2]), scan >= 2);
-    if (tracker.reported(objects[1]) && first_reported < 0)
+    EXPECT_FALSE(objects[0].reported) << scan;
+    EXPECT_EQ(objects[2].reported, scan >= 2);
+    if (objects[1].reported && first_reported < 0)
     {
       first_reported = scan;
     }
@@ -381,8 +381,8 @@ TEST(Tracker, glidingStripsOfWallAreNotReported)
     person.box.size = {0.6, 0.4, 1.6};
     const auto objects = tracker.update(dt * scan, {strip, person}, Pose::Identity());
     ASSERT_EQ(objects.size(), 2u);
-    EXPECT_FALSE(tracker.reported(objects[0]));
-    EXPECT_TRUE(scan < 10 || tracker.reported(objects[1])) << scan;
+    EXPECT_FALSE(objects[0].reported);
+    EXPECT_TRUE(scan < 10 || objects[1].reported) << scan;
   }
 }
 

@@ -26,7 +26,6 @@ struct BackendOptions : Options
   BackendMode mode = BackendMode::ego;
   double keyframe_distance = 1.5;            //!< a new keyframe after this way [m] ...
   double keyframe_angle = 0.17453292519943;  //!< ... or this turn [rad]
-  double moving_threshold = 0.5;             //!< points more likely moving are left out
   double odometry_sigma_translation = 0.01;  //!< added to each step's own uncertainty [m]
   double odometry_sigma_rotation = 0.0005;   //!< [rad]
   double unconverged_factor = 10;            //!< on both where the odometry did not converge
@@ -68,7 +67,7 @@ class Backend
   Backend(Backend&&) noexcept;
   Backend& operator=(Backend&&) noexcept;
 
-  /** Reads scan.stamp, cloud, moving_probability, refined and T_odom_vehicle; fills is_keyframe and
+  /** Reads scan.stamp, cloud, moving, motion and T_odom_vehicle; fills is_keyframe and
    * T_map_odom. Frames come in order of time. */
   void addFrame(Frame& frame);
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <dyslam/core/Motion.h>
 #include <dyslam/core/Objects.h>
 #include <dyslam/core/Pose.h>
 #include <dyslam/core/Scan.h>
@@ -12,21 +13,9 @@
 
 namespace dyslam
 {
-/** A relative motion and how far to trust it. */
-struct MotionEstimate
-{
-  Pose T_previous_current =
-      Pose::Identity();  //!< takes this scan's vehicle frame to the previous one's
-  /** Of r = log(T_measured^-1 T), [translation, rotation]; units 1/m^2, 1/rad^2. */
-  Matrix6 information = Matrix6::Identity();
-  bool converged = false;
-  int iterations = 0;
-  std::size_t inliers = 0;
-  double rmse = 0;     //!< of the inliers' residuals [m]
-  std::string reason;  //!< why it did not converge; empty if it did
-};
-
 /** What travels down the pipeline: each stage reads what earlier ones wrote and fills its own part.
+ *
+ * It is the only thing that stages tell each other anything by.
  */
 struct Frame
 {
@@ -35,23 +24,30 @@ struct Frame
   Scan scan;
   std::optional<Pose> T_world_vehicle_truth;  //!< ground truth, where the recording has it
 
+  // Odometry::predict
+  double dt = 0;      //!< since the previous scan [s]; 0 for the first
+  MotionPrior prior;  //!< of the motion since the previous scan; estimate() fuses segmenter_motion
+
   // Preprocessing
   Cloud cloud;
 
-  /** What the motions before say about the motion since the scan before; none where that is little,
-   * as at the start. */
-  std::optional<Pose> T_previous_predicted;
+  // Segmentation; the vectors have one value per cloud point, or none if the stage is off
+  std::vector<float> moving_probability;  //!< in [0, 1]
+  /** Ego-motion relative to the static world that the segmenter found by itself. */
+  std::optional<MotionEstimate> segmenter_motion;
+  /** Appearance prior: probability in [0, 1] that a point belongs to something static, by its looks
+   * alone. Given only while too few scans have been seen for motion to show; else empty. */
+  std::vector<float> static_prior;
 
-  // DySeg: one per cloud point, or empty if the stage is off
-  std::vector<float> moving_probability;
+  /** The one decision of what moves, per cloud point; empty where nothing was decided. */
+  std::vector<bool> moving;
 
-  // Odometry
-  MotionEstimate odometry;
-  bool odometry_heeded = false;          //!< its motion was believed, not only the predicted one
-  std::vector<float> static_confidence;  //!< one per cloud point in [0, 1], or empty
-
-  // Refinement: the pose that later stages use
-  MotionEstimate refined;
+  // Odometry::estimate
+  MotionEstimate odometry;               //!< of the scan matcher
+  bool odometry_accepted = false;        //!< used as the initial guess, or as the motion itself
+  std::string odometry_rejection;        //!< why it was not accepted; empty if it was
+  std::vector<float> static_confidence;  //!< of the matcher, per cloud point in [0, 1], or empty
+  MotionEstimate motion;                 //!< the motion that later stages use
   Pose T_odom_vehicle = Pose::Identity();
 
   // Detection and tracking
@@ -63,5 +59,9 @@ struct Frame
   Pose T_map_odom = Pose::Identity();
 
   [[nodiscard]] Pose T_map_vehicle() const { return T_map_odom * T_odom_vehicle; }
+  [[nodiscard]] bool isMoving(std::size_t point) const
+  {
+    return point < moving.size() && moving[point];
+  }
 };
 }  // namespace dyslam

@@ -54,6 +54,7 @@ struct TrackedObject
   Eigen::Matrix4d covariance = Eigen::Matrix4d::Identity();  //!< of x, y, z, yaw
   bool confirmed = false;                                    //!< seen often enough to be reported
   bool dynamic = false;   //!< speed over the threshold, with hysteresis
+  bool reported = false;  //!< to be shown and written: confirmed and seen not long ago
   bool observed = false;  //!< matched to a detection of this scan
   int detection = -1;     //!< which one, in Frame::detections
   int age = 0;            //!< scans since birth

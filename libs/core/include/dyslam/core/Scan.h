@@ -44,8 +44,9 @@ struct Cloud
   std::vector<std::uint32_t> source;    //!< position of each point in the Scan it came from
 
   /** When each point was measured, from the frame's stamp, in units of the time that `T_sweep`
-   * takes; empty if the cloud was not deskewed. With both, the deskewing can be redone. */
+   * takes; empty where that is not known. With both, the deskewing can be redone. */
   std::vector<float> phase;
+  double phase_unit = 0;            //!< that time [s]; 0: that of one revolution, whatever it is
   Pose T_sweep = Pose::Identity();  //!< motion that the points were deskewed with
 
   [[nodiscard]] std::size_t size() const { return points.size(); }

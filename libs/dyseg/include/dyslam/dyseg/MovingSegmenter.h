@@ -11,7 +11,7 @@
 
 namespace dyslam
 {
-/** Tells which points of a frame belong to moving things. */
+/** Finds the points of a frame that belong to moving things. */
 class MovingSegmenter
 {
  public:
@@ -24,16 +24,9 @@ class MovingSegmenter
    * before. */
   [[nodiscard]] virtual bool needsPose() const = 0;
 
-  /** Fills Frame::moving_probability with one value in [0, 1] per point of Frame::cloud. */
+  /** Fills Frame::moving_probability with one value in [0, 1] per point of Frame::cloud, and, where
+   * it has them, Frame::segmenter_motion and Frame::static_prior. */
   virtual void segment(Frame& frame) = 0;
-
-  /** The motion of the static world since the scan before, found by the last segment() on its own;
-   * null if this segmenter finds none, or could not. */
-  [[nodiscard]] virtual const MotionEstimate* staticMotion() const { return nullptr; }
-
-  /** How surely each point of the last segment() stays where it is, by its looks, as long as too
-   * little time has passed to see it move; null otherwise. */
-  [[nodiscard]] virtual const std::vector<float>* staticLikelihood() const { return nullptr; }
 
   /** Forget the past scans. */
   virtual void reset() = 0;
@@ -42,15 +35,21 @@ class MovingSegmenter
 struct MovingSegmenterOptions : Options
 {
   std::string method = "residual";
-  bool filter = false;  //!< gather the answers of several scans in the odometry frame
+  bool filter = false;            //!< accumulate the probabilities over scans: TemporalFilter
+  double moving_threshold = 0.5;  //!< points with a higher probability move: Frame::moving
   void describe(OptionsVisitor& visitor) override;
 };
 
 /** The words of `method` that makeSegmenter() knows. */
 [[nodiscard]] std::vector<std::string> segmenterMethods();
 
-/** The segmenter that [dyseg] of the config names, with the options of its own section; null for
- * `none`. */
-[[nodiscard]] std::unique_ptr<MovingSegmenter> makeSegmenter(ConfigLoader& config,
+/** The segmenter of that name, with the options of its own section; null for `none`. \throws
+ * UserError for an unknown name and for bad options. The pool must outlive the result. */
+[[nodiscard]] std::unique_ptr<MovingSegmenter> makeSegmenter(const std::string& method,
+                                                             ConfigLoader& config,
                                                              ThreadPool& pool);
+
+/** Decides which points move, for all later stages: fills Frame::moving with one value per cloud
+ * point, from Frame::moving_probability. Nothing moves where there are no probabilities. */
+void decideMoving(Frame& frame, double moving_threshold);
 }  // namespace dyslam

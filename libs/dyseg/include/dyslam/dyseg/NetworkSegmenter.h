@@ -14,20 +14,21 @@ struct NetworkSegmenterOptions : Options
   std::string weights = "dyseg";  //!< a file, or the name of weights that come with DySLAM
   int first_gap = 8;              //!< scans back to the one compared with
   int second_gap = 0;             //!< scans back to a second one; not above the first: none
-  /** none: the static motion is looked for among all motions, so that no wrong pose can harm it;
-   * prediction: around the predicted one, which among vehicles that drive alike tells the world
-   * from the traffic; settled: among all motions in a run's first scans, then as `prediction`. */
-  std::string guess = "settled";
-  std::string combine = "mean";  //!< of the two answers: mean (of log-odds), max
-  double threshold = 0.5;        //!< of the network's answer, from which on a point moves
-  int min_points = 5;            //!< called moving, in the smallest group that counts
+  /** Where the static motion is searched. global: among all motions, so that no wrong prior can
+   * harm it; prior: around the prior, where that is reliable, which among vehicles that drive alike
+   * separates the world from the traffic; auto: globally until `first_gap` scans have been seen,
+   * then as `prior`. */
+  std::string search = "auto";
+  std::string combine = "mean";  //!< of the two probabilities: mean (of log-odds), max
+  double threshold = 0.5;        //!< of the network's output; becomes a probability of 0.5
+  int min_points = 5;            //!< of the smallest moving group
   int iterations = 2;            //!< of the flow update
-  int threads = 1;               //!< of the network; more share cores with the other stages
+  int threads = 1;               //!< of the network
 
   void describe(OptionsVisitor& visitor) override;
 };
 
-/** What the network saw besides the points' probabilities; vehicle frame, current to past scan. */
+/** The network's output besides the points' probabilities; vehicle frame, current to past scan. */
 struct SceneFlow
 {
   MotionEstimate static_motion;  //!< of the static world, in the plane, from the two scans alone
@@ -39,11 +40,11 @@ struct SceneFlow
 
 /** DySeg (the paper's section 3.1): moving points by scene flow, from a trained network.
  *
- * Follows the motion of the static world from scan to scan and judges each scan against one some
- * scans back, when slow movers were elsewhere, or against two. Needs no pose: the motion of the
- * static world comes from the scans themselves, and a drifting odometry can't harm it. Where the
- * next motion is predicted well it is looked for around that. The first scan is all static, as are
- * points farther than the network's grid reaches (102 m to each side with the shipped weights).
+ * Tracks the static motion from scan to scan and compares each scan with one some scans back, when
+ * slow movers were elsewhere, or with two. Needs no pose: the static motion comes from the scans
+ * themselves, and a drifting odometry cannot harm it; it is given as Frame::segmenter_motion. Until
+ * `first_gap` scans have been seen, Frame::static_prior is given too. The first scan is all static,
+ * as are points beyond the network's grid (102 m to each side with the shipped weights).
  */
 class NetworkSegmenter : public MovingSegmenter
 {
@@ -55,11 +56,9 @@ class NetworkSegmenter : public MovingSegmenter
   [[nodiscard]] std::string name() const override { return "network"; }
   [[nodiscard]] bool needsPose() const override { return false; }
   void segment(Frame& frame) override;
-  [[nodiscard]] const MotionEstimate* staticMotion() const override;
-  [[nodiscard]] const std::vector<float>* staticLikelihood() const override;
   void reset() override;
 
-  /** Of the last segment(), to the scan `first_gap` back; null before two scans were compared. */
+  /** Of the last segment(), to the scan `first_gap` back; null before two scans were seen. */
   [[nodiscard]] const SceneFlow* sceneFlow() const;
 
  private:

@@ -12,13 +12,11 @@ namespace dyslam
 {
 struct ReplayWriterOptions : Options
 {
-  double moving_threshold = 0.5;  //!< points with a moving probability above are `moving`
-  int every_nth_scan = 1;         //!< 1: every scan; the others are left out
-  double voxel_size = 0.15;       //!< thins the static cloud; 0 keeps every point [m]
-  int scene_points = 30000;       //!< at most so many points in the 3D scene; 0: no scene
-  int trajectory_points = 2000;   //!< at most so many poses of the trajectory in a scene
-  bool confirmed_only = true;     //!< draw confirmed tracks only
-  int compression_level = 1;      //!< of gzip, 0 (none) to 9
+  int every_nth_scan = 1;        //!< 1: every scan; the others are left out
+  double voxel_size = 0.15;      //!< thins the static cloud; 0 keeps every point [m]
+  int scene_points = 30000;      //!< at most so many points in the 3D scene; 0: no scene
+  int trajectory_points = 2000;  //!< at most so many poses of the trajectory in a scene
+  int compression_level = 1;     //!< of gzip, 0 (none) to 9
 
   void describe(OptionsVisitor& visitor) override;
 };

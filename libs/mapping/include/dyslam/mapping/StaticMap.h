@@ -16,14 +16,13 @@ namespace dyslam
 {
 struct StaticMapOptions : Options
 {
-  double voxel_size = 0.2;        //!< one map point per cube of this side [m]
-  double min_range = 2.5;         //!< nearer returns (own vehicle) are left out [m]
-  double max_range = 80.0;        //!< farther returns are left out [m]
-  double moving_threshold = 0.5;  //!< points with a moving probability above are left out
-  double box_margin = 0.2;        //!< dynamic tracks' boxes are widened by this on each side [m]
-  int points_per_voxel = 5;       //!< keyframe points kept per voxel: later ones add nothing
-  int max_voxels = 10000000;      //!< beyond, the voxel size doubles
-  int min_hits = 1;               //!< voxels hit by fewer keyframes are not part of the map
+  double voxel_size = 0.2;    //!< one map point per cube of this side [m]
+  double min_range = 2.5;     //!< nearer returns (own vehicle) are left out [m]
+  double max_range = 80.0;    //!< farther returns are left out [m]
+  double box_margin = 0.2;    //!< dynamic tracks' boxes are widened by this on each side [m]
+  int points_per_voxel = 5;   //!< keyframe points kept per voxel: later ones add nothing
+  int max_voxels = 10000000;  //!< beyond, the voxel size doubles
+  int min_hits = 1;           //!< voxels hit by fewer keyframes are not part of the map
 
   // Visibility clean-up: what later rays pass through again and again was not static.
   bool visibility = true;
@@ -50,7 +49,7 @@ struct MapPoints
  *
  * Each voxel keeps a few points in all, so that going round a block again adds nothing; the points
  * stay with their keyframes, so that the map can be stitched anew after a loop. Left out are points
- * with a high moving probability, points of dynamic tracks, and voxels that later keyframes saw
+ * that move, points of dynamic tracks, and voxels that later keyframes saw
  * through. Deterministic; not thread-safe.
  */
 class StaticMap
@@ -62,7 +61,7 @@ class StaticMap
   StaticMap& operator=(StaticMap&&) noexcept;
 
   /** Adds a keyframe at frame.T_map_vehicle(). Reads index, scan.stamp, scan.T_vehicle_lidar,
-   * cloud, moving_probability, detections and objects. A frame whose pose is not finite is left out
+   * cloud, moving and objects. A frame whose pose is not finite is left out
    * of the map, but counts as an (empty) keyframe. */
   void insert(const Frame& frame);
 

@@ -11,8 +11,10 @@ namespace dyslam
 /** Ini section `[motion]`. */
 struct MotionFilterOptions : Options
 {
-  double acceleration = 3;          //!< how fast the velocity changes, one sigma [m/s^2]
-  double angular_acceleration = 1;  //!< [rad/s^2]
+  double acceleration = 3;           //!< standard deviation of the acceleration [m/s^2]
+  double angular_acceleration = 1;   //!< [rad/s^2]
+  double start_speed_sigma = 20;     //!< of the velocity at the first scan, if not known [m/s]
+  double start_turn_rate_sigma = 1;  //!< of the turn rate at the first scan [rad/s]
   void describe(OptionsVisitor& visitor) override;
 };
 
@@ -28,25 +30,25 @@ class MotionFilter
  public:
   explicit MotionFilter(const MotionFilterOptions& options);
 
-  /** Begin again. \param deviation of the velocity: m/s, and rad/s for the rotation. */
-  void start(const Vector6& velocity, double deviation, double angular_deviation);
+  /** Restart. \param sigma of the velocity: m/s, and rad/s for the rotation. */
+  void start(const Vector6& velocity, double sigma, double angular_sigma);
 
   /** Motion in the next `dt` seconds, previous from current; none for dt <= 0. */
   [[nodiscard]] Pose predict(double dt) const;
   /** Information of the predicted pose, of log(T_predicted^-1 T). */
   [[nodiscard]] Matrix6 information(double dt) const;
 
-  /** Deviation of where it puts the vehicle, along its worst direction [m]. */
-  [[nodiscard]] double deviation(double dt) const;
+  /** Standard deviation of the predicted position, along its worst direction [m]. */
+  [[nodiscard]] double sigma(double dt) const;
 
-  /** Take in the motion that was found with the prediction as a prior.
+  /** Update with the motion that was found with the prediction as a prior.
    * \param measured information of the measurement alone, without the prior; zero for none
-   * \param prior_weight the share that each part of the prediction counted, in (0, 1] */
+   * \param prior_weight robust weight of each component of the prediction, in (0, 1] */
   void update(double dt,
               const Pose& T_previous_current,
               const Matrix6& measured,
               const Vector6& prior_weight = Vector6::Ones());
-  /** Take in a motion that is to be believed as it is. */
+  /** Update with a motion that is taken for exact. */
   void follow(double dt, const Pose& T_previous_current);
 
  private:

@@ -44,11 +44,12 @@ class Preprocessor
   /** Valid returns within the range limits, in the vehicle frame at the frame's stamp, in the order
    * of the scan, with Cloud::source.
    *
-   * Deskewing by time tells the points at Scan::stamp (time 0), by azimuth at
-   * PreprocessOptions::sweep_reference.
-   * \param T_previous_current motion of the vehicle predicted over `dt`
-   * \param dt seconds that this motion takes (usually one scan period); deskewing by azimuth takes
-   *   one revolution to last `dt`. With dt <= 0 nothing is deskewed. */
+   * The points are those of the pose at Scan::stamp (time 0), or at
+   * PreprocessOptions::sweep_reference when deskewed by azimuth.
+   * \param T_previous_current predicted motion of the vehicle over `dt`
+   * \param dt seconds since the previous scan; deskewing by azimuth takes one revolution to last
+   *   `dt`. With dt <= 0 (a first scan) no point is moved, but Cloud::phase is filled, so that the
+   *   scan can be deskewed once its motion is known. */
   [[nodiscard]] Cloud prepare(const Scan& scan, const Pose& T_previous_current, double dt) const;
 
   [[nodiscard]] const PreprocessOptions& options() const { return options_; }

@@ -27,7 +27,8 @@ struct PipelineOptions : Options
   void describe(OptionsVisitor& visitor) override;
 };
 
-/** The stages put together: a scan goes in, its pose, moving points and objects come out.
+/** The stages put together (the paper's Fig. 1): a scan goes in; its pose, moving points and
+ * objects come out.
  *
  * Stages are chosen by name in the config: [dyseg] method, [odometry] method, [refine] method.
  * Results depend on the frames, the config and the seed alone, not on the number of threads.
@@ -43,19 +44,17 @@ class Pipeline
   /** Fills every part of the frame that the source left open. Frames come in order of time. */
   void process(Frame& frame);
 
-  /** After the last frame: optimises once more and stitches the map at the final poses. */
+  /** After the last frame: optimises once more and corrects the map. */
   void finish();
 
   [[nodiscard]] const Backend& backend() const;
   /** The static map; null if mapping is off. */
   [[nodiscard]] const StaticMap* map() const;
-  /** Pose of the vehicle at every frame as the backend knows it now, map frame. */
+  /** Pose of the vehicle at every frame by the backend's present estimate, map frame. */
   [[nodiscard]] Trajectory trajectory() const;
-  /** Whether a tracked object is sure enough to be shown and written. */
-  [[nodiscard]] bool isReported(const TrackedObject& object) const;
-  /** Words in force, e.g. for reports: "constant_velocity + point_to_plane". */
+  /** The methods in force, e.g. for reports: "network + constant_velocity + point_to_plane". */
   [[nodiscard]] std::string summary() const;
-  /** What a config asks for that can hardly be meant, one sentence each. */
+  /** What the config or the recording leaves open, one sentence each. */
   [[nodiscard]] std::vector<std::string> warnings() const;
 
  private:

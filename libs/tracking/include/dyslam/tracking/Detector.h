@@ -12,7 +12,6 @@ namespace dyslam
 {
 struct DetectorOptions : Options
 {
-  double moving_threshold = 0.5;      //!< points at least this likely to move are clustered
   double ground_clearance = 0.2;      //!< lower points do not join clusters [m]
   double ground_cell = 2.0;           //!< of the local ground height map [m]
   double distance = 0.4;              //!< joins points near the sensor [m]
@@ -39,17 +38,19 @@ class Detector
  public:
   explicit Detector(const DetectorOptions& options = {});
 
-  /** Reads the frame's cloud and moving_probability, fills its detections. A frame without
-   * probabilities gets none. */
+  /** Reads the frame's cloud, moving and moving_probability, fills its detections. */
   void detect(Frame& frame) const;
 
-  /** Boxes of the marked points; `moving` as long as `points`. Vehicle frame. */
+  /** Boxes of the points that move, vehicle frame. \param moving as long as `points`, or empty
+   * if nothing moves \param probability of moving, for the score; as long as `points`, or empty for
+   * 1 */
   [[nodiscard]] std::vector<Detection> detect(const std::vector<Eigen::Vector3f>& points,
-                                              const std::vector<float>& moving) const;
+                                              const std::vector<bool>& moving,
+                                              const std::vector<float>& probability) const;
 
  private:
   [[nodiscard]] std::vector<std::uint32_t> candidates(const std::vector<Eigen::Vector3f>& points,
-                                                      const std::vector<float>& moving) const;
+                                                      const std::vector<bool>& moving) const;
   [[nodiscard]] std::vector<std::vector<std::uint32_t>> clusters(
       const std::vector<Eigen::Vector3f>& points, const std::vector<std::uint32_t>& chosen) const;
 

@@ -93,9 +93,6 @@ class Tracker
                                                   const std::vector<Detection>& detections,
                                                   const Pose& T_odom_vehicle);
 
-  /** Whether an object is to be shown: confirmed and seen not long ago. */
-  [[nodiscard]] bool reported(const TrackedObject& object) const;
-
  private:
   struct Implementation;
   std::unique_ptr<Implementation> implementation_;

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/Error.h>
-#include <dyslam/odometry/LocalMapRefinement.h>
+#include <dyslam/odometry/LocalMapRegistration.h>
 #include <dyslam/odometry/Preprocessor.h>
 #include <gtest/gtest.h>
 
 #include <Eigen/Eigenvalues>
+#include <optional>
 
 #include "TestScene.h"
 
@@ -14,7 +15,7 @@ namespace
 {
 constexpr double degree = 3.14159265358979323846 / 180;
 
-class Refinement : public testing::TestWithParam<RefineMethod>
+class Registration : public testing::TestWithParam<RefineMethod>
 {
  protected:
   [[nodiscard]] static RefineOptions options()
@@ -29,6 +30,18 @@ class Refinement : public testing::TestWithParam<RefineMethod>
   ThreadPool pool_{2};
 };
 
+/** Registers a frame and integrates it, as the odometry does where nothing moves. */
+RegistrationResult step(LocalMapRegistration& registration,
+                        const Frame& frame,
+                        const Pose& guess,
+                        std::optional<double> initial_sigma = {})
+{
+  const RegistrationResult result =
+      registration.registerFrame(frame, guess, nullptr, initial_sigma);
+  registration.integrate(frame);
+  return result;
+}
+
 /** A drive along a bend, every frame skewed by its own motion. */
 std::vector<Pose> drive(int frames)
 {
@@ -40,15 +53,15 @@ std::vector<Pose> drive(int frames)
   return poses;
 }
 
-/** Runs the line of preprocessing and refinement with the constant-velocity prediction. */
-std::vector<RefineResult> run(const test::StreetScene& scene,
-                              const std::vector<Pose>& poses,
-                              const RefineOptions& options,
-                              ThreadPool& pool)
+/** Preprocessing and registration with a constant-velocity initial guess. */
+std::vector<RegistrationResult> run(const test::StreetScene& scene,
+                                    const std::vector<Pose>& poses,
+                                    const RefineOptions& options,
+                                    ThreadPool& pool)
 {
   const Preprocessor preprocessor(PreprocessOptions(), pool);
-  LocalMapRefinement refinement(options, pool);
-  std::vector<RefineResult> results;
+  LocalMapRegistration registration(options, pool);
+  std::vector<RegistrationResult> results;
   Pose motion = Pose::Identity();
   for (std::size_t i = 0; i < poses.size(); ++i)
   {
@@ -58,16 +71,16 @@ std::vector<RefineResult> run(const test::StreetScene& scene,
     Frame frame;
     frame.scan = scene.scan(poses[i], 0.01, static_cast<unsigned>(i + 1), T_sweep);
     frame.cloud = preprocessor.prepare(frame.scan, motion, 0.1);
-    results.push_back(refinement.refine(frame, refinement.pose() * motion));
+    results.push_back(step(registration, frame, registration.pose() * motion));
     motion = results.back().motion.T_previous_current;
   }
   return results;
 }
 
-TEST_P(Refinement, FollowsADriveFromAStartInMotion)
+TEST_P(Registration, FollowsADriveFromAStartInMotion)
 {
   const std::vector<Pose> poses = drive(10);
-  const std::vector<RefineResult> results = run(scene_, poses, options(), pool_);
+  const std::vector<RegistrationResult> results = run(scene_, poses, options(), pool_);
   for (std::size_t i = 1; i < poses.size(); ++i)
   {
     EXPECT_TRUE(results[i].motion.converged) << i << ": " << results[i].motion.reason;
@@ -78,41 +91,58 @@ TEST_P(Refinement, FollowsADriveFromAStartInMotion)
   }
 }
 
-TEST_P(Refinement, StartDeviationHoldsForOneRegistration)
+TEST_P(Registration, AKnownInitialSigmaReplacesTheOptions)
 {
-  LocalMapRefinement refinement(options(), pool_);
-  refinement.setStartDeviation(0.01);
-  (void)refinement.refine(scene_.frame(Pose::Identity(), 0.01, 1), Pose::Identity());
-  std::vector<Eigen::Vector3f> sky;
-  for (int i = 0; i < 400; ++i)
-  {
-    const float x = static_cast<float>(i % 20), y = static_cast<float>(i / 20);
-    sky.emplace_back(x, y, 60 + 0.1F * x * y);
-  }
-  EXPECT_FALSE(refinement.refine(test::frameOf(sky), Pose::Identity()).motion.converged);
-  // The next one may be as wrong as the options say.
-  const Pose T = poseFromYpr(1.6, 0.1, 0, 2 * degree, 0, 0);
-  const RefineResult found = refinement.refine(scene_.frame(T, 0.01, 2), Pose::Identity());
-  EXPECT_TRUE(found.motion.converged) << found.motion.reason;
-  EXPECT_LT((T.inverse() * found.T_odom_vehicle).translation().norm(), 0.05);
+  LocalMapRegistration registration(options(), pool_);
+  (void)step(registration, scene_.frame(Pose::Identity(), 0.01, 1), Pose::Identity());
+  EXPECT_EQ(registration.framesInMap(), 1);
+  const Pose T = poseFromYpr(0.02, 0, 0, 0, 0, 0);
+  const Frame frame = scene_.frame(T, 0.01, 2);
+  const double by_option = registration.registerFrame(frame, Pose::Identity()).kernel;
+  EXPECT_EQ(by_option, options().max_kernel) << "2 m";
+  LocalMapRegistration known(options(), pool_);
+  (void)step(known, scene_.frame(Pose::Identity(), 0.01, 1), Pose::Identity());
+  const RegistrationResult found = step(known, frame, Pose::Identity(), 0.1);
+  EXPECT_EQ(found.kernel, 0.1);
+  EXPECT_LT((T.inverse() * found.T_odom_vehicle).translation().norm(), 0.03);
+  EXPECT_EQ(known.framesInMap(), 2);
 }
 
-TEST_P(Refinement, MotionsChainToThePoses)
+/** What is found to move after the pose is known stays out of the map. */
+TEST_P(Registration, IntegratesWithTheWeightsOfThatMoment)
+{
+  LocalMapRegistration registration(options(), pool_);
+  Frame frame = scene_.frame(Pose::Identity(), 0.01, 1);
+  (void)registration.registerFrame(frame, Pose::Identity());
+  EXPECT_TRUE(registration.mapPoints().empty()) << "not yet integrated";
+  for (const Eigen::Vector3f& p : frame.cloud.points)
+  {
+    frame.moving_probability.push_back(p.y() > 3 && p.z() > 0.3F ? 1.0F : 0.0F);
+  }
+  registration.integrate(frame);
+  EXPECT_FALSE(registration.mapPoints().empty());
+  for (const Eigen::Vector3f& p : registration.mapPoints())
+  {
+    EXPECT_FALSE(p.y() > 3.2F && p.z() > 0.5F) << p.transpose();
+  }
+}
+
+TEST_P(Registration, MotionsChainToThePoses)
 {
   Pose T = Pose::Identity();
-  for (const RefineResult& result : run(scene_, drive(5), options(), pool_))
+  for (const RegistrationResult& result : run(scene_, drive(5), options(), pool_))
   {
     T = T * result.motion.T_previous_current;
     EXPECT_TRUE(T.isApprox(result.T_odom_vehicle, 1e-9));
   }
 }
 
-TEST_P(Refinement, SameBytesForAnyNumberOfThreads)
+TEST_P(Registration, SameBytesForAnyNumberOfThreads)
 {
   ThreadPool one(1);
   ThreadPool three(3);
-  const std::vector<RefineResult> a = run(scene_, drive(4), options(), one);
-  const std::vector<RefineResult> b = run(scene_, drive(4), options(), three);
+  const std::vector<RegistrationResult> a = run(scene_, drive(4), options(), one);
+  const std::vector<RegistrationResult> b = run(scene_, drive(4), options(), three);
   for (std::size_t i = 0; i < a.size(); ++i)
   {
     EXPECT_EQ(a[i].T_odom_vehicle.matrix(), b[i].T_odom_vehicle.matrix());
@@ -121,53 +151,53 @@ TEST_P(Refinement, SameBytesForAnyNumberOfThreads)
   }
 }
 
-TEST_P(Refinement, UselessFramesKeepTheGuessAndTheMap)
+TEST_P(Registration, UselessFramesKeepTheGuessAndTheMap)
 {
-  LocalMapRefinement refinement(options(), pool_);
-  refinement.refine(scene_.frame(Pose::Identity(), 0.01, 1), Pose::Identity());
-  const std::size_t cells = refinement.mapPoints().size();
+  LocalMapRegistration registration(options(), pool_);
+  step(registration, scene_.frame(Pose::Identity(), 0.01, 1), Pose::Identity());
+  const std::size_t cells = registration.mapPoints().size();
   const Pose guess = poseFromYpr(0.3, 0, 0, 0, 0, 0);
   for (const Frame& frame : {test::frameOf({}), test::frameOf({{1, 2, 3}}),
                              test::frameOf(std::vector<Eigen::Vector3f>(500, test::nanPoint()))})
   {
-    const RefineResult result = refinement.refine(frame, guess);
+    const RegistrationResult result = step(registration, frame, guess);
     EXPECT_FALSE(result.motion.converged);
     EXPECT_FALSE(result.motion.reason.empty());
     EXPECT_TRUE(result.T_odom_vehicle.isApprox(guess));
-    EXPECT_EQ(refinement.mapPoints().size(), cells);
+    EXPECT_EQ(registration.mapPoints().size(), cells);
   }
   const Pose T = poseFromYpr(0.4, 0, 0, 0.01, 0, 0);
-  const RefineResult good = refinement.refine(scene_.frame(T, 0.01, 2), guess);
+  const RegistrationResult good = step(registration, scene_.frame(T, 0.01, 2), guess);
   EXPECT_TRUE(good.motion.converged) << good.motion.reason;
   EXPECT_LT((T.inverse() * good.T_odom_vehicle).translation().norm(), 0.03);
 }
 
-TEST_P(Refinement, AForeignSceneFailsAndThenBeginsAnew)
+TEST_P(Registration, AForeignSceneFailsAndThenRestartsTheMap)
 {
-  LocalMapRefinement refinement(options(), pool_);
-  refinement.refine(scene_.frame(Pose::Identity(), 0.01, 1), Pose::Identity());
-  refinement.refine(scene_.frame(poseFromYpr(0.1, 0, 0, 0, 0, 0), 0.01, 2), Pose::Identity());
+  LocalMapRegistration registration(options(), pool_);
+  step(registration, scene_.frame(Pose::Identity(), 0.01, 1), Pose::Identity());
+  step(registration, scene_.frame(poseFromYpr(0.1, 0, 0, 0, 0, 0), 0.01, 2), Pose::Identity());
   // Points in the air where the map has nothing.
   Frame foreign = scene_.frame(Pose::Identity(), 0.01, 3);
   for (Eigen::Vector3f& p : foreign.cloud.points)
   {
     p.z() += 40;
   }
-  const Pose guess = refinement.pose();
+  const Pose guess = registration.pose();
   for (int i = 0; i < 5; ++i)
   {
-    const RefineResult result = refinement.refine(foreign, guess);
+    const RegistrationResult result = step(registration, foreign, guess);
     EXPECT_FALSE(result.motion.converged);
     EXPECT_NE(result.motion.reason.find("does not fit"), std::string::npos);
   }
-  EXPECT_TRUE(refinement.refine(foreign, guess).motion.converged);
+  EXPECT_TRUE(step(registration, foreign, guess).motion.converged);
 }
 
-TEST_P(Refinement, MovingPointsCanBeWeighedOut)
+TEST_P(Registration, MovingPointsCanGetNoWeight)
 {
   const Pose T = poseFromYpr(0.4, 0, 0, 0.01, 0, 0);
-  LocalMapRefinement refinement(options(), pool_);
-  refinement.refine(scene_.frame(Pose::Identity(), 0.01, 1), Pose::Identity());
+  LocalMapRegistration registration(options(), pool_);
+  step(registration, scene_.frame(Pose::Identity(), 0.01, 1), Pose::Identity());
   Frame frame = scene_.frame(T, 0.01, 2);
   for (Eigen::Vector3f& p : frame.cloud.points)
   {
@@ -175,16 +205,16 @@ TEST_P(Refinement, MovingPointsCanBeWeighedOut)
     p.x() += moves ? 0.3F : 0.0F;
     frame.moving_probability.push_back(moves ? 1.0F : 0.0F);
   }
-  const RefineResult result = refinement.refine(frame, T);
+  const RegistrationResult result = step(registration, frame, T);
   EXPECT_LT((T.inverse() * result.T_odom_vehicle).translation().norm(), 0.03);
-  for (const Eigen::Vector3f& p : refinement.mapPoints())
+  for (const Eigen::Vector3f& p : registration.mapPoints())
   {
     EXPECT_LT(p.z(), 20);
   }
 }
 
 INSTANTIATE_TEST_SUITE_P(Methods,
-                         Refinement,
+                         Registration,
                          testing::Values(RefineMethod::point_to_plane, RefineMethod::gicp),
                          [](const testing::TestParamInfo<RefineMethod>& test_info) {
                            return test_info.param == RefineMethod::gicp ? "gicp" : "point_to_plane";
@@ -208,21 +238,21 @@ Frame openScene(bool tunnel, const Pose& T)
   return test::frameOf(points);
 }
 
-TEST(RefinementInOpenScenes, GuessIsKeptWhereTheSceneIsOpenAndSaidSo)
+TEST(RegistrationInOpenScenes, GuessIsKeptAlongOpenDirections)
 {
   ThreadPool pool(2);
   for (const bool tunnel : {false, true})
   {
-    LocalMapRefinement refinement(RefineOptions(), pool);
-    refinement.refine(openScene(tunnel, Pose::Identity()), Pose::Identity());
+    LocalMapRegistration registration(RefineOptions(), pool);
+    step(registration, openScene(tunnel, Pose::Identity()), Pose::Identity());
     Pose guess = Pose::Identity();
-    RefineResult result;
+    RegistrationResult result;
     for (int i = 1; i <= 4; ++i)
     {
       guess.translation().x() = 0.5 * i;
       Pose T = guess;
       T.translation().z() = 0.05;
-      result = refinement.refine(openScene(tunnel, T), guess);
+      result = step(registration, openScene(tunnel, T), guess);
     }
     EXPECT_TRUE(result.degenerate) << "tunnel " << tunnel;
     EXPECT_NEAR(result.T_odom_vehicle.translation().x(), 2, 0.1) << "tunnel " << tunnel;
@@ -234,28 +264,28 @@ TEST(RefinementInOpenScenes, GuessIsKeptWhereTheSceneIsOpenAndSaidSo)
   }
 }
 
-TEST(RefinementMethod, NoneTakesTheGuessAndKeepsNoMap)
+TEST(RefineMethodNone, TakesTheGuessAndKeepsNoMap)
 {
   ThreadPool pool(1);
   RefineOptions options;
   options.method = RefineMethod::none;
-  LocalMapRefinement refinement(options, pool);
+  LocalMapRegistration registration(options, pool);
   Frame frame = test::StreetScene().frame(Pose::Identity(), 0.01, 1);
   frame.odometry.converged = true;
   frame.odometry.information *= 7;
   const Pose guess = poseFromYpr(1, 2, 3, 0.1, 0.2, 0.3);
-  const RefineResult result = refinement.refine(frame, guess);
+  const RegistrationResult result = step(registration, frame, guess);
   EXPECT_TRUE(result.T_odom_vehicle.isApprox(guess));
   EXPECT_EQ(result.motion.information, frame.odometry.information);
-  EXPECT_TRUE(refinement.mapPoints().empty());
+  EXPECT_TRUE(registration.mapPoints().empty());
 }
 
-TEST(RefinementMap, StaysBoundedOnALongDrive)
+TEST(RegistrationMap, StaysBoundedOnALongDrive)
 {
   ThreadPool pool(2);
   RefineOptions options;
   options.map_radius = 20;
-  LocalMapRefinement refinement(options, pool);
+  LocalMapRegistration registration(options, pool);
   std::size_t most_early = 0;
   std::size_t most_late = 0;
   for (int i = 0; i < 120; ++i)
@@ -276,18 +306,18 @@ TEST(RefinementMap, StaysBoundedOnALongDrive)
         points.emplace_back(x, rib ? -2.6F : -3.0F, u);
       }
     }
-    const RefineResult result = refinement.refine(test::frameOf(points), T);
+    const RegistrationResult result = step(registration, test::frameOf(points), T);
     (i < 60 ? most_early : most_late) = std::max(i < 60 ? most_early : most_late, result.map_cells);
   }
   EXPECT_LT(most_late, most_early + most_early / 5);
 }
 
-TEST(RefinementOptions, AreChecked)
+TEST(RefineOptions, AreChecked)
 {
   ThreadPool pool(1);
   RefineOptions options;
   options.cell_size = 0;
-  EXPECT_THROW(LocalMapRefinement(options, pool), UserError);
+  EXPECT_THROW(LocalMapRegistration(options, pool), UserError);
 }
 }  // namespace
 }  // namespace dyslam

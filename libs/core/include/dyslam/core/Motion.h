@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <dyslam/core/Pose.h>
+
+#include <cstddef>
+#include <string>
+
+namespace dyslam
+{
+/** A relative motion and how far to trust it. */
+struct MotionEstimate
+{
+  Pose T_previous_current =
+      Pose::Identity();  //!< takes this scan's vehicle frame to the previous one's
+  /** Of r = log(T_measured^-1 T), [translation, rotation]; units 1/m^2, 1/rad^2. */
+  Matrix6 information = Matrix6::Identity();
+  bool converged = false;
+  int iterations = 0;
+  std::size_t inliers = 0;
+  double rmse = 0;     //!< of the inliers' residuals [m]
+  std::string reason;  //!< why it did not converge; empty if it did
+};
+
+/** What is known of the motion since the previous scan before this scan's points are used. */
+struct MotionPrior
+{
+  Pose T_previous_current = Pose::Identity();
+  /** Of log(T_prior^-1 T), [translation, rotation]; zero where nothing is known. */
+  Matrix6 information = Matrix6::Zero();
+  /** Good enough to search for the motion around it alone. */
+  bool reliable = false;
+
+  /** Fuse an independent measurement of the same motion (Gaussian product, first order). */
+  void fuse(const Pose& T_measured, const Matrix6& measured_information);
+  /** Mahalanobis distance to a measurement with its own standard deviations [m] and [rad]. \pre
+   * `information` is positive definite. */
+  [[nodiscard]] double mahalanobisDistance(const Pose& T_measured,
+                                           double sigma,
+                                           double sigma_angle) const;
+};
+
+/** Information matrix of independent errors: `sigma` along each axis [m], `sigma_angle` about each
+ * [rad]. */
+[[nodiscard]] Matrix6 informationFromSigmas(double sigma, double sigma_angle);
+}  // namespace dyslam

@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <dyslam/core/Frame.h>
+#include <dyslam/core/Options.h>
+#include <dyslam/core/Parallel.h>
+
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace mrpt::system
+{
+class CTimeLogger;
+}
+
+namespace dyslam
+{
+class ScanMatcher;
+
+/** Ini section `[odometry]`. */
+struct OdometryOptions : Options
+{
+  std::string method = "constant_velocity";  //!< the scan matcher
+  /** Forward speed at the first scan, if known; 0: not known. Among vehicles that all move alike
+   * nothing else shows how fast a recording begins. [m/s] */
+  double start_speed = 0;
+  double start_speed_sigma = 3;  //!< of start_speed, where it is given [m/s]
+
+  void describe(OptionsVisitor& visitor) override;
+};
+
+/** Ini section `[fusion]`: how the motions found by segmenter, scan matcher and registration are
+ * weighted against the motion filter's prior. */
+struct FusionOptions : Options
+{
+  double segmenter_sigma = 0.1;          //!< of the segmenter's ego-motion, in the plane [m]
+  double segmenter_sigma_angle = 0.005;  //!< ... and of its heading [rad]
+  double matcher_sigma = 0.1;            //!< of a scan matcher's motion [m]
+  double matcher_sigma_angle = 0.02;     //!< [rad]
+  double gate = 4;  //!< Mahalanobis distance to the prior beyond which either is rejected
+  /** The same for a matcher that fuses the prior itself: it may only correct the prior a little,
+   * or it has followed the traffic. */
+  double informed_sigma = 0.03;         //!< [m]
+  double informed_sigma_angle = 0.006;  //!< [rad]
+  double informed_gate = 1;
+  /** First registration to a map: standard deviation of the initial guess where the segmenter, or
+   * a matcher that fuses the prior, has given it [m]. */
+  double segmenter_initial_sigma = 0.3;
+  double matcher_initial_sigma = 0.1;
+  double reliable_prior_sigma = 0.1;  //!< of a prior that segmenters may search around alone [m]
+  double min_static_prior = 0.2;      //!< points less likely static by appearance get no weight
+
+  void describe(OptionsVisitor& visitor) override;
+};
+
+/** The vehicle's motion from scan to scan: a motion filter predicts it, a scan matcher and the
+ * registration to a local map measure it, and their results are fused.
+ *
+ * Per frame, in this order: predict(), then preprocessing and segmentation by others, estimate(),
+ * and, once it is decided what moves, integrate(). Not thread-safe; one object per recording. Same
+ * bytes for any number of threads.
+ */
+class Odometry
+{
+ public:
+  /** Loads [odometry], [fusion], [motion], [refine] and the sections of all scan matchers.
+   * \param pool must outlive the object \param times gets the times of `odometry` (the matcher) and
+   * `refine` (the registration). \throws UserError for bad options. */
+  Odometry(ConfigLoader& config, ThreadPool& pool, mrpt::system::CTimeLogger& times);
+  /** The same with a scan matcher of your own in place of the one that [odometry] method names. */
+  Odometry(ConfigLoader& config,
+           ThreadPool& pool,
+           mrpt::system::CTimeLogger& times,
+           std::unique_ptr<ScanMatcher> matcher);
+  ~Odometry();
+  Odometry(Odometry&&) noexcept;
+
+  /** Fills Frame::dt and Frame::prior from scan.stamp and the motions before. */
+  void predict(Frame& frame);
+  /** Reads cloud, prior, moving_probability, segmenter_motion and static_prior; fills odometry,
+   * odometry_accepted, odometry_rejection, static_confidence, motion and T_odom_vehicle. */
+  void estimate(Frame& frame);
+  /** Adds the frame of the last estimate() to the local map, weighted by what it knows now of what
+   * moves. */
+  void integrate(const Frame& frame);
+
+  /** The methods in force, e.g. "constant_velocity + point_to_plane". */
+  [[nodiscard]] std::string name() const;
+  /** What the config or the recording leaves open, one sentence each. */
+  [[nodiscard]] std::vector<std::string> warnings() const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+}  // namespace dyslam

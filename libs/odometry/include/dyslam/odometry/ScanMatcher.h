@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <dyslam/core/Frame.h>
+#include <dyslam/core/Options.h>
+#include <dyslam/core/Parallel.h>
+
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace dyslam
+{
+/** What a scan matcher found. */
+struct ScanMatch
+{
+  /** The information is that of the points alone, even where the matcher uses the prior. */
+  MotionEstimate motion;
+  /** Confidence in [0, 1] that a point is static, one per cloud point; empty from matchers that
+   * give none, and where the frame could not be used. */
+  std::vector<float> static_confidence;
+};
+
+/** Motion between consecutive frames, by a method that the config chooses.
+ *
+ * Reads Frame::cloud, and as weights Frame::moving_probability and Frame::static_confidence where
+ * they are as long as the cloud. Not thread-safe; one object per recording.
+ */
+class ScanMatcher
+{
+ public:
+  virtual ~ScanMatcher() = default;
+
+  /** Motion from the frame of the previous call to this one.
+   *
+   * The first frame yields the identity, converged. A frame that cannot be used (no or too few
+   * points, no agreement) yields the prior's motion, converged = false and a reason; the next
+   * motion is then relative to it all the same, so that the chain of motions never breaks.
+   * \param prior its motion is the initial value; its information is fused with the points by
+   *   matchers that say so in usesPrior() */
+  [[nodiscard]] virtual ScanMatch match(const Frame& frame, const MotionPrior& prior) = 0;
+  /** Whether the prior's information is part of the motion that match() finds. */
+  [[nodiscard]] virtual bool usesPrior() const { return false; }
+  /** Forget all frames: the next one is a first frame. */
+  virtual void reset() = 0;
+  [[nodiscard]] virtual std::string name() const = 0;
+};
+
+/** Names that makeScanMatcher() knows. */
+[[nodiscard]] std::vector<std::string> scanMatcherNames();
+
+/** Builds the matcher of that name; its options come from the ini section `[<name>]`.
+ * \throws UserError for an unknown name, naming the nearest, and for bad options. The pool must
+ * outlive the result. */
+[[nodiscard]] std::unique_ptr<ScanMatcher> makeScanMatcher(const std::string& name,
+                                                           ConfigLoader& config,
+                                                           ThreadPool& pool);
+}  // namespace dyslam

@@ -1,0 +1,416 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/odometry/LocalMapRegistration.h>
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+
+#include "ScanSample.h"
+#include "ScanToMap.h"
+#include "SimpleOdometry.h"
+#include "SurfaceMap.h"
+
+namespace dyslam
+{
+namespace
+{
+/** Frames in a row that must fail before the map is restarted. */
+constexpr int max_failures = 5;
+constexpr std::size_t min_inliers = 50;
+/** Rotation weighs as the translation that it causes at this distance [m]. */
+constexpr double lever = 10;
+/** The map is cropped each time the vehicle has moved by this share of its radius. */
+constexpr double crop_share = 0.1;
+/** A guess nearer to the prior is the prior. */
+constexpr double same_pose = 1e-9;
+/** Share of the usual inliers below which the registration is repeated coarse to fine. */
+constexpr double poor_inliers = 0.7;
+constexpr int max_coarseness = 8;  //!< of the map's cells
+
+double square(double x)
+{
+  return x * x;
+}
+
+double sizeOf(const Pose& T)
+{
+  return T.translation().norm() + lever * rotationAngle(T);
+}
+
+/** What integrate() does with the frame registered last. */
+enum class Pending
+{
+  nothing,
+  add,
+  restart
+};
+}  // namespace
+
+void RefineOptions::describe(OptionsVisitor& v)
+{
+  v.choice("method", method,
+           {{"none", RefineMethod::none},
+            {"point_to_plane", RefineMethod::point_to_plane},
+            {"gicp", RefineMethod::gicp}},
+           "registration to the local map");
+  v.real("cell_size", cell_size, 0.05, 10, "side of the map's cells [m]");
+  v.real("max_points_per_cell", max_points_per_cell, 6, 1e6,
+         "a cell with this many points takes no more");
+  v.real("map_spacing", map_spacing, 0, 10, "nearer followers along a ring are left out [m]");
+  v.real("map_radius", map_radius, 5, 1000, "farther cells are dropped [m]");
+  v.real("sample_size", sample_size, 0.05, 20, "registered points: one per cube of this side [m]");
+  v.integer("max_points", max_points, 100, 1000000, "cap on registered points per scan");
+  v.integer("max_iterations", max_iterations, 1, 200, "of the registration, per level");
+  v.real("kernel", kernel, 0.001, 10,
+         "scale of the robust loss once the initial guess is good [m]");
+  v.real("max_kernel", max_kernel, 0.001, 10, "its start where initial guesses have been bad [m]");
+  v.real("initial_sigma", initial_sigma, 0, 50,
+         "of the initial guess of the first registration to a map [m]");
+  v.real("guess_sigma", guess_sigma, 1e-4, 1e3, "of an initial guess that is not the prior [m]");
+  v.degrees("guess_sigma_angle_deg", guess_sigma_angle, 1e-3, 180, "... and of its rotation");
+  v.real("odometry_information_scale", odometry_information_scale, 0, 10,
+         "of the matcher's information, added to the guess's");
+  v.real("points_per_measurement", points_per_measurement, 1, 1e6,
+         "correlated points that count as one measurement");
+  v.real("max_ground_weight_ratio", max_ground_weight_ratio, 1e-3, 1e9,
+         "weight of ground surfaces against all others, at most");
+  v.real("min_inlier_share", min_inlier_share, 0, 1,
+         "with a smaller weight of inliers the registration has failed");
+}
+
+struct LocalMapRegistration::State
+{
+  State(const RefineOptions& o, ThreadPool& p)
+      : options(o), pool(p), map(o.cell_size, o.max_points_per_cell, p), registration(p)
+  {
+  }
+
+  void setPrior(const Frame& frame, const Pose& T_guess, const MotionPrior* prior);
+  void computeCovariances();
+  [[nodiscard]] ScanToMapSettings settings(double start_kernel) const;
+  ScanToMapResult alignCoarseToFine(const Pose& T_guess, int coarseness);
+  ScanToMapResult align(const Pose& T_guess, double guess_error);
+  ScanToMapResult alignSecond(const Pose& T_guess, double guess_error, double dt);
+  void fail(RegistrationResult& result);
+  void succeed(const Pose& T_guess, const ScanToMapResult& found, RegistrationResult& result);
+  void add(const std::vector<Eigen::Vector3f>& points, const Pose& T);
+
+  RefineOptions options;
+  ThreadPool& pool;
+  SurfaceMap map;
+  ScanToMap registration;
+  Eigen::Vector3d cropped_at = Eigen::Vector3d::Zero();
+  int frames = 0;  //!< in the map
+  int failures = 0;
+  double guess_error2 = 0;   //!< running mean square of the error of guesses [m^2]
+  double usual_inliers = 0;  //!< running mean of the inlier share
+  RawPoints first;           //!< the first frame, until the second shows its motion
+
+  // The frame at hand
+  Pose T_odom_previous = Pose::Identity();
+  Pose T_odom_vehicle = Pose::Identity();
+  Pending pending = Pending::nothing;
+  std::optional<Pose> T_prior;
+  Matrix6 prior_information = Matrix6::Zero();  //!< of the prior and the guess
+  Matrix6 guess_information = Matrix6::Zero();  //!< of a guess that is not the prior
+  ScanSample points;
+  std::vector<Eigen::Matrix3f> covariances;  //!< of the sample's surroundings in its own scan
+};
+
+void LocalMapRegistration::State::setPrior(const Frame& frame,
+                                           const Pose& T_guess,
+                                           const MotionPrior* prior)
+{
+  Matrix6 of_guess = informationFromSigmas(options.guess_sigma, options.guess_sigma_angle);
+  if (frame.odometry.converged)
+  {
+    of_guess += options.odometry_information_scale * frame.odometry.information;
+  }
+  guess_information.setZero();
+  T_prior.reset();
+  prior_information = of_guess;
+  if (prior == nullptr)
+  {
+    return;
+  }
+  MotionPrior fused = *prior;
+  const Pose guess = T_odom_previous.inverse() * T_guess;
+  if (logSE3(fused.T_previous_current.inverse() * guess).norm() > same_pose)
+  {
+    guess_information = of_guess;
+    fused.fuse(guess, of_guess);
+  }
+  T_prior = T_odom_previous * fused.T_previous_current;
+  prior_information = fused.information;
+}
+
+void LocalMapRegistration::State::computeCovariances()
+{
+  covariances.clear();
+  if (options.method != RefineMethod::gicp)
+  {
+    return;
+  }
+  SurfaceMap own(options.cell_size, options.max_points_per_cell, pool);
+  own.add(points.deskewed, points.scan.weight, Pose::Identity());
+  covariances.resize(points.sample.size());
+  pool.forChunks(covariances.size(), 512,
+                 [&](std::size_t begin, std::size_t end, std::size_t)
+                 {
+                   for (std::size_t i = begin; i < end; ++i)
+                   {
+                     covariances[i] =
+                         own.surfaceAt(points.sample_deskewed[i], VoxelCell()).covariance;
+                   }
+                 });
+}
+
+ScanToMapSettings LocalMapRegistration::State::settings(double start_kernel) const
+{
+  ScanToMapSettings s;
+  s.distributions = options.method == RefineMethod::gicp;
+  s.kernel = options.kernel;
+  s.start_kernel = std::clamp(start_kernel, options.kernel, options.max_kernel);
+  s.max_iterations = options.max_iterations;
+  s.points_per_measurement = options.points_per_measurement;
+  s.max_ground_weight_ratio = options.max_ground_weight_ratio;
+  s.T_prior = T_prior;
+  s.prior_information = prior_information;
+  return s;
+}
+
+/** First to the map in cells `coarseness` times as large, then halved step by step. */
+ScanToMapResult LocalMapRegistration::State::alignCoarseToFine(const Pose& T_guess, int coarseness)
+{
+  Pose T = T_guess;
+  int iterations = 0;
+  for (; coarseness > 1; coarseness /= 2)
+  {
+    const SurfaceMap coarse = map.coarser(coarseness);
+    ScanToMapSettings s = settings(0);
+    s.distributions = false;
+    s.start_kernel = options.cell_size * coarseness;
+    s.kernel = options.kernel * coarseness;
+    s.prior_information /= static_cast<double>(coarseness * coarseness);
+    const ScanToMapResult level =
+        registration.align(points.sample, covariances, coarse, T_odom_previous, T, s);
+    T = level.T;
+    iterations += level.iterations;
+  }
+  ScanToMapResult fine = registration.align(points.sample, covariances, map, T_odom_previous, T,
+                                            settings(options.max_kernel));
+  fine.iterations += iterations;
+  return fine;
+}
+
+/** Coarse to fine where the guess may be off by more than the map's cells can catch. */
+ScanToMapResult LocalMapRegistration::State::align(const Pose& T_guess, double guess_error)
+{
+  int coarseness = 1;
+  while (coarseness < max_coarseness && guess_error > options.cell_size * coarseness)
+  {
+    coarseness *= 2;
+  }
+  if (coarseness > 1)
+  {
+    return alignCoarseToFine(T_guess, coarseness);
+  }
+  ScanToMapResult result = registration.align(points.sample, covariances, map, T_odom_previous,
+                                              T_guess, settings(guess_error));
+  if (result.inlier_share < poor_inliers * usual_inliers)
+  {
+    const ScanToMapResult second = alignCoarseToFine(T_guess, 4);
+    if (second.inlier_share > result.inlier_share)
+    {
+      result = second;
+    }
+  }
+  return result;
+}
+
+/** The second frame shows how the first one was skewed: both are corrected in turn. */
+ScanToMapResult LocalMapRegistration::State::alignSecond(const Pose& T_guess,
+                                                         double guess_error,
+                                                         double dt)
+{
+  ScanToMapResult result = align(T_guess, guess_error);
+  if (first.phase.empty())
+  {
+    return result;
+  }
+  first.rescalePhase(dt);
+  std::vector<Eigen::Vector3f> deskewed;
+  for (int round = 0; round < 2; ++round)
+  {
+    first.deskewed(T_odom_previous.inverse() * result.T, pool, deskewed);
+    map.clear();
+    map.add(deskewed, first.weight, T_odom_previous);
+    const int iterations = result.iterations;
+    result = registration.align(points.sample, covariances, map, T_odom_previous, result.T,
+                                settings(options.max_kernel));
+    result.iterations += iterations;
+  }
+  return result;
+}
+
+void LocalMapRegistration::State::fail(RegistrationResult& result)
+{
+  result.motion.reason =
+      "the scan does not fit the local map: " + std::to_string(result.motion.inliers) + " of " +
+      std::to_string(result.points) + " points agree";
+  if (++failures >= max_failures)
+  {
+    pending = Pending::restart;
+    result.motion.reason += "; the map is restarted";
+  }
+}
+
+void LocalMapRegistration::State::succeed(const Pose& T_guess,
+                                          const ScanToMapResult& found,
+                                          RegistrationResult& result)
+{
+  failures = 0;
+  const double error2 = square(sizeOf(T_guess.inverse() * found.T));
+  guess_error2 = frames == 1 ? 0 : 0.8 * guess_error2 + 0.2 * error2;
+  usual_inliers = frames == 1 ? found.inlier_share : 0.9 * usual_inliers + 0.1 * found.inlier_share;
+
+  Matrix6 scaled = found.information;
+  scaled.bottomRows<3>() /= lever;
+  scaled.rightCols<3>() /= lever;
+  const Eigen::SelfAdjointEigenSolver<Matrix6> solver(scaled, Eigen::EigenvaluesOnly);
+  result.degenerate = solver.eigenvalues()[0] < 1 / square(options.guess_sigma);
+  result.measured_information = found.information + guess_information;
+  result.prior_weight = found.prior_weight;
+  result.motion.information += found.information;
+  result.motion.converged = found.converged;
+  result.motion.reason = found.converged ? "" : "the registration did not converge";
+  result.motion.T_previous_current = orthonormalized(T_odom_previous.inverse() * found.T);
+  result.T_odom_vehicle = found.T;
+  T_odom_vehicle = found.T;
+  pending = Pending::add;
+}
+
+void LocalMapRegistration::State::add(const std::vector<Eigen::Vector3f>& deskewed, const Pose& T)
+{
+  map.add(deskewed, points.scan.weight, T);
+  ++frames;
+  if ((T.translation() - cropped_at).norm() > crop_share * options.map_radius)
+  {
+    map.crop(T.translation(), options.map_radius);
+    cropped_at = T.translation();
+  }
+}
+
+LocalMapRegistration::LocalMapRegistration(const RefineOptions& options, ThreadPool& pool)
+{
+  validate(options, "refine");
+  state_ = std::make_unique<State>(options, pool);
+}
+LocalMapRegistration::~LocalMapRegistration() = default;
+LocalMapRegistration::LocalMapRegistration(LocalMapRegistration&&) noexcept = default;
+
+RegistrationResult LocalMapRegistration::registerFrame(const Frame& frame,
+                                                       const Pose& T_odom_vehicle_guess,
+                                                       const MotionPrior* prior,
+                                                       std::optional<double> initial_sigma)
+{
+  State& s = *state_;
+  s.T_odom_previous = s.T_odom_vehicle;
+  s.pending = Pending::nothing;
+  const Pose T_guess = orthonormalized(T_odom_vehicle_guess);
+  s.T_odom_vehicle = T_guess;
+  RegistrationResult result;
+  result.T_odom_vehicle = T_guess;
+  result.motion = frame.odometry;
+  result.motion.T_previous_current = orthonormalized(s.T_odom_previous.inverse() * T_guess);
+  if (s.options.method == RefineMethod::none)
+  {
+    return result;
+  }
+
+  s.setPrior(frame, T_guess, prior);
+  result.motion = MotionEstimate();
+  result.motion.T_previous_current = orthonormalized(s.T_odom_previous.inverse() * T_guess);
+  result.motion.information = s.prior_information;
+  result.motion.reason = cloudTrouble(frame);
+  result.map_cells = s.map.size();
+  if (!result.motion.reason.empty())
+  {
+    return result;
+  }
+  s.points.ingest(frame, s.options.map_spacing, s.pool);
+  if (s.frames == 0)
+  {
+    s.pending = Pending::restart;
+    result.motion.converged = true;
+    return result;
+  }
+  s.points.draw(s.options.sample_size, static_cast<std::size_t>(s.options.max_points));
+  s.computeCovariances();
+  const double guess_error =
+      s.frames == 1 ? initial_sigma.value_or(s.options.initial_sigma) : std::sqrt(s.guess_error2);
+  const ScanToMapResult found =
+      s.frames == 1 ? s.alignSecond(T_guess, guess_error, frame.dt) : s.align(T_guess, guess_error);
+  result.points = s.points.sample.size();
+  result.inlier_share = found.inlier_share;
+  result.motion.iterations = found.iterations;
+  result.motion.inliers = found.inliers;
+  result.motion.rmse = found.rmse;
+  result.kernel = s.settings(guess_error).start_kernel;
+  if (found.inliers < min_inliers || found.inlier_share < s.options.min_inlier_share)
+  {
+    s.fail(result);
+  }
+  else
+  {
+    s.succeed(T_guess, found, result);
+  }
+  return result;
+}
+
+void LocalMapRegistration::integrate(const Frame& frame)
+{
+  State& s = *state_;
+  if (s.pending == Pending::nothing)
+  {
+    return;
+  }
+  s.points.updateWeights(frame);
+  if (s.pending == Pending::restart)
+  {
+    s.map.clear();
+    s.frames = 0;
+    s.failures = 0;
+    s.first = s.points.scan;
+    s.add(s.points.deskewed, s.T_odom_vehicle);
+  }
+  else
+  {
+    s.first.clear();
+    const Pose T_sweep = s.T_odom_previous.inverse() * s.T_odom_vehicle;
+    s.points.scan.deskewed(T_sweep, s.pool, s.points.deskewed);
+    s.add(s.points.deskewed, s.T_odom_vehicle);
+  }
+  s.pending = Pending::nothing;
+}
+
+int LocalMapRegistration::framesInMap() const
+{
+  return state_->frames;
+}
+
+const Pose& LocalMapRegistration::pose() const
+{
+  return state_->T_odom_vehicle;
+}
+
+std::vector<Eigen::Vector3f> LocalMapRegistration::mapPoints() const
+{
+  return state_->map.means();
+}
+
+void LocalMapRegistration::reset()
+{
+  state_ = std::make_unique<State>(RefineOptions(state_->options), state_->pool);
+}
+}  // namespace dyslam

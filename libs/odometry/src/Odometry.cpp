@@ -1,0 +1,350 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/odometry/LocalMapRegistration.h>
+#include <dyslam/odometry/MotionFilter.h>
+#include <dyslam/odometry/Odometry.h>
+#include <dyslam/odometry/ScanMatcher.h>
+#include <mrpt/system/CTimeLogger.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <utility>
+
+namespace dyslam
+{
+using mrpt::system::CTimeLoggerEntry;
+
+void OdometryOptions::describe(OptionsVisitor& v)
+{
+  v.word("method", method, scanMatcherNames(), "scan matcher: motion between scans");
+  v.real("start_speed", start_speed, -50, 100,
+         "forward speed at the first scan, if known [m/s]; 0: not known");
+  v.real("start_speed_sigma", start_speed_sigma, 1e-3, 100, "of start_speed, where given [m/s]");
+}
+
+void FusionOptions::describe(OptionsVisitor& v)
+{
+  v.real("segmenter_sigma", segmenter_sigma, 1e-4, 10, "of the segmenter's ego-motion [m]");
+  v.degrees("segmenter_sigma_angle_deg", segmenter_sigma_angle, 1e-3, 90, "... and its heading");
+  v.real("matcher_sigma", matcher_sigma, 1e-4, 10, "of a scan matcher's motion [m]");
+  v.degrees("matcher_sigma_angle_deg", matcher_sigma_angle, 1e-3, 90, "... and its rotation");
+  v.real("gate", gate, 0.1, 1000, "Mahalanobis distance to the prior, beyond: rejected");
+  v.real("informed_sigma", informed_sigma, 1e-4, 10, "of a matcher that fuses the prior [m]");
+  v.degrees("informed_sigma_angle_deg", informed_sigma_angle, 1e-3, 90, "... and its rotation");
+  v.real("informed_gate", informed_gate, 0.1, 1000, "the gate of a matcher that fuses the prior");
+  v.real("segmenter_initial_sigma", segmenter_initial_sigma, 0, 50,
+         "of the first guess to a map, if the segmenter gives it [m]");
+  v.real("matcher_initial_sigma", matcher_initial_sigma, 0, 50,
+         "the same of a matcher that fuses the prior [m]");
+  v.real("reliable_prior_sigma", reliable_prior_sigma, 0, 100,
+         "of a prior that segmenters may search around alone [m]");
+  v.real("min_static_prior", min_static_prior, 0, 1,
+         "points less likely static by appearance get no weight");
+}
+
+struct Odometry::State
+{
+  State(ConfigLoader& config,
+        ThreadPool& pool,
+        mrpt::system::CTimeLogger& time_logger,
+        std::unique_ptr<ScanMatcher> given)
+      : times(time_logger),
+        options(config.get<OdometryOptions>("odometry")),
+        fusion(config.get<FusionOptions>("fusion")),
+        motion_options(config.get<MotionFilterOptions>("motion")),
+        refine(config.get<RefineOptions>("refine")),
+        filter(motion_options),
+        matcher(given ? std::move(given) : makeScanMatcher(options.method, config, pool)),
+        registration(refine, pool)
+  {
+    Vector6 velocity = Vector6::Zero();
+    velocity.x() = options.start_speed;
+    filter.start(velocity,
+                 startSpeedKnown() ? options.start_speed_sigma : motion_options.start_speed_sigma,
+                 motion_options.start_turn_rate_sigma);
+  }
+
+  [[nodiscard]] bool startSpeedKnown() const { return options.start_speed != 0; }
+  [[nodiscard]] bool registers() const { return refine.method != RefineMethod::none; }
+  /** The scan is the first to be registered to its map. */
+  [[nodiscard]] bool startsMap() const { return registration.framesInMap() == 1; }
+
+  void countSegmenterMotions(const Frame& frame);
+  [[nodiscard]] bool acceptsSegmenterMotion(const Frame& frame) const;
+  void fuseSegmenterMotion(Frame& frame);
+  [[nodiscard]] std::string whyRejected(const Frame& frame) const;
+  void matchScan(Frame& frame);
+  void weightByAppearance(Frame& frame) const;
+  [[nodiscard]] Pose initialGuess(const Frame& frame) const;
+  [[nodiscard]] double initialSigma(const Frame& frame) const;
+  void registerToMap(Frame& frame, const Pose& T_guess);
+  void takeMatcherMotion(Frame& frame, const Pose& T_guess);
+
+  mrpt::system::CTimeLogger& times;
+  OdometryOptions options;
+  FusionOptions fusion;
+  MotionFilterOptions motion_options;
+  RefineOptions refine;
+  MotionFilter filter;
+  std::unique_ptr<ScanMatcher> matcher;
+  LocalMapRegistration registration;
+
+  bool started = false;     //!< a scan has been seen
+  bool registered = false;  //!< a scan has been registered to the map
+  double last_stamp = 0;
+  Pose T_odom_previous = Pose::Identity();
+  Pose T_sweep_previous = Pose::Identity();  //!< that the previous cloud was deskewed with
+  /** Of the segmenter's motion, if it was fused with the frame's prior; else zero. */
+  Matrix6 segmenter_information = Matrix6::Zero();
+  int segmenter_frames = 0;    //!< with an appearance prior
+  int segmenter_failures = 0;  //!< of those, with no ego-motion found
+};
+
+void Odometry::State::countSegmenterMotions(const Frame& frame)
+{
+  if (frame.dt > 0 && !frame.static_prior.empty())
+  {
+    ++segmenter_frames;
+    segmenter_failures += frame.segmenter_motion ? 0 : 1;
+  }
+}
+
+/** The segmenter's ego-motion counts as long as it has an appearance prior: of what looks static,
+ * it is not misled by traffic all around. Two scans that were deskewed by different motions do not
+ * show the motion between them. */
+bool Odometry::State::acceptsSegmenterMotion(const Frame& frame) const
+{
+  if (!frame.segmenter_motion || frame.static_prior.empty() || frame.dt <= 0 || startSpeedKnown())
+  {
+    return false;
+  }
+  const Pose sweep_change = T_sweep_previous.inverse() * frame.cloud.T_sweep;
+  return sweep_change.translation().norm() < fusion.segmenter_sigma &&
+         frame.prior.mahalanobisDistance(frame.segmenter_motion->T_previous_current,
+                                         fusion.segmenter_sigma,
+                                         fusion.segmenter_sigma_angle) < fusion.gate;
+}
+
+void Odometry::State::fuseSegmenterMotion(Frame& frame)
+{
+  segmenter_information.setZero();
+  if (acceptsSegmenterMotion(frame))
+  {
+    segmenter_information =
+        informationFromSigmas(fusion.segmenter_sigma, fusion.segmenter_sigma_angle);
+    // A segmenter that looks from above sees neither height nor tilt.
+    segmenter_information.diagonal().segment<3>(2).setZero();
+    frame.prior.fuse(frame.segmenter_motion->T_previous_current, segmenter_information);
+  }
+}
+
+/** A matcher may follow the traffic around and take the world for what moves: its motion is
+ * accepted near the prior alone. \return why it is rejected; empty if it is accepted */
+std::string Odometry::State::whyRejected(const Frame& frame) const
+{
+  if (!frame.odometry.converged)
+  {
+    return frame.odometry.reason;
+  }
+  if (!registers())
+  {
+    return {};
+  }
+  if (startsMap() && !segmenter_information.isZero())
+  {
+    return "the segmenter's motion starts the map";
+  }
+  const bool informed = frame.dt > 0 && matcher->usesPrior();
+  const double distance = frame.prior.mahalanobisDistance(
+      frame.odometry.T_previous_current, informed ? fusion.informed_sigma : fusion.matcher_sigma,
+      informed ? fusion.informed_sigma_angle : fusion.matcher_sigma_angle);
+  const double gate = informed ? fusion.informed_gate : fusion.gate;
+  if (distance < gate)
+  {
+    return {};
+  }
+  char text[80];
+  std::snprintf(text, sizeof text, "%.1f sigmas from the prior; the gate is %.1f", distance, gate);
+  return text;
+}
+
+void Odometry::State::matchScan(Frame& frame)
+{
+  ScanMatch match = matcher->match(frame, frame.prior);
+  frame.odometry = std::move(match.motion);
+  frame.odometry_rejection = whyRejected(frame);
+  frame.odometry_accepted = frame.odometry_rejection.empty();
+  frame.static_confidence =
+      frame.odometry_accepted ? std::move(match.static_confidence) : std::vector<float>();
+  weightByAppearance(frame);
+}
+
+/** As long as nothing can be seen to move, what looks as if it could gets no weight. */
+void Odometry::State::weightByAppearance(Frame& frame) const
+{
+  if (frame.static_prior.empty() || frame.static_prior.size() != frame.cloud.size())
+  {
+    return;
+  }
+  const auto least = static_cast<float>(fusion.min_static_prior);
+  frame.static_confidence.resize(frame.cloud.size(), 1.0F);
+  std::transform(frame.static_prior.begin(), frame.static_prior.end(),
+                 frame.static_confidence.begin(), frame.static_confidence.begin(),
+                 [least](float prior, float confidence)
+                 { return prior < least ? 0.0F : confidence; });
+}
+
+/** The matcher's motion, if accepted; one that already holds the prior is fused with it again: the
+ * surer the prior, the less counts a matcher that may follow the traffic. */
+Pose Odometry::State::initialGuess(const Frame& frame) const
+{
+  if (!frame.odometry_accepted)
+  {
+    return frame.prior.T_previous_current;
+  }
+  if (!registers() || !matcher->usesPrior())
+  {
+    return frame.odometry.T_previous_current;
+  }
+  MotionPrior fused = frame.prior;
+  fused.fuse(frame.odometry.T_previous_current,
+             informationFromSigmas(fusion.matcher_sigma, fusion.matcher_sigma_angle));
+  return fused.T_previous_current;
+}
+
+/** Of the initial guess, if this is the first registration to a map. */
+double Odometry::State::initialSigma(const Frame& frame) const
+{
+  double sigma = refine.initial_sigma;
+  if (!registered && startSpeedKnown())
+  {
+    sigma = std::min(sigma, options.start_speed_sigma * frame.dt);
+  }
+  if (!segmenter_information.isZero())
+  {
+    sigma = std::min(sigma, fusion.segmenter_initial_sigma);
+  }
+  if (frame.odometry_accepted && matcher->usesPrior())
+  {
+    sigma = std::min(sigma, fusion.matcher_initial_sigma);
+  }
+  return sigma;
+}
+
+void Odometry::State::registerToMap(Frame& frame, const Pose& T_guess)
+{
+  const RegistrationResult result = registration.registerFrame(frame, T_odom_previous * T_guess,
+                                                               &frame.prior, initialSigma(frame));
+  registered = registered || result.points > 0;
+  frame.motion = result.motion;
+  frame.T_odom_vehicle = result.T_odom_vehicle;
+  filter.update(frame.dt, result.motion.T_previous_current,
+                result.measured_information + segmenter_information, result.prior_weight);
+}
+
+void Odometry::State::takeMatcherMotion(Frame& frame, const Pose& T_guess)
+{
+  frame.motion = frame.odometry;
+  frame.T_odom_vehicle = orthonormalized(T_odom_previous * T_guess);
+  if (!matcher->usesPrior())
+  {
+    filter.follow(frame.dt, T_guess);
+    return;
+  }
+  const Matrix6 measured =
+      frame.odometry_accepted ? frame.odometry.information : Matrix6(Matrix6::Zero());
+  filter.update(frame.dt, T_guess, measured + segmenter_information);
+}
+
+Odometry::Odometry(ConfigLoader& config, ThreadPool& pool, mrpt::system::CTimeLogger& times)
+    : Odometry(config, pool, times, nullptr)
+{
+}
+Odometry::Odometry(ConfigLoader& config,
+                   ThreadPool& pool,
+                   mrpt::system::CTimeLogger& times,
+                   std::unique_ptr<ScanMatcher> matcher)
+    : state_(std::make_unique<State>(config, pool, times, std::move(matcher)))
+{
+}
+Odometry::~Odometry() = default;
+Odometry::Odometry(Odometry&&) noexcept = default;
+
+void Odometry::predict(Frame& frame)
+{
+  State& s = *state_;
+  frame.dt = s.started ? frame.scan.stamp - s.last_stamp : 0;
+  frame.prior.T_previous_current = s.filter.predict(frame.dt);
+  frame.prior.information = s.filter.information(frame.dt);
+  frame.prior.reliable = s.started && (s.startSpeedKnown() ||
+                                       s.filter.sigma(frame.dt) < s.fusion.reliable_prior_sigma);
+  s.started = true;
+  s.last_stamp = frame.scan.stamp;
+}
+
+void Odometry::estimate(Frame& frame)
+{
+  State& s = *state_;
+  {
+    const CTimeLoggerEntry timed(s.times, "odometry");
+    s.countSegmenterMotions(frame);
+    s.fuseSegmenterMotion(frame);
+    s.matchScan(frame);
+  }
+  const CTimeLoggerEntry timed(s.times, "refine");
+  const Pose T_guess = s.initialGuess(frame);
+  if (s.registers())
+  {
+    s.registerToMap(frame, T_guess);
+  }
+  else
+  {
+    s.takeMatcherMotion(frame, T_guess);
+  }
+  s.T_odom_previous = frame.T_odom_vehicle;
+  s.T_sweep_previous = frame.cloud.T_sweep;
+}
+
+void Odometry::integrate(const Frame& frame)
+{
+  const CTimeLoggerEntry timed(state_->times, "refine");
+  state_->registration.integrate(frame);
+}
+
+std::string Odometry::name() const
+{
+  std::string name = state_->matcher->name();
+  switch (state_->refine.method)
+  {
+    case RefineMethod::none:
+      break;
+    case RefineMethod::point_to_plane:
+      name += " + point_to_plane";
+      break;
+    case RefineMethod::gicp:
+      name += " + gicp";
+      break;
+  }
+  return name;
+}
+
+std::vector<std::string> Odometry::warnings() const
+{
+  const State& s = *state_;
+  std::vector<std::string> warnings;
+  if (!s.registers() && s.matcher->name() == "constant_velocity")
+  {
+    warnings.emplace_back(
+        "nothing measures the motion: odometry.method=constant_velocity only predicts it, and "
+        "refine.method is none; change one of them");
+  }
+  constexpr int min_frames = 4;
+  if (!s.startSpeedKnown() && s.segmenter_frames >= min_frames &&
+      2 * s.segmenter_failures >= s.segmenter_frames)
+  {
+    warnings.emplace_back(
+        "the first scans leave open how fast the recording begins; if its speed there is known, "
+        "set odometry.start_speed");
+  }
+  return warnings;
+}
+}  // namespace dyslam

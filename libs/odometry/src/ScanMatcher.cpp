@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/Registry.h>
+#include <dyslam/odometry/ScanMatcher.h>
+
+#include "DyloOptions.h"
+#include "GicpOdometry.h"
+#include "IcpOdometry.h"
+#include "LoamOdometry.h"
+#include "SimpleOdometry.h"
+#ifdef DYSLAM_HAVE_TORCH
+#include "DyloOdometry.h"
+#endif
+
+namespace dyslam
+{
+namespace
+{
+using Matcher = std::unique_ptr<ScanMatcher>;
+using Factory = Registry<ScanMatcher>::Factory;
+
+Factory simple(SimpleOdometry::Kind kind)
+{
+  return [kind](ThreadPool&) -> Matcher { return std::make_unique<SimpleOdometry>(kind); };
+}
+
+template <typename IcpSectionOptions>
+Factory icp(const IcpSectionOptions& options, IcpOdometry::Residual residual)
+{
+  return [=](ThreadPool& pool) -> Matcher
+  { return std::make_unique<IcpOdometry>(residual, options, pool); };
+}
+
+Factory loam(const LoamOptions& options, bool mapping)
+{
+  return [=](ThreadPool& pool) -> Matcher
+  { return std::make_unique<LoamOdometry>(mapping, options, pool); };
+}
+
+Factory gicp(const GicpOptions& options)
+{
+  return [=](ThreadPool& pool) -> Matcher { return std::make_unique<GicpOdometry>(options, pool); };
+}
+
+Factory dylo([[maybe_unused]] const DyloOptions& options)
+{
+#ifdef DYSLAM_HAVE_TORCH
+  return [=](ThreadPool&) -> Matcher { return std::make_unique<DyloOdometry>(options); };
+#else
+  return [](ThreadPool&) -> Matcher
+  {
+    throw UserError(
+        "odometry.method: dylo needs a build with libtorch; use constant_velocity or loam, or "
+        "install libtorch-dev and build again");
+  };
+#endif
+}
+
+/** One row per matcher. */
+Registry<ScanMatcher> matchers()
+{
+  using Simple = SimpleOdometry::Kind;
+  using Residual = IcpOdometry::Residual;
+  return Registry<ScanMatcher>({
+      {"constant_velocity", [](ConfigLoader&) { return simple(Simple::constant_velocity); }},
+      {"zero_motion", [](ConfigLoader&) { return simple(Simple::zero_motion); }},
+      {"icp_po2po", [](ConfigLoader& c)
+       { return icp(c.get<IcpPointToPointOptions>("icp_po2po"), Residual::point_to_point); }},
+      {"icp_po2pl", [](ConfigLoader& c)
+       { return icp(c.get<IcpOptions>("icp_po2pl"), Residual::point_to_plane); }},
+      {"gicp", [](ConfigLoader& c) { return gicp(c.get<GicpOptions>("gicp")); }},
+      {"loam_no_mapping",
+       [](ConfigLoader& c) { return loam(c.get<LoamOptions>("loam_no_mapping"), false); }},
+      {"loam", [](ConfigLoader& c) { return loam(c.get<LoamOptions>("loam"), true); }},
+      {"dylo", [](ConfigLoader& c) { return dylo(c.get<DyloOptions>("dylo")); }},
+  });
+}
+}  // namespace
+
+std::vector<std::string> scanMatcherNames()
+{
+  return matchers().names();
+}
+
+std::unique_ptr<ScanMatcher> makeScanMatcher(const std::string& name,
+                                             ConfigLoader& config,
+                                             ThreadPool& pool)
+{
+  return matchers().make(name, "odometry.method", config, pool);
+}
+}  // namespace dyslam

@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "ScanSample.h"
+
+#include <dyslam/core/Deskew.h>
+#include <dyslam/core/VoxelGrid.h>
+
+#include <algorithm>
+
+#include "ScanToScan.h"
+
+namespace dyslam
+{
+namespace
+{
+constexpr std::size_t chunk_size = 8192;
+}  // namespace
+
+void RawPoints::clear()
+{
+  points.clear();
+  phase.clear();
+  weight.clear();
+}
+
+void RawPoints::deskewed(const Pose& T_sweep,
+                         ThreadPool& pool,
+                         std::vector<Eigen::Vector3f>& result) const
+{
+  result.resize(points.size());
+  if (phase.empty())
+  {
+    std::copy(points.begin(), points.end(), result.begin());
+    return;
+  }
+  const SweepMotion motion(T_sweep, 0);
+  pool.forChunks(points.size(), chunk_size,
+                 [&](std::size_t begin, std::size_t end, std::size_t)
+                 {
+                   for (std::size_t i = begin; i < end; ++i)
+                   {
+                     result[i] = motion.toReference(points[i], phase[i]);
+                   }
+                 });
+}
+
+void RawPoints::rescalePhase(double unit)
+{
+  if (phase_unit <= 0 || unit <= 0 || phase_unit == unit)
+  {
+    return;
+  }
+  const auto scale = static_cast<float>(phase_unit / unit);
+  for (float& p : phase)
+  {
+    p *= scale;
+  }
+  phase_unit = unit;
+}
+
+void ScanSample::ingest(const Frame& frame, double spacing, ThreadPool& pool)
+{
+  const Cloud& cloud = frame.cloud;
+  const std::size_t count = cloud.size();
+  const auto spacing2 = static_cast<float>(spacing * spacing);
+  Eigen::Vector3f last = Eigen::Vector3f::Constant(1e9F);
+  source.clear();
+  source.reserve(count);
+  for (std::size_t i = 0; i < count; ++i)
+  {
+    const Eigen::Vector3f& p = cloud.points[i];
+    const float d2 = (p - last).squaredNorm();
+    if (d2 >= spacing2 && d2 < 1e30F)
+    {
+      last = p;
+      source.push_back(static_cast<std::uint32_t>(i));
+    }
+  }
+
+  const bool skewed = cloud.phase.size() == count;
+  scan.points.resize(source.size());
+  scan.phase.resize(skewed ? source.size() : 0);
+  scan.phase_unit = cloud.phase_unit;
+  deskewed.resize(source.size());
+  const SweepMotion motion(cloud.T_sweep, 0);
+  pool.forChunks(source.size(), chunk_size,
+                 [&](std::size_t begin, std::size_t end, std::size_t)
+                 {
+                   for (std::size_t i = begin; i < end; ++i)
+                   {
+                     const std::uint32_t from = source[i];
+                     const Eigen::Vector3f& p = cloud.points[from];
+                     deskewed[i] = p;
+                     scan.points[i] = p;
+                     if (skewed)
+                     {
+                       scan.phase[i] = cloud.phase[from];
+                       scan.points[i] = motion.toReference(p, -cloud.phase[from]);
+                     }
+                   }
+                 });
+  updateWeights(frame);
+}
+
+void ScanSample::updateWeights(const Frame& frame)
+{
+  const std::vector<float> weights = pointWeights(frame);
+  scan.weight.resize(weights.empty() ? 0 : source.size());
+  for (std::size_t i = 0; i < scan.weight.size(); ++i)
+  {
+    scan.weight[i] = weights[source[i]];
+  }
+}
+
+void ScanSample::draw(double size, std::size_t max_points)
+{
+  const VoxelSample voxels = voxelDownsample(deskewed, size);
+  const std::size_t count = voxels.index.size();
+  const std::size_t taken = std::min(count, max_points);
+  sample.points.resize(taken);
+  sample_deskewed.resize(taken);
+  sample.phase.resize(scan.phase.empty() ? 0 : taken);
+  sample.phase_unit = scan.phase_unit;
+  sample.weight.resize(scan.weight.empty() ? 0 : taken);
+  for (std::size_t i = 0; i < taken; ++i)
+  {
+    const std::uint32_t from = voxels.index[i * count / taken];
+    sample.points[i] = scan.points[from];
+    sample_deskewed[i] = deskewed[from];
+    if (!scan.phase.empty())
+    {
+      sample.phase[i] = scan.phase[from];
+    }
+    if (!scan.weight.empty())
+    {
+      sample.weight[i] = scan.weight[from];
+    }
+  }
+}
+}  // namespace dyslam

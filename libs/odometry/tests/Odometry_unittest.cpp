@@ -1,0 +1,282 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The fusion of prior, segmenter, scan matcher and registration, with a scripted matcher.
+#include <dyslam/odometry/Odometry.h>
+#include <dyslam/odometry/ScanMatcher.h>
+#include <gtest/gtest.h>
+#include <mrpt/system/CTimeLogger.h>
+
+#include <limits>
+
+#include "TestScene.h"
+
+namespace dyslam
+{
+namespace
+{
+constexpr double period = 0.1;
+
+struct Script
+{
+  Pose T_previous_current = Pose::Identity();
+  bool converged = true;
+  bool uses_prior = false;
+  std::vector<float> static_confidence;
+  MotionPrior seen_prior;  //!< that the matcher was given last
+};
+
+class ScriptedMatcher : public ScanMatcher
+{
+ public:
+  explicit ScriptedMatcher(Script& script) : script_(script) {}
+  ScanMatch match(const Frame&, const MotionPrior& prior) override
+  {
+    script_.seen_prior = prior;
+    ScanMatch match;
+    match.motion.T_previous_current = script_.T_previous_current;
+    match.motion.information = informationFromSigmas(0.01, 0.001);
+    match.motion.converged = script_.converged;
+    match.motion.reason = script_.converged ? "" : "scripted to fail";
+    match.static_confidence = script_.static_confidence;
+    return match;
+  }
+  [[nodiscard]] bool usesPrior() const override { return script_.uses_prior; }
+  void reset() override {}
+  [[nodiscard]] std::string name() const override { return "scripted"; }
+
+ private:
+  Script& script_;
+};
+
+class Fusion : public testing::Test
+{
+ protected:
+  void start(const std::vector<std::string>& settings = {})
+  {
+    Config config;
+    for (const std::string& setting : settings)
+    {
+      config.set(setting);
+    }
+    ConfigLoader loader(config);
+    odometry_ = std::make_unique<Odometry>(loader, pool_, times_,
+                                           std::make_unique<ScriptedMatcher>(script_));
+    count_ = 0;
+  }
+
+  /** The next scan of the street from a pose, as it comes to estimate(). */
+  Frame next(const Pose& T_world_vehicle)
+  {
+    Frame frame = scene_.frame(T_world_vehicle, 0.01, static_cast<unsigned>(count_ + 1));
+    frame.index = count_;
+    frame.scan.stamp = 100 + period * static_cast<double>(count_++);
+    odometry_->predict(frame);
+    return frame;
+  }
+  Frame& estimate(Frame& frame)
+  {
+    odometry_->estimate(frame);
+    odometry_->integrate(frame);
+    return frame;
+  }
+  /** Drives steadily until the motion is known well. \return poses driven */
+  Pose settle(const Pose& step, int scans = 6)
+  {
+    Pose T = Pose::Identity();
+    for (int i = 0; i < scans; ++i)
+    {
+      T = i > 0 ? T * step : T;
+      script_.T_previous_current = i > 0 ? step : Pose::Identity();
+      Frame frame = next(T);
+      estimate(frame);
+    }
+    return T;
+  }
+
+  test::StreetScene scene_;
+  ThreadPool pool_{2};
+  mrpt::system::CTimeLogger times_{false};
+  Script script_;
+  std::unique_ptr<Odometry> odometry_;
+  std::size_t count_ = 0;
+};
+
+TEST_F(Fusion, PredictsTheMotionSoFar)
+{
+  start();
+  const Pose step = poseFromYpr(0.5, 0, 0, 0.02, 0, 0);
+  const Pose T = settle(step);
+  Frame frame = next(T * step);
+  EXPECT_NEAR(frame.dt, period, 1e-6);
+  EXPECT_TRUE(frame.prior.reliable);
+  EXPECT_LT((frame.prior.T_previous_current.translation() - step.translation()).norm(), 0.02);
+  EXPECT_LT((T.inverse() * estimate(frame).T_odom_vehicle).translation().norm(), 0.55);
+}
+
+TEST_F(Fusion, TheFirstPriorIsNotReliableUnlessTheSpeedIsKnown)
+{
+  start();
+  EXPECT_FALSE(next(Pose::Identity()).prior.reliable);
+  EXPECT_FALSE(next(Pose::Identity()).prior.reliable);
+  start({"odometry.start_speed=8"});
+  EXPECT_FALSE(next(Pose::Identity()).prior.reliable) << "there is no motion to a first scan";
+  const Frame second = next(Pose::Identity());
+  EXPECT_TRUE(second.prior.reliable);
+  EXPECT_NEAR(second.prior.T_previous_current.translation().x(), 0.8, 1e-6);
+}
+
+TEST_F(Fusion, AMotionFarFromAGoodPriorIsRejectedWithAReason)
+{
+  start();
+  const Pose step = poseFromYpr(0.5, 0, 0, 0, 0, 0);
+  const Pose T = settle(step);
+  script_.T_previous_current = poseFromYpr(-0.7, 0, 0, 0, 0, 0);  // the traffic's
+  script_.static_confidence.assign(100000, 0.0F);
+  Frame frame = next(T * step);
+  estimate(frame);
+  EXPECT_TRUE(frame.odometry.converged);
+  EXPECT_FALSE(frame.odometry_accepted);
+  EXPECT_NE(frame.odometry_rejection.find("sigmas from the prior"), std::string::npos);
+  EXPECT_TRUE(frame.static_confidence.empty()) << "nor is its confidence used";
+  EXPECT_TRUE(frame.motion.converged);
+  EXPECT_LT(((T * step).inverse() * frame.T_odom_vehicle).translation().norm(), 0.03);
+}
+
+TEST_F(Fusion, AMatcherThatFailedSaysWhy)
+{
+  start();
+  script_.converged = false;
+  Frame frame = next(Pose::Identity());
+  estimate(frame);
+  EXPECT_FALSE(frame.odometry_accepted);
+  EXPECT_EQ(frame.odometry_rejection, "scripted to fail");
+}
+
+/** One that fuses the prior itself may only correct it a little. */
+TEST_F(Fusion, AnInformedMatcherHasTheTighterGate)
+{
+  const Pose step = poseFromYpr(0.5, 0, 0, 0, 0, 0);
+  for (const bool informed : {false, true})
+  {
+    script_ = Script();
+    script_.uses_prior = informed;
+    start();
+    const Pose T = settle(step);
+    script_.T_previous_current = step * poseFromYpr(0.2, 0, 0, 0, 0, 0);
+    Frame frame = next(T * step);
+    estimate(frame);
+    EXPECT_EQ(frame.odometry_accepted, !informed);
+    EXPECT_LT(((T * step).inverse() * frame.T_odom_vehicle).translation().norm(), 0.03);
+  }
+}
+
+TEST_F(Fusion, WithoutRegistrationTheMatchersMotionIsTheMotion)
+{
+  start({"refine.method=none"});
+  const Pose step = poseFromYpr(0.6, 0.1, 0, 0.03, 0, 0);
+  Frame first = next(Pose::Identity());
+  estimate(first);
+  script_.T_previous_current = step;
+  Frame second = next(Pose::Identity());
+  estimate(second);
+  EXPECT_TRUE(second.T_odom_vehicle.isApprox(step, 1e-9));
+  EXPECT_TRUE(next(Pose::Identity()).prior.T_previous_current.isApprox(step, 1e-9));
+}
+
+/** A segmenter that found its own ego-motion by what looks static. */
+class SegmenterMotion : public Fusion
+{
+ protected:
+  Frame second(const Pose& T_found, bool with_appearance = true)
+  {
+    Frame first = next(Pose::Identity());
+    first.static_prior.assign(first.cloud.size(), 1.0F);
+    estimate(first);
+    Frame frame = next(T_found);
+    frame.segmenter_motion.emplace();
+    frame.segmenter_motion->T_previous_current = T_found;
+    frame.static_prior.assign(with_appearance ? frame.cloud.size() : 0, 1.0F);
+    return frame;
+  }
+  const Pose T_ = poseFromYpr(1.5, 0, 0, 0, 0, 0);
+};
+
+TEST_F(SegmenterMotion, IsFusedWithThePriorOfTheFirstMotion)
+{
+  start();
+  Frame frame = second(T_);
+  EXPECT_NEAR(frame.prior.T_previous_current.translation().x(), 0, 1e-9);
+  estimate(frame);
+  EXPECT_NEAR(frame.prior.T_previous_current.translation().x(), 1.5, 0.02);
+  EXPECT_NEAR(script_.seen_prior.T_previous_current.translation().x(), 1.5, 0.02);
+  EXPECT_EQ(frame.odometry_rejection, "the segmenter's motion starts the map");
+  EXPECT_LT((T_.inverse() * frame.T_odom_vehicle).translation().norm(), 0.03);
+}
+
+TEST_F(SegmenterMotion, IsNotUsedWithoutAnAppearancePrior)
+{
+  start();
+  Frame frame = second(T_, false);
+  estimate(frame);
+  EXPECT_NEAR(script_.seen_prior.T_previous_current.translation().x(), 0, 1e-9);
+}
+
+TEST_F(SegmenterMotion, IsNotUsedWhereTheStartSpeedIsKnown)
+{
+  start({"odometry.start_speed=8"});
+  Frame frame = second(T_);
+  estimate(frame);
+  EXPECT_NEAR(script_.seen_prior.T_previous_current.translation().x(), 0.8, 1e-9);
+}
+
+TEST_F(SegmenterMotion, IsNotUsedBetweenScansDeskewedDifferently)
+{
+  start();
+  Frame frame = second(T_);
+  frame.cloud.T_sweep = T_;
+  estimate(frame);
+  EXPECT_NEAR(script_.seen_prior.T_previous_current.translation().x(), 0, 1e-9);
+}
+
+TEST_F(SegmenterMotion, WhatLooksMobileGetsNoWeight)
+{
+  start();
+  Frame frame = second(T_);
+  frame.static_prior[7] = 0.1F;
+  frame.static_prior[8] = 0.3F;
+  estimate(frame);
+  ASSERT_EQ(frame.static_confidence.size(), frame.cloud.size());
+  EXPECT_EQ(frame.static_confidence[7], 0.0F);
+  EXPECT_EQ(frame.static_confidence[8], 1.0F);
+}
+
+TEST_F(SegmenterMotion, MissingInMostFirstScansIsAWarning)
+{
+  start();
+  for (int i = 0; i < 6; ++i)
+  {
+    Frame frame = next(Pose::Identity());
+    frame.static_prior.assign(frame.cloud.size(), 1.0F);
+    estimate(frame);
+  }
+  ASSERT_EQ(odometry_->warnings().size(), 1U);
+  EXPECT_NE(odometry_->warnings()[0].find("odometry.start_speed"), std::string::npos);
+}
+
+TEST_F(Fusion, AnEmptyScanGetsThePriorsMotion)
+{
+  start();
+  const Pose step = poseFromYpr(0.5, 0, 0, 0, 0, 0);
+  const Pose T = settle(step);
+  script_.converged = false;
+  Frame empty = next(T);
+  empty.cloud = Cloud();
+  estimate(empty);
+  EXPECT_FALSE(empty.motion.converged);
+  EXPECT_NEAR(empty.motion.T_previous_current.translation().x(), 0.5, 0.03);
+  Frame back = next(T * step * step);
+  estimate(back);
+  EXPECT_TRUE(back.motion.converged) << back.motion.reason;
+  EXPECT_LT(((T * step * step).inverse() * back.T_odom_vehicle).translation().norm(), 0.05);
+}
+}  // namespace
+}  // namespace dyslam
