@@ -1,15 +1,16 @@
 #!/bin/sh
 # SPDX-License-Identifier: BSD-3-Clause
-# Every odometry method, alone and refined, on rawlogs with truth: one table of dyslam-eval each.
+# Every odometry method, alone and with registration to the local map, on rawlogs with ground truth: one
+# table of dyslam-eval for each rawlog.
 set -eu
 usage="Usage: odometry_table.sh [-c CONFIG] [-n SCANS] [-m METHODS] [-o DIR] [-l LENGTHS] RAWLOG...
 
   -c  ini file or shipped name (kitti64.ini)
   -n  scans of each rawlog, 0 for all (0)
   -m  methods, several with spaces between; NAME is the method alone, NAME+refine with the local map,
-      dyseg+NAME after the network has taken out what moves
+      dyseg+NAME after the network has segmented the moving points
       (dylo dylo+refine constant_velocity+refine icp_po2po icp_po2pl gicp loam_no_mapping loam zero_motion)
-  -o  folder for the runs' results (./odometry_table); a run that is there is not repeated
+  -o  folder for the runs' results (./odometry_table); an existing run is not repeated
   -l  segment lengths of t_rel [m] (\"5 10 20\")
 
 The programs are taken from \$DYSLAM_BIN, else from the PATH."

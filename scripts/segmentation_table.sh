@@ -1,14 +1,14 @@
 #!/bin/sh
 # SPDX-License-Identifier: BSD-3-Clause
-# What finding movers does to the whole line: drift, IoU and what is left of movers in the map, for
-# each segmentation method, on rawlogs with true poses and labels beside them (NAME.gt).
+# The effect of segmentation on the whole pipeline: drift, IoU, and moving points left in the map, for each
+# segmentation method, on rawlogs with true poses and labels beside them (NAME.gt).
 set -eu
 usage="Usage: segmentation_table.sh [-c CONFIG] [-n SCANS] [-m METHODS] [-o DIR] [-s KEY=VALUE] RAWLOG...
 
   -c  ini file or shipped name (kitti64.ini)
   -n  scans of each rawlog, 0 for all (0)
   -m  methods, several with spaces between (none residual network)
-  -o  folder for the runs' results (./segmentation_table); a run that is there is not repeated
+  -o  folder for the runs' results (./segmentation_table); an existing run is not repeated
   -s  one more setting of every run; repeatable
 
 The programs are taken from \$DYSLAM_BIN, else from the PATH."
@@ -47,11 +47,11 @@ for rawlog in "$@"; do
     [ -f "$folder/report.json" ] || "${bin}dyslam" -i "$rawlog" -c "$config" -o "$folder" --labels \
       --only-first-n "$scans" --set "dyseg.method=$method" $settings > "$folder.log" 2>&1 || {
         tail -n 3 "$folder.log" >&2
-        echo "segmentation_table.sh: dyslam failed on $rawlog with $method; all it said is in $folder.log" >&2
+        echo "segmentation_table.sh: dyslam failed on $rawlog with $method; its output is in $folder.log" >&2
         exit 1
       }
   done
-  # Every point with its true label, in the frame that the runs' maps are in.
+  # Every point with its true label, in the frame of the runs' maps.
   [ -f "$reference.ply" ] || "${bin}dyslam-map" -q -i "$rawlog" \
     --trajectory "${folder}/reference_tum.txt" --labels "$truth/labels" --only-first-n "$scans" \
     -o "$output/$name/true_static.ply" --labelled-map "$reference.ply" > "$output/$name/reference.log"
