@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Campus: paths and lawns between large buildings, a service road round them; and the open field.
+// Campus (paths and lawns between large buildings, a service road around them) and open field.
 #include <algorithm>
 #include <cmath>
 
@@ -21,7 +21,7 @@ double distanceToSegment(const P& p, const P& a, const P& b)
   return (a + t * d - p).norm();
 }
 
-/** World and local coordinates are the same here. */
+/** Ground with paths; world and local coordinates are equal. */
 class OpenGround : public Ground
 {
  public:
@@ -49,7 +49,7 @@ class OpenGround : public Ground
     return terrain_.height(p.x(), p.y()) + out * lump;
   }
 
-  /** Distance to the nearest strip's edge (negative within) and which it is. */
+  /** Signed distance to the edge of the nearest strip (negative inside), and the strip. */
   std::pair<double, const Strip*> outside(const P& p) const
   {
     double best = 1e9;
@@ -97,11 +97,6 @@ class OpenGround : public Ground
   std::vector<Strip> strips_;
 };
 
-int any(const std::vector<int>& list, Rng& rng)
-{
-  return list[static_cast<std::size_t>(rng.below(static_cast<int>(list.size())))];
-}
-
 struct Plants
 {
   std::vector<int> trees, bushes, hedges;
@@ -128,7 +123,7 @@ class CampusBuilder
 
   P node(int i, int j) const { return nodes_[static_cast<std::size_t>(i * (ny_ + 1) + j)]; }
 
-  void layPaths()
+  void makePaths()
   {
     auto ground = std::make_unique<OpenGround>(world_.seed, 0.04, 0.8, 1.0);
     const P origin(-0.5 * nx_ * pitch_, -0.5 * ny_ * pitch_);
@@ -163,14 +158,14 @@ class CampusBuilder
         }
       }
     }
-    layRoad(*ground, origin);
+    makeRoad(*ground, origin);
     ground_ = ground.get();
     world_.ground = std::move(ground);
     const double margin = 55;
     world_.meshes.push_back(ground_->mesh(origin.x() - margin, origin.y() - margin,
                                           origin.x() + nx_ * pitch_ + margin,
                                           origin.y() + ny_ * pitch_ + margin, 0.9, Material::lawn));
-    // The ego walks round the outer ring.
+    // The ego follows the outer ring.
     std::vector<P> ring;
     for (int i = 0; i < nx_; ++i)
     {
@@ -211,7 +206,7 @@ class CampusBuilder
   }
 
  private:
-  void layRoad(OpenGround& ground, const P& origin)
+  void makeRoad(OpenGround& ground, const P& origin)
   {
     const double out = 15;
     const P low = origin - P(out, out), high = origin + P(nx_ * pitch_ + out, ny_ * pitch_ + out);
@@ -229,14 +224,14 @@ class CampusBuilder
       }
       Lane l;
       l.path = Path(roundedCorners(r, 12 + (backwards ? -1.5 : 1.5), 1.0, true), true);
-      // A closed lane follows itself; its path must not wrap.
+      // A closed lane is its own successor; its path must not wrap.
       auto points = l.path.points();
       l.path = Path(points);
       l.next = {static_cast<int>(world_.roads.lanes.size())};
       l.speed_limit = rng_.uniform(5, 7);
       world_.roads.lanes.push_back(l);
     };
-    lane(1.6, false);  // anticlockwise on the right is outside
+    lane(1.6, false);  // anticlockwise traffic drives on the outside
     lane(-1.6, true);
     road_low_ = low;
     road_high_ = high;
@@ -244,7 +239,7 @@ class CampusBuilder
 
   void cell(int i, int j)
   {
-    // The largest upright rectangle that keeps off the four paths.
+    // The largest axis-parallel rectangle clear of the four paths.
     const P a = node(i, j), b = node(i + 1, j), c = node(i + 1, j + 1), d = node(i, j + 1);
     const double margin = rng_.uniform(5, 9);
     const double x0 = std::max(a.x(), d.x()) + margin, x1 = std::min(b.x(), c.x()) - margin;
@@ -257,7 +252,7 @@ class CampusBuilder
       building(style, {x0, y0});
       if (y1 - y0 - static_cast<double>(style.depth) > 16 && x1 - x0 > 20)
       {
-        // A wing makes an L.
+        // L-shaped building
         BuildingStyle wing = style;
         wing.width = static_cast<float>(rng_.uniform(12, 16));
         wing.depth = static_cast<float>(y1 - y0) - style.depth;
@@ -265,10 +260,10 @@ class CampusBuilder
       }
       for (int k = 0; k < 5; ++k)
       {
-        // Bicycles against the front
+        // Bicycles at the facade
         const double x = rng_.uniform(x0, x1);
         const double yaw = 1.57 + rng_.uniform(-0.2, 0.2);
-        world_.park(any(world_.parked_bicycles, rng_), {x, y0 - 1.2}, yaw, rng_);
+        world_.park(rng_.pick(world_.parked_bicycles), {x, y0 - 1.2}, yaw, rng_);
       }
     }
     else
@@ -315,7 +310,7 @@ class CampusBuilder
     const bool tree = rng_.chance(tree_share);
     const auto scale = static_cast<float>(rng_.uniform(0.8, 1.2));
     const double yaw = rng_.uniform(0, 6.28);
-    world_.placeOnGround(tree ? any(plants_.trees, rng_) : any(plants_.bushes, rng_), where, yaw,
+    world_.placeOnGround(tree ? rng_.pick(plants_.trees) : rng_.pick(plants_.bushes), where, yaw,
                          scale);
   }
 
@@ -334,7 +329,7 @@ class CampusBuilder
         {
           BuildingStyle style = drawTownHouse(rng_);
           const double w = static_cast<double>(style.width), d = static_cast<double>(style.depth);
-          // Axis-parallel box on the outer side
+          // Axis-parallel building on the outer side
           const P near = from + s * along + 3 * outward, far = near + w * along + d * outward;
           const P corner(std::min(near.x(), far.x()), std::min(near.y(), far.y()));
           if (std::abs(along.x()) < 0.5)
@@ -429,7 +424,7 @@ void buildCampus(World& world, const SimulatorOptions& options)
       1, static_cast<int>(std::lround(options.loop_length / 4 / pitch * rng.uniform(0.8, 1.2))));
   const int ny = std::max(1, static_cast<int>(std::lround(options.loop_length / 2 / pitch)) - nx);
   CampusBuilder builder(world, rng, nx, ny, pitch);
-  builder.layPaths();
+  builder.makePaths();
   builder.furnish();
 }
 
@@ -471,14 +466,14 @@ void buildField(World& world, const SimulatorOptions& options)
       {
         const auto scale = static_cast<float>(rng.uniform(0.7, 1.3));
         const double yaw = rng.uniform(0, 6.28);
-        world.placeOnGround(any(shapes, rng), where, yaw, scale);
+        world.placeOnGround(rng.pick(shapes), where, yaw, scale);
       }
     }
   };
   scatter(tufts, static_cast<int>(radius * radius * 0.05) + 200, 0, 1.3 * radius + 30);
   scatter(plants.bushes, 6 + static_cast<int>(radius / 8), 0, half);
   scatter(plants.trees, 10, 1.2 * radius + 25, half);
-  // People wander on a wide ring of their own.
+  // Pedestrians walk on a wide ring.
   int first = -1, previous = -1;
   for (int i = 0; i < 12; ++i)
   {
