@@ -6,25 +6,26 @@
 
 namespace dyslam
 {
-/** Joins those cells of a grid that `belongs` tells with their neighbours, all eight of them.
+/** Connected components (8-neighbourhood) of the foreground cells of a grid.
  *
- * \param group of each cell, row by row, all -1; becomes the number of its group, from 0
- * \param belongs of a cell's place; never true on the grid's rim
- * \return how many groups there are. */
-template <typename Belongs>
-int joinNeighbours(int width, const Belongs& belongs, std::vector<int>& group)
+ * \param width of the grid [cells]
+ * \param foreground predicate on a cell's index; must be false on the border of the grid
+ * \param label of each cell, row by row, all -1; set to the index of its component, from 0
+ * \return the number of components. */
+template <typename Foreground>
+int labelComponents(int width, const Foreground& foreground, std::vector<int>& label)
 {
-  const auto of = [&](int cell) -> int& { return group[static_cast<std::size_t>(cell)]; };
-  const int cells = static_cast<int>(group.size());
-  int groups = 0;
+  const auto labelOf = [&](int cell) -> int& { return label[static_cast<std::size_t>(cell)]; };
+  const int cells = static_cast<int>(label.size());
+  int components = 0;
   std::vector<int> open;
   for (int seed = 0; seed < cells; ++seed)
   {
-    if (of(seed) >= 0 || !belongs(seed))
+    if (labelOf(seed) >= 0 || !foreground(seed))
     {
       continue;
     }
-    of(seed) = groups;
+    labelOf(seed) = components;
     open.assign(1, seed);
     while (!open.empty())
     {
@@ -34,16 +35,16 @@ int joinNeighbours(int width, const Belongs& belongs, std::vector<int>& group)
       {
         for (const int next : {row - 1, row, row + 1})
         {
-          if (of(next) < 0 && belongs(next))
+          if (labelOf(next) < 0 && foreground(next))
           {
-            of(next) = groups;
+            labelOf(next) = components;
             open.push_back(next);
           }
         }
       }
     }
-    ++groups;
+    ++components;
   }
-  return groups;
+  return components;
 }
 }  // namespace dyslam

@@ -30,7 +30,7 @@ MotionEstimate motionOf(const RigidFlowFit& fit, const Eigen::Vector3d& sensor)
   // The network's frame is the vehicle's, moved to the sensor.
   const Pose to_vehicle = Pose(Eigen::Translation3d(sensor));
   m.T_previous_current = to_vehicle * fit.motion.pose() * to_vehicle.inverse();
-  const bool distinct = fit.lead >= least_lead;
+  const bool distinct = fit.margin >= least_lead;
   m.converged = fit.converged && distinct;
   m.reason = !fit.converged ? "too few cells with flow"
              : !distinct    ? "two motions explain about the same"
@@ -65,7 +65,7 @@ struct NetworkSegmenter::Impl
   RigidFlowFit last_step;  //!< to the scan before
   MotionEstimate motion;   //!< the same, of the vehicle
   std::optional<SceneFlow> flow;
-  std::vector<SeenBefore> seen;  //!< of the scan at hand, in the first one compared with
+  std::vector<PastVisibility> seen;  //!< of the scan at hand, in the first one compared with
   std::vector<float> anchors;    //!< of the last scan's points, in a run's first scans
 
   /** There is a predicted motion, and enough scans were seen to look around it alone. */
@@ -176,7 +176,7 @@ RigidFlowFit NetworkSegmenter::Impl::matchLast(const DysegModel::Encoded& curren
     return model.match(current, before);
   }
   const Pose to_vehicle = Pose(Eigen::Translation3d(sensor));
-  const MotionGuess guess{
+  const PlanarPrior guess{
       PlanarMotion::fromPose(to_vehicle.inverse() * *frame.T_previous_predicted * to_vehicle),
       predicted_within};
   return model.match(current, before, &guess);
@@ -188,13 +188,13 @@ std::vector<float> NetworkSegmenter::Impl::judge(const DysegModel::Encoded& curr
                                                  const Eigen::Vector3d& sensor)
 {
   const Past& earlier = past[back - 1];
-  const MotionGuess guess{earlier.from_current,
-                          heedsPrediction(frame) ? predicted_within : MotionGuess().within};
+  const PlanarPrior guess{earlier.from_current,
+                          heedsPrediction(frame) ? predicted_within : PlanarPrior().max_error};
   const RigidFlowFit step = back == 1 ? last_step : model.match(current, *earlier.encoded, &guess);
-  auto result = model.judge(current, *earlier.encoded, step, options.iterations);
+  auto result = model.segment(current, *earlier.encoded, step, options.iterations);
   if (!flow)
   {
-    seen = std::move(result.seen_before);
+    seen = std::move(result.past_visibility);
     flow.emplace();
     flow->static_motion = motionOf(step, sensor);
     flow->past_index = earlier.index;
@@ -224,7 +224,7 @@ void NetworkSegmenter::segment(Frame& frame)
   s.anchors.clear();
   if (!s.full())
   {
-    s.anchors = s.model.anchors(*encoded);
+    s.anchors = s.model.appearancePrior(*encoded);
   }
   if (!s.past.empty())
   {

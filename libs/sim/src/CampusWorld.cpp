@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Campus (paths and lawns between large buildings, a service road around them) and open field.
+// Campus: paths and lawns between large buildings, with a service road around them.
 #include <algorithm>
 #include <cmath>
 
 #include "Building.h"
+#include "OpenGround.h"
 #include "Random.h"
 #include "Shapes.h"
 #include "World.h"
@@ -13,105 +14,6 @@ namespace dyslam::sim
 namespace
 {
 using P = Eigen::Vector2d;
-
-double distanceToSegment(const P& p, const P& a, const P& b)
-{
-  const P d = b - a;
-  const double t = std::clamp((p - a).dot(d) / std::max(1e-9, d.squaredNorm()), 0.0, 1.0);
-  return (a + t * d - p).norm();
-}
-
-/** Ground with paths; world and local coordinates are equal. */
-class OpenGround : public Ground
-{
- public:
-  struct Strip
-  {
-    P a, b;
-    double half;
-    Material material;
-  };
-
-  OpenGround(std::uint64_t seed, double slope, double bumps, double lumps)
-      : terrain_(seed, slope, bumps), lumps_(lumps)
-  {
-  }
-
-  P toWorld(const P& local) const override { return local; }
-  P toLocal(const P& world) const override { return world; }
-  double heightLocal(const P& p) const override
-  {
-    const double out = std::clamp(outside(p).first / 0.25, 0.0, 1.0);
-    const auto x = static_cast<float>(p.x()), y = static_cast<float>(p.y());
-    const double lump =
-        0.05 + lumps_ * (0.07 * static_cast<double>(latticeNoise(0.3F * x, 0.3F * y, 0.5F)) +
-                         0.03 * static_cast<double>(latticeNoise(1.1F * x, 1.1F * y, 7.5F)));
-    return terrain_.height(p.x(), p.y()) + out * lump;
-  }
-
-  /** Signed distance to the edge of the nearest strip (negative inside), and the strip. */
-  std::pair<double, const Strip*> outside(const P& p) const
-  {
-    double best = 1e9;
-    const Strip* which = nullptr;
-    for (const auto& s : strips_)
-    {
-      const double d = distanceToSegment(p, s.a, s.b) - s.half;
-      if (d < best)
-      {
-        best = d;
-        which = &s;
-      }
-    }
-    return {best, which};
-  }
-
-  void add(const P& a, const P& b, double width, Material material)
-  {
-    strips_.push_back({a, b, 0.5 * width, material});
-  }
-  void add(const std::vector<P>& line, double width, Material material, bool closed)
-  {
-    for (std::size_t i = 0; i + (closed ? 0 : 1) < line.size(); ++i)
-    {
-      add(line[i], line[(i + 1) % line.size()], width, material);
-    }
-  }
-
-  Mesh mesh(double x0, double y0, double x1, double y1, double step, Material field) const
-  {
-    const auto lines = [&](double a, double b) {
-      return fillLines({a, b}, [&](double) { return step; });
-    };
-    const auto material = [&](double x, double y)
-    {
-      const auto [d, strip] = outside({x, y});
-      return d < 0.1 && strip != nullptr ? strip->material : field;
-    };
-    return gridMesh(*this, lines(x0, x1), lines(y0, y1), material);
-  }
-
- private:
-  Terrain terrain_;
-  double lumps_;
-  std::vector<Strip> strips_;
-};
-
-struct Plants
-{
-  std::vector<int> trees, bushes, hedges;
-  Plants(World& world, Rng& rng)
-  {
-    for (int i = 0; i < 5; ++i)
-    {
-      trees.push_back(world.addShape(i == 4 ? drawConifer(rng, {6, 12}, {1.5, 2.4})
-                                            : drawTree(rng, {5, 13}, {1.6, 3.6}, {1.6, 3.2})));
-      bushes.push_back(world.addShape(drawBush(rng, {0.5, 1.4}, {0.6, 1.6})));
-    }
-    hedges = {world.addShape(makeHedge(rng, 3, 0.8F, 1.0F)),
-              world.addShape(makeHedge(rng, 3, 1.0F, 1.6F))};
-  }
-};
 
 class CampusBuilder
 {
@@ -303,7 +205,7 @@ class CampusBuilder
 
   void plant(const P& where, double tree_share)
   {
-    if (ground_->outside(where).first < 0.8)
+    if (ground_->nearestStrip(where).first < 0.8)
     {
       return;
     }
@@ -409,7 +311,7 @@ class CampusBuilder
   Rng& rng_;
   int nx_, ny_;
   double pitch_;
-  Plants plants_;
+  OpenGroundPlants plants_;
   std::vector<P> nodes_;
   const OpenGround* ground_ = nullptr;
   P road_low_, road_high_;
@@ -426,67 +328,5 @@ void buildCampus(World& world, const SimulatorOptions& options)
   CampusBuilder builder(world, rng, nx, ny, pitch);
   builder.makePaths();
   builder.furnish();
-}
-
-void buildField(World& world, const SimulatorOptions& options)
-{
-  Rng rng(combine(world.seed, 0xF1E1D));
-  auto ground = std::make_unique<OpenGround>(world.seed, 0.07, 2.0, 2.0);
-  const double radius = options.loop_length / 6.2832;
-  std::vector<P> track;
-  const double p2 = rng.uniform(0, 6.28), p3 = rng.uniform(0, 6.28);
-  for (int i = 0; i < 90; ++i)
-  {
-    const double t = 6.283185307 * i / 90;
-    const double r = radius * (1 + 0.22 * std::sin(2 * t + p2) + 0.1 * std::sin(3 * t + p3));
-    track.emplace_back(r * std::cos(t), r * std::sin(t));
-  }
-  ground->add(track, 2.6, Material::soil, true);
-  world.ego_path = Path(track, true);
-  world.loop_length = world.ego_path.length();
-  const OpenGround& field = *ground;
-  world.ground = std::move(ground);
-  const double half = 1.35 * radius + 90;
-  world.meshes.push_back(field.mesh(-half, -half, half, half, 1.2, Material::lawn));
-  const Plants plants(world, rng);
-  std::vector<int> tufts;
-  for (int i = 0; i < 3; ++i)
-  {
-    tufts.push_back(
-        world.addShape(makeGrassTuft(rng, 0.4F, static_cast<float>(rng.uniform(0.25, 0.6)))));
-  }
-  const auto scatter = [&](const std::vector<int>& shapes, int count, double inner, double outer)
-  {
-    for (int i = 0; i < count; ++i)
-    {
-      const double t = rng.uniform(0, 6.2832),
-                   r = std::sqrt(rng.uniform(inner * inner, outer * outer));
-      const P where(r * std::cos(t), r * std::sin(t));
-      if (field.outside(where).first > 1.2)
-      {
-        const auto scale = static_cast<float>(rng.uniform(0.7, 1.3));
-        const double yaw = rng.uniform(0, 6.28);
-        world.placeOnGround(rng.pick(shapes), where, yaw, scale);
-      }
-    }
-  };
-  scatter(tufts, static_cast<int>(radius * radius * 0.05) + 200, 0, 1.3 * radius + 30);
-  scatter(plants.bushes, 6 + static_cast<int>(radius / 8), 0, half);
-  scatter(plants.trees, 10, 1.2 * radius + 25, half);
-  // Pedestrians walk on a wide ring.
-  int first = -1, previous = -1;
-  for (int i = 0; i < 12; ++i)
-  {
-    const double t = 6.2832 * i / 12;
-    const double y = rng.uniform(-6, 6), x = rng.uniform(-6, 6);
-    const int node = world.walks.addNode(1.25 * radius * P(std::cos(t), std::sin(t)) + P(x, y));
-    if (previous >= 0)
-    {
-      world.walks.addLink(previous, node, false, 2);
-    }
-    first = first < 0 ? node : first;
-    previous = node;
-  }
-  world.walks.addLink(previous, first, false, 2);
 }
 }  // namespace dyslam::sim

@@ -21,8 +21,6 @@ class Path
   explicit Path(const std::vector<Eigen::Vector2d>& points, bool closed = false);
 
   [[nodiscard]] double length() const { return length_; }
-  [[nodiscard]] bool empty() const { return points_.size() < 2; }
-  [[nodiscard]] bool closed() const { return closed_; }
   /** At arc length s; clamped to the ends, or wrapped on a closed path. */
   [[nodiscard]] Sample at(double s) const;
   [[nodiscard]] const std::vector<Eigen::Vector2d>& points() const { return points_; }

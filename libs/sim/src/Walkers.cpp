@@ -248,10 +248,10 @@ class Walkers : public Crowd::Group
     {
       w.pause_until = crowd_.time() + rng_.uniform(2, 12);
     }
-    const double way = std::atan2(d.y(), d.x());
+    const double target_heading = std::atan2(d.y(), d.x());
     double desired_speed = crowd_.time() < w.pause_until ? 0 : w.desired_speed;
     // Slower in corners and behind others; evades those that stand.
-    const double off = wrapToPi(way - w.yaw);
+    const double off = wrapToPi(target_heading - w.yaw);
     desired_speed *= std::max(0.25, std::cos(std::min(std::abs(off), 1.4)));
     const auto [gap, who] =
         bodyAhead(crowd_, w.actor, w.position, w.yaw, w.rides ? 0.45 : 0.3, w.rides ? 3.5 : 1.6);
@@ -276,7 +276,7 @@ class Walkers : public Crowd::Group
     const double rate = w.rides ? 1.5 : 2.5;
     w.v += std::clamp(desired_speed - w.v, -2 * rate * dt, rate * dt);
     const double turn =
-        std::clamp(wrapToPi(way + evasion - w.yaw), -1.0, 1.0) * (w.rides ? 1.8 : 3.0);
+        std::clamp(wrapToPi(target_heading + evasion - w.yaw), -1.0, 1.0) * (w.rides ? 1.8 : 3.0);
     w.yaw = wrapToPi(w.yaw + turn * dt * std::min(1.0, 0.2 + w.v));
     w.position += w.v * dt * Eigen::Vector2d(std::cos(w.yaw), std::sin(w.yaw));
     if (w.rides)
@@ -348,8 +348,8 @@ class Bicycles : public Crowd::Group
       {
         desired_speed = std::min(desired_speed, std::max(0.0, 0.9 * (gap - 1.4)));
       }
-      const double bend = std::abs(wrapToPi(r.loop->at(r.s + 4).heading - at.heading));
-      desired_speed = std::min(desired_speed, bend > 0.3 ? 2.8 : kFar);
+      const double heading_change = std::abs(wrapToPi(r.loop->at(r.s + 4).heading - at.heading));
+      desired_speed = std::min(desired_speed, heading_change > 0.3 ? 2.8 : kFar);
       r.stuck = r.v < 0.2 ? r.stuck + dt : std::max(0.0, r.stuck - 0.3 * dt);
       r.v += std::clamp(desired_speed - r.v, -3 * dt, 1.0 * dt);
       r.v = std::max(0.0, r.v);
@@ -396,10 +396,12 @@ class PathEgo : public Crowd::Group
       next_stop_ = stop_until_ + rng_.uniform(20, 60);
     }
     desired_speed = crowd_.time() < stop_until_ ? 0 : desired_speed;
-    const double bend = std::abs(wrapToPi(path.at(s_ + 1.5).heading - path.at(s_).heading));
-    desired_speed = std::min(
-        desired_speed,
-        bend > 0.2 ? std::max(0.6, 0.5 * egoCruise(crowd_.world(), crowd_.options())) : kFar);
+    const double heading_change =
+        std::abs(wrapToPi(path.at(s_ + 1.5).heading - path.at(s_).heading));
+    desired_speed = std::min(desired_speed,
+                             heading_change > 0.2
+                                 ? std::max(0.6, 0.5 * egoCruise(crowd_.world(), crowd_.options()))
+                                 : kFar);
     const auto [gap, who] =
         bodyAhead(crowd_, -1, crowd_.ego().position, crowd_.ego().yaw, 0.45, 2.5 + 1.5 * v_);
     if (who >= 0 && stuck_ < 5)

@@ -138,23 +138,23 @@ ObjectClass refineClass(ObjectClass initial, const Eigen::Vector3d& size, double
   return initial;
 }
 
-Box completeBox(const Box& seen, const Eigen::Vector3d& size)
+Box completeBox(const Box& visible, const Eigen::Vector3d& size)
 {
-  const Eigen::Vector2d u(std::cos(seen.yaw), std::sin(seen.yaw));
+  const Eigen::Vector2d u(std::cos(visible.yaw), std::sin(visible.yaw));
   const Eigen::Vector2d v(-u.y(), u.x());
-  Box full = seen;
-  full.size = seen.size.cwiseMax(size);
+  Box full = visible;
+  full.size = visible.size.cwiseMax(size);
   // Each axis grows on its far side; on both sides where the sensor is level with the middle.
   for (int k = 0; k < 2; ++k)
   {
     const Eigen::Vector2d axis = k == 0 ? u : v;
-    const double offset = axis.dot(seen.center.head<2>());
-    const double half = 0.5 * seen.size[k];
+    const double offset = axis.dot(visible.center.head<2>());
+    const double half = 0.5 * visible.size[k];
     const double side = std::clamp(half > 0 ? offset / half : 0.0, -1.0, 1.0);
-    full.center.head<2>() += 0.5 * (full.size[k] - seen.size[k]) * side * axis;
+    full.center.head<2>() += 0.5 * (full.size[k] - visible.size[k]) * side * axis;
   }
   // The top stays in place: the ground filter and occlusion remove the lower part.
-  full.center.z() = seen.center.z() + 0.5 * (seen.size.z() - full.size.z());
+  full.center.z() = visible.center.z() + 0.5 * (visible.size.z() - full.size.z());
   return full;
 }
 }  // namespace dyslam

@@ -150,24 +150,24 @@ void Track::predict(double stamp)
 
 Box Track::alignedBox(const Observation& observation) const
 {
-  Box seen = observation.box;
+  Box observed = observation.box;
   if (!observation.from_points)
   {
-    return seen;
+    return observed;
   }
   // The longer visible side may be the width: choose the axis nearer to the track's.
-  if (hits_ >= 3 && std::abs(wrapAngle(2 * (seen.yaw - box_.yaw))) > M_PI / 2)
+  if (hits_ >= 3 && std::abs(wrapAngle(2 * (observed.yaw - box_.yaw))) > M_PI / 2)
   {
-    seen.yaw = wrapAngle(seen.yaw + M_PI / 2);
-    std::swap(seen.size.x(), seen.size.y());
+    observed.yaw = wrapAngle(observed.yaw + M_PI / 2);
+    std::swap(observed.size.x(), observed.size.y());
   }
   if (options_->complete_boxes)
   {
-    seen.center.head<2>() -= observation.sensor;
-    seen = completeBox(seen, box_.size);
-    seen.center.head<2>() += observation.sensor;
+    observed.center.head<2>() -= observation.sensor;
+    observed = completeBox(observed, box_.size);
+    observed.center.head<2>() += observation.sensor;
   }
-  return seen;
+  return observed;
 }
 
 void Track::match(const Observation& observation)
@@ -176,16 +176,16 @@ void Track::match(const Observation& observation)
   misses_ = 0;
   const Eigen::Vector2d before = alignedBox(observation).center.head<2>();
   updateSize(observation);
-  const Box seen = alignedBox(observation);
+  const Box observed = alignedBox(observation);
   if (observation.from_points)
   {
     // A larger size moves the estimated centre. That is a correction of the history, no motion.
-    const Eigen::Vector2d offset = seen.center.head<2>() - before;
+    const Eigen::Vector2d offset = observed.center.head<2>() - before;
     box_.center.head<2>() += offset;
     std::visit([&](auto& motion) { motion.shift(offset); }, motion_);
   }
-  updateHeading(observation, seen.yaw);
-  updatePosition(observation, seen);
+  updateHeading(observation, observed.yaw);
+  updatePosition(observation, observed);
   addToHistory(observation);
   const MotionPrediction now =
       std::visit([&](const auto& motion) { return motion.predict(stamp_); }, motion_);
@@ -197,22 +197,22 @@ void Track::match(const Observation& observation)
   confirm(observation);
 }
 
-void Track::updatePosition(const Observation& observation, const Box& seen)
+void Track::updatePosition(const Observation& observation, const Box& observed)
 {
   // The predicted covariance contains the observation's noise already; the update is approximate.
   const Eigen::Matrix2d noise = observation.covariance.topLeftCorner<2, 2>();
   const Eigen::Matrix2d gain = position_covariance_ * (position_covariance_ + noise).inverse();
-  const Eigen::Vector2d innovation = seen.center.head<2>() - box_.center.head<2>();
+  const Eigen::Vector2d innovation = observed.center.head<2>() - box_.center.head<2>();
   if (observation.from_points)
   {
-    box_.center.head<2>() = seen.center.head<2>();
+    box_.center.head<2>() = observed.center.head<2>();
   }
   else
   {
     box_.center.head<2>() += gain * innovation;
   }
   position_covariance_ = (Eigen::Matrix2d::Identity() - gain) * position_covariance_;
-  const double rise = seen.center.z() - box_.center.z();
+  const double rise = observed.center.z() - box_.center.z();
   box_.center.z() += height_gain * rise;
   vertical_velocity_ += vertical_velocity_gain * rise;
   vertical_velocity_ = std::clamp(vertical_velocity_, -3.0, 3.0);
@@ -220,11 +220,11 @@ void Track::updatePosition(const Observation& observation, const Box& seen)
       z_variance_ * observation.covariance(2, 2) / (z_variance_ + observation.covariance(2, 2));
 }
 
-void Track::updateHeading(const Observation& observation, double seen_yaw)
+void Track::updateHeading(const Observation& observation, double observed_yaw)
 {
-  const double heading = nearestAxis(seen_yaw, box_.yaw);
+  const double heading = nearestAxis(observed_yaw, box_.yaw);
   reversed_observations_ =
-      std::clamp(reversed_observations_ + (heading == seen_yaw ? -1 : 1), -3, 6);
+      std::clamp(reversed_observations_ + (heading == observed_yaw ? -1 : 1), -3, 6);
   const double gain = yaw_variance_ / (yaw_variance_ + observation.covariance(3, 3));
   box_.yaw = wrapAngle(box_.yaw + gain * wrapAngle(heading - box_.yaw));
   yaw_variance_ *= 1 - gain;
@@ -278,15 +278,15 @@ void Track::updateSize(const Observation& observation)
     return;
   }
   // Clusters show at most the whole object: fast growth, slow shrinking.
-  Eigen::Vector3d seen = observation.box.size;
+  Eigen::Vector3d observed = observation.box.size;
   if (hits_ >= 3 && std::abs(wrapAngle(2 * (observation.box.yaw - box_.yaw))) > M_PI / 2)
   {
-    std::swap(seen.x(), seen.y());
+    std::swap(observed.x(), observed.y());
   }
   for (int k = 0; k < 3; ++k)
   {
-    const double gain = seen[k] > box_.size[k] ? options_->size_gain : shrink_gain;
-    box_.size[k] += gain * (seen[k] - box_.size[k]);
+    const double gain = observed[k] > box_.size[k] ? options_->size_gain : shrink_gain;
+    box_.size[k] += gain * (observed[k] - box_.size[k]);
   }
   if (has_moved_)
   {

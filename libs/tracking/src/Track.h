@@ -61,8 +61,8 @@ class Track
   [[nodiscard]] static Motion makeMotion(const TrackerOptions& options);
   void addToHistory(const Observation& observation);
   void confirm(const Observation& observation);
-  void updatePosition(const Observation& observation, const Box& seen);
-  void updateHeading(const Observation& observation, double seen_yaw);
+  void updatePosition(const Observation& observation, const Box& observed);
+  void updateHeading(const Observation& observation, double observed_yaw);
   void alignHeadingWithMotion(const Observation& observation);
   void swapAxes();
   void updateSize(const Observation& observation);

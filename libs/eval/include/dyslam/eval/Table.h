@@ -35,7 +35,6 @@ class Table
 
   [[nodiscard]] std::size_t rows() const { return rows_.size(); }
   [[nodiscard]] std::size_t columns() const { return columns_.size(); }
-  [[nodiscard]] const std::string& title() const { return title_; }
 
   /** First column left-aligned, the others right-aligned, with a final line feed. Columns without
    * any entry are omitted. */

@@ -8,35 +8,34 @@
 
 namespace dyslam
 {
-/** Where one cell's content may have gone: probabilities of a window of offsets, row by row. */
+/** Per cell, probabilities of the offsets in a window around the predicted position, row by row. */
 struct OffsetWindows
 {
-  const float* probability = nullptr;          //!< N x (2 radius + 1)^2
-  int radius = 0;                              //!< [cells]
-  float cell_size = 0;                         //!< [m]
-  const std::vector<Eigen::Vector2f>& places;  //!< N centres of the cells [m]
-  const std::vector<float>& trust;             //!< N, >= 0
+  const float* probability = nullptr;             //!< N x (2 radius + 1)^2
+  int radius = 0;                                 //!< [cells]
+  float cell_size = 0;                            //!< [m]
+  const std::vector<Eigen::Vector2f>& positions;  //!< N cell centres [m]
+  const std::vector<float>& weights;              //!< N, >= 0
 };
 
-struct MotionVote
+struct MotionSearchResult
 {
   PlanarMotion motion;
-  /** By how much of its score it is ahead of any motion a cell and more away, of the same turn:
-   * near 0 where two motions explain about the same. */
-  double lead = 1;
+  /** Relative margin of its score over that of any motion of the same yaw one or more cells away;
+   * near 0 if the translation is ambiguous. */
+  double margin = 1;
 };
 
-/** The planar motion that most trusted cells' windows speak for: maximum likelihood over a grid of
- * translations and some yaws, refined between its nodes.
+/** Maximum-likelihood planar motion over a grid of translations and yaws, with subcell refinement.
  *
- * Unlike a fit to each window's peak, cells that leave a direction open (guard rails) take no side
- * in it, and what moves otherwise costs a bounded amount.
+ * Unlike a fit to each window's peak, it handles cells with an ambiguous direction (guard rails),
+ * and the influence of moving objects is bounded.
  *
- * \param centre motion that the windows lie around \param yaw_step between the yaws tried, to both
- * sides of the centre's \param yaw_steps to each side.
+ * \param centre motion at the windows' centres \param yaw_step between the yaws of the grid [rad]
+ * \param yaw_steps number of them to each side of the centre's.
  */
-[[nodiscard]] MotionVote voteMotion(const OffsetWindows& windows,
-                                    const PlanarMotion& centre,
-                                    double yaw_step,
-                                    int yaw_steps);
+[[nodiscard]] MotionSearchResult searchMotion(const OffsetWindows& windows,
+                                              const PlanarMotion& centre,
+                                              double yaw_step,
+                                              int yaw_steps);
 }  // namespace dyslam

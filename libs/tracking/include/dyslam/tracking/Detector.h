@@ -71,7 +71,7 @@ class Detector
                                       const Eigen::Vector3d& size,
                                       double speed);
 
-/** Enlarges a partly visible box to at least `size`. The sides of `seen` that face the sensor (at
- * the origin) stay in place; the occluded part is added behind them. */
-[[nodiscard]] Box completeBox(const Box& seen, const Eigen::Vector3d& size);
+/** Enlarges a partly visible box to at least `size`. The sides of `visible` that face the sensor
+ * (at the origin) stay in place; the occluded part is added behind them. */
+[[nodiscard]] Box completeBox(const Box& visible, const Eigen::Vector3d& size);
 }  // namespace dyslam

@@ -61,7 +61,6 @@ class PolynomialTrajectory
   /** \return false, with nothing changed, for non-finite values or a stamp not after the last one.
    */
   bool add(const TimedPosition& observation);
-  void clear() { history_.clear(); }
   /** Translates the whole history [m], after the estimate of the object's centre was corrected. */
   void shift(const Eigen::Vector2d& offset);
 
