@@ -20,7 +20,7 @@ Subcommand curvesCommand(CLI::App& app)
   const auto a = std::make_shared<Arguments>();
   Subcommand command;
   command.parser =
-      app.add_subcommand("curves", "draws the CSV logs of dyslam-train, each to a PNG beside it");
+      app.add_subcommand("curves", "plots the CSV logs of dyslam-train, one PNG per log");
   command.parser->add_option("logs", a->logs, "log.csv, validation.csv, ...")->required();
   command.run = [a]
   {

@@ -121,23 +121,23 @@ void run(const Arguments& a)
                   {"frames", tracked.frames},
                   {"frames_per_second", speed}};
   }
-  a.output.put(table, json.dump(2) + "\n");
+  a.output.write(table, json.dump(2) + "\n");
 }
 }  // namespace
 
 Subcommand kittiMotCommand(CLI::App& app)
 {
   const auto a = std::make_shared<Arguments>();
-  CLI::App* sub =
-      app.add_subcommand("kitti-mot",
-                         "The tracker on KITTI's tracking set with PointRCNN's detections, beside "
-                         "AB3DMOT's published figures");
+  CLI::App* sub = app.add_subcommand(
+      "kitti-mot",
+      "Evaluates the tracker on KITTI tracking with PointRCNN detections, next to "
+      "AB3DMOT's published figures");
   sub->add_option("--data", a->data, "folder with label_02, oxts, calib and det_pointrcnn")
       ->required()
       ->check(CLI::ExistingDirectory);
   sub->add_option("-c,--config", a->config, "ini with the section [tracker]")
       ->capture_default_str();
-  sub->add_option("--set", a->set, "tracker.key=value, over the ini");
+  sub->add_option("--set", a->set, "tracker.key=value, overrides the ini");
   sub->add_option("--split", a->split, "AB3DMOT's validation sequences, or the others")
       ->check(CLI::IsMember({"validation", "training"}))
       ->capture_default_str();
@@ -147,7 +147,7 @@ Subcommand kittiMotCommand(CLI::App& app)
   sub->add_option("--iou", a->min_iou, "3D overlap of a match")
       ->check(CLI::Range(0.01, 1.0))
       ->capture_default_str();
-  sub->add_option("--repeats", a->repeats, "runs; the fastest one's speed is shown")
+  sub->add_option("--repeats", a->repeats, "number of runs; the speed is that of the fastest")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
   a->output.declare(*sub);

@@ -14,9 +14,9 @@ namespace dyslam
 {
 namespace
 {
-constexpr double frame_time = 0.1;  // [s]
+constexpr double frame_time = 0.1;  // between scans [s]
 
-/** T_world_velo of every frame, world: x east, y north, z up, at the first position. */
+/** T_world_velo of each frame; world: x east, y north, z up, origin at the first position. */
 std::vector<Pose> lidarPoses(const std::string& oxts, const KittiCalib& calib)
 {
   const std::vector<OxtsReading> readings = readOxts(oxts);
@@ -40,11 +40,11 @@ Eigen::Vector2d inWorld(const LabelledBox& box, const std::vector<Pose>& poses)
   return (poses[static_cast<std::size_t>(box.frame)] * box.box.center).head<2>();
 }
 
-class PolynomialStep : public StepPredictor
+class PolynomialOneStep : public OneStepPredictor
 {
  public:
-  explicit PolynomialStep(const PolynomialOptions& options) : trajectory_(options) {}
-  void see(int frame, const Eigen::Vector2d& position) override
+  explicit PolynomialOneStep(const PolynomialOptions& options) : trajectory_(options) {}
+  void observe(int frame, const Eigen::Vector2d& position) override
   {
     trajectory_.add({frame * frame_time, position});
   }
@@ -58,11 +58,11 @@ class PolynomialStep : public StepPredictor
   PolynomialTrajectory trajectory_;
 };
 
-class AdaptiveStep : public StepPredictor
+class AdaptiveOneStep : public OneStepPredictor
 {
  public:
-  explicit AdaptiveStep(const AdaptiveOptions& options) : predictor_(options) {}
-  void see(int frame, const Eigen::Vector2d& position) override
+  explicit AdaptiveOneStep(const AdaptiveOptions& options) : predictor_(options) {}
+  void observe(int frame, const Eigen::Vector2d& position) override
   {
     predictor_.add({frame * frame_time, position});
   }
@@ -76,7 +76,7 @@ class AdaptiveStep : public StepPredictor
   AdaptivePredictor predictor_;
 };
 
-/** Image box of a box in the lidar's frame, cut at the image's border. */
+/** Projection of a box in the lidar frame, clipped to the image [px]. */
 Eigen::Vector4d inImage(const Box& box, const KittiCalib& calib)
 {
   constexpr double image_width = 1242;
@@ -110,8 +110,8 @@ Detection detectionOf(const LabelledBox& box)
   return detection;
 }
 
-/** Tracks of one sequence, back in the lidar's frame. Coasting tracks that left the image are not
- * reported: nothing is labelled there. */
+/** Tracks of one sequence in the lidar frame. Predicted tracks that left the image are not
+ * reported because there are no labels there. */
 void trackSequence(const std::vector<LabelledBox>& boxes,
                    const std::vector<Pose>& poses,
                    const KittiCalib& calib,
@@ -169,7 +169,7 @@ KittiTarget readKittiTarget(const std::string& boxes,
                             int track,
                             const std::string& detections)
 {
-  constexpr double farthest = 2;  // detection from label [m]
+  constexpr double max_distance = 2;  // of a detection from the label [m]
   const KittiCalib mounting = readKittiCalib(calib);
   const std::vector<Pose> poses = lidarPoses(oxts, mounting);
   const auto known = [&](const LabelledBox& box)
@@ -190,7 +190,7 @@ KittiTarget readKittiTarget(const std::string& boxes,
   }
   if (detections.empty())
   {
-    target.sightings = target.truth;
+    target.observations = target.truth;
     return target;
   }
   std::map<int, double> nearest;
@@ -203,10 +203,10 @@ KittiTarget readKittiTarget(const std::string& boxes,
     }
     const double distance = (box.box.center.head<2>() - label->second).norm();
     const auto best = nearest.find(box.frame);
-    if (distance < farthest && (best == nearest.end() || distance < best->second))
+    if (distance < max_distance && (best == nearest.end() || distance < best->second))
     {
       nearest[box.frame] = distance;
-      target.sightings[box.frame] = inWorld(box, poses);
+      target.observations[box.frame] = inWorld(box, poses);
     }
   }
   return target;
@@ -228,24 +228,24 @@ std::vector<KittiTarget> readPaperTargets(const std::string& folder, bool from_d
   return result;
 }
 
-std::unique_ptr<StepPredictor> polynomialStep(int degree, int window)
+std::unique_ptr<OneStepPredictor> polynomialPredictor(int degree, int window)
 {
   PolynomialOptions options;
   options.degree = degree;
   options.window = window;
-  return std::make_unique<PolynomialStep>(options);
+  return std::make_unique<PolynomialOneStep>(options);
 }
 
-std::unique_ptr<StepPredictor> constantVelocityStep()
+std::unique_ptr<OneStepPredictor> constantVelocityPredictor()
 {
   PolynomialOptions options;
   options.model = MotionModel::constant_velocity;
-  return std::make_unique<PolynomialStep>(options);
+  return std::make_unique<PolynomialOneStep>(options);
 }
 
-std::unique_ptr<StepPredictor> adaptiveStep(const AdaptiveOptions& options)
+std::unique_ptr<OneStepPredictor> adaptivePredictor(const AdaptiveOptions& options)
 {
-  return std::make_unique<AdaptiveStep>(options);
+  return std::make_unique<AdaptiveOneStep>(options);
 }
 
 KittiMotRun runKittiMot(const std::string& folder,

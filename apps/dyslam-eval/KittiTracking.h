@@ -14,17 +14,18 @@
 
 namespace dyslam
 {
-/** One object of KITTI's tracking set: where it was (labels) and where it was seen. World frame: x
- * east, y north, by OXTS and calib. */
+/** One object of KITTI tracking with its true and observed positions. World frame: x east, y north,
+ * from OXTS and the calibration. */
 struct KittiTarget
 {
   std::string name;  //!< "10/0"
-  GroundPath truth;
-  GroundPath sightings;  //!< the labels again, or the detections nearest to them
+  PlanarTrack truth;
+  PlanarTrack observations;  //!< the labels, or the detections nearest to them
 };
 
-/** \param detections PointRCNN csv, or empty for the labels themselves. Of the detections scored
- * >= 0 the nearest to the label in the ground plane is taken, if within 2 m. \throws UserError. */
+/** \param detections PointRCNN csv, or empty to use the labels. Of the detections with a score of at
+ * least 0, the one nearest to the label in the ground plane is used, if within 2 m.
+ * \throws UserError for files that cannot be read or a track without boxes. */
 [[nodiscard]] KittiTarget readKittiTarget(const std::string& boxes,
                                           const std::string& oxts,
                                           const std::string& calib,
@@ -36,21 +37,23 @@ struct KittiTarget
 [[nodiscard]] std::vector<KittiTarget> readPaperTargets(const std::string& folder,
                                                         bool from_detections);
 
-/** A fixed degree and window: predicts once the window is full. */
-[[nodiscard]] std::unique_ptr<StepPredictor> polynomialStep(int degree, int window);
-/** Through the last two positions. */
-[[nodiscard]] std::unique_ptr<StepPredictor> constantVelocityStep();
-[[nodiscard]] std::unique_ptr<StepPredictor> adaptiveStep(const AdaptiveOptions& options = {});
+/** Fixed degree and window; predicts only with a full window. */
+[[nodiscard]] std::unique_ptr<OneStepPredictor> polynomialPredictor(int degree, int window);
+/** Line through the last two positions. */
+[[nodiscard]] std::unique_ptr<OneStepPredictor> constantVelocityPredictor();
+[[nodiscard]] std::unique_ptr<OneStepPredictor> adaptivePredictor(
+    const AdaptiveOptions& options = {});
 
-/** The tracker over the detections of several sequences, as AB3DMOT's benchmark has it. */
+/** Tracks of several sequences, in the protocol of AB3DMOT's benchmark. */
 struct KittiMotRun
 {
   std::vector<TrackSequence> sequences;
   int frames = 0;
-  double seconds = 0;  //!< in Tracker::update() alone
+  double seconds = 0;  //!< spent in Tracker::update()
 };
 
-/** One class over the sequences `names` ("0001", ...); ego-motion by OXTS. \throws UserError. */
+/** One class over the sequences `names` ("0001", ...); ego-motion by OXTS. \throws UserError for
+ * files that cannot be read or a track without boxes. */
 [[nodiscard]] KittiMotRun runKittiMot(const std::string& folder,
                                       const std::vector<std::string>& names,
                                       const std::string& type,
@@ -58,6 +61,6 @@ struct KittiMotRun
 
 /** AB3DMOT's validation sequences. */
 [[nodiscard]] std::vector<std::string> kittiMotValidation();
-/** The others for which there are labels: for choosing parameters. */
+/** The other labelled sequences, for parameter selection. */
 [[nodiscard]] std::vector<std::string> kittiMotTraining();
 }  // namespace dyslam

@@ -15,7 +15,7 @@ namespace
 {
 namespace fs = std::filesystem;
 
-/** `.label` files by name, of the folder or of `labels` in it. */
+/** `.label` files by name, in the folder or its subfolder `labels`. */
 std::map<std::string, std::string> labelFiles(const std::string& folder)
 {
   if (!fs::is_directory(folder))
@@ -24,7 +24,8 @@ std::map<std::string, std::string> labelFiles(const std::string& folder)
   }
   const fs::path inner = fs::path(folder) / "labels";
   std::map<std::string, std::string> files;
-  for (const auto& entry : fs::directory_iterator(fs::is_directory(inner) ? inner : fs::path(folder)))
+  for (const auto& entry :
+       fs::directory_iterator(fs::is_directory(inner) ? inner : fs::path(folder)))
   {
     if (entry.path().extension() == ".label")
     {
@@ -38,7 +39,7 @@ std::map<std::string, std::string> labelFiles(const std::string& folder)
   return files;
 }
 
-TableCell share(std::optional<double> value)
+TableCell ratioCell(std::optional<double> value)
 {
   return {value, 4};
 }
@@ -82,8 +83,8 @@ Table segmentationTable(const NamedComparisons& results)
     const std::size_t moving = s.true_positives + s.false_negatives;
     const std::size_t all = moving + s.true_negatives + s.false_positives;
     table.addRow({name, TableCell(static_cast<double>(r.evaluator.scans()), 0),
-                  TableCell(static_cast<double>(r.reference_scans), 0), share(s.iou()),
-                  share(s.precision()), share(s.recall()), share(s.staticIou()),
+                  TableCell(static_cast<double>(r.reference_scans), 0), ratioCell(s.iou()),
+                  ratioCell(s.precision()), ratioCell(s.recall()), ratioCell(s.staticIou()),
                   TableCell(static_cast<double>(moving), 0),
                   TableCell(static_cast<double>(all), 0)});
   }

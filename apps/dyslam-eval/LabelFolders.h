@@ -11,7 +11,7 @@
 
 namespace dyslam
 {
-/** Scores over the scans that two folders of `.label` files have in common. */
+/** Segmentation scores over the scans common to two folders of `.label` files. */
 struct LabelComparison
 {
   SegmentationEvaluator evaluator;
@@ -19,14 +19,14 @@ struct LabelComparison
   std::size_t estimated_scans = 0;
 };
 
-/** Folders of NNNNNN.label, or folders with such a `labels` folder in them.
+/** Folders of NNNNNN.label, or folders with such a subfolder `labels`.
  * \throws UserError if they have no scan in common or a scan's labels differ in number. */
 [[nodiscard]] LabelComparison compareLabelFolders(const std::string& reference,
                                                   const std::string& estimate);
 
 using NamedComparisons = std::vector<std::pair<std::string, LabelComparison>>;
 [[nodiscard]] Table segmentationTable(const NamedComparisons& results);
-/** What share of each reference class was called moving. */
+/** Fraction of each reference class that was estimated as moving. */
 [[nodiscard]] Table classTable(const LabelComparison& result);
 [[nodiscard]] std::string segmentationJson(const NamedComparisons& results);
 }  // namespace dyslam

@@ -30,7 +30,7 @@ struct Arguments
   OutputFlags output;
 };
 
-/** Labels that stand in the intensity: 0 static and 1 dynamic (KTH's benchmark), or SemanticKITTI
+/** Labels stored in the intensity: 0 static and 1 dynamic (KTH's benchmark), or SemanticKITTI
  * classes (ERASOR's maps). */
 std::vector<Label> labelsFromIntensity(const Scan& cloud, const std::string& path)
 {
@@ -108,22 +108,23 @@ void run(const Arguments& a)
                             {"by_point", toJson(e.points)},
                             {"by_voxel", toJson(e.voxels)}});
   }
-  a.output.put(table, json.dump(2) + "\n");
+  a.output.write(table, json.dump(2) + "\n");
 }
 }  // namespace
 
 Subcommand mapCommand(CLI::App& app)
 {
   const auto a = std::make_shared<Arguments>();
-  CLI::App* sub = app.add_subcommand(
-      "map", "How much of the static world a map kept and how much of the moving one it left out");
+  CLI::App* sub =
+      app.add_subcommand("map", "Static points preserved and dynamic points rejected by a map");
   sub->add_option("--reference", a->reference,
                   "map (pcd, ply) of all points; labels in F.label beside it or in its intensity")
       ->required();
   sub->add_option("--labels", a->labels, "SemanticKITTI labels of the reference's points");
-  sub->add_option("--estimate", a->estimates, "maps to judge (pcd, ply); any number")->required();
+  sub->add_option("--estimate", a->estimates, "maps to evaluate (pcd, ply); any number")
+      ->required();
   sub->add_option("--radius", a->metrics.point_radius,
-                  "a map point this near stands for a reference point (SA, DA) [m]")
+                  "largest distance of a map point from a reference point (SA, DA) [m]")
       ->check(positive())
       ->capture_default_str();
   sub->add_option("--voxel", a->metrics.voxel_size, "side of the voxels (PR, RR) [m]")

@@ -32,7 +32,7 @@ Subcommand maskCommand(CLI::App& app)
   const auto a = std::make_shared<Arguments>();
   Subcommand command;
   command.parser = app.add_subcommand(
-      "mask", "draws what DyLO's network holds for static, each file to a PNG beside it");
+      "mask", "plots the static confidence of DyLO's network and its ROC curve, one PNG per file");
   command.parser->add_option("files", a->files, "CSV files of dyslam-train dylo --mask-csv")
       ->required();
   command.run = [a]
@@ -47,9 +47,9 @@ Subcommand maskCommand(CLI::App& app)
       const auto picture = renderMaskScan(scan);
       const auto to = std::filesystem::path(file).replace_extension(".png").string();
       writeWhole(to, {reinterpret_cast<const char*>(picture.data()), picture.size()});
-      table.addRow({scan.name, TableCell(sampled(scan, MaskScan::Truth::still), 0),
+      table.addRow({scan.name, TableCell(sampled(scan, MaskScan::Truth::stationary), 0),
                     TableCell(sampled(scan, MaskScan::Truth::moving), 0),
-                    TableCell(areaUnder(rocCurve(scan)), 3), to});
+                    TableCell(areaUnderCurve(rocCurve(scan)), 3), to});
     }
     std::fputs(table.toText().c_str(), stdout);
   };

@@ -10,11 +10,11 @@
 
 namespace dyslam
 {
-/** How trajectories are judged: --align and --lengths. */
+/** Options of the trajectory metrics: --align and --lengths. */
 struct MetricFlags
 {
   std::string align = "se3";
-  TrajectoryMetricsOptions lengths;  //!< all but the alignment
+  TrajectoryMetricsOptions lengths;  //!< without the alignment
 
   void declare(CLI::App& app)
   {

@@ -11,7 +11,7 @@ namespace dyslam
 {
 namespace
 {
-/** The last `parts` parts of a path; the very last without its extension. */
+/** The last `parts` components of a path, without extension. */
 std::string tail(const std::filesystem::path& path, int parts)
 {
   std::filesystem::path name = path.has_filename() ? path.stem() : path.parent_path().filename();
@@ -32,7 +32,7 @@ void OutputFlags::declare(CLI::App& app)
   app.add_option("--csv", csv, "write the table to this CSV file");
 }
 
-void OutputFlags::put(const Table& table, const std::string& json_text) const
+void OutputFlags::write(const Table& table, const std::string& json_text) const
 {
   std::cout << table.toText();
   if (!csv.empty())

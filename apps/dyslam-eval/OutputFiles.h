@@ -9,17 +9,17 @@
 
 namespace dyslam
 {
-/** The files every command can write beside what it prints. */
+/** Output files of a command, in addition to the printed table. */
 struct OutputFlags
 {
   std::string json;
   std::string csv;
 
   void declare(CLI::App& app);
-  /** Prints the table and writes the files that were asked for. */
-  void put(const Table& table, const std::string& json_text) const;
+  /** Prints the table and writes the requested files. */
+  void write(const Table& table, const std::string& json_text) const;
 };
 
-/** Names for files in a table: as little of each path as tells them apart. */
+/** Shortest unambiguous names of files for a table. */
 [[nodiscard]] std::vector<std::string> shortNames(const std::vector<std::string>& paths);
 }  // namespace dyslam

@@ -48,22 +48,22 @@ constexpr double paper_table5[5][7] = {{1.33, 1.49, 1.37, 1.42, 0.57, 0.65, 1.14
                                        {0.64, 0.81, 0.85, 0.33, 0.13, 0.23, 0.50},
                                        {0.81, 1.07, 1.17, 0.49, 0.18, 0.29, 0.67}};
 
-double rmse(StepPredictor& predictor, const KittiTarget& target, int warm_up)
+double rmse(OneStepPredictor& predictor, const KittiTarget& target, int warm_up)
 {
-  return predictionError(predictor, target.sightings, target.truth,
+  return predictionError(predictor, target.observations, target.truth,
                          static_cast<std::size_t>(warm_up))
       .rmse;
 }
 
 double fixedRmse(const KittiTarget& target, int degree, int window)
 {
-  return rmse(*polynomialStep(degree, window), target, window);
+  return rmse(*polynomialPredictor(degree, window), target, window);
 }
 
-/** On the frames that a full window of `window` has. */
+/** On the same frames as a full window of length `window`. */
 double adaptiveRmse(const KittiTarget& target, int window)
 {
-  return rmse(*adaptiveStep(), target, window);
+  return rmse(*adaptivePredictor(), target, window);
 }
 
 template <typename Rmse>
@@ -87,11 +87,11 @@ std::vector<std::string> windowColumns()
   return columns;
 }
 
-/** Every degree and window on the mean of the targets, and the adaptive predictor on the same
- * frames below. */
+/** Mean over the targets for each degree and window, and the adaptive predictor on the same
+ * frames. */
 Table gridTable(const std::vector<KittiTarget>& targets,
                 const std::string& title,
-                bool beside_paper,
+                bool with_paper,
                 nlohmann::ordered_json& json)
 {
   Table table(windowColumns(), title);
@@ -103,7 +103,7 @@ Table gridTable(const std::vector<KittiTarget>& targets,
       const double ours =
           meanOver(targets, [&](const KittiTarget& t) { return fixedRmse(t, degree, windows[w]); });
       const std::optional<double> paper =
-          beside_paper ? std::optional<double>(paper_table4[degree - 1][w]) : std::nullopt;
+          with_paper ? std::optional<double>(paper_table4[degree - 1][w]) : std::nullopt;
       row.emplace_back(ours, 3, paper);
       json["grid"][std::to_string(degree)][std::to_string(windows[w])] = ours;
     }
@@ -150,9 +150,9 @@ Table targetTable(const std::vector<KittiTarget>& targets,
     table.addRow(row);
   };
   addRow("last position", nullptr,
-         [](const KittiTarget& t) { return rmse(*polynomialStep(0, 1), t, 2); });
+         [](const KittiTarget& t) { return rmse(*polynomialPredictor(0, 1), t, 2); });
   addRow("constant velocity", paper_table5[0],
-         [](const KittiTarget& t) { return rmse(*constantVelocityStep(), t, 2); });
+         [](const KittiTarget& t) { return rmse(*constantVelocityPredictor(), t, 2); });
   for (int degree = 1; degree <= 5; ++degree)
   {
     addRow(degree_names[static_cast<std::size_t>(degree)],
@@ -182,7 +182,7 @@ void runPaperTables(const Arguments& a)
     json[from] = {{"10/0", one}, {"six targets", all}};
     if (detections)
     {
-      a.output.put(means, json.dump(2) + "\n");
+      a.output.write(means, json.dump(2) + "\n");
     }
     else
     {
@@ -208,10 +208,10 @@ void run(const Arguments& a)
       readKittiTarget(a.boxes, a.oxts, a.calib, a.track, a.detections)};
   nlohmann::ordered_json json;
   const Table table = gridTable(targets, "", false, json);
-  const double constant = rmse(*constantVelocityStep(), targets.front(), 2);
+  const double constant = rmse(*constantVelocityPredictor(), targets.front(), 2);
   json["constant velocity"] = constant;
   std::cout << "constant velocity: " << TableCell(constant, 3).text << " m\n";
-  a.output.put(table, json.dump(2) + "\n");
+  a.output.write(table, json.dump(2) + "\n");
 }
 }  // namespace
 
@@ -223,14 +223,14 @@ Subcommand predictionCommand(CLI::App& app)
       "One-step errors of trajectory prediction by degree and window (KITTI tracking)");
   sub->add_option("--data", a->data,
                   "KITTI tracking folder (label_02, oxts, calib, det_pointrcnn): the paper's six "
-                  "targets, its figures beside ours")
+                  "targets, with its results")
       ->check(CLI::ExistingDirectory);
   sub->add_option("--boxes", a->boxes, "labels of one sequence (label_02/NNNN.txt)");
   sub->add_option("--oxts", a->oxts, "its GNSS/INS readings");
   sub->add_option("--calib", a->calib, "its calibration");
   sub->add_option("--track", a->track, "id of the target");
   sub->add_option("--detections", a->detections,
-                  "predict from these detections (AB3DMOT's csv), not from the labels");
+                  "predict from these detections (AB3DMOT's csv) instead of the labels");
   a->output.declare(*sub);
   return {sub, [a] { run(*a); }};
 }

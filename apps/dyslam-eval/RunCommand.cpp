@@ -36,7 +36,7 @@ struct Arguments
   OutputFlags output;
 };
 
-/** What one run's folder and its truth tell. */
+/** Results of one run and its ground truth. */
 struct RunScores
 {
   std::string name;
@@ -69,7 +69,7 @@ Json readReport(const fs::path& folder)
   throw UserError(path.string() + ": is not the JSON report of a run");
 }
 
-/** Nothing, and a note, where the run has no truth or too little of it. */
+/** Nothing, with a note, if the run has no or too little ground truth. */
 std::optional<TrajectoryReport> evaluate(const fs::path& folder,
                                          const char* file,
                                          const TrajectoryMetricsOptions& metrics)
@@ -80,20 +80,20 @@ std::optional<TrajectoryReport> evaluate(const fs::path& folder,
   {
     return std::nullopt;
   }
-  constexpr double tolerance = 1e-3;  // the run writes both with the scans' stamps
+  constexpr double tolerance = 1e-3;  // both files contain the scans' stamps
   const PosePairs pairs =
       associateByTime(readTum(reference.string()), readTum(estimate.string()), tolerance);
   if (pairs.size() < 2)
   {
-    std::cerr << "note: " << estimate.string() << ": " << pairs.size() << " of "
-              << pairs.estimate_size
-              << " poses have a time of the ground truth, 2 are needed: no errors are told\n";
+    std::cerr
+        << "note: " << estimate.string() << ": " << pairs.size() << " of " << pairs.estimate_size
+        << " poses match a time stamp of the ground truth, 2 are needed: no errors computed\n";
     return std::nullopt;
   }
   return evaluateTrajectory(estimate.string(), pairs, metrics);
 }
 
-/** Where the truth's folder should be: as given, or beside the rawlog that the report names. */
+/** Ground-truth folder: as given, or next to the rawlog named in the report. */
 std::string truthFolder(const Arguments& a, const Json& report)
 {
   if (!a.truth.empty())
@@ -134,7 +134,7 @@ RunScores scoresOf(const std::string& folder, const Arguments& a)
     }
     else
     {
-      std::cerr << "note: " << folder << ": labels not judged: no truth "
+      std::cerr << "note: " << folder << ": labels not evaluated: no ground truth "
                 << (truth.empty() ? "known" : "at " + truth) << " (--truth)\n";
     }
   }
@@ -196,7 +196,7 @@ Table runTable(const std::vector<RunScores>& runs)
   return table;
 }
 
-/** What the report tells of each stage, if it does. */
+/** Times of the stages in the report, if any. */
 Json stageTimes(const RunScores& run)
 {
   const auto times = run.report.find("stage_ms");
@@ -277,7 +277,7 @@ void run(const Arguments& a)
                 << " has no reference_tum.txt: its recording has no ground truth\n";
     }
   }
-  a.output.put(runTable(runs), runJson(runs));
+  a.output.write(runTable(runs), runJson(runs));
   const Table stages = stageTable(runs);
   if (stages.rows() > 0)
   {
@@ -290,9 +290,9 @@ Subcommand runCommand(CLI::App& app)
 {
   const auto a = std::make_shared<Arguments>();
   CLI::App* sub = app.add_subcommand(
-      "run", "Everything that runs' folders and their truth allow, in one table");
+      "run", "All metrics available for the output folders of runs, in one table");
   sub->add_option("folders", a->folders, "output folders of dyslam")->required();
-  sub->add_option("--truth", a->truth, "ground-truth folder (.gt), if not beside the rawlog");
+  sub->add_option("--truth", a->truth, "ground-truth folder (.gt), if not next to the rawlog");
   a->metrics.declare(*sub);
   a->output.declare(*sub);
   return {sub, [a] { run(*a); }};

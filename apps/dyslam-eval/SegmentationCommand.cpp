@@ -33,8 +33,8 @@ Subcommand segmentationCommand(CLI::App& app)
   return {sub, [a]
           {
             const LabelComparison result = compareLabelFolders(a->reference, a->estimate);
-            a->output.put(segmentationTable({{a->estimate, result}}),
-                          segmentationJson({{a->estimate, result}}));
+            a->output.write(segmentationTable({{a->estimate, result}}),
+                            segmentationJson({{a->estimate, result}}));
             std::cout << '\n' << classTable(result).toText();
           }};
 }

@@ -6,8 +6,8 @@
 
 namespace dyslam
 {
-/** One word of `dyslam-eval <word>`: its parser and what it does once parsed. Every command stands
- * in a file of its own and is listed in main.cpp. */
+/** One subcommand of dyslam-eval: its parser and the function to run once it was parsed. Each one
+ * has its own file and is listed in main.cpp. */
 struct Subcommand
 {
   CLI::App* parser = nullptr;

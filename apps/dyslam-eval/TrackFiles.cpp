@@ -24,17 +24,17 @@ namespace dyslam
 {
 namespace
 {
-/** T_world_lidar by frame number, of the scans that have a true pose. Scans' numbers and stamps and
- * where the lidar sits are in the rawlog alone, `x.rawlog` beside `x.gt`. */
+/** T_world_lidar by frame index, for scans with a true pose. The indices and stamps of the scans
+ * and the sensor pose are read from the rawlog, `x.rawlog` next to `x.gt`. */
 std::map<int, StampedPose> lidarPoses(const std::string& folder, const Trajectory& T_world_vehicle)
 {
-  constexpr double tolerance = 1e-3;  // [s]; both were written with the scans' stamps
+  constexpr double tolerance = 1e-3;  // [s]; both files contain the scans' stamps
   fs::path rawlog = fs::absolute(folder).lexically_normal();
   rawlog = (rawlog.has_filename() ? rawlog : rawlog.parent_path()).replace_extension(".rawlog");
   if (!fs::exists(rawlog))
   {
-    throw UserError(rawlog.string() + ": no such file, but true speeds need it beside " + folder +
-                    "; put it there, or give its tracks.txt, all of whose boxes count");
+    throw UserError(rawlog.string() + ": no such file; true speeds require it next to " + folder +
+                    "; put it there, or give its tracks.txt, of which all boxes count");
   }
   RawlogSource source(rawlog.string());
   std::map<int, StampedPose> poses;
@@ -51,12 +51,12 @@ std::map<int, StampedPose> lidarPoses(const std::string& folder, const Trajector
   }
   catch (const UserError& error)
   {
-    std::cerr << "note: " << error.what() << "; true speeds after that are not known\n";
+    std::cerr << "note: " << error.what() << "; true speeds after it are unknown\n";
   }
   return poses;
 }
 
-/** Points per frame and instance. */
+/** Number of points by (frame, instance). */
 std::map<std::pair<int, int>, int> pointCounts(const std::string& labels_folder)
 {
   std::map<std::pair<int, int>, int> counts;
@@ -81,16 +81,16 @@ std::map<std::pair<int, int>, int> pointCounts(const std::string& labels_folder)
   return counts;
 }
 
-bool leftOut(const LabelledBox& box, const TrackSelection& selection)
+bool isExcluded(const LabelledBox& box, const TrackSelection& selection)
 {
   const double azimuth = std::atan2(box.box.center.y(), box.box.center.x());
   return box.frame < selection.first_frame || std::abs(azimuth) > 0.5 * selection.view * M_PI / 180;
 }
 
-void leaveOut(std::vector<LabelledBox>& boxes, const TrackSelection& selection)
+void removeExcluded(std::vector<LabelledBox>& boxes, const TrackSelection& selection)
 {
   boxes.erase(std::remove_if(boxes.begin(), boxes.end(),
-                             [&](const LabelledBox& box) { return leftOut(box, selection); }),
+                             [&](const LabelledBox& box) { return isExcluded(box, selection); }),
               boxes.end());
 }
 }  // namespace
@@ -110,17 +110,17 @@ TrackData readTruth(const std::string& folder, const TrackSelection& selection)
   for (LabelledBox& box : data.boxes)
   {
     const auto points = counts.find({box.frame, box.id + selection.instance_offset});
-    const bool unseen = has_labels && selection.min_points > 0 &&
-                        (points == counts.end() || points->second < selection.min_points);
+    const bool few_points = has_labels && selection.min_points > 0 &&
+                            (points == counts.end() || points->second < selection.min_points);
     const auto speed = data.speeds.find({box.frame, box.id});
-    const bool stands = !data.speeds.empty() && selection.min_speed > 0 &&
-                        (speed == data.speeds.end() || speed->second < selection.min_speed);
-    if (unseen || stands || box.box.center.head<2>().norm() > selection.max_range)
+    const bool slow = !data.speeds.empty() && selection.min_speed > 0 &&
+                      (speed == data.speeds.end() || speed->second < selection.min_speed);
+    if (few_points || slow || box.box.center.head<2>().norm() > selection.max_range)
     {
-      box.occluded = passed_over_box;
+      box.occluded = ignored_box;
     }
   }
-  leaveOut(data.boxes, selection);
+  removeExcluded(data.boxes, selection);
   return data;
 }
 
@@ -128,7 +128,7 @@ TrackData readRun(const std::string& folder, const TrackSelection& selection)
 {
   TrackData data;
   data.boxes = readTracks((fs::path(folder) / "tracks.txt").string());
-  leaveOut(data.boxes, selection);
+  removeExcluded(data.boxes, selection);
   data.boxes.erase(std::remove_if(data.boxes.begin(), data.boxes.end(),
                                   [&](const LabelledBox& box) {
                                     return box.box.center.head<2>().norm() > selection.max_range;
@@ -152,8 +152,7 @@ TrackData readRun(const std::string& folder, const TrackSelection& selection)
     }
     catch (const std::exception&)
     {
-      throw UserError(path + ":" + std::to_string(number) +
-                      ": not a line of tracks; write the run again");
+      throw UserError(path + ":" + std::to_string(number) + ": invalid row; repeat the run");
     }
   }
   return data;

@@ -10,33 +10,35 @@
 
 namespace dyslam
 {
-/** Which true boxes a tracker of moving things seen by the LiDAR is judged on. */
+/** Which true boxes count for a tracker of moving objects visible to the LiDAR. */
 struct TrackSelection
 {
-  int min_points = 10;      //!< of the box's instance in the scan
-  double min_speed = 0.5;   //!< [m/s]
-  double max_range = 60;    //!< [m]
-  double view = 360;        //!< boxes outside this angle, centred ahead, are left out [deg]
-  int first_frame = 0;      //!< earlier frames are left out
-  int instance_offset = 0;  //!< label's instance minus the track's id
+  int min_points = 10;     //!< least number of points of the box's instance in the scan
+  double min_speed = 0.5;  //!< least true speed [m/s]
+  double max_range = 60;   //!< largest horizontal distance [m]
+  double view = 360;    //!< horizontal field of view, centred ahead; other boxes are removed [deg]
+  int first_frame = 0;  //!< earlier frames are removed
+  int instance_offset = 0;  //!< instance in the labels minus track id
 };
 
-/** Tracks of a recording with what is known of their speeds. */
+/** Tracks of a recording with their known speeds. */
 struct TrackData
 {
   std::vector<LabelledBox> boxes;
   TrackSpeeds speeds;
 };
 
-/** Ground truth of a recording: a folder with tracks.txt and, where there are, poses_tum.txt (for
- * speeds, with the rawlog beside the folder) and labels/ (for points per box). What the selection
- * does not count is marked as passed over. \throws UserError. */
+/** Reads the ground truth of a recording: a folder with tracks.txt and optionally poses_tum.txt
+ * (for speeds; requires the rawlog next to the folder) and labels/ (for the points per box). Boxes
+ * that the selection does not count are marked as ignored. \throws UserError for files that are
+ * missing or cannot be read. */
 [[nodiscard]] TrackData readTruth(const std::string& folder, const TrackSelection& selection);
 
-/** Folder of a run: tracks.txt, and speeds from tracks.csv. \throws UserError. */
+/** Reads the tracks of a run: tracks.txt, and speeds from tracks.csv.
+ * \throws UserError for files that are missing or cannot be read. */
 [[nodiscard]] TrackData readRun(const std::string& folder, const TrackSelection& selection);
 
-/** Numbers of the scans that a run went over, by its report and config; nothing for a folder
+/** Indices of the scans that a run processed, from its report and ini; nothing for a folder
  * without them. */
 struct FrameRange
 {
@@ -45,7 +47,7 @@ struct FrameRange
 };
 [[nodiscard]] std::optional<FrameRange> processedFrames(const std::string& folder);
 
-/** Car, van, truck, bus: Vehicle; all on two wheels: Cyclist; others as they are. */
+/** Vehicle for car, van, truck and bus; Cyclist for two-wheelers; otherwise unchanged. */
 [[nodiscard]] std::string mergedType(const std::string& type);
 void mergeTypes(std::vector<LabelledBox>& boxes);
 }  // namespace dyslam

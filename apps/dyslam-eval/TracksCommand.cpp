@@ -37,7 +37,7 @@ struct Arguments
   OutputFlags output;
 };
 
-/** Ranges that errors are told apart by [m]. */
+/** Limits of the range intervals of the error table [m]. */
 constexpr std::array<double, 4> range_limits{0, 20, 40, 60};
 
 TrackData read(const Arguments& a, const std::string& path, bool truth)
@@ -53,7 +53,7 @@ TrackData read(const Arguments& a, const std::string& path, bool truth)
           {}};
 }
 
-/** One past the last frame of either file. */
+/** Number of frames covered by either file. */
 int frameCount(const TrackSequence& sequence)
 {
   int last = -1;
@@ -67,7 +67,7 @@ int frameCount(const TrackSequence& sequence)
   return last + 1;
 }
 
-/** Only what the run saw can be hit or missed. */
+/** Removes boxes outside the processed frames. */
 void keepFrames(std::vector<LabelledBox>& boxes, const FrameRange& range)
 {
   boxes.erase(std::remove_if(boxes.begin(), boxes.end(),
@@ -76,8 +76,8 @@ void keepFrames(std::vector<LabelledBox>& boxes, const FrameRange& range)
               boxes.end());
 }
 
-/** A run may end before its recording does, or begin after. A scan that was dropped for its time
- * stamp moves the last frame on, which boxes may tell. */
+/** Restricts the reference to the frames that the run processed. Scans dropped for their time
+ * stamps shift the last frame; the estimated boxes show by how much. */
 void keepProcessedFrames(const std::string& folder, TrackSequence& sequence)
 {
   auto range = processedFrames(folder);
@@ -97,8 +97,8 @@ void keepProcessedFrames(const std::string& folder, TrackSequence& sequence)
   }
 }
 
-/** The classes to judge, by the names that the boxes have. \throws UserError for an unknown one. */
-std::vector<std::string> classesToJudge(const Arguments& a, const TrackSequence& sequence)
+/** The classes to evaluate, as the boxes name them. \throws UserError for an unknown one. */
+std::vector<std::string> classesToEvaluate(const Arguments& a, const TrackSequence& sequence)
 {
   const bool merged = std::filesystem::is_directory(a.reference);
   std::set<std::string> known;
@@ -112,7 +112,7 @@ std::vector<std::string> classesToJudge(const Arguments& a, const TrackSequence&
       }
     }
   }
-  std::set<std::string> words = known;  // what may be asked for: a merged class has several
+  std::set<std::string> words = known;  // accepted names: a merged class has several
   for (const auto c : {ObjectClass::car, ObjectClass::van, ObjectClass::truck, ObjectClass::bus,
                        ObjectClass::motorcyclist, ObjectClass::cyclist, ObjectClass::pedestrian})
   {
@@ -169,14 +169,14 @@ nlohmann::ordered_json toJson(const TrackErrorSummary& s)
           {"speed_bias", s.speed_bias}};
 }
 
-/** Errors of place and speed by class and distance, whatever each object was taken for. */
+/** Errors of position, yaw and speed by true class and range, regardless of the estimated class. */
 Table errorTable(const std::vector<TrackError>& errors,
                  std::vector<std::string> types,
                  nlohmann::ordered_json& json)
 {
   Table table({"class", "range [m]", "boxes", "found %", "same class %", "position [m]", "RMSE [m]",
                "axis [deg]", "speed [m/s]", "bias [m/s]"},
-              "Boxes with a track within 2 m: mean error of place, median of the axis, mean of "
+              "Boxes with a track within 2 m: mean position error, median yaw error (axis), mean "
               "|speed error|");
   const auto add = [&](const std::string& type, const std::string& range, double from, double to)
   {
@@ -215,6 +215,69 @@ Table errorTable(const std::vector<TrackError>& errors,
   return table;
 }
 
+/** The classes of the reference's counted boxes, and all together for files in the lidar frame. */
+std::vector<std::string> defaultClasses(const Arguments& a, const TrackSequence& sequence)
+{
+  std::set<std::string> found;
+  for (const LabelledBox& box : sequence.reference)
+  {
+    if (box.type != "DontCare" && box.id >= 0 && box.occluded != ignored_box)
+    {
+      found.insert(box.type);
+    }
+  }
+  std::vector<std::string> types(found.begin(), found.end());
+  if (a.calib.empty())
+  {
+    types.emplace_back();  // all classes together, regardless of the estimated class
+  }
+  return types;
+}
+
+/** Adds the metrics of one class to the table and to `json`. */
+void addMetrics(const std::string& name,
+                const std::vector<TrackSequence>& sequences,
+                const TrackRules& rules,
+                Table& table,
+                nlohmann::ordered_json& json)
+{
+  const ClearMot mot = clearMot(sequences, rules);
+  const Hota higher_order = hota(sequences, rules);
+  const RecallAverages averages = averagesOverRecall(sequences, rules);
+  const auto percent = [](double x) { return TableCell(100 * x, 2); };
+  // Averages over forty recalls require as many boxes.
+  const auto average = [&](double x)
+  {
+    const bool enough = mot.references >= 40;
+    return TableCell(enough ? std::optional<double>(100 * x) : std::nullopt, 2);
+  };
+  const auto whole = [](std::size_t n) { return TableCell(static_cast<double>(n), 0); };
+  table.addRow({name, whole(mot.references), percent(mot.mota), percent(mot.motp),
+                percent(mot.recall), percent(mot.precision), whole(mot.id_switches),
+                whole(mot.fragmentations), whole(mot.false_alarms), whole(mot.misses),
+                percent(mot.mostly_tracked), percent(mot.mostly_lost), percent(higher_order.hota),
+                percent(higher_order.detection), percent(higher_order.association),
+                average(averages.samota), average(averages.amota), average(averages.amotp)});
+  json = {{"references", mot.references},
+          {"mota", mot.mota},
+          {"motp", mot.motp},
+          {"recall", mot.recall},
+          {"precision", mot.precision},
+          {"id_switches", mot.id_switches},
+          {"fragmentations", mot.fragmentations},
+          {"false_alarms", mot.false_alarms},
+          {"misses", mot.misses},
+          {"mostly_tracked", mot.mostly_tracked},
+          {"mostly_lost", mot.mostly_lost},
+          {"hota", higher_order.hota},
+          {"deta", higher_order.detection},
+          {"assa", higher_order.association},
+          {"loca", higher_order.localization},
+          {"samota", averages.samota},
+          {"amota", averages.amota},
+          {"amotp", averages.amotp}};
+}
+
 void run(const Arguments& a)
 {
   const TrackData truth = read(a, a.reference, true);
@@ -227,22 +290,10 @@ void run(const Arguments& a)
   {
     keepProcessedFrames(a.estimate, sequence);
   }
-  std::vector<std::string> types = classesToJudge(a, sequence);
+  std::vector<std::string> types = classesToEvaluate(a, sequence);
   if (types.empty())
   {
-    std::set<std::string> found;
-    for (const LabelledBox& box : sequence.reference)
-    {
-      if (box.type != "DontCare" && box.id >= 0 && box.occluded != passed_over_box)
-      {
-        found.insert(box.type);
-      }
-    }
-    types.assign(found.begin(), found.end());
-    if (a.calib.empty())
-    {
-      types.emplace_back();  // all classes together, whatever each was taken for
-    }
+    types = defaultClasses(a, sequence);
   }
   Table table({"class", "boxes", "MOTA", "MOTP", "recall", "precision", "IDS", "FRAG", "FP", "FN",
                "MT", "ML", "HOTA", "DetA", "AssA", "sAMOTA", "AMOTA", "AMOTP"});
@@ -250,50 +301,15 @@ void run(const Arguments& a)
   const std::vector<TrackSequence> sequences{sequence};
   for (const std::string& type : types)
   {
-    const TrackRules rules = rulesFor(a, type);
-    const ClearMot mot = clearMot(sequences, rules);
-    const Hota higher_order = hota(sequences, rules);
-    const RecallAverages averages = averagesOverRecall(sequences, rules);
     const std::string name = type.empty() ? "all" : type;
-    const auto percent = [](double x) { return TableCell(100 * x, 2); };
-    // Forty points of recall say nothing about fewer boxes.
-    const auto average = [&](double x)
-    {
-      const bool enough = mot.references >= 40;
-      return TableCell(enough ? std::optional<double>(100 * x) : std::nullopt, 2);
-    };
-    const auto whole = [](std::size_t n) { return TableCell(static_cast<double>(n), 0); };
-    table.addRow({name, whole(mot.references), percent(mot.mota), percent(mot.motp),
-                  percent(mot.recall), percent(mot.precision), whole(mot.id_switches),
-                  whole(mot.fragmentations), whole(mot.false_alarms), whole(mot.misses),
-                  percent(mot.mostly_tracked), percent(mot.mostly_lost), percent(higher_order.hota),
-                  percent(higher_order.detection), percent(higher_order.association),
-                  average(averages.samota), average(averages.amota), average(averages.amotp)});
-    json[name] = {{"references", mot.references},
-                  {"mota", mot.mota},
-                  {"motp", mot.motp},
-                  {"recall", mot.recall},
-                  {"precision", mot.precision},
-                  {"id_switches", mot.id_switches},
-                  {"fragmentations", mot.fragmentations},
-                  {"false_alarms", mot.false_alarms},
-                  {"misses", mot.misses},
-                  {"mostly_tracked", mot.mostly_tracked},
-                  {"mostly_lost", mot.mostly_lost},
-                  {"hota", higher_order.hota},
-                  {"deta", higher_order.detection},
-                  {"assa", higher_order.association},
-                  {"loca", higher_order.localization},
-                  {"samota", averages.samota},
-                  {"amota", averages.amota},
-                  {"amotp", averages.amotp}};
+    addMetrics(name, sequences, rulesFor(a, type), table, json[name]);
   }
-  constexpr double found_within = 2;  // [m]
+  constexpr double max_distance = 2;  // [m]
   const std::vector<TrackError> errors =
-      trackErrors(sequence, rulesFor(a, ""), found_within, truth.speeds, estimate.speeds);
+      trackErrors(sequence, rulesFor(a, ""), max_distance, truth.speeds, estimate.speeds);
   types.erase(std::remove(types.begin(), types.end(), ""), types.end());
   const Table by_range = errorTable(errors, types, json["errors"]);
-  a.output.put(table, json.dump(2) + "\n");
+  a.output.write(table, json.dump(2) + "\n");
   std::cout << "\n" << by_range.toText();
 }
 }  // namespace
@@ -302,51 +318,53 @@ Subcommand tracksCommand(CLI::App& app)
 {
   const auto a = std::make_shared<Arguments>();
   CLI::App* sub = app.add_subcommand(
-      "tracks", "Tracked objects against the truth: CLEAR-MOT, HOTA, AB3DMOT's averages");
-  sub->add_option(
-         "--reference", a->reference,
-         "true tracks: a recording's truth (folder x.gt; boxes that stand, are far or hardly "
-         "seen are neither hits nor misses), or a file of tracks, all of which count")
+      "tracks", "Evaluates tracked objects: CLEAR-MOT, HOTA, AB3DMOT's averages");
+  sub->add_option("--reference", a->reference,
+                  "true tracks: a recording's ground truth (folder x.gt; slow, distant and "
+                  "sparsely observed "
+                  "boxes are ignored), or a file of tracks, all of which count")
       ->required()
       ->check(CLI::ExistingPath);
   sub->add_option("--estimate", a->estimate, "estimated tracks: a run's folder, or a file")
       ->required()
       ->check(CLI::ExistingPath);
   sub->add_option("--calib", a->calib,
-                  "both files are KITTI's own, in the camera's frame: its calibration; the image "
+                  "calibration of KITTI files in the camera frame; the image "
                   "rules of its benchmark apply");
   sub->add_option(
       "--class", a->types,
-      "classes to judge; all of the reference by default (folders: Car, Van, Truck and Bus are "
+      "classes to evaluate; all of the reference by default (folders: Car, Van, Truck and Bus are "
       "Vehicle)");
-  sub->add_option("--iou", a->min_iou, "3D overlap of a match")
+  sub->add_option("--iou", a->min_iou, "least 3D IoU of a match")
       ->check(CLI::Range(0.01, 1.0))
       ->capture_default_str();
   sub->add_option(
          "--distance", a->max_distance,
-         "match by the centres' distance in the ground plane up to this, not by overlap, m")
+         "match by the horizontal distance of the centres up to this instead of the IoU, m")
       ->check(CLI::Range(0.01, 100.0));
   sub->add_option("--min-points", a->selection.min_points,
-                  "folders: true boxes with fewer points are passed over")
+                  "folders: true boxes with fewer points are ignored")
       ->check(notNegative())
       ->capture_default_str();
-  sub->add_option("--min-speed", a->selection.min_speed, "folders: slower ones, m/s")
+  sub->add_option("--min-speed", a->selection.min_speed,
+                  "folders: slower true boxes are ignored, m/s")
       ->check(notNegative())
       ->capture_default_str();
-  sub->add_option("--max-range", a->selection.max_range, "folders: farther ones, m")
+  sub->add_option("--max-range", a->selection.max_range,
+                  "folders: more distant boxes are ignored, m")
       ->check(positive())
       ->capture_default_str();
   sub->add_option(
          "--view", a->selection.view,
-         "folders: angle about straight ahead that is judged (81 where truth is what KITTI's "
-         "camera saw), degrees")
+         "folders: evaluated horizontal field of view, centred ahead (81 for truth from KITTI's "
+         "camera images), degrees")
       ->check(CLI::Range(1.0, 360.0))
       ->capture_default_str();
-  sub->add_option("--first-frame", a->selection.first_frame, "folders: earlier frames are left out")
+  sub->add_option("--first-frame", a->selection.first_frame, "folders: earlier frames are removed")
       ->check(notNegative())
       ->capture_default_str();
   sub->add_option("--instance-offset", a->selection.instance_offset,
-                  "folders: instance in the labels minus id of the track")
+                  "folders: instance in the labels minus track id")
       ->capture_default_str();
   a->output.declare(*sub);
   return {sub, [a] { run(*a); }};

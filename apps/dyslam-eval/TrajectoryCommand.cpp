@@ -64,12 +64,12 @@ PosePairs associate(const std::string& reference_path,
   {
     std::cerr << "note: " << estimate_path << " has " << estimate.trajectory.size() << " poses, "
               << reference_path << " " << reference.trajectory.size()
-              << "; without times they are compared line by line from the first\n";
+              << "; without time stamps they are associated by index\n";
   }
   return associateByIndex(reference.trajectory, estimate.trajectory);
 }
 
-/** What the estimates' rows have in common, for benchmarks of several sequences. */
+/** Mean over the estimates, for benchmarks of several sequences. */
 TrajectoryReport meanDrift(const std::vector<TrajectoryReport>& reports)
 {
   TrajectoryReport mean;
@@ -129,7 +129,7 @@ void run(const Arguments& a)
   {
     addMeanRow(table, reports);
   }
-  a.output.put(table, trajectoryJson(reports));
+  a.output.write(table, trajectoryJson(reports));
   if (a.statistics)
   {
     std::cout << '\n' << errorStatisticsTable(reports).toText();
@@ -158,7 +158,7 @@ Subcommand trajectoryCommand(CLI::App& app)
       "trajectory", "Errors of trajectories (TUM or KITTI files) against a reference");
   sub->add_option("--reference", a->references, "true poses; one file, or one for each estimate")
       ->required();
-  sub->add_option("--estimate", a->estimates, "poses to judge; any number of files")->required();
+  sub->add_option("--estimate", a->estimates, "poses to evaluate; any number of files")->required();
   a->metrics.declare(*sub);
   sub->add_option("--tolerance", a->tolerance, "largest difference of time stamps [s]")
       ->check(notNegative())
@@ -166,8 +166,8 @@ Subcommand trajectoryCommand(CLI::App& app)
   sub->add_flag("--statistics", a->statistics, "also max, mean, median, min, RMSE and std");
   sub->add_flag("--per-length", a->per_length, "also t_rel and r_rel of each segment length");
   sub->add_option("--paper", a->paper,
-                  "add the paper's figures for a sequence: odometry/00-10, tracking/04, campus/01");
-  sub->add_option("--plot", a->plot, "draw the trajectories and their errors to this PNG file");
+                  "add the paper's results for a sequence: odometry/00-10, tracking/04, campus/01");
+  sub->add_option("--plot", a->plot, "plot the trajectories and their errors to this PNG file");
   a->output.declare(*sub);
   return {sub, [a] { run(*a); }};
 }

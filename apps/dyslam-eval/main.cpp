@@ -19,7 +19,7 @@ int main(int argc, char** argv)
       argc, argv,
       [&](CLI::App& app)
       {
-        app.description("Errors of trajectories, labels, maps and tracks against the truth");
+        app.description("Evaluates trajectories, labels, maps and tracks against ground truth");
         app.require_subcommand(1);
         commands = {dyslam::trajectoryCommand(app), dyslam::segmentationCommand(app),
                     dyslam::mapCommand(app),        dyslam::tracksCommand(app),

@@ -31,7 +31,7 @@ NamedRecording make(const std::string& name,
   return r;
 }
 
-void addBoth(std::vector<NamedRecording>& set, NamedRecording base)
+void addWithAndWithoutTraffic(std::vector<NamedRecording>& set, NamedRecording base)
 {
   NamedRecording empty = base;
   base.name += "_traffic";
@@ -49,17 +49,18 @@ std::vector<NamedRecording> benchmarkSet(const std::string& dir, const std::stri
       make("urban_loop", WorldKind::urban, SensorKind::hdl64e, 0.35, 1700, 900, 101);
   urban.recording.one_loop = true;
   urban.recording.simulator.ego_speed = 13;
-  addBoth(set, urban);
+  addWithAndWithoutTraffic(set, urban);
   NamedRecording campus =
       make("campus_loop", WorldKind::campus, SensorKind::vlp16, 0.5, 400, 600, 102);
   campus.recording.one_loop = true;
   campus.recording.simulator.ego_speed = 1.8;
-  addBoth(set, campus);
+  addWithAndWithoutTraffic(set, campus);
   NamedRecording highway =
       make("highway_dense", WorldKind::highway, SensorKind::hdl64e, 0.6, 2400, 60, 103);
   highway.recording.simulator.ego_speed = 28;
-  addBoth(set, highway);
-  addBoth(set, make("jam", WorldKind::highway, SensorKind::hdl64e, 1.0, 2400, 60, 104));
+  addWithAndWithoutTraffic(set, highway);
+  addWithAndWithoutTraffic(set,
+                           make("jam", WorldKind::highway, SensorKind::hdl64e, 1.0, 2400, 60, 104));
 
   std::vector<NamedRecording> chosen;
   std::vector<std::string> names;

@@ -26,7 +26,7 @@ void reorder(std::vector<T>& values, const std::vector<std::size_t>& order)
   values = std::move(sorted);
 }
 
-/** What floats hold exactly leaves zeros for gzip; neighbours on a ring are much alike. */
+/** Rounds to exactly representable values and sorts by ring, for better compression. */
 void makeCompact(SimulatedScan& s)
 {
   for (auto& p : s.scan.points)
@@ -82,7 +82,7 @@ RecordingResult record(const Recording& recording,
   for (std::size_t i = 0; i < scans; ++i)
   {
     SimulatedScan scan = simulator.next();
-    // Flow as the sidecar has it starts at the recorded point.
+    // The flow file's vectors start at the recorded (not deskewed) points.
     std::vector<Eigen::Vector3f> flow(scan.flow.size());
     if (recording.compact)
     {

@@ -9,18 +9,18 @@
 
 namespace dyslam::sim
 {
-/** What to simulate, how long, and where to. */
+/** A recording to simulate. */
 struct Recording
 {
   SimulatorOptions simulator;
-  double seconds = 10;    //!< of simulated time; the longest time if `one_loop`
-  bool one_loop = false;  //!< stop when the ego is 30 m past its start again
-  std::string output;     //!< the rawlog; its truth goes beside it
+  double seconds = 10;    //!< simulated time; upper limit for `one_loop` [s]
+  bool one_loop = false;  //!< stop 30 m after the ego has closed its loop
+  std::string output;     //!< rawlog; the ground truth is written next to it
   bool flow = true;       //!< write per-point scene flow
-  /** Small files: coordinates on a grid of 1/128 m, times on one of 2^-14 s, ring by ring. */
+  /** Small files: coordinates in multiples of 1/128 m, times of 2^-14 s, points sorted by ring. */
   bool compact = false;
   int compression_level = 1;  //!< of gzip
-  int threads = 0;            //!< 0 takes the machine's number
+  int threads = 0;            //!< 0 for the number of cores
 };
 
 struct RecordingResult
@@ -28,13 +28,14 @@ struct RecordingResult
   std::size_t scans = 0;
   std::size_t points = 0;
   std::size_t moving_points = 0;
-  double distance = 0;       //!< driven by the ego [m]
+  double distance = 0;       //!< travelled by the ego [m]
   double loop_length = 0;    //!< [m]
-  std::size_t objects = 0;   //!< different bodies seen
-  std::string ground_truth;  //!< folder of the truth
+  std::size_t objects = 0;   //!< observed bodies that may move
+  std::string ground_truth;  //!< folder of the ground truth
 };
 
-/** Simulates and writes rawlog and truth. \throws UserError. */
+/** Simulates and writes rawlog and ground truth. \throws UserError if options or files are invalid.
+ */
 RecordingResult record(const Recording& recording,
                        const std::function<void(double fraction, std::size_t scans)>& progress);
 }  // namespace dyslam::sim

@@ -32,30 +32,32 @@ void declare(CLI::App& app, Arguments& a)
 {
   SimulatorOptions& o = a.recording.simulator;
   app.description(
-      "Simulates a spinning LiDAR in a living place: a rawlog and its exact truth beside it");
+      "Simulates a spinning LiDAR in a dynamic environment; writes a rawlog and its ground truth");
   app.add_option("--world", a.world, "urban, campus, highway, tunnel or field (urban)");
   app.add_option("--sensor", a.sensor, "HDL64E, HDL32E, VLP16, OS1-64 or OS1-128 (HDL64E)");
-  app.add_option("--traffic", o.traffic, "0 nothing moves .. 1 jammed (0.4)");
-  app.add_option("--seconds", a.seconds, "how long (10); of the benchmark set, at most");
-  app.add_option("--seed", o.seed, "world, traffic and noise (1)");
+  app.add_option("--traffic", o.traffic, "density, from 0 (nothing moves) to 1 (jam) (0.4)");
+  app.add_option("--seconds", a.seconds,
+                 "simulated time [s] (10); upper limit for the benchmark set");
+  app.add_option("--seed", o.seed, "seed of world, traffic and noise (1)");
   app.add_option("-o,--output", a.recording.output, "rawlog to write");
   app.add_option("--ego", a.ego,
-                 "what carries the sensor: car, robot or handheld (what suits the world)");
-  app.add_option("--speed", o.ego_speed, "cruising speed [m/s]; 0: what suits the world (0)");
-  app.add_option("--loop", o.loop_length, "about how long the closed loop is [m] (400)");
-  app.add_option("--start", o.start_fraction, "where on the loop the ego starts, 0 to 1 (0)");
+                 "carrier of the sensor: car, robot or handheld (default of the world)");
+  app.add_option("--speed", o.ego_speed, "cruising speed [m/s]; 0: default of the world (0)");
+  app.add_option("--loop", o.loop_length, "approximate length of the closed loop [m] (400)");
+  app.add_option("--start", o.start_fraction, "start of the ego on the loop, 0 to 1 (0)");
   app.add_option("--start-time", o.start_time, "traffic simulated before the first scan [s] (5)");
   app.add_flag("--one-loop", a.recording.one_loop,
                "stop when the loop is closed, or after --seconds");
-  app.add_option("--columns", o.columns, "firings in one turn; 0: the sensor's (0)");
+  app.add_option("--columns", o.columns, "firings per revolution; 0: the sensor's (0)");
   app.add_option("--max-range", o.max_range, "[m] (the sensor's)");
   app.add_flag("--compact", a.recording.compact,
-               "small files: coordinates on a grid of 1/128 m, points ring by ring");
-  app.add_flag("--no-flow", a.no_flow, "leave the per-point flow out of the truth");
-  app.add_flag("--no-noise", a.no_noise, "every ray that hits returns the exact range");
-  app.add_flag("--no-distortion", a.no_distortion, "a whole scan is taken at its stamp");
-  app.add_flag("--no-stops", a.no_stops, "the ego stops for others only");
-  app.add_option("--threads", a.recording.threads, "0 takes the machine's number (0)")
+               "small files: coordinates in multiples of 1/128 m, points sorted by ring");
+  app.add_flag("--no-flow", a.no_flow, "do not write the per-point scene flow");
+  app.add_flag("--no-noise", a.no_noise, "exact ranges without losses");
+  app.add_flag("--no-distortion", a.no_distortion,
+               "all points of a scan are measured at its stamp");
+  app.add_flag("--no-stops", a.no_stops, "the ego stops for other road users only");
+  app.add_option("--threads", a.recording.threads, "0: number of cores (0)")
       ->check(CLI::Range(0, 256));
   CLI::Option* benchmark = app.add_option(
       "--benchmark", a.benchmark, "write the standing benchmark set to this folder instead");
@@ -66,7 +68,7 @@ void declare(CLI::App& app, Arguments& a)
   {
     benchmark->excludes(app.get_option(fixed));
   }
-  app.add_option("--only", a.only, "of the benchmark set, this recording alone");
+  app.add_option("--only", a.only, "a single recording of the benchmark set");
   app.add_flag("-q,--quiet", a.quiet, "no progress");
 }
 
@@ -96,8 +98,8 @@ void recordOne(const Recording& recording, bool quiet)
     progress.finish(result.scans);
   }
   std::printf(
-      "%s: %zu scans, %zu points (%.1f %% moving), %zu moving bodies seen, %.1f m driven, loop "
-      "%.1f m; truth in %s\n",
+      "%s: %zu scans, %zu points (%.1f %% moving), %zu objects observed, %.1f m travelled, loop "
+      "%.1f m; ground truth in %s\n",
       recording.output.c_str(), result.scans, result.points,
       100.0 * static_cast<double>(result.moving_points) /
           static_cast<double>(std::max<std::size_t>(1, result.points)),
@@ -124,11 +126,11 @@ void run(Arguments& a)
   }
   if (!a.only.empty())
   {
-    throw UserError("--only goes with --benchmark");
+    throw UserError("--only requires --benchmark");
   }
   if (a.recording.output.empty())
   {
-    throw UserError("say where to write with -o x.rawlog, or --benchmark DIR");
+    throw UserError("give the output with -o x.rawlog, or --benchmark DIR");
   }
   requireFolderOf(a.recording.output);
   a.recording.seconds = a.seconds.value_or(a.recording.seconds);

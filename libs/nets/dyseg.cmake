@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-# What both networks are made of.
+# Common parts of both networks.
 dyslam_add_library(NAME nets_common
   SOURCES
     src/PointLinear.cpp
@@ -8,23 +8,24 @@ dyslam_add_library(NAME nets_common
     src/WeightsChecksum.cpp
   PUBLIC dyslam::core
   PRIVATE ${TORCH_LIBRARIES} ${OpenMP_CXX_LIBRARIES})
-# This file alone: elsewhere OpenMP would have Eigen start threads of its own.
+# Only this file is compiled with OpenMP: elsewhere Eigen would start threads of its own.
 separate_arguments(openmp_flags NATIVE_COMMAND "${OpenMP_CXX_FLAGS}")
 set_source_files_properties(src/Threads.cpp PROPERTIES COMPILE_OPTIONS "${openmp_flags}")
 
-# DySeg's network. A library of its own: the DySeg stage needs no other network.
+# DySeg's network, a separate library because the DySeg stage needs no other network.
 dyslam_add_library(NAME nets_dyseg
   SOURCES
     src/BevOps.cpp
     src/BevScan.cpp
     src/CellLayers.cpp
-    src/CellLevels.cpp
+    src/CellPyramid.cpp
     src/DysegFile.cpp
     src/DysegModel.cpp
     src/DysegNet.cpp
     src/FlowUpdate.cpp
-    src/MotionVote.cpp
+    src/MotionSearch.cpp
     src/RigidFlow.cpp
+    src/StaticMotionMatcher.cpp
   PUBLIC dyslam::core dyslam::nets_common
   PRIVATE ${TORCH_LIBRARIES})
 
@@ -35,7 +36,7 @@ dyslam_add_test(NAME nets_dyseg
     tests/CellLayers_unittest.cpp
     tests/DysegNet_unittest.cpp
     tests/FlowUpdate_unittest.cpp
-    tests/MotionVote_unittest.cpp
+    tests/MotionSearch_unittest.cpp
     tests/RigidFlow_unittest.cpp
     tests/WeightsChecksum_unittest.cpp
   LIBRARIES dyslam::nets_dyseg ${TORCH_LIBRARIES})

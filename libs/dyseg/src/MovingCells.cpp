@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "CellGroups.h"
+#include "ConnectedComponents.h"
 
 namespace dyslam
 {
@@ -65,11 +65,12 @@ std::vector<std::uint32_t> MovingCells::moving(const std::vector<std::int8_t>& v
     Cell& cell = at(candidate_cells_[i]);
     ++cell.points;
     cell.moving += votes[i] > 0 ? 1 : 0;
-    cell.still += votes[i] < 0 ? 1 : 0;
+    cell.voted_static += votes[i] < 0 ? 1 : 0;
   }
   std::vector<int> object_of(cells_.size(), -1);
-  const int objects = joinNeighbours(
-      width_, [&](int cell) { return at(cell).moving > 0 && at(cell).moving > at(cell).still; },
+  const int objects = labelComponents(
+      width_,
+      [&](int cell) { return at(cell).moving > 0 && at(cell).moving > at(cell).voted_static; },
       object_of);
   std::vector<int> point_count(static_cast<std::size_t>(objects), 0);
   std::vector<int> moving_count(static_cast<std::size_t>(objects), 0);

@@ -8,30 +8,32 @@
 
 namespace dyslam
 {
-/** From votes of single points to whole moving objects.
+/** Aggregates votes of single points to moving objects.
  *
- * Points above ground are put in a grid seen from above; cells in which moving votes prevail are
- * joined with their neighbours, and a joined object counts if it is large and sure enough.
+ * Points above ground are binned in a bird's-eye-view grid. Cells with more moving than static
+ * votes form objects (connected components), which are kept if they have enough moving points and a
+ * sufficient ratio of them.
  */
 class MovingCells
 {
  public:
+  /** \param points sensor frame [m] */
   MovingCells(const std::vector<Eigen::Vector3f>& points, const ResidualSegmenterOptions& options);
 
-  /** Points within range and above ground: the only ones that can be moving. */
+  /** Indices of the points within range and above ground; only these can be moving. */
   [[nodiscard]] const std::vector<std::uint32_t>& candidates() const { return candidates_; }
 
   /** \param votes one per candidate: > 0 moving, < 0 static, 0 unknown
-   *  \return the points of moving objects, ascending. */
+   *  \return indices of the points of moving objects, ascending. */
   [[nodiscard]] std::vector<std::uint32_t> moving(const std::vector<std::int8_t>& votes);
 
  private:
   struct Cell
   {
-    float lowest = 1e9F;  //!< height of its lowest point [m]
-    int points = 0;       //!< candidates
-    int moving = 0;       //!< of them, those with moving votes
-    int still = 0;
+    float lowest = 1e9F;   //!< z of the lowest point [m]
+    int points = 0;        //!< candidates
+    int moving = 0;        //!< candidates with a moving vote
+    int voted_static = 0;  //!< candidates with a static vote
   };
 
   [[nodiscard]] int cellOf(const Eigen::Vector3f& p) const;

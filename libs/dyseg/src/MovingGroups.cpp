@@ -4,78 +4,44 @@
 #include <algorithm>
 #include <cmath>
 
-#include "CellGroups.h"
+#include "ConnectedComponents.h"
 
 namespace dyslam
 {
 namespace
 {
-constexpr double margin = 1.6;  // m, so that nothing that is looked at lies on the grid's rim
-constexpr float called_over = 0.5F;
-constexpr float taken_back = 0.4F;
-constexpr float flat = 0.35F;  // m; a patch of three by three cells that spans less is ground
+constexpr double margin = 1.6;  // [m], keeps candidates off the grid's border
+constexpr float moving_threshold = 0.5F;
+constexpr float rejected_probability = 0.4F;
+constexpr float min_height = 0.35F;  // [m], of 3 x 3 cells that are not ground
 
 struct Cell
 {
-  int called = 0;
-  int doubtful = 0;
+  int moving = 0;
+  int candidates = 0;
   float low = 1e9F;
   float high = -1e9F;
 };
 
-/** Where the points of a group are, an earlier scan saw this. */
-struct PastViews
+/** Bird's-eye-view grid with the cell of each candidate point. */
+struct CandidateGrid
 {
-  int free = 0;
-  int occupied = 0;
-
-  void add(SeenBefore seen)
-  {
-    free += seen == SeenBefore::free ? 1 : 0;
-    occupied += seen == SeenBefore::occupied ? 1 : 0;
-  }
-  /** What moves has left places behind and taken up free ones, if only with its front. */
-  [[nodiscard]] bool stoodThere(int points) const
-  {
-    constexpr float most_free = 0.05F;
-    constexpr float least_occupied = 0.6F;
-    return static_cast<float>(free) <= most_free * static_cast<float>(free + occupied) &&
-           static_cast<float>(occupied) >= least_occupied * static_cast<float>(points);
-  }
+  int width = 0;
+  std::vector<Cell> cells;
+  std::vector<int> cell_of_point;  //!< -1 for points that are no candidates
 };
 
-/** Most of what is doubtful in the cell is called moving, and it is not flat ground. */
-bool moves(const std::vector<Cell>& cells, int width, int cell)
-{
-  const auto at = [&](int i) -> const Cell& { return cells[static_cast<std::size_t>(i)]; };
-  if (at(cell).called == 0 || 2 * at(cell).called <= at(cell).doubtful)
-  {
-    return false;
-  }
-  float low = at(cell).low;
-  float high = at(cell).high;
-  for (const int row : {cell - width, cell, cell + width})
-  {
-    for (const int next : {row - 1, row, row + 1})
-    {
-      low = std::min(low, at(next).low);
-      high = std::max(high, at(next).high);
-    }
-  }
-  return high - low > flat;
-}
-}  // namespace
-
-void keepMovingGroups(const std::vector<Eigen::Vector3f>& points,
-                      const std::vector<SeenBefore>& seen,
-                      const MovingGroupsOptions& options,
-                      std::vector<float>& probability)
+CandidateGrid makeGrid(const std::vector<Eigen::Vector3f>& points,
+                       const std::vector<float>& probability,
+                       const MovingGroupsOptions& options)
 {
   const double cell_size = options.cell_size;
   const double reach = options.reach + margin;
-  const int width = 2 * static_cast<int>(std::ceil(reach / cell_size)) + 1;
-  std::vector<Cell> cells(static_cast<std::size_t>(width) * static_cast<std::size_t>(width));
-  std::vector<int> cell_of(points.size(), -1);
+  CandidateGrid grid;
+  grid.width = 2 * static_cast<int>(std::ceil(reach / cell_size)) + 1;
+  const int width = grid.width;
+  grid.cells.resize(static_cast<std::size_t>(width) * static_cast<std::size_t>(width));
+  grid.cell_of_point.assign(points.size(), -1);
   for (std::size_t i = 0; i < points.size(); ++i)
   {
     if (!points[i].allFinite())
@@ -88,48 +54,105 @@ void keepMovingGroups(const std::vector<Eigen::Vector3f>& points,
     {
       continue;
     }
-    Cell& cell = cells[static_cast<std::size_t>(y * width + x)];
+    Cell& cell = grid.cells[static_cast<std::size_t>(y * width + x)];
     cell.low = std::min(cell.low, points[i].z());
     cell.high = std::max(cell.high, points[i].z());
     if (!(probability[i] > 0))
     {
       continue;
     }
-    cell_of[i] = y * width + x;
-    ++cell.doubtful;
-    cell.called += probability[i] > called_over ? 1 : 0;
+    grid.cell_of_point[i] = y * width + x;
+    ++cell.candidates;
+    cell.moving += probability[i] > moving_threshold ? 1 : 0;
   }
-  std::vector<int> group_of(cells.size(), -1);
-  const int groups = joinNeighbours(
-      width, [&](int cell) { return moves(cells, width, cell); }, group_of);
-  std::vector<int> sizes(static_cast<std::size_t>(groups), 0);
-  for (std::size_t i = 0; i < cells.size(); ++i)
+  return grid;
+}
+
+/** Most candidates of the cell are moving, and it is not flat ground. */
+bool isMoving(const CandidateGrid& grid, int cell)
+{
+  const auto at = [&](int i) -> const Cell& { return grid.cells[static_cast<std::size_t>(i)]; };
+  if (at(cell).moving == 0 || 2 * at(cell).moving <= at(cell).candidates)
   {
-    if (group_of[i] >= 0)
+    return false;
+  }
+  float low = at(cell).low;
+  float high = at(cell).high;
+  for (const int row : {cell - grid.width, cell, cell + grid.width})
+  {
+    for (const int next : {row - 1, row, row + 1})
     {
-      sizes[static_cast<std::size_t>(group_of[i])] += cells[i].called;
+      low = std::min(low, at(next).low);
+      high = std::max(high, at(next).high);
     }
   }
-  std::vector<PastViews> views(sizes.size());
+  return high - low > min_height;
+}
+
+/** A connected component of moving cells. */
+struct Group
+{
+  int points = 0;    //!< moving ones
+  int free = 0;      //!< of them, at positions that the earlier scan observed free
+  int occupied = 0;  //!< of them, at positions that it observed occupied
+
+  void add(PastVisibility visibility)
+  {
+    free += visibility == PastVisibility::free ? 1 : 0;
+    occupied += visibility == PastVisibility::occupied ? 1 : 0;
+  }
+  /** Whether it was already at its position: a moving object covers some formerly free space. */
+  [[nodiscard]] bool wasThereBefore() const
+  {
+    constexpr float max_free_ratio = 0.05F;
+    constexpr float min_occupied_ratio = 0.6F;
+    return static_cast<float>(free) <= max_free_ratio * static_cast<float>(free + occupied) &&
+           static_cast<float>(occupied) >= min_occupied_ratio * static_cast<float>(points);
+  }
+};
+}  // namespace
+
+void keepMovingGroups(const std::vector<Eigen::Vector3f>& points,
+                      const std::vector<PastVisibility>& visibility,
+                      const MovingGroupsOptions& options,
+                      std::vector<float>& probability)
+{
+  const CandidateGrid grid = makeGrid(points, probability, options);
+  std::vector<int> group_of_cell(grid.cells.size(), -1);
+  const int count = labelComponents(
+      grid.width, [&](int cell) { return isMoving(grid, cell); }, group_of_cell);
+  std::vector<Group> groups(static_cast<std::size_t>(count));
+  for (std::size_t i = 0; i < grid.cells.size(); ++i)
+  {
+    if (group_of_cell[i] >= 0)
+    {
+      groups[static_cast<std::size_t>(group_of_cell[i])].points += grid.cells[i].moving;
+    }
+  }
+  const auto groupOf = [&](std::size_t point) -> Group*
+  {
+    const int cell = grid.cell_of_point[point];
+    const int group = cell < 0 ? -1 : group_of_cell[static_cast<std::size_t>(cell)];
+    return group < 0 ? nullptr : &groups[static_cast<std::size_t>(group)];
+  };
   for (std::size_t i = 0; i < points.size(); ++i)
   {
-    const int group = cell_of[i] < 0 ? -1 : group_of[static_cast<std::size_t>(cell_of[i])];
-    if (group >= 0 && probability[i] > called_over)
+    Group* const group = groupOf(i);
+    if (group != nullptr && probability[i] > moving_threshold)
     {
-      views[static_cast<std::size_t>(group)].add(seen[i]);
+      group->add(visibility[i]);
     }
   }
   for (std::size_t i = 0; i < points.size(); ++i)
   {
-    if (cell_of[i] < 0)
+    if (grid.cell_of_point[i] < 0)
     {
       continue;
     }
-    const int group = group_of[static_cast<std::size_t>(cell_of[i])];
-    if (group < 0 || sizes[static_cast<std::size_t>(group)] < options.min_points ||
-        views[static_cast<std::size_t>(group)].stoodThere(sizes[static_cast<std::size_t>(group)]))
+    const Group* const group = groupOf(i);
+    if (group == nullptr || group->points < options.min_points || group->wasThereBefore())
     {
-      probability[i] = std::min(probability[i], taken_back);
+      probability[i] = std::min(probability[i], rejected_probability);
     }
   }
 }

@@ -10,24 +10,24 @@ namespace dyslam
 {
 struct MovingGroupsOptions
 {
-  double cell_size = 0.6;  //!< m
-  double reach = 102.4;    //!< m to each side; farther points were not looked at
-  int min_points = 5;      //!< called moving, in the smallest group that counts
+  double cell_size = 0.6;  //!< [m]
+  double reach = 102.4;    //!< half extent of the network's grid [m]
+  int min_points = 5;      //!< moving points in the smallest group that is kept
 };
 
-/** Takes back single points that were called moving without company, and groups that stood where
- * they stand.
+/** Rejects isolated moving points, and groups that were already at their position.
  *
- * Points are put in a grid seen from above. Cells in which most doubtful points (those with any
- * probability) are called moving, and that are not flat ground, are joined with their neighbours;
- * called points outside such groups, or in groups too small, fall to a probability
- * of at most 0.4; so do groups of which an earlier scan saw nearly all at its place and hardly any
- * place free.
- * \param seen one per point, in that earlier scan.
- * \param probability one per point; 0 where nothing was looked at.
+ * Points are binned in a bird's-eye-view grid. Cells in which most of the candidates (points with a
+ * positive probability) are moving, and that are not flat ground, form groups (connected
+ * components). The probability is limited to 0.4 for moving points outside groups, in groups of
+ * fewer than min_points, and in groups whose positions an earlier scan observed almost all occupied
+ * and hardly any free.
+ * \param points sensor frame [m]
+ * \param visibility of each point's position in that earlier scan
+ * \param probability of each point, filtered in place; 0 for points outside the network's input
  */
 void keepMovingGroups(const std::vector<Eigen::Vector3f>& points,
-                      const std::vector<SeenBefore>& seen,
+                      const std::vector<PastVisibility>& visibility,
                       const MovingGroupsOptions& options,
                       std::vector<float>& probability);
 }  // namespace dyslam

@@ -18,7 +18,7 @@ namespace
 // height, roll and pitch are not observed.
 constexpr double min_rmse = 0.05;  // m
 constexpr double cells_per_measurement = 20;
-constexpr double min_lead = 0.1;             // of the motion with the most votes over any other
+constexpr double min_margin = 0.1;           // of the motion with the most votes over any other
 constexpr double height_sigma = 0.1;         // m
 constexpr double tilt_sigma = 0.01;          // rad
 constexpr double prior_search_radius = 0.2;  // m
@@ -30,7 +30,7 @@ MotionEstimate motionOf(const RigidFlowFit& fit, const Eigen::Vector3d& sensor)
   // The network's frame is the vehicle's, moved to the sensor.
   const Pose to_vehicle = Pose(Eigen::Translation3d(sensor));
   m.T_previous_current = to_vehicle * fit.motion.pose() * to_vehicle.inverse();
-  const bool distinct = fit.lead >= min_lead;
+  const bool distinct = fit.margin >= min_margin;
   m.converged = fit.converged && distinct;
   m.reason = !fit.converged ? "too few cells with flow"
              : !distinct    ? "two motions explain the flow about equally well"
@@ -64,7 +64,7 @@ struct NetworkSegmenter::Impl
   std::deque<Past> past;   //!< newest first
   RigidFlowFit last_step;  //!< to the scan before
   std::optional<SceneFlow> flow;
-  std::vector<SeenBefore> seen;  //!< of the scan at hand, in the first one compared with
+  std::vector<PastVisibility> seen;  //!< of the scan at hand, in the first one compared with
 
   /** The static motion is searched around the prior alone. */
   [[nodiscard]] bool searchesAroundPrior(const Frame& frame) const
@@ -160,7 +160,7 @@ RigidFlowFit NetworkSegmenter::Impl::matchLast(const DysegModel::Encoded& curren
     return model.match(current, before);
   }
   const Pose to_vehicle = Pose(Eigen::Translation3d(sensor));
-  const MotionGuess guess{
+  const PlanarPrior guess{
       PlanarMotion::fromPose(to_vehicle.inverse() * frame.prior.T_previous_current * to_vehicle),
       prior_search_radius};
   return model.match(current, before, &guess);
@@ -172,13 +172,13 @@ std::vector<float> NetworkSegmenter::Impl::judge(const DysegModel::Encoded& curr
                                                  const Eigen::Vector3d& sensor)
 {
   const Past& earlier = past[back - 1];
-  const MotionGuess guess{earlier.from_current,
-                          searchesAroundPrior(frame) ? prior_search_radius : MotionGuess().within};
+  const PlanarPrior guess{earlier.from_current,
+                          searchesAroundPrior(frame) ? prior_search_radius : PlanarPrior().max_error};
   const RigidFlowFit step = back == 1 ? last_step : model.match(current, *earlier.encoded, &guess);
-  auto result = model.judge(current, *earlier.encoded, step, options.iterations);
+  auto result = model.segment(current, *earlier.encoded, step, options.iterations);
   if (!flow)
   {
-    seen = std::move(result.seen_before);
+    seen = std::move(result.past_visibility);
     flow.emplace();
     flow->static_motion = motionOf(step, sensor);
     flow->past_index = earlier.index;
@@ -209,7 +209,7 @@ void NetworkSegmenter::segment(Frame& frame)
   frame.static_prior.clear();
   if (!s.historyComplete())
   {
-    frame.static_prior = s.model.anchors(*encoded);
+    frame.static_prior = s.model.appearancePrior(*encoded);
   }
   if (!s.past.empty())
   {

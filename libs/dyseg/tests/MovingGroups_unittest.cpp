@@ -8,17 +8,17 @@
 
 namespace
 {
-using dyslam::SeenBefore;
+using dyslam::PastVisibility;
 
 const dyslam::MovingGroupsOptions groups = {0.6, 102.4, 12};
 
 void keep(const std::vector<Eigen::Vector3f>& points, std::vector<float>& probability)
 {
-  const std::vector<SeenBefore> seen(points.size(), SeenBefore::unknown);
+  const std::vector<PastVisibility> seen(points.size(), PastVisibility::unknown);
   dyslam::keepMovingGroups(points, seen, groups, probability);
 }
 
-/** An upright post of `count` points above a point of ground. */
+/** A vertical post of `count` points above one ground point. */
 void addPost(float x,
              int count,
              float called,
@@ -34,7 +34,7 @@ void addPost(float x,
   }
 }
 
-TEST(MovingGroups, SmallGroupsAreTakenBackLargeOnesStay)
+TEST(MovingGroups, RejectsSmallGroups)
 {
   std::vector<Eigen::Vector3f> points;
   std::vector<float> probability;
@@ -45,7 +45,7 @@ TEST(MovingGroups, SmallGroupsAreTakenBackLargeOnesStay)
   EXPECT_FLOAT_EQ(probability[10], 0.8F);
 }
 
-TEST(MovingGroups, ACellsMajorityDecides)
+TEST(MovingGroups, ClassifiesCellsByMajority)
 {
   std::vector<Eigen::Vector3f> points;
   std::vector<float> probability;
@@ -56,7 +56,7 @@ TEST(MovingGroups, ACellsMajorityDecides)
   EXPECT_FLOAT_EQ(probability.back(), 0.2F);
 }
 
-TEST(MovingGroups, FlatGroundDoesNotMove)
+TEST(MovingGroups, RejectsFlatGround)
 {
   std::vector<Eigen::Vector3f> points;
   std::vector<float> probability;
@@ -72,18 +72,19 @@ TEST(MovingGroups, FlatGroundDoesNotMove)
   }
 }
 
-/** One post of 20 points at whose place an earlier scan saw so many returns and rays that went on.
+/** A post of 20 points, with numbers of positions that an earlier scan observed occupied and free.
  */
-TEST(MovingGroups, WhatStoodThereDoesNotMove)
+TEST(MovingGroups, RejectsGroupsAtOccupiedPositions)
 {
   const auto after = [](std::size_t occupied, std::size_t free)
   {
     std::vector<Eigen::Vector3f> points;
     std::vector<float> probability;
     addPost(10, 20, 0.9F, points, probability);
-    std::vector<SeenBefore> seen(points.size(), SeenBefore::unknown);
-    std::fill_n(seen.begin() + 1, occupied, SeenBefore::occupied);
-    std::fill_n(seen.begin() + 1 + static_cast<std::ptrdiff_t>(occupied), free, SeenBefore::free);
+    std::vector<PastVisibility> seen(points.size(), PastVisibility::unknown);
+    std::fill_n(seen.begin() + 1, occupied, PastVisibility::occupied);
+    std::fill_n(seen.begin() + 1 + static_cast<std::ptrdiff_t>(occupied), free,
+                PastVisibility::free);
     dyslam::keepMovingGroups(points, seen, groups, probability);
     return probability[3];
   };
@@ -94,7 +95,7 @@ TEST(MovingGroups, WhatStoodThereDoesNotMove)
   EXPECT_FLOAT_EQ(after(0, 20), 0.9F);
 }
 
-TEST(MovingGroups, EmptyInvalidAndFarPoints)
+TEST(MovingGroups, HandlesEmptyInvalidAndDistantPoints)
 {
   std::vector<Eigen::Vector3f> points;
   std::vector<float> probability;

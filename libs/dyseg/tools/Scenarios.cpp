@@ -13,18 +13,19 @@ namespace dyslam
 namespace
 {
 constexpr int scans = 19;
-constexpr std::size_t first_judged = 10;
+constexpr std::size_t first_evaluated = 10;
 constexpr double period = 0.1;  // s
 constexpr double half_turn = 3.14159265358979;
 
-/** One body: where it is on its line at a time, in metres from its place at 0 s. */
+/** A body that moves along a straight line. */
 struct Actor
 {
   BodyKind kind = BodyKind::car;
-  double x = 0;  //!< at 0 s, in the frame of the sensor at the first judged scan [m]
+  double x = 0;  //!< at 0 s, in the sensor frame of the first evaluated scan [m]
   double y = 0;
-  double heading = 0;                      //!< [rad]
-  std::function<double(double)> distance;  //!< along the heading, of time [s]
+  double heading = 0;  //!< [rad]
+  std::function<double(double)>
+      distance;  //!< travelled along the heading since 0 s [m], as a function of time [s]
 };
 
 std::function<double(double)> at(double speed)
@@ -32,7 +33,7 @@ std::function<double(double)> at(double speed)
   return [speed](double t) { return speed * t; };
 }
 
-/** Stands until `start`, then goes faster and faster. */
+/** At rest until `start`, then accelerating uniformly. */
 std::function<double(double)> starting(double start, double acceleration)
 {
   return [=](double t)
@@ -42,7 +43,7 @@ std::function<double(double)> starting(double start, double acceleration)
   };
 }
 
-/** Comes to rest at `stop`. */
+/** Decelerates uniformly to rest at `stop`. */
 std::function<double(double)> stopping(double stop, double speed, double braking)
 {
   return [=](double t)
@@ -54,21 +55,22 @@ std::function<double(double)> stopping(double stop, double speed, double braking
   };
 }
 
-/** Casts an actor into all scans of a clip. Times count from the first judged scan. */
-void play(const Actor& actor, std::int32_t id, DysegClip& clip)
+/** Renders an actor into all scans of a clip. Time 0 is the first evaluated scan. */
+void render(const Actor& actor, std::int32_t id, DysegClip& clip)
 {
   RandomDraws shape(17, static_cast<std::uint64_t>(id));
   const CastBody body = makeBody(actor.kind, shape);
-  const Pose T_world_stage = clip.frames[first_judged].T_world_sensor;
+  const Pose T_world_stage = clip.frames[first_evaluated].T_world_sensor;
   for (std::size_t f = 0; f < clip.frames.size(); ++f)
   {
     auto& frame = clip.frames[f];
-    const double time = period * (static_cast<double>(f) - static_cast<double>(first_judged));
-    const double way = actor.distance(time);
+    const double time = period * (static_cast<double>(f) - static_cast<double>(first_evaluated));
+    const double distance = actor.distance(time);
     const double speed = (actor.distance(time + 0.05) - actor.distance(time - 0.05)) / 0.1;
-    const Pose place = frame.T_world_sensor.inverse() * T_world_stage *
-                       poseFromYpr(actor.x + way * std::cos(actor.heading),
-                                   actor.y + way * std::sin(actor.heading), 0, actor.heading, 0, 0);
+    const Pose place =
+        frame.T_world_sensor.inverse() * T_world_stage *
+        poseFromYpr(actor.x + distance * std::cos(actor.heading),
+                    actor.y + distance * std::sin(actor.heading), 0, actor.heading, 0, 0);
     const Eigen::Vector2d flat = place.translation().head<2>();
     const BevGround ground(frame.points);
     const double height =
@@ -87,7 +89,7 @@ void play(const Actor& actor, std::int32_t id, DysegClip& clip)
   }
 }
 
-/** Cars on both sides and ahead that drive as the sensor does. */
+/** Cars around the sensor with the sensor's speed. */
 std::vector<Actor> queue(double speed)
 {
   std::vector<Actor> actors;
@@ -106,15 +108,15 @@ std::vector<Actor> queue(double speed)
   return actors;
 }
 
-/** How fast the sensor goes at the first judged scan [m/s]. */
+/** Speed of the sensor at the first evaluated scan [m/s]. */
 double egoSpeed(const DysegClip& clip)
 {
-  const Pose step = clip.frames[first_judged].T_world_sensor.inverse() *
-                    clip.frames[first_judged + 1].T_world_sensor;
+  const Pose step = clip.frames[first_evaluated].T_world_sensor.inverse() *
+                    clip.frames[first_evaluated + 1].T_world_sensor;
   return step.translation().norm() / period;
 }
 
-std::vector<Actor> people(double distance, double speed)
+std::vector<Actor> pedestrians(double distance, double speed)
 {
   return {{BodyKind::pedestrian, distance, -3, 0.5 * half_turn, at(speed)},
           {BodyKind::pedestrian, distance + 1, 3, -0.5 * half_turn, at(speed)},
@@ -128,9 +130,9 @@ const std::vector<std::pair<std::string, Cast>>& casts()
   const auto fixed = [](std::vector<Actor> actors)
   { return [actors](const DysegClip&) { return actors; }; };
   static const std::vector<std::pair<std::string, Cast>> all{
-      {"standing cars", fixed({{BodyKind::car, 12, 3, 0, at(0)},
-                               {BodyKind::van, 20, -3, half_turn, at(0)},
-                               {BodyKind::car, -9, 3, 0, at(0)}})},
+      {"parked cars", fixed({{BodyKind::car, 12, 3, 0, at(0)},
+                             {BodyKind::van, 20, -3, half_turn, at(0)},
+                             {BodyKind::car, -9, 3, 0, at(0)}})},
       {"stopped 1 s ago", fixed({{BodyKind::car, 14, 3, 0, stopping(-1, 8, 4)},
                                  {BodyKind::car, 14, -3, half_turn, stopping(-1, 8, 4)}})},
       {"starting, 2 m/s2", fixed({{BodyKind::car, 12, 3, 0, starting(-0.6, 2)},
@@ -141,10 +143,10 @@ const std::vector<std::pair<std::string, Cast>>& casts()
                                  {BodyKind::cyclist, 12, 4, -0.5 * half_turn, at(5)}})},
       {"creeping, 1 m/s",
        fixed({{BodyKind::car, 10, 3, 0, at(1)}, {BodyKind::truck, 16, -3, half_turn, at(1)}})},
-      {"queue that drives along",
+      {"surrounding queue",
        [](const DysegClip& clip) { return queue(std::max(2.0, egoSpeed(clip))); }},
-      {"people at 15 m, 1.4 m/s", fixed(people(15, 1.4))},
-      {"people at 30 m, 1.4 m/s", fixed(people(30, 1.4))}};
+      {"pedestrians at 15 m", fixed(pedestrians(15, 1.4))},
+      {"pedestrians at 30 m", fixed(pedestrians(30, 1.4))}};
   return all;
 }
 }  // namespace
@@ -165,11 +167,11 @@ std::vector<Scenario> makeScenarios(std::uint64_t seed, int streets)
     scenario.name = name;
     for (const auto& stage : stages)
     {
-      SegmentationSet set{name, stage, first_judged};
+      SegmentationSet set{name, stage, first_evaluated};
       std::int32_t id = 9001;
       for (const auto& actor : cast(stage))
       {
-        play(actor, id++, set.clip);
+        render(actor, id++, set.clip);
       }
       scenario.sets.push_back(std::move(set));
     }

@@ -7,14 +7,14 @@
 
 namespace dyslam
 {
-/** A situation on the road, in several simulated streets that are empty but for its actors. */
+/** A traffic scenario in several simulated streets, which are empty except for its actors. */
 struct Scenario
 {
   std::string name;
   std::vector<SegmentationSet> sets;  //!< one per street
 };
 
-/** Cars that stand, stop, start, come towards and cross, a queue all around, people.
- * \param seed of the first street; the trainer must never draw it. */
+/** Parked, stopping, starting, oncoming and crossing cars, a surrounding queue, and pedestrians.
+ * \param seed of the first street; must not be used in training. */
 [[nodiscard]] std::vector<Scenario> makeScenarios(std::uint64_t seed, int streets);
 }  // namespace dyslam

@@ -14,8 +14,8 @@ namespace dyslam
 {
 namespace
 {
-/** The scan from above, 80 m square, x up: grey static, green found movers, red missed ones, blue
- * false alarms. */
+/** Bird's-eye view, 80 m square, x up: grey true negatives, green true positives, red false
+ * negatives, blue false positives. */
 void writePicture(const std::string& file,
                   const Frame& frame,
                   const std::vector<std::uint8_t>& label)
@@ -28,11 +28,11 @@ void writePicture(const std::string& file,
   {
     for (std::size_t k = 0; k < frame.cloud.size(); ++k)
     {
-      const bool called = frame.moving_probability[k] > 0.5F;
+      const bool predicted = frame.moving_probability[k] > 0.5F;
       const auto truth = label[frame.cloud.source[k]];
       const bool moves = truth == DysegSample::moving_point;
-      const bool alarm = called && truth == DysegSample::static_point;
-      if (kind != (moves ? (called ? 3 : 2) : (alarm ? 1 : 0)))
+      const bool alarm = predicted && truth == DysegSample::static_point;
+      if (kind != (moves ? (predicted ? 3 : 2) : (alarm ? 1 : 0)))
       {
         continue;
       }
@@ -108,25 +108,25 @@ SegmentationCounts runSegmenter(MovingSegmenter& segmenter,
     {
       writePicture(picture, frame, truth.label);
     }
-    std::map<std::int32_t, std::pair<int, int>> seen;
+    std::map<std::int32_t, std::pair<int, int>> by_object;
     for (std::size_t k = 0; k < frame.cloud.size(); ++k)
     {
       const auto i = frame.cloud.source[k];
-      const bool called = frame.moving_probability[k] > 0.5F;
+      const bool predicted = frame.moving_probability[k] > 0.5F;
       if (truth.label[i] == DysegSample::moving_point)
       {
-        (called ? counts.hits : counts.misses) += 1;
-        auto& s = seen[from.object[i]];
+        (predicted ? counts.hits : counts.misses) += 1;
+        auto& s = by_object[from.object[i]];
         s.first += 1;
-        s.second += called ? 1 : 0;
+        s.second += predicted ? 1 : 0;
       }
       else if (truth.label[i] == DysegSample::static_point)
       {
-        counts.alarms += called ? 1 : 0;
-        ++counts.still;
+        counts.alarms += predicted ? 1 : 0;
+        ++counts.static_points;
       }
     }
-    for (const auto& [id, s] : seen)
+    for (const auto& [id, s] : by_object)
     {
       if (instances == nullptr || s.first < 10)
       {

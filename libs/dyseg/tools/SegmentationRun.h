@@ -13,22 +13,22 @@
 
 namespace dyslam
 {
-/** A clip with truth, on which segmenters are judged. */
+/** A clip with ground truth for the evaluation of segmenters. */
 struct SegmentationSet
 {
   std::string name;
   DysegClip clip;
-  std::size_t first = 0;  //!< first frame that is judged; those before are history
+  std::size_t first = 0;  //!< first evaluated frame; the frames before it are history
 };
 
 struct SegmentationCounts : DysegScores
 {
-  std::uint64_t still = 0;     //!< static points
-  std::vector<double> ms;      //!< of each scan
-  std::vector<double> cpu_ms;  //!< processor time of all threads
+  std::uint64_t static_points = 0;
+  std::vector<double> ms;      //!< wall time of each scan
+  std::vector<double> cpu_ms;  //!< CPU time of all threads, of each scan
 };
 
-/** What was found of one object, summed over frames. */
+/** Segmentation of one object, summed over frames. */
 struct SegmentedInstance
 {
   double distance = 0;
@@ -39,7 +39,7 @@ struct SegmentedInstance
 };
 using SegmentedInstances = std::map<std::int32_t, SegmentedInstance>;
 
-/** How far each step of the trajectory is off, in random directions; errors add up. */
+/** Error of each step of the trajectory, in random directions; errors accumulate. */
 struct PoseNoise
 {
   double metres = 0;
@@ -47,9 +47,9 @@ struct PoseNoise
 };
 
 /** Runs a segmenter over a set in order, as the pipeline does.
- * \param picture file for the middle scan from above (PPM, 80 m square, x up: grey static, green
- * found movers, red missed ones, blue false alarms); empty for none \param filter runs behind the
- * segmenter, if given */
+ * \param picture file for a bird's-eye view of the middle scan (PPM, 80 m square, x up: grey
+ * static, green true positives, red false negatives, blue false positives); empty for none.
+ * \param filter runs behind the segmenter, if given */
 [[nodiscard]] SegmentationCounts runSegmenter(MovingSegmenter& segmenter,
                                               const SegmentationSet& set,
                                               const PoseNoise& noise = {},

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Prints how well moving points are found: the network, and the residual baseline with given poses.
+// Evaluates moving-point segmentation: the network, and the residual baseline with given poses.
 #include <dyslam/core/Error.h>
 #include <dyslam/core/Scan.h>
 #include <dyslam/core/SharedFiles.h>
@@ -9,14 +9,10 @@
 #include <dyslam/train/DysegBodies.h>
 #include <dyslam/train/DysegScores.h>
 
+#include <CLI/CLI.hpp>
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <cstdio>
-#include <cstdlib>
-#include <cstring>
-#include <ctime>
-#include <fstream>
 #include <map>
 #include <string>
 #include <vector>
@@ -28,7 +24,7 @@ namespace
 {
 using namespace dyslam;
 
-constexpr std::size_t simulated_history = 10;  // scans before those judged
+constexpr std::size_t simulated_history = 10;  // scans before the evaluated ones
 
 struct Arguments
 {
@@ -39,11 +35,11 @@ struct Arguments
   NetworkSegmenterOptions network;
   int threads = 2;
   bool network_only = false;
-  bool scenarios = false;  //!< print these instead
+  bool scenarios = false;  //!< evaluate scenarios instead of the sets
   bool instances = false;
-  bool brief = false;    //!< without the rows of wrong poses
-  std::string pictures;  //!< folder for one picture of each set
-  std::string only;      //!< part of the names of the sets to print
+  bool brief = false;    //!< without the rows of pose errors
+  std::string pictures;  //!< folder for one image of each set
+  std::string only;      //!< substring of the names of the sets
 };
 
 void printRow(const std::string& set, const std::string& method, const SegmentationCounts& c)
@@ -56,8 +52,8 @@ void printRow(const std::string& set, const std::string& method, const Segmentat
   {
     auto cpu = c.cpu_ms;
     std::sort(cpu.begin(), cpu.end());
-    std::printf("  median %.0f ms, least %.0f ms; of processor time %.0f and %.0f ms",
-                ms[ms.size() / 2], ms.front(), cpu[cpu.size() / 2], cpu.front());
+    std::printf("  median %.0f ms, min %.0f ms; CPU time %.0f and %.0f ms", ms[ms.size() / 2],
+                ms.front(), cpu[cpu.size() / 2], cpu.front());
   }
   std::printf("\n");
   std::fflush(stdout);
@@ -79,7 +75,7 @@ void printInstances(const SegmentedInstances& network, const SegmentedInstances&
   }
 }
 
-/** A body of a shape that training never makes: an arch on two legs. */
+/** A body of a shape absent from the training data: an arch on two legs. */
 CastBody arch()
 {
   CastBody body;
@@ -91,7 +87,7 @@ CastBody arch()
   return body;
 }
 
-void checkTwice(const DysegModel& model, const SegmentationSet& set)
+void checkIdenticalScan(const DysegModel& model, const SegmentationSet& set)
 {
   RandomDraws draws(5, 5);
   DysegScores sum;
@@ -106,7 +102,7 @@ void checkTwice(const DysegModel& model, const SegmentationSet& set)
                                                        [](const auto& p) { return isReturn(p); }));
   }
   std::printf(
-      "%-22s same scan twice, moved: %.3f %% of points called moving, ego motion off by "
+      "%-22s identical scan, transformed: %.3f %% false positives, ego-motion error "
       "%.3f m, %.4f rad\n",
       set.name.c_str(), 100.0 * static_cast<double>(sum.alarms) / static_cast<double>(points),
       sum.translation_error / static_cast<double>(sum.pairs),
@@ -120,7 +116,7 @@ void checkUnseenShape(const DysegModel& model, const SegmentationSet& set)
     RandomDraws draws(6, 6);
     DysegScores sum;
     std::uint64_t on = 0;
-    std::uint64_t called = 0;
+    std::uint64_t predicted = 0;
     for (std::size_t f = std::max<std::size_t>(1, set.first); f < set.clip.frames.size(); f += 3)
     {
       auto sample = makeSample(set.clip, f, f - 1);
@@ -139,14 +135,14 @@ void checkUnseenShape(const DysegModel& model, const SegmentationSet& set)
       for (const auto i : hit)
       {
         ++on;
-        called += result.moving_probability[i] > 0.5F ? 1 : 0;
+        predicted += result.moving_probability[i] > 0.5F ? 1 : 0;
       }
     }
     std::printf(
-        "%-22s arch (a shape never trained on) at %4.1f m/s: %.3f of its points called "
-        "moving\n",
+        "%-22s arch (a shape absent from the training data) at %4.1f m/s: %.3f of its points "
+        "predicted moving\n",
         set.name.c_str(), speed,
-        on > 0 ? static_cast<double>(called) / static_cast<double>(on) : 0.0);
+        on > 0 ? static_cast<double>(predicted) / static_cast<double>(on) : 0.0);
   }
 }
 
@@ -220,7 +216,7 @@ void printFlow(const Arguments& a, const DysegModel& model, const SegmentationSe
   const auto mean = [](double sum, std::uint64_t n)
   { return n > 0 ? sum / static_cast<double>(n) : std::nan(""); };
   std::printf(
-      "%-22s flow per cell: EPE all %.3f m, static %.3f m, moving %.3f m; ego motion off by %.3f "
+      "%-22s flow per cell: EPE all %.3f m, static %.3f m, moving %.3f m; ego-motion error %.3f "
       "m, %.4f rad\n",
       set.name.c_str(),
       mean(flow.static_error + flow.moving_error, flow.static_cells + flow.moving_cells),
@@ -263,7 +259,7 @@ void printTable(const Arguments& a)
       }
       NetworkSegmenter network(networkOptions(a, a.network.second_gap));
       TemporalFilter filter{TemporalFilterOptions()};
-      std::snprintf(name, sizeof(name), "the same, filter, poses off %.2f m", m);
+      std::snprintf(name, sizeof(name), "the same, filter, pose error %.2f m", m);
       printRow(set.name, name, runSegmenter(network, set, {m, rad}, nullptr, {}, &filter));
     }
     SegmentedInstances by_baseline;
@@ -274,7 +270,7 @@ void printTable(const Arguments& a)
         break;
       }
       ResidualSegmenter residual(ResidualSegmenterOptions(), pool);
-      std::snprintf(name, sizeof(name), "residual, poses off %.2f m", m);
+      std::snprintf(name, sizeof(name), "residual, pose error %.2f m", m);
       printRow(set.name, name,
                runSegmenter(residual, set, {m, rad}, m == 0 ? &by_baseline : nullptr));
     }
@@ -286,42 +282,43 @@ void printTable(const Arguments& a)
     {
       printInstances(by_network, by_baseline);
     }
-    checkTwice(model, set);
+    checkIdenticalScan(model, set);
     checkUnseenShape(model, set);
   }
 }
-/** Situations on the road: recall of what moves in them, and false alarms everywhere. */
+/** Traffic scenarios: recall of moving points and false positive rate. */
 void printScenarios(const Arguments& a)
 {
   constexpr int streets = 3;
   ThreadPool pool(a.threads);
-  std::printf("%-26s %15s  %-24s  %s\n", "situation", "moving per scan", "network",
+  std::printf("%-26s %15s  %-24s  %s\n", "scenario", "moving per scan", "network",
               "residual, exact poses");
   for (const auto& scenario : makeScenarios(unseen_seeds + 200, streets))
   {
     SegmentationCounts sums[2];
-    std::size_t judged = 0;
+    std::size_t evaluated = 0;
     for (const auto& set : scenario.sets)
     {
       NetworkSegmenter network(networkOptions(a, a.network.second_gap));
       ResidualSegmenter residual(ResidualSegmenterOptions(), pool);
-      const bool pictured = &set == &scenario.sets.front();
+      const bool with_picture = &set == &scenario.sets.front();
       const SegmentationCounts counts[] = {
-          runSegmenter(network, set, {}, nullptr, pictured ? pictureOf(a, set) : ""),
+          runSegmenter(network, set, {}, nullptr, with_picture ? pictureOf(a, set) : ""),
           runSegmenter(residual, set)};
       for (int k = 0; k < 2; ++k)
       {
         sums[k].add(counts[k]);
-        sums[k].still += counts[k].still;
+        sums[k].static_points += counts[k].static_points;
       }
-      judged += set.clip.frames.size() - set.first;
+      evaluated += set.clip.frames.size() - set.first;
     }
-    std::printf("%-26s %15.0f", scenario.name.c_str(),
-                static_cast<double>(sums[0].hits + sums[0].misses) / static_cast<double>(judged));
+    std::printf(
+        "%-26s %15.0f", scenario.name.c_str(),
+        static_cast<double>(sums[0].hits + sums[0].misses) / static_cast<double>(evaluated));
     for (const auto& c : sums)
     {
-      std::printf("  recall %.3f alarms %.4f %%", c.recall(),
-                  100 * static_cast<double>(c.alarms) / static_cast<double>(c.still));
+      std::printf("  recall %.3f FPR %.4f %%", c.recall(),
+                  100 * static_cast<double>(c.alarms) / static_cast<double>(c.static_points));
     }
     std::printf("\n");
     std::fflush(stdout);
@@ -332,93 +329,26 @@ void printScenarios(const Arguments& a)
 int main(int argc, char** argv)
 {
   Arguments a;
-  if (const char* folder = std::getenv("DYSLAM_DATA"))
-  {
-    a.data = folder;
-  }
-  for (int i = 1; i < argc; ++i)
-  {
-    const std::string word = argv[i];
-    const bool more = i + 1 < argc;
-    if (word == "--instances")
-    {
-      a.instances = true;
-    }
-    else if (more && word == "--weights")
-    {
-      a.weights = argv[++i];
-    }
-    else if (more && word == "--worlds")
-    {
-      a.worlds = std::atoi(argv[++i]);
-    }
-    else if (more && word == "--scans")
-    {
-      a.scans = std::max(static_cast<int>(simulated_history) + 1, std::atoi(argv[++i]));
-    }
-    else if (more && word == "--second-gap")
-    {
-      a.network.second_gap = std::atoi(argv[++i]);
-    }
-    else if (more && word == "--combine")
-    {
-      a.network.combine = argv[++i];
-    }
-    else if (more && word == "--pictures")
-    {
-      a.pictures = argv[++i];
-    }
-    else if (more && word == "--first-gap")
-    {
-      a.network.first_gap = std::atoi(argv[++i]);
-    }
-    else if (more && word == "--threshold")
-    {
-      a.network.threshold = std::atof(argv[++i]);
-    }
-    else if (more && word == "--min-points")
-    {
-      a.network.min_points = std::atoi(argv[++i]);
-    }
-    else if (word == "--scenarios")
-    {
-      a.scenarios = true;
-    }
-    else if (word == "--network-only")
-    {
-      a.network_only = true;
-    }
-    else if (word == "--short")
-    {
-      a.brief = true;
-    }
-    else if (more && word == "--only")
-    {
-      a.only = argv[++i];
-    }
-    else if (more && word == "--iterations")
-    {
-      a.network.iterations = std::atoi(argv[++i]);
-    }
-    else if (more && word == "--threads")
-    {
-      a.threads = std::atoi(argv[++i]);
-    }
-    else
-    {
-      std::puts(
-          "dyseg_table [--weights FILE] [--worlds N] [--scans N] [--threads N] [--instances]\n"
-          "            [--first-gap N] [--second-gap N] [--combine mean|max] [--iterations N]\n"
-          "            [--threshold P] [--min-points N]   as in [dyseg_network]\n"
-          "            [--network-only]   one row per set\n"
-          "            [--scenarios]      situations on the road instead of the sets\n"
-          "            [--only SET]   sets whose name holds SET\n"
-          "            [--short]      without the rows of wrong poses\n"
-          "            [--pictures DIR]   one scan of each set from above, DIR/dyseg_SET.ppm\n"
-          "Real sets are read from $DYSLAM_DATA.");
-      return word == "--help" ? 0 : 1;
-    }
-  }
+  CLI::App app("Evaluates moving-point segmentation on simulated and real sets");
+  app.add_option("--weights", a.weights, "network, a file or a shipped name");
+  app.add_option("--data", a.data, "folder of the real sets")->envname("DYSLAM_DATA");
+  app.add_option("--worlds", a.worlds, "simulated worlds of each kind");
+  app.add_option("--scans", a.scans, "scans of each simulated set")
+      ->check(CLI::Range(static_cast<int>(simulated_history) + 1, 100000));
+  app.add_option("--threads", a.threads, "threads");
+  app.add_option("--first-gap", a.network.first_gap, "as in [dyseg_network]");
+  app.add_option("--second-gap", a.network.second_gap, "as in [dyseg_network]");
+  app.add_option("--combine", a.network.combine, "as in [dyseg_network]: mean or max");
+  app.add_option("--iterations", a.network.iterations, "as in [dyseg_network]");
+  app.add_option("--threshold", a.network.threshold, "as in [dyseg_network]");
+  app.add_option("--min-points", a.network.min_points, "as in [dyseg_network]");
+  app.add_option("--only", a.only, "only sets whose name contains this");
+  app.add_option("--pictures", a.pictures, "folder for a bird's-eye view of each set (PPM)");
+  app.add_flag("--instances", a.instances, "recall of each object as well");
+  app.add_flag("--network-only", a.network_only, "one row per set");
+  app.add_flag("--short", a.brief, "without the rows of pose errors");
+  app.add_flag("--scenarios", a.scenarios, "traffic scenarios instead of the sets");
+  CLI11_PARSE(app, argc, argv);
   try
   {
     a.scenarios ? printScenarios(a) : printTable(a);

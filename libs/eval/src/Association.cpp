@@ -25,6 +25,16 @@ void append(PosePairs& pairs, const StampedPose& reference, const StampedPose& e
 }
 }  // namespace
 
+std::vector<double> distanceTravelled(const std::vector<Pose>& poses)
+{
+  std::vector<double> lengths(poses.size(), 0.0);
+  for (std::size_t i = 1; i < poses.size(); ++i)
+  {
+    lengths[i] = lengths[i - 1] + (poses[i].translation() - poses[i - 1].translation()).norm();
+  }
+  return lengths;
+}
+
 PosePairs associateByTime(const Trajectory& reference, const Trajectory& estimate, double tolerance)
 {
   PosePairs pairs = emptyPairs(reference, estimate);

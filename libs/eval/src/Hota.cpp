@@ -18,17 +18,17 @@ using track_evaluation::EvaluationFrame;
 using track_evaluation::Sequence;
 using Ids = std::pair<int, int>;
 
-constexpr double nothing = std::numeric_limits<double>::infinity();
+constexpr double not_allowed = std::numeric_limits<double>::infinity();
 
-/** The frame without what the rules pass over: such reference boxes, estimates matched to them, and
- * unmatched estimates that are excused. */
-EvaluationFrame relevant(const EvaluationFrame& frame, double min_iou)
+/** The frame without ignored boxes: ignored references, estimates matched to them, and ignorable
+ * unmatched estimates. */
+EvaluationFrame withoutIgnored(const EvaluationFrame& frame, double min_iou)
 {
   CostMatrix cost = frame.iou;
   for (Eigen::Index i = 0; i < cost.size(); ++i)
   {
     double& c = cost.data()[i];
-    c = c >= min_iou ? 1 - c : nothing;
+    c = c >= min_iou ? 1 - c : not_allowed;
   }
   const Assignment matched = assignShortestPaths(cost);
   std::vector<Eigen::Index> rows;
@@ -36,7 +36,7 @@ EvaluationFrame relevant(const EvaluationFrame& frame, double min_iou)
   EvaluationFrame kept;
   for (std::size_t i = 0; i < frame.reference_id.size(); ++i)
   {
-    if (!frame.passed_over[i])
+    if (!frame.ignored[i])
     {
       rows.push_back(static_cast<Eigen::Index>(i));
       kept.reference_id.push_back(frame.reference_id[i]);
@@ -45,9 +45,9 @@ EvaluationFrame relevant(const EvaluationFrame& frame, double min_iou)
   for (std::size_t j = 0; j < frame.estimate_id.size(); ++j)
   {
     const int row = matched.row_of_column[j];
-    const bool passed_over =
-        row >= 0 ? frame.passed_over[static_cast<std::size_t>(row)] : frame.excusable[j];
-    if (!passed_over)
+    const bool ignored =
+        row >= 0 ? frame.ignored[static_cast<std::size_t>(row)] : frame.ignorable[j];
+    if (!ignored)
     {
       columns.push_back(static_cast<Eigen::Index>(j));
       kept.estimate_id.push_back(frame.estimate_id[j]);
@@ -67,7 +67,7 @@ EvaluationFrame relevant(const EvaluationFrame& frame, double min_iou)
 }
 
 /** Sums over all sequences at one IoU threshold. */
-struct Sums
+struct HotaSums
 {
   double true_positives = 0;
   double misses = 0;
@@ -83,15 +83,15 @@ class HotaSequence
   {
     for (const EvaluationFrame& frame : sequence.frames)
     {
-      frames_.push_back(relevant(frame, 0.5));
+      frames_.push_back(withoutIgnored(frame, 0.5));
     }
     for (const EvaluationFrame& frame : frames_)
     {
-      note(frame);
+      accumulateAlignment(frame);
     }
   }
 
-  void add(double alpha, Sums& sums) const
+  void add(double alpha, HotaSums& sums) const
   {
     std::map<Ids, double> pairs;
     for (const EvaluationFrame& frame : frames_)
@@ -120,8 +120,8 @@ class HotaSequence
   }
 
  private:
-  /** Who is likely to belong together over the whole sequence, before any threshold. */
-  void note(const EvaluationFrame& frame)
+  /** Accumulates the global alignment score of each pair of ids (HOTA's potential matches). */
+  void accumulateAlignment(const EvaluationFrame& frame)
   {
     for (const int id : frame.reference_id)
     {
@@ -143,8 +143,8 @@ class HotaSequence
       {
         if (frame.iou(i, j) > 0)
         {
-          likely_[{frame.reference_id[static_cast<std::size_t>(i)],
-                   frame.estimate_id[static_cast<std::size_t>(j)]}] +=
+          alignment_score_[{frame.reference_id[static_cast<std::size_t>(i)],
+                            frame.estimate_id[static_cast<std::size_t>(j)]}] +=
               frame.iou(i, j) / (rows[i] + columns[j] - frame.iou(i, j));
         }
       }
@@ -153,7 +153,7 @@ class HotaSequence
 
   CostMatrix matchingCost(const EvaluationFrame& frame) const
   {
-    CostMatrix cost = CostMatrix::Constant(frame.iou.rows(), frame.iou.cols(), nothing);
+    CostMatrix cost = CostMatrix::Constant(frame.iou.rows(), frame.iou.cols(), not_allowed);
     for (Eigen::Index i = 0; i < cost.rows(); ++i)
     {
       for (Eigen::Index j = 0; j < cost.cols(); ++j)
@@ -162,9 +162,9 @@ class HotaSequence
         {
           const Ids ids{frame.reference_id[static_cast<std::size_t>(i)],
                         frame.estimate_id[static_cast<std::size_t>(j)]};
-          const double together = likely_.at(ids);
-          const double jaccard = together / (reference_count_.at(ids.first) +
-                                             estimate_count_.at(ids.second) - together);
+          const double alignment = alignment_score_.at(ids);
+          const double jaccard = alignment / (reference_count_.at(ids.first) +
+                                              estimate_count_.at(ids.second) - alignment);
           cost(i, j) = -jaccard * frame.iou(i, j);
         }
       }
@@ -175,7 +175,7 @@ class HotaSequence
   std::vector<EvaluationFrame> frames_;
   std::map<int, double> reference_count_;
   std::map<int, double> estimate_count_;
-  std::map<Ids, double> likely_;
+  std::map<Ids, double> alignment_score_;
 };
 }  // namespace
 
@@ -191,7 +191,7 @@ Hota hota(const std::vector<TrackSequence>& sequences, const TrackRules& rules)
   Hota mean;
   for (int k = 1; k <= alphas; ++k)
   {
-    Sums sums;
+    HotaSums sums;
     for (const HotaSequence& sequence : prepared)
     {
       sequence.add(0.05 * k, sums);
@@ -202,7 +202,7 @@ Hota hota(const std::vector<TrackSequence>& sequences, const TrackRules& rules)
     mean.detection += detection / alphas;
     mean.association += association / alphas;
     mean.hota += std::sqrt(detection * association) / alphas;
-    // With nothing found there is nothing to localise badly.
+    // Without true positives the localisation accuracy is 1 by convention.
     mean.localization +=
         (sums.true_positives > 0 ? sums.overlap / sums.true_positives : 1.0) / alphas;
   }

@@ -19,8 +19,8 @@ using namespace plot;
 constexpr int panels_across = 3;
 constexpr int panel_width = 640 * supersampling;
 constexpr int panel_height = 360 * supersampling;
-constexpr std::size_t many = 60;
-constexpr std::size_t smoothing = 50;
+constexpr std::size_t max_unsmoothed_rows = 60;
+constexpr std::size_t windows_per_curve = 50;
 
 std::vector<std::string> cellsOf(const std::string& line)
 {
@@ -43,10 +43,10 @@ bool numberOf(const std::string& cell, double& value)
   return !cell.empty() && *end == '\0';
 }
 
-Curve smoothed(const Curve& raw)
+Curve runningMean(const Curve& raw)
 {
   Curve curve = raw;
-  const std::size_t half = std::max<std::size_t>(1, raw.points.size() / (2 * smoothing));
+  const std::size_t half = std::max<std::size_t>(1, raw.points.size() / (2 * windows_per_curve));
   for (std::size_t i = 0; i < raw.points.size(); ++i)
   {
     const std::size_t from = i < half ? 0 : i - half;
@@ -61,11 +61,11 @@ Curve smoothed(const Curve& raw)
   return curve;
 }
 
-/** The range without the outermost hundredth on each side: one bad step hides nothing. */
-Range bulkOf(std::vector<double> values)
+/** Range between the 1 % and 99 % quantiles: robust against outliers. */
+Range robustRange(std::vector<double> values)
 {
   std::sort(values.begin(), values.end());
-  const std::size_t cut = values.size() > many ? values.size() / 100 : 0;
+  const std::size_t cut = values.size() > max_unsmoothed_rows ? values.size() / 100 : 0;
   Range range;
   range.add(values[cut]);
   range.add(values[values.size() - 1 - cut]);
@@ -104,17 +104,17 @@ void drawPanel(cv::Mat& page,
   x = x.size() > 0 ? x : Range{x.low - 1, x.high + 1};
   const cv::Rect area(corner.x + 90 * supersampling, corner.y + 50 * supersampling,
                       panel_width - 120 * supersampling, panel_height - 120 * supersampling);
-  Panel panel(page, area, x, bulkOf(values));
+  Panel panel(page, area, x, robustRange(values));
   panel.drawAxes(column.name, "step", "");
   for (auto& curve : curves)
   {
-    if (curve.points.size() > many)
+    if (curve.points.size() > max_unsmoothed_rows)
     {
       Curve faint = curve;
       faint.colour = 0.25 * curve.colour + 0.75 * white;
       faint.thickness = supersampling;
       panel.drawCurve(faint);
-      curve = smoothed(curve);
+      curve = runningMean(curve);
     }
     panel.drawCurve(curve);
   }
@@ -202,15 +202,15 @@ std::vector<std::uint8_t> renderLearningCurves(const LearningLog& log)
   }
   const int across = std::min(panels_across, static_cast<int>(log.columns.size()));
   const int down = (static_cast<int>(log.columns.size()) + across - 1) / across;
-  const int head = 40 * supersampling;
+  const int header_height = 40 * supersampling;
   const bool named = series.size() > 1 || !series.front().empty();
-  const int foot = named ? (24 * static_cast<int>(series.size()) + 24) * supersampling : 0;
-  cv::Mat page(head + down * panel_height + foot, across * panel_width, CV_8UC3, white);
+  const int footer = named ? (24 * static_cast<int>(series.size()) + 24) * supersampling : 0;
+  cv::Mat page(header_height + down * panel_height + footer, across * panel_width, CV_8UC3, white);
   text(page, log.name, {page.cols / 2, 24 * supersampling}, Anchor::middle, 0.7);
   for (std::size_t c = 0; c < log.columns.size(); ++c)
   {
     const int k = static_cast<int>(c);
-    drawPanel(page, {k % across * panel_width, head + k / across * panel_height}, log,
+    drawPanel(page, {k % across * panel_width, header_height + k / across * panel_height}, log,
               log.columns[c], series);
   }
   if (named)
@@ -221,7 +221,8 @@ std::vector<std::uint8_t> renderLearningCurves(const LearningLog& log)
       legend[s].name = series[s];
       legend[s].colour = curveColour(s);
     }
-    drawLegend(page, {90 * supersampling, head + down * panel_height + 12 * supersampling}, legend);
+    drawLegend(page, {90 * supersampling, header_height + down * panel_height + 12 * supersampling},
+               legend);
   }
   return encodePage(page);
 }

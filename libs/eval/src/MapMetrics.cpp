@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/Labels.h>
 #include <dyslam/eval/MapMetrics.h>
+#include <dyslam/eval/Statistics.h>
 
 #include <array>
 #include <cmath>
@@ -33,7 +34,7 @@ Cell cellOf(const Eigen::Vector3f& p, double size)
           static_cast<std::int64_t>(std::floor(static_cast<double>(p.z()) / size))};
 }
 
-/** Points by cell, cells as large as the search radius. */
+/** Hash grid of points; the cell size is the search radius. */
 class PointGrid
 {
  public:
@@ -136,25 +137,16 @@ MapScores scoreVoxels(const std::vector<Eigen::Vector3f>& reference,
   }
   return scores;
 }
-
-std::optional<double> share(std::size_t part, std::size_t whole)
-{
-  if (whole == 0)
-  {
-    return std::nullopt;
-  }
-  return static_cast<double>(part) / static_cast<double>(whole);
-}
 }  // namespace
 
 std::optional<double> MapScores::preservation() const
 {
-  return share(static_preserved, static_total);
+  return ratio(static_preserved, static_total);
 }
 
 std::optional<double> MapScores::rejection() const
 {
-  return share(dynamic_rejected, dynamic_total);
+  return ratio(dynamic_rejected, dynamic_total);
 }
 
 std::optional<double> harmonicMean(std::optional<double> a, std::optional<double> b)

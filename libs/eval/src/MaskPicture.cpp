@@ -50,7 +50,7 @@ cv::Scalar confidenceColour(float confidence)
   return {40 + 200 * c, 60, 40 + 200 * (1 - c)};
 }
 
-/** Pixel of a place in the view, or outside of it. */
+/** Pixel of a position; may lie outside the view. */
 cv::Point pixelOf(const Eigen::Vector2f& p)
 {
   constexpr float scale = static_cast<float>(view_pixels) / (2 * half_side);
@@ -86,8 +86,9 @@ void drawView(const MaskScan& scan, cv::Mat& page)
   }
   cv::rectangle(page, area, ink, supersampling);
 }
-/** Below the view: what colours and sizes mean, and how long ten metres are. */
-void drawKey(cv::Mat& page)
+
+/** Legend and scale bar below the view. */
+void drawLegendAndScale(cv::Mat& page)
 {
   constexpr double text_size = 0.5;
   const int y = view_pixels + margin + 28 * supersampling;
@@ -96,7 +97,7 @@ void drawKey(cv::Mat& page)
   };
   constexpr int ramp_begin = margin + 120 * supersampling;
   constexpr int ramp_pixels = 160 * supersampling;
-  write("held for moving", ramp_begin - 8 * supersampling, Anchor::right);
+  write("moving", ramp_begin - 8 * supersampling, Anchor::right);
   for (int x = 0; x < ramp_pixels; ++x)
   {
     const float confidence = static_cast<float>(x) / static_cast<float>(ramp_pixels);
@@ -141,21 +142,21 @@ MaskScan parseMaskScan(const std::string& content, const std::string& name)
       continue;
     }
     std::array<float, 5> v{};
-    const auto refuse = [&](const char* what)
+    const auto reject = [&](const char* what)
     { throw UserError(name + ": row " + std::to_string(scan.points.size() + 1) + what); };
     if (!parseRow(row, v))
     {
-      refuse(" is not five numbers with commas between");
+      reject(" is not five numbers with commas between");
     }
     if (!(v[3] <= 1))
     {
-      refuse(": static_confidence must be at most 1, or below 0 for none");
+      reject(": static_confidence must be at most 1, or below 0 for none");
     }
     if (v[4] != 0 && v[4] != 1 && v[4] != 2)
     {
-      refuse(": label must be 0 (unknown), 1 (static) or 2 (moving)");
+      reject(": label must be 0 (unknown), 1 (static) or 2 (moving)");
     }
-    const auto truth = v[4] == 1   ? MaskScan::Truth::still
+    const auto truth = v[4] == 1   ? MaskScan::Truth::stationary
                        : v[4] == 2 ? MaskScan::Truth::moving
                                    : MaskScan::Truth::unknown;
     scan.points.push_back({{v[0], v[1]}, v[3], truth});
@@ -184,8 +185,8 @@ std::vector<Eigen::Vector2d> rocCurve(const MaskScan& scan)
   }
   const auto all_moving = static_cast<double>(
       std::count_if(samples.begin(), samples.end(), [](const Sample& s) { return s.moving; }));
-  const double all_still = static_cast<double>(samples.size()) - all_moving;
-  if (all_moving == 0 || all_still == 0)
+  const double all_static = static_cast<double>(samples.size()) - all_moving;
+  if (all_moving == 0 || all_static == 0)
   {
     return {};
   }
@@ -193,20 +194,20 @@ std::vector<Eigen::Vector2d> rocCurve(const MaskScan& scan)
             [](const Sample& a, const Sample& b) { return a.confidence < b.confidence; });
   std::vector<Eigen::Vector2d> curve = {Eigen::Vector2d::Zero()};
   double moving = 0;
-  double still = 0;
+  double static_count = 0;
   for (std::size_t i = 0; i < samples.size(); ++i)
   {
-    (samples[i].moving ? moving : still) += 1;
+    (samples[i].moving ? moving : static_count) += 1;
     // Equal confidences are called moving together.
     if (i + 1 == samples.size() || samples[i].confidence < samples[i + 1].confidence)
     {
-      curve.emplace_back(still / all_still, moving / all_moving);
+      curve.emplace_back(static_count / all_static, moving / all_moving);
     }
   }
   return curve;
 }
 
-double areaUnder(const std::vector<Eigen::Vector2d>& roc)
+double areaUnderCurve(const std::vector<Eigen::Vector2d>& roc)
 {
   if (roc.empty())
   {
@@ -226,7 +227,7 @@ std::vector<std::uint8_t> renderMaskScan(const MaskScan& scan)
   const int width = view_pixels + 2 * margin + (roc.empty() ? 0 : curve_pixels + 2 * margin);
   cv::Mat page(view_pixels + 2 * margin, width, CV_8UC3, white);
   drawView(scan, page);
-  drawKey(page);
+  drawLegendAndScale(page);
   text(page, scan.name, {margin + view_pixels / 2, 30 * supersampling}, Anchor::middle, 0.6);
   if (!roc.empty())
   {
@@ -234,7 +235,7 @@ std::vector<std::uint8_t> renderMaskScan(const MaskScan& scan)
                         curve_pixels, curve_pixels);
     Panel panel(page, area, {0, 1}, {0, 1});
     char title[48];
-    std::snprintf(title, sizeof title, "area under the curve %.3f", areaUnder(roc));
+    std::snprintf(title, sizeof title, "area under the curve %.3f", areaUnderCurve(roc));
     panel.drawAxes(title, "static points called moving", "moving points found");
     panel.drawCurve({"", {{0, 0}, {1, 1}}, reference_grey});
     panel.drawCurve({"", roc, curveColour(0)});

@@ -7,7 +7,7 @@
 
 namespace dyslam
 {
-/** What the paper prints for one method on one sequence; missing figures are empty. */
+/** The paper's results of one method on one sequence; missing ones are empty. */
 struct PaperRow
 {
   std::string method;
@@ -20,6 +20,6 @@ struct PaperRow
 
 /** Rows of Tables 1, 2, 6 and 7 of Gao et al., "An enhanced LiDAR SLAM based on 3D moving object
  * tracking in dynamic scene", by sequence: "odometry/04", "tracking/04", "campus/01".
- * \throws UserError for a sequence that the paper does not have, naming the nearest. */
+ * \throws UserError for a sequence not in the paper, naming the nearest one. */
 [[nodiscard]] std::vector<PaperRow> paperFigures(const std::string& sequence);
 }  // namespace dyslam

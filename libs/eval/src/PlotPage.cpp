@@ -15,7 +15,7 @@ constexpr int curve_bits = 4;
 const cv::Scalar faint(228, 228, 228);
 const cv::Scalar frame_colour(150, 150, 150);
 
-/** A step of 1, 2 or 5 times a power of ten that cuts `size` into at most `parts`. */
+/** Tick spacing of 1, 2 or 5 times a power of ten with at most `parts` intervals in `size`. */
 double niceStep(double size, int parts)
 {
   const double raw = size / parts;
@@ -57,7 +57,7 @@ void rotatedText(cv::Mat& page, const std::string& words, cv::Point center, doub
 
 cv::Scalar curveColour(std::size_t i)
 {
-  // Blue, green, red; dark enough for white paper, apart for colour-blind eyes (Okabe and Ito).
+  // Colour-blind safe palette (Okabe and Ito), in BGR.
   static const std::array<cv::Scalar, 7> colours{
       cv::Scalar(178, 114, 0),   cv::Scalar(0, 94, 213),  cv::Scalar(115, 158, 0),
       cv::Scalar(167, 121, 204), cv::Scalar(0, 159, 230), cv::Scalar(233, 180, 86),

@@ -11,7 +11,7 @@
 
 namespace dyslam::plot
 {
-// Drawn at twice the size and reduced, so that lines and text come out smooth.
+// Drawn at twice the final size and downsampled, for anti-aliasing.
 constexpr int supersampling = 2;
 
 const cv::Scalar white(255, 255, 255);
@@ -52,11 +52,11 @@ void text(cv::Mat& page,
           double scale = 0.5,
           const cv::Scalar& colour = ink);
 
-/** Axes with a grid and curves in a part of the page. */
+/** Axes with a grid and curves within an area of the page. */
 class Panel
 {
  public:
-  /** \param steps about how many grid lines along y. */
+  /** \param steps approximate number of grid lines along y. */
   Panel(cv::Mat& page, cv::Rect area, Range x, Range y, int steps = 5);
 
   void drawAxes(const std::string& title, const std::string& x_label, const std::string& y_label);
@@ -73,7 +73,7 @@ class Panel
   int steps_;
 };
 
-/** Names beside samples of their lines, one below the other from `at`. */
+/** Legend: names with line samples, downwards from `at` [px]. */
 void drawLegend(cv::Mat& page, cv::Point at, const std::vector<Curve>& curves);
 
 /** The page at its final size as PNG bytes. */

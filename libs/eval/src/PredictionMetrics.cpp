@@ -7,20 +7,20 @@
 
 namespace dyslam
 {
-PredictionError predictionError(StepPredictor& predictor,
-                                const GroundPath& sightings,
-                                const GroundPath& truth,
+PredictionError predictionError(OneStepPredictor& predictor,
+                                const PlanarTrack& observations,
+                                const PlanarTrack& truth,
                                 std::size_t warm_up)
 {
   std::vector<double> errors;
   double sum = 0;
-  std::size_t seen = 0;
-  for (const auto& [frame, position] : sightings)
+  std::size_t observed = 0;
+  for (const auto& [frame, position] : observations)
   {
-    predictor.see(frame, position);
-    ++seen;
+    predictor.observe(frame, position);
+    ++observed;
     const auto next = truth.find(frame + 1);
-    if (seen < warm_up || next == truth.end())
+    if (observed < warm_up || next == truth.end())
     {
       continue;
     }
@@ -37,7 +37,7 @@ PredictionError predictionError(StepPredictor& predictor,
     result.rmse = std::sqrt(sum / static_cast<double>(errors.size()));
     std::sort(errors.begin(), errors.end());
     result.median = errors[errors.size() / 2];
-    result.largest = errors.back();
+    result.max = errors.back();
   }
   return result;
 }

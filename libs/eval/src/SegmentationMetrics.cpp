@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/Labels.h>
 #include <dyslam/eval/SegmentationMetrics.h>
+#include <dyslam/eval/Statistics.h>
 
 #include <array>
 #include <stdexcept>
@@ -46,35 +47,26 @@ constexpr std::array<std::pair<std::uint16_t, const char*>, 35> class_names{
      {257, "moving-bus"},
      {258, "moving-truck"},
      {259, "moving-other-vehicle"}}};
-
-std::optional<double> share(std::size_t part, std::size_t whole)
-{
-  if (whole == 0)
-  {
-    return std::nullopt;
-  }
-  return static_cast<double>(part) / static_cast<double>(whole);
-}
 }  // namespace
 
 std::optional<double> SegmentationScores::iou() const
 {
-  return share(true_positives, true_positives + false_positives + false_negatives);
+  return ratio(true_positives, true_positives + false_positives + false_negatives);
 }
 
 std::optional<double> SegmentationScores::precision() const
 {
-  return share(true_positives, true_positives + false_positives);
+  return ratio(true_positives, true_positives + false_positives);
 }
 
 std::optional<double> SegmentationScores::recall() const
 {
-  return share(true_positives, true_positives + false_negatives);
+  return ratio(true_positives, true_positives + false_negatives);
 }
 
 std::optional<double> SegmentationScores::staticIou() const
 {
-  return share(true_negatives, true_negatives + false_positives + false_negatives);
+  return ratio(true_negatives, true_negatives + false_positives + false_negatives);
 }
 
 void SegmentationEvaluator::add(const std::vector<std::uint32_t>& reference,

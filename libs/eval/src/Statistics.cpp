@@ -7,6 +7,15 @@
 
 namespace dyslam
 {
+std::optional<double> ratio(std::size_t part, std::size_t whole)
+{
+  if (whole == 0)
+  {
+    return std::nullopt;
+  }
+  return static_cast<double>(part) / static_cast<double>(whole);
+}
+
 Statistics statisticsOf(const std::vector<double>& values)
 {
   Statistics result;
@@ -17,7 +26,7 @@ Statistics statisticsOf(const std::vector<double>& values)
   }
   if (!std::all_of(values.begin(), values.end(), [](double v) { return std::isfinite(v); }))
   {
-    throw std::invalid_argument("statisticsOf: a value is not finite");
+    throw std::invalid_argument("statisticsOf: non-finite value");
   }
   std::vector<double> sorted = values;
   std::sort(sorted.begin(), sorted.end());

@@ -10,7 +10,7 @@
 
 namespace dyslam
 {
-using track_evaluation::isPassedOver;
+using track_evaluation::isIgnored;
 using track_evaluation::sameType;
 
 namespace
@@ -64,28 +64,28 @@ void compare(TrackError& error, const LabelledBox& reference, const LabelledBox&
 TrackSpeeds speedsFrom(const std::vector<LabelledBox>& boxes,
                        const std::map<int, StampedPose>& T_world_lidar)
 {
-  struct Sighting
+  struct StampedPosition
   {
     double stamp;
     Eigen::Vector3d position;  // world
   };
-  std::map<std::pair<int, int>, Sighting> sightings;  // by id and frame
+  std::map<std::pair<int, int>, StampedPosition> observations;  // by id and frame
   for (const LabelledBox& box : boxes)
   {
     const auto pose = T_world_lidar.find(box.frame);
     if (box.id >= 0 && pose != T_world_lidar.end())
     {
-      sightings[{box.id, box.frame}] = {pose->second.stamp, pose->second.pose * box.box.center};
+      observations[{box.id, box.frame}] = {pose->second.stamp, pose->second.pose * box.box.center};
     }
   }
   TrackSpeeds speeds;
-  for (auto now = sightings.begin(); now != sightings.end(); ++now)
+  for (auto now = observations.begin(); now != observations.end(); ++now)
   {
     const auto [id, frame] = now->first;
-    auto first = sightings.find({id, frame - 1});
-    auto last = sightings.find({id, frame + 1});
-    first = first == sightings.end() ? now : first;
-    last = last == sightings.end() ? now : last;
+    auto first = observations.find({id, frame - 1});
+    auto last = observations.find({id, frame + 1});
+    first = first == observations.end() ? now : first;
+    last = last == observations.end() ? now : last;
     const double dt = last->second.stamp - first->second.stamp;
     if (dt > 0)
     {
@@ -112,16 +112,17 @@ std::vector<TrackError> trackErrors(const TrackSequence& sequence,
     {
       for (Eigen::Index j = 0; j < cost.cols(); ++j)
       {
-        const double apart = distance(*references[f][static_cast<std::size_t>(i)],
-                                      *estimates[f][static_cast<std::size_t>(j)]);
-        cost(i, j) = apart <= max_distance ? apart : std::numeric_limits<double>::infinity();
+        const double separation = distance(*references[f][static_cast<std::size_t>(i)],
+                                           *estimates[f][static_cast<std::size_t>(j)]);
+        cost(i, j) =
+            separation <= max_distance ? separation : std::numeric_limits<double>::infinity();
       }
     }
     const Assignment assignment = assignShortestPaths(cost);
     for (std::size_t i = 0; i < references[f].size(); ++i)
     {
       const LabelledBox& reference = *references[f][i];
-      if (isPassedOver(reference, rules))
+      if (isIgnored(reference, rules))
       {
         continue;
       }
@@ -146,16 +147,16 @@ std::vector<TrackError> trackErrors(const TrackSequence& sequence,
 
 TrackErrorSummary summaryOf(const std::vector<TrackError>& errors,
                             const std::string& type,
-                            double nearest,
-                            double farthest)
+                            double min_range,
+                            double max_range)
 {
   TrackErrorSummary summary;
   std::vector<double> positions;
   std::vector<double> yaws;
   for (const TrackError& error : errors)
   {
-    if ((!type.empty() && !sameType(type, error.type)) || error.range < nearest ||
-        error.range >= farthest)
+    if ((!type.empty() && !sameType(type, error.type)) || error.range < min_range ||
+        error.range >= max_range)
     {
       continue;
     }

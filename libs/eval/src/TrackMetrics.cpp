@@ -20,14 +20,14 @@ using track_evaluation::Sequence;
 
 namespace
 {
-/** Per frame of one reference track: the estimate's id or -1, and whether it is passed over. */
-struct Life
+/** Matched estimate (id or -1) and ignored flag of one reference track, per frame. */
+struct TrackHistory
 {
   std::vector<int> matched;
-  std::vector<bool> passed_over;
+  std::vector<bool> ignored;
 };
 
-constexpr double every_track = -std::numeric_limits<double>::infinity();
+constexpr double all_tracks = -std::numeric_limits<double>::infinity();
 
 class ClearMotCount
 {
@@ -39,14 +39,14 @@ class ClearMotCount
 
   void add(const Sequence& sequence)
   {
-    std::map<int, Life> lives;
+    std::map<int, TrackHistory> histories;
     for (const EvaluationFrame& frame : sequence.frames)
     {
-      addFrame(frame, sequence.mean_score, lives);
+      addFrame(frame, sequence.mean_score, histories);
     }
-    for (const auto& [id, life] : lives)
+    for (const auto& [id, history] : histories)
     {
-      addLife(life);
+      addTrack(history);
     }
   }
 
@@ -64,8 +64,8 @@ class ClearMotCount
     r.mota = r.references > 0 ? 1 - (fn + fp + static_cast<double>(r.id_switches)) /
                                         static_cast<double>(r.references)
                               : 0;
-    r.mostly_tracked = ratio(mostly_tracked_, lives_);
-    r.mostly_lost = ratio(mostly_lost_, lives_);
+    r.mostly_tracked = ratio(mostly_tracked_, reference_tracks_);
+    r.mostly_lost = ratio(mostly_lost_, reference_tracks_);
     return r;
   }
 
@@ -74,7 +74,7 @@ class ClearMotCount
  private:
   void addFrame(const EvaluationFrame& frame,
                 const std::map<int, double>& mean_score,
-                std::map<int, Life>& lives)
+                std::map<int, TrackHistory>& histories)
   {
     std::vector<Eigen::Index> kept;
     for (std::size_t j = 0; j < frame.estimate_id.size(); ++j)
@@ -97,47 +97,47 @@ class ClearMotCount
     for (std::size_t i = 0; i < frame.reference_id.size(); ++i)
     {
       const int j = assignment.column_of_row[i];
-      Life& life = lives[frame.reference_id[i]];
-      life.passed_over.push_back(frame.passed_over[i]);
-      life.matched.push_back(-1);
-      result_.references += frame.passed_over[i] ? 0 : 1;
+      TrackHistory& history = histories[frame.reference_id[i]];
+      history.ignored.push_back(frame.ignored[i]);
+      history.matched.push_back(-1);
+      result_.references += frame.ignored[i] ? 0 : 1;
       if (j < 0)
       {
-        result_.misses += frame.passed_over[i] ? 0 : 1;
+        result_.misses += frame.ignored[i] ? 0 : 1;
         continue;
       }
       const auto estimate = static_cast<std::size_t>(kept[static_cast<std::size_t>(j)]);
-      life.matched.back() = frame.estimate_id[estimate];
+      history.matched.back() = frame.estimate_id[estimate];
       overlap_ += 1 - cost(static_cast<Eigen::Index>(i), j);
       ++result_.matches;
       match_scores_.push_back(mean_score.at(frame.estimate_id[estimate]));
     }
     for (std::size_t j = 0; j < kept.size(); ++j)
     {
-      if (assignment.row_of_column[j] < 0 && !frame.excusable[static_cast<std::size_t>(kept[j])])
+      if (assignment.row_of_column[j] < 0 && !frame.ignorable[static_cast<std::size_t>(kept[j])])
       {
         ++result_.false_alarms;
       }
     }
   }
 
-  void addLife(const Life& life)
+  void addTrack(const TrackHistory& history)
   {
-    const std::size_t length = life.matched.size();
+    const std::size_t length = history.matched.size();
     std::size_t counted = 0;
     std::size_t tracked = 0;
-    int last = -1;  // id that had it, until it is passed over
+    int last = -1;  // last matched id; reset by ignored boxes
     for (std::size_t f = 0; f < length; ++f)
     {
-      if (life.passed_over[f])
+      if (history.ignored[f])
       {
         last = -1;
         continue;
       }
       ++counted;
-      const int now = life.matched[f];
-      const int before = f > 0 ? life.matched[f - 1] : -1;
-      const int after = f + 1 < length ? life.matched[f + 1] : now;
+      const int now = history.matched[f];
+      const int before = f > 0 ? history.matched[f - 1] : -1;
+      const int after = f + 1 < length ? history.matched[f + 1] : now;
       if (now >= 0 && last >= 0)
       {
         const bool seen_before = before >= 0 || rules_.switches_across_gaps;
@@ -154,16 +154,16 @@ class ClearMotCount
     {
       return;
     }
-    lives_ += 1;
-    const double share = static_cast<double>(tracked) / static_cast<double>(counted);
-    mostly_tracked_ += share > 0.8 ? 1 : 0;
-    mostly_lost_ += share < 0.2 ? 1 : 0;
+    reference_tracks_ += 1;
+    const double tracked_ratio = static_cast<double>(tracked) / static_cast<double>(counted);
+    mostly_tracked_ += tracked_ratio > 0.8 ? 1 : 0;
+    mostly_lost_ += tracked_ratio < 0.2 ? 1 : 0;
   }
 
   const TrackRules& rules_;
   ClearMot result_;
   double overlap_ = 0;
-  double lives_ = 0;
+  double reference_tracks_ = 0;
   double mostly_tracked_ = 0;
   double mostly_lost_ = 0;
   std::vector<double> match_scores_;
@@ -181,7 +181,7 @@ ClearMotCount count(const std::vector<Sequence>& sequences,
   return counted;
 }
 
-/** Thresholds at which the matches' scores give recalls 1/n, 2/n, ... as nearly as they can. */
+/** (score threshold, recall) pairs nearest to the recalls 1/n, 2/n, ... */
 std::vector<std::pair<double, double>> recallThresholds(std::vector<double> scores,
                                                         std::size_t references,
                                                         int points)
@@ -189,18 +189,18 @@ std::vector<std::pair<double, double>> recallThresholds(std::vector<double> scor
   std::sort(scores.begin(), scores.end(), std::greater<>());
   std::vector<std::pair<double, double>> result;
   const auto total = static_cast<double>(references);
-  double aim = 0;
+  double target = 0;
   for (std::size_t i = 0; i < scores.size(); ++i)
   {
     const bool last = i + 1 == scores.size();
     const double here = static_cast<double>(i + 1) / total;
     const double next = last ? here : static_cast<double>(i + 2) / total;
-    if (!last && next - aim < aim - here)
+    if (!last && next - target < target - here)
     {
-      continue;  // the next score comes nearer
+      continue;  // the next score is nearer
     }
-    result.emplace_back(scores[i], aim);
-    aim += 1.0 / points;
+    result.emplace_back(scores[i], target);
+    target += 1.0 / points;
   }
   if (!result.empty())
   {
@@ -227,7 +227,7 @@ TrackRules TrackRules::kitti(const std::string& type)
 
 ClearMot clearMot(const std::vector<TrackSequence>& sequences, const TrackRules& rules)
 {
-  return clearMot(sequences, rules, every_track);
+  return clearMot(sequences, rules, all_tracks);
 }
 
 ClearMot clearMot(const std::vector<TrackSequence>& sequences,
@@ -264,7 +264,7 @@ RecallAverages averagesOverRecall(const std::vector<TrackSequence>& sequences,
                                   int recall_points)
 {
   const std::vector<Sequence> prepared = prepare(sequences, rules);
-  const ClearMotCount all = count(prepared, rules, every_track);
+  const ClearMotCount all = count(prepared, rules, all_tracks);
   const ClearMot whole = all.result();
   RecallAverages averages;
   averages.best = whole;
@@ -274,7 +274,7 @@ RecallAverages averagesOverRecall(const std::vector<TrackSequence>& sequences,
     RecallAverages::Point point;
     point.recall = recall;
     point.mot = count(prepared, rules, threshold).result();
-    // MOTA = 1 - errors / n, of which (1 - r) n misses are due to the recall aimed at.
+    // MOTA = 1 - errors / n; (1 - r) n of the misses are due to the target recall r.
     const double smota = 1 - (1 - point.mot.mota - (1 - recall)) / recall;
     point.smota = std::clamp(smota, 0.0, 1.0);
     averages.samota += point.smota / recall_points;

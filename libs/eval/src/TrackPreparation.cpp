@@ -17,7 +17,7 @@ namespace
 constexpr int max_truncated = 0;
 constexpr int max_occluded = 2;
 constexpr double min_image_height = 25;  // of estimates [px]
-constexpr double max_dontcare = 0.5;     // share of an estimate's image box in a DontCare area
+constexpr double max_dontcare = 0.5;     // fraction of an estimate's image box in a DontCare area
 
 std::string lowered(std::string text)
 {
@@ -31,8 +31,8 @@ double imageArea(const Eigen::Vector4d& box)
   return std::max(0.0, box[2] - box[0]) * std::max(0.0, box[3] - box[1]);
 }
 
-/** How much of image box a lies in b. */
-double imageShare(const Eigen::Vector4d& a, const Eigen::Vector4d& b)
+/** Fraction of image box a within b. */
+double imageOverlap(const Eigen::Vector4d& a, const Eigen::Vector4d& b)
 {
   const double width = std::min(a[2], b[2]) - std::max(a[0], b[0]);
   const double height = std::min(a[3], b[3]) - std::max(a[1], b[1]);
@@ -75,12 +75,15 @@ class Preparation
  private:
   using Boxes = std::vector<const LabelledBox*>;
 
-  bool inside(const LabelledBox& box) const { return box.frame >= 0 && box.frame < input_.frames; }
-  bool wanted(const LabelledBox& box) const
+  bool inSequence(const LabelledBox& box) const
+  {
+    return box.frame >= 0 && box.frame < input_.frames;
+  }
+  bool isOfType(const LabelledBox& box) const
   {
     return rules_.type.empty() || sameType(box.type, rules_.type);
   }
-  bool neighbour(const LabelledBox& box) const
+  bool isOfNeighbourType(const LabelledBox& box) const
   {
     return std::any_of(rules_.neighbours.begin(), rules_.neighbours.end(),
                        [&](const std::string& type) { return sameType(type, box.type); });
@@ -90,7 +93,7 @@ class Preparation
   {
     for (const LabelledBox& box : input_.reference)
     {
-      if (!inside(box))
+      if (!inSequence(box))
       {
         continue;
       }
@@ -99,28 +102,28 @@ class Preparation
       {
         areas_[f].push_back(&box);
       }
-      else if (box.id >= 0 && (wanted(box) || neighbour(box)))
+      else if (box.id >= 0 && (isOfType(box) || isOfNeighbourType(box)))
       {
         references_[f].push_back(&box);
       }
     }
     for (const LabelledBox& box : input_.estimate)
     {
-      if (inside(box) && wanted(box))
+      if (inSequence(box) && isOfType(box))
       {
         estimates_[static_cast<std::size_t>(box.frame)].push_back(&box);
       }
     }
   }
 
-  double likeness(const Box& reference, const Box& estimate) const
+  double similarity(const Box& reference, const Box& estimate) const
   {
     if (rules_.max_distance <= 0)
     {
       return boxIou(reference, estimate);
     }
-    const double apart = (reference.center - estimate.center).head<2>().norm();
-    return std::max(0.0, 1 - apart / rules_.max_distance);
+    const double separation = (reference.center - estimate.center).head<2>().norm();
+    return std::max(0.0, 1 - separation / rules_.max_distance);
   }
 
   EvaluationFrame frame(std::size_t f) const
@@ -129,21 +132,21 @@ class Preparation
     for (const LabelledBox* box : references_[f])
     {
       result.reference_id.push_back(box->id);
-      result.passed_over.push_back(isPassedOver(*box, rules_) || !wanted(*box));
+      result.ignored.push_back(isIgnored(*box, rules_) || !isOfType(*box));
     }
     for (const LabelledBox* box : estimates_[f])
     {
       result.estimate_id.push_back(box->id);
-      bool excusable = false;
+      bool ignorable = false;
       if (rules_.image_rules)
       {
-        excusable = std::abs(box->image_box[3] - box->image_box[1]) <= min_image_height;
+        ignorable = std::abs(box->image_box[3] - box->image_box[1]) <= min_image_height;
         for (const LabelledBox* area : areas_[f])
         {
-          excusable = excusable || imageShare(box->image_box, area->image_box) > max_dontcare;
+          ignorable = ignorable || imageOverlap(box->image_box, area->image_box) > max_dontcare;
         }
       }
-      result.excusable.push_back(excusable);
+      result.ignorable.push_back(ignorable);
     }
     result.iou.resize(static_cast<Eigen::Index>(references_[f].size()),
                       static_cast<Eigen::Index>(estimates_[f].size()));
@@ -152,7 +155,7 @@ class Preparation
       for (std::size_t j = 0; j < estimates_[f].size(); ++j)
       {
         result.iou(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)) =
-            likeness(references_[f][i]->box, estimates_[f][j]->box);
+            similarity(references_[f][i]->box, estimates_[f][j]->box);
       }
     }
     return result;
@@ -167,9 +170,9 @@ class Preparation
 
 }  // namespace
 
-bool isPassedOver(const LabelledBox& box, const TrackRules& rules)
+bool isIgnored(const LabelledBox& box, const TrackRules& rules)
 {
-  return box.occluded == passed_over_box ||
+  return box.occluded == ignored_box ||
          (rules.image_rules && (box.occluded > max_occluded || box.truncated > max_truncated));
 }
 

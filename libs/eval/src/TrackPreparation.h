@@ -9,14 +9,14 @@
 
 namespace dyslam::track_evaluation
 {
-/** One frame, ready to be matched at any threshold. */
+/** One frame, prepared for matching at any threshold. */
 struct EvaluationFrame
 {
   std::vector<int> reference_id;
-  std::vector<bool> passed_over;  //!< per reference box: a match is no hit, a miss no miss
+  std::vector<bool> ignored;  //!< per reference box: neither hit nor miss
   std::vector<int> estimate_id;
-  std::vector<bool> excusable;  //!< per estimate: no false alarm when unmatched
-  CostMatrix iou;               //!< references x estimates
+  std::vector<bool> ignorable;  //!< per estimate: no false positive if unmatched
+  CostMatrix iou;               //!< or distance-based similarity, references x estimates
 };
 
 struct Sequence
@@ -25,13 +25,13 @@ struct Sequence
   std::map<int, double> mean_score;  //!< of each estimated track
 };
 
-/** Boxes that the rules let in, by frame, with their overlaps. */
+/** Boxes selected by the rules, by frame, with their similarities. */
 [[nodiscard]] std::vector<Sequence> prepare(const std::vector<TrackSequence>& sequences,
                                             const TrackRules& rules);
 
-/** Whether the rules count neither a hit nor a miss of this reference box, whatever its class. */
-[[nodiscard]] bool isPassedOver(const LabelledBox& box, const TrackRules& rules);
+/** Whether the rules ignore this reference box (neither hit nor miss), regardless of its class. */
+[[nodiscard]] bool isIgnored(const LabelledBox& box, const TrackRules& rules);
 
-/** Whether two class names are the same but for case. */
+/** Case-insensitive comparison of class names. */
 [[nodiscard]] bool sameType(const std::string& a, const std::string& b);
 }  // namespace dyslam::track_evaluation

@@ -15,7 +15,7 @@ namespace
 {
 constexpr double kDegreesPerRadian = 180.0 / 3.14159265358979323846;
 
-/** What is left of the true motion from i to j after undoing the estimated one. */
+/** Error of the estimated motion from i to j: inverse(estimated) * true. */
 Pose motionError(const PosePairs& pairs, std::size_t i, std::size_t j)
 {
   const Pose truth = pairs.reference[i].inverse() * pairs.reference[j];
@@ -23,28 +23,18 @@ Pose motionError(const PosePairs& pairs, std::size_t i, std::size_t j)
   return estimated.inverse() * truth;
 }
 
-std::vector<double> travelled(const std::vector<Pose>& poses)
-{
-  std::vector<double> lengths(poses.size(), 0.0);
-  for (std::size_t i = 1; i < poses.size(); ++i)
-  {
-    lengths[i] = lengths[i - 1] + (poses[i].translation() - poses[i - 1].translation()).norm();
-  }
-  return lengths;
-}
-
-/** Whether the reference's positions are so much a line that what they tell of the rotation about
- * it is worse than the orientations: they spread less than a hundredth as far across as along, and
- * less than ten times what R leaves of the estimate's error across.
+/** Whether the reference's positions are so nearly collinear that the orientations determine the
+ * rotation about their line better: the spread across is less than a hundredth of the spread along,
+ * and less than ten times the residual error across after alignment with R.
  * \param[out] direction of the line. */
-bool isLine(const PosePairs& pairs,
-            const Eigen::Vector3d& reference_mean,
-            const Eigen::Vector3d& estimate_mean,
-            const Eigen::Matrix3d& R,
-            Eigen::Vector3d& direction)
+bool isDegenerateLine(const PosePairs& pairs,
+                      const Eigen::Vector3d& reference_mean,
+                      const Eigen::Vector3d& estimate_mean,
+                      const Eigen::Matrix3d& R,
+                      Eigen::Vector3d& direction)
 {
-  constexpr double narrow = 0.01;
-  constexpr double clear = 10;
+  constexpr double max_aspect_ratio = 0.01;
+  constexpr double min_signal_to_noise = 10;
   Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
   Eigen::Matrix3d error = Eigen::Matrix3d::Zero();
   for (std::size_t i = 0; i < pairs.size(); ++i)
@@ -55,17 +45,18 @@ bool isLine(const PosePairs& pairs,
     error += d * d.transpose();
   }
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(spread);
-  const Eigen::Vector3d& squares = solver.eigenvalues();  // the least first
+  const Eigen::Vector3d& squares = solver.eigenvalues();  // in ascending order
   direction = solver.eigenvectors().col(2);
   const double error_across = error.trace() - direction.dot(error * direction);
-  return squares[1] < narrow * narrow * squares[2] && squares[1] < clear * clear * error_across;
+  return squares[1] < max_aspect_ratio * max_aspect_ratio * squares[2] &&
+         squares[1] < min_signal_to_noise * min_signal_to_noise * error_across;
 }
 
-/** The turn about `axis` after R that makes sum |R_r - turn R R_e|^2 least.
+/** The rotation Q about `axis` that minimises sum |R_r - Q R R_e|^2.
  * \param orientations sum R_r R_e^T. */
-Eigen::Matrix3d turnAbout(const Eigen::Vector3d& axis,
-                          const Eigen::Matrix3d& orientations,
-                          const Eigen::Matrix3d& R)
+Eigen::Matrix3d optimalRotationAbout(const Eigen::Vector3d& axis,
+                                     const Eigen::Matrix3d& orientations,
+                                     const Eigen::Matrix3d& R)
 {
   const Eigen::Matrix3d a = orientations * R.transpose();
   const Eigen::Vector3d skew(a(2, 1) - a(1, 2), a(0, 2) - a(2, 0), a(1, 0) - a(0, 1));
@@ -73,11 +64,11 @@ Eigen::Matrix3d turnAbout(const Eigen::Vector3d& axis,
   return Eigen::AngleAxisd(angle, axis).toRotationMatrix();
 }
 
-/** The rotation R that makes sum |r_i - R e_i|^2 least for centred positions (Kabsch, Umeyama);
- * about a line of positions, that of the orientations. */
-Eigen::Matrix3d bestRotation(const PosePairs& pairs,
-                             const Eigen::Vector3d& reference_mean,
-                             const Eigen::Vector3d& estimate_mean)
+/** The rotation R that minimises sum |r_i - R e_i|^2 for centred positions (Kabsch, Umeyama); about
+ * a line of collinear positions, that of the orientations. */
+Eigen::Matrix3d optimalRotation(const PosePairs& pairs,
+                                const Eigen::Vector3d& reference_mean,
+                                const Eigen::Vector3d& estimate_mean)
 {
   Eigen::Matrix3d positions = Eigen::Matrix3d::Zero();
   Eigen::Matrix3d orientations = Eigen::Matrix3d::Zero();
@@ -90,7 +81,7 @@ Eigen::Matrix3d bestRotation(const PosePairs& pairs,
     orientations += pairs.reference[i].linear() * pairs.estimate[i].linear().transpose();
     spread += r.squaredNorm() + e.squaredNorm();
   }
-  // Far too small to matter wherever positions say anything; it decides where they say nothing.
+  // Negligible unless the positions leave the rotation undetermined.
   constexpr double orientation_weight = 1e-9;
   const double scale = spread > 0 ? spread : 1.0;
   positions += orientation_weight * scale / static_cast<double>(pairs.size()) * orientations;
@@ -100,8 +91,8 @@ Eigen::Matrix3d bestRotation(const PosePairs& pairs,
   mirror(2, 2) = (svd.matrixU() * svd.matrixV().transpose()).determinant() < 0 ? -1 : 1;
   const Eigen::Matrix3d R = svd.matrixU() * mirror * svd.matrixV().transpose();
   Eigen::Vector3d line;
-  return isLine(pairs, reference_mean, estimate_mean, R, line)
-             ? turnAbout(line, orientations, R) * R
+  return isDegenerateLine(pairs, reference_mean, estimate_mean, R, line)
+             ? optimalRotationAbout(line, orientations, R) * R
              : R;
 }
 }  // namespace
@@ -149,7 +140,7 @@ KittiDrift kittiDrift(const PosePairs& pairs, const std::vector<double>& lengths
     drift.length = length;
     result.per_length.push_back(drift);
   }
-  const std::vector<double> distance = travelled(pairs.reference);
+  const std::vector<double> distance = distanceTravelled(pairs.reference);
   for (std::size_t first = 0; first < pairs.size(); first += step)
   {
     for (auto& drift : result.per_length)
@@ -219,7 +210,7 @@ Pose alignEstimate(const PosePairs& pairs, Alignment alignment)
   reference_mean /= static_cast<double>(pairs.size());
   estimate_mean /= static_cast<double>(pairs.size());
   Pose T_reference_estimate = Pose::Identity();
-  T_reference_estimate.linear() = bestRotation(pairs, reference_mean, estimate_mean);
+  T_reference_estimate.linear() = optimalRotation(pairs, reference_mean, estimate_mean);
   T_reference_estimate.translation() =
       reference_mean - T_reference_estimate.linear() * estimate_mean;
   return T_reference_estimate;
@@ -244,7 +235,7 @@ AbsoluteTrajectoryError absoluteTrajectoryError(const PosePairs& pairs, Alignmen
 
 std::optional<double> forwardRatio(const PosePairs& pairs)
 {
-  constexpr double shortest_step = 1e-6;
+  constexpr double min_step = 1e-6;
   double true_sum = 0;
   double estimated_sum = 0;
   for (std::size_t i = 0; i + 1 < pairs.size(); ++i)
@@ -254,7 +245,7 @@ std::optional<double> forwardRatio(const PosePairs& pairs)
     const Eigen::Vector3d estimated =
         (pairs.estimate[i].inverse() * pairs.estimate[i + 1]).translation();
     const double length = truth.norm();
-    if (length > shortest_step)
+    if (length > min_step)
     {
       true_sum += length;
       estimated_sum += estimated.dot(truth) / length;
@@ -275,7 +266,7 @@ EndError endError(const PosePairs& pairs)
     return result;
   }
   const Pose error = motionError(pairs, 0, pairs.size() - 1);
-  const double length = travelled(pairs.reference).back();
+  const double length = distanceTravelled(pairs.reference).back();
   result.translation = error.translation().norm();
   result.rotation_deg = kDegreesPerRadian * rotationAngle(error);
   result.percent = length > 0 ? 100 * result.translation / length : 0;
@@ -300,8 +291,8 @@ TrajectoryReport evaluateTrajectory(const std::string& name,
   report.estimate_size = pairs.estimate_size;
   report.pairs = pairs.size();
   report.not_finite = pairs.not_finite;
-  report.length = travelled(pairs.reference).back();
-  constexpr std::size_t segment_step = 10;  // frames, as the benchmark's devkit
+  report.length = distanceTravelled(pairs.reference).back();
+  constexpr std::size_t segment_step = 10;  // frames, as in the benchmark's devkit
   report.drift = kittiDrift(pairs, options.lengths, segment_step);
   report.relative = relativePoseError(pairs);
   report.absolute = absoluteTrajectoryError(pairs, options.alignment);

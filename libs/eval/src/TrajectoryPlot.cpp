@@ -17,18 +17,18 @@ using namespace plot;
 constexpr int page_width = 1600 * supersampling;
 constexpr int page_height = 800 * supersampling;
 
-/** The axes of the ground. Vehicles and lidars look along x with z up; cameras along z. */
+/** Axes of the ground plane. Vehicles and lidars have x forward and z up, cameras z forward. */
 std::pair<int, int> groundAxes(const PosePairs& pairs)
 {
-  Eigen::Vector3d way = Eigen::Vector3d::Zero();  // along the axes of the body
+  Eigen::Vector3d distance = Eigen::Vector3d::Zero();  // along each body axis
   for (std::size_t i = 0; i + 1 < pairs.size(); ++i)
   {
-    way += (pairs.reference[i].inverse() * pairs.reference[i + 1]).translation().cwiseAbs();
+    distance += (pairs.reference[i].inverse() * pairs.reference[i + 1]).translation().cwiseAbs();
   }
-  return way.z() > way.head<2>().norm() ? std::pair{0, 2} : std::pair{0, 1};
+  return distance.z() > distance.head<2>().norm() ? std::pair{0, 2} : std::pair{0, 1};
 }
 
-/** The ranges widened about their centres until a metre is as long on both axes. */
+/** Widens the ranges about their centres to equal scales on both axes. */
 void equalScales(Range& x, Range& y, double aspect)
 {
   const double margin = 0.06 * std::max({x.size(), y.size(), 1.0});
@@ -49,21 +49,11 @@ void equalScales(Range& x, Range& y, double aspect)
   }
 }
 
-std::vector<double> travelled(const std::vector<Pose>& poses)
-{
-  std::vector<double> lengths(poses.size(), 0.0);
-  for (std::size_t i = 1; i < poses.size(); ++i)
-  {
-    lengths[i] = lengths[i - 1] + (poses[i].translation() - poses[i - 1].translation()).norm();
-  }
-  return lengths;
-}
-
 /** Error of the position over the distance travelled, after alignment. */
 Curve positionErrorCurve(const PosePairs& pairs, const Pose& T_reference_estimate)
 {
   Curve curve;
-  const auto distance = travelled(pairs.reference);
+  const auto distance = distanceTravelled(pairs.reference);
   for (std::size_t i = 0; i < pairs.size(); ++i)
   {
     const Eigen::Vector3d aligned = T_reference_estimate * pairs.estimate[i].translation();
@@ -76,7 +66,7 @@ Curve positionErrorCurve(const PosePairs& pairs, const Pose& T_reference_estimat
 Curve stepErrorCurve(const PosePairs& pairs)
 {
   Curve curve;
-  const auto distance = travelled(pairs.reference);
+  const auto distance = distanceTravelled(pairs.reference);
   for (std::size_t i = 0; i + 1 < pairs.size(); ++i)
   {
     const Pose truth = pairs.reference[i].inverse() * pairs.reference[i + 1];

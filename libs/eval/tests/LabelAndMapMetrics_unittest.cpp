@@ -11,10 +11,10 @@ namespace dyslam
 {
 namespace
 {
-TEST(Segmentation, CountsAsTheBenchmark)
+TEST(Segmentation, MatchesTheBenchmarksDefinition)
 {
   SegmentationEvaluator evaluator;
-  // reference: moving car hit, moving person missed, parked car called moving, road, unlabelled
+  // moving car found, moving person missed, parked car estimated as moving, road, unlabelled
   evaluator.add({252U | (7U << 16U), 254, 10, 40, 0, 1}, {251, 9, 252, 40, 252, 252});
   evaluator.add({259, 9}, {0, 0});
   const auto& s = evaluator.scores();
@@ -51,7 +51,7 @@ TEST(MapMetrics, KnownMap)
   const std::vector<Eigen::Vector3f> reference{{0, 0, 0}, {1, 0, 0}, {2, 0, 0},
                                                {3, 0, 0}, {4, 0, 0}, {5, 0, 0}};
   const std::vector<std::uint32_t> labels{9, 9, 252, 252, 252, 0};
-  // keeps one of two static points, rejects two of three dynamic ones; NaN counts for nothing
+  // preserves one of two static points, rejects two of three dynamic ones; NaN is ignored
   const float nan = std::numeric_limits<float>::quiet_NaN();
   const auto e = evaluateMap(reference, labels, {{0.01F, 0, 0}, {2.05F, 0, 0}, {nan, 0, 0}});
   EXPECT_DOUBLE_EQ(*e.points.preservation(), 0.5);
@@ -73,7 +73,7 @@ TEST(MapMetrics, VoxelWithStaticAndDynamicPointsIsStatic)
   EXPECT_DOUBLE_EQ(*e.voxels.preservation(), 0.0);
 }
 
-TEST(MapMetrics, UnlabelledAndOutlierPointsAreLeftOut)
+TEST(MapMetrics, UnlabelledAndOutlierPointsAreIgnored)
 {
   const auto e =
       evaluateMap({{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {3, 0, 0}}, {9, 0, 1U | (7U << 16U), 251}, {});
@@ -94,7 +94,7 @@ TEST(MapMetrics, EmptyAndBadInput)
   EXPECT_THROW((void)evaluateMap({}, {}, {}, {0.0, 0.2}), std::invalid_argument);
 }
 
-TEST(MapMetrics, NearnessAgreesWithBruteForce)
+TEST(MapMetrics, RadiusSearchMatchesBruteForce)
 {
   std::mt19937 random(5);
   std::uniform_real_distribution<float> place(-3, 3);

@@ -28,7 +28,7 @@ PosePairs circle(double drift)
   return pairs;
 }
 
-TEST(Table, AlignsColumnsAndLeavesOutEmptyOnes)
+TEST(Table, AlignsColumnsAndOmitsEmptyOnes)
 {
   Table table({"name", "value", "none"});
   table.addRow({"a", TableCell(1.5, 2), "-"});
@@ -38,7 +38,7 @@ TEST(Table, AlignsColumnsAndLeavesOutEmptyOnes)
   EXPECT_THROW(table.addRow({"too short"}), std::invalid_argument);
 }
 
-TEST(Table, QuotesCsvAndPutsThePaperBeside)
+TEST(Table, QuotesCsvAndAddsThePapersValue)
 {
   Table table({"name", "t_rel"});
   table.addRow({"a,\"b\"", TableCell(0.4512345678, 2, 0.51)});
@@ -47,7 +47,7 @@ TEST(Table, QuotesCsvAndPutsThePaperBeside)
   EXPECT_EQ(Table({"a", "b"}).toText(), "a  b\n----\n");
 }
 
-TEST(TrajectoryReports, TableHasThePapersRows)
+TEST(TrajectoryReports, TableContainsThePapersRows)
 {
   const auto report = evaluateTrajectory("run", circle(0.01));
   const auto text = trajectoryTable({report}, "odometry/04").toText();
@@ -66,7 +66,7 @@ TEST(TrajectoryReports, TableHasThePapersRows)
   }
 }
 
-TEST(TrajectoryReports, JsonHasNullWhereThereIsNoFigure)
+TEST(TrajectoryReports, JsonHasNullForMissingValues)
 {
   TrajectoryMetricsOptions options;
   options.lengths = {10000};
@@ -86,7 +86,7 @@ TEST(TrajectoryReports, DriftAndStatisticsTables)
   EXPECT_EQ(driftTable({}).rows(), 0U);
 }
 
-TEST(TrajectoryPlot, IsAPngWithTheCurvesColour)
+TEST(TrajectoryPlot, IsAPngContainingTheCurvesColour)
 {
   const std::vector<TrajectoryPlotItem> items{{"first", circle(0.05)}};
   const auto bytes = renderTrajectoryPlot(items);
@@ -106,7 +106,7 @@ TEST(TrajectoryPlot, IsAPngWithTheCurvesColour)
   EXPECT_GT(blue, 500U);
 }
 
-TEST(TrajectoryPlot, OnePoseStandingStillAndNothing)
+TEST(TrajectoryPlot, HandlesOnePoseStationaryAndEmptyInput)
 {
   PosePairs one;
   one.stamps = {0};
@@ -141,7 +141,7 @@ TEST(LearningCurves, ReadsColumnsAndSeries)
   EXPECT_EQ(picture, renderLearningCurves(log));
 }
 
-TEST(LearningCurves, RefusesWhatIsNoLog)
+TEST(LearningCurves, RejectsOtherFiles)
 {
   const auto refused = [](const char* text, const char* part)
   {
@@ -163,9 +163,9 @@ TEST(LearningCurves, RefusesWhatIsNoLog)
   EXPECT_THROW((void)renderLearningCurves(LearningLog()), std::invalid_argument);
 }
 
-TEST(MaskPicture, CountsFalseAlarmsAndFinds)
+TEST(MaskPicture, RocCurveMatchesAHandComputedOne)
 {
-  // Two of three moving points are held for less static than any static one; ties go together.
+  // Two of three moving points are less static than any static one; ties form one step.
   const auto scan = parseMaskScan(
       "x,y,z,static_confidence,label\n1,2,0,0.1,2\n3,4,0,0.2,2\n5,6,0,0.9,2\n7,8,0,0.9,1\n"
       "9,1,0,0.95,1\r\n9,2,0,-1,1\n9,3,0,0.5,0\n",
@@ -176,17 +176,17 @@ TEST(MaskPicture, CountsFalseAlarmsAndFinds)
   EXPECT_EQ(roc[2], Eigen::Vector2d(0, 2.0 / 3));
   EXPECT_EQ(roc[3], Eigen::Vector2d(0.5, 1));
   EXPECT_EQ(roc[4], Eigen::Vector2d(1, 1));
-  EXPECT_NEAR(areaUnder(roc), (2 + 2 + 0.5 + 1) / 6.0, 1e-12);
+  EXPECT_NEAR(areaUnderCurve(roc), (2 + 2 + 0.5 + 1) / 6.0, 1e-12);
   const auto picture = renderMaskScan(scan);
   const cv::Mat image = cv::imdecode(picture, cv::IMREAD_COLOR);
   EXPECT_GT(image.cols, image.rows) << "the view and the curve";
 }
 
-TEST(MaskPicture, WithoutMovingPointsThereIsNoCurve)
+TEST(MaskPicture, NoRocCurveWithoutMovingPoints)
 {
   const auto scan = parseMaskScan("x,y,z,static_confidence,label\n1,2,0,0.1,1\n", "m.csv");
   EXPECT_TRUE(rocCurve(scan).empty());
-  EXPECT_TRUE(std::isnan(areaUnder(rocCurve(scan))));
+  EXPECT_TRUE(std::isnan(areaUnderCurve(rocCurve(scan))));
   const cv::Mat image = cv::imdecode(renderMaskScan(scan), cv::IMREAD_COLOR);
   EXPECT_EQ(image.cols, image.rows);
 }

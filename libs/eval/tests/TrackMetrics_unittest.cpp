@@ -56,17 +56,17 @@ TEST(TrackMetrics, perfectTracksScoreOne)
   EXPECT_NEAR(hota({perfect()}, plainRules()).hota, 1, 1e-6);
 }
 
-/** Every kind of error counts once, as its definition has it. */
+/** Each kind of error counts once. */
 TEST(TrackMetrics, eachErrorCountsOnce)
 {
   TrackSequence missed = perfect();
   missed.estimate.pop_back();
   EXPECT_DOUBLE_EQ(clearMot({missed}, plainRules()).mota, 1 - 1.0 / 20);
 
-  TrackSequence ghost = perfect();
-  ghost.estimate.push_back(boxAt(4, 500, -30, 0));
-  EXPECT_EQ(clearMot({ghost}, plainRules()).false_alarms, 1u);
-  EXPECT_DOUBLE_EQ(clearMot({ghost}, plainRules()).mota, 1 - 1.0 / 20);
+  TrackSequence false_positive = perfect();
+  false_positive.estimate.push_back(boxAt(4, 500, -30, 0));
+  EXPECT_EQ(clearMot({false_positive}, plainRules()).false_alarms, 1u);
+  EXPECT_DOUBLE_EQ(clearMot({false_positive}, plainRules()).mota, 1 - 1.0 / 20);
 
   TrackSequence swapped = perfect();
   for (LabelledBox& box : swapped.estimate)
@@ -82,14 +82,15 @@ TEST(TrackMetrics, eachErrorCountsOnce)
   EXPECT_NEAR(hota({swapped}, plainRules()).association, 1.0 / 3, 1e-6);  // 5 / (5 + 5 + 5)
 }
 
-TEST(TrackMetrics, passedOverBoxesAreNeitherHitsNorMisses)
+TEST(TrackMetrics, ignoredBoxesAreNeitherHitsNorMisses)
 {
   TrackSequence sequence = perfect();
   for (LabelledBox& box : sequence.reference)
   {
-    box.occluded = box.id == 8 ? passed_over_box : 0;
+    box.occluded = box.id == 8 ? ignored_box : 0;
   }
-  EXPECT_DOUBLE_EQ(clearMot({sequence}, plainRules()).mota, 1);  // their estimates are no alarms
+  EXPECT_DOUBLE_EQ(clearMot({sequence}, plainRules()).mota,
+                   1);  // their estimates are no false positives
   EXPECT_EQ(clearMot({sequence}, plainRules()).references, 10u);
   sequence.estimate.clear();
   EXPECT_EQ(clearMot({sequence}, plainRules()).misses, 10u);
@@ -100,7 +101,7 @@ TEST(TrackMetrics, distanceInsteadOfOverlap)
   TrackSequence sequence = perfect();
   for (LabelledBox& box : sequence.estimate)
   {
-    box.box.center.y() += 1.5;  // hardly any overlap with its own, none at 0.25
+    box.box.center.y() += 1.5;  // IoU with its own reference below 0.25
   }
   TrackRules rules = plainRules();
   EXPECT_LT(clearMot({sequence}, rules).mota, 0);
@@ -123,9 +124,9 @@ TEST(TrackMetrics, emptyInputs)
   EXPECT_EQ(summaryOf({}).boxes, 0u);
 }
 
-TEST(TrackErrors, speedsComeFromTheLidarsPosesByFrameNumber)
+TEST(TrackErrors, speedsUseTheLidarPosesByFrameIndex)
 {
-  // The lidar 2 m ahead of a vehicle that turns on the spot; scan 2 has no true pose.
+  // The lidar is 2 m ahead of a vehicle that rotates in place; scan 2 has no true pose.
   const Pose T_vehicle_lidar = poseFromYpr(2, 0, 1.7, 0, 0, 0);
   std::map<int, StampedPose> T_world_lidar;
   std::vector<LabelledBox> boxes;
@@ -136,12 +137,12 @@ TEST(TrackErrors, speedsComeFromTheLidarsPosesByFrameNumber)
     {
       T_world_lidar[f] = {100 + 0.1 * f, T};
     }
-    const Eigen::Vector3d stands = T.inverse() * Eigen::Vector3d(20, 5, 1);
-    const Eigen::Vector3d goes = T.inverse() * Eigen::Vector3d(20 + 0.8 * f, -5, 1);
-    boxes.push_back(boxAt(f, 1, stands.x(), stands.y()));
-    boxes.back().box.center.z() = stands.z();
-    boxes.push_back(boxAt(f, 2, goes.x(), goes.y()));
-    boxes.back().box.center.z() = goes.z();
+    const Eigen::Vector3d at_rest = T.inverse() * Eigen::Vector3d(20, 5, 1);
+    const Eigen::Vector3d in_motion = T.inverse() * Eigen::Vector3d(20 + 0.8 * f, -5, 1);
+    boxes.push_back(boxAt(f, 1, at_rest.x(), at_rest.y()));
+    boxes.back().box.center.z() = at_rest.z();
+    boxes.push_back(boxAt(f, 2, in_motion.x(), in_motion.y()));
+    boxes.back().box.center.z() = in_motion.z();
   }
   const TrackSpeeds speeds = speedsFrom(boxes, T_world_lidar);
   EXPECT_EQ(speeds.size(), 10u);
@@ -153,14 +154,14 @@ TEST(TrackErrors, speedsComeFromTheLidarsPosesByFrameNumber)
   EXPECT_EQ(speeds.count({2, 2}), 0u);
 }
 
-TEST(TrackErrors, placeAxisAndSpeed)
+TEST(TrackErrors, positionYawAndSpeedErrors)
 {
   TrackSequence sequence;
   sequence.frames = 2;
   sequence.reference = {boxAt(0, 1, 10, 0), boxAt(1, 1, 11, 0), boxAt(0, 2, 30, 0, "Cyclist"),
                         boxAt(1, 7, -30, 5)};
   sequence.estimate = {boxAt(0, 51, 10.3, 0.4), boxAt(1, 51, 11, 0), boxAt(0, 52, 31, 0)};
-  sequence.estimate[0].box.yaw = M_PI - 0.1;  // the wrong way round: the axis is right
+  sequence.estimate[0].box.yaw = M_PI - 0.1;  // opposite heading: the axis is right
   const auto errors = trackErrors(sequence, plainRules(), 2, {{{0, 1}, 5.0}, {{1, 1}, 5.0}},
                                   {{{0, 51}, 4.0}, {{1, 51}, 7.0}});
   ASSERT_EQ(errors.size(), 4u);

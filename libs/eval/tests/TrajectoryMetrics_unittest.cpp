@@ -31,7 +31,7 @@ PosePairs pairsOf(const std::vector<Pose>& reference, const std::vector<Pose>& e
   return associateByIndex(r, e);
 }
 
-/** A winding, climbing drive of unit steps. */
+/** A curved path with changing pitch, in steps of 1 m. */
 std::vector<Pose> winding(std::size_t count)
 {
   std::vector<Pose> poses{Pose::Identity()};
@@ -90,7 +90,7 @@ TEST(Association, ByTimeIsOneToOneAndNearest)
   EXPECT_EQ(pairs.estimate_size, 5U);
 }
 
-TEST(Association, LeavesOutAndCountsPosesThatAreNotFinite)
+TEST(Association, CountsAndSkipsNonFinitePoses)
 {
   auto estimate = straight(5, 1);
   estimate[2].translation().x() = std::numeric_limits<double>::quiet_NaN();
@@ -110,7 +110,7 @@ TEST(Association, EmptyInputs)
   EXPECT_THROW((void)evaluateTrajectory("x", pairsOf(straight(1, 1), straight(1, 1))), UserError);
 }
 
-TEST(KittiDrift, ScaleErrorIsItsPercentage)
+TEST(KittiDrift, ScaleErrorGivesItsPercentage)
 {
   const auto drift = kittiDrift(pairsOf(straight(400, 1), straight(400, 1.02)), {100, 200}, 10);
   // The segment ends at the first frame beyond its length: 101 steps of 2 cm over 100 m.
@@ -123,7 +123,7 @@ TEST(KittiDrift, ScaleErrorIsItsPercentage)
   EXPECT_NEAR(drift.overall.rotation_deg_per_100m, 0, 1e-9);
 }
 
-TEST(KittiDrift, RotationErrorIsDegreesPer100Metres)
+TEST(KittiDrift, YawErrorGivesDegreesPer100Metres)
 {
   const double yaw_per_step = 1e-4;
   std::vector<Pose> estimate{Pose::Identity()};
@@ -143,7 +143,7 @@ TEST(KittiDrift, ShortRunsHaveNoSegments)
   EXPECT_THROW((void)kittiDrift({}, {100}, 0), std::invalid_argument);
 }
 
-TEST(RelativePoseError, FrameOfTheEstimateDoesNotMatter)
+TEST(RelativePoseError, IsInvariantToTheEstimatesFrame)
 {
   const auto reference = winding(200);
   const Pose other_frame = poseFromYpr(7, -3, 2, 1, 0.2, -0.3);
@@ -161,7 +161,7 @@ TEST(RelativePoseError, FrameOfTheEstimateDoesNotMatter)
   EXPECT_NEAR(error.rotation_deg.max, 0, 1e-5);
 }
 
-TEST(Alignment, Se3RecoversAKnownMotionAndIsTheLeastSquaresOne)
+TEST(Alignment, Se3RecoversAKnownMotionAndMinimisesTheSquaredError)
 {
   const auto reference = winding(150);
   const Pose T = poseFromYpr(30, -20, 4, 2.5, 0.3, -0.8);
@@ -200,7 +200,7 @@ TEST(Alignment, Se3RecoversAKnownMotionAndIsTheLeastSquaresOne)
   }
 }
 
-TEST(Alignment, StraightLineKeepsTheRollOfTheOrientations)
+TEST(Alignment, OrientationsDetermineTheRollOfAStraightPath)
 {
   const Pose T = poseFromYpr(5, 6, 7, 0.4, 0.1, 0.9);
   std::vector<Pose> estimate;
@@ -213,8 +213,8 @@ TEST(Alignment, StraightLineKeepsTheRollOfTheOrientations)
   EXPECT_NEAR(error.rotation_deg.max, 0, 1e-3);
 }
 
-/** Largest error after alignment of 100 m, bent by `bow` metres, against itself elsewhere, with 1
- * cm of noise. */
+/** Errors after SE(3) alignment of a 100 m path with lateral amplitude `bow` [m] to a transformed
+ * copy with 1 cm of noise. */
 AbsoluteTrajectoryError noisyLineError(double bow)
 {
   std::mt19937 random(5);
@@ -233,7 +233,7 @@ AbsoluteTrajectoryError noisyLineError(double bow)
   return absoluteTrajectoryError(pairsOf(reference, estimate), Alignment::se3);
 }
 
-TEST(Alignment, NoiseAcrossALineDoesNotTurnItOver)
+TEST(Alignment, LateralNoiseDoesNotRollAStraightPath)
 {
   for (const double bow : {0.0, 0.001, 0.02})
   {
@@ -241,7 +241,7 @@ TEST(Alignment, NoiseAcrossALineDoesNotTurnItOver)
     EXPECT_LT(error.rotation_deg.max, 0.1) << bow;
     EXPECT_LT(error.translation.max, 0.06) << bow;
   }
-  // With 10 m across, the positions alone decide, and well.
+  // With 10 m across, the positions alone determine the rotation.
   EXPECT_LT(noisyLineError(10).rotation_deg.max, 0.1);
 }
 
@@ -261,7 +261,7 @@ TEST(Alignment, NoneAndFirst)
   EXPECT_THROW((void)alignmentFromString("sim3"), UserError);
 }
 
-TEST(ForwardRatio, TellsShrinkageWhateverTheAxes)
+TEST(ForwardRatio, MeasuresUnderestimationInAnyFrame)
 {
   EXPECT_NEAR(*forwardRatio(pairsOf(straight(20, 1), straight(20, 0.8))), 0.8, 1e-9);
   const Pose T_camera = poseFromYpr(0, 0, 0, 1.2, -0.7, 0.4);
@@ -276,7 +276,7 @@ TEST(ForwardRatio, TellsShrinkageWhateverTheAxes)
   EXPECT_FALSE(forwardRatio(pairsOf(straight(5, 0), straight(5, 1))));
 }
 
-TEST(EndError, IsTheDriftAtTheEnd)
+TEST(EndError, IsTheDriftOfTheLastPose)
 {
   const auto error = endError(pairsOf(straight(101, 1), straight(101, 1.03)));
   EXPECT_NEAR(error.translation, 3, 1e-9);
@@ -333,7 +333,7 @@ TEST(KittiDrift, ReproducesPublishedFigures)
   }
   EXPECT_NEAR(sum / 11, 0.5744, 0.5e-4);
 
-  // Poses of the lidar against those of the camera: a wrong frame must not look right.
+  // Lidar poses against camera poses: a wrong frame must give a large error.
   const auto camera = readKitti(folder + "poses_gt_cam0/04.txt");
   const auto lidar = readKitti(folder + "est_aloam_lidar/04_pred.txt");
   const auto wrong = kittiDrift(pairsOf(camera, lidar), options.lengths, 10);

@@ -14,11 +14,11 @@
 #include <system_error>
 #include <vector>
 
-/** What the benchmarks of the networks share. */
+/** Common parts of the networks' benchmarks. */
 namespace timing
 {
-/** The .bin files of a folder, in the order of their names. Says so and ends the program where
- * there are fewer than `needed`. */
+/** The .bin files of a folder, sorted by name. Exits with a message if there are fewer than
+ * `needed`. */
 inline std::vector<std::string> scanFiles(const std::string& folder, std::size_t needed)
 {
   std::vector<std::string> files;
@@ -40,13 +40,13 @@ inline std::vector<std::string> scanFiles(const std::string& folder, std::size_t
   return files;
 }
 
-/** The number of threads that a word asks for. Says so and ends the program where it is none. */
+/** Parses a number of threads. Exits with a message if it is invalid. */
 inline int threadsOf(const char* word)
 {
   const int threads = std::atoi(word);
   if (threads < 1)
   {
-    std::fprintf(stderr, "%s: is no number of threads; give 1 or more\n", word);
+    std::fprintf(stderr, "%s: not a number of threads; give 1 or more\n", word);
     std::exit(1);
   }
   return threads;
@@ -64,7 +64,7 @@ inline std::vector<Eigen::Vector3f> readBin(const std::string& path)
   return points;
 }
 
-/** Prints median and least wall time of some runs. */
+/** Prints the median and minimum wall time of `runs` calls. */
 inline void report(const char* name, int runs, const std::function<void()>& body)
 {
   std::vector<double> times;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Times the parts of DyLO on scans of a folder: dylo_benchmark FOLDER [threads] [MODEL]
+// Run times of the parts of DyLO on scans of a folder: dylo_benchmark FOLDER [threads] [MODEL]
 #include <dyslam/core/FreedMemory.h>
-#include <dyslam/nets/DyloModel.h>
+#include <dyslam/nets/DyloFile.h>
 #include <torch/csrc/autograd/profiler.h>
 
 #include <cstdlib>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Times the parts of DySeg on scans of a folder: dyseg_benchmark FOLDER [threads] [MODEL]
+// Run times of the parts of DySeg on scans of a folder: dyseg_benchmark FOLDER [threads] [MODEL]
 #include <dyslam/core/FreedMemory.h>
 #include <dyslam/nets/BevScan.h>
 #include <dyslam/nets/DysegModel.h>
@@ -23,15 +23,15 @@ int main(int argc, char** argv)
                                     : DysegModel(DysegNetworkOptions{}, BevOptions{}, 1, threads);
   const auto points = timing::readBin(files.at(10));
   const auto current = model.encode(points);
-  const auto near = model.encode(timing::readBin(files.at(9)));
+  const auto past = model.encode(timing::readBin(files.at(9)));
 
   constexpr int runs = 15;
   timing::report("grid", runs, [&] { (void)makeBevScan(points, model.grid()); });
   timing::report("encode", runs, [&] { (void)model.encode(points); });
   RigidFlowFit motion;
-  timing::report("match", runs, [&] { motion = model.match(*current, *near); });
-  const MotionGuess guess{motion.motion};
-  timing::report("match near", runs, [&] { (void)model.match(*current, *near, &guess); });
-  timing::report("judge", runs, [&] { (void)model.judge(*current, *near, motion); });
+  timing::report("match", runs, [&] { motion = model.match(*current, *past); });
+  const PlanarPrior guess{motion.motion};
+  timing::report("match past", runs, [&] { (void)model.match(*current, *past, &guess); });
+  timing::report("segment", runs, [&] { (void)model.segment(*current, *past, motion); });
   return 0;
 }

@@ -34,12 +34,12 @@ class PillarMax : public torch::autograd::Function<PillarMax>
     const float* in = values.data_ptr<float>();
     const auto* to = cell.data_ptr<std::int32_t>();
     auto* best = out.data_ptr<float>();
-    auto* who = wanted ? winner.data_ptr<std::int32_t>() : nullptr;
+    auto* argmax = wanted ? winner.data_ptr<std::int32_t>() : nullptr;
     for (std::int64_t i = 0; i < features.size(0); ++i)
     {
       const float* f = in + i * channels;
       float* b = best + to[i] * channels;
-      if (who == nullptr)
+      if (argmax == nullptr)
       {
         for (std::int64_t c = 0; c < channels; ++c)
         {
@@ -52,7 +52,7 @@ class PillarMax : public torch::autograd::Function<PillarMax>
         if (f[c] > b[c])
         {
           b[c] = f[c];
-          who[to[i] * channels + c] = static_cast<std::int32_t>(i);
+          argmax[to[i] * channels + c] = static_cast<std::int32_t>(i);
         }
       }
     }
@@ -70,7 +70,7 @@ class PillarMax : public torch::autograd::Function<PillarMax>
     const auto gradient = gradients[0].contiguous();
     const auto channels = gradient.size(1);
     auto out = torch::zeros({context->saved_data["points"].toInt(), channels}, gradient.options());
-    const auto* who = saved[0].data_ptr<std::int32_t>();
+    const auto* argmax = saved[0].data_ptr<std::int32_t>();
     const auto* cell = saved[1].data_ptr<std::int32_t>();
     const float* g = gradient.data_ptr<float>();
     float* o = out.data_ptr<float>();
@@ -79,7 +79,7 @@ class PillarMax : public torch::autograd::Function<PillarMax>
       const std::int64_t base = cell[i] * channels;
       for (std::int64_t c = 0; c < channels; ++c)
       {
-        if (who[base + c] == i)
+        if (argmax[base + c] == i)
         {
           o[i * channels + c] = g[base + c];
         }
@@ -89,8 +89,8 @@ class PillarMax : public torch::autograd::Function<PillarMax>
   }
 };
 
-/** Where one cell's window lies in the target and how its corners are weighted. */
-struct Window
+/** Upper left corner of one cell's window in the target, with the bilinear weights. */
+struct CorrelationWindow
 {
   std::int64_t x = 0;
   std::int64_t y = 0;
@@ -98,13 +98,13 @@ struct Window
   float fy = 0;
 };
 
-Window windowAt(const float* centre, int radius)
+CorrelationWindow windowAt(const float* centre, int radius)
 {
-  // Far outside is outside, however far.
+  // Clamped, so that the conversion to integers is defined.
   constexpr float far_away = 1e6F;
   const float cx = std::isfinite(centre[0]) ? std::clamp(centre[0], -far_away, far_away) : far_away;
   const float cy = std::isfinite(centre[1]) ? std::clamp(centre[1], -far_away, far_away) : far_away;
-  Window w;
+  CorrelationWindow w;
   w.x = static_cast<std::int64_t>(std::floor(cx)) - radius;
   w.y = static_cast<std::int64_t>(std::floor(cy)) - radius;
   w.fx = cx - std::floor(cx);
@@ -112,12 +112,12 @@ Window windowAt(const float* centre, int radius)
   return w;
 }
 
-constexpr std::size_t largest_window = 21 * 21;  // of radius 10
+constexpr std::size_t largest_window = 21 * 21;  // for radius 10
 
 using Row = Eigen::Map<Eigen::ArrayXf>;
 using ConstRow = Eigen::Map<const Eigen::ArrayXf>;
 
-/** What windows are laid over: a map of cells, of which only the occupied ones have features. */
+/** SparseMap as plain arrays. */
 struct WindowTarget
 {
   const float* rows;
@@ -128,19 +128,23 @@ struct WindowTarget
   std::int64_t channels;
 };
 
-/** Products of a cell's features with those of the (2 radius + 2)^2 cells around its window's
- * corners.
+/** Dot products of a cell's features with those of the (2 radius + 2)^2 cells around the window's
+ * sampling positions.
  *
- * \tparam channels known when compiled, which keeps the features in registers; or Eigen::Dynamic */
+ * \tparam channels compile-time constant, to keep the features in registers; or Eigen::Dynamic */
 template <int channels>
-void windowProducts(
-    const float* source, const WindowTarget& target, const Window& w, std::int64_t side, float* out)
+void windowProducts(const float* source,
+                    const WindowTarget& target,
+                    const CorrelationWindow& w,
+                    std::int64_t side,
+                    float* out)
 {
   using Features = Eigen::Array<float, channels, 1>;
   using ConstFeatures = Eigen::Map<const Features>;
-  const Features mine =
+  const Features source_features =
       ConstFeatures(source, target.channels) / std::sqrt(static_cast<float>(target.channels));
-  const float nothing = (mine * ConstFeatures(target.empty, target.channels)).sum();
+  const float empty_product =
+      (source_features * ConstFeatures(target.empty, target.channels)).sum();
   const auto first = std::clamp<std::int64_t>(-w.x, 0, side);
   const auto last = std::clamp<std::int64_t>(target.width - w.x, first, side);
   for (std::int64_t y = w.y; y < w.y + side; ++y, out += side)
@@ -156,10 +160,10 @@ void windowProducts(
     for (std::int64_t x = first; x < last; ++x)
     {
       const auto cell = row[w.x + x];
-      out[x] =
-          cell < 0
-              ? nothing
-              : (mine * ConstFeatures(target.rows + cell * target.channels, target.channels)).sum();
+      out[x] = cell < 0 ? empty_product
+                        : (source_features *
+                           ConstFeatures(target.rows + cell * target.channels, target.channels))
+                              .sum();
     }
   }
 }
@@ -186,12 +190,12 @@ class Correlate : public torch::autograd::Function<Correlate>
     const auto height = index.size(0);
     const auto width = index.size(1);
     auto out = torch::empty({source.size(0), side * side}, source.options());
-    const WindowTarget there = {target.data_ptr<float>(),
-                                empty.data_ptr<float>(),
-                                index.data_ptr<std::int32_t>(),
-                                height,
-                                width,
-                                channels};
+    const WindowTarget map = {target.data_ptr<float>(),
+                              empty.data_ptr<float>(),
+                              index.data_ptr<std::int32_t>(),
+                              height,
+                              width,
+                              channels};
     const auto products = channels == 32   ? &windowProducts<32>
                           : channels == 16 ? &windowProducts<16>
                                            : &windowProducts<Eigen::Dynamic>;
@@ -204,8 +208,8 @@ class Correlate : public torch::autograd::Function<Correlate>
               std::vector<float> dots(static_cast<std::size_t>((side + 1) * (side + 1)));
               for (std::int64_t i = begin; i < end; ++i)
               {
-                const Window w = windowAt(c + 2 * i, radius);
-                products(s + i * channels, there, w, side + 1, dots.data());
+                const CorrelationWindow w = windowAt(c + 2 * i, radius);
+                products(s + i * channels, map, w, side + 1, dots.data());
                 for (std::int64_t y = 0; y < side; ++y)
                 {
                   const float* upper = &dots[static_cast<std::size_t>(y * (side + 1))];
@@ -239,7 +243,7 @@ class Correlate : public torch::autograd::Function<Correlate>
     auto to_source = torch::zeros_like(source);
     auto to_target = torch::zeros_like(target);
     auto to_empty = torch::zeros_like(saved[4]);
-    const ConstRow nothing_there(saved[4].data_ptr<float>(), channels);
+    const ConstRow empty_features(saved[4].data_ptr<float>(), channels);
     Row empty_gradient(to_empty.data_ptr<float>(), channels);
     const float scale = 1.0F / std::sqrt(static_cast<float>(channels));
     const float* g = gradient.data_ptr<float>();
@@ -251,7 +255,7 @@ class Correlate : public torch::autograd::Function<Correlate>
     std::vector<float> corners(static_cast<std::size_t>((side + 1) * (side + 1)));
     for (std::int64_t i = 0; i < source.size(0); ++i)
     {
-      const Window w = windowAt(saved[3].data_ptr<float>() + 2 * i, radius);
+      const CorrelationWindow w = windowAt(saved[3].data_ptr<float>() + 2 * i, radius);
       std::fill(corners.begin(), corners.end(), 0.0F);
       for (std::int64_t y = 0; y < side; ++y)
       {
@@ -266,8 +270,8 @@ class Correlate : public torch::autograd::Function<Correlate>
           lower[x + 1] += w.fy * w.fx * v;
         }
       }
-      const ConstRow mine(s + i * channels, channels);
-      Row mine_gradient(gs + i * channels, channels);
+      const ConstRow source_features(s + i * channels, channels);
+      Row source_gradient(gs + i * channels, channels);
       float on_empty = 0;
       for (std::int64_t y = 0; y <= side; ++y)
       {
@@ -286,12 +290,12 @@ class Correlate : public torch::autograd::Function<Correlate>
             on_empty += v;
             continue;
           }
-          mine_gradient += v * ConstRow(t + place, channels);
-          Row(gt + place, channels) += v * mine;
+          source_gradient += v * ConstRow(t + place, channels);
+          Row(gt + place, channels) += v * source_features;
         }
       }
-      mine_gradient += on_empty * nothing_there;
-      empty_gradient += on_empty * mine;
+      source_gradient += on_empty * empty_features;
+      empty_gradient += on_empty * source_features;
     }
     return {to_source, to_target, Tensor(), to_empty, Tensor(), Tensor()};
   }
@@ -318,14 +322,17 @@ Tensor pillarMax(const Tensor& features, const Tensor& cell, std::int64_t cells)
                             : PillarMax::apply(features, cell, cells);
 }
 
-Tensor correlate(const Tensor& source, const CellMap& target, const Tensor& centre, int radius)
+Tensor correlate(const Tensor& source, const SparseMap& target, const Tensor& centre, int radius)
 {
   return source.is_cuda()
-             ? correlateSlow(source, target, centre, radius)
+             ? correlateReference(source, target, centre, radius)
              : Correlate::apply(source, target.rows, target.index, target.empty, centre, radius);
 }
 
-Tensor correlateSlow(const Tensor& source, const CellMap& target, const Tensor& centre, int radius)
+Tensor correlateReference(const Tensor& source,
+                          const SparseMap& target,
+                          const Tensor& centre,
+                          int radius)
 {
   namespace F = torch::nn::functional;
   const auto height = target.index.size(0);
@@ -352,7 +359,7 @@ Tensor peakOffset(const Tensor& correlation_in, int radius)
   torch::NoGradGuard no_gradient;
   if (correlation_in.is_cuda() || radius > 10)
   {
-    return peakOffsetSlow(correlation_in, radius);
+    return peakOffsetReference(correlation_in, radius);
   }
   const auto correlation = correlation_in.contiguous();
   const int side = 2 * radius + 1;
@@ -362,7 +369,7 @@ Tensor peakOffset(const Tensor& correlation_in, int radius)
   forRows(correlation.size(0), 256,
           [&](std::int64_t begin, std::int64_t end)
           {
-            // Aligned like this everywhere, or sums are put together differently from run
+            // Fixed alignment: otherwise the order of the sums differs from run
             // to run.
             alignas(64) std::array<float, largest_window> memory;
             Eigen::Map<Eigen::ArrayXf, Eigen::Aligned64> share(memory.data(), side * side);
@@ -392,7 +399,7 @@ Tensor peakOffset(const Tensor& correlation_in, int radius)
   return out;
 }
 
-Tensor peakOffsetSlow(const Tensor& correlation, int radius)
+Tensor peakOffsetReference(const Tensor& correlation, int radius)
 {
   const auto offsets = windowOffsets(radius, correlation.options());
   const auto best = offsets.index_select(0, correlation.argmax(1));

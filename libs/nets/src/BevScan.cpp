@@ -14,14 +14,14 @@ namespace dyslam
 namespace
 {
 constexpr float ground_cell = 3.2F;
-constexpr float lowest = -8;
-constexpr float highest = 8;
+constexpr float min_z = -8;
+constexpr float max_z = 8;
 constexpr float bin_height = 0.1F;
-constexpr int bins = static_cast<int>((highest - lowest) / bin_height);
+constexpr int bins = static_cast<int>((max_z - min_z) / bin_height);
 constexpr float unknown_height = 1e9F;
-constexpr float ghost_depth = 0.5F;
-constexpr float own_vehicle = 2.5F;  // m around the sensor, whose returns may be its roof
-constexpr float seed_reach = 16;     // m around the sensor, whose ground is where it starts
+constexpr float max_depth_below = 0.5F;
+constexpr float min_ground_range = 2.5F;  // nearer returns may be from the vehicle itself [m]
+constexpr float seed_radius = 16;         // around the sensor, for the seed height [m]
 constexpr float max_slope = 0.12F;
 
 constexpr float lowest_slope = -0.55F;
@@ -33,7 +33,7 @@ std::size_t at(int i)
 }
 
 /** The lowest height with enough returns around it; unknown_height if there is none. */
-float supportedLow(const std::uint16_t* histogram)
+float lowestSupportedHeight(const std::uint16_t* histogram)
 {
   int total = 0;
   for (int b = 0; b < bins; ++b)
@@ -47,14 +47,14 @@ float supportedLow(const std::uint16_t* histogram)
     if (here >= needed)
     {
       const float share = static_cast<float>(histogram[b + 1]) / static_cast<float>(here);
-      return lowest + (static_cast<float>(b) + 0.5F + share) * bin_height;
+      return min_z + (static_cast<float>(b) + 0.5F + share) * bin_height;
     }
   }
   return unknown_height;
 }
 }  // namespace
 
-void requireWholeCells(const std::string& field, int cells)
+void requireMultipleOf16(const std::string& field, int cells)
 {
   if (cells % 16 != 0)
   {
@@ -66,36 +66,36 @@ void requireWholeCells(const std::string& field, int cells)
 
 void BevOptions::describe(OptionsVisitor& v)
 {
-  v.integer("cells", cells, 64, 2048, "along each side of the grid, a multiple of 16");
-  requireWholeCells("[grid] cells", cells);
-  v.real("cell_size", cell_size, 0.05, 2, "m");
-  v.real("ground_clearance", ground_clearance, 0, 2, "m above ground that still counts as ground");
-  v.real("max_height", max_height, 1, 20, "m above ground, higher points are left out");
+  v.integer("cells", cells, 64, 2048, "cells along each side of the grid, a multiple of 16");
+  requireMultipleOf16("[grid] cells", cells);
+  v.real("cell_size", cell_size, 0.05, 2, "side of a cell, m");
+  v.real("ground_clearance", ground_clearance, 0, 2, "height up to which points are ground, m");
+  v.real("max_height", max_height, 1, 20, "height above ground beyond which points are removed, m");
 }
 
-BevGround::BevGround(const std::vector<Eigen::Vector3f>& points, float reach)
-    : reach_(reach),
-      width_(static_cast<int>(std::ceil(2 * reach / ground_cell))),
+BevGround::BevGround(const std::vector<Eigen::Vector3f>& points, float half_extent)
+    : half_extent_(half_extent),
+      width_(static_cast<int>(std::ceil(2 * half_extent / ground_cell))),
       height_(at(width_ * width_), 0.0F)
 {
   std::vector<std::uint16_t> histogram(at(width_ * width_ * bins), 0);
   for (const auto& p : points)
   {
-    if (!isReturn(p) || p.head<2>().norm() < own_vehicle || std::abs(p.x()) >= reach_ ||
-        std::abs(p.y()) >= reach_ || p.z() <= lowest || p.z() >= highest)
+    if (!isReturn(p) || p.head<2>().norm() < min_ground_range || std::abs(p.x()) >= half_extent_ ||
+        std::abs(p.y()) >= half_extent_ || p.z() <= min_z || p.z() >= max_z)
     {
       continue;
     }
-    const int ix = std::min(static_cast<int>((p.x() + reach_) / ground_cell), width_ - 1);
-    const int iy = std::min(static_cast<int>((p.y() + reach_) / ground_cell), width_ - 1);
-    const int bin = std::min(static_cast<int>((p.z() - lowest) / bin_height), bins - 1);
+    const int ix = std::min(static_cast<int>((p.x() + half_extent_) / ground_cell), width_ - 1);
+    const int iy = std::min(static_cast<int>((p.y() + half_extent_) / ground_cell), width_ - 1);
+    const int bin = std::min(static_cast<int>((p.z() - min_z) / bin_height), bins - 1);
     auto& count = histogram[at((iy * width_ + ix) * bins + bin)];
     count = static_cast<std::uint16_t>(std::min(count + 1, 60000));
   }
   std::vector<std::uint8_t> known(height_.size(), 0);
   for (std::size_t i = 0; i < height_.size(); ++i)
   {
-    const float low = supportedLow(&histogram[i * at(bins)]);
+    const float low = lowestSupportedHeight(&histogram[i * at(bins)]);
     known[i] = low < unknown_height ? 1 : 0;
     height_[i] = known[i] != 0 ? low : 0;
   }
@@ -108,7 +108,7 @@ void BevGround::makeConsistent(const std::vector<std::uint8_t>& known)
   {
     return;
   }
-  // From the sensor outwards, so that each cell has trusted neighbours on its inner side.
+  // From the sensor outwards, so that each cell has processed neighbours on its inner side.
   const float middle = 0.5F * static_cast<float>(width_ - 1);
   std::vector<int> order(height_.size());
   for (std::size_t i = 0; i < order.size(); ++i)
@@ -122,20 +122,21 @@ void BevGround::makeConsistent(const std::vector<std::uint8_t>& known)
   };
   std::sort(order.begin(), order.end(), [&](int a, int b) { return ring(a) < ring(b); });
 
-  // A wrong first cell would be believed by all others, so it has to agree with its surroundings.
-  std::vector<float> near;
+  // The seed is a median: an error of a single first cell would propagate to all others.
+  std::vector<float> seed_heights;
   for (const int i : order)
   {
-    if (known[at(i)] != 0 && (near.size() < 3 || ring(i) * ground_cell < seed_reach))
+    if (known[at(i)] != 0 && (seed_heights.size() < 3 || ring(i) * ground_cell < seed_radius))
     {
-      near.push_back(height_[at(i)]);
+      seed_heights.push_back(height_[at(i)]);
     }
   }
-  std::nth_element(near.begin(), near.begin() + static_cast<std::ptrdiff_t>(near.size() / 2),
-                   near.end());
-  const float seed = near[near.size() / 2];
+  std::nth_element(seed_heights.begin(),
+                   seed_heights.begin() + static_cast<std::ptrdiff_t>(seed_heights.size() / 2),
+                   seed_heights.end());
+  const float seed = seed_heights[seed_heights.size() / 2];
 
-  std::vector<std::uint8_t> settled(height_.size(), 0);
+  std::vector<std::uint8_t> visited(height_.size(), 0);
   std::vector<float> around;
   for (const int i : order)
   {
@@ -149,7 +150,7 @@ void BevGround::makeConsistent(const std::vector<std::uint8_t>& known)
       {
         for (int nx = std::max(0, x - reach); nx <= std::min(width_ - 1, x + reach); ++nx)
         {
-          if (settled[at(ny * width_ + nx)] != 0)
+          if (visited[at(ny * width_ + nx)] != 0)
           {
             around.push_back(height_[at(ny * width_ + nx)]);
           }
@@ -158,30 +159,30 @@ void BevGround::makeConsistent(const std::vector<std::uint8_t>& known)
     }
     if (around.empty())
     {
-      if (known[at(i)] == 0 || std::abs(height_[at(i)] - seed) > ghost_depth)
+      if (known[at(i)] == 0 || std::abs(height_[at(i)] - seed) > max_depth_below)
       {
         height_[at(i)] = seed;
       }
-      settled[at(i)] = 1;
+      visited[at(i)] = 1;
       continue;
     }
     std::nth_element(around.begin(),
                      around.begin() + static_cast<std::ptrdiff_t>(around.size() / 2), around.end());
     const float reference = around[around.size() / 2];
     const float above = height_[at(i)] - reference;
-    if (known[at(i)] == 0 || above > 0.25F + max_slope * ground_cell || above < -ghost_depth)
+    if (known[at(i)] == 0 || above > 0.25F + max_slope * ground_cell || above < -max_depth_below)
     {
       height_[at(i)] = reference;
     }
-    settled[at(i)] = 1;
+    visited[at(i)] = 1;
   }
 }
 
 float BevGround::heightAt(float x, float y) const
 {
   const float last = static_cast<float>(width_ - 1);
-  const float u = std::clamp((x + reach_) / ground_cell - 0.5F, 0.0F, last - 1e-3F);
-  const float v = std::clamp((y + reach_) / ground_cell - 0.5F, 0.0F, last - 1e-3F);
+  const float u = std::clamp((x + half_extent_) / ground_cell - 0.5F, 0.0F, last - 1e-3F);
+  const float v = std::clamp((y + half_extent_) / ground_cell - 0.5F, 0.0F, last - 1e-3F);
   const int ix = static_cast<int>(u);
   const int iy = static_cast<int>(v);
   const float fx = u - static_cast<float>(ix);
@@ -266,7 +267,7 @@ void BevRays::compare(const Eigen::Vector3f& point, float* out) const
 
 namespace
 {
-/** Stable counting sort of `order` by a digit of each one's cell. */
+/** Stable counting sort of `order` by a digit of the cell index. */
 template <typename Digit>
 void sortByDigit(int digits, const Digit& digit, std::vector<std::uint32_t>& order)
 {
@@ -284,7 +285,7 @@ void sortByDigit(int digits, const Digit& digit, std::vector<std::uint32_t>& ord
   order.swap(sorted);
 }
 
-/** Takes the points that have a cell, by cell and then as they came. */
+/** Keeps the points that have a cell, sorted by cell and then by input order. */
 void sortByCell(const std::vector<Eigen::Vector3f>& points,
                 const std::vector<std::int32_t>& cell_of,
                 const std::vector<float>& height_of,
@@ -297,7 +298,7 @@ void sortByCell(const std::vector<Eigen::Vector3f>& points,
       scan.source.push_back(static_cast<std::uint32_t>(i));
     }
   }
-  // Column by column, then row by row: the grid has far more cells than a scan has points.
+  // Radix sort by column and row: the grid has far more cells than a scan has points.
   sortByDigit(
       scan.cells, [&](std::uint32_t i) { return cell_of[i] % scan.cells; }, scan.source);
   sortByDigit(
@@ -382,7 +383,7 @@ BevScan makeBevScan(const std::vector<Eigen::Vector3f>& points,
     {
       continue;
     }
-    // Nothing below the ground gets in: mirrored beams make ghosts there.
+    // Points below the ground are multipath echoes.
     height_of[i] = p.z() - ground.heightAt(p.x(), p.y());
     if (height_of[i] >= clearance && height_of[i] <= ceiling)
     {

@@ -18,47 +18,48 @@ using torch::autograd::tensor_list;
 
 using Matrix = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 using Row = Eigen::Matrix<float, 1, Eigen::Dynamic>;
-constexpr std::int64_t block = 256;  // cells gathered at a time, to stay in the cache
+constexpr std::int64_t block = 256;  // cells per block, to fit the cache
 
 Eigen::Map<const Matrix> viewOf(const Tensor& t)
 {
   return {t.data_ptr<float>(), t.size(0), t.size(1)};
 }
 
-/** For the cells from `first` on the rows of `table` side by side, zeros for -1. */
+/** Concatenated rows of `table` for `count` cells from `first` on, zeros for -1. */
 void gatherBlock(
     const Tensor& rows, const Tensor& table, std::int64_t first, std::int64_t count, float* to)
 {
   const auto kernel = table.size(1);
   const auto channels = rows.size(1);
   const float* from = rows.data_ptr<float>();
-  const auto* which = table.data_ptr<std::int32_t>() + first * kernel;
+  const auto* indices = table.data_ptr<std::int32_t>() + first * kernel;
   for (std::int64_t i = 0; i < count * kernel; ++i, to += channels)
   {
-    if (which[i] < 0)
+    if (indices[i] < 0)
     {
       std::fill_n(to, channels, 0.0F);
     }
     else
     {
-      std::copy_n(from + which[i] * channels, channels, to);
+      std::copy_n(from + indices[i] * channels, channels, to);
     }
   }
 }
 
-/** Adds to each row what its places in the table got: the transpose of gatherBlock(). */
+/** Adds the gradients to the rows they were gathered from: the transpose of gatherBlock(). */
 void scatterBlock(
     const float* from, const Tensor& table, std::int64_t first, std::int64_t count, Tensor& rows)
 {
   const auto kernel = table.size(1);
   const auto channels = rows.size(1);
   float* to = rows.data_ptr<float>();
-  const auto* which = table.data_ptr<std::int32_t>() + first * kernel;
+  const auto* indices = table.data_ptr<std::int32_t>() + first * kernel;
   for (std::int64_t i = 0; i < count * kernel; ++i, from += channels)
   {
-    if (which[i] >= 0)
+    if (indices[i] >= 0)
     {
-      Eigen::Map<Row>(to + which[i] * channels, channels) += Eigen::Map<const Row>(from, channels);
+      Eigen::Map<Row>(to + indices[i] * channels, channels) +=
+          Eigen::Map<const Row>(from, channels);
     }
   }
 }
@@ -156,8 +157,8 @@ class GatheredLinear : public torch::autograd::Function<GatheredLinear>
   }
 };
 
-/** torch's own start of linear and convolution layers. */
-void startParameters(Tensor& weight, Tensor& bias, std::int64_t fan_in)
+/** torch's default initialisation of linear and convolution layers. */
+void initialiseParameters(Tensor& weight, Tensor& bias, std::int64_t fan_in)
 {
   torch::NoGradGuard no_gradient;
   const double bound = 1 / std::sqrt(static_cast<double>(fan_in));
@@ -201,7 +202,7 @@ RowLinearImpl::RowLinearImpl(std::int64_t in, std::int64_t out)
 {
   weight = register_parameter("weight", torch::empty({out, in}));
   bias = register_parameter("bias", torch::empty({out}));
-  startParameters(weight, bias, in);
+  initialiseParameters(weight, bias, in);
 }
 
 Tensor RowLinearImpl::forward(const Tensor& rows, double slope)
@@ -213,7 +214,7 @@ CellConvImpl::CellConvImpl(std::int64_t in, std::int64_t out)
 {
   weight = register_parameter("weight", torch::empty({out, in, 3, 3}));
   bias = register_parameter("bias", torch::empty({out}));
-  startParameters(weight, bias, 9 * in);
+  initialiseParameters(weight, bias, 9 * in);
 }
 
 Tensor CellConvImpl::forward(const Tensor& rows, const Tensor& table, double slope)

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/Deskew.h>
+#include <dyslam/nets/DyloFile.h>
 #include <dyslam/nets/DyloMatcher.h>
-#include <dyslam/nets/DyloModel.h>
 #include <dyslam/nets/Threads.h>
 
 #include <algorithm>
@@ -15,20 +15,20 @@ namespace
 {
 constexpr std::size_t sampled_level = 1;
 
-// How far the motion found lies from the one that a scan was deskewed with [m, at a lever of 10 m]:
-constexpr double seen_bend = 0.005;     //!< worth taking back
-constexpr double far_bend = 0.3;        //!< points are elsewhere in the image
-constexpr double farthest_motion = 10;  //!< not to be believed
-constexpr int most_layouts = 4;
-constexpr std::int64_t point_grain = 4096;  //!< worth a thread
+// Difference of the estimated motion from that of the deskewing, as motionSize() [m]:
+constexpr double min_redeskew = 0.005;  //!< below it, points are not re-deskewed
+constexpr double max_redeskew = 0.3;    //!< above it, the range image changes and is computed again
+constexpr double max_motion = 10;       //!< above it, the estimate is not used for deskewing
+constexpr int max_encodings = 4;
+constexpr std::int64_t point_grain = 4096;  //!< points per thread
 
-/** A residual that may come from noise and the sampling of surfaces [m]. */
+/** Largest residual due to noise and surface sampling [m]. */
 double inlierDistance(double range)
 {
   return 0.15 + 0.005 * range;
 }
 
-/** A point of level 1 and its static confidence; what was not matched is out of reach. */
+/** A point of level 1 and its static confidence; unmatched ones are placed out of reach. */
 struct SampledNode
 {
   Eigen::Vector3f point = Eigen::Vector3f::Constant(1e6F);
@@ -36,44 +36,44 @@ struct SampledNode
 };
 }  // namespace
 
-/** A scan, as it was given and as the network sees it. */
-struct SeenScan
+/** A scan as given and as encoded. */
+struct MatcherScan
 {
   std::vector<Eigen::Vector3f> points;
   std::vector<float> phase;
-  Pose T_given = Pose::Identity();  //!< that `points` are deskewed with
+  Pose T_given = Pose::Identity();  //!< motion with which `points` are deskewed
   PreparedScan prepared;
   EncodedScan encoded;
-  bool motion_known = false;  //!< `encoded` is deskewed with its own motion
+  bool motion_known = false;  //!< `encoded` is deskewed with the scan's own motion
 
   [[nodiscard]] bool empty() const { return prepared.empty(); }
-  /** The given points, deskewed by `T_sweep` instead. */
-  [[nodiscard]] std::vector<Eigen::Vector3f> sweptBy(const Pose& T_sweep) const;
-  /** Image and levels deskewed by `T_sweep`; which points they hold, and their features, stay. */
-  void bend(const Pose& T_sweep);
+  /** The given points, deskewed by `T_sweep` instead of T_given. */
+  [[nodiscard]] std::vector<Eigen::Vector3f> deskewedBy(const Pose& T_sweep) const;
+  /** Re-deskews the points of image and levels by `T_sweep`; their selection and features stay. */
+  void redeskew(const Pose& T_sweep);
 };
 
-std::vector<Eigen::Vector3f> SeenScan::sweptBy(const Pose& T_sweep) const
+std::vector<Eigen::Vector3f> MatcherScan::deskewedBy(const Pose& T_sweep) const
 {
   const SweepMotion given(T_given, 0);
   const SweepMotion wanted(T_sweep, 0);
-  std::vector<Eigen::Vector3f> swept(points.size());
+  std::vector<Eigen::Vector3f> deskewed(points.size());
   forRows(static_cast<std::int64_t>(points.size()), point_grain,
           [&](std::int64_t first, std::int64_t last)
           {
             for (auto i = static_cast<std::size_t>(first); i < static_cast<std::size_t>(last); ++i)
             {
-              swept[i] = wanted.toReference(given.toReference(points[i], -phase[i]), phase[i]);
+              deskewed[i] = wanted.toReference(given.toReference(points[i], -phase[i]), phase[i]);
             }
           });
-  return swept;
+  return deskewed;
 }
 
-void SeenScan::bend(const Pose& T_sweep)
+void MatcherScan::redeskew(const Pose& T_sweep)
 {
   const SweepMotion given(T_given, 0);
   const SweepMotion wanted(T_sweep, 0);
-  const auto bendCell = [&](std::size_t cell)
+  const auto redeskewCell = [&](std::size_t cell)
   {
     if (prepared.source[cell] >= 0)
     {
@@ -86,10 +86,10 @@ void SeenScan::bend(const Pose& T_sweep)
           {
             for (std::int64_t cell = first; cell < last; ++cell)
             {
-              bendCell(static_cast<std::size_t>(cell));
+              redeskewCell(static_cast<std::size_t>(cell));
             }
           });
-  movePoints(prepared, encoded.scan);
+  updatePoints(prepared, encoded.scan);
   encoded.T_sweep = T_sweep;
 }
 
@@ -97,17 +97,20 @@ struct DyloMatcher::Impl
 {
   DyloNetwork network{nullptr};
   int threads = 1;
-  SeenScan current, reference;
+  MatcherScan current, reference;
   std::vector<SampledNode> nodes;  //!< of the last match
 
-  void layOut(SeenScan& scan, const std::vector<Eigen::Vector3f>& points, const Pose& T_sweep);
+  void encodeScan(MatcherScan& scan,
+                  const std::vector<Eigen::Vector3f>& points,
+                  const Pose& T_sweep);
   std::vector<DyloStage> search(const Pose& start, bool deskew, const DyloPrior* prior);
-  void keepConfidence(const DyloStage& stage);
-  /** Confidence of the points [first, last), all seen around `node`, by it and its neighbours. */
-  void blendAround(std::int32_t node,
-                   const std::int32_t* first,
-                   const std::int32_t* last,
-                   std::vector<float>& confidence) const;
+  void storeConfidence(const DyloStage& stage);
+  /** Interpolates the confidence of the points [first, last) of `node` from it and its neighbours.
+   */
+  void interpolateConfidence(std::int32_t node,
+                             const std::int32_t* first,
+                             const std::int32_t* last,
+                             std::vector<float>& confidence) const;
 };
 
 DyloMatcher::DyloMatcher(const std::string& weights, int threads) : impl_(std::make_unique<Impl>())
@@ -121,9 +124,9 @@ DyloMatcher::~DyloMatcher() = default;
 DyloMatcher::DyloMatcher(DyloMatcher&&) noexcept = default;
 DyloMatcher& DyloMatcher::operator=(DyloMatcher&&) noexcept = default;
 
-void DyloMatcher::Impl::layOut(SeenScan& scan,
-                               const std::vector<Eigen::Vector3f>& points,
-                               const Pose& T_sweep)
+void DyloMatcher::Impl::encodeScan(MatcherScan& scan,
+                                   const std::vector<Eigen::Vector3f>& points,
+                                   const Pose& T_sweep)
 {
   scan.prepared = prepareScan(points);
   scan.encoded = EncodedScan();
@@ -174,65 +177,66 @@ std::size_t DyloMatcher::setCurrent(const std::vector<Eigen::Vector3f>& points,
   s.current.T_given = T_sweep;
   s.current.motion_known = s.current.phase.empty();
   s.nodes.clear();
-  s.layOut(s.current, points, T_sweep);
+  s.encodeScan(s.current, points, T_sweep);
   return s.current.prepared.valid_points;
 }
 
 void DyloMatcher::keepAsReference(const std::optional<Pose>& T_sweep)
 {
   Impl& s = *impl_;
-  SeenScan& scan = s.current;
+  MatcherScan& scan = s.current;
   if (T_sweep && !scan.motion_known && !scan.empty())
   {
     scan.motion_known = true;
-    if (motionSize(logSE3(scan.encoded.T_sweep.inverse() * *T_sweep)) > seen_bend)
+    if (motionSize(logSE3(scan.encoded.T_sweep.inverse() * *T_sweep)) > min_redeskew)
     {
-      scan.bend(*T_sweep);
+      scan.redeskew(*T_sweep);
     }
   }
   s.reference = scan;
 }
 
-void DyloMatcher::forgetReference()
+void DyloMatcher::clearReference()
 {
-  impl_->reference = SeenScan();
+  impl_->reference = MatcherScan();
 }
 
-/** Where a scan was bent too much to be straightened in its place, it is laid out anew: the current
- * one for good, the reference only for this search, for the motion found may yet be refused. */
+/** Matches, re-deskews by the estimate and repeats. A scan whose deskewing changes too much to keep
+ * its range image is encoded again: the current one permanently, the reference only for this match,
+ * because the estimate may yet be rejected. */
 std::vector<DyloStage> DyloMatcher::Impl::search(const Pose& start,
                                                  bool deskew,
                                                  const DyloPrior* prior)
 {
-  SeenScan straightened;
-  const SeenScan* against = &reference;
-  Pose found = start;
-  for (int layouts = 1;; ++layouts)
+  MatcherScan redeskewed_reference;
+  const MatcherScan* target = &reference;
+  Pose estimate = start;
+  for (int encodings = 1;; ++encodings)
   {
     EncodedScan scan1 = current.encoded;
-    if (!deskew || !against->motion_known)
+    if (!deskew || !target->motion_known)
     {
-      // Bent alike, two scans fit best.
+      // With equal distortion the two scans fit best.
       scan1.phase = {};
       scan1.image_phase = torch::Tensor();
     }
     std::vector<DyloStage> stages =
-        network->forward(scan1, against->encoded, PoseTensors::from(found, torch::kFloat), prior);
-    found = stages.back().pose.toPose();
-    const double apart = motionSize(logSE3(current.encoded.T_sweep.inverse() * found));
-    if (layouts == most_layouts || !deskew || current.phase.empty() || apart > farthest_motion ||
-        (against->motion_known && apart < far_bend))
+        network->forward(scan1, target->encoded, PoseTensors::from(estimate, torch::kFloat), prior);
+    estimate = stages.back().pose.toPose();
+    const double difference = motionSize(logSE3(current.encoded.T_sweep.inverse() * estimate));
+    if (encodings == max_encodings || !deskew || current.phase.empty() || difference > max_motion ||
+        (target->motion_known && difference < max_redeskew))
     {
       return stages;
     }
-    if (!against->motion_known)
+    if (!target->motion_known)
     {
-      straightened = reference;
-      layOut(straightened, reference.sweptBy(found), found);
-      straightened.motion_known = true;
-      against = &straightened;
+      redeskewed_reference = reference;
+      encodeScan(redeskewed_reference, reference.deskewedBy(estimate), estimate);
+      redeskewed_reference.motion_known = true;
+      target = &redeskewed_reference;
     }
-    layOut(current, current.sweptBy(found), found);
+    encodeScan(current, current.deskewedBy(estimate), estimate);
   }
 }
 
@@ -258,11 +262,11 @@ DyloMatch DyloMatcher::match(const Pose& start, bool deskew, const DyloPrior* pr
     const torch::Tensor normal = last.normal_matrix.to(torch::kDouble).contiguous();
     const Matrix6 left =
         Eigen::Map<const Eigen::Matrix<double, 6, 6, Eigen::RowMajor>>(normal.data_ptr<double>());
-    // The network's step stands on the left of the motion.
+    // The network's increment is on the left of the motion.
     const Matrix6 adjoint = adjointSE3(match.T_reference_current);
     match.normal_matrix = adjoint.transpose() * left * adjoint;
   }
-  // How well the points lie on the surfaces matched, at the pose found.
+  // Residuals at the estimated pose.
   const torch::Tensor moved = last.pose.apply(last.points);
   const torch::Tensor residual = (last.normal * moved).sum(1) - last.offset;
   const torch::Tensor range = moved.norm(2, 1);
@@ -289,11 +293,11 @@ DyloMatch DyloMatcher::match(const Pose& start, bool deskew, const DyloPrior* pr
   }
   match.rmse = std::sqrt(squares);
   match.effective_points = weight_squares > 0 ? 1 / weight_squares : 0;
-  s.keepConfidence(last);
+  s.storeConfidence(last);
   return match;
 }
 
-void DyloMatcher::Impl::keepConfidence(const DyloStage& stage)
+void DyloMatcher::Impl::storeConfidence(const DyloStage& stage)
 {
   nodes.clear();
   if (stage.level != sampled_level)
@@ -316,12 +320,12 @@ void DyloMatcher::Impl::keepConfidence(const DyloStage& stage)
   }
 }
 
-void DyloMatcher::Impl::blendAround(std::int32_t node,
-                                    const std::int32_t* first,
-                                    const std::int32_t* last,
-                                    std::vector<float>& confidence) const
+void DyloMatcher::Impl::interpolateConfidence(std::int32_t node,
+                                              const std::int32_t* first,
+                                              const std::int32_t* last,
+                                              std::vector<float>& confidence) const
 {
-  constexpr int lanes = 8;  // points at a time
+  constexpr int lanes = 8;  // points per iteration
   using Lanes = Eigen::Array<float, lanes, 1>;
   constexpr float softness = 0.002F;
   constexpr float at_reach = 1 / (softness + 1);
@@ -371,7 +375,7 @@ std::vector<float> DyloMatcher::staticConfidence() const
   {
     return confidence;
   }
-  // Points in the order of the nodes they were seen around.
+  // Counting sort of the points by node.
   const PreparedScan& prepared = s.current.prepared;
   const PreparedScan::Level& level = prepared.levels[sampled_level];
   std::vector<std::int32_t> node_of(confidence.size(), -1);
@@ -404,8 +408,8 @@ std::vector<float> DyloMatcher::staticConfidence() const
             for (auto n = static_cast<std::size_t>(first); n < static_cast<std::size_t>(last); ++n)
             {
               const std::int32_t begin = n == 0 ? 0 : end[n - 1];
-              s.blendAround(static_cast<std::int32_t>(n), ordered.data() + begin,
-                            ordered.data() + end[n], confidence);
+              s.interpolateConfidence(static_cast<std::int32_t>(n), ordered.data() + begin,
+                                      ordered.data() + end[n], confidence);
             }
           });
   return confidence;

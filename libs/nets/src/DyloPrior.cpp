@@ -7,24 +7,24 @@ namespace dyslam
 {
 namespace
 {
-/** Of the sensor and of surfaces that are not as flat as they look [m]. */
-constexpr double least_sigma = 0.01;
+/** Standard deviation due to the sensor and to non-planar surfaces [m]. */
+constexpr double min_sigma = 0.01;
 }  // namespace
 
-double measuredPrecision(double rmse, double effective_points, double correlated_points)
+double measurementPrecision(double rmse, double effective_points, double points_per_measurement)
 {
-  return effective_points / correlated_points / (rmse * rmse + least_sigma * least_sigma);
+  return effective_points / points_per_measurement / (rmse * rmse + min_sigma * min_sigma);
 }
 
-Vector6 jointStep(const DyloPrior& prior,
-                  const Pose& T,
-                  const Vector6& step,
-                  const Matrix6& measured)
+Vector6 fuseWithPrior(const DyloPrior& prior,
+                      const Pose& T,
+                      const Vector6& step,
+                      const Matrix6& measured)
 {
   const Matrix6 to_right = adjointSE3(T.inverse());
-  const Matrix6 expected = to_right.transpose() * prior.information * to_right;
+  const Matrix6 prior_information = to_right.transpose() * prior.information * to_right;
   const Vector6 to_prior = logSE3(prior.T_reference_current * T.inverse());
-  const Matrix6 both = measured + expected;
-  return both.ldlt().solve(measured * step + expected * to_prior);
+  const Matrix6 total = measured + prior_information;
+  return total.ldlt().solve(measured * step + prior_information * to_prior);
 }
 }  // namespace dyslam

@@ -76,7 +76,8 @@ DysegNetwork loadDyseg(const std::string& file)
     if (found.toStringRef() != kind || shape[0].item<std::int64_t>() != version)
     {
       throw UserError(
-          file + ": weights of another network or version; give a dyseg.pt of this one's training");
+          file +
+          ": weights of another network or version; give a dyseg.pt trained with this version");
     }
     network.net = DysegNet(optionsOf(shape));
     network.grid.cells = static_cast<int>(grid[0].item<double>());
@@ -90,13 +91,13 @@ DysegNetwork loadDyseg(const std::string& file)
       TORCH_CHECK(value.sizes() == p.value().sizes(), "shape of ", p.key());
       p.value().copy_(value);
     }
-    requireUndamaged(*network.net, archive, file);
+    verifyChecksum(*network.net, archive, file);
   }
   catch (const UserError&)
   {
     throw;
   }
-  catch (const std::exception&)  // what torch throws for foreign files has no common type
+  catch (const std::exception&)  // torch's exceptions for foreign files have no common type
   {
     throw UserError(file + ": not a DySeg network; retrain it or use the one that is shipped");
   }

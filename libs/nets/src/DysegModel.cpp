@@ -11,28 +11,30 @@ namespace dyslam
 {
 namespace
 {
-/** Cells below this logit don't have their points looked at one by one. */
-constexpr float doubtful = -3.0F;
+/** Logit of a cell below which its points are not segmented individually. */
+constexpr float min_cell_logit = -3.0F;
 
-/** Past range less expected one, from which on a place was free, and up to which it was not [m]. */
-constexpr float passed_by = 0.6F;
-constexpr float returned_within = 0.25F;
+/** Range differences of the past scan for a free and for an occupied position [m]. */
+constexpr float min_free_margin = 0.6F;
+constexpr float max_return_distance = 0.25F;
 
-/** What `past` saw at the place of a point of the scan at hand. */
-SeenBefore placeIn(const BevRays& past, const PlanarMotion& motion, const Eigen::Vector3f& p)
+/** What `past` observed at the position of a point of the current scan. */
+PastVisibility visibilityIn(const BevRays& past,
+                            const PlanarMotion& motion,
+                            const Eigen::Vector3f& p)
 {
   const Eigen::Vector2f flat = p.head<2>() + motion.flowAt(p.head<2>());
   std::array<float, BevRays::channels> seen{};
   past.compare(Eigen::Vector3f(flat.x(), flat.y(), p.z()), seen.data());
   if (seen[2] == 0)
   {
-    return SeenBefore::unknown;
+    return PastVisibility::unknown;
   }
-  if (2 * seen[0] > passed_by)
+  if (2 * seen[0] > min_free_margin)
   {
-    return SeenBefore::free;
+    return PastVisibility::free;
   }
-  return seen[1] < returned_within ? SeenBefore::occupied : SeenBefore::unknown;
+  return seen[1] < max_return_distance ? PastVisibility::occupied : PastVisibility::unknown;
 }
 
 float sigmoid(float x)
@@ -96,7 +98,7 @@ std::shared_ptr<const DysegModel::Encoded> DysegModel::encode(
 
 RigidFlowFit DysegModel::match(const Encoded& current,
                                const Encoded& past,
-                               const MotionGuess* guess) const
+                               const PlanarPrior* guess) const
 {
   torch::InferenceMode inference;
   useTorchThreads(impl_->threads);
@@ -108,14 +110,14 @@ RigidFlowFit DysegModel::match(const Encoded& current,
       .fit;
 }
 
-std::vector<float> DysegModel::anchors(const Encoded& scan) const
+std::vector<float> DysegModel::appearancePrior(const Encoded& scan) const
 {
   std::vector<float> anchor(scan.inputs, 1.0F);
   if (scan.scan.size() == 0)
   {
     return anchor;
   }
-  const auto logit = scan.encoding.anchor.contiguous();
+  const auto logit = scan.encoding.static_logit.contiguous();
   const float* l = logit.data_ptr<float>();
   for (std::size_t i = 0; i < scan.scan.size(); ++i)
   {
@@ -126,34 +128,34 @@ std::vector<float> DysegModel::anchors(const Encoded& scan) const
 
 DysegResult DysegModel::compare(const Encoded& current, const Encoded& past, int iterations) const
 {
-  return judge(current, past, match(current, past), iterations);
+  return segment(current, past, match(current, past), iterations);
 }
 
-DysegResult DysegModel::judge(const Encoded& current,
-                              const Encoded& past,
-                              const RigidFlowFit& static_flow,
-                              int iterations) const
+DysegResult DysegModel::segment(const Encoded& current,
+                                const Encoded& past,
+                                const RigidFlowFit& static_flow,
+                                int iterations) const
 {
   torch::InferenceMode inference;
   useTorchThreads(impl_->threads);
   DysegResult result;
   result.static_flow = static_flow;
   result.moving_probability.assign(current.inputs, 0.0F);
-  result.seen_before.assign(current.inputs, SeenBefore::unknown);
+  result.past_visibility.assign(current.inputs, PastVisibility::unknown);
   const auto& scan = current.scan;
   if (scan.size() == 0 || past.scan.size() == 0)
   {
     return result;
   }
   auto& net = impl_->network.net;
-  const auto cells = net->cells(scan, current.encoding, past.encoding, static_flow.motion,
-                                std::max(1, iterations));
+  const auto cells = net->segmentCells(scan, current.encoding, past.encoding, static_flow.motion,
+                                       std::max(1, iterations));
   const auto& occupied = *current.encoding.cells;
   const auto logit = cells.logit.contiguous();
   const auto residual = cells.residual.back().contiguous();
   const float* l = logit.data_ptr<float>();
   const float* r = residual.data_ptr<float>();
-  result.cell_centre = occupied.quarter_place;
+  result.cell_centre = occupied.quarter_centre;
   for (std::size_t i = 0; i < result.cell_centre.size(); ++i)
   {
     result.cell_flow.emplace_back(cells.static_motion.flowAt(result.cell_centre[i]) +
@@ -161,26 +163,26 @@ DysegResult DysegModel::judge(const Encoded& current,
     result.cell_moving_probability.push_back(sigmoid(l[i]));
   }
 
-  std::vector<std::int32_t> which;
+  std::vector<std::int32_t> indices;
   for (std::size_t i = 0; i < scan.size(); ++i)
   {
-    if (l[occupied.level.quarter.row_of_point[i]] > doubtful)
+    if (l[occupied.level.quarter.row_of_point[i]] > min_cell_logit)
     {
-      which.push_back(static_cast<std::int32_t>(i));
+      indices.push_back(static_cast<std::int32_t>(i));
     }
   }
-  if (!which.empty())
+  if (!indices.empty())
   {
-    const auto answer =
-        net->points(scan, current.encoding, past.encoding, past.scan.rays, cells, which)
+    const auto logits =
+        net->segmentPoints(scan, current.encoding, past.encoding, past.scan.rays, cells, indices)
             .contiguous();
-    const float* a = answer.data_ptr<float>();
-    for (std::size_t q = 0; q < which.size(); ++q)
+    const float* a = logits.data_ptr<float>();
+    for (std::size_t q = 0; q < indices.size(); ++q)
     {
-      const auto i = static_cast<std::size_t>(which[q]);
+      const auto i = static_cast<std::size_t>(indices[q]);
       result.moving_probability[scan.source[i]] = sigmoid(a[q]);
-      result.seen_before[scan.source[i]] =
-          placeIn(past.scan.rays, static_flow.motion, scan.points[i]);
+      result.past_visibility[scan.source[i]] =
+          visibilityIn(past.scan.rays, static_flow.motion, scan.points[i]);
     }
   }
   return result;

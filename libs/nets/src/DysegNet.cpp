@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/nets/BevOps.h>
 #include <dyslam/nets/DysegNet.h>
-#include <dyslam/nets/MotionVote.h>
 #include <torch/torch.h>
 
 #include <algorithm>
+
+#include "StaticMotionMatcher.h"
 
 namespace dyslam
 {
@@ -18,22 +19,10 @@ constexpr std::int64_t cell_features = 24;
 constexpr std::int64_t anchor_channels = 16;
 constexpr std::int64_t peak_channels = 3;
 constexpr std::int64_t subcells = 4;
-constexpr double rectified = 0;        // slope below zero
-constexpr float voting_reach = 51.2F;  // m to each side
-// Widths of the fit's robust kernel [m].
-constexpr double fine_width = 0.15;
-constexpr double voted_within = 0.6;
-// Yaws tried in the votes [rad], in steps to each side.
-constexpr double coarse_yaw_step = 0.035;
-constexpr int coarse_yaw_steps = 3;
-constexpr double fine_yaw_step = 0.012;
-constexpr int fine_yaw_steps = 2;
-constexpr int rounds = 8;           // of the finer fit, at most
-constexpr double settled = 0.003;   // m, a step after which no other is needed
-constexpr double most_left = 0.85;  // share of an offset that a look leaves
-constexpr double lever = 20;        // m, at which a turn counts like a shift
+constexpr double rectified = 0;  // slope of the leaky ReLU
 
-/** A view of foreign memory; a copy while gradients are recorded, for they outlive the scan. */
+/** The view itself, or a copy while gradients are recorded: the graph outlives the scan's memory.
+ */
 Tensor shared(const Tensor& view)
 {
   return torch::GradMode::is_enabled() ? view.clone() : view;
@@ -50,24 +39,8 @@ Tensor toTensor(const std::vector<std::int32_t>& values)
   return torch::tensor(values, torch::kInt32).to(torch::kInt64);
 }
 
-/** Motion vectors of a rigid motion at some places, N x 2 [m]. */
-Tensor rigidFlow(const PlanarMotion& motion, const std::vector<Eigen::Vector2f>& places)
-{
-  auto flow = torch::empty({static_cast<std::int64_t>(places.size()), 2});
-  auto* out = flow.data_ptr<float>();
-  const Eigen::Matrix2f R = Eigen::Rotation2Dd(motion.yaw).toRotationMatrix().cast<float>();
-  const Eigen::Vector2f t = motion.translation.cast<float>();
-  for (std::size_t i = 0; i < places.size(); ++i)
-  {
-    const Eigen::Vector2f f = R * places[i] + t - places[i];
-    out[2 * i] = f.x();
-    out[2 * i + 1] = f.y();
-  }
-  return flow;
-}
-
-/** Positions of cells in units of cells, N x 2 (x, y). */
-Tensor positionsOf(const CellLevel& level)
+/** Positions of a level's cells in units of cells, N x 2 (x, y). */
+Tensor positionTensor(const CellLevel& level)
 {
   auto positions = torch::empty({static_cast<std::int64_t>(level.size()), 2});
   auto* out = positions.data_ptr<float>();
@@ -79,113 +52,54 @@ Tensor positionsOf(const CellLevel& level)
   return positions;
 }
 
-/** Means over the four quarter cells of each eighth cell, empty ones counted as zeros. */
-Tensor meanOfParts(const Tensor& quarter, const Tensor& parts)
+/** Average pooling over the four children of each cell; empty ones are zero. */
+Tensor averageChildren(const Tensor& quarter, const Tensor& children)
 {
-  return gatherRows(quarter, parts).view({parts.size(0), 4, quarter.size(1)}).mean(1);
+  return gatherRows(quarter, children).view({children.size(0), 4, quarter.size(1)}).mean(1);
 }
 
 Tensor indexOf(const CellLevel& level)
 {
   return tableTensor(level.row_of_cell, level.width);
 }
-
-/** Fits the static motion to the peaks of a correlation.
- * \param trust of each cell, N \param centre motion that the windows lie around, `flow` of the
- * cells \param within this far from the centre cells count at first [m]. */
-RigidFlowFit fitPeaks(const Tensor& correlation,
-                      const Tensor& trust,
-                      int radius,
-                      float size,
-                      const Tensor& flow,
-                      const std::vector<Eigen::Vector2f>& places,
-                      const PlanarMotion& centre,
-                      double within)
-{
-  torch::NoGradGuard no_gradient;
-  const auto peak = peakOffset(correlation, radius).cpu().contiguous();
-  const auto base = flow.cpu().contiguous();
-  const auto trusted = trust.cpu().contiguous();
-  const float* p = peak.data_ptr<float>();
-  const float* t = trusted.data_ptr<float>();
-  const float* b = base.data_ptr<float>();
-  std::vector<Eigen::Vector2f> found(places.size());
-  std::vector<float> weight(places.size());
-  for (std::size_t i = 0; i < places.size(); ++i)
-  {
-    found[i] =
-        size * Eigen::Vector2f(p[3 * i], p[3 * i + 1]) + Eigen::Vector2f(b[2 * i], b[2 * i + 1]);
-    weight[i] = p[3 * i + 2] * p[3 * i + 2] * t[i];
-  }
-  return fitRigidFlow(places, found, weight, fine_width, within, &centre);
-}
-
-/** 1 for cells that have a say in the static motion, else 0: far ones hold a few points each, and
- * their windows are as wide as those of near ones. */
-Tensor heardOf(const std::vector<Eigen::Vector2f>& places)
-{
-  auto heard = torch::empty({static_cast<std::int64_t>(places.size())});
-  std::transform(places.begin(), places.end(), heard.data_ptr<float>(),
-                 [](const Eigen::Vector2f& p)
-                 { return p.cwiseAbs().maxCoeff() < voting_reach ? 1.0F : 0.0F; });
-  return heard;
-}
-
-/** The static motion that the windows of a correlation speak for. */
-MotionVote vote(const Tensor& correlation,
-                const Tensor& trust,
-                int radius,
-                float size,
-                const std::vector<Eigen::Vector2f>& places,
-                const PlanarMotion& centre,
-                double yaw_step,
-                int yaw_steps)
-{
-  torch::NoGradGuard no_gradient;
-  const auto probability = correlation.softmax(1).cpu().contiguous();
-  const auto given = trust.cpu().contiguous();
-  const std::vector<float> weight(given.data_ptr<float>(), given.data_ptr<float>() + given.numel());
-  return voteMotion({probability.data_ptr<float>(), radius, size, places, weight}, centre, yaw_step,
-                    yaw_steps);
-}
 }  // namespace
 
 void DysegNetworkOptions::describe(OptionsVisitor& v)
 {
-  v.integer("pillar_channels", pillar_channels, 4, 64, "of the network on single points");
-  v.integer("half_channels", half_channels, 4, 128, "at half the grid's resolution");
-  v.integer("quarter_channels", quarter_channels, 4, 256, "at a quarter of it");
-  v.integer("matching_channels", matching_channels, 4, 128, "compared between scans");
-  v.integer("fine_channels", fine_channels, 4, 64, "compared at half resolution");
-  v.integer("hidden", hidden, 4, 128, "state of the flow update");
-  v.integer("radius", radius, 1, 10, "of the correlation windows, in cells");
-  v.integer("fine_radius", fine_radius, 1, 5, "of the windows at half resolution, in cells");
+  v.integer("pillar_channels", pillar_channels, 4, 64, "channels of the point features");
+  v.integer("half_channels", half_channels, 4, 128, "channels at 1/2 of the grid's resolution");
+  v.integer("quarter_channels", quarter_channels, 4, 256, "channels at 1/4 and 1/8");
+  v.integer("matching_channels", matching_channels, 4, 128, "matching channels at 1/4 and 1/8");
+  v.integer("fine_channels", fine_channels, 4, 64, "matching channels at 1/2");
+  v.integer("hidden", hidden, 4, 128, "channels of the flow update's hidden state");
+  v.integer("radius", radius, 1, 10, "radius of the correlation windows, in cells");
+  v.integer("fine_radius", fine_radius, 1, 5, "radius of the correlation windows at 1/2, in cells");
 }
 
 DysegCells::DysegCells(const BevScan& scan)
     : level(scan),
-      half_under(tableTensor(convolutionRows(level.full, level.half), 9)),
-      half_around(tableTensor(convolutionRows(level.half, level.half), 9)),
-      quarter_under(tableTensor(convolutionRows(level.half, level.quarter), 9)),
-      quarter_around(tableTensor(convolutionRows(level.quarter, level.quarter), 9)),
-      eighth_parts(tableTensor(childRows(level.quarter, level.eighth), 4)),
-      eighth_around(tableTensor(convolutionRows(level.eighth, level.eighth), 9)),
+      half_from_full(tableTensor(convolutionRows(level.full, level.half), 9)),
+      half_neighbours(tableTensor(convolutionRows(level.half, level.half), 9)),
+      quarter_from_half(tableTensor(convolutionRows(level.half, level.quarter), 9)),
+      quarter_neighbours(tableTensor(convolutionRows(level.quarter, level.quarter), 9)),
+      eighth_children(tableTensor(childRows(level.quarter, level.eighth), 4)),
+      eighth_neighbours(tableTensor(convolutionRows(level.eighth, level.eighth), 9)),
       quarter_parent(tableTensor(parentRows(level.quarter, level.eighth), 1)),
       half_index(indexOf(level.half)),
       quarter_index(indexOf(level.quarter)),
       eighth_index(indexOf(level.eighth)),
-      quarter_position(positionsOf(level.quarter)),
-      eighth_position(positionsOf(level.eighth)),
-      quarter_place(cellCentres(level.quarter, scan)),
-      eighth_place(cellCentres(level.eighth, scan))
+      quarter_position(positionTensor(level.quarter)),
+      eighth_position(positionTensor(level.eighth)),
+      quarter_centre(cellCentres(level.quarter, scan)),
+      eighth_centre(cellCentres(level.eighth, scan))
 {
 }
 
 void DysegCells::to(torch::Device device)
 {
-  for (auto* t : {&half_under, &half_around, &quarter_under, &quarter_around, &eighth_parts,
-                  &eighth_around, &quarter_parent, &half_index, &quarter_index, &eighth_index,
-                  &quarter_position, &eighth_position})
+  for (auto* t : {&half_from_full, &half_neighbours, &quarter_from_half, &quarter_neighbours,
+                  &eighth_children, &eighth_neighbours, &quarter_parent, &half_index,
+                  &quarter_index, &eighth_index, &quarter_position, &eighth_position})
   {
     *t = t->to(device);
   }
@@ -232,10 +146,10 @@ DysegNetImpl::DysegNetImpl(const DysegNetworkOptions& options) : options_(option
 
 Tensor DysegNetImpl::surroundings(const Tensor& quarter, const DysegCells& cells)
 {
-  const auto coarse = meanOfParts(quarter, cells.eighth_parts);
-  auto wide = wide_first_(coarse, cells.eighth_around, rectified);
-  wide = wide + wide_second_(wide, cells.eighth_around, rectified);
-  return gatherRows(wide_third_(wide, cells.eighth_around), cells.quarter_parent);
+  const auto coarse = averageChildren(quarter, cells.eighth_children);
+  auto wide = wide_first_(coarse, cells.eighth_neighbours, rectified);
+  wide = wide + wide_second_(wide, cells.eighth_neighbours, rectified);
+  return gatherRows(wide_third_(wide, cells.eighth_neighbours), cells.quarter_parent);
 }
 
 DysegEncoding DysegNetImpl::encode(const BevScan& scan)
@@ -248,17 +162,17 @@ DysegEncoding DysegNetImpl::encode(const BevScan& scan)
   const auto row = tableTensor(full.row_of_point, 1).squeeze(1).to(device);
   e.points = pillar_deep_(pillar_(featuresOf(scan).to(device), rectified), rectified);
   const auto pillars = pillarMax(e.points, row, static_cast<std::int64_t>(full.size()));
-  auto half = half_(pillars, cells->half_under, rectified);
-  half = half_deep_(half, cells->half_around, rectified);
-  auto quarter = quarter_(half, cells->quarter_under, rectified);
-  const auto first = quarter_first_(quarter, cells->quarter_around, rectified);
-  quarter = (quarter + quarter_second_(first, cells->quarter_around)).relu();
+  auto half = half_(pillars, cells->half_from_full, rectified);
+  half = half_deep_(half, cells->half_neighbours, rectified);
+  auto quarter = quarter_(half, cells->quarter_from_half, rectified);
+  const auto first = quarter_first_(quarter, cells->quarter_neighbours, rectified);
+  quarter = (quarter + quarter_second_(first, cells->quarter_neighbours)).relu();
   quarter = (quarter + surroundings(quarter, *cells)).relu();
   e.context = quarter;
   e.fine = fine_matching_(half);
-  e.anchor = anchor_logit_(anchor_(quarter, rectified)).squeeze(1);
+  e.static_logit = anchor_logit_(anchor_(quarter, rectified)).squeeze(1);
   e.middle = matching_(quarter);
-  e.coarse = meanOfParts(e.middle, cells->eighth_parts);
+  e.coarse = averageChildren(e.middle, cells->eighth_children);
   e.cells = std::move(cells);
   return e;
 }
@@ -266,123 +180,69 @@ DysegEncoding DysegNetImpl::encode(const BevScan& scan)
 DysegMatch DysegNetImpl::match(const BevScan& scan,
                                const DysegEncoding& current,
                                const DysegEncoding& past,
-                               const DysegGuide* guide,
-                               const MotionGuess* guess)
+                               const TeacherMotions* guide,
+                               const PlanarPrior* guess)
 {
-  const auto device = current.middle.device();
-  const auto& occupied = *current.cells;
-  const float size = 4 * scan.cell_size;
-  const int radius = options_.radius;
-  const CellMap past_middle{past.middle, past.cells->quarter_index, empty_middle_};
-  const auto trust =
-      current.anchor.detach().sigmoid().square() * heardOf(occupied.quarter_place).to(device);
+  const SparseMap past_middle{past.middle, past.cells->quarter_index, empty_middle_};
+  const StaticMotionMatcher matcher(scan, current, past_middle, options_.radius);
   DysegMatch out;
   if (guess == nullptr)
   {
     out.coarse_correlation =
         correlate(current.coarse, {past.coarse, past.cells->eighth_index, empty_coarse_},
-                  occupied.eighth_position, radius);
+                  current.cells->eighth_position, options_.radius);
   }
-  double lead = 1;
   if (guide != nullptr)
   {
-    out.first = guide->first;
+    out.initial = guide->coarse;
+    out.correlation = matcher.correlationAround(out.initial);
+    return out;
   }
-  else if (guess != nullptr)
-  {
-    out.first = guess->motion;
-  }
-  else
-  {
-    const auto coarse_trust = gatherRows(trust.unsqueeze(1), occupied.eighth_parts).mean(1);
-    const MotionVote coarse =
-        vote(out.coarse_correlation, coarse_trust, radius, 2 * size, occupied.eighth_place,
-             PlanarMotion(), coarse_yaw_step, coarse_yaw_steps);
-    lead = coarse.lead;
-    out.first = coarse.motion;
-    const auto flow = rigidFlow(out.first, occupied.quarter_place);
-    const auto window = correlate(current.middle, past_middle,
-                                  occupied.quarter_position + flow.to(device) / size, radius);
-    out.first = vote(window, trust, radius, size, occupied.quarter_place, out.first, fine_yaw_step,
-                     fine_yaw_steps)
-                    .motion;
-  }
-  // Peaks between cells are seen too near the window's centre: look again from there, until what is
-  // found is the centre. Each look takes the same share of what is left, which Aitken's method
-  // uses.
-  PlanarMotion centre = out.first;
-  Eigen::Vector3d last_step = Eigen::Vector3d::Zero();
-  for (int round = 0; round < (guide == nullptr ? rounds : 1); ++round)
-  {
-    const auto flow = rigidFlow(centre, occupied.quarter_place);
-    out.correlation = correlate(current.middle, past_middle,
-                                occupied.quarter_position + flow.to(device) / size, radius);
-    if (guide != nullptr)
-    {
-      break;
-    }
-    out.fit = fitPeaks(out.correlation, trust, radius, size, flow, occupied.quarter_place, centre,
-                       guess != nullptr ? guess->within : voted_within);
-    if (!out.fit.converged)
-    {
-      break;
-    }
-    Eigen::Vector3d step;
-    step << out.fit.motion.translation - centre.translation,
-        lever * (out.fit.motion.yaw - centre.yaw);
-    const double left =
-        last_step.squaredNorm() > 0
-            ? std::clamp(step.dot(last_step) / last_step.squaredNorm(), 0.0, most_left)
-            : 0.0;
-    last_step = round % 2 == 0 ? step : Eigen::Vector3d::Zero();
-    step /= 1 - left;
-    centre.translation += step.head<2>();
-    centre.yaw += step.z() / lever;
-    out.fit.motion = centre;
-    if (step.norm() < settled)
-    {
-      break;
-    }
-  }
-  out.fit.lead = lead;
+  double margin = 1;
+  out.initial = guess != nullptr ? guess->motion : matcher.search(out.coarse_correlation, margin);
+  constexpr double search_error = 0.6;  // largest expected error of the search [m]
+  out.fit = matcher.refine(out.initial, guess != nullptr ? guess->max_error : search_error,
+                           out.correlation);
+  out.fit.margin = margin;
   return out;
 }
 
-DysegCellsOut DysegNetImpl::cells(const BevScan& scan,
-                                  const DysegEncoding& current,
-                                  const DysegEncoding& past,
-                                  const PlanarMotion& static_motion,
-                                  int iterations)
+DysegCellOutput DysegNetImpl::segmentCells(const BevScan& scan,
+                                           const DysegEncoding& current,
+                                           const DysegEncoding& past,
+                                           const PlanarMotion& static_motion,
+                                           int iterations)
 {
   const auto device = current.middle.device();
   const auto& occupied = *current.cells;
   const auto& source = current.middle;
-  const CellMap past_middle{past.middle, past.cells->quarter_index, empty_middle_};
+  const SparseMap past_middle{past.middle, past.cells->quarter_index, empty_middle_};
   const float size = 4 * scan.cell_size;
   const int radius = options_.radius;
-  DysegCellsOut out;
+  DysegCellOutput out;
   out.static_motion = static_motion;
-  const auto flow = rigidFlow(static_motion, occupied.quarter_place);
+  const auto flow = rigidFlow(static_motion, occupied.quarter_centre);
   const auto base = occupied.quarter_position + flow.to(device) / size;
   auto state = state_(current.context).tanh();
   auto residual = torch::zeros({source.size(0), 2}, source.options());
-  Tensor at_static;
+  Tensor static_window;
   for (int i = 0; i < iterations; ++i)
   {
     residual = residual.detach();
     const auto window = correlate(source, past_middle, base + residual, radius);
-    at_static = i == 0 ? window : at_static;
-    const auto step = update_(state, window, residual, occupied.quarter_around);
+    static_window = i == 0 ? window : static_window;
+    const auto step = update_(state, window, residual, occupied.quarter_neighbours);
     state = step.state;
     residual = residual + step.change;
     out.residual.push_back(residual * size);
   }
 
   const auto segment =
-      segment_(torch::cat({state, current.context}, 1), occupied.quarter_around, rectified);
-  const auto still = residual.detach();
-  const auto peak = peakOffset(at_static, radius);
-  out.feature = cell_(torch::cat({segment, still, still.abs(), at_static, peak}, 1), rectified);
+      segment_(torch::cat({state, current.context}, 1), occupied.quarter_neighbours, rectified);
+  const auto residual_flow = residual.detach();
+  const auto peak = peakOffset(static_window, radius);
+  out.feature = cell_(
+      torch::cat({segment, residual_flow, residual_flow.abs(), static_window, peak}, 1), rectified);
   out.logit = cell_logit_(out.feature).squeeze(1);
   out.upsampling = upsampling_(state);
   return out;
@@ -390,11 +250,11 @@ DysegCellsOut DysegNetImpl::cells(const BevScan& scan,
 
 namespace
 {
-/** Per point: where in the past fine map, and what past rays saw there. */
+/** Per point: position in the past fine map, and visibility in the past scan. */
 struct PointGeometry
 {
-  Tensor fine_row;    //!< Q (int64), of the point's cell at 1/2
-  Tensor fine_place;  //!< Q x 2, static position in the past fine map [cells]
+  Tensor fine_row;    //!< Q (int64), row of the point's cell at 1/2
+  Tensor fine_place;  //!< Q x 2, ego-motion-compensated position in the past fine map [cells]
   Tensor rays;        //!< Q x BevRays::channels
   Tensor row;         //!< Q (int64), row of the point's cell at 1/4
 };
@@ -403,9 +263,9 @@ PointGeometry pointGeometry(const BevScan& scan,
                             const DysegCells& cells,
                             const BevRays& past_rays,
                             const PlanarMotion& static_motion,
-                            const std::vector<std::int32_t>& which)
+                            const std::vector<std::int32_t>& indices)
 {
-  const auto count = static_cast<std::int64_t>(which.size());
+  const auto count = static_cast<std::int64_t>(indices.size());
   PointGeometry g{torch::empty({count}, torch::kInt64), torch::empty({count, 2}),
                   torch::empty({count, BevRays::channels}), torch::empty({count}, torch::kInt64)};
   auto* fine = g.fine_row.data_ptr<std::int64_t>();
@@ -415,9 +275,9 @@ PointGeometry pointGeometry(const BevScan& scan,
   const Eigen::Matrix2f R = Eigen::Rotation2Dd(static_motion.yaw).toRotationMatrix().cast<float>();
   const Eigen::Vector2f t = static_motion.translation.cast<float>();
   const float size = 2 * scan.cell_size;
-  for (std::size_t q = 0; q < which.size(); ++q)
+  for (std::size_t q = 0; q < indices.size(); ++q)
   {
-    const auto i = static_cast<std::size_t>(which[q]);
+    const auto i = static_cast<std::size_t>(indices[q]);
     const auto& p = scan.points[i];
     const int x = scan.cell[i] % scan.cells / 2;
     const int y = scan.cell[i] / scan.cells / 2;
@@ -436,19 +296,19 @@ PointGeometry pointGeometry(const BevScan& scan,
 }
 }  // namespace
 
-Tensor DysegNetImpl::points(const BevScan& scan,
-                            const DysegEncoding& current,
-                            const DysegEncoding& past,
-                            const BevRays& past_rays,
-                            const DysegCellsOut& cells,
-                            const std::vector<std::int32_t>& which)
+Tensor DysegNetImpl::segmentPoints(const BevScan& scan,
+                                   const DysegEncoding& current,
+                                   const DysegEncoding& past,
+                                   const BevRays& past_rays,
+                                   const DysegCellOutput& cells,
+                                   const std::vector<std::int32_t>& indices)
 {
   const auto device = current.middle.device();
-  const auto g = pointGeometry(scan, *current.cells, past_rays, cells.static_motion, which);
+  const auto g = pointGeometry(scan, *current.cells, past_rays, cells.static_motion, indices);
   const auto row = g.row.to(device);
-  const auto index = toTensor(which).to(device);
+  const auto index = toTensor(indices).to(device);
   const auto source = current.fine.index_select(0, g.fine_row.to(device));
-  const CellMap past_fine{past.fine, past.cells->half_index, empty_fine_};
+  const SparseMap past_fine{past.fine, past.cells->half_index, empty_fine_};
   const auto place = g.fine_place.to(device);
   const auto residual = cells.residual.back().detach().index_select(0, row);
   const auto moved = place + residual / (2 * scan.cell_size);
@@ -465,22 +325,22 @@ Tensor DysegNetImpl::points(const BevScan& scan,
 
 Tensor DysegNetImpl::pointFlow(const BevScan& scan,
                                const DysegEncoding& current,
-                               const DysegCellsOut& cells,
-                               const std::vector<std::int32_t>& which) const
+                               const DysegCellOutput& cells,
+                               const std::vector<std::int32_t>& indices) const
 {
   const auto device = cells.logit.device();
-  std::vector<std::int32_t> row(which.size());
-  std::vector<std::int32_t> sub(which.size());
+  std::vector<std::int32_t> row(indices.size());
+  std::vector<std::int32_t> sub(indices.size());
   constexpr int factor = subcells;
-  for (std::size_t q = 0; q < which.size(); ++q)
+  for (std::size_t q = 0; q < indices.size(); ++q)
   {
-    const auto i = static_cast<std::size_t>(which[q]);
+    const auto i = static_cast<std::size_t>(indices[q]);
     const int x = scan.cell[i] % scan.cells;
     const int y = scan.cell[i] / scan.cells;
     row[q] = current.cells->level.quarter.row_of_point[i];
     sub[q] = y % factor * factor + x % factor;
   }
-  return upsampleFlow(cells.residual.back(), cells.upsampling, current.cells->quarter_around,
+  return upsampleFlow(cells.residual.back(), cells.upsampling, current.cells->quarter_neighbours,
                       toTensor(row).to(device), toTensor(sub).to(device), factor);
 }
 }  // namespace dyslam

@@ -11,7 +11,7 @@ using torch::Tensor;
 
 namespace
 {
-constexpr double rectified = 0;  // slope below zero
+constexpr double rectified = 0;  // slope of the leaky ReLU
 constexpr std::int64_t peak_channels = 3;
 }  // namespace
 
@@ -21,12 +21,12 @@ ConvGruImpl::ConvGruImpl(std::int64_t hidden, std::int64_t input) : hidden_(hidd
   candidate_ = register_module("candidate", CellConv(hidden + input, hidden));
 }
 
-Tensor ConvGruImpl::forward(const Tensor& state, const Tensor& input, const Tensor& around)
+Tensor ConvGruImpl::forward(const Tensor& state, const Tensor& input, const Tensor& neighbours)
 {
-  const auto gates = gates_(torch::cat({state, input}, 1), around).sigmoid();
+  const auto gates = gates_(torch::cat({state, input}, 1), neighbours).sigmoid();
   const auto update = gates.narrow(1, 0, hidden_);
   const auto reset = gates.narrow(1, hidden_, hidden_);
-  const auto candidate = candidate_(torch::cat({reset * state, input}, 1), around).tanh();
+  const auto candidate = candidate_(torch::cat({reset * state, input}, 1), neighbours).tanh();
   return state + update * (candidate - state);
 }
 
@@ -47,27 +47,27 @@ FlowUpdateImpl::FlowUpdateImpl(std::int64_t hidden, std::int64_t motion, int rad
 FlowUpdateImpl::Result FlowUpdateImpl::forward(const Tensor& state,
                                                const Tensor& correlation,
                                                const Tensor& flow,
-                                               const Tensor& around)
+                                               const Tensor& neighbours)
 {
   const auto peak = peakOffset(correlation, radius_);
   const auto first = motion_(torch::cat({correlation, flow, peak}, 1), rectified);
   const auto motion = motion_deep_(first, rectified);
   Result result;
-  result.state = gru_(state, motion, around);
+  result.state = gru_(state, motion, neighbours);
   result.change = head_out_(head_(torch::cat({result.state, motion, peak}, 1), rectified));
   return result;
 }
 
 Tensor upsampleFlow(const Tensor& flow,
                     const Tensor& weights,
-                    const Tensor& around,
+                    const Tensor& neighbours,
                     const Tensor& row,
                     const Tensor& sub,
                     std::int64_t factor)
 {
   const auto own = weights.view({-1, 9, factor * factor}).index_select(0, row);
   const auto logits = own.gather(2, sub.view({-1, 1, 1}).expand({-1, 9, 1})).squeeze(2);  // Q x 9
-  const auto table = around.index_select(0, row);
+  const auto table = neighbours.index_select(0, row);
   const auto share =
       logits.masked_fill(table.lt(0), -std::numeric_limits<float>::infinity()).softmax(1);
   const auto values = gatherRows(flow, table).view({-1, 9, 2});

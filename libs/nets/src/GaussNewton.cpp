@@ -53,9 +53,9 @@ class SolveSpdFunction : public torch::autograd::Function<SolveSpdFunction>
   }
 };
 
-// Light enough not to shrink a motion that the points show, firm enough for a lone plane.
+// Levenberg damping: too small to bias an observable motion, sufficient for a single plane.
 constexpr double damping = 1e-6;
-// Rotations in units of 1/10 rad, so that both halves are of like size.
+// Rotations in units of 0.1 rad, for the conditioning of the normal matrix.
 constexpr double rotation_unit = 0.1;
 
 Eigen::Vector3d vectorAt(const torch::Tensor& t, std::int64_t i)
@@ -63,16 +63,16 @@ Eigen::Vector3d vectorAt(const torch::Tensor& t, std::int64_t i)
   return Eigen::Map<const Eigen::Vector3f>(t.data_ptr<float>() + 3 * i).cast<double>();
 }
 
-/** The step of `gaussNewtonStep` without gradients: of floats, summed in double. */
-GaussNewtonStep plainStep(const Alignment& alignment)
+/** gaussNewtonStep() without gradients: float input, sums in double. */
+GaussNewtonStep stepWithoutGradients(const PoseStepProblem& problem)
 {
-  const torch::Tensor points = toCpu(alignment.points);
-  const torch::Tensor normals = toCpu(alignment.normal);
-  const torch::Tensor offsets = toCpu(alignment.offset);
-  const torch::Tensor weights = toCpu(alignment.weight);
-  const bool isotropic = alignment.isotropic.defined();
-  const torch::Tensor targets = isotropic ? toCpu(alignment.target) : points;
-  const double point_weight = isotropic ? alignment.isotropic.item<double>() : 0;
+  const torch::Tensor points = toCpu(problem.points);
+  const torch::Tensor normals = toCpu(problem.normal);
+  const torch::Tensor offsets = toCpu(problem.offset);
+  const torch::Tensor weights = toCpu(problem.weight);
+  const bool isotropic = problem.isotropic.defined();
+  const torch::Tensor targets = isotropic ? toCpu(problem.target) : points;
+  const double point_weight = isotropic ? problem.isotropic.item<double>() : 0;
   Matrix6 matrix = Matrix6::Zero();
   Vector6 right = Vector6::Zero();
   for (std::int64_t i = 0; i < points.size(0); ++i)
@@ -104,7 +104,7 @@ GaussNewtonStep plainStep(const Alignment& alignment)
       scale.asDiagonal() * matrix * scale.asDiagonal() + damping * Matrix6::Identity();
   const Vector6 step = -scale.cwiseProduct(damped.ldlt().solve(scale.cwiseProduct(right)));
 
-  const auto options = alignment.points.options();
+  const auto options = problem.points.options();
   Pose update = Pose::Identity();
   update.translation() = step.head<3>();
   const double angle = step.tail<3>().norm();
@@ -120,7 +120,7 @@ GaussNewtonStep plainStep(const Alignment& alignment)
   return result;
 }
 
-/** Rows [n, p x n] of the derivative of n . (p + t + w x p). */
+/** Jacobian rows [n, p x n] of n . (p + t + w x p). */
 torch::Tensor jacobian(const torch::Tensor& points, const torch::Tensor& normal)
 {
   return torch::cat({normal, torch::cross(points, normal, 1)}, 1);
@@ -159,29 +159,29 @@ torch::Tensor rotationOfQuaternion(const torch::Tensor& quaternion)
       .reshape({3, 3});
 }
 
-GaussNewtonStep gaussNewtonStep(const Alignment& alignment)
+GaussNewtonStep gaussNewtonStep(const PoseStepProblem& problem)
 {
-  if (!torch::GradMode::is_enabled() && alignment.points.scalar_type() == torch::kFloat)
+  if (!torch::GradMode::is_enabled() && problem.points.scalar_type() == torch::kFloat)
   {
-    return plainStep(alignment);
+    return stepWithoutGradients(problem);
   }
-  const auto options = alignment.points.options();
-  torch::Tensor rows = jacobian(alignment.points, alignment.normal);
-  torch::Tensor residual = (alignment.normal * alignment.points).sum(1) - alignment.offset;
-  torch::Tensor weight = alignment.weight;
-  if (alignment.isotropic.defined())
+  const auto options = problem.points.options();
+  torch::Tensor rows = jacobian(problem.points, problem.normal);
+  torch::Tensor residual = (problem.normal * problem.points).sum(1) - problem.offset;
+  torch::Tensor weight = problem.weight;
+  if (problem.isotropic.defined())
   {
-    const torch::Tensor difference = alignment.points - alignment.target;
+    const torch::Tensor difference = problem.points - problem.target;
     std::vector<torch::Tensor> all_rows = {rows};
     std::vector<torch::Tensor> all_residuals = {residual};
     std::vector<torch::Tensor> all_weights = {weight};
     for (std::int64_t axis = 0; axis < 3; ++axis)
     {
-      torch::Tensor direction = torch::zeros_like(alignment.points);
+      torch::Tensor direction = torch::zeros_like(problem.points);
       direction.select(1, axis).fill_(1);
-      all_rows.push_back(jacobian(alignment.points, direction));
+      all_rows.push_back(jacobian(problem.points, direction));
       all_residuals.push_back(difference.select(1, axis));
-      all_weights.push_back(weight * alignment.isotropic);
+      all_weights.push_back(weight * problem.isotropic);
     }
     rows = torch::cat(all_rows);
     residual = torch::cat(all_residuals);

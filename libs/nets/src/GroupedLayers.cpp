@@ -10,7 +10,7 @@ namespace dyslam
 {
 namespace
 {
-constexpr std::int64_t block = 1024;  //!< places of groups handled at a time
+constexpr std::int64_t block = 1024;  //!< group members per block
 
 using Matrix = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 using Row = Eigen::Matrix<float, 1, Eigen::Dynamic>;
@@ -25,7 +25,7 @@ bool onCpu(const torch::Tensor& t)
   return t.device().is_cpu() && t.scalar_type() == torch::kFloat;
 }
 
-/** The features' part is multiplied once per node, then picked per place: nodes are fewer. */
+/** The product with the features is computed once per node and then gathered: nodes are fewer. */
 class GroupedLinearFunction : public torch::autograd::Function<GroupedLinearFunction>
 {
  public:
@@ -151,8 +151,8 @@ class GroupedLinearFunction : public torch::autograd::Function<GroupedLinearFunc
   }
 };
 
-/** Without gradients nobody asks which place it came from. */
-torch::Tensor largestOfGroups(const torch::Tensor& x, const torch::Tensor& usable)
+/** groupMax() without gradients, which does not need the argmax. */
+torch::Tensor groupMaxWithoutGradients(const torch::Tensor& x, const torch::Tensor& usable)
 {
   const std::int64_t n = x.size(0);
   const std::int64_t k = x.size(1);
@@ -323,7 +323,7 @@ torch::Tensor groupedLinear(const torch::Tensor& geometry,
 {
   if (!onCpu(geometry))
   {
-    return plain::groupedLinear(geometry, features, index, weight, bias, slope, own);
+    return reference::groupedLinear(geometry, features, index, weight, bias, slope, own);
   }
   const std::int64_t n = geometry.size(0);
   const std::int64_t k = geometry.size(1);
@@ -341,11 +341,11 @@ torch::Tensor groupMax(const torch::Tensor& x, const torch::Tensor& usable)
 {
   if (!onCpu(x))
   {
-    return plain::groupMax(x, usable);
+    return reference::groupMax(x, usable);
   }
   if (!torch::GradMode::is_enabled())
   {
-    return largestOfGroups(x.contiguous(), usable.contiguous());
+    return groupMaxWithoutGradients(x.contiguous(), usable.contiguous());
   }
   return GroupMaxFunction::apply(x.contiguous(), usable.contiguous());
 }
@@ -354,7 +354,7 @@ torch::Tensor attendedSum(const torch::Tensor& attention, const torch::Tensor& v
 {
   if (!onCpu(values))
   {
-    return plain::attendedSum(attention, values);
+    return reference::attendedSum(attention, values);
   }
   return AttendedSumFunction::apply(attention.contiguous(), values.contiguous());
 }

@@ -22,13 +22,13 @@ Point pointAt(const float* data, std::int64_t i)
   return Point(data + 3 * i);
 }
 
-/** Where scan 2's image shows a direction: image row and share of a turn. */
-struct ImagePlace
+/** Projection of a direction into scan 2's image: row and fraction of a revolution. */
+struct ImagePosition
 {
   std::int64_t row = 0;
   float turn = 0;  //!< [0, 1)
 
-  ImagePlace(const Eigen::Vector3f& p, const std::int64_t* row_of_slope)
+  ImagePosition(const Eigen::Vector3f& p, const std::int64_t* row_of_slope)
   {
     const float flat = std::max(p.head<2>().norm(), 1e-3F);
     row = row_of_slope[slopeBin(p.z() / flat)];
@@ -41,7 +41,7 @@ struct ImagePlace
   }
 };
 
-std::int64_t around(std::int64_t col, std::int64_t cols)
+std::int64_t wrapColumn(std::int64_t col, std::int64_t cols)
 {
   return col < 0 ? col + cols : (col >= cols ? col - cols : col);
 }
@@ -62,7 +62,7 @@ Neighbours nearestInWindow(const torch::Tensor& points,
 {
   if (!onCpu(points))
   {
-    return plain::nearestInWindow(points, valid, scan, level, half_rows, half_cols, count);
+    return reference::nearestInWindow(points, valid, scan, level, half_rows, half_cols, count);
   }
   const torch::NoGradGuard no_grad;
   const ScanTensors::Level& grid = scan.levels[level];
@@ -88,7 +88,7 @@ Neighbours nearestInWindow(const torch::Tensor& points,
               {
                 continue;
               }
-              const ImagePlace place(p, row_of_slope);
+              const ImagePosition place(p, row_of_slope);
               const std::int64_t row0 = place.row * grid.rows / scan.rows;
               const std::int64_t col0 = place.col(grid.cols);
               found.clear();
@@ -97,7 +97,7 @@ Neighbours nearestInWindow(const torch::Tensor& points,
               {
                 for (std::int64_t col = col0 - half_cols; col <= col0 + half_cols; ++col)
                 {
-                  const std::int64_t node = row * grid.cols + around(col, grid.cols);
+                  const std::int64_t node = row * grid.cols + wrapColumn(col, grid.cols);
                   if (q_valid[node] != 0)
                   {
                     found.emplace_back((pointAt(q_data, node) - p).squaredNorm(), node);
@@ -125,7 +125,7 @@ torch::Tensor groupOffsets(const torch::Tensor& xyz,
 {
   if (!onCpu(xyz))
   {
-    return plain::groupOffsets(xyz, centre, index, spacing);
+    return reference::groupOffsets(xyz, centre, index, spacing);
   }
   const torch::NoGradGuard no_grad;
   const std::int64_t n = index.size(0);
@@ -162,7 +162,7 @@ Candidates candidateGeometry(const torch::Tensor& warped,
 {
   if (!onCpu(warped))
   {
-    return plain::candidateGeometry(warped, warped_normal, grid, index, spacing);
+    return reference::candidateGeometry(warped, warped_normal, grid, index, spacing);
   }
   const torch::NoGradGuard no_grad;
   const std::int64_t n = index.size(0);
@@ -226,11 +226,11 @@ struct Surface
 {
   Eigen::Vector3f normal = Eigen::Vector3f::Zero();
   Eigen::Vector3f spread = Eigen::Vector3f::Zero();
-  Eigen::Vector3f toward = Eigen::Vector3f::Zero();
-  float mass = 0;
+  Eigen::Vector3f to_surface = Eigen::Vector3f::Zero();
+  float weight_sum = 0;
 };
 
-/** How far off a surface may lie [m]. */
+/** Largest distance of a surface from the point [m]. */
 float gateAt(float range)
 {
   return 0.5F + 0.05F * range;
@@ -240,7 +240,7 @@ Surface surfaceAround(const Eigen::Vector3f& p, const ImageView& image)
 {
   const float range = p.norm();
   constexpr std::int64_t cols = PreparedScan::columns;
-  const ImagePlace place(p, image.row_of_slope);
+  const ImagePosition place(p, image.row_of_slope);
   const std::int64_t col0 = place.col(cols);
   const float step = std::max(range * (2 * 3.14159265F / static_cast<float>(cols)), 1e-3F);
   const auto dilation =
@@ -248,7 +248,7 @@ Surface surfaceAround(const Eigen::Vector3f& p, const ImageView& image)
   const float gate = gateAt(range);
   const float width = 0.087F + 0.0116F * range;
 
-  // From p to what the window holds and the gate lets through; places left over are far off.
+  // Offsets from p to the points of the window within the gate; unused entries are far away.
   constexpr int places = 32;
   using Places = Eigen::Array<float, places, 1>;
   Places x = Places::Zero();
@@ -261,7 +261,7 @@ Surface surfaceAround(const Eigen::Vector3f& p, const ImageView& image)
   {
     for (std::int64_t k = -4; k <= 4; ++k)
     {
-      const std::int64_t cell = row * cols + around(col0 + k * dilation, cols);
+      const std::int64_t cell = row * cols + wrapColumn(col0 + k * dilation, cols);
       const Eigen::Vector3f d = pointAt(image.xyz, cell) - p;
       const float d2 = d.squaredNorm();
       if (image.valid[cell] != 0 && d2 < 9 * gate * gate)
@@ -279,13 +279,13 @@ Surface surfaceAround(const Eigen::Vector3f& p, const ImageView& image)
     return surface;
   }
   const Places near = (1 + distance2 / (gate * gate)).inverse();
-  surface.mass = near.sum();
-  // Relative to the nearest, so that a surface far off is not lost in underflow.
+  surface.weight_sum = near.sum();
+  // Relative to the nearest, so that the weights of a distant surface do not underflow.
   const Places attention = (-0.5F / (width * width) * (distance2 - distance2.minCoeff())).exp();
-  surface.toward =
+  surface.to_surface =
       Eigen::Vector3f((attention * x).sum(), (attention * y).sum(), (attention * z).sum()) /
       std::max(attention.sum(), 1.F);
-  const Places share = near / surface.mass;
+  const Places share = near / surface.weight_sum;
   const Places sx = share * x;
   const Places sy = share * y;
   const Places sz = share * z;
@@ -313,14 +313,14 @@ std::array<float, Surfaces::feature_size> describe(const Surface& s,
                                                    const Eigen::Vector3f& own_normal)
 {
   const float range = p.norm();
-  const float residual = std::abs(s.normal.dot(s.toward));
+  const float residual = std::abs(s.normal.dot(s.to_surface));
   return {std::asinh(residual / 0.05F) / 3,
           std::asinh(residual / 0.5F),
           s.spread[0] / (s.spread[1] + s.spread[0] + 1e-3F),
           std::asinh(s.spread[0] / 0.05F) / 3,
           s.spread[1] / (s.spread[2] + 1e-3F),
-          s.toward.norm() / gateAt(range),
-          s.mass / 27,
+          s.to_surface.norm() / gateAt(range),
+          s.weight_sum / 27,
           std::abs(s.normal.dot(p)) / (range + 1e-3F),
           std::abs(s.normal.dot(own_normal)),
           std::log1p(range) / 4};
@@ -334,7 +334,7 @@ Surfaces surfacesAround(const torch::Tensor& warped,
 {
   if (!onCpu(warped))
   {
-    return plain::surfacesAround(warped, warped_normal, valid, scan);
+    return reference::surfacesAround(warped, warped_normal, valid, scan);
   }
   const torch::NoGradGuard no_grad;
   const std::int64_t n = warped.size(0);
@@ -372,12 +372,12 @@ Surfaces surfacesAround(const torch::Tensor& warped,
                 continue;
               }
               const Surface s = surfaceAround(p, image);
-              const Eigen::Vector3f y = p + s.toward;
+              const Eigen::Vector3f y = p + s.to_surface;
               Eigen::Map<Eigen::Vector3f>(normal + 3 * i) = s.normal;
               Eigen::Map<Eigen::Vector3f>(target + 3 * i) = y;
               offset[i] = s.normal.dot(y);
               thickness[i] = s.spread[0];
-              found[i] = s.mass > 1.5F ? 1.F : 0.F;
+              found[i] = s.weight_sum > 1.5F ? 1.F : 0.F;
               if (features != nullptr)
               {
                 const auto values = describe(s, p, pointAt(n_data, i));

@@ -11,19 +11,19 @@ namespace dyslam
 namespace
 {
 constexpr double leak = 0.1;
-constexpr double out_of_play = 1e4;
+constexpr double masked_logit = 1e4;
 
-/** [N, K] 1 where a window's node holds a point. */
+/** [N, K] 1 where a window's node is occupied. */
 torch::Tensor usableOf(const torch::Tensor& valid, const Window& window)
 {
   return valid.index_select(0, window.index.reshape({-1})).reshape(window.index.sizes()) *
          window.inside;
 }
 
-/** Softmax over the valid of dimension 1; 0 where none is. */
+/** Softmax over the valid entries of dimension 1; 0 without any. */
 torch::Tensor maskedSoftmax(const torch::Tensor& logits, const torch::Tensor& valid)
 {
-  return torch::softmax(logits + (valid - 1) * out_of_play, 1) * valid;
+  return torch::softmax(logits + (valid - 1) * masked_logit, 1) * valid;
 }
 }  // namespace
 
@@ -31,10 +31,9 @@ MlpImpl::MlpImpl(const std::vector<std::int64_t>& sizes, bool linear_end) : line
 {
   for (std::size_t i = 0; i + 1 < sizes.size(); ++i)
   {
-    const double deviation =
-        std::sqrt(2.0 / static_cast<double>(std::max<std::int64_t>(sizes[i], 1)));
+    const double sigma = std::sqrt(2.0 / static_cast<double>(std::max<std::int64_t>(sizes[i], 1)));
     weights_.push_back(register_parameter("weight" + std::to_string(i),
-                                          torch::randn({sizes[i + 1], sizes[i]}) * deviation));
+                                          torch::randn({sizes[i + 1], sizes[i]}) * sigma));
     biases_.push_back(register_parameter("bias" + std::to_string(i), torch::zeros({sizes[i + 1]})));
   }
 }
@@ -214,14 +213,15 @@ MaskLogits DynamicMaskImpl::forward(const torch::Tensor& embedding,
   torch::Tensor x = embedding;
   if (kind_ == DyloMask::attention)
   {
-    // F' = F attended where E says so; F''' = F' with its telling channels raised (Fig. 4).
-    const torch::Tensor where =
+    // Spatial attention from E and F gives F'; channel attention gives F''' (Fig. 4, Eq. 1).
+    const torch::Tensor spatial_attention =
         torch::sigmoid(spatial_->forward(torch::cat({embedding, features}, 1)));
-    const torch::Tensor attended = features * where;
-    const torch::Tensor in_play = valid.unsqueeze(1);
-    const torch::Tensor mean = (attended * in_play).sum(0, true) / in_play.sum().clamp_min(1);
+    const torch::Tensor attended = features * spatial_attention;
+    const torch::Tensor mask_column = valid.unsqueeze(1);
+    const torch::Tensor mean =
+        (attended * mask_column).sum(0, true) / mask_column.sum().clamp_min(1);
     const torch::Tensor largest =
-        (attended + (in_play - 1) * out_of_play).amax(0, true).clamp_min(-10);
+        (attended + (mask_column - 1) * masked_logit).amax(0, true).clamp_min(-10);
     const torch::Tensor channels =
         torch::sigmoid(channel_->forward(mean) + channel_->forward(largest));
     x = torch::cat({embedding, attended * channels}, 1);
@@ -233,6 +233,6 @@ MaskLogits DynamicMaskImpl::forward(const torch::Tensor& embedding,
 torch::Tensor maskWeights(const MaskLogits& logits, const torch::Tensor& valid)
 {
   const torch::Tensor x = torch::log_sigmoid(logits.is_static) + torch::log_sigmoid(logits.quality);
-  return torch::softmax(x + (valid - 1) * out_of_play, 0) * valid;
+  return torch::softmax(x + (valid - 1) * masked_logit, 0) * valid;
 }
 }  // namespace dyslam

@@ -15,7 +15,7 @@ constexpr float min_range = 1.5F;  // m
 constexpr float max_range = 100;   // m
 constexpr float pi = 3.14159265F;
 
-/** Edges of beam rows found from how often each slope occurs. */
+/** Image row of each slope bin, from the histogram of the slopes. */
 std::vector<std::int32_t> rowsOfSlopes(const std::vector<std::size_t>& histogram,
                                        std::size_t total,
                                        int& rows)
@@ -35,14 +35,14 @@ std::vector<std::int32_t> rowsOfSlopes(const std::vector<std::size_t>& histogram
     sum += histogram[static_cast<std::size_t>(highest)];
   }
 
-  // Sparse sensors show each beam as a separate cluster of slopes.
-  const std::size_t few = total / 2000;
+  // The beams of sparse sensors are separate clusters of slopes.
+  const std::size_t min_count = total / 2000;
   std::vector<int> starts;
   std::vector<int> ends;
   int occupied = 0;
   for (int b = lowest; b <= highest; ++b)
   {
-    if (histogram[static_cast<std::size_t>(b)] <= few)
+    if (histogram[static_cast<std::size_t>(b)] <= min_count)
     {
       continue;
     }
@@ -72,7 +72,7 @@ std::vector<std::int32_t> rowsOfSlopes(const std::vector<std::size_t>& histogram
     }
     return row_of;
   }
-  // Dense ones: rows that hold equal numbers of points.
+  // Dense sensors: rows with equal numbers of points.
   rows = PreparedScan::max_rows;
   std::size_t sum = 0;
   for (int b = 0; b < bins; ++b)
@@ -87,7 +87,7 @@ std::vector<std::int32_t> rowsOfSlopes(const std::vector<std::size_t>& histogram
   return row_of;
 }
 
-/** One occupied image cell per block, the nearest to the block's middle. */
+/** One occupied image cell per block, the nearest to the block's centre column. */
 void sampleFirstLevel(PreparedScan& scan)
 {
   PreparedScan::Level& level = scan.levels[0];
@@ -180,7 +180,7 @@ void fitPlane(const PreparedScan& scan,
   planarity = std::clamp((spread[1] - spread[0]) / (spread[1] + spread[0] + 1e-6F), 0.F, 1.F);
 }
 
-/** Of each block of `from`, the node that `better` likes best. */
+/** Per block of `from`, the node with the highest score. */
 template <typename Score>
 PreparedScan::Level coarser(const PreparedScan::Level& from, int rows, int cols, const Score& score)
 {
@@ -223,7 +223,7 @@ int imageColumn(float x, float y, int cols)
 int slopeBin(float slope)
 {
   const float bin = (slope + 1) * (PreparedScan::slope_bins / 2);
-  // In this order NaN becomes 0.
+  // This order of min and max maps NaN to 0.
   return static_cast<int>(std::min(std::max(0.F, bin), PreparedScan::slope_bins - 1.F));
 }
 
@@ -305,7 +305,7 @@ PreparedScan prepareScan(const std::vector<Eigen::Vector3f>& points)
   constexpr std::array<std::array<int, 2>, 3> shapes = {{{16, 64}, {8, 32}, {4, 16}}};
   for (std::size_t l = 2; l < PreparedScan::level_count; ++l)
   {
-    // Choose by planarity, in nodes of the level before; then translate to nodes of level 1.
+    // Selects by planarity among the nodes of the previous level, then converts to level 1.
     const std::size_t before = scan.first_level_of.size() - (l > 2 ? scan.levels[l - 1].size() : 0);
     const auto inFirst = [&](std::size_t node)
     { return l == 2 ? static_cast<std::int32_t>(node) : scan.first_level_of[before + node]; };

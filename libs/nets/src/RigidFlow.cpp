@@ -8,30 +8,30 @@ namespace dyslam
 {
 namespace
 {
-constexpr double shrink = 0.6;
-constexpr int last_rounds = 3;
+constexpr double annealing_factor = 0.6;
+constexpr int final_iterations = 3;
 
-struct Sums
+struct WeightedSums
 {
   double weight = 0;
   Eigen::Vector2d from = Eigen::Vector2d::Zero();
   Eigen::Vector2d to = Eigen::Vector2d::Zero();
 };
 
-/** The weighted least-squares motion in closed form; `weight` of the result 0 if there is none. */
-double closedForm(const std::vector<Eigen::Vector2f>& places,
+/** Weighted least-squares motion in closed form. \return the total weight, 0 if undetermined. */
+double closedForm(const std::vector<Eigen::Vector2f>& positions,
                   const std::vector<Eigen::Vector2f>& flow,
                   const std::vector<float>& weights,
                   const std::vector<float>& inlier,
                   PlanarMotion& motion)
 {
-  Sums s;
-  for (std::size_t i = 0; i < places.size(); ++i)
+  WeightedSums s;
+  for (std::size_t i = 0; i < positions.size(); ++i)
   {
     const double w = static_cast<double>(weights[i]) * inlier[i];
     s.weight += w;
-    s.from += w * places[i].cast<double>();
-    s.to += w * (places[i] + flow[i]).cast<double>();
+    s.from += w * positions[i].cast<double>();
+    s.to += w * (positions[i] + flow[i]).cast<double>();
   }
   if (s.weight < 1e-9)
   {
@@ -41,11 +41,11 @@ double closedForm(const std::vector<Eigen::Vector2f>& places,
   const Eigen::Vector2d to = s.to / s.weight;
   double dot = 0;
   double cross = 0;
-  for (std::size_t i = 0; i < places.size(); ++i)
+  for (std::size_t i = 0; i < positions.size(); ++i)
   {
     const double w = static_cast<double>(weights[i]) * inlier[i];
-    const Eigen::Vector2d a = places[i].cast<double>() - from;
-    const Eigen::Vector2d b = (places[i] + flow[i]).cast<double>() - to;
+    const Eigen::Vector2d a = positions[i].cast<double>() - from;
+    const Eigen::Vector2d b = (positions[i] + flow[i]).cast<double>() - to;
     dot += w * a.dot(b);
     cross += w * (a.x() * b.y() - a.y() * b.x());
   }
@@ -54,19 +54,19 @@ double closedForm(const std::vector<Eigen::Vector2f>& places,
   return s.weight;
 }
 
-void reweigh(const std::vector<Eigen::Vector2f>& places,
-             const std::vector<Eigen::Vector2f>& flow,
-             const PlanarMotion& motion,
-             double width,
-             std::vector<float>& inlier)
+void updateInlierWeights(const std::vector<Eigen::Vector2f>& positions,
+                         const std::vector<Eigen::Vector2f>& flow,
+                         const PlanarMotion& motion,
+                         double width,
+                         std::vector<float>& inlier)
 {
   const double scale = width * width;
   const Eigen::Rotation2Dd turn(motion.yaw);
   const Eigen::Matrix2f R = turn.toRotationMatrix().cast<float>();
   const Eigen::Vector2f t = motion.translation.cast<float>();
-  for (std::size_t i = 0; i < places.size(); ++i)
+  for (std::size_t i = 0; i < positions.size(); ++i)
   {
-    const double error = (R * places[i] + t - places[i] - flow[i]).squaredNorm();
+    const double error = (R * positions[i] + t - positions[i] - flow[i]).squaredNorm();
     const double share = scale / (scale + error);
     inlier[i] = static_cast<float>(share * share);
   }
@@ -86,7 +86,7 @@ PlanarMotion PlanarMotion::fromPose(const Pose& pose)
   return motion;
 }
 
-RigidFlowFit fitRigidFlow(const std::vector<Eigen::Vector2f>& places,
+RigidFlowFit fitRigidFlow(const std::vector<Eigen::Vector2f>& positions,
                           const std::vector<Eigen::Vector2f>& flow,
                           const std::vector<float>& weights,
                           double width,
@@ -94,7 +94,7 @@ RigidFlowFit fitRigidFlow(const std::vector<Eigen::Vector2f>& places,
                           const PlanarMotion* start)
 {
   RigidFlowFit fit;
-  fit.inlier.assign(places.size(), 1.0F);
+  fit.inlier.assign(positions.size(), 1.0F);
   const auto usable = std::count_if(weights.begin(), weights.end(), [](float w) { return w > 0; });
   if (usable < 3)
   {
@@ -103,26 +103,26 @@ RigidFlowFit fitRigidFlow(const std::vector<Eigen::Vector2f>& places,
   if (start != nullptr)
   {
     fit.motion = *start;
-    reweigh(places, flow, fit.motion, start_width, fit.inlier);
+    updateInlierWeights(positions, flow, fit.motion, start_width, fit.inlier);
   }
   double current = start_width;
-  for (int left = last_rounds; left > 0;)
+  for (int left = final_iterations; left > 0;)
   {
-    if (closedForm(places, flow, weights, fit.inlier, fit.motion) <= 0)
+    if (closedForm(positions, flow, weights, fit.inlier, fit.motion) <= 0)
     {
       return fit;
     }
-    reweigh(places, flow, fit.motion, current, fit.inlier);
+    updateInlierWeights(positions, flow, fit.motion, current, fit.inlier);
     left -= current <= width ? 1 : 0;
-    current = std::max(width, shrink * current);
+    current = std::max(width, annealing_factor * current);
   }
   double in = 0;
   double squares = 0;
-  for (std::size_t i = 0; i < places.size(); ++i)
+  for (std::size_t i = 0; i < positions.size(); ++i)
   {
     const double w = weights[i];
     in += w * fit.inlier[i];
-    squares += w * fit.inlier[i] * (fit.motion.flowAt(places[i]) - flow[i]).squaredNorm();
+    squares += w * fit.inlier[i] * (fit.motion.flowAt(positions[i]) - flow[i]).squaredNorm();
   }
   fit.rmse = in > 0 ? std::sqrt(squares / in) : 0;
   fit.converged = in > 0;

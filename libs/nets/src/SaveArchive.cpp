@@ -12,10 +12,10 @@ void saveArchive(torch::serialize::OutputArchive& archive, const std::string& pa
   {
     archive.save_to(pending.temporary());
   }
-  catch (const std::exception&)  // torch's own tells a page
+  catch (const std::exception&)  // torch's message contains a stack trace
   {
     throw UserError(path +
-                    ": cannot be written; mend the folder, its permissions or the free space");
+                    ": cannot be written; check the folder, its permissions and the free space");
   }
   pending.commit();
 }

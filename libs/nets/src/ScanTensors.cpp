@@ -19,7 +19,7 @@ torch::Tensor pointTensor(const std::vector<Eigen::Vector3f>& points)
   return tensor;
 }
 
-/** [N] image cell of each node; -1 where it is empty. */
+/** [N] image cell of each node; -1 for empty ones. */
 torch::Tensor cellsOf(const PreparedScan::Level& level)
 {
   torch::Tensor cell = torch::empty({static_cast<std::int64_t>(level.size())}, torch::kLong);
@@ -28,7 +28,7 @@ torch::Tensor cellsOf(const PreparedScan::Level& level)
 }
 }  // namespace
 
-void movePoints(const PreparedScan& scan, ScanTensors& tensors)
+void updatePoints(const PreparedScan& scan, ScanTensors& tensors)
 {
   const torch::Device device = tensors.image_xyz.device();
   const torch::Tensor image = pointTensor(scan.points);
@@ -182,7 +182,7 @@ Window windowBetween(std::int64_t from_rows,
                      std::int64_t window_cols,
                      torch::Device device)
 {
-  // Start of a window of `count` nodes whose middle is nearest to the middle of `node`.
+  // First node of the window of `count` nodes with the centre nearest to that of `node`.
   const auto start = [](std::int64_t node, std::int64_t from, std::int64_t to, std::int64_t count)
   {
     const double middle =

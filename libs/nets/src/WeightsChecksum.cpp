@@ -52,19 +52,19 @@ void writeChecksum(const std::string& checksum, torch::serialize::OutputArchive&
   archive.write(key, c10::IValue(checksum));
 }
 
-void requireUndamaged(const torch::nn::Module& network,
-                      torch::serialize::InputArchive& archive,
-                      const std::string& file)
+void verifyChecksum(const torch::nn::Module& network,
+                    torch::serialize::InputArchive& archive,
+                    const std::string& file)
 {
   c10::IValue stored;
-  bool sound = !archive.try_read(key, stored) || stored.toStringRef() == checksumOf(network);
+  bool intact = !archive.try_read(key, stored) || stored.toStringRef() == checksumOf(network);
   for (const auto& weight : network.named_parameters())
   {
-    sound = sound && weight.value().isfinite().all().item<bool>();
+    intact = intact && weight.value().isfinite().all().item<bool>();
   }
-  if (!sound)
+  if (!intact)
   {
-    throw UserError(file + ": its weights are damaged; copy the file again or train it anew");
+    throw UserError(file + ": its weights are damaged; copy the file again or train it again");
   }
 }
 }  // namespace dyslam

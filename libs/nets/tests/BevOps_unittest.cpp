@@ -11,7 +11,7 @@ namespace
 {
 using torch::Tensor;
 
-TEST(PillarMax, AgreesWithALoop)
+TEST(PillarMax, MatchesALoop)
 {
   torch::manual_seed(1);
   const auto features = torch::rand({200, 5});
@@ -31,7 +31,7 @@ TEST(PillarMax, AgreesWithALoop)
   }
 }
 
-TEST(PillarMax, GradientGoesToTheWinner)
+TEST(PillarMax, GradientGoesToTheMaximum)
 {
   const auto features = torch::tensor({{1.0F, 5.0F}, {3.0F, 2.0F}, {4.0F, 4.0F}}).requires_grad_();
   const auto cell = torch::tensor({2, 2, 0}, torch::kInt32);
@@ -42,15 +42,15 @@ TEST(PillarMax, GradientGoesToTheWinner)
       torch::equal(features.grad(), torch::tensor({{0.0F, 60.0F}, {50.0F, 0.0F}, {10.0F, 20.0F}})));
 }
 
-TEST(PillarMax, NoPoints)
+TEST(PillarMax, HandlesNoPoints)
 {
   const auto out = dyslam::pillarMax(torch::zeros({0, 4}), torch::zeros({0}, torch::kInt32), 6);
   EXPECT_EQ(out.sizes(), (std::vector<std::int64_t>{6, 4}));
   EXPECT_EQ(out.abs().max().item<float>(), 0);
 }
 
-/** A map of which every third cell is empty. */
-dyslam::CellMap sparseMap(std::int64_t height, std::int64_t width, std::int64_t channels)
+/** A sparse map with every third cell empty. */
+dyslam::SparseMap sparseMap(std::int64_t height, std::int64_t width, std::int64_t channels)
 {
   auto index = torch::empty({height, width}, torch::kInt32);
   std::int32_t rows = 0;
@@ -62,7 +62,7 @@ dyslam::CellMap sparseMap(std::int64_t height, std::int64_t width, std::int64_t 
 }
 
 /** A map without empty cells. */
-dyslam::CellMap fullMap(const Tensor& map)
+dyslam::SparseMap fullMap(const Tensor& map)
 {
   const auto cells = map.size(0) * map.size(1);
   return {map.reshape({cells, map.size(2)}),
@@ -73,24 +73,24 @@ dyslam::CellMap fullMap(const Tensor& map)
 struct Case
 {
   Tensor source = torch::randn({40, 8});
-  dyslam::CellMap target = sparseMap(12, 15, 8);
+  dyslam::SparseMap target = sparseMap(12, 15, 8);
   Tensor centre = torch::rand({40, 2}) * torch::tensor({22.0F, 18.0F}) - 3;
 };
 
-TEST(Correlate, AgreesWithGridSample)
+TEST(Correlate, MatchesGridSample)
 {
   torch::manual_seed(2);
   const Case c;
   for (const int radius : {1, 2, 5})
   {
-    const auto fast = dyslam::correlate(c.source, c.target, c.centre, radius);
-    const auto slow = dyslam::correlateSlow(c.source, c.target, c.centre, radius);
-    ASSERT_EQ(fast.sizes(), slow.sizes());
-    EXPECT_LT((fast - slow).abs().max().item<float>(), 2e-5) << "radius " << radius;
+    const auto found = dyslam::correlate(c.source, c.target, c.centre, radius);
+    const auto expected = dyslam::correlateReference(c.source, c.target, c.centre, radius);
+    ASSERT_EQ(found.sizes(), expected.sizes());
+    EXPECT_LT((found - expected).abs().max().item<float>(), 2e-5) << "radius " << radius;
   }
 }
 
-TEST(Correlate, GradientsAgreeWithGridSample)
+TEST(Correlate, GradientsMatchGridSample)
 {
   torch::manual_seed(3);
   Case c;
@@ -100,14 +100,14 @@ TEST(Correlate, GradientsAgreeWithGridSample)
     const auto s = c.source.clone().requires_grad_();
     const auto t = c.target.rows.clone().requires_grad_();
     const auto e = c.target.empty.clone().requires_grad_();
-    (op(s, dyslam::CellMap{t, c.target.index, e}, c.centre, 2) * weight).sum().backward();
+    (op(s, dyslam::SparseMap{t, c.target.index, e}, c.centre, 2) * weight).sum().backward();
     return std::array<Tensor, 3>{s.grad(), t.grad(), e.grad()};
   };
-  const auto fast = gradients(dyslam::correlate);
-  const auto slow = gradients(dyslam::correlateSlow);
-  for (std::size_t i = 0; i < fast.size(); ++i)
+  const auto found = gradients(dyslam::correlate);
+  const auto expected = gradients(dyslam::correlateReference);
+  for (std::size_t i = 0; i < found.size(); ++i)
   {
-    EXPECT_LT((fast[i] - slow[i]).abs().max().item<float>(), 2e-4) << i;
+    EXPECT_LT((found[i] - expected[i]).abs().max().item<float>(), 2e-4) << i;
   }
 }
 
@@ -124,12 +124,12 @@ TEST(Correlate, FindsAShiftedPattern)
   EXPECT_GT(peak[0][2].item<float>(), 0.99F);
 }
 
-TEST(PeakOffset, AgreesWithTorch)
+TEST(PeakOffset, MatchesTorch)
 {
   torch::manual_seed(6);
   const auto window = torch::randn({300, 49}) * 4;
-  const auto fast = dyslam::peakOffset(window, 3);
-  EXPECT_LT((fast - dyslam::peakOffsetSlow(window, 3)).abs().max().item<float>(), 1e-5);
+  const auto found = dyslam::peakOffset(window, 3);
+  EXPECT_LT((found - dyslam::peakOffsetReference(window, 3)).abs().max().item<float>(), 1e-5);
 }
 
 TEST(Correlate, OutsideAndInvalidAreZero)

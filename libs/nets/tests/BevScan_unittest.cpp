@@ -38,10 +38,10 @@ TEST(BevGround, FollowsASlope)
   }
 }
 
-TEST(BevGround, RoofsAndGhostsAreNotGround)
+TEST(BevGround, IgnoresRoofsAndMultipathEchoes)
 {
   auto points = tiltedGround(2, 0);
-  // A truck's roof hides the ground under it; a mirrored beam sees far below the ground.
+  // A truck's roof occludes the ground under it; multipath echoes lie far below the ground.
   points.erase(std::remove_if(points.begin(), points.end(),
                               [](const Eigen::Vector3f& p)
                               { return p.x() > 9 && p.x() < 20 && std::abs(p.y()) < 3.5F; }),
@@ -56,10 +56,10 @@ TEST(BevGround, RoofsAndGhostsAreNotGround)
   EXPECT_NEAR(ground.heightAt(-15, -10), -1.7, 0.3);
 }
 
-TEST(BevGround, OwnRoofAndTallNeighboursAreNotWhereItStarts)
+TEST(BevGround, SeedIgnoresOwnRoofAndTallNeighbours)
 {
   auto points = tiltedGround(4, 0);
-  // The vehicle's own roof, and a truck beside it whose side hides the ground.
+  // The vehicle's own roof, and a truck beside it that occludes the ground.
   points.erase(std::remove_if(points.begin(), points.end(),
                               [](const Eigen::Vector3f& p) {
                                 return p.head<2>().norm() < 5 ||
@@ -80,7 +80,7 @@ TEST(BevGround, OwnRoofAndTallNeighboursAreNotWhereItStarts)
   }
 }
 
-TEST(BevGround, NothingKnownIsZero)
+TEST(BevGround, IsZeroWithoutPoints)
 {
   EXPECT_EQ(dyslam::BevGround({}).heightAt(3, 3), 0);
 }
@@ -113,7 +113,7 @@ TEST(BevScan, KeepsPointsAboveGroundInTheirCells)
   EXPECT_FLOAT_EQ(scan.features[7], std::min(scan.height[0], scan.height[1]) - 1);
 }
 
-TEST(BevScan, CellsAscendAndCropMoves)
+TEST(BevScan, CellsAreSortedAndTheGridFollowsItsCentre)
 {
   std::mt19937 random(5);
   std::uniform_real_distribution<float> place(-70, 70);
@@ -137,7 +137,7 @@ TEST(BevScan, CellsAscendAndCropMoves)
   }
 }
 
-TEST(BevScan, SidesThatCannotBeHalvedAreRefused)
+TEST(BevScan, RejectsSidesThatAreNoMultipleOf16)
 {
   BevOptions options;
   options.cells = 100;
@@ -146,13 +146,13 @@ TEST(BevScan, SidesThatCannotBeHalvedAreRefused)
   EXPECT_THROW(dyslam::load(options, config, "grid"), dyslam::UserError);
 }
 
-TEST(BevScan, EmptyAndOnePoint)
+TEST(BevScan, HandlesEmptyAndOnePoint)
 {
   EXPECT_EQ(makeBevScan({}, BevOptions()).size(), 0U);
   EXPECT_LE(makeBevScan({{1, 1, 1}}, BevOptions()).size(), 1U);
 }
 
-TEST(BevRays, SeesThroughAndSeesThere)
+TEST(BevRays, DistinguishesFreeOccupiedAndUnobserved)
 {
   std::vector<Eigen::Vector3f> wall;
   for (float y = -5; y < 5; y += 0.02F)
@@ -164,15 +164,15 @@ TEST(BevRays, SeesThroughAndSeesThere)
   }
   const BevRays rays(wall);
   float out[BevRays::channels];
-  rays.compare({18.5F, 0.3F, 0.0F}, out);  // before the wall: a ray went through here
+  rays.compare({18.5F, 0.3F, 0.0F}, out);  // before the wall: observed free
   EXPECT_NEAR(out[0], 0.75, 0.05);
   EXPECT_FLOAT_EQ(out[1], 1);
-  rays.compare({20.0F, 0.3F, 0.0F}, out);  // on it
+  rays.compare({20.0F, 0.3F, 0.0F}, out);  // on the wall: occupied
   EXPECT_NEAR(out[0], 0, 0.03);
   EXPECT_NEAR(out[1], 0, 0.03);
-  rays.compare({24.0F, 0.3F, 0.0F}, out);  // hidden by it
+  rays.compare({24.0F, 0.3F, 0.0F}, out);  // occluded by the wall
   EXPECT_FLOAT_EQ(out[0], -1);
-  rays.compare({-20.0F, 0.3F, 0.0F}, out);  // never looked there
+  rays.compare({-20.0F, 0.3F, 0.0F}, out);  // not observed
   EXPECT_FLOAT_EQ(out[2], 0);
 }
 }  // namespace

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/nets/CellLayers.h>
-#include <dyslam/nets/CellLevels.h>
+#include <dyslam/nets/CellPyramid.h>
 #include <gtest/gtest.h>
 #include <torch/torch.h>
 
@@ -10,7 +10,7 @@ namespace
 {
 using torch::Tensor;
 
-/** Some points, many of them alone in their cells, some in one corner of the grid. */
+/** Random points, many of them alone in their cells, some in one corner of the grid. */
 dyslam::BevScan someScan(unsigned seed, int count)
 {
   std::mt19937 random(seed);
@@ -40,10 +40,10 @@ Tensor denseOf(const dyslam::CellLevel& level, const Tensor& rows)
   return map.t().reshape({1, rows.size(1), level.width, level.width});
 }
 
-TEST(CellLevels, HoldTheCellsOfThePoints)
+TEST(CellPyramid, ContainTheCellsOfThePoints)
 {
   const auto scan = someScan(1, 200);
-  const dyslam::CellLevels levels(scan);
+  const dyslam::CellPyramid levels(scan);
   const auto& quarter = levels.quarter;
   EXPECT_EQ(quarter.width, 16);
   EXPECT_TRUE(std::is_sorted(quarter.number.begin(), quarter.number.end()));
@@ -56,15 +56,15 @@ TEST(CellLevels, HoldTheCellsOfThePoints)
     EXPECT_EQ(quarter.row_of_cell[static_cast<std::size_t>(quarter.number[row])],
               quarter.row_of_point[i]);
   }
-  const dyslam::CellLevels none(someScan(1, 0));
+  const dyslam::CellPyramid none(someScan(1, 0));
   EXPECT_EQ(none.full.size(), 0U);
   EXPECT_TRUE(dyslam::convolutionRows(none.full, none.half).empty());
 }
 
-TEST(CellConv, AgreesWithADenseConvolution)
+TEST(CellConv, MatchesADenseConvolution)
 {
   torch::manual_seed(1);
-  const dyslam::CellLevels levels(someScan(2, 400));
+  const dyslam::CellPyramid levels(someScan(2, 400));
   for (const auto* to : {&levels.full, &levels.half})
   {
     dyslam::CellConv layer(5, 7);
@@ -81,21 +81,21 @@ TEST(CellConv, AgreesWithADenseConvolution)
   }
 }
 
-TEST(CellConv, GradientsAgreeWithTorch)
+TEST(CellConv, GradientsMatchTorch)
 {
   torch::manual_seed(2);
-  const dyslam::CellLevels levels(someScan(3, 900));
+  const dyslam::CellPyramid levels(someScan(3, 900));
   const auto table = dyslam::tableTensor(dyslam::convolutionRows(levels.full, levels.half), 9);
   ASSERT_GT(table.size(0), 256) << "more than one block";
   const auto weight_in = torch::randn({6, 36});
   const auto rows_in = torch::randn({static_cast<std::int64_t>(levels.full.size()), 4});
-  const auto pull = torch::randn({table.size(0), 6});
+  const auto upstream = torch::randn({table.size(0), 6});
   const auto gradients = [&](auto&& op)
   {
     const auto rows = rows_in.clone().requires_grad_();
     const auto weight = weight_in.clone().requires_grad_();
     const auto bias = torch::zeros({6}).requires_grad_();
-    (op(rows, weight, bias) * pull).sum().backward();
+    (op(rows, weight, bias) * upstream).sum().backward();
     return std::vector<Tensor>{rows.grad(), weight.grad(), bias.grad()};
   };
   const auto fast = gradients([&](const Tensor& rows, const Tensor& weight, const Tensor& bias)
@@ -115,7 +115,7 @@ TEST(CellConv, GradientsAgreeWithTorch)
   }
 }
 
-TEST(GatherRows, PicksZeroesAndReturnsGradients)
+TEST(GatherRows, GathersRowsZerosAndGradients)
 {
   const auto rows = torch::tensor({{1.0F, 2.0F}, {3.0F, 4.0F}}).requires_grad_();
   const auto table = dyslam::tableTensor({1, -1, 1, 0}, 2);
@@ -126,10 +126,10 @@ TEST(GatherRows, PicksZeroesAndReturnsGradients)
   EXPECT_TRUE(torch::equal(rows.grad(), torch::tensor({{1.0F, 1.0F}, {2.0F, 2.0F}})));
 }
 
-TEST(CellConv, TheSameForAnyNumberOfThreads)
+TEST(CellConv, IsIndependentOfTheNumberOfThreads)
 {
   torch::manual_seed(3);
-  const dyslam::CellLevels levels(someScan(4, 900));
+  const dyslam::CellPyramid levels(someScan(4, 900));
   const auto table = dyslam::tableTensor(dyslam::convolutionRows(levels.full, levels.full), 9);
   dyslam::CellConv layer(8, 8);
   const auto rows = torch::randn({static_cast<std::int64_t>(levels.full.size()), 8});

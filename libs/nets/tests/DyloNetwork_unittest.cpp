@@ -21,7 +21,7 @@ struct Pair
   ScanTensors scan1, scan2;
 };
 
-/** Scan 1 stands where `T_2_1` puts it in scan 2's frame. */
+/** \param T_2_1 pose of scan 1 in scan 2's frame. */
 Pair roomPair(const Pose& T_2_1, int beams = 64)
 {
   return {toTensors(prepareScan(testing::room(beams, 1800, T_2_1))),
@@ -34,7 +34,7 @@ std::vector<DyloStage> run(DyloNetwork& net, const Pair& pair)
                       PoseTensors::identity(real));
 }
 
-TEST(DyloNetwork, EveryShapeRunsAndHasGradientsEverywhere)
+TEST(DyloNetwork, EveryShapeRunsAndHasGradients)
 {
   const Pair pair = roomPair(motion(0.3));
   for (const DyloHead head : {DyloHead::gauss_newton, DyloHead::regression})
@@ -61,7 +61,7 @@ TEST(DyloNetwork, EveryShapeRunsAndHasGradientsEverywhere)
         const bool idle = head == DyloHead::regression && parameter.key() == "isotropic";
         if (idle || !parameter.value().grad().defined())
         {
-          // What only a mask reads stays idle without one.
+          // Inputs of the mask have no gradients without a mask.
           EXPECT_TRUE(idle || mask == DyloMask::none) << parameter.key();
           continue;
         }
@@ -71,7 +71,7 @@ TEST(DyloNetwork, EveryShapeRunsAndHasGradientsEverywhere)
   }
 }
 
-TEST(DyloNetwork, UntrainedGaussNewtonAlreadyMovesTheRightWay)
+TEST(DyloNetwork, UntrainedGaussNewtonHeadEstimatesAKnownMotion)
 {
   torch::manual_seed(2);
   DyloNetworkOptions options;
@@ -87,7 +87,7 @@ TEST(DyloNetwork, UntrainedGaussNewtonAlreadyMovesTheRightWay)
   }
 }
 
-TEST(DyloNetwork, SameScanTwiceStandsStill)
+TEST(DyloNetwork, EqualScansGiveTheIdentity)
 {
   torch::manual_seed(3);
   DyloNetwork net(DyloNetworkOptions{});
@@ -96,7 +96,7 @@ TEST(DyloNetwork, SameScanTwiceStandsStill)
   EXPECT_LT(logSE3(estimate).norm(), 0.02);
 }
 
-TEST(DyloNetwork, EitherScanMayBeTheReference)
+TEST(DyloNetwork, ForwardAndBackwardMotionsAreInverse)
 {
   torch::manual_seed(6);
   DyloNetworkOptions options;
@@ -112,7 +112,7 @@ TEST(DyloNetwork, EitherScanMayBeTheReference)
   EXPECT_LT(motionSize(logSE3(there * back)), 0.005);
 }
 
-TEST(DyloNetwork, SurvivesEmptyAndSparseScans)
+TEST(DyloNetwork, HandlesEmptyAndSparseScans)
 {
   torch::manual_seed(4);
   DyloNetwork net(DyloNetworkOptions{});
@@ -130,7 +130,7 @@ TEST(DyloNetwork, SurvivesEmptyAndSparseScans)
   }
 }
 
-TEST(DyloNetwork, SameSeedSameBytes)
+TEST(DyloNetwork, SameSeedGivesTheSameBytes)
 {
   const Pair pair = roomPair(motion(0.3));
   const torch::NoGradGuard no_grad;
@@ -144,8 +144,8 @@ TEST(DyloNetwork, SameSeedSameBytes)
   EXPECT_TRUE(torch::equal(results[0], results[1]));
 }
 
-/** Our own layers give the same bytes; torch's sums may differ by rounding. */
-TEST(DyloNetwork, TheSameForAnyNumberOfThreads)
+/** The hand-written layers are deterministic; torch's sums may differ by rounding. */
+TEST(DyloNetwork, IsIndependentOfTheNumberOfThreads)
 {
   const Pair pair = roomPair(motion(0.3));
   const torch::NoGradGuard no_grad;

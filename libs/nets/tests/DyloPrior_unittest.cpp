@@ -43,36 +43,36 @@ struct DyloPriorTest : testing::Test
   Matrix6 measured;
 };
 
-TEST_F(DyloPriorTest, TheJointStepCostsLeast)
+TEST_F(DyloPriorTest, FusedStepMinimisesTheCost)
 {
-  const Vector6 best = jointStep(prior, T, step, measured);
+  const Vector6 best = fuseWithPrior(prior, T, step, measured);
   const double least = cost(best);
   EXPECT_LT(least, cost(step));
   for (int axis = 0; axis < 6; ++axis)
   {
     for (const double sign : {-1.0, 1.0})
     {
-      // Small against the way to the prior, large against what linearising leaves out.
+      // Small against the distance to the prior, large against the linearisation error.
       EXPECT_LT(least, cost(best + sign * 0.002 * Vector6::Unit(axis))) << axis;
     }
   }
 }
 
-TEST_F(DyloPriorTest, OneSideAloneDecides)
+TEST_F(DyloPriorTest, ReducesToEitherSideAlone)
 {
   const Matrix6 none = Matrix6::Zero();
-  EXPECT_TRUE(jointStep(prior, T, step, 1e9 * measured).isApprox(step, 1e-4));
-  const Pose at_prior = expSE3(jointStep(prior, T, step, none)) * T;
+  EXPECT_TRUE(fuseWithPrior(prior, T, step, 1e9 * measured).isApprox(step, 1e-4));
+  const Pose at_prior = expSE3(fuseWithPrior(prior, T, step, none)) * T;
   EXPECT_TRUE(at_prior.isApprox(prior.T_reference_current, 1e-9));
   prior.information = none;
-  EXPECT_TRUE(jointStep(prior, T, step, measured).isApprox(step, 1e-9));
+  EXPECT_TRUE(fuseWithPrior(prior, T, step, measured).isApprox(step, 1e-9));
 }
 
-TEST(MeasuredPrecision, CountsPointsAndTheirNoise)
+TEST(MeasurementPrecision, DependsOnPointsAndNoise)
 {
-  // 240 points, of which 24 are one measurement, with 3 cm of noise on top of the least 1 cm.
-  EXPECT_NEAR(measuredPrecision(0.03, 240, 24), 10 / (0.0009 + 0.0001), 1e-6);
-  EXPECT_NEAR(measuredPrecision(0, 24, 24), 1e4, 1e-6);
+  // 240 points at 24 per measurement, with 3 cm of noise in addition to the minimum of 1 cm.
+  EXPECT_NEAR(measurementPrecision(0.03, 240, 24), 10 / (0.0009 + 0.0001), 1e-6);
+  EXPECT_NEAR(measurementPrecision(0, 24, 24), 1e4, 1e-6);
 }
 }  // namespace
 }  // namespace dyslam

@@ -47,7 +47,7 @@ std::vector<Eigen::Vector3f> street(unsigned seed)
   return points;
 }
 
-TEST(DysegNet, EveryParameterLearns)
+TEST(DysegNet, EveryParameterHasAGradient)
 {
   torch::manual_seed(1);
   dyslam::DysegNet net{DysegNetworkOptions()};
@@ -61,16 +61,16 @@ TEST(DysegNet, EveryParameterLearns)
   const auto a = net->encode(current);
   const auto b = net->encode(past);
   const auto match = net->match(current, a, b);
-  const auto cells = net->cells(current, a, b, match.fit.motion, 2);
-  std::vector<std::int32_t> which(current.size());
-  std::iota(which.begin(), which.end(), 0);
-  const auto points = net->points(current, a, b, past.rays, cells, which);
-  const auto flow = net->pointFlow(current, a, cells, which);
-  ASSERT_EQ(points.size(0), static_cast<std::int64_t>(which.size()));
+  const auto cells = net->segmentCells(current, a, b, match.fit.motion, 2);
+  std::vector<std::int32_t> indices(current.size());
+  std::iota(indices.begin(), indices.end(), 0);
+  const auto points = net->segmentPoints(current, a, b, past.rays, cells, indices);
+  const auto flow = net->pointFlow(current, a, cells, indices);
+  ASSERT_EQ(points.size(0), static_cast<std::int64_t>(indices.size()));
   ASSERT_EQ(flow.size(0), points.size(0));
   ASSERT_EQ(cells.residual.size(), 2U);
   auto loss = points.square().sum() + flow.square().sum() + cells.logit.square().sum() +
-              (a.anchor - 1).square().sum() + (match.correlation + 1).square().sum() +
+              (a.static_logit - 1).square().sum() + (match.correlation + 1).square().sum() +
               (match.coarse_correlation + 1).square().sum();
   for (const auto& r : cells.residual)
   {
@@ -84,7 +84,7 @@ TEST(DysegNet, EveryParameterLearns)
   }
 }
 
-TEST(DysegModel, OnePerPointAndQuietOnNothing)
+TEST(DysegModel, HasOneProbabilityPerPointAndHandlesEmptyScans)
 {
   const DysegModel model(DysegNetworkOptions(), smallGrid(), 1);
   auto points = street(3);
@@ -108,7 +108,7 @@ TEST(DysegModel, OnePerPointAndQuietOnNothing)
   EXPECT_EQ(model.compare(*one, *some).moving_probability.size(), 1U);
 }
 
-TEST(DysegModel, EachUsesItsOwnThreads)
+TEST(DysegModel, EachModelSetsItsThreads)
 {
   const int before = torch::get_num_threads();
   const DysegModel one(DysegNetworkOptions(), smallGrid(), 1, 1);
@@ -119,7 +119,7 @@ TEST(DysegModel, EachUsesItsOwnThreads)
   EXPECT_EQ(torch::get_num_threads(), 2);
   const auto by_one = one.compare(*scan, *scan).moving_probability;
   EXPECT_EQ(torch::get_num_threads(), 1);
-  // Our own layers give the same bytes; torch's sums may differ by rounding.
+  // The hand-written layers are deterministic; torch's sums may differ by rounding.
   const auto by_two = two.compare(*scan, *scan).moving_probability;
   ASSERT_EQ(by_one.size(), by_two.size());
   for (std::size_t i = 0; i < by_one.size(); ++i)
@@ -129,14 +129,14 @@ TEST(DysegModel, EachUsesItsOwnThreads)
   torch::set_num_threads(before);
 }
 
-TEST(DysegFile, FilesThatCannotBeWrittenAreAClearError)
+TEST(DysegFile, RejectsFilesThatCannotBeWritten)
 {
   dyslam::DysegNetwork network;
   network.net = dyslam::DysegNet(DysegNetworkOptions());
   EXPECT_THROW(saveDyseg(network, "/nowhere/dyseg.pt"), dyslam::UserError);
 }
 
-TEST(DysegFile, WeightsReturnAndWrongFilesAreRefused)
+TEST(DysegFile, RoundTripsWeightsAndRejectsOtherFiles)
 {
   torch::manual_seed(7);
   const auto folder = std::filesystem::temp_directory_path();

@@ -10,8 +10,8 @@ namespace
 {
 using torch::Tensor;
 
-/** Rows of the 3 x 3 cells around each cell of a full map. */
-Tensor aroundAll(int width, int height)
+/** Row indices of the 3 x 3 neighbours of each cell of a full map. */
+Tensor allNeighbours(int width, int height)
 {
   std::vector<std::int32_t> table;
   for (int i = 0; i < width * height; ++i)
@@ -26,7 +26,7 @@ Tensor aroundAll(int width, int height)
   return dyslam::tableTensor(table, 9);
 }
 
-/** Written from the formula, one cell at a time. */
+/** Convex upsampling from its formula, one cell at a time. */
 Tensor slowUpsample(const Tensor& flow, const Tensor& weights, int row, int x, int y, int sub)
 {
   const auto w = weights[row].view({9, -1}).select(1, sub);
@@ -47,7 +47,7 @@ Tensor slowUpsample(const Tensor& flow, const Tensor& weights, int row, int x, i
   return sum / total;
 }
 
-TEST(FlowUpdate, UpsamplingAgreesWithALoop)
+TEST(FlowUpdate, UpsamplingMatchesALoop)
 {
   torch::manual_seed(2);
   const auto flow = torch::randn({5, 6, 2});
@@ -61,7 +61,7 @@ TEST(FlowUpdate, UpsamplingAgreesWithALoop)
   {
     cells.push_back(y[i] * 6 + x[i]);
   }
-  const auto fast = dyslam::upsampleFlow(flow.view({30, 2}), weights, aroundAll(6, 5),
+  const auto fast = dyslam::upsampleFlow(flow.view({30, 2}), weights, allNeighbours(6, 5),
                                          torch::tensor(cells), torch::tensor(subs), 4);
   for (std::size_t i = 0; i < x.size(); ++i)
   {
@@ -70,8 +70,8 @@ TEST(FlowUpdate, UpsamplingAgreesWithALoop)
   }
 }
 
-/** The unit by its formulas, from its own parameters. */
-TEST(ConvGru, AgreesWithItsFormula)
+/** The GRU equations with the unit's parameters. */
+TEST(ConvGru, MatchesItsEquations)
 {
   torch::manual_seed(3);
   dyslam::ConvGru gru(3, 2);
@@ -88,7 +88,7 @@ TEST(ConvGru, AgreesWithItsFormula)
   const auto q = torch::tanh(conv(torch::cat({r * state, input}, 1), "candidate"));
   const auto expected = (1 - z) * state + z * q;
   const auto rows = [](const Tensor& map) { return map.view({-1, 16}).t().contiguous(); };
-  const auto found = gru(rows(state), rows(input), aroundAll(4, 4));
+  const auto found = gru(rows(state), rows(input), allNeighbours(4, 4));
   EXPECT_LT((found - rows(expected)).abs().max().item<float>(), 1e-5);
 }
 
@@ -96,7 +96,7 @@ TEST(FlowUpdate, GradientsReachEveryParameter)
 {
   torch::manual_seed(4);
   dyslam::FlowUpdate update(6, 5, 1);
-  const auto around = aroundAll(3, 1);
+  const auto around = allNeighbours(3, 1);
   const auto out = update(torch::randn({3, 6}), torch::randn({3, 9}), torch::zeros({3, 2}), around);
   (out.change.square().sum() + out.state.square().sum()).backward();
   for (const auto& p : update->named_parameters())

@@ -29,13 +29,13 @@ float largestDifference(const torch::Tensor& a, const torch::Tensor& b)
   return (a - b).abs().max().item<float>();
 }
 
-TEST(Grouping, NearestInWindowEqualsPlain)
+TEST(Grouping, NearestInWindowMatchesReference)
 {
   const Fixture f;
   for (const std::size_t level : {1U, 3U})
   {
     const Neighbours fast = nearestInWindow(f.points, f.valid, f.scan, level, 1, 2, 6);
-    const Neighbours slow = plain::nearestInWindow(f.points, f.valid, f.scan, level, 1, 2, 6);
+    const Neighbours slow = reference::nearestInWindow(f.points, f.valid, f.scan, level, 1, 2, 6);
     EXPECT_TRUE(torch::equal(fast.usable, slow.usable));
     const torch::Tensor& xyz = f.scan.levels[level].xyz;
     const auto distance = [&](const Neighbours& n)
@@ -47,31 +47,32 @@ TEST(Grouping, NearestInWindowEqualsPlain)
   }
 }
 
-TEST(Grouping, GeometryEqualsPlain)
+TEST(Grouping, GeometryMatchesReference)
 {
   const Fixture f;
   const Neighbours near = nearestInWindow(f.points, f.valid, f.scan, 1, 1, 2, 6);
   const ScanTensors::Level& level = f.scan.levels[1];
   EXPECT_LT(largestDifference(groupOffsets(level.xyz, f.points, near.index, 0.05),
-                              plain::groupOffsets(level.xyz, f.points, near.index, 0.05)),
+                              reference::groupOffsets(level.xyz, f.points, near.index, 0.05)),
             1e-4F);
   const Candidates fast = candidateGeometry(f.points, f.normals, level, near.index, 0.05);
-  const Candidates slow = plain::candidateGeometry(f.points, f.normals, level, near.index, 0.05);
+  const Candidates slow =
+      reference::candidateGeometry(f.points, f.normals, level, near.index, 0.05);
   EXPECT_LT(largestDifference(fast.geometry, slow.geometry), 1e-4F);
   EXPECT_LT(largestDifference(fast.planes, slow.planes), 1e-4F);
 }
 
-TEST(Grouping, SurfacesEqualPlain)
+TEST(Grouping, SurfacesMatchReference)
 {
   const Fixture f;
   const Surfaces fast = surfacesAround(f.points, f.normals, f.valid, f.scan);
-  const Surfaces slow = plain::surfacesAround(f.points, f.normals, f.valid, f.scan);
+  const Surfaces slow = reference::surfacesAround(f.points, f.normals, f.valid, f.scan);
   const torch::Tensor both = fast.valid * slow.valid;
   EXPECT_GT(both.sum().item<float>(), 1500);
   EXPECT_LE((fast.valid - slow.valid).abs().sum().item<float>(), 4);
   const torch::Tensor moved = (fast.target - slow.target).norm(2, 1) * both;
   EXPECT_LE(moved.gt(1e-3).sum().item<std::int64_t>(), 8);  // cell borders
-  // Normals are told by planar surfaces only, up to their sign.
+  // Normals are defined for planar surfaces only, up to their sign.
   const torch::Tensor planar = both * slow.features.select(1, 2).lt(0.1).to(torch::kFloat);
   const torch::Tensor agree = (fast.normal * slow.normal).sum(1).abs();
   EXPECT_GT(((agree * planar).sum() / planar.sum()).item<float>(), 0.999F);
@@ -119,7 +120,7 @@ TEST(Grouping, SameBytesForAnyNumberOfThreads)
   EXPECT_TRUE(torch::equal(one.target, two.target));
 }
 
-TEST(Grouping, LinearEqualsPlainAndItsGradients)
+TEST(Grouping, LinearAndItsGradientsMatchReference)
 {
   torch::manual_seed(2);
   const torch::Tensor geometry = torch::randn({300, 6, 4});
@@ -130,7 +131,7 @@ TEST(Grouping, LinearEqualsPlainAndItsGradients)
   const torch::Tensor bias = torch::randn({8}, leaf);
   const torch::Tensor mix = torch::randn({300, 6, 8});
   const torch::Tensor fast = groupedLinear(geometry, features, index, weight, bias, 0.1);
-  const torch::Tensor slow = plain::groupedLinear(geometry, features, index, weight, bias, 0.1);
+  const torch::Tensor slow = reference::groupedLinear(geometry, features, index, weight, bias, 0.1);
   EXPECT_LT(largestDifference(fast, slow), 1e-4F);
   const auto a = torch::autograd::grad({(fast * mix).sum()}, {features, weight, bias});
   const auto b = torch::autograd::grad({(slow * mix).sum()}, {features, weight, bias});
@@ -138,14 +139,14 @@ TEST(Grouping, LinearEqualsPlainAndItsGradients)
   {
     EXPECT_LT(largestDifference(a[i], b[i]) / b[i].abs().max().item<float>(), 1e-4F) << i;
   }
-  // With what belongs to a whole group, and gradients of the places too.
+  // With an input per group, and with the gradient of the geometry.
   const torch::Tensor own = torch::randn({300, 8}, leaf);
   const torch::Tensor places = geometry.clone().set_requires_grad(true);
   const auto c = torch::autograd::grad(
       {(groupedLinear(places, features, index, weight, bias, 0.1, own) * mix).sum()},
       {places, own});
   const auto d = torch::autograd::grad(
-      {(plain::groupedLinear(places, features, index, weight, bias, 0.1, own) * mix).sum()},
+      {(reference::groupedLinear(places, features, index, weight, bias, 0.1, own) * mix).sum()},
       {places, own});
   for (std::size_t i = 0; i < c.size(); ++i)
   {
@@ -153,11 +154,11 @@ TEST(Grouping, LinearEqualsPlainAndItsGradients)
   }
   const torch::Tensor narrow = torch::randn({8, 4}, leaf);
   EXPECT_LT(largestDifference(groupedLinear(geometry, {}, index, narrow, bias, 0.1),
-                              plain::groupedLinear(geometry, {}, index, narrow, bias, 0.1)),
+                              reference::groupedLinear(geometry, {}, index, narrow, bias, 0.1)),
             1e-4F);
 }
 
-TEST(Grouping, MaxEqualsPlainAndItsGradient)
+TEST(Grouping, MaxMatchesReferenceAndItsGradient)
 {
   torch::manual_seed(3);
   const torch::Tensor x =
@@ -166,7 +167,7 @@ TEST(Grouping, MaxEqualsPlainAndItsGradient)
   usable[3].zero_();
   const torch::Tensor mix = torch::randn({200, 5});
   const torch::Tensor fast = groupMax(x, usable);
-  const torch::Tensor slow = plain::groupMax(x, usable);
+  const torch::Tensor slow = reference::groupMax(x, usable);
   EXPECT_EQ(largestDifference(fast, slow), 0);
   EXPECT_EQ(fast[3].abs().max().item<float>(), 0);
   {
@@ -178,7 +179,7 @@ TEST(Grouping, MaxEqualsPlainAndItsGradient)
   EXPECT_LT(largestDifference(a[0], b[0]), 1e-6F);
 }
 
-TEST(Grouping, AttendedSumEqualsPlainAndItsGradients)
+TEST(Grouping, AttendedSumAndItsGradientsMatchReference)
 {
   torch::manual_seed(4);
   const auto leaf = torch::dtype(torch::kFloat).requires_grad(true);
@@ -186,7 +187,7 @@ TEST(Grouping, AttendedSumEqualsPlainAndItsGradients)
   const torch::Tensor values = torch::randn({200, 7, 5}, leaf);
   const torch::Tensor mix = torch::randn({200, 5});
   const torch::Tensor fast = attendedSum(attention, values);
-  const torch::Tensor slow = plain::attendedSum(attention, values);
+  const torch::Tensor slow = reference::attendedSum(attention, values);
   EXPECT_LT(largestDifference(fast, slow), 1e-5F);
   const auto a = torch::autograd::grad({(fast * mix).sum()}, {attention, values});
   const auto b = torch::autograd::grad({(slow * mix).sum()}, {attention, values});

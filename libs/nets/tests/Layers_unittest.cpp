@@ -40,7 +40,7 @@ double gradientError(const std::function<torch::Tensor()>& loss, torch::Tensor v
   return worst;
 }
 
-TEST(PointLinear, EqualsPlainMatrixProductAndItsGradients)
+TEST(PointLinear, MatchesMatrixProductAndItsGradients)
 {
   torch::manual_seed(1);
   const auto real = torch::dtype(torch::kDouble).requires_grad(true);
@@ -49,10 +49,10 @@ TEST(PointLinear, EqualsPlainMatrixProductAndItsGradients)
   const torch::Tensor b = torch::randn({7}, real);
   const torch::Tensor mix = torch::randn({2500, 7}, torch::kDouble);
   const torch::Tensor ours = pointLinear(x, w, b, 0.1);
-  const torch::Tensor plain = torch::leaky_relu(torch::addmm(b, x, w.t()), 0.1);
-  EXPECT_LT((ours - plain).abs().max().item<double>(), 1e-12);
+  const torch::Tensor reference = torch::leaky_relu(torch::addmm(b, x, w.t()), 0.1);
+  EXPECT_LT((ours - reference).abs().max().item<double>(), 1e-12);
   const auto ours_grad = torch::autograd::grad({(ours * mix).sum()}, {x, w, b});
-  const auto plain_grad = torch::autograd::grad({(plain * mix).sum()}, {x, w, b});
+  const auto plain_grad = torch::autograd::grad({(reference * mix).sum()}, {x, w, b});
   for (std::size_t i = 0; i < 3; ++i)
   {
     EXPECT_LT((ours_grad[i] - plain_grad[i]).abs().max().item<double>(), 1e-9) << i;
@@ -73,7 +73,7 @@ TEST(PointLinear, SameBytesForAnyNumberOfThreads)
   EXPECT_TRUE(torch::equal(one, two));
 }
 
-TEST(Window, HoldsTheCellThatAPointWasPutInto)
+TEST(Window, ContainsTheCellOfThePoint)
 {
   const PreparedScan scan = prepareScan(testing::room(64, 1800));
   const ScanTensors tensors = toTensors(scan);
@@ -91,7 +91,7 @@ TEST(Window, HoldsTheCellThatAPointWasPutInto)
   EXPECT_LE(wrong, 2);  // rounding at a column's edge
 }
 
-TEST(Window, NearestOfAWindowIsMostlyTheNearestOfAll)
+TEST(Window, NearestOfAWindowIsMostlyTheGlobalNearest)
 {
   const ScanTensors scan = toTensors(prepareScan(testing::room(64, 1800)));
   const ScanTensors::Level& level = scan.levels[1];
@@ -108,7 +108,7 @@ TEST(Window, NearestOfAWindowIsMostlyTheNearestOfAll)
   EXPECT_GT((same.sum() / level.valid.sum()).item<float>(), 0.97);
 }
 
-TEST(Window, BetweenGridsWrapsAndStopsAtTheEdge)
+TEST(Window, BetweenGridsWrapsColumnsAndClampsRows)
 {
   const Window window = windowBetween(4, 16, 4, 16, 3, 3, torch::kCPU);
   EXPECT_EQ(window.index[0][0].item<std::int64_t>(), 15);  // clamped row, column before 0
@@ -121,7 +121,7 @@ TEST(Window, BetweenGridsWrapsAndStopsAtTheEdge)
   EXPECT_EQ(down.index[17][15].item<std::int64_t>(), 4 * 32 + 4);
 }
 
-TEST(SetConv, EqualsALoopOverPoints)
+TEST(SetConv, MatchesALoopOverPoints)
 {
   torch::manual_seed(2);
   const ScanTensors scan = toTensors(prepareScan(testing::room(64, 900)));
@@ -155,7 +155,7 @@ TEST(SetConv, EqualsALoopOverPoints)
   }
 }
 
-TEST(Mlp, OfPlacesAndTheirGroupEqualsOfBothWrittenDown)
+TEST(Mlp, GroupInputMatchesTheConcatenation)
 {
   torch::manual_seed(6);
   Mlp mlp(Sizes{9, 8, 2}, true);
@@ -166,7 +166,7 @@ TEST(Mlp, OfPlacesAndTheirGroupEqualsOfBothWrittenDown)
   EXPECT_LT(difference.abs().max().item<float>(), 1e-5F);
 }
 
-TEST(ScanTensors, MovedPointsAreThoseOfTheMovedScan)
+TEST(ScanTensors, UpdatedPointsMatchTheMovedScan)
 {
   PreparedScan scan = prepareScan(testing::room(64, 1800));
   ScanTensors tensors = toTensors(scan);
@@ -178,17 +178,17 @@ TEST(ScanTensors, MovedPointsAreThoseOfTheMovedScan)
       scan.points[cell] += Eigen::Vector3f(0.1F, 0, 0.2F);
     }
   }
-  movePoints(scan, tensors);
-  const ScanTensors anew = toTensors(scan);
-  EXPECT_TRUE(torch::equal(tensors.image_xyz, anew.image_xyz));
-  for (std::size_t l = 0; l < anew.levels.size(); ++l)
+  updatePoints(scan, tensors);
+  const ScanTensors expected = toTensors(scan);
+  EXPECT_TRUE(torch::equal(tensors.image_xyz, expected.image_xyz));
+  for (std::size_t l = 0; l < expected.levels.size(); ++l)
   {
-    EXPECT_TRUE(torch::equal(tensors.levels[l].xyz, anew.levels[l].xyz)) << l;
+    EXPECT_TRUE(torch::equal(tensors.levels[l].xyz, expected.levels[l].xyz)) << l;
   }
   EXPECT_FALSE(torch::equal(tensors.levels[1].xyz, before));
 }
 
-TEST(DynamicMask, WeightsSumToOneAndLeaveInvalidPointsOut)
+TEST(DynamicMask, WeightsSumToOneAndIgnoreInvalidPoints)
 {
   torch::manual_seed(3);
   for (const DyloMask kind : {DyloMask::none, DyloMask::lonet, DyloMask::attention})
@@ -224,8 +224,8 @@ TEST(GaussNewton, SolveHasTheRightGradient)
   EXPECT_LT(gradientError(loss, b, 1e-6), 1e-6);
 }
 
-/** Points on three planes and the same moved by a known motion. */
-Alignment knownMotion(const PoseTensors& motion)
+/** Points on three planes, and the same transformed by a known motion. */
+PoseStepProblem knownMotion(const PoseTensors& motion)
 {
   torch::manual_seed(5);
   const torch::Tensor target = 10 * torch::randn({600, 3}, torch::kDouble);
@@ -241,39 +241,39 @@ Alignment knownMotion(const PoseTensors& motion)
           {}};
 }
 
-TEST(GaussNewton, FindsAKnownMotionBothWays)
+TEST(GaussNewton, RecoversAKnownMotionForwardAndInverse)
 {
   for (const double sign : {1.0, -1.0})
   {
     Vector6 tangent;
     tangent << 0.5, -0.1, 0.05, 0.01, -0.02, 0.05;
     const PoseTensors motion = PoseTensors::from(expSE3(sign * tangent), torch::kDouble);
-    Alignment alignment = knownMotion(motion);
+    PoseStepProblem problem = knownMotion(motion);
     PoseTensors pose = PoseTensors::identity(torch::kDouble);
-    const torch::Tensor start = alignment.points;
+    const torch::Tensor start = problem.points;
     for (int i = 0; i < 4; ++i)
     {
-      alignment.points = pose.apply(start);
-      pose = gaussNewtonStep(alignment).update * pose;
+      problem.points = pose.apply(start);
+      pose = gaussNewtonStep(problem).update * pose;
     }
     EXPECT_LT(logSE3(pose.toPose().inverse() * expSE3(sign * tangent)).norm(), 1e-5);
   }
 }
 
-TEST(GaussNewton, IsotropicTermAloneAlignsToo)
+TEST(GaussNewton, PointToPointTermAloneConverges)
 {
   Vector6 tangent;
   tangent << 0.3, 0.1, -0.05, 0.01, 0.02, -0.05;
-  Alignment alignment = knownMotion(PoseTensors::from(expSE3(tangent), torch::kDouble));
-  alignment.normal = torch::zeros_like(alignment.normal);
-  alignment.offset = torch::zeros_like(alignment.offset);
-  alignment.isotropic = torch::ones({}, torch::kDouble);
+  PoseStepProblem problem = knownMotion(PoseTensors::from(expSE3(tangent), torch::kDouble));
+  problem.normal = torch::zeros_like(problem.normal);
+  problem.offset = torch::zeros_like(problem.offset);
+  problem.isotropic = torch::ones({}, torch::kDouble);
   PoseTensors pose = PoseTensors::identity(torch::kDouble);
-  const torch::Tensor start = alignment.points;
+  const torch::Tensor start = problem.points;
   for (int i = 0; i < 4; ++i)
   {
-    alignment.points = pose.apply(start);
-    pose = gaussNewtonStep(alignment).update * pose;
+    problem.points = pose.apply(start);
+    pose = gaussNewtonStep(problem).update * pose;
   }
   EXPECT_LT(logSE3(pose.toPose().inverse() * expSE3(tangent)).norm(), 1e-5);
 }
@@ -282,35 +282,35 @@ TEST(GaussNewton, StepHasTheRightGradient)
 {
   Vector6 tangent;
   tangent << 0.3, 0.1, -0.05, 0.01, 0.02, -0.05;
-  Alignment alignment = knownMotion(PoseTensors::from(expSE3(tangent), torch::kDouble));
-  alignment.isotropic = torch::full({}, 0.1, torch::kDouble);
-  alignment.weight.set_requires_grad(true);
-  alignment.offset = alignment.offset.clone().set_requires_grad(true);
+  PoseStepProblem problem = knownMotion(PoseTensors::from(expSE3(tangent), torch::kDouble));
+  problem.isotropic = torch::full({}, 0.1, torch::kDouble);
+  problem.weight.set_requires_grad(true);
+  problem.offset = problem.offset.clone().set_requires_grad(true);
   const auto loss = [&]
   {
-    const PoseTensors update = gaussNewtonStep(alignment).update;
+    const PoseTensors update = gaussNewtonStep(problem).update;
     return update.rotation.sum() + update.translation.square().sum();
   };
-  EXPECT_LT(gradientError(loss, alignment.weight, 1e-7), 1e-4);
-  EXPECT_LT(gradientError(loss, alignment.offset, 1e-6), 1e-4);
+  EXPECT_LT(gradientError(loss, problem.weight, 1e-7), 1e-4);
+  EXPECT_LT(gradientError(loss, problem.offset, 1e-6), 1e-4);
 }
 
-TEST(GaussNewton, TheSameStepWithAndWithoutGradients)
+TEST(GaussNewton, StepIsTheSameWithAndWithoutGradients)
 {
   Vector6 tangent;
   tangent << 0.3, 0.1, -0.05, 0.01, 0.02, -0.05;
-  Alignment alignment = knownMotion(PoseTensors::from(expSE3(tangent), torch::kDouble));
-  for (torch::Tensor* t : {&alignment.points, &alignment.normal, &alignment.offset,
-                           &alignment.target, &alignment.weight})
+  PoseStepProblem problem = knownMotion(PoseTensors::from(expSE3(tangent), torch::kDouble));
+  for (torch::Tensor* t :
+       {&problem.points, &problem.normal, &problem.offset, &problem.target, &problem.weight})
   {
     *t = t->to(torch::kFloat);
   }
   for (const bool isotropic : {false, true})
   {
-    alignment.isotropic = isotropic ? torch::full({}, 0.1) : torch::Tensor();
-    const GaussNewtonStep with = gaussNewtonStep(alignment);
+    problem.isotropic = isotropic ? torch::full({}, 0.1) : torch::Tensor();
+    const GaussNewtonStep with = gaussNewtonStep(problem);
     const torch::NoGradGuard no_grad;
-    const GaussNewtonStep without = gaussNewtonStep(alignment);
+    const GaussNewtonStep without = gaussNewtonStep(problem);
     EXPECT_LT(logSE3(with.update.toPose().inverse() * without.update.toPose()).norm(), 1e-5);
     const torch::Tensor difference = with.normal_matrix - without.normal_matrix;
     EXPECT_LT(difference.abs().max().item<float>(),
@@ -318,11 +318,11 @@ TEST(GaussNewton, TheSameStepWithAndWithoutGradients)
   }
 }
 
-TEST(GaussNewton, NothingToGoByGivesTheIdentity)
+TEST(GaussNewton, ZeroWeightsGiveTheIdentity)
 {
-  Alignment alignment = knownMotion(PoseTensors::identity(torch::kDouble));
-  alignment.weight = torch::zeros_like(alignment.weight);
-  const PoseTensors update = gaussNewtonStep(alignment).update;
+  PoseStepProblem problem = knownMotion(PoseTensors::identity(torch::kDouble));
+  problem.weight = torch::zeros_like(problem.weight);
+  const PoseTensors update = gaussNewtonStep(problem).update;
   EXPECT_LT(logSE3(update.toPose()).norm(), 1e-12);
 }
 

@@ -12,7 +12,7 @@ namespace dyslam
 {
 namespace
 {
-TEST(PreparedScan, EmptyAndBrokenInput)
+TEST(PreparedScan, HandlesEmptyAndInvalidInput)
 {
   const PreparedScan empty = prepareScan({});
   EXPECT_TRUE(empty.empty());
@@ -25,7 +25,7 @@ TEST(PreparedScan, EmptyAndBrokenInput)
   EXPECT_EQ(one.valid_points, 1U);
 }
 
-TEST(PreparedScan, CellsHoldTheNearestOfTheirPoints)
+TEST(PreparedScan, CellsContainTheNearestPoint)
 {
   const std::vector<Eigen::Vector3f> points = {{20, 0, -1}, {10, 0, -0.5F}, {30, 0, -1.5F}};
   const PreparedScan scan = prepareScan(points);
@@ -40,7 +40,7 @@ TEST(PreparedScan, CellsHoldTheNearestOfTheirPoints)
   }
 }
 
-TEST(PreparedScan, LevelsPickOccupiedCellsOfTheirBlock)
+TEST(PreparedScan, LevelsSelectOccupiedCellsOfTheirBlock)
 {
   const PreparedScan scan = prepareScan(testing::room(64, 1800));
   for (std::size_t l = 0; l < PreparedScan::level_count; ++l)
@@ -68,7 +68,7 @@ TEST(PreparedScan, LevelsPickOccupiedCellsOfTheirBlock)
   }
 }
 
-TEST(PreparedScan, NormalsOfARoomPointAtTheSensor)
+TEST(PreparedScan, NormalsPointToTheSensor)
 {
   const PreparedScan scan = prepareScan(testing::room(64, 1800));
   std::size_t good = 0;
@@ -88,7 +88,7 @@ TEST(PreparedScan, NormalsOfARoomPointAtTheSensor)
   EXPECT_GT(good, all * 9 / 10);
 }
 
-TEST(PreparedScan, SparseSensorsGetOneRowPerBeam)
+TEST(PreparedScan, SparseSensorsHaveOneRowPerBeam)
 {
   const PreparedScan scan = prepareScan(testing::room(16, 1800));
   EXPECT_EQ(scan.rows, 16);

@@ -13,7 +13,7 @@ using dyslam::PlanarMotion;
 
 struct Field
 {
-  std::vector<Eigen::Vector2f> places;
+  std::vector<Eigen::Vector2f> positions;
   std::vector<Eigen::Vector2f> flow;
   std::vector<float> weights;
 };
@@ -34,8 +34,8 @@ Field staticField(const PlanarMotion& motion, int count, float noise, unsigned s
   Field f;
   for (int i = 0; i < count; ++i)
   {
-    f.places.emplace_back(place(random), place(random));
-    f.flow.push_back(motion.flowAt(f.places.back()) +
+    f.positions.emplace_back(place(random), place(random));
+    f.flow.push_back(motion.flowAt(f.positions.back()) +
                      noise * Eigen::Vector2f(error(random), error(random)));
     f.weights.push_back(1);
   }
@@ -46,39 +46,39 @@ TEST(RigidFlow, RecoversAnExactMotion)
 {
   const auto motion = someMotion();
   const auto f = staticField(motion, 50, 0, 1);
-  const auto fit = fitRigidFlow(f.places, f.flow, f.weights);
+  const auto fit = fitRigidFlow(f.positions, f.flow, f.weights);
   ASSERT_TRUE(fit.converged);
   EXPECT_NEAR(fit.motion.yaw, motion.yaw, 1e-5);
   EXPECT_LT((fit.motion.translation - motion.translation).norm(), 1e-4);
 }
 
-TEST(RigidFlow, MoversDoNotPull)
+TEST(RigidFlow, MovingObjectsDoNotBiasTheFit)
 {
   const auto motion = someMotion();
   auto f = staticField(motion, 300, 0.05F, 2);
-  // 40 % of the field goes with one mover, as a queue of traffic would.
+  // 40 % of the field follow one moving object, such as a queue of traffic.
   for (std::size_t i = 0; i < 120; ++i)
   {
     f.flow[i] += Eigen::Vector2f(1.1F, 0.1F);
   }
-  const auto fit = fitRigidFlow(f.places, f.flow, f.weights);
+  const auto fit = fitRigidFlow(f.positions, f.flow, f.weights);
   EXPECT_NEAR(fit.motion.yaw, motion.yaw, 1e-3);
   EXPECT_LT((fit.motion.translation - motion.translation).norm(), 0.03);
   EXPECT_LT(fit.inlier[0], 0.05F);
   EXPECT_GT(fit.inlier[200], 0.3F);
 }
 
-TEST(RigidFlow, AgreesWithASearchOverMotions)
+TEST(RigidFlow, MinimisesTheSquaredError)
 {
   const auto f = staticField(someMotion(), 40, 0.3F, 3);
-  // One wide kernel: plain weighted least squares.
-  const auto fit = fitRigidFlow(f.places, f.flow, f.weights, 1e4, 1e4);
+  // A wide loss: weighted least squares.
+  const auto fit = fitRigidFlow(f.positions, f.flow, f.weights, 1e4, 1e4);
   const auto cost = [&](const PlanarMotion& m)
   {
     double sum = 0;
-    for (std::size_t i = 0; i < f.places.size(); ++i)
+    for (std::size_t i = 0; i < f.positions.size(); ++i)
     {
-      sum += (m.flowAt(f.places[i]) - f.flow[i]).squaredNorm();
+      sum += (m.flowAt(f.positions[i]) - f.flow[i]).squaredNorm();
     }
     return sum;
   };
@@ -97,7 +97,7 @@ TEST(RigidFlow, AgreesWithASearchOverMotions)
   }
 }
 
-TEST(RigidFlow, WeightsDecide)
+TEST(RigidFlow, IgnoresVectorsOfZeroWeight)
 {
   auto f = staticField(someMotion(), 60, 0, 4);
   for (std::size_t i = 0; i < 40; ++i)
@@ -105,11 +105,11 @@ TEST(RigidFlow, WeightsDecide)
     f.flow[i] = Eigen::Vector2f(3, 3);
     f.weights[i] = 0;
   }
-  const auto fit = fitRigidFlow(f.places, f.flow, f.weights);
+  const auto fit = fitRigidFlow(f.positions, f.flow, f.weights);
   EXPECT_LT((fit.motion.translation - someMotion().translation).norm(), 1e-3);
 }
 
-TEST(RigidFlow, TooLittleIsNotConverged)
+TEST(RigidFlow, DoesNotConvergeWithTooFewVectors)
 {
   EXPECT_FALSE(fitRigidFlow({}, {}, {}).converged);
   EXPECT_FALSE(fitRigidFlow({{1, 1}}, {{0, 0}}, {1}).converged);
@@ -117,7 +117,7 @@ TEST(RigidFlow, TooLittleIsNotConverged)
   EXPECT_FALSE(fitRigidFlow(three, three, {0, 0, 0}).converged);
 }
 
-TEST(RigidFlow, PlanarMotionToPoseAndBack)
+TEST(RigidFlow, PlanarMotionRoundTripsThroughPose)
 {
   const auto m = PlanarMotion::fromPose(someMotion().pose());
   EXPECT_NEAR(m.yaw, someMotion().yaw, 1e-12);

@@ -8,8 +8,8 @@
 
 namespace dyslam::testing
 {
-/** What a sensor 1.7 m above the floor sees in a hall with inner walls, from where `T_hall_sensor`
- * puts it: [beams x columns] points in the sensor's frame. */
+/** Simulated scan of a hall with inner walls by a sensor 1.7 m above the floor at `T_hall_sensor`:
+ * [beams x columns] points in the sensor frame. */
 inline std::vector<Eigen::Vector3f> room(int beams,
                                          int columns,
                                          const Pose& T_hall_sensor = Pose::Identity())

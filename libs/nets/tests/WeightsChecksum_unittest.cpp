@@ -12,7 +12,7 @@ namespace dyslam
 {
 namespace
 {
-TEST(WeightsChecksum, TellsNamesAndValues)
+TEST(WeightsChecksum, DependsOnNamesAndValues)
 {
   torch::manual_seed(1);
   torch::nn::Linear layer(3, 2);
@@ -25,8 +25,8 @@ TEST(WeightsChecksum, TellsNamesAndValues)
   EXPECT_NE(checksumOf(*layer), sum);
 }
 
-/** A byte changed in the weights' part of a file is told; so are weights that are no numbers. */
-TEST(WeightsChecksum, DamagedFilesAreRefused)
+/** A flipped bit in the weights of a file is detected, and so are weights that are not finite. */
+TEST(WeightsChecksum, RejectsDamagedFiles)
 {
   torch::manual_seed(1);
   DysegNetwork network;
@@ -47,7 +47,7 @@ TEST(WeightsChecksum, DamagedFilesAreRefused)
   try
   {
     (void)loadDyseg(file);
-    FAIL() << "a damaged file was taken";
+    FAIL() << "a damaged file was accepted";
   }
   catch (const UserError& error)
   {

@@ -90,7 +90,7 @@ MotionEstimate DyloOdometry::align(const Pose& T_reference_current_guess)
   prior.T_reference_current = predicted;
   const Matrix6 to_vehicle = adjointSE3(T_vehicle_lidar_);
   prior.information = to_vehicle.transpose() * guessInformation() * to_vehicle;
-  prior.correlated_points = options_.points_per_measurement;
+  prior.points_per_measurement = options_.points_per_measurement;
   const bool has_prior = options_.prior && !guessInformation().isZero();
   const DyloMatch match =
       matcher_.match(start, referenceIsPrevious(), has_prior ? &prior : nullptr);
@@ -105,7 +105,7 @@ MotionEstimate DyloOdometry::align(const Pose& T_reference_current_guess)
   estimate.converged = estimate.reason.empty();
   const Matrix6 adjoint = adjointSE3(T_lidar_vehicle);
   const double precision =
-      measuredPrecision(match.rmse, match.effective_points, options_.points_per_measurement);
+      measurementPrecision(match.rmse, match.effective_points, options_.points_per_measurement);
   estimate.information = precision * adjoint.transpose() * match.normal_matrix * adjoint;
   estimate.information = 0.5 * (estimate.information + estimate.information.transpose()).eval();
   if (options_.confidence && estimate.converged)
@@ -131,7 +131,7 @@ void DyloOdometry::accept(const Pose& T_reference_current)
 
 void DyloOdometry::clear()
 {
-  matcher_.forgetReference();
+  matcher_.clearReference();
   confidence_.clear();
 }
 }  // namespace dyslam

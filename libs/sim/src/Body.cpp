@@ -13,32 +13,32 @@ Eigen::Affine3d place(double x, double y, double z, double pitch)
          Eigen::Affine3d(Eigen::AngleAxisd(pitch, Eigen::Vector3d::UnitY()));
 }
 
-// A positive turn about y swings a hanging limb backwards, so forward swing is negative.
+// A positive rotation about y swings a hanging limb backwards.
 void addWalker(const BodyModel& model,
                const BodyState& s,
                const Eigen::Affine3d& body,
                std::vector<BodyPart>& parts)
 {
-  const double bob = 0.012 * s.swing * std::cos(2 * s.phase);
-  parts.push_back({model.shapes[0], body * place(0, 0, bob, 0.06 * s.swing)});
+  const double vertical_offset = 0.012 * s.swing * std::cos(2 * s.phase);
+  parts.push_back({model.shapes[0], body * place(0, 0, vertical_offset, 0.06 * s.swing)});
   for (const double side : {-1.0, 1.0})
   {
     const double a = s.phase + (side > 0 ? 3.141592653589793 : 0.0);
-    parts.push_back({model.shapes[1],
-                     body * place(0, side * 0.145, 0.80 + bob, -0.55 * s.swing * std::sin(a))});
+    parts.push_back({model.shapes[1], body * place(0, side * 0.145, 0.80 + vertical_offset,
+                                                   -0.55 * s.swing * std::sin(a))});
   }
   for (const double side : {-1.0, 1.0})
   {
     const double a = s.phase + (side > 0 ? 0.0 : 3.141592653589793);
     const double hip = 0.48 * s.swing * std::sin(a);
     const double knee = s.swing * (0.12 + 0.75 * std::max(0.0, std::cos(a)) * 0.9);
-    const Eigen::Affine3d thigh = body * place(0, side * 0.055, 0.52 + bob, -hip);
+    const Eigen::Affine3d thigh = body * place(0, side * 0.055, 0.52 + vertical_offset, -hip);
     parts.push_back({model.shapes[2], thigh});
     parts.push_back({model.shapes[3], thigh * place(0, 0, -0.25, knee)});
   }
 }
 
-// Thigh and shank of fixed length between the hip and a pedal: the knee by the law of cosines.
+// Thigh and shank of fixed lengths between hip and pedal: the knee follows from the law of cosines.
 void addCyclist(const BodyModel& model,
                 const BodyState& s,
                 const Eigen::Affine3d& body,
@@ -53,13 +53,13 @@ void addCyclist(const BodyModel& model,
     const Eigen::Vector2d pedal(-0.05 + 0.17 * std::cos(a), 0.36 - 0.17 * std::sin(a));
     const Eigen::Vector2d d = pedal - hip;
     const double reach = std::min(d.norm(), kThigh + kShank - 1e-3);
-    const double bend =
+    const double hip_angle =
         std::acos((kThigh * kThigh + reach * reach - kShank * kShank) / (2 * kThigh * reach));
     const double inner =
         std::acos((kThigh * kThigh + kShank * kShank - reach * reach) / (2 * kThigh * kShank));
     // Angle of the hanging limb: 0 straight down, positive backwards.
     const double line = std::atan2(-d.x(), -d.y());
-    const Eigen::Affine3d thigh = body * place(hip.x(), side * 0.1, hip.y(), line - bend);
+    const Eigen::Affine3d thigh = body * place(hip.x(), side * 0.1, hip.y(), line - hip_angle);
     parts.push_back({model.shapes[1], thigh * Eigen::Scaling(kScale)});
     parts.push_back({model.shapes[2], thigh * place(0, 0, -kThigh, 3.141592653589793 - inner) *
                                           Eigen::Scaling(kScale)});

@@ -10,7 +10,7 @@
 
 namespace dyslam::sim
 {
-/** The look and build of a kind of actor. */
+/** Shape and gait of a kind of actor. */
 struct BodyModel
 {
   enum class Gait
@@ -22,20 +22,21 @@ struct BodyModel
   ObjectClass object_class = ObjectClass::car;
   Gait gait = Gait::rigid;
   Eigen::Vector3d size = Eigen::Vector3d::Ones();  //!< of the box: length, width, height [m]
-  double center_x = 0;                             //!< of the box along the body [m]
-  double wheelbase = 2.6;                          //!< between the points that keep to the path [m]
-  double scale = 1;                                //!< of the shapes: a person's height [m]
+  double center_x = 0;                             //!< box centre along the body [m]
+  double wheelbase = 2.6;  //!< distance between the points that follow the path [m]
+  double scale = 1;        //!< of the shapes: a person's height [m]
   std::vector<int> shapes;
 };
 
-/** Where a body is and how it holds itself. */
+/** Pose and gait state of a body. */
 struct BodyState
 {
-  Eigen::Vector3d position = Eigen::Vector3d::Zero();  //!< on the ground below the middle, map [m]
-  double yaw = 0, pitch = 0, roll = 0;                 //!< [rad]
-  double speed = 0;                                    //!< along the heading [m/s]
-  double phase = 0;                                    //!< of the gait or the pedals [rad]
-  double swing = 0;                                    //!< how far the limbs swing, 0..1
+  Eigen::Vector3d position =
+      Eigen::Vector3d::Zero();          //!< on the ground below the centre, map frame [m]
+  double yaw = 0, pitch = 0, roll = 0;  //!< [rad]
+  double speed = 0;                     //!< along the heading [m/s]
+  double phase = 0;                     //!< of the gait or the pedals [rad]
+  double swing = 0;                     //!< amplitude of the limbs, in [0, 1]
 };
 
 struct BodyPart
@@ -45,6 +46,6 @@ struct BodyPart
 };
 
 [[nodiscard]] Pose bodyPose(const BodyState& state);
-/** The parts of a body, always in the same order and number for one model. */
+/** The parts of a body; order and number depend on the model only. */
 [[nodiscard]] std::vector<BodyPart> bodyParts(const BodyModel& model, const BodyState& state);
 }  // namespace dyslam::sim

@@ -9,7 +9,7 @@ namespace
 {
 using V = Eigen::Vector3f;
 
-/** A frame of wall round an opening, the opening's reveals and its pane. Wall plane y = 0. */
+/** Wall around an opening in the plane y = 0, with the opening's reveals and pane. */
 void addOpening(Mesh& mesh,
                 float x0,
                 float x1,
@@ -35,7 +35,7 @@ void addOpening(Mesh& mesh,
   mesh.addQuad(c, d, d + in, c + in, wall);
   mesh.addQuad(d, a, a + in, d + in, wall);
   mesh.addQuad(a + in, b + in, c + in, d + in, pane);
-  // The window's cross bar
+  // Cross bar of the window
   const float mid = 0.5F * (wx0 + wx1);
   if (pane == Material::window)
   {
@@ -64,7 +64,7 @@ void addBalcony(Mesh& mesh, float x, float z, float width, bool panel, Material 
   }
 }
 
-/** One wall with its outside towards -y. `detail` false: few windows, no balconies. */
+/** A facade facing -y. Without `detail`: few windows, no balconies. */
 void addFacade(Mesh& mesh, const BuildingStyle& s, float width, bool detail, Rng& rng)
 {
   const int bays = std::max(1, static_cast<int>(std::lround(width / s.bay)));
@@ -72,7 +72,7 @@ void addFacade(Mesh& mesh, const BuildingStyle& s, float width, bool detail, Rng
   const float window = std::min(s.window_width, 0.8F * bay);
   const int door = detail ? rng.below(bays) : -1;
   const bool panel = rng.chance(0.5);
-  // Balconies stand in columns.
+  // Balconies are arranged in columns.
   std::vector<bool> balcony_column(static_cast<std::size_t>(bays));
   for (auto&& c : balcony_column)
   {
@@ -121,7 +121,7 @@ void addFacade(Mesh& mesh, const BuildingStyle& s, float width, bool detail, Rng
   const float top = s.floor_height * static_cast<float>(s.floors);
   if (detail)
   {
-    // What breaks up a wall: pilasters, downpipes, awnings, steps and boxes at its foot.
+    // Details: pilasters, downpipes, awnings, steps and boxes at the foot of the wall.
     const bool pilasters = rng.chance(0.35);
     for (int b = 0; b <= bays && pilasters; ++b)
     {

@@ -11,10 +11,10 @@ struct BuildingStyle
   float width = 14, depth = 10;  //!< along and away from the street [m]
   int floors = 4;
   float floor_height = 3.0F;
-  float bay = 3.0F;  //!< one window to a bay [m]
+  float bay = 3.0F;  //!< width of a bay with one window [m]
   float window_width = 1.3F, window_height = 1.5F;
   float recess = 0.18F;    //!< of the windows [m]
-  float balconies = 0.2F;  //!< share of bays above the ground floor
+  float balconies = 0.2F;  //!< fraction of bays above the ground floor
   bool shop = false;       //!< large panes on the ground floor
   bool gable = false;      //!< a pitched roof
   Material wall = Material::plaster;

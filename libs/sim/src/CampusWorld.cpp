@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Campus: paths and lawns between large buildings, a service road round them; and the open field.
+// Campus: paths and lawns between large buildings, with a service road around them.
 #include <algorithm>
 #include <cmath>
 
 #include "Building.h"
+#include "OpenGround.h"
 #include "Random.h"
 #include "Shapes.h"
 #include "World.h"
@@ -13,110 +14,6 @@ namespace dyslam::sim
 namespace
 {
 using P = Eigen::Vector2d;
-
-double distanceToSegment(const P& p, const P& a, const P& b)
-{
-  const P d = b - a;
-  const double t = std::clamp((p - a).dot(d) / std::max(1e-9, d.squaredNorm()), 0.0, 1.0);
-  return (a + t * d - p).norm();
-}
-
-/** World and local coordinates are the same here. */
-class OpenGround : public Ground
-{
- public:
-  struct Strip
-  {
-    P a, b;
-    double half;
-    Material material;
-  };
-
-  OpenGround(std::uint64_t seed, double slope, double bumps, double lumps)
-      : terrain_(seed, slope, bumps), lumps_(lumps)
-  {
-  }
-
-  P toWorld(const P& local) const override { return local; }
-  P toLocal(const P& world) const override { return world; }
-  double heightLocal(const P& p) const override
-  {
-    const double out = std::clamp(outside(p).first / 0.25, 0.0, 1.0);
-    const auto x = static_cast<float>(p.x()), y = static_cast<float>(p.y());
-    const double lump =
-        0.05 + lumps_ * (0.07 * static_cast<double>(latticeNoise(0.3F * x, 0.3F * y, 0.5F)) +
-                         0.03 * static_cast<double>(latticeNoise(1.1F * x, 1.1F * y, 7.5F)));
-    return terrain_.height(p.x(), p.y()) + out * lump;
-  }
-
-  /** Distance to the nearest strip's edge (negative within) and which it is. */
-  std::pair<double, const Strip*> outside(const P& p) const
-  {
-    double best = 1e9;
-    const Strip* which = nullptr;
-    for (const auto& s : strips_)
-    {
-      const double d = distanceToSegment(p, s.a, s.b) - s.half;
-      if (d < best)
-      {
-        best = d;
-        which = &s;
-      }
-    }
-    return {best, which};
-  }
-
-  void add(const P& a, const P& b, double width, Material material)
-  {
-    strips_.push_back({a, b, 0.5 * width, material});
-  }
-  void add(const std::vector<P>& line, double width, Material material, bool closed)
-  {
-    for (std::size_t i = 0; i + (closed ? 0 : 1) < line.size(); ++i)
-    {
-      add(line[i], line[(i + 1) % line.size()], width, material);
-    }
-  }
-
-  Mesh mesh(double x0, double y0, double x1, double y1, double step, Material field) const
-  {
-    const auto lines = [&](double a, double b) {
-      return fillLines({a, b}, [&](double) { return step; });
-    };
-    const auto material = [&](double x, double y)
-    {
-      const auto [d, strip] = outside({x, y});
-      return d < 0.1 && strip != nullptr ? strip->material : field;
-    };
-    return gridMesh(*this, lines(x0, x1), lines(y0, y1), material);
-  }
-
- private:
-  Terrain terrain_;
-  double lumps_;
-  std::vector<Strip> strips_;
-};
-
-int any(const std::vector<int>& list, Rng& rng)
-{
-  return list[static_cast<std::size_t>(rng.below(static_cast<int>(list.size())))];
-}
-
-struct Plants
-{
-  std::vector<int> trees, bushes, hedges;
-  Plants(World& world, Rng& rng)
-  {
-    for (int i = 0; i < 5; ++i)
-    {
-      trees.push_back(world.addShape(i == 4 ? drawConifer(rng, {6, 12}, {1.5, 2.4})
-                                            : drawTree(rng, {5, 13}, {1.6, 3.6}, {1.6, 3.2})));
-      bushes.push_back(world.addShape(drawBush(rng, {0.5, 1.4}, {0.6, 1.6})));
-    }
-    hedges = {world.addShape(makeHedge(rng, 3, 0.8F, 1.0F)),
-              world.addShape(makeHedge(rng, 3, 1.0F, 1.6F))};
-  }
-};
 
 class CampusBuilder
 {
@@ -128,7 +25,7 @@ class CampusBuilder
 
   P node(int i, int j) const { return nodes_[static_cast<std::size_t>(i * (ny_ + 1) + j)]; }
 
-  void layPaths()
+  void makePaths()
   {
     auto ground = std::make_unique<OpenGround>(world_.seed, 0.04, 0.8, 1.0);
     const P origin(-0.5 * nx_ * pitch_, -0.5 * ny_ * pitch_);
@@ -163,14 +60,14 @@ class CampusBuilder
         }
       }
     }
-    layRoad(*ground, origin);
+    makeRoad(*ground, origin);
     ground_ = ground.get();
     world_.ground = std::move(ground);
     const double margin = 55;
     world_.meshes.push_back(ground_->mesh(origin.x() - margin, origin.y() - margin,
                                           origin.x() + nx_ * pitch_ + margin,
                                           origin.y() + ny_ * pitch_ + margin, 0.9, Material::lawn));
-    // The ego walks round the outer ring.
+    // The ego follows the outer ring.
     std::vector<P> ring;
     for (int i = 0; i < nx_; ++i)
     {
@@ -211,7 +108,7 @@ class CampusBuilder
   }
 
  private:
-  void layRoad(OpenGround& ground, const P& origin)
+  void makeRoad(OpenGround& ground, const P& origin)
   {
     const double out = 15;
     const P low = origin - P(out, out), high = origin + P(nx_ * pitch_ + out, ny_ * pitch_ + out);
@@ -229,14 +126,14 @@ class CampusBuilder
       }
       Lane l;
       l.path = Path(roundedCorners(r, 12 + (backwards ? -1.5 : 1.5), 1.0, true), true);
-      // A closed lane follows itself; its path must not wrap.
+      // A closed lane is its own successor; its path must not wrap.
       auto points = l.path.points();
       l.path = Path(points);
       l.next = {static_cast<int>(world_.roads.lanes.size())};
       l.speed_limit = rng_.uniform(5, 7);
       world_.roads.lanes.push_back(l);
     };
-    lane(1.6, false);  // anticlockwise on the right is outside
+    lane(1.6, false);  // anticlockwise traffic drives on the outside
     lane(-1.6, true);
     road_low_ = low;
     road_high_ = high;
@@ -244,7 +141,7 @@ class CampusBuilder
 
   void cell(int i, int j)
   {
-    // The largest upright rectangle that keeps off the four paths.
+    // The largest axis-parallel rectangle clear of the four paths.
     const P a = node(i, j), b = node(i + 1, j), c = node(i + 1, j + 1), d = node(i, j + 1);
     const double margin = rng_.uniform(5, 9);
     const double x0 = std::max(a.x(), d.x()) + margin, x1 = std::min(b.x(), c.x()) - margin;
@@ -257,7 +154,7 @@ class CampusBuilder
       building(style, {x0, y0});
       if (y1 - y0 - static_cast<double>(style.depth) > 16 && x1 - x0 > 20)
       {
-        // A wing makes an L.
+        // L-shaped building
         BuildingStyle wing = style;
         wing.width = static_cast<float>(rng_.uniform(12, 16));
         wing.depth = static_cast<float>(y1 - y0) - style.depth;
@@ -265,10 +162,10 @@ class CampusBuilder
       }
       for (int k = 0; k < 5; ++k)
       {
-        // Bicycles against the front
+        // Bicycles at the facade
         const double x = rng_.uniform(x0, x1);
         const double yaw = 1.57 + rng_.uniform(-0.2, 0.2);
-        world_.park(any(world_.parked_bicycles, rng_), {x, y0 - 1.2}, yaw, rng_);
+        world_.park(rng_.pick(world_.parked_bicycles), {x, y0 - 1.2}, yaw, rng_);
       }
     }
     else
@@ -308,14 +205,14 @@ class CampusBuilder
 
   void plant(const P& where, double tree_share)
   {
-    if (ground_->outside(where).first < 0.8)
+    if (ground_->nearestStrip(where).first < 0.8)
     {
       return;
     }
     const bool tree = rng_.chance(tree_share);
     const auto scale = static_cast<float>(rng_.uniform(0.8, 1.2));
     const double yaw = rng_.uniform(0, 6.28);
-    world_.placeOnGround(tree ? any(plants_.trees, rng_) : any(plants_.bushes, rng_), where, yaw,
+    world_.placeOnGround(tree ? rng_.pick(plants_.trees) : rng_.pick(plants_.bushes), where, yaw,
                          scale);
   }
 
@@ -334,7 +231,7 @@ class CampusBuilder
         {
           BuildingStyle style = drawTownHouse(rng_);
           const double w = static_cast<double>(style.width), d = static_cast<double>(style.depth);
-          // Axis-parallel box on the outer side
+          // Axis-parallel building on the outer side
           const P near = from + s * along + 3 * outward, far = near + w * along + d * outward;
           const P corner(std::min(near.x(), far.x()), std::min(near.y(), far.y()));
           if (std::abs(along.x()) < 0.5)
@@ -414,7 +311,7 @@ class CampusBuilder
   Rng& rng_;
   int nx_, ny_;
   double pitch_;
-  Plants plants_;
+  OpenGroundPlants plants_;
   std::vector<P> nodes_;
   const OpenGround* ground_ = nullptr;
   P road_low_, road_high_;
@@ -429,69 +326,7 @@ void buildCampus(World& world, const SimulatorOptions& options)
       1, static_cast<int>(std::lround(options.loop_length / 4 / pitch * rng.uniform(0.8, 1.2))));
   const int ny = std::max(1, static_cast<int>(std::lround(options.loop_length / 2 / pitch)) - nx);
   CampusBuilder builder(world, rng, nx, ny, pitch);
-  builder.layPaths();
+  builder.makePaths();
   builder.furnish();
-}
-
-void buildField(World& world, const SimulatorOptions& options)
-{
-  Rng rng(combine(world.seed, 0xF1E1D));
-  auto ground = std::make_unique<OpenGround>(world.seed, 0.07, 2.0, 2.0);
-  const double radius = options.loop_length / 6.2832;
-  std::vector<P> track;
-  const double p2 = rng.uniform(0, 6.28), p3 = rng.uniform(0, 6.28);
-  for (int i = 0; i < 90; ++i)
-  {
-    const double t = 6.283185307 * i / 90;
-    const double r = radius * (1 + 0.22 * std::sin(2 * t + p2) + 0.1 * std::sin(3 * t + p3));
-    track.emplace_back(r * std::cos(t), r * std::sin(t));
-  }
-  ground->add(track, 2.6, Material::soil, true);
-  world.ego_path = Path(track, true);
-  world.loop_length = world.ego_path.length();
-  const OpenGround& field = *ground;
-  world.ground = std::move(ground);
-  const double half = 1.35 * radius + 90;
-  world.meshes.push_back(field.mesh(-half, -half, half, half, 1.2, Material::lawn));
-  const Plants plants(world, rng);
-  std::vector<int> tufts;
-  for (int i = 0; i < 3; ++i)
-  {
-    tufts.push_back(
-        world.addShape(makeGrassTuft(rng, 0.4F, static_cast<float>(rng.uniform(0.25, 0.6)))));
-  }
-  const auto scatter = [&](const std::vector<int>& shapes, int count, double inner, double outer)
-  {
-    for (int i = 0; i < count; ++i)
-    {
-      const double t = rng.uniform(0, 6.2832),
-                   r = std::sqrt(rng.uniform(inner * inner, outer * outer));
-      const P where(r * std::cos(t), r * std::sin(t));
-      if (field.outside(where).first > 1.2)
-      {
-        const auto scale = static_cast<float>(rng.uniform(0.7, 1.3));
-        const double yaw = rng.uniform(0, 6.28);
-        world.placeOnGround(any(shapes, rng), where, yaw, scale);
-      }
-    }
-  };
-  scatter(tufts, static_cast<int>(radius * radius * 0.05) + 200, 0, 1.3 * radius + 30);
-  scatter(plants.bushes, 6 + static_cast<int>(radius / 8), 0, half);
-  scatter(plants.trees, 10, 1.2 * radius + 25, half);
-  // People wander on a wide ring of their own.
-  int first = -1, previous = -1;
-  for (int i = 0; i < 12; ++i)
-  {
-    const double t = 6.2832 * i / 12;
-    const double y = rng.uniform(-6, 6), x = rng.uniform(-6, 6);
-    const int node = world.walks.addNode(1.25 * radius * P(std::cos(t), std::sin(t)) + P(x, y));
-    if (previous >= 0)
-    {
-      world.walks.addLink(previous, node, false, 2);
-    }
-    first = first < 0 ? node : first;
-    previous = node;
-  }
-  world.walks.addLink(previous, first, false, 2);
 }
 }  // namespace dyslam::sim

@@ -10,12 +10,12 @@ namespace dyslam::sim
 void ClipOptions::describe(OptionsVisitor& visitor)
 {
   simulator.describe(visitor);
-  visitor.flag("any_world", any_world, "draw the kind of world for each clip, urban most often");
+  visitor.flag("any_world", any_world, "draw the kind of world for each clip, most often urban");
   visitor.integer("scans", scans, 1, 1000, "consecutive scans in a clip");
   visitor.integer("clips_per_world", clips_per_world, 1, 100000,
-                  "neighbouring clips that share a world");
-  visitor.real("min_traffic", min_traffic, 0, 1, "lower bound of the traffic drawn for a clip");
-  visitor.real("max_traffic", max_traffic, 0, 1, "upper bound of the traffic drawn for a clip");
+                  "consecutive clips that share a world");
+  visitor.real("min_traffic", min_traffic, 0, 1, "lower bound of the traffic drawn for each clip");
+  visitor.real("max_traffic", max_traffic, 0, 1, "upper bound of the traffic drawn for each clip");
 }
 
 ClipGenerator::ClipGenerator(const ClipOptions& options, int threads)
@@ -40,7 +40,7 @@ SimulatorOptions ClipGenerator::clipOptions(std::uint64_t index) const
               : u < 0.96 ? WorldKind::tunnel
                          : WorldKind::field;
   }
-  // The seed names the world; traffic, start and speed differ from clip to clip.
+  // The seed determines the world; traffic, start and speed differ between clips.
   o.seed = static_cast<int>(world_rng.bits() >> 34);
   o.traffic =
       clip_rng.uniform(options_.min_traffic, std::max(options_.min_traffic, options_.max_traffic));

@@ -40,7 +40,7 @@ double driverAcceleration(double v, double v0, double gap, double v_leader, doub
       kJam +
       std::max(0.0, v * headway + v * (v - v_leader) / (2 * std::sqrt(kAccelerate * kBrake)));
   const double interaction = gap > 0.1 ? wanted / gap : wanted / 0.1;
-  // The first term alone may not brake harder than comfort allows.
+  // The free-road term is limited to comfortable braking.
   const double free = std::max(-kBrake, kAccelerate * (1 - std::pow(v / std::max(v0, 0.1), 4)));
   return std::max(-8.0, free - kAccelerate * interaction * interaction);
 }
@@ -97,25 +97,25 @@ bool Crowd::active(const Eigen::Vector2d& position) const
   return (position - ego_.position).squaredNorm() < kActiveRadius * kActiveRadius;
 }
 
-void Crowd::stand(int index, const Eigen::Vector2d& position, double yaw)
+void Crowd::setPosition(int index, const Eigen::Vector2d& position, double yaw)
 {
   Actor& a = actor(index);
   a.state.position.head<2>() = position;
   a.state.yaw = yaw;
 }
 
-void Crowd::settle()
+void Crowd::alignWithGround()
 {
   for (std::size_t i = 0; i < actors_.size(); ++i)
   {
     if (!actors_[i].frozen)
     {
-      lean(actors_[i], model(static_cast<int>(i)));
+      alignActor(actors_[i], model(static_cast<int>(i)));
     }
   }
 }
 
-void Crowd::lean(Actor& a, const BodyModel& m) const
+void Crowd::alignActor(Actor& a, const BodyModel& m) const
 {
   const Ground& ground = *world_.ground;
   const Eigen::Vector2d position = a.state.position.head<2>();

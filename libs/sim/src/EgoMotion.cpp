@@ -47,7 +47,7 @@ Pose EgoMotion::update(const EgoState& ego, const Ground& ground, double time, d
   const double turn = first_ ? 0 : std::remainder(ego.yaw - yaw_, 6.283185307179586) / dt;
   speed_ = ego.speed;
   yaw_ = ego.yaw;
-  // Braking dips the nose (pitch > 0 is nose down), a left turn leans the body right (roll > 0).
+  // Braking pitches the nose down (pitch > 0); a left turn rolls the body to the right (roll > 0).
   const std::array<double, 3> load =
       kind_ == EgoKind::car
           ? std::array<double, 3>{slope - 0.006 * acceleration, bank + 0.005 * ego.speed * turn,
@@ -74,7 +74,7 @@ Pose EgoMotion::update(const EgoState& ego, const Ground& ground, double time, d
   { return std::sin(6.283185 * hertz * time + wobble_[k]); };
   if (kind_ == EgoKind::handheld)
   {
-    // Two steps to a stride; arms that are never still.
+    // Two steps per stride, and hand tremor.
     phase_ += 2.2 * (0.4 + 1.0 * ego.speed) * 6.283185 / 2 * dt;
     const double walk = std::min(1.0, ego.speed);
     shift = {0.01 * wave(0.7, 0), walk * 0.025 * std::sin(phase_) + 0.01 * wave(0.5, 1),
@@ -86,7 +86,7 @@ Pose EgoMotion::update(const EgoState& ego, const Ground& ground, double time, d
   else if (kind_ == EgoKind::robot)
   {
     const double rough = std::min(1.0, ego.speed);
-    // Up to 0.07 rad/s of pitch and of roll: a paved path.
+    // Pitch and roll rates up to 0.07 rad/s, as on a paved path.
     angles = {0, rough * 0.0032 * wave(3.3, 5), rough * 0.0045 * wave(2.4, 6)};
     shift.z() = rough * 0.003 * wave(6.7, 7);
   }

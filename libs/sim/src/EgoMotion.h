@@ -10,17 +10,17 @@
 
 namespace dyslam::sim
 {
-/** How the carrier moves in six degrees of freedom above its track: the suspension of a car, the
+/** Six-degree-of-freedom motion of the carrier: the suspension of a car, the
  * gait of a robot or of a person with the sensor on a pole. */
 class EgoMotion
 {
  public:
   EgoMotion(EgoKind kind, std::uint64_t seed);
 
-  /** Call at every step with the planar state; gives the vehicle's pose in the map. */
+  /** Advances by one step. \param ego planar state \return pose of the vehicle in the map. */
   [[nodiscard]] Pose update(const EgoState& ego, const Ground& ground, double time, double dt);
 
-  /** Lidar on the vehicle, whose origin is on the ground. */
+  /** T_vehicle_lidar; the vehicle's origin is on the ground. */
   [[nodiscard]] static Pose mounting(EgoKind kind);
 
  private:

@@ -10,12 +10,12 @@
 
 namespace dyslam::sim
 {
-/** Gentle hills: a few waves, never flat. */
+/** Gentle hills: a sum of a few waves. */
 class Terrain
 {
  public:
   Terrain() = default;
-  /** \param slope about the steepest long slope (0.04 = 4 %) \param bumps scale of the short waves
+  /** \param slope approximate largest slope (0.04 = 4 %) \param bumps scale of the short waves
    */
   Terrain(std::uint64_t seed, double slope, double bumps);
   [[nodiscard]] double height(double x, double y) const;
@@ -29,7 +29,7 @@ class Terrain
 };
 
 /** The drivable and walkable surface. World builders lay out streets in `local` coordinates (u, v),
- * which a smooth map bends into the world. */
+ * which a smooth map warps to the world. */
 class Ground
 {
  public:
@@ -41,19 +41,19 @@ class Ground
   {
     return heightLocal(toLocal(world));
   }
-  /** Direction of local +u in the world at a place [rad]. */
+  /** Heading of local +u in the world [rad]. */
   [[nodiscard]] double headingOfU(const Eigen::Vector2d& local) const;
   [[nodiscard]] Eigen::Vector3f point(const Eigen::Vector2d& local, double above = 0) const;
 };
 
-/** Mesh over the lines u x v with heights from the ground; `material` is asked at each cell's
- * middle. */
+/** Mesh over the lines u x v with heights from the ground; `material` is evaluated at each cell's
+ * centre. */
 [[nodiscard]] Mesh gridMesh(const Ground& ground,
                             const std::vector<double>& u_lines,
                             const std::vector<double>& v_lines,
                             const std::function<Material(double, double)>& material);
 
-/** Sorted lines from `fixed` ones with the gaps filled at most `step(middle of gap)` apart. */
+/** Sorted `fixed` lines with lines in between, at most `step(middle of gap)` apart. */
 [[nodiscard]] std::vector<double> fillLines(std::vector<double> fixed,
                                             const std::function<double(double)>& step);
 }  // namespace dyslam::sim

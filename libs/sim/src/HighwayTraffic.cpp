@@ -8,8 +8,8 @@ namespace dyslam::sim
 {
 namespace
 {
-/** Traffic fills a window of this length round the ego; who leaves it comes in again at the other
- * end, out of sight. */
+/** Length of the window around the ego that is filled with traffic [m]. Vehicles that leave it
+ * re-enter at the other end, out of range. */
 constexpr double kWindow = 560;
 
 struct Car
@@ -18,10 +18,10 @@ struct Car
   double length = 4.5, wheelbase = 2.7;
   int direction = 1;  // +1 with the ego, -1 oncoming
   int lane = 0;       // 0 is the innermost
-  double s = 0;       // along the centre line, in the driving direction's sense for both
+  double s = 0;       // arc length along the centre line, in the driving direction
   double v = 0, a = 0;
-  double wish = 28, headway = 1.2;
-  double offset = 0;  // from its lane's middle while changing over [m]
+  double desired_speed = 28, headway = 1.2;
+  double offset = 0;  // from the lane's centre during a lane change [m]
   double last_change = -100;
   double wander = 0;
 };
@@ -40,8 +40,8 @@ class HighwayTraffic : public Crowd::Group
     ego.lane = lanes_ > 1 ? 1 : 0;
     ego.length = 4.6;
     ego.s = crowd.options().start_fraction * world_.highway.length();
-    ego.wish = egoCruise(world_, crowd.options());
-    ego.v = ego.wish * speedFactor();
+    ego.desired_speed = egoCruise(world_, crowd.options());
+    ego.v = ego.desired_speed * speedFactor();
     cars_.push_back(ego);
     for (const int direction : {1, -1})
     {
@@ -70,7 +70,7 @@ class HighwayTraffic : public Crowd::Group
   }
 
  private:
-  /** Dense traffic is slow traffic. */
+  /** Factor on the speeds: dense traffic is slow. */
   double speedFactor() const
   {
     const double t = crowd_.options().traffic;
@@ -102,10 +102,10 @@ class HighwayTraffic : public Crowd::Group
       s += 0.5 * c.length;
       c.s = s;
       const bool heavy = m.object_class == ObjectClass::truck || m.object_class == ObjectClass::bus;
-      c.wish = (world_.kind == WorldKind::tunnel ? 0.72 : 1.0) *
-               (heavy ? rng_.uniform(21, 24) : rng_.uniform(25, 35) - 2.0 * lane);
+      c.desired_speed = (world_.kind == WorldKind::tunnel ? 0.72 : 1.0) *
+                        (heavy ? rng_.uniform(21, 24) : rng_.uniform(25, 35) - 2.0 * lane);
       c.headway = rng_.uniform(0.8, 1.6);
-      c.v = c.wish * speedFactor() * 0.9;
+      c.v = c.desired_speed * speedFactor() * 0.9;
       c.wander = rng_.uniform(0, 6.28);
       const float paint = drawPaint(rng_);
       const double next =
@@ -150,8 +150,8 @@ class HighwayTraffic : public Crowd::Group
     double gap_ahead = 1e9, gap_behind = 1e9;
   };
 
-  /** Who is before and behind place `s` of a lane; the window is a ring. */
-  Neighbours around(const Car& me, int lane) const
+  /** Leader and follower in a lane; the window is periodic. */
+  Neighbours neighboursOf(const Car& me, int lane) const
   {
     Neighbours n;
     for (const int i : lane_lists_[listOf(me.direction, lane)])
@@ -178,10 +178,10 @@ class HighwayTraffic : public Crowd::Group
     return n;
   }
 
-  double pull(const Car& c, const Neighbours& n) const
+  double acceleration(const Car& c, const Neighbours& n) const
   {
     return driverAcceleration(
-        c.v, c.wish * (crowd_.time() < slow_until_ && c.direction > 0 ? 0.35 : 1.0),
+        c.v, c.desired_speed * (crowd_.time() < slow_until_ && c.direction > 0 ? 0.35 : 1.0),
         n.ahead != nullptr ? n.gap_ahead : 1e9, n.ahead != nullptr ? n.ahead->v : 0, c.headway);
   }
 
@@ -189,12 +189,12 @@ class HighwayTraffic : public Crowd::Group
   {
     if (&c == &cars_.front() && crowd_.options().traffic > 0.6 && crowd_.time() > next_slow_)
     {
-      // A wave of braking passes now and then.
+      // Occasional braking waves
       slow_until_ = crowd_.time() + rng_.uniform(3, 8);
       next_slow_ = slow_until_ + rng_.uniform(15, 40);
     }
-    const Neighbours here = around(c, c.lane);
-    double a = pull(c, here);
+    const Neighbours here = neighboursOf(c, c.lane);
+    double a = acceleration(c, here);
     const bool may_change =
         std::abs(c.offset) < 0.05 && crowd_.time() - c.last_change > 4 && c.v > 4 && c.length < 13;
     if (may_change)
@@ -205,18 +205,18 @@ class HighwayTraffic : public Crowd::Group
         {
           continue;
         }
-        const Neighbours there = around(c, to);
-        const double gain = pull(c, there) - a + (to > c.lane ? 0.1 : 0.0);  // keep right
+        const Neighbours there = neighboursOf(c, to);
+        const double gain = acceleration(c, there) - a + (to > c.lane ? 0.1 : 0.0);  // keep right
         const double closing = there.behind != nullptr ? std::max(0.0, there.behind->v - c.v) : 0.0;
         const bool safe =
             there.gap_ahead > 4 + 0.4 * c.v && there.gap_behind > 5 + 0.3 * c.v + 2.5 * closing;
         if (safe && gain > 0.35 && rng_.chance(0.4 * dt * 20))
         {
-          // Left of the driving direction is towards the centre line.
+          // The left of the driving direction is towards the centre line.
           c.offset = (to > c.lane ? 1 : -1) * world_.highway_lane_width;
           c.lane = to;
           c.last_change = crowd_.time();
-          a = pull(c, there);
+          a = acceleration(c, there);
           order();
           break;
         }
@@ -230,13 +230,13 @@ class HighwayTraffic : public Crowd::Group
     const double before = c.v;
     c.v = std::max(0.0, c.v + c.a * dt);
     c.s += 0.5 * (before + c.v) * dt;
-    // Over into the new lane in about three seconds.
+    // A lane change takes about three seconds.
     const double rate = std::min(1.3, 0.25 + 0.1 * c.v) * dt;
     c.offset -= std::clamp(c.offset, -rate, rate);
     if (c.actor >= 0)
     {
       const Car& ego = cars_.front();
-      // Oncoming cars count s their own way; what matters is where they are beside the ego.
+      // Arc lengths of oncoming cars run in the opposite direction.
       const double centre = c.direction > 0 ? ego.s : -ego.s;
       c.s -= window_ * std::round((c.s - centre) / window_);
     }
@@ -267,7 +267,7 @@ class HighwayTraffic : public Crowd::Group
       crowd_.ego() = {position, yaw, c.v};
       return;
     }
-    crowd_.stand(c.actor, position, yaw);
+    crowd_.setPosition(c.actor, position, yaw);
     crowd_.actor(c.actor).state.speed = c.v;
   }
 

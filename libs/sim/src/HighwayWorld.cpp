@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Highway and tunnel: everything follows one closed centre line.
+// Highway and tunnel along one closed centre line.
 #include <algorithm>
 #include <cmath>
 #include <unordered_map>
@@ -93,7 +93,7 @@ class RoadGround : public Ground
     }
     if (a > edge_)
     {
-      // A ditch, then a bank or a slope down, changing along the road.
+      // A ditch, then an embankment or a downward slope that varies along the road.
       const double out = a - edge_;
       const double side = d > 0 ? 0 : 2.1;
       const double k = kTau / path_.length();
@@ -333,7 +333,7 @@ class RoadBuilder
       {
         put(rng_.chance(0.4) ? sign : small_sign, s, side * (edge_ + 1.8), 1.2F);
       }
-      // Long stretches with nothing at all between stands of trees.
+      // Stands of trees with long empty stretches between them.
       for (double s = 0; s < length_;)
       {
         const double run = rng_.uniform(50, 250);

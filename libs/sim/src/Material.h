@@ -6,7 +6,7 @@
 
 namespace dyslam::sim
 {
-/** What a surface is made of. The order is that of materialTable(). */
+/** Surface material. The order is that of materialTable(). */
 enum class Material : std::uint8_t
 {
   asphalt,
@@ -19,12 +19,12 @@ enum class Material : std::uint8_t
   concrete,
   window,
   roof,
-  paint,  // of vehicles; its reflectivity is the instance's
+  paint,  // of vehicles; reflectivity of the instance
   car_glass,
   rubber,
   licence_plate,
   lamp,
-  cloth,  // its reflectivity is the instance's
+  cloth,  // reflectivity of the instance
   skin,
   bicycle_frame,
   leaf,
@@ -40,13 +40,13 @@ enum class Material : std::uint8_t
 
 struct MaterialProperties
 {
-  std::uint16_t semantic;  //!< SemanticKITTI class; 0 where the instance says it
+  std::uint16_t semantic;  //!< SemanticKITTI class; 0 for that of the instance
   float reflectivity;      //!< diffuse, in [0, 1]
-  float spread;            //!< of the reflectivity over the surface
-  float roughness;         //!< height of the relief [m]
-  float relief_per_metre;  //!< bumps in a metre
-  float loss;              //!< share of beams that give no return whatever the range
-  float gloss;             //!< how much more is lost at grazing incidence, in [0, 1]
+  float spread;            //!< variation of the reflectivity over the surface
+  float roughness;         //!< amplitude of the relief [m]
+  float relief_per_metre;  //!< spatial frequency of the relief [1/m]
+  float loss;              //!< fraction of beams without a return at any range
+  float gloss;             //!< additional loss at grazing incidence, in [0, 1]
 };
 
 [[nodiscard]] const std::array<MaterialProperties, static_cast<std::size_t>(Material::count)>&

@@ -11,7 +11,7 @@
 
 namespace dyslam::sim
 {
-/** Quadrilaterals (a triangle repeats its last corner), each of one material. */
+/** Quadrilateral mesh (triangles repeat their last corner) with one material per quad. */
 struct Mesh
 {
   std::vector<Eigen::Vector3f> vertices;
@@ -29,7 +29,7 @@ struct Mesh
   void append(const Mesh& other, const Eigen::Affine3f& transform);
 };
 
-/** Box of `size` about `center`. */
+/** Axis-aligned box. */
 void addBox(Mesh& mesh,
             const Eigen::Vector3f& center,
             const Eigen::Vector3f& size,
@@ -52,7 +52,7 @@ void addEllipsoid(Mesh& mesh,
                   int sides,
                   Material material);
 
-/** A closed body through cross-sections: equal numbers of corners each, joined in order. */
+/** Closed surface through cross-sections with equal numbers of corners. */
 void addLoft(Mesh& mesh,
              const std::vector<std::vector<Eigen::Vector3f>>& sections,
              Material material,

@@ -6,7 +6,7 @@
 
 namespace dyslam::sim
 {
-double wrapAngle(double angle)
+double wrapToPi(double angle)
 {
   constexpr double kTau = 6.283185307179586;
   angle = std::fmod(angle, kTau);
@@ -53,7 +53,7 @@ Path::Sample Path::at(double s) const
   const Eigen::Vector2d d = points_[i] - points_[i - 1];
   const double span = s_[i] - s_[i - 1];
   const double f = (s - s_[i - 1]) / span;
-  // Headings are blended between neighbouring pieces, so that bodies do not turn in steps.
+  // Headings are interpolated between segments, for continuous yaw.
   const auto direction = [&](std::size_t k)
   { return std::atan2(points_[k].y() - points_[k - 1].y(), points_[k].x() - points_[k - 1].x()); };
   const double here = std::atan2(d.y(), d.x());
@@ -61,11 +61,11 @@ Path::Sample Path::at(double s) const
   const std::size_t last = points_.size() - 1;
   if (f < 0.5 && (i > 1 || closed_))
   {
-    heading += (0.5 - f) * wrapAngle(direction(i > 1 ? i - 1 : last) - here);
+    heading += (0.5 - f) * wrapToPi(direction(i > 1 ? i - 1 : last) - here);
   }
   else if (f >= 0.5 && (i < last || closed_))
   {
-    heading += (f - 0.5) * wrapAngle(direction(i < last ? i + 1 : 1) - here);
+    heading += (f - 0.5) * wrapToPi(direction(i < last ? i + 1 : 1) - here);
   }
   return {points_[i - 1] + f * d, heading};
 }
@@ -77,7 +77,7 @@ std::vector<Eigen::Vector2d> bezier(const Eigen::Vector2d& from,
                                     int count)
 {
   const double reach =
-      0.39 * (to - from).norm() * (1 + 0.4 * std::abs(wrapAngle(to_heading - from_heading)) / 1.57);
+      0.39 * (to - from).norm() * (1 + 0.4 * std::abs(wrapToPi(to_heading - from_heading)) / 1.57);
   const Eigen::Vector2d a =
       from + reach * Eigen::Vector2d(std::cos(from_heading), std::sin(from_heading));
   const Eigen::Vector2d b =
@@ -119,7 +119,7 @@ std::vector<Eigen::Vector2d> roundedCorners(const std::vector<Eigen::Vector2d>& 
                             std::atan2(ub.y(), ub.x()), 8);
     out.insert(out.end(), arc.begin(), arc.end());
   }
-  // Evenly again: heading blends need pieces of like length.
+  // Resampled: the heading interpolation requires segments of similar length.
   const Path rough(out, closed);
   const int count = std::max(2, static_cast<int>(std::ceil(rough.length() / step)));
   std::vector<Eigen::Vector2d> even;

@@ -6,7 +6,7 @@
 
 namespace dyslam::sim
 {
-/** A smooth line in the plane by arc length. */
+/** A planar path parametrised by arc length. */
 class Path
 {
  public:
@@ -17,12 +17,10 @@ class Path
   };
 
   Path() = default;
-  /** Through `points`; a closed path joins its end to its start. */
+  /** Through `points`; a closed path connects its end to its start. */
   explicit Path(const std::vector<Eigen::Vector2d>& points, bool closed = false);
 
   [[nodiscard]] double length() const { return length_; }
-  [[nodiscard]] bool empty() const { return points_.size() < 2; }
-  [[nodiscard]] bool closed() const { return closed_; }
   /** At arc length s; clamped to the ends, or wrapped on a closed path. */
   [[nodiscard]] Sample at(double s) const;
   [[nodiscard]] const std::vector<Eigen::Vector2d>& points() const { return points_; }
@@ -34,11 +32,11 @@ class Path
   bool closed_ = false;
 };
 
-/** Corners of a polygon line replaced by arcs of about `radius`, then resampled every `step`. */
+/** Replaces the corners of a polyline by arcs of about `radius` and resamples every `step` [m]. */
 [[nodiscard]] std::vector<Eigen::Vector2d> roundedCorners(
     const std::vector<Eigen::Vector2d>& points, double radius, double step, bool closed);
 
-/** A turn from one pose to another by a cubic Bezier curve. */
+/** Cubic Bezier curve from one pose to another, `count` + 1 points. */
 [[nodiscard]] std::vector<Eigen::Vector2d> bezier(const Eigen::Vector2d& from,
                                                   double from_heading,
                                                   const Eigen::Vector2d& to,
@@ -46,5 +44,5 @@ class Path
                                                   int count);
 
 /** Angle in (-pi, pi]. */
-[[nodiscard]] double wrapAngle(double angle);
+[[nodiscard]] double wrapToPi(double angle);
 }  // namespace dyslam::sim

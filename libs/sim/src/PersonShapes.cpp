@@ -64,7 +64,7 @@ Mesh makeBicycle(bool rider)
   Mesh mesh;
   const auto wheel = [&](float x)
   {
-    // A rim of a few flat tubes, with open spokes.
+    // A rim of short tubes, with spokes.
     for (int i = 0; i < 14; ++i)
     {
       const float a = 6.2831853F * static_cast<float>(i) / 14.0F;
@@ -96,7 +96,7 @@ Mesh makeBicycle(bool rider)
   addBox(mesh, V(-0.22F, 0, 0.93F), V(0.26F, 0.15F, 0.06F), Material::rubber);
   if (rider)
   {
-    // Back leaning forward from the seat to the shoulders.
+    // Torso leaning forward.
     addTube(mesh, V(-0.2F, 0, 0.95F), V(-0.08F, 0, 1.2F), 0.15F, 0.14F, 9, Material::cloth, true);
     addTube(mesh, V(-0.08F, 0, 1.2F), V(0.06F, 0, 1.45F), 0.14F, 0.17F, 9, Material::cloth, true);
     addEllipsoid(mesh, V(0.13F, 0, 1.66F), V(0.11F, 0.09F, 0.13F), 10, Material::skin);

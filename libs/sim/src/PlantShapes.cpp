@@ -17,7 +17,7 @@ float in(Rng& rng, const SizeRange& range)
   return in(rng, range.low, range.high);
 }
 
-/** A clump of leaves: one small quad any way round. Between clumps, beams pass. */
+/** A clump of leaves: one small quad with random orientation. Beams pass between clumps. */
 void addLeaves(Mesh& mesh, Rng& rng, const V& center, float size, Material material)
 {
   const float z = in(rng, -1, 1), y = in(rng, -1, 1), x = in(rng, -1, 1);
@@ -30,7 +30,7 @@ void addLeaves(Mesh& mesh, Rng& rng, const V& center, float size, Material mater
                center + 0.6F * size * v, material);
 }
 
-/** Leaves in an ellipsoid, denser near its skin. */
+/** Leaves in an ellipsoid, denser near its surface. */
 void addCrown(
     Mesh& mesh, Rng& rng, const V& center, const V& half, int clumps, float size, Material material)
 {

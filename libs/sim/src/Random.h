@@ -3,10 +3,11 @@
 
 #include <cmath>
 #include <cstdint>
+#include <vector>
 
 namespace dyslam::sim
 {
-/** A good 64-bit scrambler (splitmix64's finaliser). */
+/** 64-bit hash (finaliser of splitmix64). */
 inline std::uint64_t mix(std::uint64_t x)
 {
   x += 0x9E3779B97F4A7C15ULL;
@@ -26,7 +27,7 @@ inline float unit(std::uint64_t hash)
   return static_cast<float>(hash >> 40) * 0x1p-24F;
 }
 
-/** About normal with deviation 1, bounded by 3.46, from one hash: the sum of four uniforms. */
+/** Approximately normal with standard deviation 1, bounded by 3.46: the sum of four uniforms. */
 inline float normal(std::uint64_t hash)
 {
   const auto part = [&](int shift)
@@ -34,10 +35,10 @@ inline float normal(std::uint64_t hash)
   return (part(0) + part(16) + part(32) + part(48) - 2.0F) * 1.7320508F;
 }
 
-/** A small generator for making worlds and driving actors; never shared between threads.
+/** Pseudo-random generator for worlds and traffic; not shared between threads.
  *
- * Each draw of several stands in a statement of its own: in which order the arguments of one call
- * are evaluated is up to the compiler, and a seed is to give one world. */
+ * Several draws in the arguments of one call are not allowed: their order of evaluation is
+ * unspecified, but a seed must determine the world. */
 class Rng
 {
  public:
@@ -48,6 +49,12 @@ class Rng
   double uniform(double low, double high) { return low + (high - low) * uniform(); }
   int below(int count) { return static_cast<int>(uniform() * count); }
   bool chance(double probability) { return uniform() < probability; }
+  /** A random element of a list that is not empty. */
+  template <typename T>
+  const T& pick(const std::vector<T>& list)
+  {
+    return list[static_cast<std::size_t>(below(static_cast<int>(list.size())))];
+  }
   double gaussian() { return static_cast<double>(normal(bits())); }
 
  private:
@@ -68,7 +75,7 @@ inline float latticeValue(int x, int y, int z)
 }
 }  // namespace detail
 
-/** Smooth noise in [-1, 1], fixed in space, with features about one unit wide. */
+/** Value noise in [-1, 1], constant in time, with features of about one unit. */
 inline float latticeNoise(float x, float y, float z)
 {
   const float fx = std::floor(x), fy = std::floor(y), fz = std::floor(z);

@@ -13,7 +13,7 @@ RayDevice::RayDevice() : device_(rtcNewDevice("isa=avx2"))
   }
   if (device_ == nullptr)
   {
-    throw std::runtime_error("Embree gives no device");
+    throw std::runtime_error("cannot create an Embree device");
   }
 }
 

@@ -11,19 +11,20 @@
 
 namespace dyslam::sim
 {
-/** What a ray may meet in a scene: a mesh of the world or an instance of a shape. */
+/** An object in a ray-tracing scene: a mesh of the world or an instance of a shape. */
 struct SceneItem
 {
   const Mesh* mesh = nullptr;
-  std::uint16_t semantic = 0;  //!< class where the material does not say it
+  std::uint16_t semantic = 0;  //!< class, if the material has none
   std::uint16_t instance = 0;  //!< 0 for none
-  float reflectivity = -1;     //!< of paint and cloth; negative takes the material's
+  float reflectivity = -1;     //!< of paint and cloth; negative for the material's
   std::int32_t body = -1;      //!< index of a moving body, else -1
   std::int32_t part = 0;       //!< of the body
-  Eigen::Matrix3f turn = Eigen::Matrix3f::Identity();  //!< of an instance, for its normals
+  Eigen::Matrix3f turn = Eigen::Matrix3f::Identity();  //!< rotation of an instance, for its normals
 };
 
-/** Owns an Embree scene and what its hits mean. Immutable and thread-safe after commit(). */
+/** Owns an Embree scene with the properties of its objects. Immutable and thread-safe after
+ * commit(). */
 class RayScene
 {
  public:
@@ -36,7 +37,7 @@ class RayScene
 
   /** `mesh` must outlive the scene; its last vertex is read with padding. */
   void addMesh(const Mesh& mesh, const SceneItem& item);
-  /** A shape moved by `start`, or from `start` to `end` over ray times 0 to 1. */
+  /** An instance of a shape at `start`, or moving from `start` to `end` over ray times 0 to 1. */
   void addInstance(const RayScene& shape,
                    const Eigen::Affine3f& start,
                    const Eigen::Affine3f* end,
@@ -54,8 +55,8 @@ class RayScene
   std::vector<SceneItem> items_;
 };
 
-/** Device in which all runs give the same hits, whatever the processor offers beyond AVX2; on one
- * without AVX2 it is Embree's own choice. */
+/** Embree device restricted to AVX2, so that results do not depend on further extensions of the
+ * processor; Embree's default on processors without AVX2. */
 class RayDevice
 {
  public:

@@ -19,7 +19,7 @@ void LaneNetwork::findConflicts()
   {
     if ((a.path.at(0).position - b.path.at(0).position).norm() < 0.5)
     {
-      return false;  // out of the same lane: one behind the other anyway
+      return false;  // turns from the same lane do not conflict
     }
     for (double s = 0; s <= a.path.length(); s += 0.7)
     {

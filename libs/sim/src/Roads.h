@@ -8,16 +8,14 @@
 
 namespace dyslam::sim
 {
-/** A piece of carriageway for one row of vehicles, in world coordinates. */
+/** A lane, in world coordinates. */
 struct Lane
 {
   Path path;
-  std::vector<int>
-      next;  //!< lanes that follow; a lane that ends at a junction is followed by its turns
-  int junction = -1;  //!< of a turn: the junction it crosses
-  std::vector<int>
-      conflicts;            //!< of a turn: other turns that must not be under way at the same time
-  double speed_limit = 14;  //!< [m/s]
+  std::vector<int> next;       //!< successors; those of a lane that ends at a junction are turns
+  int junction = -1;           //!< of a turn: the junction it crosses
+  std::vector<int> conflicts;  //!< of a turn: turns that must not be used at the same time
+  double speed_limit = 14;     //!< [m/s]
 };
 
 struct LaneNetwork
@@ -26,18 +24,18 @@ struct LaneNetwork
   int junctions = 0;
   std::vector<int> ego_route;  //!< closed sequence of lanes
 
-  /** Fills the turns' conflicts from their geometry. */
+  /** Computes the turns' conflicts from their geometry. */
   void findConflicts();
 };
 
-/** Where people walk or ride: straight links between nodes, in world coordinates. */
+/** Paths of pedestrians and cyclists: straight links between nodes, in world coordinates. */
 struct WalkNetwork
 {
   struct Link
   {
     int a = 0, b = 0;
-    bool crossing = false;  //!< over a carriageway: look before you walk
-    double width = 2;       //!< people keep within this [m]
+    bool crossing = false;  //!< crosses a carriageway; pedestrians wait for vehicles
+    double width = 2;       //!< lateral extent [m]
   };
   std::vector<Eigen::Vector2d> nodes;
   std::vector<Link> links;

@@ -25,8 +25,8 @@ constexpr std::array<Name, 5> kNames{{{SensorKind::hdl64e, "HDL64E"},
                                       {SensorKind::os1_64, "OS1-64"},
                                       {SensorKind::os1_128, "OS1-128"}}};
 
-// Upper block: 32 lasers 1/3 degree apart from +2; lower block: 32 lasers 1/2 degree apart. One
-// firing of all takes 48 us of the 50 us between columns.
+// Upper block: 32 lasers at steps of 1/3 degree from +2; lower block: 32 lasers at 1/2 degree. One
+// firing sequence takes 48 us of the 50 us between columns.
 SensorModel hdl64e()
 {
   SensorModel m;
@@ -91,7 +91,7 @@ SensorModel hdl32e()
   return m;
 }
 
-// 45 degrees of view; neighbouring beams look to different azimuths in a cycle of four.
+// 45 degrees vertical field of view; azimuth offsets in a cycle of four beams.
 SensorModel os1(int lasers)
 {
   constexpr std::array<double, 4> kStagger{{3.164, 1.055, -1.055, -3.164}};

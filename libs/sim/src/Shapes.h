@@ -6,13 +6,13 @@
 
 namespace dyslam::sim
 {
-// Vehicles: x forward, y left, z up, origin on the ground below the middle of the box.
+// Vehicles: x forward, y left, z up, origin on the ground below the centre of the box.
 struct CarStyle
 {
   float length = 4.4F, width = 1.8F, height = 1.48F;
-  float hood = 1.0F;         //!< length in front of the windscreen's foot
-  float trunk = 0.6F;        //!< length behind the rear window's foot; 0 for a steep back
-  float belt = 0.62F;        //!< height of the windows' lower edge, as a share of the height
+  float hood = 1.0F;         //!< length in front of the windscreen
+  float trunk = 0.6F;        //!< length behind the rear window; 0 for hatchbacks
+  float belt = 0.62F;        //!< height of the windows' lower edge, as a fraction of the height
   float windscreen = 0.8F;   //!< horizontal length of the windscreen
   float rear_window = 0.5F;  //!< horizontal length of the rear window
   bool closed_rear = false;  //!< a van without rear side windows
@@ -24,13 +24,13 @@ struct CarStyle
 [[nodiscard]] Mesh makeBus(float length, float width, float height);
 [[nodiscard]] Mesh makeScooter();  //!< with its rider
 
-// People of height 1 m, to be scaled. The torso's origin is between the feet; limbs hang down from
+// Pedestrians of height 1 m, to be scaled. The torso's origin is between the feet; limbs hang from
 // their joint at the origin.
 [[nodiscard]] Mesh makeTorso(bool backpack, bool coat);
 [[nodiscard]] Mesh makeArm();
 [[nodiscard]] Mesh makeThigh();
 [[nodiscard]] Mesh makeShank();
-/** Bicycle and the rider's upper body in metres, origin on the ground below the middle. */
+/** Bicycle and the rider's upper body in metres, origin on the ground below the centre. */
 [[nodiscard]] Mesh makeBicycle(bool rider);
 
 // Plants: origin at the foot.
@@ -39,7 +39,7 @@ struct CarStyle
 [[nodiscard]] Mesh makeBush(Rng& rng, float radius, float height);
 [[nodiscard]] Mesh makeHedge(Rng& rng, float length, float width, float height);
 [[nodiscard]] Mesh makeGrassTuft(Rng& rng, float radius, float height);
-/** Bounds of a size that is drawn [m]. */
+/** Bounds of a randomly drawn size [m]. */
 struct SizeRange
 {
   double low, high;

@@ -13,11 +13,11 @@ namespace dyslam::sim
 {
 namespace
 {
-constexpr double kStep = 0.025;          // of traffic and ego [s]
-constexpr double kEpoch = 1700000000.0;  // stamps look like recorded ones
-constexpr double kJump = 15;  // a body that moves further in one turn was put elsewhere [m]
+constexpr double kStep = 0.025;          // time step of traffic and ego [s]
+constexpr double kEpoch = 1700000000.0;  // offset of the stamps, as in recorded data [s]
+constexpr double kJump = 15;             // larger displacements in one sweep are respawns [m]
 
-EgoKind carrier(const SimulatorOptions& options)
+EgoKind carrierOf(const SimulatorOptions& options)
 {
   if (options.ego != EgoKind::automatic)
   {
@@ -43,19 +43,19 @@ struct Simulator::Impl
         model(sensorFor(o)),
         pool(threads),
         crowd(*world, options),
-        ego_motion(carrier(o), static_cast<std::uint64_t>(o.seed)),
-        T_vehicle_lidar(EgoMotion::mounting(carrier(o))),
+        ego_motion(carrierOf(o), static_cast<std::uint64_t>(o.seed)),
+        T_vehicle_lidar(EgoMotion::mounting(carrierOf(o))),
         moving_scene(world->device.handle())
   {
     while (crowd.time() < options.start_time)
     {
       stepOnce();
     }
-    steps_per_turn = static_cast<int>(std::lround(model.period / kStep));
+    steps_per_sweep = static_cast<int>(std::lround(model.period / kStep));
     track.assign(1, ego_pose);
     states.push_back(snapshot());
-    advanceTurn();
-    advanceTurn();
+    advanceSweep();
+    advanceSweep();
   }
 
   void stepOnce()
@@ -66,7 +66,7 @@ struct Simulator::Impl
 
   std::vector<BodyState> snapshot()
   {
-    crowd.settle();
+    crowd.alignWithGround();
     std::vector<BodyState> s;
     s.reserve(crowd.actors().size());
     for (const auto& a : crowd.actors())
@@ -76,9 +76,9 @@ struct Simulator::Impl
     return s;
   }
 
-  void advanceTurn()
+  void advanceSweep()
   {
-    for (int i = 0; i < steps_per_turn; ++i)
+    for (int i = 0; i < steps_per_sweep; ++i)
     {
       stepOnce();
       track.push_back(ego_pose);
@@ -86,7 +86,7 @@ struct Simulator::Impl
     states.push_back(snapshot());
   }
 
-  /** Vehicle pose `t` seconds after the start of the present turn. */
+  /** Vehicle pose `t` seconds after the start of the current sweep. */
   Pose vehicleAt(double t) const
   {
     const double x = t / kStep;
@@ -97,7 +97,7 @@ struct Simulator::Impl
   SimulatedScan next();
   void gatherBodies(const Eigen::Vector3d& center);
   void describeObjects(const SweepScene& sweep,
-                       const std::vector<BodySighting>& sightings,
+                       const std::vector<BodyReturns>& body_returns,
                        SimulatedScan& scan) const;
 
   SimulatorOptions options;
@@ -109,11 +109,11 @@ struct Simulator::Impl
   Pose T_vehicle_lidar;
   RayScene moving_scene;
   Pose ego_pose = Pose::Identity();
-  int steps_per_turn = 8;
-  std::vector<Pose> track;  // from the start of the present turn, every kStep
+  int steps_per_sweep = 8;
+  std::vector<Pose> track;  // from the start of the current sweep, every kStep
   std::vector<std::vector<BodyState>>
-      states;                      // at the start of the present turn, its end, the next end
-  std::vector<BodyMotion> bodies;  // those in reach
+      states;                      // at the start and end of the current sweep and at the next end
+  std::vector<BodyMotion> bodies;  // bodies within range
   std::vector<std::size_t> body_actor;
   std::size_t index = 0;
 };
@@ -135,14 +135,14 @@ void Simulator::Impl::gatherBodies(const Eigen::Vector3d& center)
     const Actor& actor = crowd.actors()[i];
     const BodyModel& body_model = world->bodies[static_cast<std::size_t>(actor.model)];
     BodyMotion body;
-    // Speed over ground at the stamp, turning on the spot left out.
+    // Translational speed over ground; rotation in place does not count.
     body.moving = (b.position - a.position).norm() / model.period > options.moving_speed;
     const auto classes = semanticClasses(body_model.object_class);
     body.semantic = body.moving ? classes.second : classes.first;
     body.instance = static_cast<std::uint16_t>(65535 - i % kMovingInstances);
-    const bool still = !body.moving && (b.position - a.position).norm() < 1e-6 &&
-                       std::abs(b.yaw - a.yaw) < 1e-6 && std::abs(b.phase - a.phase) < 1e-6 &&
-                       b.swing == a.swing;
+    const bool at_rest = !body.moving && (b.position - a.position).norm() < 1e-6 &&
+                         std::abs(b.yaw - a.yaw) < 1e-6 && std::abs(b.phase - a.phase) < 1e-6 &&
+                         b.swing == a.swing;
     const auto parts_a = bodyParts(body_model, a), parts_b = bodyParts(body_model, b),
                parts_c = bodyParts(body_model, c);
     for (std::size_t p = 0; p < parts_a.size(); ++p)
@@ -155,7 +155,7 @@ void Simulator::Impl::gatherBodies(const Eigen::Vector3d& center)
       const Eigen::Affine3f start = parts_a[p].transform.cast<float>(),
                             end = parts_b[p].transform.cast<float>();
       moving_scene.addInstance(world->shapes[static_cast<std::size_t>(parts_a[p].shape)], start,
-                               still ? nullptr : &end, item);
+                               at_rest ? nullptr : &end, item);
     }
     bodies.push_back(std::move(body));
     body_actor.push_back(i);
@@ -164,7 +164,7 @@ void Simulator::Impl::gatherBodies(const Eigen::Vector3d& center)
 }
 
 void Simulator::Impl::describeObjects(const SweepScene& sweep,
-                                      const std::vector<BodySighting>& sightings,
+                                      const std::vector<BodyReturns>& body_returns,
                                       SimulatedScan& scan) const
 {
   const Pose T_lidar_map = sweep.T_map_lidar.inverse();
@@ -177,8 +177,8 @@ void Simulator::Impl::describeObjects(const SweepScene& sweep,
     o.id = static_cast<int>(bodies[i].instance);
     o.object_class = m.object_class;
     o.moving = bodies[i].moving;
-    o.points = sightings[i].points;
-    o.seen_time = o.points > 0 ? sightings[i].time / static_cast<double>(o.points) : 0;
+    o.points = body_returns[i].points;
+    o.seen_time = o.points > 0 ? body_returns[i].time / static_cast<double>(o.points) : 0;
     o.velocity = T_lidar_map.linear() * (b.position - a.position) / model.period;
     const auto boxAt = [&](double time)
     {
@@ -210,13 +210,13 @@ SimulatedScan Simulator::Impl::next()
   scan.T_map_vehicle_next = vehicleAt(1.5 * model.period);
 
   SweepScene sweep;
-  sweep.still = &world->scene;
-  sweep.moving = &moving_scene;
+  sweep.static_scene = &world->scene;
+  sweep.moving_scene = &moving_scene;
   sweep.bodies = &bodies;
   sweep.T_map_lidar = scan.T_map_vehicle * T_vehicle_lidar;
   sweep.T_map_lidar_next = scan.T_map_vehicle_next * T_vehicle_lidar;
   sweep.seed = combine(combine(static_cast<std::uint64_t>(options.seed), 0x5CA7), index);
-  sweep.on_car = options.noise && carrier(options) == EgoKind::car;
+  sweep.on_car = options.noise && carrierOf(options) == EgoKind::car;
   sweep.noise = options.noise;
   sweep.motion_distortion = options.motion_distortion;
   for (int c = 0; c < model.columns; ++c)
@@ -226,13 +226,13 @@ SimulatedScan Simulator::Impl::next()
                                   : sweep.T_map_lidar);
   }
   gatherBodies(sweep.T_map_lidar.translation());
-  const auto sightings = castSweep(model, sweep, pool, scan);
-  describeObjects(sweep, sightings, scan);
+  const auto body_returns = castSweep(model, sweep, pool, scan);
+  describeObjects(sweep, body_returns, scan);
 
-  // On to the next turn.
-  track.erase(track.begin(), track.begin() + steps_per_turn);
+  // Advance to the next sweep.
+  track.erase(track.begin(), track.begin() + steps_per_sweep);
   states.erase(states.begin());
-  advanceTurn();
+  advanceSweep();
   ++index;
   return scan;
 }
@@ -249,7 +249,7 @@ Simulator::Simulator(std::shared_ptr<const World> world,
   validate(options, "simulator");
   if (world->kind != options.world)
   {
-    throw std::logic_error("the world given to Simulator is of another kind than its options say");
+    throw std::logic_error("Simulator: the world is of another kind than the options say");
   }
   impl_ = std::make_unique<Impl>(std::move(world), options, threads);
 }

@@ -15,7 +15,7 @@ constexpr double kCamber = 0.022;
 struct Nearest
 {
   const Street* street;
-  double distance;  // to the street's middle
+  double distance;  // to the street's centre line
 };
 
 Nearest nearest(const std::vector<Street>& streets, double x)
@@ -43,7 +43,7 @@ StreetGrid::StreetGrid(std::uint64_t seed, int blocks_u, int blocks_v, double bl
   k_v_ = 6.283185 / rng.uniform(180, 320);
   phase_u_ = rng.uniform(0, 6.28);
   phase_v_ = rng.uniform(0, 6.28);
-  const auto lay = [&](std::vector<Street>& streets, int blocks)
+  const auto addStreets = [&](std::vector<Street>& streets, int blocks)
   {
     double x = -0.5 * blocks * block_size;
     for (int i = 0; i <= blocks; ++i)
@@ -59,8 +59,8 @@ StreetGrid::StreetGrid(std::uint64_t seed, int blocks_u, int blocks_v, double bl
       x += block_size * rng.uniform(0.82, 1.18);
     }
   };
-  lay(along_v, blocks_u);
-  lay(along_u, blocks_v);
+  addStreets(along_v, blocks_u);
+  addStreets(along_u, blocks_v);
 }
 
 Eigen::Vector2d StreetGrid::toWorld(const Eigen::Vector2d& l) const
@@ -141,7 +141,7 @@ Material StreetGrid::surface(double u, double v) const
     case Zone::block:
       break;
   }
-  // Gardens are lawn, yards are paved, in patches.
+  // Patches of lawn, paving and soil.
   const float patch = latticeNoise(static_cast<float>(0.05 * u), static_cast<float>(0.05 * v),
                                    static_cast<float>(seed_ % 97));
   return patch > 0.15F ? Material::paving : patch < -0.45F ? Material::soil : Material::lawn;

@@ -10,20 +10,20 @@
 
 namespace dyslam::sim
 {
-/** A straight street in local coordinates; the warp bends it in the world. */
+/** A street, straight in local coordinates. */
 struct Street
 {
   double center = 0;
   double lane = 3.4;       //!< width of one lane; one lane each way [m]
-  double parking = 2.2;    //!< width of the strip on both sides; 0 for none [m]
+  double parking = 2.2;    //!< width of the parking strips on both sides; 0 for none [m]
   double walk = 3;         //!< width of the pavement [m]
   bool trees = false;      //!< in the pavement
   double occupancy = 0.6;  //!< of the parking strips
   [[nodiscard]] double half() const { return lane + parking; }
 };
 
-/** Streets at right angles in local coordinates: `along_v` at constant u and `along_u` at constant
- * v. Blocks lie between them; a belt of blocks surrounds the outermost streets. */
+/** Orthogonal streets in local coordinates: `along_v` at constant u, `along_u` at constant v.
+ * Blocks lie between them and around the outermost streets. */
 class StreetGrid : public Ground
 {
  public:
@@ -69,12 +69,12 @@ class StreetGrid : public Ground
   std::uint64_t seed_;
 };
 
-/** Lanes, junctions and turns of the grid, and a closed route round the middle `ring_u x ring_v`
+/** Lanes, junctions and turns of the grid, and a closed route around the central `ring_u x ring_v`
  * blocks from block (first_u, first_v). */
 [[nodiscard]] LaneNetwork makeLanes(
     const StreetGrid& grid, int first_u, int first_v, int ring_u, int ring_v, bool clockwise);
-/** Pavements round every block and crossings near the junctions. */
+/** Pavements around each block and crossings near the junctions. */
 [[nodiscard]] WalkNetwork makeWalks(const StreetGrid& grid);
-/** Rides round blocks at the edge of the carriageway, with the traffic. */
+/** Bicycle loops around blocks at the edge of the carriageway, in the direction of traffic. */
 [[nodiscard]] std::vector<Path> makeBicycleLoops(const StreetGrid& grid);
 }  // namespace dyslam::sim

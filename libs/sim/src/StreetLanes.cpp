@@ -34,7 +34,7 @@ Path warped(const StreetGrid& grid, const P& from, const P& to)
   return Path(points);
 }
 
-/** The lane that leaves junction (i, j) in a direction, driving on the right. */
+/** The lane that leaves junction (i, j) in a direction (right-hand traffic). */
 Path laneFrom(const StreetGrid& grid, const LaneKey& k)
 {
   const auto& su = grid.along_v;
@@ -165,7 +165,7 @@ WalkNetwork makeWalks(const StreetGrid& grid)
   WalkNetwork net;
   const int nu = static_cast<int>(grid.along_v.size()), nv = static_cast<int>(grid.along_u.size());
   // Corner nodes of every block, in the middle of the pavement: south-west, south-east, north-east,
-  // north-west. Blocks of the belt run out of the world on their far sides.
+  // north-west. Blocks of the belt have no outer pavement.
   std::map<std::array<int, 3>, int> corner;
   for (int i = -1; i < nu; ++i)
   {
@@ -191,7 +191,7 @@ WalkNetwork makeWalks(const StreetGrid& grid)
         {
           continue;
         }
-        // Nodes along the side keep people on bent streets.
+        // Intermediate nodes follow curved streets.
         const P a = corners[static_cast<std::size_t>(c)],
                 b = corners[static_cast<std::size_t>((c + 1) % 4)];
         int previous = corner[{i, j, c}];
@@ -202,7 +202,7 @@ WalkNetwork makeWalks(const StreetGrid& grid)
           net.addLink(previous, node, false, 1.6);
           previous = node;
         }
-        // The fourth side joins the first corner, which exists already.
+        // The fourth side connects to the first corner, which exists already.
         net.addLink(previous, corner[{i, j, (c + 1) % 4}], false, 1.6);
       }
     }
@@ -235,7 +235,7 @@ std::vector<Path> makeBicycleLoops(const StreetGrid& grid)
     for (int j = 0; j + 1 < nv; ++j)
     {
       const auto e = grid.blockKerb(i, j);
-      // With the block on the right, that is clockwise, clear of parked vehicles.
+      // Clockwise, with the block on the right, clear of parked vehicles.
       const auto off = [&](const std::vector<Street>& s, int k)
       { return s[static_cast<std::size_t>(k)].parking + 0.75; };
       const double u0 = e[0] - off(grid.along_v, i), u1 = e[2] + off(grid.along_v, i + 1);

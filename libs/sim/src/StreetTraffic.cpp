@@ -10,7 +10,7 @@ namespace dyslam::sim
 namespace
 {
 constexpr double kFar = 1e9;
-constexpr double kPatience = 6;  // seconds of waiting for someone beside the way before going on
+constexpr double kPatience = 6;  // waiting time for road users beside the path [s]
 
 struct Vehicle
 {
@@ -18,15 +18,15 @@ struct Vehicle
   double length = 4.5, width = 1.8;
   int lane = 0, previous_lane = -1;
   double s = 0, v = 0, a = 0;
-  double wish = 1;       // own speed relative to the limit
-  double headway = 1.3;  // [s]
-  int turn = -1;         // chosen way over the next junction
+  double desired_speed = 1;  // speed relative to the limit
+  double headway = 1.3;      // [s]
+  int turn = -1;             // chosen turn at the next junction
   bool granted = false;
   double waiting_since = -1;
   double stop_until = 0, next_stop = 0;
   double blocked_for = 0;
   std::size_t route_step = 0;  // of the ego
-  double wander = 0;           // phase of the sway within the lane
+  double wander = 0;           // phase of the lateral oscillation in the lane
 };
 
 class StreetTraffic : public Crowd::Group
@@ -124,7 +124,7 @@ class StreetTraffic : public Crowd::Group
         v.width = body.size.y();
         v.lane = static_cast<int>(l);
         v.s = s;
-        v.wish = rng_.uniform(0.8, 1.15);
+        v.desired_speed = rng_.uniform(0.8, 1.15);
         v.headway = rng_.uniform(1.0, 1.8);
         v.v = std::min(0.5, 1 - traffic) * here.speed_limit;
         v.next_stop = rng_.uniform(5, 120);
@@ -163,12 +163,10 @@ class StreetTraffic : public Crowd::Group
       v.turn = net_.ego_route[(v.route_step + 1) % net_.ego_route.size()];
       return;
     }
-    v.turn = next.empty()
-                 ? -1
-                 : next[static_cast<std::size_t>(rng_.below(static_cast<int>(next.size())))];
+    v.turn = next.empty() ? -1 : rng_.pick(next);
   }
 
-  /** Vehicles of every lane by s, and the junctions' users. */
+  /** Sorts the vehicles of each lane by arc length and collects the users of the junctions. */
   void order()
   {
     on_lane_.assign(net_.lanes.size(), {});
@@ -177,7 +175,7 @@ class StreetTraffic : public Crowd::Group
     {
       const Vehicle& v = vehicles_[i];
       on_lane_[static_cast<std::size_t>(v.lane)].push_back(static_cast<int>(i));
-      // A turn is held from its granting until the tail has left it.
+      // A turn is reserved from its grant until the rear of the vehicle has left it.
       const int turn = lane(v.lane).junction >= 0 ? v.lane
                        : v.granted                ? v.turn
                        : v.previous_lane >= 0 && lane(v.previous_lane).junction >= 0 &&
@@ -241,7 +239,7 @@ class StreetTraffic : public Crowd::Group
       }
       else if (crowd_.time() - v.waiting_since > 5)
       {
-        users.push_back({i, v.turn});  // long enough: later ones must let it go first
+        users.push_back({i, v.turn});  // has priority over later vehicles
       }
     }
   }
@@ -272,7 +270,7 @@ class StreetTraffic : public Crowd::Group
     return last.s - 0.5 * last.length > needed || last.v > 4;
   }
 
-  /** Gap to and speed of the vehicle ahead along the chosen way. */
+  /** Gap to and speed of the leader along the chosen route. */
   std::pair<double, double> leader(const Vehicle& v) const
   {
     const auto& mine = on_lane_[static_cast<std::size_t>(v.lane)];
@@ -305,8 +303,8 @@ class StreetTraffic : public Crowd::Group
     return lane(v.lane).junction >= 0 ? lane(v.lane).next.front() : v.turn;
   }
 
-  /** People and cyclists in the way: gap and their speed along it. */
-  std::pair<double, double> others(const Vehicle& v, const Path::Sample& here) const
+  /** Gap to and speed of pedestrians and cyclists on the route. */
+  std::pair<double, double> roadUsersAhead(const Vehicle& v, const Path::Sample& here) const
   {
     const double reach = 0.5 * v.length + 5 + v.v * 2.2;
     double best = kFar, speed = 0;
@@ -370,11 +368,11 @@ class StreetTraffic : public Crowd::Group
     const double cruise = v.actor < 0 ? egoCruise(crowd_.world(), crowd_.options()) : kFar;
     const Lane& here = lane(v.lane);
     double wanted = here.junction >= 0 ? std::min(here.speed_limit, cruise)
-                                       : std::min(here.speed_limit * v.wish, cruise);
+                                       : std::min(here.speed_limit * v.desired_speed, cruise);
     const int next = nextLane(v);
     if (next >= 0)
     {
-      // Slow down in time for a turn.
+      // Deceleration before a turn
       const double rest = std::max(0.0, here.path.length() - v.s);
       const double limit = lane(next).speed_limit;
       wanted = std::min(wanted, std::sqrt(limit * limit + 2 * 1.6 * rest));
@@ -387,7 +385,7 @@ class StreetTraffic : public Crowd::Group
     const Path::Sample here = lane(v.lane).path.at(v.s);
     if (crowd_.time() > v.next_stop)
     {
-      // Not on a junction, and the ego only where its user allows it.
+      // Not on a junction; the ego only if the options allow it.
       const bool may = lane(v.lane).junction < 0 && (v.actor >= 0 || crowd_.options().stops);
       v.stop_until = may ? crowd_.time() + rng_.uniform(2, 8) : v.stop_until;
       v.next_stop = crowd_.time() + rng_.uniform(40, 160);
@@ -400,7 +398,7 @@ class StreetTraffic : public Crowd::Group
       const double rest = lane(v.lane).path.length() - v.s - 0.5 * v.length + 2.0;
       a = std::min(a, driverAcceleration(v.v, wanted, rest, 0, 0.5));
     }
-    const auto [other_gap, other_speed] = others(v, here);
+    const auto [other_gap, other_speed] = roadUsersAhead(v, here);
     if (other_gap < kFar && v.blocked_for < kPatience)
     {
       a = std::min(a, driverAcceleration(v.v, wanted, other_gap, other_speed, 0.6));
@@ -411,7 +409,7 @@ class StreetTraffic : public Crowd::Group
     {
       a = std::min(a, -1.8);
     }
-    // No jerks, save in need.
+    // Limited jerk, except in emergencies.
     const double blend = a < -4 ? 1.0 : std::min(1.0, dt / 0.25);
     v.a += blend * (a - v.a);
   }
@@ -463,7 +461,7 @@ class StreetTraffic : public Crowd::Group
       crowd_.ego() = {position, yaw, v.v};
       return;
     }
-    crowd_.stand(v.actor, position, yaw);
+    crowd_.setPosition(v.actor, position, yaw);
     crowd_.actor(v.actor).state.speed = v.v;
   }
 

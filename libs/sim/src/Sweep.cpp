@@ -13,12 +13,12 @@ namespace
 constexpr int kPacket = 8;
 constexpr std::size_t kColumnsPerChunk = 32;
 
-/** What one ray met, before the sensor's errors. */
+/** First intersection of a ray, before the sensor's errors. */
 struct Hit
 {
-  float range = 0;  // 0 for nothing
+  float range = 0;  // 0 for no hit
   float cosine = 1;
-  std::int32_t item = 0;  // index in the still scene, or -1 - index in the moving scene
+  std::int32_t item = 0;  // index in the static scene, or -1 - index in the moving scene
   std::int32_t quad = 0;
 };
 
@@ -43,7 +43,7 @@ BeamTable tabulate(const SensorModel& sensor)
   for (std::size_t i = 0; i < sensor.beams.size(); ++i)
   {
     const Beam& b = sensor.beams[i];
-    // Errors of this type's unit: the same in every run, as a real sensor keeps its own.
+    // Calibration errors: constant, as those of a real sensor.
     const std::uint64_t h = combine(0x5E4504, i);
     const double elevation =
         b.elevation + sensor.beam_angle_error * static_cast<double>(normal(combine(h, 1)));
@@ -58,7 +58,7 @@ BeamTable tabulate(const SensorModel& sensor)
   return t;
 }
 
-/** Points and truth of one chunk of columns. */
+/** Points and ground truth of one chunk of columns. */
 struct ChunkOutput
 {
   std::vector<Eigen::Vector3f> points, deskewed, flow;
@@ -66,7 +66,7 @@ struct ChunkOutput
   std::vector<std::uint16_t> ring;
   std::vector<std::uint32_t> label;
   std::vector<std::uint8_t> moving;
-  std::vector<BodySighting> sightings;
+  std::vector<BodyReturns> body_returns;
 };
 
 class Caster
@@ -99,7 +99,7 @@ class Caster
                ((column * beam_count_ + beam) * kDrawCount + draw) * 0x9E3779B97F4A7C15ULL);
   }
 
-  /** Nominal direction in the lidar frame; as the sensor reports it. */
+  /** Nominal direction in the lidar frame, as reported by the sensor. */
   Eigen::Vector3f direction(float cos_azimuth, float sin_azimuth, std::size_t b) const
   {
     const float c = cos_azimuth * beams_.cos_offset[b] - sin_azimuth * beams_.sin_offset[b];
@@ -107,8 +107,8 @@ class Caster
     return {beams_.cos_elevation[b] * c, beams_.cos_elevation[b] * s, beams_.sin_elevation[b]};
   }
 
-  /** Rays that end on the roof and the rack of the car that carries the sensor. */
-  bool hidden(float azimuth, std::size_t b) const
+  /** Whether a ray ends on the roof of the car that carries the sensor. */
+  bool isOccludedByCarrier(float azimuth, std::size_t b) const
   {
     if (!scene_.on_car)
     {
@@ -158,8 +158,8 @@ void Caster::tracePacket(std::size_t column, std::size_t count, std::size_t b)
     Eigen::Vector3f d = direction(std::cos(azimuth), std::sin(azimuth), b);
     if (scene_.noise)
     {
-      // Anywhere in the beam's cone: frays edges. Less upwards, for on the ground the
-      // echo is that of the whole spot.
+      // Random direction within the beam, which blurs edges. Less in elevation: on the ground the
+      // echo averages over the footprint.
       const std::uint64_t h = hash(c, b, kDrawCone);
       const auto spread = static_cast<float>(sensor_.divergence) * 0.6F;
       const Eigen::Vector3f side(-d.y(), d.x(), 0);
@@ -187,12 +187,12 @@ void Caster::tracePacket(std::size_t column, std::size_t count, std::size_t b)
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
   context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
-  rtcIntersect8(valid, scene_.still->handle(), &context, &packet);
-  float still_far[kPacket];
-  std::copy(packet.ray.tfar, packet.ray.tfar + kPacket, still_far);
-  if (!scene_.moving->empty())
+  rtcIntersect8(valid, scene_.static_scene->handle(), &context, &packet);
+  float static_range[kPacket];
+  std::copy(packet.ray.tfar, packet.ray.tfar + kPacket, static_range);
+  if (!scene_.moving_scene->empty())
   {
-    rtcIntersect8(valid, scene_.moving->handle(), &context, &packet);
+    rtcIntersect8(valid, scene_.moving_scene->handle(), &context, &packet);
   }
   for (std::size_t k = 0; k < count; ++k)
   {
@@ -201,7 +201,7 @@ void Caster::tracePacket(std::size_t column, std::size_t count, std::size_t b)
       continue;
     }
     Hit& hit = hits_[(column + k) * beam_count_ + b];
-    const bool moved = packet.ray.tfar[k] < still_far[k];
+    const bool moved = packet.ray.tfar[k] < static_range[k];
     const unsigned instance = packet.hit.instID[0][k];
     const auto item = static_cast<std::int32_t>(
         instance != RTC_INVALID_GEOMETRY_ID ? instance : packet.hit.geomID[k]);
@@ -212,8 +212,8 @@ void Caster::tracePacket(std::size_t column, std::size_t count, std::size_t b)
     const Eigen::Vector3f w(packet.ray.dir_x[k], packet.ray.dir_y[k], packet.ray.dir_z[k]);
     if (instance != RTC_INVALID_GEOMETRY_ID)
     {
-      // Embree gives an instance's normal in its own frame.
-      const RayScene& scene = moved ? *scene_.moving : *scene_.still;
+      // Embree returns an instance's normal in the instance's frame.
+      const RayScene& scene = moved ? *scene_.moving_scene : *scene_.static_scene;
       normal_local = scene.items()[static_cast<std::size_t>(item)].turn * normal_local;
     }
     hit.cosine = std::abs(normal_local.normalized().dot(w));
@@ -225,7 +225,7 @@ void Caster::resolve(std::size_t begin, std::size_t end, ChunkOutput& out) const
   const Pose T_lidar_map = scene_.T_map_lidar.inverse();
   const Eigen::Isometry3f T_next_stamp =
       (scene_.T_map_lidar_next.inverse() * scene_.T_map_lidar).cast<float>();
-  out.sightings.assign(scene_.bodies->size(), {});
+  out.body_returns.assign(scene_.bodies->size(), {});
   for (std::size_t c = begin; c < end; ++c)
   {
     const Pose& T_map_lidar = scene_.T_map_lidar_column[c];
@@ -234,7 +234,7 @@ void Caster::resolve(std::size_t begin, std::size_t end, ChunkOutput& out) const
     const float cos_azimuth = std::cos(azimuth), sin_azimuth = std::sin(azimuth);
     for (std::size_t b = 0; b < beam_count_; ++b)
     {
-      if (hits_[c * beam_count_ + b].range > 0 && !hidden(azimuth, b))
+      if (hits_[c * beam_count_ + b].range > 0 && !isOccludedByCarrier(azimuth, b))
       {
         resolveHit(c, b, T_map_lidar, T_stamp_column, T_next_stamp,
                    direction(cos_azimuth, sin_azimuth, b), out);
@@ -253,8 +253,9 @@ void Caster::resolveHit(std::size_t column,
 {
   const Hit& hit = hits_[column * beam_count_ + b];
   const bool moved = hit.item < 0;
-  const SceneItem& item = moved ? scene_.moving->items()[static_cast<std::size_t>(-1 - hit.item)]
-                                : scene_.still->items()[static_cast<std::size_t>(hit.item)];
+  const SceneItem& item =
+      moved ? scene_.moving_scene->items()[static_cast<std::size_t>(-1 - hit.item)]
+            : scene_.static_scene->items()[static_cast<std::size_t>(hit.item)];
   const Material material = item.mesh->materials[static_cast<std::size_t>(hit.quad)];
   const MaterialProperties& m = properties(material);
   const double fraction = static_cast<double>(sweepFraction(column));
@@ -272,7 +273,7 @@ void Caster::resolveHit(std::size_t column,
   }
   if (scene_.noise)
   {
-    // Relief fixed to the surface: on bodies it goes with them.
+    // Relief is fixed to the surface and moves with bodies.
     Eigen::Vector3d on_surface = T_map_lidar * (range * ray).cast<double>();
     if (part != nullptr)
     {
@@ -289,16 +290,16 @@ void Caster::resolveHit(std::size_t column,
     const float signal = reflectivity * gloss * std::sqrt(hit.cosine) / 0.1F *
                          static_cast<float>(sensor_.reference_range * sensor_.reference_range) /
                          (range * range);
-    const float seen = signal * signal / (1 + signal * signal) * (1 - m.loss) *
-                       (1 - static_cast<float>(sensor_.random_loss));
-    // Glass loses whole patches, not single beams.
+    const float detection_probability = signal * signal / (1 + signal * signal) * (1 - m.loss) *
+                                        (1 - static_cast<float>(sensor_.random_loss));
+    // Losses on glass are spatially correlated.
     const float patch = 0.5F + 0.5F * latticeNoise(1.3F * p.x() + 7, 1.3F * p.y(), 1.3F * p.z());
     const float draw = unit(hash(column, b, kDrawLoss));
-    if ((m.loss > 0.2F ? 0.25F * draw + 0.75F * patch : draw) > seen)
+    if ((m.loss > 0.2F ? 0.25F * draw + 0.75F * patch : draw) > detection_probability)
     {
       return;
     }
-    // Between two surfaces in one beam's cone.
+    // Mixed pixel: the beam meets two surfaces.
     const std::uint64_t mixed = hash(column, b, kDrawMixed);
     const Hit& beside =
         hits_[((column + 1) % static_cast<std::size_t>(sensor_.columns)) * beam_count_ + b];
@@ -347,9 +348,9 @@ void Caster::resolveHit(std::size_t column,
     const Eigen::Vector3d next =
         scene_.T_map_lidar_next.inverse() * (part->nextAt(fraction) * local);
     flow = next.cast<float>() - deskewed;
-    auto& sighting = out.sightings[static_cast<std::size_t>(item.body)];
-    ++sighting.points;
-    sighting.time += static_cast<double>(time);
+    auto& returns = out.body_returns[static_cast<std::size_t>(item.body)];
+    ++returns.points;
+    returns.time += static_cast<double>(time);
   }
   else
   {
@@ -390,10 +391,10 @@ Eigen::Affine3d PartMotion::nextAt(double fraction) const
   return blend(end, next_end, fraction);
 }
 
-std::vector<BodySighting> castSweep(const SensorModel& sensor,
-                                    const SweepScene& scene,
-                                    ThreadPool& pool,
-                                    SimulatedScan& scan)
+std::vector<BodyReturns> castSweep(const SensorModel& sensor,
+                                   const SweepScene& scene,
+                                   ThreadPool& pool,
+                                   SimulatedScan& scan)
 {
   Caster caster(sensor, scene);
   const auto columns = static_cast<std::size_t>(sensor.columns);
@@ -410,7 +411,7 @@ std::vector<BodySighting> castSweep(const SensorModel& sensor,
   {
     total += c.points.size();
   }
-  std::vector<BodySighting> sightings(scene.bodies->size());
+  std::vector<BodyReturns> body_returns(scene.bodies->size());
   scan.scan.points.reserve(total);
   scan.deskewed.reserve(total);
   scan.flow.reserve(total);
@@ -424,12 +425,12 @@ std::vector<BodySighting> castSweep(const SensorModel& sensor,
     append(scan.flow, c.flow);
     append(scan.label, c.label);
     append(scan.moving, c.moving);
-    for (std::size_t i = 0; i < sightings.size(); ++i)
+    for (std::size_t i = 0; i < body_returns.size(); ++i)
     {
-      sightings[i].points += c.sightings[i].points;
-      sightings[i].time += c.sightings[i].time;
+      body_returns[i].points += c.body_returns[i].points;
+      body_returns[i].time += c.body_returns[i].time;
     }
   }
-  return sightings;
+  return body_returns;
 }
 }  // namespace dyslam::sim

@@ -11,8 +11,8 @@
 
 namespace dyslam::sim
 {
-/** A part of a body during a sweep and the one after it, shape to map. Between start and end of a
- * sweep the matrix is interpolated linearly, as Embree does for the rays. */
+/** Motion of a body's part during a sweep and the next one, shape to map. Between start and end of
+ * a sweep the matrix is interpolated linearly, as Embree does for the rays. */
 struct PartMotion
 {
   Eigen::Affine3d start, end, next_end;
@@ -24,15 +24,15 @@ struct BodyMotion
 {
   std::vector<PartMotion> parts;
   bool moving = false;
-  std::uint16_t semantic = 0;  //!< class in the labels, moving or not
+  std::uint16_t semantic = 0;  //!< SemanticKITTI class, including the moving state
   std::uint16_t instance = 0;
 };
 
-/** All that one turn of the sensor sees. */
+/** Scene of one sweep. */
 struct SweepScene
 {
-  const RayScene* still = nullptr;
-  const RayScene* moving = nullptr;
+  const RayScene* static_scene = nullptr;
+  const RayScene* moving_scene = nullptr;
   const std::vector<BodyMotion>* bodies = nullptr;
   std::vector<Pose> T_map_lidar_column;      //!< at the start of each column
   Pose T_map_lidar = Pose::Identity();       //!< at the stamp
@@ -40,19 +40,20 @@ struct SweepScene
   std::uint64_t seed = 0;                    //!< of this sweep
   bool noise = true;
   bool motion_distortion = true;
-  bool on_car = false;  //!< its roof hides some of the lowest rays
+  bool on_car = false;  //!< the car's roof occludes some of the lowest rays
 };
 
-struct BodySighting
+/** Returns from one body in a sweep. */
+struct BodyReturns
 {
   std::size_t points = 0;
   double time = 0;  //!< sum over its points, relative to the stamp [s]
 };
 
-/** Casts every ray of a turn and turns the hits into returns with truth. Fills the per-point arrays
- * of `scan`; gives one sighting per body. Same bytes for any size of the pool. */
-[[nodiscard]] std::vector<BodySighting> castSweep(const SensorModel& sensor,
-                                                  const SweepScene& scene,
-                                                  ThreadPool& pool,
-                                                  SimulatedScan& scan);
+/** Casts all rays of a sweep and converts the hits to returns with ground truth. Fills the
+ * per-point arrays of `scan`. \return the returns per body. Same bytes for any size of the pool. */
+[[nodiscard]] std::vector<BodyReturns> castSweep(const SensorModel& sensor,
+                                                 const SweepScene& scene,
+                                                 ThreadPool& pool,
+                                                 SimulatedScan& scan);
 }  // namespace dyslam::sim

@@ -9,16 +9,16 @@
 
 namespace dyslam::sim
 {
-/** A body that may move. Its position in Crowd::actors never changes. */
+/** A body that may move. Its index in Crowd::actors is constant. */
 struct Actor
 {
   int model = 0;
   float paint = 0.3F;
   BodyState state;
-  bool frozen = false;  //!< too far from the ego to matter
+  bool frozen = false;  //!< not simulated: too far from the ego
 };
 
-/** Where the carrier of the sensor is in the plane. */
+/** Planar state of the sensor's carrier. */
 struct EgoState
 {
   Eigen::Vector2d position = Eigen::Vector2d::Zero();
@@ -26,7 +26,7 @@ struct EgoState
   double speed = 0;
 };
 
-/** Everything that moves, stepped together in time. Deterministic; one thread. */
+/** All moving bodies, advanced in common time steps. Deterministic; single-threaded. */
 class Crowd
 {
  public:
@@ -36,8 +36,8 @@ class Crowd
   Crowd& operator=(const Crowd&) = delete;
 
   void step(double dt);
-  /** Brings every body's height and lean up to date with the ground under its axles. */
-  void settle();
+  /** Updates height, pitch and roll of each body from the ground below it. */
+  void alignWithGround();
 
   [[nodiscard]] const std::vector<Actor>& actors() const { return actors_; }
   [[nodiscard]] const EgoState& ego() const { return ego_; }
@@ -45,17 +45,17 @@ class Crowd
   [[nodiscard]] const World& world() const { return world_; }
   [[nodiscard]] const SimulatorOptions& options() const { return options_; }
 
-  // For the parts of the crowd
+  // For the groups
   int addActor(int model, float paint);
   [[nodiscard]] Actor& actor(int index) { return actors_[static_cast<std::size_t>(index)]; }
   [[nodiscard]] const BodyModel& model(int actor) const;
   EgoState& ego() { return ego_; }
-  /** Beyond this from the ego nothing is simulated. */
+  /** Whether a position is near enough to the ego to be simulated. */
   [[nodiscard]] bool active(const Eigen::Vector2d& position) const;
-  /** Puts a body somewhere in the plane; settle() does the rest. */
-  void stand(int actor, const Eigen::Vector2d& position, double yaw);
+  /** Sets a body's planar pose; alignWithGround() sets the rest. */
+  void setPosition(int actor, const Eigen::Vector2d& position, double yaw);
 
-  /** A part of the crowd: vehicles on streets, people, ... */
+  /** A group of bodies with common behaviour: vehicles on streets, pedestrians, ... */
   class Group
   {
    public:
@@ -64,7 +64,7 @@ class Crowd
   };
 
  private:
-  void lean(Actor& actor, const BodyModel& model) const;
+  void alignActor(Actor& actor, const BodyModel& model) const;
 
   const World& world_;
   const SimulatorOptions& options_;
@@ -74,18 +74,19 @@ class Crowd
   std::vector<std::unique_ptr<Group>> groups_;
 };
 
-/** Cruising speed of the ego by the options and the world [m/s]. */
+/** Cruising speed of the ego from the options and the world [m/s]. */
 [[nodiscard]] double egoCruise(const World& world, const SimulatorOptions& options);
 
-// The groups; each adds its actors to the crowd. A group that carries the ego sets Crowd::ego().
+// Each group adds its actors to the crowd. A group that includes the ego sets Crowd::ego().
 [[nodiscard]] std::unique_ptr<Crowd::Group> makeStreetTraffic(Crowd& crowd, bool with_ego);
 [[nodiscard]] std::unique_ptr<Crowd::Group> makeHighwayTraffic(Crowd& crowd);
 [[nodiscard]] std::unique_ptr<Crowd::Group> makeWalkers(Crowd& crowd);
 [[nodiscard]] std::unique_ptr<Crowd::Group> makeBicycles(Crowd& crowd);
-/** The ego alone on World::ego_path, heeding people in its way. */
+/** The ego on World::ego_path; yields to pedestrians. */
 [[nodiscard]] std::unique_ptr<Crowd::Group> makePathEgo(Crowd& crowd);
 
-/** Acceleration of the intelligent-driver model: speed v, wanted v0, gap to a leader of speed vl.
+/** Acceleration of the intelligent driver model (Treiber et al., 2000): speed v, desired speed v0,
+ * gap to a leader of speed v_leader.
  */
 [[nodiscard]] double driverAcceleration(
     double v, double v0, double gap, double v_leader, double headway);

@@ -14,7 +14,7 @@ namespace
 {
 using P = Eigen::Vector2d;
 
-/** Shapes that furnish streets and gardens, registered once for a world. */
+/** Shapes of street furniture and plants, registered once per world. */
 struct Furnishing
 {
   std::vector<int> trees, small_trees, bushes, hedges, signs, fences, clutter;
@@ -51,12 +51,8 @@ struct Furnishing
   }
 };
 
-int any(const std::vector<int>& list, Rng& rng)
-{
-  return list[static_cast<std::size_t>(rng.below(static_cast<int>(list.size())))];
-}
-
-/** One side of a block: origin at a corner, `along` the street, `inward` into the block. */
+/** One side of a block: origin at a corner, `along` the street, `inward` to the block's interior.
+ */
 struct Side
 {
   P origin, along, inward;
@@ -89,7 +85,7 @@ class BlockBuilder
     const double depth = dense ? 14 : 20;
     const int nu = static_cast<int>(grid_.along_v.size()),
               nv = static_cast<int>(grid_.along_u.size());
-    // South and north take the corners; east and west lie between them.
+    // The south and north sides include the corners.
     const bool south = j >= 0, north = j + 1 < nv, west = i >= 0, east = i + 1 < nu;
     if (south)
     {
@@ -148,17 +144,17 @@ class BlockBuilder
           next_tree = s + rng_.uniform(6, 14);
           const auto scale = static_cast<float>(rng_.uniform(0.8, 1.15));
           const double turned = rng_.uniform(0, 6.28);
-          world_.placeOnGround(any(furnishing_.trees, rng_),
+          world_.placeOnGround(rng_.pick(furnishing_.trees),
                                grid_.toWorld(local(s, side * (kerb + 0.5))), turned, scale);
         }
         else if (rng_.chance(0.02))
         {
-          world_.placeOnGround(any(furnishing_.signs, rng_), grid_.toWorld(where),
+          world_.placeOnGround(rng_.pick(furnishing_.signs), grid_.toWorld(where),
                                yaw + 3.14159265);
         }
         else if (rng_.chance(0.05))
         {
-          world_.placeOnGround(any(furnishing_.clutter, rng_),
+          world_.placeOnGround(rng_.pick(furnishing_.clutter),
                                grid_.toWorld(local(s, side * (street.half() + street.walk - 0.5))),
                                yaw);
         }
@@ -166,12 +162,12 @@ class BlockBuilder
         {
           const P wall = local(s, side * (street.half() + street.walk - 0.35));
           const double turned = rng_.uniform(0, 6.28);
-          world_.placeOnGround(any(furnishing_.bushes, rng_), grid_.toWorld(wall), turned, 0.6F);
+          world_.placeOnGround(rng_.pick(furnishing_.bushes), grid_.toWorld(wall), turned, 0.6F);
         }
         else if (rng_.chance(0.02))
         {
           const double turned = yaw + rng_.uniform(-0.3, 0.3);
-          world_.park(any(world_.parked_bicycles, rng_),
+          world_.park(rng_.pick(world_.parked_bicycles),
                       grid_.toWorld(local(s, side * (street.half() + street.walk - 0.4))), turned,
                       rng_);
         }
@@ -193,7 +189,7 @@ class BlockBuilder
       {
         const P where(a.center + su * (a.half() + 0.6), b.center + sv * (b.half() + 2.0));
         const double turned = rng_.uniform(0, 6.28);
-        world_.placeOnGround(lights ? furnishing_.light : any(furnishing_.signs, rng_),
+        world_.placeOnGround(lights ? furnishing_.light : rng_.pick(furnishing_.signs),
                              grid_.toWorld(where), turned);
       }
     }
@@ -223,7 +219,7 @@ class BlockBuilder
       {
         continue;
       }
-      const int model = rng_.chance(0.9) ? any(world_.cars, rng_) : any(world_.vans, rng_);
+      const int model = rng_.chance(0.9) ? rng_.pick(world_.cars) : rng_.pick(world_.vans);
       const P where = local(s, side * (street.lane + 0.5 * street.parking + rng_.uniform(0, 0.1)));
       const bool along_v = (local(1, 0) - local(0, 0)).y() > 0.5;
       const bool ahead = rng_.chance(0.85) == (side > 0);
@@ -247,7 +243,7 @@ class BlockBuilder
       const double width = static_cast<double>(style.width);
       if (dense && rng_.chance(0.07))
       {
-        scatter2(side, s, width);  // a gap between houses
+        furnishGap(side, s, width);  // a gap between houses
       }
       else
       {
@@ -263,13 +259,13 @@ class BlockBuilder
 
   void addHouse(const Side& side, double s, double front, const BuildingStyle& style)
   {
-    // Front's left corner as seen from the street is at the greater s: the facade runs backwards.
+    // The facade's left corner as seen from the street is at the greater s.
     const double width = static_cast<double>(style.width), depth = static_cast<double>(style.depth);
     const P corner_local = side.at(s, front);
     const P middle = side.at(s + 0.5 * width, front + 0.5 * depth);
     const P d = grid_.toWorld(middle + 0.5 * side.along) - grid_.toWorld(middle - 0.5 * side.along);
     double yaw = std::atan2(d.y(), d.x());
-    // x along the street must have the block on its left for y to point inwards.
+    // y points inwards if the block is on the left of x.
     const double cross = side.along.x() * side.inward.y() - side.along.y() * side.inward.x();
     P corner = corner_local;
     if (cross < 0)
@@ -278,7 +274,7 @@ class BlockBuilder
       corner = side.at(s + width, front);
     }
     const P w = grid_.toWorld(corner);
-    // Stands on the lowest of its corners' ground.
+    // On the lowest ground of its corners.
     double z = 1e9;
     for (const double a : {0.0, width})
     {
@@ -295,7 +291,7 @@ class BlockBuilder
     addBuilding(world_.meshes.back(), style, transform, rng_);
   }
 
-  /** A row of 3 m elements along a side of a plot. */
+  /** A row of 3 m elements along a side of a block. */
   void row(const Side& side, double s, double length, double front, int shape)
   {
     for (double x = 0; x + 3 <= length + 0.5; x += 3)
@@ -312,7 +308,7 @@ class BlockBuilder
     if (u < 0.75)
     {
       row(side, s - 1, width + 2, 0.4,
-          u < 0.4 ? any(furnishing_.hedges, rng_) : any(furnishing_.fences, rng_));
+          u < 0.4 ? rng_.pick(furnishing_.hedges) : rng_.pick(furnishing_.fences));
     }
     const int plants = rng_.below(8);
     for (int k = 0; k < plants; ++k)
@@ -321,28 +317,28 @@ class BlockBuilder
       const P where = side.at(s + rng_.uniform(0, width), inward);
       const double turned = rng_.uniform(0, 6.28);
       world_.placeOnGround(
-          rng_.chance(0.6) ? any(furnishing_.bushes, rng_) : any(furnishing_.small_trees, rng_),
+          rng_.chance(0.6) ? rng_.pick(furnishing_.bushes) : rng_.pick(furnishing_.small_trees),
           grid_.toWorld(where), turned);
     }
     if (rng_.chance(0.4) && front > 5)
     {
       const P a = grid_.toWorld(side.at(s + width + 1.5, 1)),
               b = grid_.toWorld(side.at(s + width + 1.5, 5));
-      world_.park(any(world_.cars, rng_), 0.5 * (a + b), std::atan2(b.y() - a.y(), b.x() - a.x()),
+      world_.park(rng_.pick(world_.cars), 0.5 * (a + b), std::atan2(b.y() - a.y(), b.x() - a.x()),
                   rng_);
     }
   }
 
-  void scatter2(const Side& side, double s, double width)
+  void furnishGap(const Side& side, double s, double width)
   {
-    row(side, s, width, 0.4, any(furnishing_.fences, rng_));
+    row(side, s, width, 0.4, rng_.pick(furnishing_.fences));
     for (int k = 0; k < 4; ++k)
     {
       const double turned = rng_.uniform(0, 6.28);
       const double inward = rng_.uniform(2, side.depth);
       const P where = side.at(s + rng_.uniform(0, width), inward);
       world_.placeOnGround(
-          any(rng_.chance(0.5) ? furnishing_.bushes : furnishing_.small_trees, rng_),
+          rng_.pick(rng_.chance(0.5) ? furnishing_.bushes : furnishing_.small_trees),
           grid_.toWorld(where), turned);
     }
   }
@@ -354,7 +350,7 @@ class BlockBuilder
       const double y = rng_.uniform(0, height), x = rng_.uniform(0, width);
       const double turned = rng_.uniform(0, 6.28);
       world_.placeOnGround(
-          any(rng_.chance(0.5) ? furnishing_.trees : furnishing_.small_trees, rng_),
+          rng_.pick(rng_.chance(0.5) ? furnishing_.trees : furnishing_.small_trees),
           grid_.toWorld(corner + P(x, y)), turned);
     }
   }
@@ -366,12 +362,12 @@ class BlockBuilder
     {
       const double y = rng_.uniform(2, height - 2), x = rng_.uniform(2, width - 2);
       const double turned = rng_.uniform(0, 6.28);
-      world_.placeOnGround(rng_.chance(0.5) ? any(furnishing_.bushes, rng_) : furnishing_.bench,
+      world_.placeOnGround(rng_.chance(0.5) ? rng_.pick(furnishing_.bushes) : furnishing_.bench,
                            grid_.toWorld(corner + P(x, y)), turned);
     }
     const Side south{corner, P(1, 0), P(0, 1), width, height};
     row(south, 1, width - 2, 0.5,
-        rng_.chance(0.5) ? any(furnishing_.hedges, rng_) : any(furnishing_.fences, rng_));
+        rng_.chance(0.5) ? rng_.pick(furnishing_.hedges) : rng_.pick(furnishing_.fences));
   }
 
   World& world_;

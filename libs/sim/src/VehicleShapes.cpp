@@ -7,7 +7,7 @@ namespace
 {
 using V = Eigen::Vector3f;
 
-/** Half-rounded vertical section of a body shell at station x. */
+/** Rounded cross-section of a vehicle body at x. */
 std::vector<V> shellSection(float x, float half_width, float bottom, float top)
 {
   const float w = half_width;
@@ -42,7 +42,7 @@ void addWheels(Mesh& mesh, std::initializer_list<float> stations, float half_wid
   }
 }
 
-/** Windows all round between the belt and the roof; the roof is paint. */
+/** Windows between belt line and roof. */
 void addGreenhouse(Mesh& mesh, const CarStyle& s, float belt_z)
 {
   const float front = 0.5F * s.length - s.hood;
@@ -61,7 +61,7 @@ void addGreenhouse(Mesh& mesh, const CarStyle& s, float belt_z)
   mesh.addQuad(low[1], low[2], high[2], high[1], Material::car_glass);
   mesh.addQuad(low[3], low[0], high[0], high[3],
                s.closed_rear ? Material::paint : Material::car_glass);
-  // Sides: pillars of paint at both ends and in the middle, glass between them.
+  // Sides: painted pillars at both ends and in the middle, glass between them.
   for (const int side : {0, 1})
   {
     const V l0 = side != 0 ? low[3] : low[0], l1 = side != 0 ? low[2] : low[1];

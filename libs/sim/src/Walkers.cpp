@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// People on foot, cyclists on campus paths, cyclists on the road, and an ego among them.
+// Pedestrians, cyclists on campus paths and on the road, and the ego on a path.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -18,7 +18,7 @@ bool isVehicle(ObjectClass c)
   return c != ObjectClass::pedestrian && c != ObjectClass::cyclist;
 }
 
-/** Distance to the nearest body within `half_width` of the line ahead, and who it is. */
+/** Distance to the nearest body within `half_width` of the line ahead, and its index. */
 std::pair<double, int> bodyAhead(const Crowd& crowd,
                                  int self,
                                  const Eigen::Vector2d& position,
@@ -42,7 +42,7 @@ std::pair<double, int> bodyAhead(const Crowd& crowd,
       continue;
     }
     const BodyModel& m = crowd.model(static_cast<int>(i));
-    // Extent of the other one along and across our way.
+    // Extent of the other body along and across the line.
     const double turn = actors[i].state.yaw - yaw;
     const double along =
         0.5 * (std::abs(std::cos(turn)) * m.size.x() + std::abs(std::sin(turn)) * m.size.y());
@@ -64,13 +64,13 @@ struct Walker
   int actor = 0;
   bool rides = false;
   int from = 0, to = 0, link = 0, next_link = 0;
-  double side = 0.4;  // to the right of the links' middle [m]
-  double wish = 1.3, v = 0;
+  double side = 0.4;  // offset to the right of the links' centre [m]
+  double desired_speed = 1.3, v = 0;
   double yaw = 0;
   Eigen::Vector2d position = Eigen::Vector2d::Zero(), target = Eigen::Vector2d::Zero();
   double pause_until = 0;
   double stuck = 0;
-  bool at_rest = false;  // stands about for good
+  bool at_rest = false;  // stands still permanently
 };
 
 class Walkers : public Crowd::Group
@@ -133,16 +133,15 @@ class Walkers : public Crowd::Group
     w.rides = rides;
     const auto& kinds = rides ? crowd_.world().cyclists : crowd_.world().people;
     const float paint = drawPaint(rng_);
-    w.actor = crowd_.addActor(
-        kinds[static_cast<std::size_t>(rng_.below(static_cast<int>(kinds.size())))], paint);
+    w.actor = crowd_.addActor(rng_.pick(kinds), paint);
     const bool forward = rng_.chance(0.5);
     w.from = forward ? link.a : link.b;
     w.to = forward ? link.b : link.a;
     w.link = link_index;
     w.side = rng_.uniform(0.1, 0.5 * link.width);
-    w.wish = rides ? rng_.uniform(2.5, 5.0) : std::max(0.5, 1.3 + 0.3 * rng_.gaussian());
+    w.desired_speed = rides ? rng_.uniform(2.5, 5.0) : std::max(0.5, 1.3 + 0.3 * rng_.gaussian());
     w.at_rest = !rides && rng_.chance(0.15);
-    w.v = w.at_rest ? 0 : w.wish;
+    w.v = w.at_rest ? 0 : w.desired_speed;
     const Eigen::Vector2d d = (node(w.to) - node(w.from)).normalized();
     w.yaw = std::atan2(d.y(), d.x());
     w.position = node(w.from) + rng_.uniform() * (node(w.to) - node(w.from)) +
@@ -155,7 +154,7 @@ class Walkers : public Crowd::Group
     crowd_.actor(w.actor).state.phase = rng_.uniform(0, 2 * kPi);
     crowd_.actor(w.actor).state.swing = w.at_rest ? 0 : 1;
     walkers_.push_back(w);
-    crowd_.stand(w.actor, w.position, w.yaw);
+    crowd_.setPosition(w.actor, w.position, w.yaw);
     crowd_.actor(w.actor).state.speed = w.v;
   }
 
@@ -249,39 +248,40 @@ class Walkers : public Crowd::Group
     {
       w.pause_until = crowd_.time() + rng_.uniform(2, 12);
     }
-    const double way = std::atan2(d.y(), d.x());
-    double wish = crowd_.time() < w.pause_until ? 0 : w.wish;
-    // Slower round corners, and behind others; round them if they stand.
-    const double off = wrapAngle(way - w.yaw);
-    wish *= std::max(0.25, std::cos(std::min(std::abs(off), 1.4)));
+    const double target_heading = std::atan2(d.y(), d.x());
+    double desired_speed = crowd_.time() < w.pause_until ? 0 : w.desired_speed;
+    // Slower in corners and behind others; evades those that stand.
+    const double off = wrapToPi(target_heading - w.yaw);
+    desired_speed *= std::max(0.25, std::cos(std::min(std::abs(off), 1.4)));
     const auto [gap, who] =
         bodyAhead(crowd_, w.actor, w.position, w.yaw, w.rides ? 0.45 : 0.3, w.rides ? 3.5 : 1.6);
-    double dodge = 0;
+    double evasion = 0;
     if (who >= 0)
     {
       const double room = w.rides ? 1.2 : 0.5;
-      wish = std::min(wish, std::max(0.0, 1.2 * (gap - room)) + (w.stuck > 1.5 ? 0.3 : 0.0));
-      dodge = w.stuck > 0.5 || gap < 1.2 ? -0.7 : -0.35;  // to the right
+      desired_speed =
+          std::min(desired_speed, std::max(0.0, 1.2 * (gap - room)) + (w.stuck > 1.5 ? 0.3 : 0.0));
+      evasion = w.stuck > 0.5 || gap < 1.2 ? -0.7 : -0.35;  // to the right
     }
-    // The ego is a body, too.
+    // The ego is an obstacle as well.
     const Eigen::Vector2d to_ego = crowd_.ego().position - w.position;
     if (to_ego.norm() < (w.rides ? 2.5 : 1.5) &&
         to_ego.x() * std::cos(w.yaw) + to_ego.y() * std::sin(w.yaw) > 0)
     {
-      wish = std::min(wish, 0.5 * w.wish);
-      dodge = -0.8;
-      wish = to_ego.norm() < 0.9 ? 0.2 : wish;
+      desired_speed = std::min(desired_speed, 0.5 * w.desired_speed);
+      evasion = -0.8;
+      desired_speed = to_ego.norm() < 0.9 ? 0.2 : desired_speed;
     }
     w.stuck = w.v < 0.15 && crowd_.time() >= w.pause_until ? w.stuck + dt : 0;
     const double rate = w.rides ? 1.5 : 2.5;
-    w.v += std::clamp(wish - w.v, -2 * rate * dt, rate * dt);
+    w.v += std::clamp(desired_speed - w.v, -2 * rate * dt, rate * dt);
     const double turn =
-        std::clamp(wrapAngle(way + dodge - w.yaw), -1.0, 1.0) * (w.rides ? 1.8 : 3.0);
-    w.yaw = wrapAngle(w.yaw + turn * dt * std::min(1.0, 0.2 + w.v));
+        std::clamp(wrapToPi(target_heading + evasion - w.yaw), -1.0, 1.0) * (w.rides ? 1.8 : 3.0);
+    w.yaw = wrapToPi(w.yaw + turn * dt * std::min(1.0, 0.2 + w.v));
     w.position += w.v * dt * Eigen::Vector2d(std::cos(w.yaw), std::sin(w.yaw));
     if (w.rides)
     {
-      state.phase += w.v / 5.2 * 2 * kPi * dt;  // 5.2 m for a turn of the pedals
+      state.phase += w.v / 5.2 * 2 * kPi * dt;  // 5.2 m per pedal revolution
       state.roll = 0;
     }
     else
@@ -291,7 +291,7 @@ class Walkers : public Crowd::Group
       state.swing += std::clamp(
           std::min(1.0, 0.25 + 0.6 * w.v) * (w.v > 0.05 ? 1 : 0) - state.swing, -3 * dt, 3 * dt);
     }
-    crowd_.stand(w.actor, w.position, w.yaw);
+    crowd_.setPosition(w.actor, w.position, w.yaw);
     state.speed = w.v;
   }
 
@@ -318,15 +318,14 @@ class Bicycles : public Crowd::Group
         Rider r;
         r.loop = &loop;
         r.s = s;
-        r.wish = rng_.uniform(3.2, 6.5);
-        r.v = r.wish;
+        r.desired_speed = rng_.uniform(3.2, 6.5);
+        r.v = r.desired_speed;
         const auto& kinds = crowd.world().cyclists;
         const float paint = drawPaint(rng_);
-        r.actor = crowd.addActor(
-            kinds[static_cast<std::size_t>(rng_.below(static_cast<int>(kinds.size())))], paint);
+        r.actor = crowd.addActor(rng_.pick(kinds), paint);
         riders_.push_back(r);
         const auto at = loop.at(s);
-        crowd.stand(r.actor, at.position, at.heading);
+        crowd.setPosition(r.actor, at.position, at.heading);
       }
     }
   }
@@ -344,19 +343,19 @@ class Bicycles : public Crowd::Group
         continue;
       }
       const auto [gap, who] = bodyAhead(crowd_, r.actor, at.position, at.heading, 0.35, 8);
-      double wish = r.wish;
+      double desired_speed = r.desired_speed;
       if (who >= 0 && r.stuck < 4)
       {
-        wish = std::min(wish, std::max(0.0, 0.9 * (gap - 1.4)));
+        desired_speed = std::min(desired_speed, std::max(0.0, 0.9 * (gap - 1.4)));
       }
-      const double bend = std::abs(wrapAngle(r.loop->at(r.s + 4).heading - at.heading));
-      wish = std::min(wish, bend > 0.3 ? 2.8 : kFar);
+      const double heading_change = std::abs(wrapToPi(r.loop->at(r.s + 4).heading - at.heading));
+      desired_speed = std::min(desired_speed, heading_change > 0.3 ? 2.8 : kFar);
       r.stuck = r.v < 0.2 ? r.stuck + dt : std::max(0.0, r.stuck - 0.3 * dt);
-      r.v += std::clamp(wish - r.v, -3 * dt, 1.0 * dt);
+      r.v += std::clamp(desired_speed - r.v, -3 * dt, 1.0 * dt);
       r.v = std::max(0.0, r.v);
       r.s += r.v * dt;
       const auto now = r.loop->at(r.s);
-      crowd_.stand(r.actor, now.position, now.heading);
+      crowd_.setPosition(r.actor, now.position, now.heading);
       actor.state.roll = 0;
       actor.state.speed = r.v;
       actor.state.phase += r.v / 5.2 * 2 * kPi * dt;
@@ -368,14 +367,14 @@ class Bicycles : public Crowd::Group
   {
     const Path* loop = nullptr;
     int actor = 0;
-    double s = 0, v = 0, wish = 4, stuck = 0;
+    double s = 0, v = 0, desired_speed = 4, stuck = 0;
   };
   Crowd& crowd_;
   Rng rng_;
   std::vector<Rider> riders_;
 };
 
-/** The ego on a closed path of its own. */
+/** The ego on a closed path. */
 class PathEgo : public Crowd::Group
 {
  public:
@@ -390,24 +389,27 @@ class PathEgo : public Crowd::Group
   void step(double dt) override
   {
     const Path& path = crowd_.world().ego_path;
-    double wish = egoCruise(crowd_.world(), crowd_.options());
+    double desired_speed = egoCruise(crowd_.world(), crowd_.options());
     if (crowd_.options().stops && crowd_.time() > next_stop_)
     {
       stop_until_ = crowd_.time() + rng_.uniform(1.5, 5);
       next_stop_ = stop_until_ + rng_.uniform(20, 60);
     }
-    wish = crowd_.time() < stop_until_ ? 0 : wish;
-    const double bend = std::abs(wrapAngle(path.at(s_ + 1.5).heading - path.at(s_).heading));
-    wish = std::min(
-        wish, bend > 0.2 ? std::max(0.6, 0.5 * egoCruise(crowd_.world(), crowd_.options())) : kFar);
+    desired_speed = crowd_.time() < stop_until_ ? 0 : desired_speed;
+    const double heading_change =
+        std::abs(wrapToPi(path.at(s_ + 1.5).heading - path.at(s_).heading));
+    desired_speed = std::min(desired_speed,
+                             heading_change > 0.2
+                                 ? std::max(0.6, 0.5 * egoCruise(crowd_.world(), crowd_.options()))
+                                 : kFar);
     const auto [gap, who] =
         bodyAhead(crowd_, -1, crowd_.ego().position, crowd_.ego().yaw, 0.45, 2.5 + 1.5 * v_);
     if (who >= 0 && stuck_ < 5)
     {
-      wish = std::min(wish, std::max(0.0, 0.8 * (gap - 1.0)));
+      desired_speed = std::min(desired_speed, std::max(0.0, 0.8 * (gap - 1.0)));
     }
     stuck_ = v_ < 0.1 && who >= 0 ? stuck_ + dt : std::max(0.0, stuck_ - 0.5 * dt);
-    v_ = std::max(0.0, v_ + std::clamp(wish - v_, -1.8 * dt, 0.9 * dt));
+    v_ = std::max(0.0, v_ + std::clamp(desired_speed - v_, -1.8 * dt, 0.9 * dt));
     s_ += v_ * dt;
     place();
   }

@@ -84,7 +84,7 @@ void World::placeOnGround(int shape, const Eigen::Vector2d& position, double yaw
 void World::park(int model_index, const Eigen::Vector2d& position, double yaw, Rng& rng)
 {
   const BodyModel& model = bodies[static_cast<std::size_t>(model_index)];
-  // It stands on its two axles, so it leans with the ground.
+  // Aligned with the ground below the axles.
   const Eigen::Vector2d forward(std::cos(yaw), std::sin(yaw));
   const Eigen::Vector2d left(-forward.y(), forward.x());
   const double h = 0.5 * model.wheelbase, w = 0.4 * model.size.y();
@@ -160,18 +160,16 @@ void addBodies(World& world, Rng& rng)
 
 int drawVehicle(const World& world, Rng& rng, double heavy_share)
 {
-  const auto any = [&](const std::vector<int>& list)
-  { return list[static_cast<std::size_t>(rng.below(static_cast<int>(list.size())))]; };
   const double u = rng.uniform();
   if (u < heavy_share)
   {
-    return rng.chance(0.25) ? any(world.buses) : any(world.trucks);
+    return rng.chance(0.25) ? rng.pick(world.buses) : rng.pick(world.trucks);
   }
   if (u < heavy_share + 0.14)
   {
-    return any(world.vans);
+    return rng.pick(world.vans);
   }
-  return u > 0.96 ? any(world.riders) : any(world.cars);
+  return u > 0.96 ? rng.pick(world.riders) : rng.pick(world.cars);
 }
 
 float drawPaint(Rng& rng)

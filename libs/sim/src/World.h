@@ -15,12 +15,12 @@
 
 namespace dyslam::sim
 {
-/** Numbers in the labels of bodies that may move, from the top ... */
+/** Number of label instances of bodies that may move, from the highest downwards. */
 constexpr int kMovingInstances = 30000;
-/** ... and of parked ones, from 1. */
+/** Number of label instances of parked vehicles, from 1. */
 constexpr int kParkedInstances = 65535 - kMovingInstances;
 
-/** Static geometry, its meaning, the shapes of everything that moves, and the ways they take. */
+/** Static geometry with semantics, the shapes of all bodies, and the networks they move on. */
 class World
 {
  public:
@@ -38,15 +38,15 @@ class World
              std::uint16_t semantic = 0,
              std::uint16_t instance = 0,
              float reflectivity = -1);
-  /** At a place of the ground, upright, turned by `yaw` in the world. */
+  /** Upright on the ground at a position with a yaw in the world. */
   void placeOnGround(int shape, const Eigen::Vector2d& world_position, double yaw, float scale = 1);
-  /** A parked vehicle or a bicycle: a body model standing still for good. */
+  /** A parked vehicle or bicycle. */
   void park(int model, const Eigen::Vector2d& world_position, double yaw, Rng& rng);
   [[nodiscard]] std::uint16_t nextInstance()
   {
     return static_cast<std::uint16_t>(1 + instances_++ % kParkedInstances);
   }
-  /** Ends the building: the scene is made and the world is not changed any more. */
+  /** Builds the scene; the world must not be changed afterwards. */
   void finish();
 
   WorldKind kind;
@@ -55,7 +55,7 @@ class World
   LaneNetwork roads;                //!< urban, campus, field
   WalkNetwork walks;                //!< urban, campus
   std::vector<Path> bicycle_loops;  //!< closed, at the edge of the carriageway
-  Path ego_path;                    //!< of walking and field egos: closed
+  Path ego_path;                    //!< closed: campus, field
   Path highway;                     //!< centre line, closed: highway, tunnel
   int highway_lanes = 3;            //!< each way
   double highway_lane_width = 3.6;  //!< [m]
@@ -70,7 +70,7 @@ class World
   std::deque<Mesh> meshes;  //!< world frame
   std::deque<Mesh> shape_meshes;
   std::vector<RayScene> shapes;
-  RayScene scene;  //!< all that stands still
+  RayScene scene;  //!< all static geometry
 
  private:
   struct Placement
@@ -83,13 +83,13 @@ class World
   int instances_ = 0;
 };
 
-/** Body models of every kind, each in several variants. */
+/** Adds body models of all kinds, each in several variants. */
 void addBodies(World& world, Rng& rng);
 
 [[nodiscard]] int drawVehicle(const World& world, Rng& rng, double heavy_share);
-/** Paint and clothes from black to white, as seen on the road. */
+/** Reflectivity of paint and clothes, with a realistic distribution. */
 [[nodiscard]] float drawPaint(Rng& rng);
-/** Class in SemanticKITTI's numbers of a body that stands (first) or moves (second). */
+/** SemanticKITTI classes of a body at rest (first) and in motion (second). */
 [[nodiscard]] std::pair<std::uint16_t, std::uint16_t> semanticClasses(ObjectClass object_class);
 
 void buildUrban(World& world, const SimulatorOptions& options);

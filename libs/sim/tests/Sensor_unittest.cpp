@@ -11,7 +11,7 @@ using namespace dyslam;
 using namespace dyslam::sim;
 constexpr double kDegree = 3.14159265358979323846 / 180;
 
-TEST(Sensor, BeamTablesAreTheDataSheets)
+TEST(Sensor, BeamTablesMatchTheDataSheets)
 {
   const auto check = [](SensorKind kind, std::size_t beams, double lowest, double highest)
   {
@@ -36,9 +36,9 @@ TEST(Sensor, BeamTablesAreTheDataSheets)
   check(SensorKind::os1_128, 128, -22.5, 22.5);
 }
 
-TEST(Sensor, VelodyneLasersFireInTurn)
+TEST(Sensor, VelodyneFiringTimesMatchTheDataSheet)
 {
-  // VLP-16: laser ids 0..15 look to -15, 1, -13, 3, ... and fire every 2.304 us.
+  // VLP-16: laser ids 0..15 have elevations -15, 1, -13, 3, ... and fire every 2.304 us.
   const SensorModel m = sensorModel(SensorKind::vlp16);
   EXPECT_NEAR(m.beams[0].fire_time, 0, 1e-12);
   EXPECT_NEAR(m.beams[8].elevation, 1 * kDegree, 1e-9);
@@ -47,7 +47,7 @@ TEST(Sensor, VelodyneLasersFireInTurn)
   EXPECT_NEAR(m.beams[15].fire_time, 15 * 2.304e-6, 1e-12);
 }
 
-TEST(Sensor, SweepsClockwiseThroughStraightAheadAtTheStamp)
+TEST(Sensor, SweepIsClockwiseAndFacesForwardAtTheStamp)
 {
   const SensorModel m = sensorModel(SensorKind::hdl64e);
   EXPECT_NEAR(m.azimuth(0), 180 * kDegree, 1e-9);
@@ -57,7 +57,7 @@ TEST(Sensor, SweepsClockwiseThroughStraightAheadAtTheStamp)
   EXPECT_NEAR(m.azimuth(0.75 * m.columns), -90 * kDegree, 1e-9);
 }
 
-TEST(Sensor, NamesGoRoundAndBadOnesAreToldTheNearest)
+TEST(Sensor, NamesRoundTripAndErrorsSuggestTheNearest)
 {
   for (const auto kind : {SensorKind::hdl64e, SensorKind::hdl32e, SensorKind::vlp16,
                           SensorKind::os1_64, SensorKind::os1_128})
@@ -70,7 +70,7 @@ TEST(Sensor, NamesGoRoundAndBadOnesAreToldTheNearest)
   EXPECT_EQ(worldKindFromString("tunnel"), WorldKind::tunnel);
 }
 
-TEST(SimulatorOptions, RejectsWhatIsOutOfRange)
+TEST(SimulatorOptions, RejectsValuesOutOfRange)
 {
   SimulatorOptions options;
   options.traffic = 1.5;
@@ -80,7 +80,7 @@ TEST(SimulatorOptions, RejectsWhatIsOutOfRange)
   EXPECT_THROW(Simulator{options}, UserError);
 }
 
-TEST(SimulatorOptions, SurviveSavingAndLoading)
+TEST(SimulatorOptions, RoundTripThroughText)
 {
   SimulatorOptions options;
   options.world = WorldKind::campus;
@@ -101,7 +101,7 @@ TEST(SimulatorOptions, SurviveSavingAndLoading)
   EXPECT_FALSE(again.motion_distortion);
 }
 
-TEST(Sensor, PointsLieOnTheirBeamsAndCarryTheirTime)
+TEST(Sensor, PointsMatchTheirBeamAndTime)
 {
   SimulatorOptions options;
   options.sensor = SensorKind::vlp16;
@@ -118,7 +118,7 @@ TEST(Sensor, PointsLieOnTheirBeamsAndCarryTheirTime)
     const Beam& beam = m.beams[scan.scan.ring[i]];
     rings.insert(scan.scan.ring[i]);
     EXPECT_NEAR(std::atan2(p.z(), p.head<2>().norm()), beam.elevation, 0.1 * kDegree);
-    // The head turns on between the column's start and this beam's firing.
+    // The head rotates between the column's start and this beam's firing.
     const double azimuth = -2 * 180 * kDegree * static_cast<double>(scan.scan.time[i]) / m.period;
     EXPECT_NEAR(std::remainder(std::atan2(p.y(), p.x()) - azimuth, 360 * kDegree), 0,
                 0.02 * kDegree);

@@ -55,7 +55,7 @@ Eigen::Vector3d inBox(const Box& box, const Eigen::Vector3f& p)
   return Eigen::AngleAxisd(-box.yaw, Eigen::Vector3d::UnitZ()) * (p.cast<double>() - box.center);
 }
 
-/** Place of a point in its body, told in the map so that the sensor's own lean is left out. */
+/** Position of a point in its body, computed in the map so that the sensor's tilt has no effect. */
 Eigen::Vector3d inBody(const Pose& T_map_lidar, const Box& box, const Eigen::Vector3f& p)
 {
   const Eigen::Vector3d heading =
@@ -82,7 +82,7 @@ TEST(Simulator, EqualSeedsGiveEqualBytesOnAnyNumberOfThreads)
   }
 }
 
-TEST(Simulator, StaticFlowIsTheSensorsMotion)
+TEST(Simulator, StaticFlowEqualsTheEgoMotion)
 {
   Simulator simulator(small(WorldKind::urban, 0.5));
   for (int i = 0; i < 10; ++i)
@@ -106,7 +106,7 @@ TEST(Simulator, StaticFlowIsTheSensorsMotion)
   }
 }
 
-TEST(Simulator, PosesAreOneChain)
+TEST(Simulator, PosesOfConsecutiveScansAgree)
 {
   Simulator simulator(small(WorldKind::urban, 0.3));
   SimulatedScan before = simulator.next();
@@ -121,9 +121,9 @@ TEST(Simulator, PosesAreOneChain)
   }
 }
 
-// Without distortion each body stands still during a scan, so its points keep their place in its
-// box and flow brings them to the same place in the next scan's box.
-TEST(Simulator, BoxesHoldTheirPointsAndFlowGoesWithThem)
+// Without distortion bodies are static during a scan: points keep their position in the box, and
+// flow moves them to the same position in the next scan's box.
+TEST(Simulator, BoxesContainTheirPointsAndFlowFollowsThem)
 {
   for (const auto world : {WorldKind::urban, WorldKind::campus, WorldKind::highway})
   {
@@ -161,7 +161,7 @@ TEST(Simulator, BoxesHoldTheirPointsAndFlowGoesWithThem)
         const Eigen::Vector3d q = inBox(o.box, s.deskewed[k]);
         const Eigen::Vector3d half = 0.5 * o.box.size;
         const double slack =
-            (limbs ? 0.2 : 0.06) + 0.05 * half.norm();  // boxes are upright, bodies lean
+            (limbs ? 0.2 : 0.06) + 0.05 * half.norm();  // boxes are upright, bodies are tilted
         EXPECT_LT((q.cwiseAbs() - half).maxCoeff(), slack)
             << toString(o.object_class) << " " << q.transpose() << " in " << half.transpose();
         EXPECT_EQ(s.moving[k] != 0, o.moving);
@@ -171,7 +171,7 @@ TEST(Simulator, BoxesHoldTheirPointsAndFlowGoesWithThem)
           const Eigen::Vector3d before = inBody(lidarPose(s), o.box, s.deskewed[k]);
           const Eigen::Vector3d after =
               inBody(lidarPose(next), following->second->box, s.deskewed[k] + s.flow[k]);
-          // The body itself leans with the ground it drives over.
+          // The body is tilted with the ground.
           EXPECT_LT((after - before).norm(), 0.01 + 0.008 * before.norm());
           ++checked;
         }
@@ -189,7 +189,7 @@ TEST(Simulator, BoxesHoldTheirPointsAndFlowGoesWithThem)
   }
 }
 
-/** Distance from each point of a to the nearest of b within a coarse grid; the median. */
+/** Median distance from the points of a to their nearest neighbours in b, within a coarse grid. */
 double medianDistance(const std::vector<Eigen::Vector3f>& a, const std::vector<Eigen::Vector3f>& b)
 {
   const auto key = [](const Eigen::Vector3f& p)
@@ -233,7 +233,7 @@ double medianDistance(const std::vector<Eigen::Vector3f>& a, const std::vector<E
   return distances.empty() ? 1e9 : static_cast<double>(distances[distances.size() / 2]);
 }
 
-TEST(Simulator, FlowedMoversLieOnTheNextSurface)
+TEST(Simulator, FlowMovesPointsOntoTheNextScansSurface)
 {
   SimulatorOptions options = small(WorldKind::highway, 0.6);
   options.columns = 2083;
@@ -269,7 +269,7 @@ TEST(Simulator, FlowedMoversLieOnTheNextSurface)
   EXPECT_LT(with, 0.6 * without);
 }
 
-TEST(Simulator, DeskewingTakesTheSensorsMotionOut)
+TEST(Simulator, DeskewingCompensatesEgoMotion)
 {
   SimulatorOptions options = small(WorldKind::urban, 0);
   options.noise = false;
@@ -313,7 +313,7 @@ TEST(Simulator, DeskewingTakesTheSensorsMotionOut)
   EXPECT_LT(deskewed_distance, 0.6 * raw_distance) << "travelled " << travelled;
 }
 
-TEST(Simulator, NothingMovesWithoutTraffic)
+TEST(Simulator, HasNoMovingPointsWithoutTraffic)
 {
   for (const auto world : {WorldKind::urban, WorldKind::campus, WorldKind::highway,
                            WorldKind::tunnel, WorldKind::field})
@@ -326,7 +326,7 @@ TEST(Simulator, NothingMovesWithoutTraffic)
   }
 }
 
-TEST(Simulator, GroundIsNoPlane)
+TEST(Simulator, GroundIsNotPlanar)
 {
   for (const auto world :
        {WorldKind::urban, WorldKind::campus, WorldKind::highway, WorldKind::field})
@@ -335,7 +335,7 @@ TEST(Simulator, GroundIsNoPlane)
     options.noise = false;
     Simulator simulator(options);
     const SimulatedScan s = simulator.next();
-    // Spread of the ground's heights within 15 m after the best plane is taken out
+    // Standard deviation of the ground's heights within 15 m about the best plane
     Eigen::Matrix3d a = Eigen::Matrix3d::Zero();
     Eigen::Vector3d b = Eigen::Vector3d::Zero();
     std::vector<Eigen::Vector3d> ground;
@@ -362,7 +362,7 @@ TEST(Simulator, GroundIsNoPlane)
   }
 }
 
-/** Overlap of two vehicles' boxes, shrunk a little, by the separating axes of rectangles. */
+/** Whether two slightly shrunk vehicle boxes overlap (separating axis theorem). */
 bool collide(const Box& a, const Box& b)
 {
   const auto axes = [](const Box& x)
@@ -388,7 +388,7 @@ bool collide(const Box& a, const Box& b)
   return true;
 }
 
-TEST(Traffic, VehiclesKeepClearOfOneAnotherAndOfTheEgo)
+TEST(Traffic, VehiclesDoNotCollide)
 {
   for (const auto world : {WorldKind::urban, WorldKind::highway})
   {
@@ -468,7 +468,7 @@ TEST(Ego, ClosesItsLoop)
   }
 }
 
-TEST(ClipGenerator, GivesTheSameClipInAnyOrder)
+TEST(ClipGenerator, ClipsDoNotDependOnTheirOrder)
 {
   ClipOptions options;
   options.simulator.columns = 200;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Pictures and statistics of simulated scans beside real ones, for doc/simulator.md.
+// Compares simulated with real scans: images and statistics, for doc/simulator.md.
 //   sim_compare --world urban --sensor HDL64E --scans 20 --real DIR_OF_BIN [--every N] -o PREFIX
 // Writes PREFIX_range.png (real above simulated) and PREFIX_bev.png (real left) and prints one
 // table of statistics for Markdown.
@@ -44,7 +44,7 @@ Scan readBin(const std::string& path)
   return scan;
 }
 
-/** Row of the sensor's nearest beam by elevation, for real and simulated scans alike. */
+/** Row of the sensor's beam nearest in elevation, for real and simulated scans. */
 class RowFinder
 {
  public:
@@ -161,7 +161,7 @@ struct Statistics
   int scans = 0;
   double points = 0, filled = 0, ground = 0, ground_roughness = 0, plane_roughness = 0,
          isolated = 0, intensity = 0;
-  std::array<double, 9> range{};  // share up to 5 10 15 20 30 40 60 80 more
+  std::array<double, 9> range{};  // fractions up to 5, 10, 15, 20, 30, 40, 60, 80 m and beyond
   std::vector<double> ring;
 
   void add(const Scan& scan, const RowFinder& finder, int columns);
@@ -169,7 +169,7 @@ struct Statistics
 
 constexpr std::array<double, 8> kRangeEdges{{5, 10, 15, 20, 30, 40, 60, 80}};
 
-/** Spread of the points in a cell about the cell's own plane: root mean square of the distances. */
+/** RMS distance of the points in a cell from their best plane. */
 double planeSpread(const std::vector<Eigen::Vector3d>& points, Eigen::Vector3d& normal)
 {
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();
@@ -249,7 +249,7 @@ void Statistics::add(const Scan& scan, const RowFinder& finder, int columns)
   ground_roughness += median(level);
   plane_roughness += median(upright);
   const cv::Mat image = rangeImage(scan, finder, columns);
-  // Holes: empty cells whose left and right neighbours are filled at like range.
+  // Holes: empty cells whose left and right neighbours have similar ranges.
   double full = 0, holes = 0, lonely = 0;
   for (int y = 0; y < image.rows; ++y)
   {
@@ -276,11 +276,11 @@ void printTable(const Statistics& real, const Statistics& simulated)
   const double k = 1.0 / std::max(1, real.scans), l = 1.0 / std::max(1, simulated.scans);
   std::printf("| | real (%d scans) | simulated (%d scans) |\n|---|---|---|\n", real.scans,
               simulated.scans);
-  row("points in a scan", real.points * k, simulated.points * l, 0);
-  row("dropouts: holes between neighbours at like range", 1 - real.filled * k,
+  row("points per scan", real.points * k, simulated.points * l, 0);
+  row("dropouts: holes between neighbours of similar range", 1 - real.filled * k,
       1 - simulated.filled * l, 3);
   row("points between two surfaces (mixed pixels)", real.isolated * k, simulated.isolated * l, 3);
-  row("share of ground", real.ground * k, simulated.ground * l, 3);
+  row("fraction of ground points", real.ground * k, simulated.ground * l, 3);
   row("mean intensity", real.intensity * k, simulated.intensity * l, 3);
   row("roughness of level 0.5 m cells [m]", real.ground_roughness * k,
       simulated.ground_roughness * l, 4);
@@ -290,7 +290,7 @@ void printTable(const Statistics& real, const Statistics& simulated)
   {
     const auto edge = [](std::size_t e)
     { return std::to_string(static_cast<int>(kRangeEdges[e])); };
-    row("share of ranges " +
+    row("fraction of ranges " +
             (i == 0                    ? "below " + edge(0)
              : i == kRangeEdges.size() ? "above " + edge(i - 1)
                                        : edge(i - 1) + "-" + edge(i)) +
@@ -314,7 +314,7 @@ void printTable(const Statistics& real, const Statistics& simulated)
 
 int main(int argc, char** argv)
 {
-  CLI::App app("Simulated scans beside real ones: pictures and statistics");
+  CLI::App app("Compares simulated with real scans: images and statistics");
   std::string world = "urban", sensor = "HDL64E", real, output, ego = "automatic";
   int scans = 10, every = 5, seed = 1, picture = 0, picture_real = 0, worlds = 1,
       picture_columns = 1024;
@@ -327,15 +327,17 @@ int main(int argc, char** argv)
   app.add_option("--speed", speed);
   app.add_option("--ego", ego);
   app.add_option("--scans", scans);
-  app.add_option("--every", every, "simulated scans between two that are counted");
-  app.add_option("--picture", picture, "which of the counted scans is drawn");
+  app.add_option("--every", every, "stride of the evaluated simulated scans");
+  app.add_option("--picture", picture,
+                 "index of the drawn simulated scan among the evaluated ones");
   app.add_option("--worlds", worlds, "drives that the simulated scans are taken from, seed by seed")
       ->check(CLI::PositiveNumber);
-  app.add_option("--picture-real", picture_real, "which of the counted real scans is drawn");
-  app.add_option("--half", half, "half side of the bird's eye view [m]");
-  app.add_option("--columns", picture_columns, "of the range image");
+  app.add_option("--picture-real", picture_real,
+                 "index of the drawn real scan among the evaluated ones");
+  app.add_option("--half", half, "half extent of the bird's-eye view [m]");
+  app.add_option("--columns", picture_columns, "columns of the range image");
   app.add_option("--real", real, "folder of .bin scans")->required();
-  app.add_option("-o", output, "prefix of the pictures")->required();
+  app.add_option("-o", output, "prefix of the image files")->required();
   CLI11_PARSE(app, argc, argv);
   try
   {

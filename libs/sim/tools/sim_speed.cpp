@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// How many scans a second, with all truth, without writing them.
+// Simulated scans per second with ground truth, without writing files.
 //   sim_speed [threads=2] [scans=50] [repetitions=5]
-// Prints for each world the best repetition by wall clock and by processor time: on a busy machine
-// only the latter means something.
+// Prints the best repetition per world by wall time and by CPU time; on a busy machine
+// only the latter is meaningful.
 #include <dyslam/sim/Simulator.h>
 
 #include <algorithm>

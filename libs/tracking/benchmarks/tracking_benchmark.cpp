@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/** Times of association and tracking, one thread; the least of several runs. */
+/** Run times of association and tracking on one thread; minimum of several runs. */
 #include <dyslam/core/Assignment.h>
 #include <dyslam/tracking/AdaptivePredictor.h>
 #include <dyslam/tracking/Tracker.h>
@@ -14,9 +14,9 @@ using namespace dyslam;
 
 namespace
 {
-/** Least of `runs` calls [ms]. */
+/** Minimum run time of `runs` calls [ms]. */
 template <typename Work>
-double leastMs(int runs, Work&& work)
+double minMs(int runs, Work&& work)
 {
   std::vector<double> times;
   for (int run = 0; run < runs; ++run)
@@ -33,9 +33,9 @@ double leastMs(int runs, Work&& work)
 void timeAssignment(const char* name, const CostMatrix& cost)
 {
   std::printf("%-28s shortest paths %7.2f ms, Hungarian %8.2f ms, greedy %7.2f ms\n", name,
-              leastMs(7, [&] { (void)assignShortestPaths(cost); }),
-              leastMs(3, [&] { (void)assignHungarian(cost); }),
-              leastMs(7, [&] { (void)assignGreedy(cost); }));
+              minMs(7, [&] { (void)assignShortestPaths(cost); }),
+              minMs(3, [&] { (void)assignHungarian(cost); }),
+              minMs(7, [&] { (void)assignGreedy(cost); }));
 }
 
 void timeTracker()
@@ -45,7 +45,7 @@ void timeTracker()
   double worst = 0;
   Tracker tracker;
   constexpr int scans = 60;
-  const double sum = leastMs(
+  const double sum = minMs(
       1,
       [&]
       {
@@ -62,7 +62,7 @@ void timeTracker()
           }
           worst = std::max(
               worst,
-              leastMs(1, [&] { (void)tracker.update(0.1 * scan, detections, Pose::Identity()); }));
+              minMs(1, [&] { (void)tracker.update(0.1 * scan, detections, Pose::Identity()); }));
         }
       });
   std::printf("%-28s %.2f ms per scan, worst %.2f ms\n", "tracker, 200 objects", sum / scans,
@@ -89,17 +89,18 @@ int main()
   timeAssignment("1000 x 1000, 98 % gated", cost);
 
   AdaptivePredictor predictor;
-  int sighting = 0;
-  const double ms = leastMs(5,
-                            [&]
-                            {
-                              for (int i = 0; i < 1000; ++i, ++sighting)
-                              {
-                                predictor.add({0.1 * sighting, {unit(generator) + sighting, 0}});
-                                (void)predictor.predict(0.1 * sighting + 0.1);
-                              }
-                            });
-  std::printf("%-28s %.1f us per sighting\n", "adaptive predictor", ms);
+  int observation = 0;
+  const double ms =
+      minMs(5,
+            [&]
+            {
+              for (int i = 0; i < 1000; ++i, ++observation)
+              {
+                predictor.add({0.1 * observation, {unit(generator) + observation, 0}});
+                (void)predictor.predict(0.1 * observation + 0.1);
+              }
+            });
+  std::printf("%-28s %.1f us per observation\n", "adaptive predictor", ms);
   timeTracker();
   return 0;
 }

@@ -12,12 +12,12 @@ namespace dyslam
 namespace
 {
 constexpr int terms = PolynomialTrajectory::max_degree + 1;
-/** [1, tau, ..., tau^5 | x, y], triangular. */
+/** Triangular factor of the rows [1, tau, ..., tau^5 | x, y]. */
 using Factor = Eigen::Matrix<double, terms, terms + 2, Eigen::RowMajor>;
 using Equation = Eigen::Matrix<double, 1, terms + 2, Eigen::RowMajor>;
 
-/** Rotate one more equation into the triangular factor (Givens). */
-void rotateIn(Factor& factor, Equation row)
+/** Adds one row to the triangular factor by Givens rotations. */
+void addRow(Factor& factor, Equation row)
 {
   for (int k = 0; k < terms; ++k)
   {
@@ -38,7 +38,7 @@ void rotateIn(Factor& factor, Equation row)
   }
 }
 
-/** The fit of the given degree: its columns lead the factor. */
+/** Coefficients of the fit of a degree, from the leading columns of the factor. */
 template <typename Block>
 void solve(const Factor& factor, int degree, Block&& coefficients)
 {
@@ -54,7 +54,7 @@ void solve(const Factor& factor, int degree, Block&& coefficients)
   }
 }
 
-/** Variance of a linear function of the coefficients per unit of noise: |R^-T row|^2. */
+/** Variance of a linear function of the coefficients per unit of noise variance: |R^-T row|^2. */
 double leverage(const Factor& factor, int degree, const std::array<double, terms>& row)
 {
   std::array<double, terms> root{};
@@ -88,33 +88,33 @@ std::array<double, terms> powersOf(double tau)
 
 AdaptivePredictor::AdaptivePredictor(const AdaptiveOptions& options) : options_(options)
 {
-  if (!(options.memory > 0 && options.memory <= 1) || !(options.regularisation > 0) ||
-      !(options.prior_weight > 0) || !(options.noise_weight >= 0) ||
-      !(options.outlier_sigmas > 0) || !(options.least_sigma > 0))
+  if (!(options.forgetting_factor > 0 && options.forgetting_factor <= 1) ||
+      !(options.regularisation > 0) || !(options.prior_weight > 0) ||
+      !(options.noise_weight >= 0) || !(options.outlier_sigmas > 0) || !(options.min_sigma > 0))
   {
     throw std::invalid_argument(
-        "AdaptivePredictor: memory must be in (0, 1], noise_weight not negative, regularisation, "
-        "prior_weight, outlier_sigmas and least_sigma above 0");
+        "AdaptivePredictor: forgetting_factor must be in (0, 1], noise_weight not negative, "
+        "regularisation, prior_weight, outlier_sigmas and min_sigma above 0");
   }
   coefficients_.setZero();
   error_covariance_.setZero();
-  reweigh();
+  updateWeights();
 }
 
-bool AdaptivePredictor::add(const TimedPosition& sighting)
+bool AdaptivePredictor::add(const TimedPosition& observation)
 {
-  if (!std::isfinite(sighting.stamp) || !sighting.position.allFinite() ||
-      (!history_.empty() && sighting.stamp <= history_.back().stamp))
+  if (!std::isfinite(observation.stamp) || !observation.position.allFinite() ||
+      (!history_.empty() && observation.stamp <= history_.back().stamp))
   {
     return false;
   }
-  TimedPosition taken = sighting;
+  TimedPosition stored = observation;
   if (history_.size() >= 2)
   {
-    taken.position = drawnIn(sighting);
-    learn(sighting);
+    stored.position = clipOutlier(observation);
+    updateErrorStatistics(observation);
   }
-  history_.push_back(taken);
+  history_.push_back(stored);
   if (history_.size() > static_cast<std::size_t>(bank.back().window))
   {
     history_.pop_front();
@@ -123,70 +123,73 @@ bool AdaptivePredictor::add(const TimedPosition& sighting)
   return true;
 }
 
-/** The position to remember of a sighting, drawn towards the prediction if it lies far off. */
-Eigen::Vector2d AdaptivePredictor::drawnIn(const TimedPosition& sighting)
+/** The position to store for an observation: clipped to the gate around the prediction if it is an
+ * outlier. */
+Eigen::Vector2d AdaptivePredictor::clipOutlier(const TimedPosition& observation)
 {
-  constexpr double enough_errors = 8;
-  if (error_count_ <= enough_errors)
+  constexpr double min_error_count = 8;
+  if (error_count_ <= min_error_count)
   {
-    return sighting.position;
+    return observation.position;
   }
-  const Eigen::Vector2d expected = predict(sighting.stamp).position;
-  const Eigen::Vector2d off = sighting.position - expected;
-  const double least = options_.least_sigma * options_.least_sigma;
-  const Eigen::Matrix2d usual = own_errors_ / error_count_ + least * Eigen::Matrix2d::Identity();
-  const double sigmas = std::sqrt(off.dot(usual.llt().solve(off)));
-  const bool far = sigmas > options_.outlier_sigmas;
-  if (drawn_from_)
+  const Eigen::Vector2d predicted = predict(observation.stamp).position;
+  const Eigen::Vector2d innovation = observation.position - predicted;
+  const double least = options_.min_sigma * options_.min_sigma;
+  const Eigen::Matrix2d covariance =
+      combined_error_covariance_ / error_count_ + least * Eigen::Matrix2d::Identity();
+  const double mahalanobis_distance = std::sqrt(innovation.dot(covariance.llt().solve(innovation)));
+  const bool outlier = mahalanobis_distance > options_.outlier_sigmas;
+  if (unclipped_position_)
   {
-    if (far)  // no outlier but a change of course: both are as they were seen
+    if (outlier)  // two in a row are a manoeuvre: both are used unclipped
     {
-      history_.back().position = *drawn_from_;
+      history_.back().position = *unclipped_position_;
       refit();
     }
-    drawn_from_.reset();
-    return sighting.position;
+    unclipped_position_.reset();
+    return observation.position;
   }
-  if (!far)
+  if (!outlier)
   {
-    return sighting.position;
+    return observation.position;
   }
-  drawn_from_ = sighting.position;
-  return expected + off * (options_.outlier_sigmas / sigmas);
+  unclipped_position_ = observation.position;
+  return predicted + innovation * (options_.outlier_sigmas / mahalanobis_distance);
 }
 
 void AdaptivePredictor::shift(const Eigen::Vector2d& offset)
 {
-  for (TimedPosition& sighting : history_)
+  for (TimedPosition& observation : history_)
   {
-    sighting.position += offset;
+    observation.position += offset;
   }
-  if (drawn_from_)
+  if (unclipped_position_)
   {
-    *drawn_from_ += offset;
+    *unclipped_position_ += offset;
   }
-  origin_ += offset;  // the fits are told relative to it
+  origin_ += offset;  // the coefficients are relative to it
 }
 
-void AdaptivePredictor::learn(const TimedPosition& sighting)
+void AdaptivePredictor::updateErrorStatistics(const TimedPosition& observation)
 {
-  Positions errors = memberPredictions(sighting.stamp);
-  errors.rowwise() -= sighting.position.transpose();
+  Positions errors = memberPredictions(observation.stamp);
+  errors.rowwise() -= observation.position.transpose();
   const Eigen::RowVector2d own = weights_.transpose() * errors;
-  own_errors_ = options_.memory * own_errors_ + own.transpose() * own;
-  error_covariance_ *= options_.memory;
+  combined_error_covariance_ =
+      options_.forgetting_factor * combined_error_covariance_ + own.transpose() * own;
+  error_covariance_ *= options_.forgetting_factor;
   error_covariance_.noalias() += errors * errors.transpose();
-  error_count_ = options_.memory * error_count_ + 1;
-  reweigh();
+  error_count_ = options_.forgetting_factor * error_count_ + 1;
+  updateWeights();
 }
 
-void AdaptivePredictor::reweigh()
+void AdaptivePredictor::updateWeights()
 {
   velocity_weights_ = Weights::Zero();
   if (error_count_ == 0)
   {
     weights_ = Weights::Zero();
-    weights_[0] = 1;  // all agree while the history is as short as this
+    weights_[0] = 1;  // with so short a history all members are equal
     velocity_weights_[0] = 1;
     return;
   }
@@ -194,13 +197,13 @@ void AdaptivePredictor::reweigh()
   const double least = std::max(variance.minCoeff(), 1e-12);
   Eigen::Matrix<double, members, members> damped = error_covariance_ / error_count_;
   damped.diagonal().array() += options_.regularisation * least;
-  const double known = error_count_ / (error_count_ + options_.noise_weight);
-  damped *= known;
-  damped.diagonal() += (1 - known) * least * noise_gain_;
+  const double error_share = error_count_ / (error_count_ + options_.noise_weight);
+  damped *= error_share;
+  damped.diagonal() += (1 - error_share) * least * noise_gain_;
   weights_ = damped.llt().solve(Weights::Ones());
   weights_ /= weights_.sum();
 
-  // Velocities and far predictions: steep polynomials have no say, weights stay positive.
+  // Velocities and long-term predictions: low degrees only, with positive weights.
   for (Eigen::Index i = 0; i < members; ++i)
   {
     if (bank[static_cast<std::size_t>(i)].degree <= 2)
@@ -228,20 +231,20 @@ void AdaptivePredictor::refit()
     const Fit& fit = bank[member];
     for (; rows < std::min(fit.window, count); ++rows)
     {
-      const TimedPosition& sighting = history_[static_cast<std::size_t>(count - 1 - rows)];
+      const TimedPosition& observation = history_[static_cast<std::size_t>(count - 1 - rows)];
       Equation equation;
-      const double tau = (sighting.stamp - newest) / time_scale_;
+      const double tau = (observation.stamp - newest) / time_scale_;
       equation[0] = 1;
       for (int k = 1; k < terms; ++k)
       {
         equation[k] = equation[k - 1] * tau;
       }
-      equation.tail<2>() = (sighting.position - origin_).transpose();
-      rotateIn(factor, equation);
+      equation.tail<2>() = (observation.position - origin_).transpose();
+      addRow(factor, equation);
     }
     const int degree = std::min(fit.degree, rows - 1);
     const auto i = static_cast<Eigen::Index>(member);
-    slope_leverage_[i] = leverage(factor, degree, {0, 1}) / (time_scale_ * time_scale_);
+    velocity_leverage_[i] = leverage(factor, degree, {0, 1}) / (time_scale_ * time_scale_);
     noise_gain_[i] = leverage(factor, degree, next);
     solve(factor, degree, coefficients_.middleRows<terms>(i * terms));
   }
@@ -275,11 +278,11 @@ MotionPrediction AdaptivePredictor::predict(double stamp) const
   const double usual = history_.size() > 1 ? (history_.back().stamp - history_.front().stamp) /
                                                  static_cast<double>(history_.size() - 1)
                                            : 0.0;
-  const double ahead = stamp - history_.back().stamp;
-  // The weights were learnt one sighting ahead; beyond that the combination moves on straight.
-  const double near = history_.size() > 1 ? std::min(ahead, 1.5 * usual) : ahead;
-  const Positions predictions = memberPredictions(history_.back().stamp + near);
-  const double tau = near / time_scale_;
+  const double horizon = stamp - history_.back().stamp;
+  // The weights hold for one observation ahead; beyond that the prediction is linear.
+  const double trained_horizon = history_.size() > 1 ? std::min(horizon, 1.5 * usual) : horizon;
+  const Positions predictions = memberPredictions(history_.back().stamp + trained_horizon);
+  const double tau = trained_horizon / time_scale_;
   for (Eigen::Index i = 0; i < members; ++i)
   {
     double power = 1 / time_scale_;
@@ -290,36 +293,36 @@ MotionPrediction AdaptivePredictor::predict(double stamp) const
       power *= tau;
     }
   }
-  prediction.position =
-      (weights_.transpose() * predictions).transpose() + (ahead - near) * prediction.velocity;
+  prediction.position = (weights_.transpose() * predictions).transpose() +
+                        (horizon - trained_horizon) * prediction.velocity;
   prediction.valid = true;
   prediction.samples = history_.size();
-  Eigen::Index heaviest = 0;
-  velocity_weights_.maxCoeff(&heaviest);
-  prediction.degree = std::min(bank[static_cast<std::size_t>(heaviest)].degree,
+  Eigen::Index largest = 0;
+  velocity_weights_.maxCoeff(&largest);
+  prediction.degree = std::min(bank[static_cast<std::size_t>(largest)].degree,
                                static_cast<int>(history_.size()) - 1);
 
   const double prior = options_.prior_sigma * options_.prior_sigma;
   prediction.covariance =
-      (own_errors_ + options_.prior_weight * prior * Eigen::Matrix2d::Identity()) /
+      (combined_error_covariance_ + options_.prior_weight * prior * Eigen::Matrix2d::Identity()) /
       (error_count_ + options_.prior_weight);
   const Eigen::Matrix2d noise = prediction.covariance;
-  const double slope_sigma =
-      (velocity_weights_.array() * slope_leverage_.array().sqrt()).sum();  // fits share their noise
+  const double slope_sigma = (velocity_weights_.array() * velocity_leverage_.array().sqrt())
+                                 .sum();  // the members' errors are correlated
   prediction.velocity_covariance = slope_sigma * slope_sigma * noise;
   if (history_.size() < 2)
   {
     prediction.velocity_covariance =
-        options_.first_speed_sigma * options_.first_speed_sigma * Eigen::Matrix2d::Identity();
-    prediction.covariance += ahead * ahead * prediction.velocity_covariance;
+        options_.initial_speed_sigma * options_.initial_speed_sigma * Eigen::Matrix2d::Identity();
+    prediction.covariance += horizon * horizon * prediction.velocity_covariance;
     return prediction;
   }
-  // Past errors were made one step ahead; doubt grows with what was not yet seen.
-  const double unseen = history_.size() < 3 ? ahead : ahead - near;
-  const double doubt = 0.5 * options_.acceleration_sigma * unseen * unseen;
-  const double steps = usual > 0 ? std::max(1.0, ahead / usual) : 1.0;
+  // Past errors are of one step ahead; the covariance grows with longer predictions.
+  const double unmodelled_time = history_.size() < 3 ? horizon : horizon - trained_horizon;
+  const double manoeuvre = 0.5 * options_.acceleration_sigma * unmodelled_time * unmodelled_time;
+  const double steps = usual > 0 ? std::max(1.0, horizon / usual) : 1.0;
   prediction.covariance *= steps;
-  prediction.covariance += doubt * doubt * Eigen::Matrix2d::Identity();
+  prediction.covariance += manoeuvre * manoeuvre * Eigen::Matrix2d::Identity();
   return prediction;
 }
 }  // namespace dyslam

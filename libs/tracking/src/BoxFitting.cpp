@@ -9,7 +9,7 @@ namespace dyslam
 {
 namespace
 {
-struct Extent
+struct Interval
 {
   double low = std::numeric_limits<double>::infinity();
   double high = -std::numeric_limits<double>::infinity();
@@ -20,14 +20,14 @@ struct Extent
   }
 };
 
-/** Sum over points of 1 / (distance to the nearer of the two closer sides). */
+/** Closeness criterion: sum over points of 1 / (distance to the nearest side). */
 double closeness(const std::vector<Eigen::Vector2d>& points, double yaw)
 {
-  constexpr double least = 0.03;  // nearer is as good as on the side: range noise [m]
+  constexpr double min_distance = 0.03;  // range noise [m]
   const Eigen::Vector2d u(std::cos(yaw), std::sin(yaw));
   const Eigen::Vector2d v(-u.y(), u.x());
-  Extent along;
-  Extent across;
+  Interval along;
+  Interval across;
   for (const Eigen::Vector2d& p : points)
   {
     along.add(u.dot(p));
@@ -38,7 +38,7 @@ double closeness(const std::vector<Eigen::Vector2d>& points, double yaw)
   {
     const double a = std::min(u.dot(p) - along.low, along.high - u.dot(p));
     const double b = std::min(v.dot(p) - across.low, across.high - v.dot(p));
-    sum += 1 / std::max(least, std::min(a, b));
+    sum += 1 / std::max(min_distance, std::min(a, b));
   }
   return sum;
 }
@@ -51,18 +51,18 @@ bool within(double x, double low, double high)
 
 Box fitLShape(const std::vector<Eigen::Vector3f>& points, double yaw_step)
 {
-  constexpr std::size_t enough = 200;
-  std::vector<Eigen::Vector2d> flat;
-  const std::size_t stride = std::max<std::size_t>(1, points.size() / enough);
+  constexpr std::size_t max_points = 200;
+  std::vector<Eigen::Vector2d> sampled;
+  const std::size_t stride = std::max<std::size_t>(1, points.size() / max_points);
   for (std::size_t i = 0; i < points.size(); i += stride)
   {
-    flat.emplace_back(points[i].head<2>().cast<double>());
+    sampled.emplace_back(points[i].head<2>().cast<double>());
   }
   double best_yaw = 0;
   double best = -1;
   for (double yaw = 0; yaw < M_PI / 2; yaw += yaw_step)
   {
-    const double value = closeness(flat, yaw);
+    const double value = closeness(sampled, yaw);
     if (value > best)
     {
       best = value;
@@ -71,9 +71,9 @@ Box fitLShape(const std::vector<Eigen::Vector3f>& points, double yaw_step)
   }
   const Eigen::Vector2d u(std::cos(best_yaw), std::sin(best_yaw));
   const Eigen::Vector2d v(-u.y(), u.x());
-  Extent along;
-  Extent across;
-  Extent up;
+  Interval along;
+  Interval across;
+  Interval up;
   for (const Eigen::Vector3f& p : points)
   {
     along.add(u.dot(p.head<2>().cast<double>()));
@@ -99,7 +99,7 @@ Box fitLShape(const std::vector<Eigen::Vector3f>& points, double yaw_step)
   return box;
 }
 
-ObjectClass guessClass(const Eigen::Vector3d& size)
+ObjectClass classifyBySize(const Eigen::Vector3d& size)
 {
   const double length = size.x();
   const double width = size.y();
@@ -123,38 +123,38 @@ ObjectClass guessClass(const Eigen::Vector3d& size)
   return ObjectClass::unknown;
 }
 
-ObjectClass refineClass(ObjectClass guess, const Eigen::Vector3d& size, double speed)
+ObjectClass refineClass(ObjectClass initial, const Eigen::Vector3d& size, double speed)
 {
-  constexpr double fastest_walk = 3.5;  // [m/s], a slow run
-  const ObjectClass by_size = guessClass(size);
+  constexpr double max_walking_speed = 3.5;  // [m/s], a slow run
+  const ObjectClass by_size = classifyBySize(size);
   if (by_size == ObjectClass::truck || by_size == ObjectClass::car)
   {
     return by_size;
   }
-  if (guess == ObjectClass::pedestrian && speed > fastest_walk)
+  if (initial == ObjectClass::pedestrian && speed > max_walking_speed)
   {
-    return ObjectClass::cyclist;  // nobody walks as fast: it is on wheels
+    return ObjectClass::cyclist;
   }
-  return guess;
+  return initial;
 }
 
-Box completedBox(const Box& seen, const Eigen::Vector3d& size)
+Box completeBox(const Box& visible, const Eigen::Vector3d& size)
 {
-  const Eigen::Vector2d u(std::cos(seen.yaw), std::sin(seen.yaw));
+  const Eigen::Vector2d u(std::cos(visible.yaw), std::sin(visible.yaw));
   const Eigen::Vector2d v(-u.y(), u.x());
-  Box full = seen;
-  full.size = seen.size.cwiseMax(size);
-  // Each axis grows on its far side; where the sensor looks along the middle, on both.
+  Box full = visible;
+  full.size = visible.size.cwiseMax(size);
+  // Each axis grows on its far side; on both sides where the sensor is level with the middle.
   for (int k = 0; k < 2; ++k)
   {
     const Eigen::Vector2d axis = k == 0 ? u : v;
-    const double offset = axis.dot(seen.center.head<2>());
-    const double half = 0.5 * seen.size[k];
+    const double offset = axis.dot(visible.center.head<2>());
+    const double half = 0.5 * visible.size[k];
     const double side = std::clamp(half > 0 ? offset / half : 0.0, -1.0, 1.0);
-    full.center.head<2>() += 0.5 * (full.size[k] - seen.size[k]) * side * axis;
+    full.center.head<2>() += 0.5 * (full.size[k] - visible.size[k]) * side * axis;
   }
-  // The top stays: what the ground filter or an obstacle hides is below.
-  full.center.z() = seen.center.z() + 0.5 * (seen.size.z() - full.size.z());
+  // The top stays in place: the ground filter and occlusion remove the lower part.
+  full.center.z() = visible.center.z() + 0.5 * (visible.size.z() - full.size.z());
   return full;
 }
 }  // namespace dyslam

@@ -26,14 +26,14 @@ std::int64_t neighbourKey(std::int64_t key, int di, int dj)
   return key + di * (std::int64_t{1} << 32) + dj;
 }
 
-/** Heights of the ground by cells, from every return: low, but not the very lowest (echoes by way
- * of mirrors lie below the road). */
+/** Ground height per cell, from all returns: a low order statistic rather than the minimum, because
+ * multipath echoes lie below the road. */
 class GroundHeights
 {
  public:
   GroundHeights(const Points& points, double cell, double range) : cell_(cell)
   {
-    std::unordered_map<std::int64_t, Lowest> lowest;
+    std::unordered_map<std::int64_t, LowestReturns> lowest;
     for (const Eigen::Vector3f& p : points)
     {
       if (p.allFinite() && std::abs(p.x()) < range && std::abs(p.y()) < range)
@@ -47,8 +47,8 @@ class GroundHeights
     }
   }
 
-  /** Ground below a point. A cell far above its neighbours holds a roof, not ground. */
-  float below(const Eigen::Vector3f& p) const
+  /** Ground height at a point; limited by the median of the neighbouring cells because of roofs. */
+  float heightAt(const Eigen::Vector3f& p) const
   {
     constexpr float step = 0.3F;  // [m]
     const std::int64_t k = key(p);
@@ -77,7 +77,7 @@ class GroundHeights
   }
 
  private:
-  struct Lowest
+  struct LowestReturns
   {
     std::array<float, 3> z{std::numeric_limits<float>::max(), std::numeric_limits<float>::max(),
                            std::numeric_limits<float>::max()};
@@ -104,11 +104,11 @@ class GroundHeights
   std::unordered_map<std::int64_t, float> raw_;
 };
 
-/** Disjoint sets; the lowest member stands for its set. */
-class Sets
+/** Union-find; the representative of a set is its smallest member. */
+class DisjointSets
 {
  public:
-  explicit Sets(std::size_t count) : parent_(count)
+  explicit DisjointSets(std::size_t count) : parent_(count)
   {
     std::iota(parent_.begin(), parent_.end(), std::size_t{0});
   }
@@ -121,7 +121,7 @@ class Sets
     }
     return i;
   }
-  void join(std::size_t a, std::size_t b)
+  void unite(std::size_t a, std::size_t b)
   {
     a = find(a);
     b = find(b);
@@ -132,16 +132,16 @@ class Sets
   std::vector<std::size_t> parent_;
 };
 
-/** Points of one small cell, taken together while clustering. */
+/** Points of one voxel, clustered as one. */
 struct Node
 {
   Eigen::Vector2f position = Eigen::Vector2f::Zero();
-  float reach = 0;  //!< joins nodes this near
+  float link_distance = 0;  //!< distance below which it is linked with another node [m]
   std::vector<std::uint32_t> points;
 };
 
-/** Length that an object of this class usually has, at least [m]. */
-double usualLength(ObjectClass object_class)
+/** Lower end of the usual lengths of a class [m]. */
+double typicalLength(ObjectClass object_class)
 {
   switch (object_class)
   {
@@ -155,22 +155,109 @@ double usualLength(ObjectClass object_class)
       return 0.6;
   }
 }
+
+/** The given points in voxels of 0.1 m in the plane, in order of their first points. */
+std::vector<Node> voxelNodes(const Points& points,
+                             const std::vector<std::uint32_t>& selected,
+                             const DetectorOptions& options)
+{
+  constexpr double voxel = 0.1;  // [m]
+  std::vector<Node> nodes;
+  std::unordered_map<std::int64_t, std::size_t> node_at;
+  for (const std::uint32_t i : selected)
+  {
+    const Eigen::Vector3f& p = points[i];
+    const auto [entry, is_new] = node_at.emplace(
+        cellKey(static_cast<double>(p.x()), static_cast<double>(p.y()), voxel), nodes.size());
+    if (is_new)
+    {
+      nodes.emplace_back();
+      const double distance =
+          options.distance + options.distance_per_range * static_cast<double>(p.head<2>().norm());
+      nodes.back().position = p.head<2>();
+      nodes.back().link_distance = static_cast<float>(std::min(distance, options.max_distance));
+    }
+    nodes[entry->second].points.push_back(i);
+  }
+  return nodes;
+}
+
+/** Point indices of each cluster: single linkage of the nodes. \param max_distance upper limit of
+ * the nodes' link distances [m]. */
+std::vector<std::vector<std::uint32_t>> linkNodes(const std::vector<Node>& nodes,
+                                                  double max_distance)
+{
+  const auto bucketKey = [&](const Node& node)
+  {
+    return cellKey(static_cast<double>(node.position.x()), static_cast<double>(node.position.y()),
+                   max_distance);
+  };
+  std::unordered_map<std::int64_t, std::vector<std::size_t>> buckets;
+  for (std::size_t n = 0; n < nodes.size(); ++n)
+  {
+    buckets[bucketKey(nodes[n])].push_back(n);
+  }
+  DisjointSets sets(nodes.size());
+  const auto linkWithBucket = [&](std::size_t n, const std::vector<std::size_t>& bucket)
+  {
+    for (const std::size_t other : bucket)
+    {
+      const float distance = std::max(nodes[n].link_distance, nodes[other].link_distance);
+      if (other < n &&
+          (nodes[n].position - nodes[other].position).squaredNorm() <= distance * distance)
+      {
+        sets.unite(n, other);
+      }
+    }
+  };
+  for (std::size_t n = 0; n < nodes.size(); ++n)
+  {
+    for (int di = -1; di <= 1; ++di)
+    {
+      for (int dj = -1; dj <= 1; ++dj)
+      {
+        const auto bucket = buckets.find(neighbourKey(bucketKey(nodes[n]), di, dj));
+        if (bucket != buckets.end())
+        {
+          linkWithBucket(n, bucket->second);
+        }
+      }
+    }
+  }
+
+  std::vector<std::vector<std::uint32_t>> clusters;
+  std::unordered_map<std::size_t, std::size_t> cluster_of;
+  for (std::size_t n = 0; n < nodes.size(); ++n)  // in order of first point: deterministic
+  {
+    const auto [entry, is_new] = cluster_of.emplace(sets.find(n), clusters.size());
+    if (is_new)
+    {
+      clusters.emplace_back();
+    }
+    auto& members = clusters[entry->second];
+    members.insert(members.end(), nodes[n].points.begin(), nodes[n].points.end());
+  }
+  return clusters;
+}
 }  // namespace
 
 void DetectorOptions::describe(OptionsVisitor& v)
 {
-  v.real("ground_clearance", ground_clearance, -10, 10, "lower points do not join clusters, m");
-  v.real("ground_cell", ground_cell, 0.1, 100, "of the local ground heights, m");
-  v.real("distance", distance, 0.01, 10, "joins points near the sensor, m");
-  v.real("distance_per_range", distance_per_range, 0, 1, "added per metre of range");
-  v.real("max_distance", max_distance, 0.01, 10, "joins points at most, m");
-  v.integer("min_points", min_points, 1, 100000, "of a cluster");
-  v.real("min_height", min_height, 0, 10, "of a cluster, m");
-  v.real("max_length", max_length, 0.1, 1000, "of a cluster, m");
-  v.real("max_range", max_range, 1, 1000, "m");
-  v.degrees("yaw_step_deg", yaw_step, 0.1, 45, "of the search for the box's heading");
-  v.real("position_sigma", position_sigma, 0.001, 10, "of a well seen box, m");
-  v.degrees("yaw_sigma_deg", yaw_sigma, 0.1, 180, "of a well seen box");
+  v.real("ground_clearance", ground_clearance, -10, 10,
+         "points lower above the ground are not clustered, m");
+  v.real("ground_cell", ground_cell, 0.1, 100, "cell size of the local ground height map, m");
+  v.real("distance", distance, 0.01, 10, "largest gap within a cluster at range 0, m");
+  v.real("distance_per_range", distance_per_range, 0, 1, "its increase per metre of range");
+  v.real("max_distance", max_distance, 0.01, 10, "its upper limit, m");
+  v.integer("min_points", min_points, 1, 100000, "least number of points of a cluster");
+  v.real("min_height", min_height, 0, 10, "least height of a cluster, m");
+  v.real("max_length", max_length, 0.1, 1000, "largest length of a cluster, m");
+  v.real("max_range", max_range, 1, 1000, "largest horizontal range of points, m");
+  v.degrees("yaw_step_deg", yaw_step, 0.1, 45, "step of the L-shape heading search");
+  v.real("position_sigma", position_sigma, 0.001, 10,
+         "standard deviation of the position of a box of many points, m");
+  v.degrees("yaw_sigma_deg", yaw_sigma, 0.1, 180,
+            "standard deviation of the yaw of a box of many points");
 }
 
 Detector::Detector(const DetectorOptions& options) : options_(options)
@@ -183,103 +270,30 @@ void Detector::detect(Frame& frame) const
   frame.detections = detect(frame.cloud.points, frame.moving, frame.moving_probability);
 }
 
-std::vector<std::uint32_t> Detector::candidates(const Points& points,
-                                                const std::vector<bool>& moving) const
+std::vector<std::uint32_t> Detector::selectMovingPoints(const Points& points,
+                                                        const std::vector<float>& moving) const
 {
-  std::vector<std::uint32_t> chosen;
+  std::vector<std::uint32_t> selected;
   const auto range = static_cast<float>(options_.max_range);
   for (std::size_t i = 0; i < moving.size(); ++i)
   {
     if (moving[i] && points[i].allFinite() && points[i].head<2>().norm() < range)
     {
-      chosen.push_back(static_cast<std::uint32_t>(i));
+      selected.push_back(static_cast<std::uint32_t>(i));
     }
   }
-  if (chosen.empty())
+  if (selected.empty())
   {
-    return chosen;
+    return selected;
   }
   const GroundHeights ground(points, options_.ground_cell,
                              options_.max_range + 2 * options_.ground_cell);
   const auto clearance = static_cast<float>(options_.ground_clearance);
-  chosen.erase(std::remove_if(chosen.begin(), chosen.end(),
-                              [&](std::uint32_t i)
-                              { return points[i].z() - ground.below(points[i]) < clearance; }),
-               chosen.end());
-  return chosen;
-}
-
-std::vector<std::vector<std::uint32_t>> Detector::clusters(
-    const Points& points, const std::vector<std::uint32_t>& chosen) const
-{
-  constexpr double fine = 0.1;  // cell of the nodes [m]
-  std::vector<Node> nodes;
-  std::unordered_map<std::int64_t, std::size_t> node_at;
-  for (const std::uint32_t i : chosen)
-  {
-    const Eigen::Vector3f& p = points[i];
-    const auto [entry, is_new] = node_at.emplace(
-        cellKey(static_cast<double>(p.x()), static_cast<double>(p.y()), fine), nodes.size());
-    if (is_new)
-    {
-      nodes.emplace_back();
-      const double reach =
-          options_.distance + options_.distance_per_range * static_cast<double>(p.head<2>().norm());
-      nodes.back().position = p.head<2>();
-      nodes.back().reach = static_cast<float>(std::min(reach, options_.max_distance));
-    }
-    nodes[entry->second].points.push_back(i);
-  }
-
-  const double coarse = options_.max_distance;
-  const auto coarseKey = [&](const Node& node)
-  {
-    return cellKey(static_cast<double>(node.position.x()), static_cast<double>(node.position.y()),
-                   coarse);
-  };
-  std::unordered_map<std::int64_t, std::vector<std::size_t>> buckets;
-  for (std::size_t n = 0; n < nodes.size(); ++n)
-  {
-    buckets[coarseKey(nodes[n])].push_back(n);
-  }
-  Sets sets(nodes.size());
-  for (std::size_t n = 0; n < nodes.size(); ++n)
-  {
-    for (int di = -1; di <= 1; ++di)
-    {
-      for (int dj = -1; dj <= 1; ++dj)
-      {
-        const auto bucket = buckets.find(neighbourKey(coarseKey(nodes[n]), di, dj));
-        if (bucket == buckets.end())
-        {
-          continue;
-        }
-        for (const std::size_t other : bucket->second)
-        {
-          const float reach = std::max(nodes[n].reach, nodes[other].reach);
-          if (other < n &&
-              (nodes[n].position - nodes[other].position).squaredNorm() <= reach * reach)
-          {
-            sets.join(n, other);
-          }
-        }
-      }
-    }
-  }
-
-  std::vector<std::vector<std::uint32_t>> result;
-  std::unordered_map<std::size_t, std::size_t> cluster_of;
-  for (std::size_t n = 0; n < nodes.size(); ++n)  // in order of first point: deterministic
-  {
-    const auto [entry, is_new] = cluster_of.emplace(sets.find(n), result.size());
-    if (is_new)
-    {
-      result.emplace_back();
-    }
-    auto& members = result[entry->second];
-    members.insert(members.end(), nodes[n].points.begin(), nodes[n].points.end());
-  }
-  return result;
+  selected.erase(std::remove_if(selected.begin(), selected.end(),
+                                [&](std::uint32_t i)
+                                { return points[i].z() - ground.heightAt(points[i]) < clearance; }),
+                 selected.end());
+  return selected;
 }
 
 std::vector<Detection> Detector::detect(const Points& points,
@@ -287,47 +301,57 @@ std::vector<Detection> Detector::detect(const Points& points,
                                         const std::vector<float>& probability) const
 {
   std::vector<Detection> detections;
-  for (auto& cluster : clusters(points, candidates(points, moving)))
+  const std::vector<Node> nodes = voxelNodes(points, selectMovingPoints(points, moving), options_);
+  for (auto& cluster : linkNodes(nodes, options_.max_distance))
   {
     if (cluster.size() < static_cast<std::size_t>(options_.min_points))
     {
       continue;
     }
-    Points body;
+    Points cluster_points;
     double probability_sum = 0;
     for (const std::uint32_t i : cluster)
     {
-      body.push_back(points[i]);
+      cluster_points.push_back(points[i]);
       probability_sum += probability.empty() ? 1.0 : static_cast<double>(probability[i]);
     }
-    Detection detection;
-    detection.box = fitLShape(body, options_.yaw_step);
-    if (detection.box.size.z() < options_.min_height ||
-        detection.box.size.x() > options_.max_length)
+    const Box box = fitLShape(cluster_points, options_.yaw_step);
+    if (box.size.z() < options_.min_height || box.size.x() > options_.max_length)
     {
       continue;
     }
-    const auto count = static_cast<double>(body.size());
-    detection.object_class = guessClass(detection.box.size);
-    detection.score = probability_sum / count * std::min(1.0, count / 30);
-
-    // Little is known of where the far end of a half-seen body is, and less from few points.
-    const double few = 1 + 10 / count;
-    const double sigma = options_.position_sigma * few;
-    const double hidden =
-        0.3 * std::max(0.0, usualLength(detection.object_class) - detection.box.size.x());
-    const Eigen::Vector2d along(std::cos(detection.box.yaw), std::sin(detection.box.yaw));
-    detection.covariance.setZero();
-    detection.covariance.diagonal() << sigma * sigma, sigma * sigma, sigma * sigma,
-        std::pow(options_.yaw_sigma * few, 2);
-    detection.covariance.topLeftCorner<2, 2>() += hidden * hidden * along * along.transpose();
-    if (detection.box.size.x() < 1.3 * detection.box.size.y() || detection.box.size.x() < 1.2)
-    {
-      detection.covariance(3, 3) = 1.0;  // round: its heading is not seen
-    }
+    Detection detection = makeDetection(box, cluster.size(), probability_sum);
     detection.points = std::move(cluster);
     detections.push_back(std::move(detection));
   }
   return detections;
+}
+
+Detection Detector::makeDetection(const Box& box,
+                                  std::size_t point_count,
+                                  double probability_sum) const
+{
+  Detection detection;
+  detection.box = box;
+  const auto count = static_cast<double>(point_count);
+  detection.object_class = classifyBySize(box.size);
+  detection.score = probability_sum / count * std::min(1.0, count / 30);
+
+  // The standard deviations grow with fewer points, and along the axis with the occluded length.
+  const double sigma_scale = 1 + 10 / count;
+  const double sigma = options_.position_sigma * sigma_scale;
+  const double occluded_sigma =
+      0.3 * std::max(0.0, typicalLength(detection.object_class) - box.size.x());
+  const Eigen::Vector2d along(std::cos(box.yaw), std::sin(box.yaw));
+  detection.covariance.setZero();
+  detection.covariance.diagonal() << sigma * sigma, sigma * sigma, sigma * sigma,
+      std::pow(options_.yaw_sigma * sigma_scale, 2);
+  detection.covariance.topLeftCorner<2, 2>() +=
+      occluded_sigma * occluded_sigma * along * along.transpose();
+  if (box.size.x() < 1.3 * box.size.y() || box.size.x() < 1.2)
+  {
+    detection.covariance(3, 3) = 1.0;  // nearly square: the heading is not observable
+  }
+  return detection;
 }
 }  // namespace dyslam

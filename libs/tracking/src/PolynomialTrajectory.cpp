@@ -28,7 +28,7 @@ Row powers(double t, int degree)
   return row;
 }
 
-/** Their derivatives. */
+/** Derivatives of the powers: 0, 1, 2 t, ... */
 Row slopes(double t, int degree)
 {
   Row row(degree + 1);
@@ -56,14 +56,14 @@ PolynomialTrajectory::PolynomialTrajectory(const PolynomialOptions& options) : o
   }
 }
 
-bool PolynomialTrajectory::add(const TimedPosition& sighting)
+bool PolynomialTrajectory::add(const TimedPosition& observation)
 {
-  if (!std::isfinite(sighting.stamp) || !sighting.position.allFinite() ||
-      (!history_.empty() && sighting.stamp <= history_.back().stamp))
+  if (!std::isfinite(observation.stamp) || !observation.position.allFinite() ||
+      (!history_.empty() && observation.stamp <= history_.back().stamp))
   {
     return false;
   }
-  history_.push_back(sighting);
+  history_.push_back(observation);
   if (history_.size() > static_cast<std::size_t>(options_.window))
   {
     history_.pop_front();
@@ -73,9 +73,9 @@ bool PolynomialTrajectory::add(const TimedPosition& sighting)
 
 void PolynomialTrajectory::shift(const Eigen::Vector2d& offset)
 {
-  for (TimedPosition& sighting : history_)
+  for (TimedPosition& observation : history_)
   {
-    sighting.position += offset;
+    observation.position += offset;
   }
 }
 
@@ -102,9 +102,9 @@ MotionPrediction PolynomialTrajectory::predict(double stamp) const
   const Eigen::Vector2d origin = history_.back().position;  // map coordinates may be large
   for (Eigen::Index i = 0; i < count; ++i)
   {
-    const TimedPosition& sighting = history_[static_cast<std::size_t>(i)];
-    design.row(i) = powers((sighting.stamp - middle) * scale, degree);
-    values.row(i) = (sighting.position - origin).transpose();
+    const TimedPosition& observation = history_[static_cast<std::size_t>(i)];
+    design.row(i) = powers((observation.stamp - middle) * scale, degree);
+    values.row(i) = (observation.position - origin).transpose();
   }
   const Eigen::HouseholderQR<Design> qr(design);
   Values rotated = values;
@@ -119,26 +119,27 @@ MotionPrediction PolynomialTrajectory::predict(double stamp) const
   prediction.position = origin + (powers(t, degree) * coefficients).transpose();
   prediction.velocity = scale * (slopes(t, degree) * coefficients).transpose();
 
-  // Noise of a sighting from the residuals, drawn towards the prior while they are few.
-  const Eigen::Index spare = count - (degree + 1);
-  const Values residuals = rotated.bottomRows(spare);
+  // Observation covariance from the residuals and the prior.
+  const Eigen::Index redundancy = count - (degree + 1);
+  const Values residuals = rotated.bottomRows(redundancy);
   Eigen::Matrix2d noise = options_.prior_weight * options_.prior_sigma * options_.prior_sigma *
                           Eigen::Matrix2d::Identity();
   noise.noalias() += residuals.transpose() * residuals;
-  noise /= options_.prior_weight + static_cast<double>(spare);
+  noise /= options_.prior_weight + static_cast<double>(redundancy);
   using Root = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, terms_max, 1>;
   const Root leverage_root = upper.transpose().solve(powers(t, degree).transpose());
   const Root slope_root = upper.transpose().solve(slopes(t, degree).transpose());
-  const double ahead = stamp - history_.back().stamp;
-  const double unmodelled = spare > 0 ? 0.0 : 0.5 * options_.acceleration_sigma * ahead * ahead;
+  const double horizon = stamp - history_.back().stamp;
+  const double unmodelled =
+      redundancy > 0 ? 0.0 : 0.5 * options_.acceleration_sigma * horizon * horizon;
   prediction.covariance = noise * (1 + leverage_root.squaredNorm()) +
                           unmodelled * unmodelled * Eigen::Matrix2d::Identity();
   prediction.velocity_covariance = noise * (scale * scale * slope_root.squaredNorm());
   if (degree == 0)
   {
     prediction.velocity_covariance =
-        options_.first_speed_sigma * options_.first_speed_sigma * Eigen::Matrix2d::Identity();
-    prediction.covariance += ahead * ahead * prediction.velocity_covariance;
+        options_.initial_speed_sigma * options_.initial_speed_sigma * Eigen::Matrix2d::Identity();
+    prediction.covariance += horizon * horizon * prediction.velocity_covariance;
   }
   return prediction;
 }

@@ -12,15 +12,15 @@ namespace dyslam
 {
 namespace
 {
-/** Gains of height and climb; roads slope slowly. */
+/** Alpha-beta filter of the height. Roads slope slowly. */
 constexpr double height_gain = 0.5;
-constexpr double climb_gain = 0.1;
-/** Of a smaller sighting's size, when parts may be hidden. */
+constexpr double vertical_velocity_gain = 0.1;
+/** Gain of observed sizes below the present one: parts may be occluded. */
 constexpr double shrink_gain = 0.005;
 
-/** Width and height that hardly any object of a class falls short of [m]. Nothing is said of
- * lengths: the visible end may be either. */
-Eigen::Vector3d usualSize(ObjectClass object_class)
+/** Lower bounds of width and height of a class [m]. There is none for the length: the visible part
+ * may be either end. */
+Eigen::Vector3d minimumSize(ObjectClass object_class)
 {
   switch (object_class)
   {
@@ -37,13 +37,13 @@ Eigen::Vector3d usualSize(ObjectClass object_class)
   }
 }
 
-/** Thin and long: a strip of wall on which the edge of a shadow glides along, no body. */
+/** Thin and long: the occlusion boundary of a wall rather than an object. */
 bool isStrip(const Eigen::Vector3d& size)
 {
-  constexpr double thin = 0.25;  // [m]
-  constexpr double slender = 2.5;
+  constexpr double max_width = 0.25;  // [m]
+  constexpr double min_aspect_ratio = 2.5;
   const double width = std::min(size.x(), size.y());
-  return width < thin && std::max(size.x(), size.y()) > slender * width;
+  return width < max_width && std::max(size.x(), size.y()) > min_aspect_ratio * width;
 }
 
 constexpr double square(double x)
@@ -52,13 +52,13 @@ constexpr double square(double x)
 }
 
 /** a or a + pi, whichever is nearer to b. */
-double sameAxis(double a, double b)
+double nearestAxis(double a, double b)
 {
   return std::abs(wrapAngle(a - b)) > M_PI / 2 ? wrapAngle(a + M_PI) : a;
 }
 }  // namespace
 
-const ClassTracking& kindOf(const TrackerOptions& options, ObjectClass object_class)
+const ClassTracking& optionsFor(const TrackerOptions& options, ObjectClass object_class)
 {
   switch (object_class)
   {
@@ -86,44 +86,49 @@ Track::Motion Track::makeMotion(const TrackerOptions& options)
   return PolynomialTrajectory(polynomial);
 }
 
-Track::Track(int id, double stamp, const Sighting& sighting, const TrackerOptions& options)
-    : options_(&options), id_(id), stamp_(stamp), motion_(makeMotion(options)), box_(sighting.box)
+Track::Track(int id, double stamp, const Observation& observation, const TrackerOptions& options)
+    : options_(&options),
+      id_(id),
+      stamp_(stamp),
+      motion_(makeMotion(options)),
+      box_(observation.box)
 {
-  position_covariance_ = sighting.covariance.topLeftCorner<2, 2>();
+  position_covariance_ = observation.covariance.topLeftCorner<2, 2>();
   velocity_covariance_ *= square(5);
-  z_variance_ = sighting.covariance(2, 2);
-  yaw_variance_ = sighting.covariance(3, 3);
-  remember(sighting);
-  confirm(sighting);
+  z_variance_ = observation.covariance(2, 2);
+  yaw_variance_ = observation.covariance(3, 3);
+  addToHistory(observation);
+  confirm(observation);
 }
 
-void Track::confirm(const Sighting& sighting)
+void Track::confirm(const Observation& observation)
 {
-  // Clusters that stay where they are, are edges of shadows and the like, not movers.
-  const bool ripe = hits_ >= kind().confirm_hits || score_sum_ >= kind().confirm_score;
-  const bool moves = has_moved_ || !sighting.from_points || !options_->must_move;
-  confirmed_ = confirmed_ || (ripe && moves && !(sighting.from_points && isStrip(box_.size)));
+  // Clusters that do not move are mostly occlusion boundaries.
+  const bool mature =
+      hits_ >= classOptions().confirm_hits || score_sum_ >= classOptions().confirm_score;
+  const bool moved = has_moved_ || !observation.from_points || !options_->must_move;
+  confirmed_ = confirmed_ || (mature && moved && !(observation.from_points && isStrip(box_.size)));
 }
 
-void Track::remember(const Sighting& sighting)
+void Track::addToHistory(const Observation& observation)
 {
   const TimedPosition where{stamp_, box_.center.head<2>()};
   const TimedPosition raw{
-      stamp_, sighting.from_points ? where.position : sighting.box.center.head<2>().eval()};
+      stamp_, observation.from_points ? where.position : observation.box.center.head<2>().eval()};
   std::visit([&](auto& motion) { motion.add(raw); }, motion_);
-  class_votes_[static_cast<std::size_t>(sighting.object_class)] +=
-      sighting.object_class == ObjectClass::unknown ? 0.1 : 1.0;
+  class_votes_[static_cast<std::size_t>(observation.object_class)] +=
+      observation.object_class == ObjectClass::unknown ? 0.1 : 1.0;
   const auto most = std::max_element(class_votes_.begin(), class_votes_.end());
   object_class_ = static_cast<ObjectClass>(most - class_votes_.begin());
-  if (sighting.from_points)
+  if (observation.from_points)
   {
-    // The size gathered over time says more than what was seen of it each time.
-    const ObjectClass by_size = guessClass(box_.size);
+    // The size accumulated over time is more informative than that of one observation.
+    const ObjectClass by_size = classifyBySize(box_.size);
     object_class_ = refineClass(by_size == ObjectClass::unknown ? object_class_ : by_size,
                                 box_.size, dynamic_ ? velocity_.norm() : 0.0);
   }
-  score_sum_ += sighting.score;
-  detection_ = sighting.index;
+  score_sum_ += observation.score;
+  detection_ = observation.index;
 }
 
 void Track::predict(double stamp)
@@ -131,178 +136,181 @@ void Track::predict(double stamp)
   const double dt = stamp - stamp_;
   stamp_ = stamp;
   ++age_;
-  const MotionPrediction ahead =
+  const MotionPrediction predicted =
       std::visit([&](const auto& motion) { return motion.predict(stamp); }, motion_);
-  box_.center.head<2>() = ahead.position;
-  box_.center.z() += climb_ * dt;
-  velocity_ = ahead.velocity;
-  velocity_covariance_ = ahead.velocity_covariance;
-  position_covariance_ = ahead.covariance + square(kind().min_sigma) * Eigen::Matrix2d::Identity();
+  box_.center.head<2>() = predicted.position;
+  box_.center.z() += vertical_velocity_ * dt;
+  velocity_ = predicted.velocity;
+  velocity_covariance_ = predicted.velocity_covariance;
+  position_covariance_ =
+      predicted.covariance + square(classOptions().min_sigma) * Eigen::Matrix2d::Identity();
   z_variance_ += square(0.5 * dt);
   yaw_variance_ += square(options_->yaw_rate * dt);
 }
 
-Box Track::seenAs(const Sighting& sighting) const
+Box Track::alignedBox(const Observation& observation) const
 {
-  Box seen = sighting.box;
-  if (!sighting.from_points)
+  Box observed = observation.box;
+  if (!observation.from_points)
   {
-    return seen;
+    return observed;
   }
-  // The longer visible side need not be the length: take the axis nearer to the track's.
-  if (hits_ >= 3 && std::abs(wrapAngle(2 * (seen.yaw - box_.yaw))) > M_PI / 2)
+  // The longer visible side may be the width: choose the axis nearer to the track's.
+  if (hits_ >= 3 && std::abs(wrapAngle(2 * (observed.yaw - box_.yaw))) > M_PI / 2)
   {
-    seen.yaw = wrapAngle(seen.yaw + M_PI / 2);
-    std::swap(seen.size.x(), seen.size.y());
+    observed.yaw = wrapAngle(observed.yaw + M_PI / 2);
+    std::swap(observed.size.x(), observed.size.y());
   }
   if (options_->complete_boxes)
   {
-    seen.center.head<2>() -= sighting.sensor;
-    seen = completedBox(seen, box_.size);
-    seen.center.head<2>() += sighting.sensor;
+    observed.center.head<2>() -= observation.sensor;
+    observed = completeBox(observed, box_.size);
+    observed.center.head<2>() += observation.sensor;
   }
-  return seen;
+  return observed;
 }
 
-void Track::match(const Sighting& sighting)
+void Track::match(const Observation& observation)
 {
   ++hits_;
   misses_ = 0;
-  const Eigen::Vector2d before = seenAs(sighting).center.head<2>();
-  resize(sighting);
-  const Box seen = seenAs(sighting);
-  if (sighting.from_points)
+  const Eigen::Vector2d before = alignedBox(observation).center.head<2>();
+  updateSize(observation);
+  const Box observed = alignedBox(observation);
+  if (observation.from_points)
   {
-    // A body that turns out larger was centred elsewhere all along; it did not jump.
-    const Eigen::Vector2d offset = seen.center.head<2>() - before;
+    // A larger size moves the estimated centre. That is a correction of the history, no motion.
+    const Eigen::Vector2d offset = observed.center.head<2>() - before;
     box_.center.head<2>() += offset;
     std::visit([&](auto& motion) { motion.shift(offset); }, motion_);
   }
-  turnTo(sighting, seen.yaw);
-  moveTo(sighting, seen);
-  remember(sighting);
+  updateHeading(observation, observed.yaw);
+  updatePosition(observation, observed);
+  addToHistory(observation);
   const MotionPrediction now =
       std::visit([&](const auto& motion) { return motion.predict(stamp_); }, motion_);
   velocity_ = now.velocity;
   velocity_covariance_ = now.velocity_covariance;
-  judgeMotion();
-  has_moved_ = has_moved_ || dynamic_ || moves();
-  turnAlongMotion(sighting);
-  confirm(sighting);
+  updateDynamicState();
+  has_moved_ = has_moved_ || dynamic_ || hasSignificantMotion();
+  alignHeadingWithMotion(observation);
+  confirm(observation);
 }
 
-void Track::moveTo(const Sighting& sighting, const Box& seen)
+void Track::updatePosition(const Observation& observation, const Box& observed)
 {
-  // The prediction's covariance counts a sighting's noise too; what is left is the state's.
-  const Eigen::Matrix2d noise = sighting.covariance.topLeftCorner<2, 2>();
+  // The predicted covariance contains the observation's noise already; the update is approximate.
+  const Eigen::Matrix2d noise = observation.covariance.topLeftCorner<2, 2>();
   const Eigen::Matrix2d gain = position_covariance_ * (position_covariance_ + noise).inverse();
-  const Eigen::Vector2d innovation = seen.center.head<2>() - box_.center.head<2>();
-  if (sighting.from_points)
+  const Eigen::Vector2d innovation = observed.center.head<2>() - box_.center.head<2>();
+  if (observation.from_points)
   {
-    box_.center.head<2>() = seen.center.head<2>();
+    box_.center.head<2>() = observed.center.head<2>();
   }
   else
   {
     box_.center.head<2>() += gain * innovation;
   }
   position_covariance_ = (Eigen::Matrix2d::Identity() - gain) * position_covariance_;
-  const double rise = seen.center.z() - box_.center.z();
+  const double rise = observed.center.z() - box_.center.z();
   box_.center.z() += height_gain * rise;
-  climb_ += climb_gain * rise;
-  climb_ = std::clamp(climb_, -3.0, 3.0);
-  z_variance_ = z_variance_ * sighting.covariance(2, 2) / (z_variance_ + sighting.covariance(2, 2));
+  vertical_velocity_ += vertical_velocity_gain * rise;
+  vertical_velocity_ = std::clamp(vertical_velocity_, -3.0, 3.0);
+  z_variance_ =
+      z_variance_ * observation.covariance(2, 2) / (z_variance_ + observation.covariance(2, 2));
 }
 
-void Track::turnTo(const Sighting& sighting, double seen_yaw)
+void Track::updateHeading(const Observation& observation, double observed_yaw)
 {
-  const double facing = sameAxis(seen_yaw, box_.yaw);
-  turned_sightings_ = std::clamp(turned_sightings_ + (facing == seen_yaw ? -1 : 1), -3, 6);
-  const double gain = yaw_variance_ / (yaw_variance_ + sighting.covariance(3, 3));
-  box_.yaw = wrapAngle(box_.yaw + gain * wrapAngle(facing - box_.yaw));
+  const double heading = nearestAxis(observed_yaw, box_.yaw);
+  reversed_observations_ =
+      std::clamp(reversed_observations_ + (heading == observed_yaw ? -1 : 1), -3, 6);
+  const double gain = yaw_variance_ / (yaw_variance_ + observation.covariance(3, 3));
+  box_.yaw = wrapAngle(box_.yaw + gain * wrapAngle(heading - box_.yaw));
   yaw_variance_ *= 1 - gain;
-  if (turned_sightings_ > 3 && !sighting.from_points)
+  if (reversed_observations_ > 3 && !observation.from_points)
   {
     box_.yaw = wrapAngle(box_.yaw + M_PI);
-    turned_sightings_ = 0;
+    reversed_observations_ = 0;
   }
 }
 
-/** Length and width change places. */
+/** Exchanges length and width. */
 void Track::swapAxes()
 {
   box_.yaw = wrapAngle(box_.yaw + M_PI / 2);
   std::swap(box_.size.x(), box_.size.y());
 }
 
-/** What moves faces where it goes (people may walk sideways, cars reverse slowly). */
-void Track::turnAlongMotion(const Sighting& sighting)
+/** Aligns the heading with the velocity (people may walk sideways, cars reverse slowly). */
+void Track::alignHeadingWithMotion(const Observation& observation)
 {
   const double speed = velocity_.norm();
-  if (!dynamic_ || speed < (sighting.from_points ? 1 : 2) * options_->dynamic_speed)
+  if (!dynamic_ || speed < (observation.from_points ? 1 : 2) * options_->dynamic_speed)
   {
     return;
   }
   const double course = std::atan2(velocity_.y(), velocity_.x());
   const double variance = 0.01 + 0.5 * velocity_covariance_.trace() / square(speed);
-  if (sighting.from_points && variance < 0.1 &&
+  if (observation.from_points && variance < 0.1 &&
       std::abs(wrapAngle(2 * (course - box_.yaw))) > M_PI / 2)
   {
-    swapAxes();  // its longer visible side was its width
+    swapAxes();  // the longer visible side was the width
   }
   if (std::abs(wrapAngle(course - box_.yaw)) > 0.75 * M_PI)
   {
     box_.yaw = wrapAngle(box_.yaw + M_PI);
-    turned_sightings_ = -turned_sightings_;
+    reversed_observations_ = -reversed_observations_;
   }
   const double gain = yaw_variance_ / (yaw_variance_ + variance);
-  if (sighting.from_points || object_class_ != ObjectClass::pedestrian)
+  if (observation.from_points || object_class_ != ObjectClass::pedestrian)
   {
     box_.yaw = wrapAngle(box_.yaw + gain * wrapAngle(course - box_.yaw));
     yaw_variance_ *= 1 - gain;
   }
 }
 
-void Track::resize(const Sighting& sighting)
+void Track::updateSize(const Observation& observation)
 {
-  if (!sighting.from_points)
+  if (!observation.from_points)
   {
-    box_.size += options_->size_gain * (sighting.box.size - box_.size);
+    box_.size += options_->size_gain * (observation.box.size - box_.size);
     return;
   }
-  // Clusters show at most what is there: grow readily, shrink hardly.
-  Eigen::Vector3d seen = sighting.box.size;
-  if (hits_ >= 3 && std::abs(wrapAngle(2 * (sighting.box.yaw - box_.yaw))) > M_PI / 2)
+  // Clusters show at most the whole object: fast growth, slow shrinking.
+  Eigen::Vector3d observed = observation.box.size;
+  if (hits_ >= 3 && std::abs(wrapAngle(2 * (observation.box.yaw - box_.yaw))) > M_PI / 2)
   {
-    std::swap(seen.x(), seen.y());
+    std::swap(observed.x(), observed.y());
   }
   for (int k = 0; k < 3; ++k)
   {
-    const double gain = seen[k] > box_.size[k] ? options_->size_gain : shrink_gain;
-    box_.size[k] += gain * (seen[k] - box_.size[k]);
+    const double gain = observed[k] > box_.size[k] ? options_->size_gain : shrink_gain;
+    box_.size[k] += gain * (observed[k] - box_.size[k]);
   }
   if (has_moved_)
   {
-    // Feet and wheels are lost with the ground, far sides are hidden.
-    const Eigen::Vector3d missing = (usualSize(object_class_) - box_.size).cwiseMax(0);
+    // Feet and wheels are removed with the ground, far sides are occluded.
+    const Eigen::Vector3d missing = (minimumSize(object_class_) - box_.size).cwiseMax(0);
     box_.size += options_->size_gain * missing;
   }
 }
 
-/** Whether a straight line through the last sightings goes somewhere, far beyond what their scatter
- * about it explains. Edges of shadows flicker to and fro instead. */
-bool Track::moves() const
+/** Significance test of a straight motion: the slope of a line fitted to the last observations
+ * contradicts its standard deviation. Occlusion boundaries flicker to and fro instead. */
+bool Track::hasSignificantMotion() const
 {
-  constexpr double least_speed = 0.5;  // [m/s]
-  constexpr double least_way = 0.4;    // [m]
+  constexpr double min_speed = 0.5;     // [m/s]
+  constexpr double min_distance = 0.4;  // [m]
   constexpr double sigmas = 8;
-  constexpr std::size_t least = 4;
-  constexpr double least_scatter = 0.05;  // of one sighting [m]
-  constexpr std::size_t most = 12;
+  constexpr std::size_t min_count = 4;
+  constexpr double prior_sigma = 0.05;  // of one observation [m]
+  constexpr std::size_t max_count = 12;
   const auto& history = std::visit([](const auto& motion) -> const std::deque<TimedPosition>&
                                    { return motion.history(); },
                                    motion_);
-  const std::size_t count = std::min(most, history.size());
-  if (count < least)
+  const std::size_t count = std::min(max_count, history.size());
+  if (count < min_count)
   {
     return false;
   }
@@ -323,49 +331,49 @@ bool Track::moves() const
     slope += (it->stamp - mean_time) * (it->position - mean);
   }
   slope /= time_spread;
-  double scatter = 2 * square(least_scatter);
+  double squared_residuals = 2 * square(prior_sigma);
   for (auto it = first; it != history.end(); ++it)
   {
-    scatter += (it->position - mean - (it->stamp - mean_time) * slope).squaredNorm();
+    squared_residuals += (it->position - mean - (it->stamp - mean_time) * slope).squaredNorm();
   }
-  const double sigma = std::sqrt(scatter / (2 * (n - 2) + 2) / time_spread);
-  const double way = slope.norm() * (history.back().stamp - first->stamp);
-  return slope.norm() > least_speed && way > least_way && slope.norm() > sigmas * sigma;
+  const double sigma = std::sqrt(squared_residuals / (2 * (n - 2) + 2) / time_spread);
+  const double distance = slope.norm() * (history.back().stamp - first->stamp);
+  return slope.norm() > min_speed && distance > min_distance && slope.norm() > sigmas * sigma;
 }
 
-void Track::judgeMotion()
+void Track::updateDynamicState()
 {
   const double speed = velocity_.norm();
-  bool against = false;
+  bool contradicts = false;
   if (dynamic_)
   {
-    against = speed < options_->static_speed;
+    contradicts = speed < options_->static_speed;
   }
   else
   {
     const Eigen::Vector2d along =
         speed > 0 ? Eigen::Vector2d(velocity_ / speed) : Eigen::Vector2d::UnitX();
     const double sigma = std::sqrt(along.dot(velocity_covariance_ * along));
-    against = speed > options_->dynamic_speed && speed > options_->dynamic_sigmas * sigma;
+    contradicts = speed > options_->dynamic_speed && speed > options_->dynamic_sigmas * sigma;
   }
-  change_votes_ = against ? change_votes_ + 1 : 0;
-  if (change_votes_ >= options_->dynamic_hits)
+  change_count_ = contradicts ? change_count_ + 1 : 0;
+  if (change_count_ >= options_->dynamic_hits)
   {
     dynamic_ = !dynamic_;
-    change_votes_ = 0;
+    change_count_ = 0;
   }
 }
 
 void Track::miss()
 {
   ++misses_;
-  ++all_misses_;
+  ++total_misses_;
   detection_ = -1;
 }
 
 bool Track::dead() const
 {
-  return misses_ > (confirmed_ ? kind().max_misses : kind().max_tentative_misses);
+  return misses_ > (confirmed_ ? classOptions().max_misses : classOptions().max_tentative_misses);
 }
 
 TrackedObject Track::object() const
@@ -384,7 +392,8 @@ TrackedObject Track::object() const
   object.observed = detection_ >= 0;
   object.detection = detection_;
   object.age = age_;
-  object.score = score_sum_ / (hits_ + options_->score_prior + options_->miss_prior * all_misses_);
+  object.score =
+      score_sum_ / (hits_ + options_->score_prior + options_->miss_prior * total_misses_);
   return object;
 }
 }  // namespace dyslam

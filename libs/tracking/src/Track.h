@@ -10,39 +10,45 @@
 
 namespace dyslam
 {
-/** A detection brought to the odometry frame. */
-struct Sighting
+/** A detection transformed to the odometry frame. */
+struct Observation
 {
   int index = -1;  //!< among the scan's detections
   Box box;         //!< odometry frame
   Eigen::Matrix4d covariance;
-  Eigen::Vector2d sensor;  //!< where it was seen from, odometry frame
+  Eigen::Vector2d sensor;  //!< position of the sensor, odometry frame
   ObjectClass object_class = ObjectClass::unknown;
   double score = 0;
-  bool from_points = false;  //!< a cluster: size and heading are of what was visible
+  bool from_points = false;  //!< a cluster: size and heading of the visible part only
 };
 
-/** Options of the kind of object that a class belongs to. */
-[[nodiscard]] const ClassTracking& kindOf(const TrackerOptions& options, ObjectClass object_class);
+/** Lifecycle and association options of a class. */
+[[nodiscard]] const ClassTracking& optionsFor(const TrackerOptions& options,
+                                              ObjectClass object_class);
 
 /** One object's history and state, odometry frame. */
 class Track
 {
  public:
-  Track(int id, double stamp, const Sighting& sighting, const TrackerOptions& options);
+  Track(int id, double stamp, const Observation& observation, const TrackerOptions& options);
 
-  /** Where it should be at `stamp`; call once per scan, before match() or miss(). */
+  /** Predicts the state at `stamp` [s]; to be called once per scan, before match() or miss(). */
   void predict(double stamp);
-  void match(const Sighting& sighting);
+  /** Updates the state with the associated observation. */
+  void match(const Observation& observation);
+  /** Records a scan without an associated observation. */
   void miss();
 
-  /** What was seen, taken as this object: its sides named as the track's are, what is hidden of a
-   * cluster added behind the visible sides. */
-  [[nodiscard]] Box seenAs(const Sighting& sighting) const;
+  /** The observation's box as one of this object: axes assigned as the track's, clusters enlarged
+   * behind their visible sides to the track's size. */
+  [[nodiscard]] Box alignedBox(const Observation& observation) const;
 
   [[nodiscard]] const Box& box() const { return box_; }
   [[nodiscard]] const Eigen::Matrix2d& positionCovariance() const { return position_covariance_; }
-  [[nodiscard]] const ClassTracking& kind() const { return kindOf(*options_, object_class_); }
+  [[nodiscard]] const ClassTracking& classOptions() const
+  {
+    return optionsFor(*options_, object_class_);
+  }
   [[nodiscard]] ObjectClass objectClass() const { return object_class_; }
   [[nodiscard]] int misses() const { return misses_; }
   [[nodiscard]] bool confirmed() const { return confirmed_; }
@@ -53,15 +59,15 @@ class Track
  private:
   using Motion = std::variant<AdaptivePredictor, PolynomialTrajectory>;
   [[nodiscard]] static Motion makeMotion(const TrackerOptions& options);
-  void remember(const Sighting& sighting);
-  void confirm(const Sighting& sighting);
-  void moveTo(const Sighting& sighting, const Box& seen);
-  void turnTo(const Sighting& sighting, double seen_yaw);
-  void turnAlongMotion(const Sighting& sighting);
+  void addToHistory(const Observation& observation);
+  void confirm(const Observation& observation);
+  void updatePosition(const Observation& observation, const Box& observed);
+  void updateHeading(const Observation& observation, double observed_yaw);
+  void alignHeadingWithMotion(const Observation& observation);
   void swapAxes();
-  void resize(const Sighting& sighting);
-  void judgeMotion();
-  [[nodiscard]] bool moves() const;
+  void updateSize(const Observation& observation);
+  void updateDynamicState();
+  [[nodiscard]] bool hasSignificantMotion() const;
 
   const TrackerOptions* options_;
   int id_;
@@ -71,21 +77,21 @@ class Track
   Eigen::Vector2d velocity_ = Eigen::Vector2d::Zero();
   Eigen::Matrix2d velocity_covariance_ = Eigen::Matrix2d::Identity();
   Eigen::Matrix2d position_covariance_ = Eigen::Matrix2d::Identity();
-  double climb_ = 0;  //!< of z [m/s]
+  double vertical_velocity_ = 0;  //!< [m/s]
   double z_variance_ = 0.1;
   double yaw_variance_ = 0.1;
-  int turned_sightings_ = 0;  //!< how many more sightings face backwards than forwards
+  int reversed_observations_ = 0;  //!< excess of observations with the opposite heading
   std::array<double, 8> class_votes_{};
   ObjectClass object_class_ = ObjectClass::unknown;
   double score_sum_ = 0;
   int hits_ = 1;
   int misses_ = 0;  //!< in a row
-  int all_misses_ = 0;
+  int total_misses_ = 0;
   int age_ = 0;
   bool confirmed_ = false;
   bool dynamic_ = false;
-  bool has_moved_ = false;  //!< did at some time, beyond doubt
-  int change_votes_ = 0;    //!< scans in a row that speak against `dynamic_`
+  bool has_moved_ = false;  //!< significant motion was observed at some time
+  int change_count_ = 0;    //!< scans in a row whose velocity contradicts `dynamic_`
   int detection_ = -1;
 };
 }  // namespace dyslam

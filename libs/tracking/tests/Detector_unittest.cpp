@@ -25,7 +25,7 @@ struct Scene
     moving.push_back(moving_probability > 0.5F);
     probability.push_back(moving_probability);
   }
-  /** Flat ground at `z`, not moving. */
+  /** Static flat ground at height `z` [m]. */
   void addGround(double z)
   {
     for (double x = -30; x <= 30; x += 0.5)
@@ -36,8 +36,8 @@ struct Scene
       }
     }
   }
-  /** The sides of a box that the origin sees. */
-  void addBody(const Box& box, int count)
+  /** Points on the sides of a box that face the origin. */
+  void addVisibleSides(const Box& box, int count)
   {
     std::uniform_real_distribution<double> unit(-0.5, 0.5);
     std::normal_distribution<double> noise(0, 0.01);
@@ -73,16 +73,16 @@ Box makeBox(double x, double y, double z, double l, double w, double h, double y
 }
 }  // namespace
 
-TEST(Detector, findsACarAPersonAndACyclistOnTheGround)
+TEST(Detector, detectsCarPedestrianAndCyclist)
 {
   Scene scene;
   scene.addGround(-1.7);
   const Box car = makeBox(12, 5, -0.8, 4.3, 1.8, 1.5, 0.5);
   const Box person = makeBox(8, -4, -0.75, 0.6, 0.5, 1.7, 0);
   const Box cyclist = makeBox(15, -6, -0.75, 1.8, 0.6, 1.7, 1.2);
-  scene.addBody(car, 600);
-  scene.addBody(person, 120);
-  scene.addBody(cyclist, 200);
+  scene.addVisibleSides(car, 600);
+  scene.addVisibleSides(person, 120);
+  scene.addVisibleSides(cyclist, 200);
   Detector detector;
   const std::vector<Detection> found =
       detector.detect(scene.points, scene.moving, scene.probability);
@@ -104,13 +104,13 @@ TEST(Detector, findsACarAPersonAndACyclistOnTheGround)
   }
 }
 
-/** Ground points marked as moving must not join what stands on them. */
-TEST(Detector, movingGroundDoesNotJoinTwoPeople)
+/** Ground points marked as moving must not link the objects above them. */
+TEST(Detector, movingGroundDoesNotLinkTwoPedestrians)
 {
   Scene scene;
   scene.addGround(-1.7);
-  scene.addBody(makeBox(10, 0, -0.75, 0.6, 0.5, 1.7, 0), 100);
-  scene.addBody(makeBox(10, 2, -0.75, 0.6, 0.5, 1.7, 0), 100);
+  scene.addVisibleSides(makeBox(10, 0, -0.75, 0.6, 0.5, 1.7, 0), 100);
+  scene.addVisibleSides(makeBox(10, 2, -0.75, 0.6, 0.5, 1.7, 0), 100);
   for (double y = 0; y <= 2; y += 0.05)
   {
     scene.add({10, y, -1.68}, 0.9F);
@@ -118,7 +118,7 @@ TEST(Detector, movingGroundDoesNotJoinTwoPeople)
   EXPECT_EQ(Detector().detect(scene.points, scene.moving, scene.probability).size(), 2u);
 }
 
-/** The same car far away has wide gaps between its points; they still join. */
+/** Points of a distant car have wide gaps but still form one cluster. */
 TEST(Detector, clusteringAdaptsToRange)
 {
   Scene scene;
@@ -142,7 +142,7 @@ TEST(Detector, clusteringAdaptsToRange)
   EXPECT_EQ(near, 0);  // single columns, thinner than any object: below min_points each
 }
 
-TEST(Detector, emptyOnePointAndNaN)
+TEST(Detector, handlesEmptySinglePointAndNaN)
 {
   Detector detector;
   EXPECT_TRUE(detector.detect({}, {}, {}).empty());
@@ -158,32 +158,32 @@ TEST(Detector, emptyOnePointAndNaN)
   EXPECT_TRUE(frame.detections.empty());
 }
 
-TEST(Detector, lShapeFindsTheHeading)
+TEST(Detector, lShapeFitRecoversTheHeading)
 {
   for (double yaw = -1.5; yaw < 1.6; yaw += 0.23)
   {
     Scene scene;
-    scene.addBody(makeBox(10, 6, 0, 4.5, 1.8, 1.5, yaw), 400);
+    scene.addVisibleSides(makeBox(10, 6, 0, 4.5, 1.8, 1.5, yaw), 400);
     const Box box = fitLShape(scene.points, 0.02);
     EXPECT_NEAR(std::remainder(box.yaw - yaw, M_PI), 0, 0.06) << yaw;
     EXPECT_NEAR(box.size.x(), 4.5, 0.25) << yaw;
   }
 }
 
-TEST(Detector, completedBoxKeepsTheSidesThatAreSeen)
+TEST(Detector, completeBoxKeepsTheVisibleSides)
 {
-  // Only the rear of a car ahead is seen: the rest lies beyond.
+  // Only the rear of a car ahead is visible: the rest lies beyond.
   const Box rear = makeBox(10, 0, 0, 0.3, 1.8, 1.5, 0);
-  const Box full = completedBox(rear, {4.3, 1.8, 1.5});
+  const Box full = completeBox(rear, {4.3, 1.8, 1.5});
   EXPECT_NEAR(full.center.x() - 0.5 * full.size.x(), 9.85, 1e-9);
   EXPECT_NEAR(full.center.y(), 0, 1e-9);
   EXPECT_NEAR(full.size.x(), 4.3, 1e-12);
-  // And of one behind, its front.
-  const Box behind = completedBox(makeBox(-10, 0, 0, 0.3, 1.8, 1.5, 0), {4.3, 1.8, 1.5});
+  // Of a car behind, only the front is visible.
+  const Box behind = completeBox(makeBox(-10, 0, 0, 0.3, 1.8, 1.5, 0), {4.3, 1.8, 1.5});
   EXPECT_NEAR(behind.center.x() + 0.5 * behind.size.x(), -9.85, 1e-9);
 }
 
-TEST(Detector, optionsSurviveTheirText)
+TEST(Detector, optionsRoundTripThroughText)
 {
   DetectorOptions options;
   options.distance = 0.37;

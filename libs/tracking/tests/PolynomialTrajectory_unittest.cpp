@@ -56,7 +56,7 @@ TEST(PolynomialTrajectory, recoversACubicWithGapsAtUnixTimes)
   }
 }
 
-TEST(PolynomialTrajectory, lowersTheDegreeOfAShortHistory)
+TEST(PolynomialTrajectory, limitsTheDegreeForAShortHistory)
 {
   PolynomialTrajectory trajectory(optionsOf(5, 30));
   EXPECT_FALSE(trajectory.predict(0).valid);
@@ -70,7 +70,7 @@ TEST(PolynomialTrajectory, lowersTheDegreeOfAShortHistory)
   EXPECT_GT(trajectory.predict(0.2).covariance.trace(), 0);
 }
 
-TEST(PolynomialTrajectory, refusesNaNAndTimesThatDoNotRise)
+TEST(PolynomialTrajectory, rejectsNaNAndNonIncreasingStamps)
 {
   PolynomialTrajectory trajectory(optionsOf(2, 5));
   EXPECT_FALSE(trajectory.add({not_a_number, {0, 0}}));
@@ -84,7 +84,7 @@ TEST(PolynomialTrajectory, refusesNaNAndTimesThatDoNotRise)
   EXPECT_THROW(PolynomialTrajectory(optionsOf(2, 0)), std::invalid_argument);
 }
 
-TEST(PolynomialTrajectory, constantVelocityUsesTheLastTwo)
+TEST(PolynomialTrajectory, constantVelocityUsesTheLastTwoObservations)
 {
   PolynomialOptions options;
   options.model = MotionModel::constant_velocity;
@@ -95,8 +95,8 @@ TEST(PolynomialTrajectory, constantVelocityUsesTheLastTwo)
   EXPECT_LT((trajectory.predict(3).position - Vector2d(2, 6)).norm(), 1e-9);
 }
 
-/** The claimed covariance must be that of the errors made. */
-TEST(PolynomialTrajectory, covarianceMatchesTheErrors)
+/** The covariance must be consistent with the errors (mean normalised estimation error). */
+TEST(PolynomialTrajectory, covarianceIsConsistentWithTheErrors)
 {
   std::mt19937 generator(3);
   std::normal_distribution<double> noise(0, 0.2);
@@ -118,12 +118,12 @@ TEST(PolynomialTrajectory, covarianceMatchesTheErrors)
     const Vector2d v = p.velocity - Vector2d(9, -2);
     velocity_sum += v.dot(p.velocity_covariance.inverse() * v) / 2;
   }
-  EXPECT_NEAR(sum / trials, 1.1, 0.25);  // heavier tails than normal: the noise is estimated
+  EXPECT_NEAR(sum / trials, 1.1, 0.25);  // above 1 because the noise is estimated
   EXPECT_NEAR(velocity_sum / trials, 1.1, 0.25);
 }
 
-/** All members of the bank share one factorisation; each must equal its own separate fit. */
-TEST(AdaptivePredictor, everyMemberEqualsItsOwnFit)
+/** The members share one factorisation; each must equal a separate fit. */
+TEST(AdaptivePredictor, eachMemberEqualsASeparateFit)
 {
   std::mt19937 generator(5);
   std::normal_distribution<double> noise(0, 0.1);
@@ -138,9 +138,10 @@ TEST(AdaptivePredictor, everyMemberEqualsItsOwnFit)
     for (int i = 0; i < 70; ++i)
     {
       t += i % 5 == 0 ? 0.3 : 0.1;
-      const TimedPosition sighting{t, {8 * t + noise(generator), std::sin(t) + noise(generator)}};
-      adaptive.add(sighting);
-      alone.add(sighting);
+      const TimedPosition observation{t,
+                                      {8 * t + noise(generator), std::sin(t) + noise(generator)}};
+      adaptive.add(observation);
+      alone.add(observation);
     }
     const auto all = adaptive.memberPredictions(t + 0.1);
     const Vector2d one = all.row(static_cast<Eigen::Index>(member)).transpose();
@@ -157,9 +158,9 @@ struct Scores
   double best_fixed = std::numeric_limits<double>::infinity();
 };
 
-/** Error of the adaptive predictor and of the best member, chosen afterwards, on one course. */
-template <typename Course>
-Scores compare(Course&& course, double sigma, unsigned seed)
+/** Errors of the adaptive predictor and of the best member in hindsight on one path. */
+template <typename Path>
+Scores compare(Path&& path, double sigma, unsigned seed)
 {
   std::mt19937 generator(seed);
   std::normal_distribution<double> noise(0, sigma);
@@ -174,11 +175,11 @@ Scores compare(Course&& course, double sigma, unsigned seed)
       const auto all = adaptive.memberPredictions(t);
       for (int k = 0; k < AdaptivePredictor::members; ++k)
       {
-        fixed[static_cast<std::size_t>(k)] += (all.row(k).transpose() - course(t)).squaredNorm();
+        fixed[static_cast<std::size_t>(k)] += (all.row(k).transpose() - path(t)).squaredNorm();
       }
-      own += (adaptive.predict(t).position - course(t)).squaredNorm();
+      own += (adaptive.predict(t).position - path(t)).squaredNorm();
     }
-    adaptive.add({t, course(t) + Vector2d(noise(generator), noise(generator))});
+    adaptive.add({t, path(t) + Vector2d(noise(generator), noise(generator))});
   }
   Scores scores;
   scores.adaptive = std::sqrt(own / 340);
@@ -190,9 +191,9 @@ Scores compare(Course&& course, double sigma, unsigned seed)
 }
 }  // namespace
 
-/** Straight, turning, and both in turn: within a little of the best choice in hindsight, better
- * where no single choice suits. */
-TEST(AdaptivePredictor, followsTheBestMember)
+/** The error is near that of the best member in hindsight on straight and curved paths, and on
+ * paths of both. */
+TEST(AdaptivePredictor, isAsAccurateAsTheBestMember)
 {
   const auto straight = [](double t) { return Vector2d(10 * t, 3 * t); };
   const auto turning = [](double t) { return Vector2d(6 * std::sin(t), 6 * std::cos(t)); };
@@ -210,7 +211,7 @@ TEST(AdaptivePredictor, followsTheBestMember)
   EXPECT_LT(c.adaptive, 1.1 * c.best_fixed);
 }
 
-TEST(AdaptivePredictor, emptyOneAndNaN)
+TEST(AdaptivePredictor, handlesEmptySingleAndNaN)
 {
   AdaptivePredictor predictor;
   EXPECT_FALSE(predictor.predict(0).valid);
@@ -222,14 +223,14 @@ TEST(AdaptivePredictor, emptyOneAndNaN)
   ASSERT_TRUE(one.valid);
   EXPECT_LT((one.position - Vector2d(1, 2)).norm(), 1e-12);
   EXPECT_EQ(one.velocity.norm(), 0);
-  EXPECT_GT(one.covariance(0, 0), 1);  // nothing is known of its speed
+  EXPECT_GT(one.covariance(0, 0), 1);  // the speed is unknown
   AdaptiveOptions wrong;
-  wrong.memory = 0;
+  wrong.forgetting_factor = 0;
   EXPECT_THROW(AdaptivePredictor{wrong}, std::invalid_argument);
 }
 
-/** Far ahead the prediction goes straight on, and doubt grows. */
-TEST(AdaptivePredictor, coastsSafely)
+/** Long-term predictions are linear, with a growing covariance. */
+TEST(AdaptivePredictor, longTermPredictionIsLinear)
 {
   std::mt19937 generator(9);
   std::normal_distribution<double> noise(0, 0.1);
@@ -250,8 +251,9 @@ TEST(AdaptivePredictor, coastsSafely)
   EXPECT_NEAR(predictor.weights().sum(), 1, 1e-9);
 }
 
-/** One sighting far off must not throw the prediction; a real step is followed at the second. */
-TEST(AdaptivePredictor, outliersAreDrawnInStepsAreFollowed)
+/** A single outlier must not disturb the prediction; a step is followed at the second observation.
+ */
+TEST(AdaptivePredictor, clipsOutliersAndFollowsSteps)
 {
   for (const bool step : {false, true})
   {

@@ -30,7 +30,7 @@ Detection carAt(const Vector2d& position, double yaw = 0)
   return detection;
 }
 
-/** The same as seen by the detector of clusters. */
+/** The same as a detected cluster. */
 Detection clusterAt(const Vector2d& position, double yaw = 0)
 {
   Detection detection = carAt(position, yaw);
@@ -44,15 +44,15 @@ struct Actor
   std::function<bool(int)> seen = [](int) { return true; };
 };
 
-/** What a tracker made of every actor, told by the truth ids of its detections. */
+/** Tracking results per actor; actors are identified by the detections' true ids. */
 struct Outcome
 {
-  std::map<int, std::vector<int>> ids;       //!< of each actor's reported tracks, scan by scan
-  std::map<int, TrackedObject> last;         //!< of each actor, when last observed
-  std::set<int> all_ids;                     //!< reported, of anything
-  std::vector<TrackedObject> final_objects;  //!< living after the last scan
-  std::map<int, int> changes;                //!< of id, per actor
-  double worst_position = 0;                 //!< reported and observed, after 10 scans [m]
+  std::map<int, std::vector<int>> ids;       //!< ids of each actor's reported track, by scan
+  std::map<int, TrackedObject> last;         //!< each actor's track when last observed
+  std::set<int> all_ids;                     //!< of all reported tracks
+  std::vector<TrackedObject> final_objects;  //!< tracks after the last scan
+  std::map<int, int> changes;                //!< id switches per actor
+  double max_position_error = 0;             //!< of observed reported tracks, after 10 scans [m]
 };
 
 Outcome play(
@@ -108,15 +108,15 @@ Outcome play(
       if (scan >= 10)
       {
         const Vector2d truth = actors[static_cast<std::size_t>(actor)].where(t);
-        outcome.worst_position =
-            std::max(outcome.worst_position, (object.box.center.head<2>() - truth).norm());
+        outcome.max_position_error =
+            std::max(outcome.max_position_error, (object.box.center.head<2>() - truth).norm());
       }
     }
   }
   return outcome;
 }
 
-std::function<Vector2d(double)> line(const Vector2d& start, const Vector2d& velocity)
+std::function<Vector2d(double)> straightPath(const Vector2d& start, const Vector2d& velocity)
 {
   return [=](double t) -> Vector2d { return start + t * velocity; };
 }
@@ -124,19 +124,20 @@ std::function<Vector2d(double)> line(const Vector2d& start, const Vector2d& velo
 
 TEST(Tracker, followsOneCarWithItsVelocity)
 {
-  const Outcome o = play({{line({5, 2}, {8, -1})}}, 40, 0.05);
+  const Outcome o = play({{straightPath({5, 2}, {8, -1})}}, 40, 0.05);
   ASSERT_EQ(o.all_ids.size(), 1u);
-  EXPECT_EQ(o.ids.at(0).size(), 38u);  // reported from the third sighting on
+  EXPECT_EQ(o.ids.at(0).size(), 38u);  // reported from the third observation on
   EXPECT_LT((o.last.at(0).velocity.head<2>() - Vector2d(8, -1)).norm(), 0.3);
   EXPECT_TRUE(o.last.at(0).dynamic);
-  EXPECT_LT(o.worst_position, 0.3);
+  EXPECT_LT(o.max_position_error, 0.3);
 }
 
-/** The sensor drives and turns; tracks stand in the odometry frame. */
-TEST(Tracker, takesOutTheSensorsOwnMotion)
+/** The sensor moves and turns; tracks are in the odometry frame. */
+TEST(Tracker, compensatesEgoMotion)
 {
   const auto sensor = [](double t) { return poseFromYpr(10 * t, 0.5 * t, 0, 0.4 * t, 0, 0); };
-  const Outcome o = play({{line({30, 5}, {0, 0})}, {line({20, -4}, {9, 0})}}, 40, 0.03, {}, sensor);
+  const Outcome o = play({{straightPath({30, 5}, {0, 0})}, {straightPath({20, -4}, {9, 0})}}, 40,
+                         0.03, {}, sensor);
   EXPECT_EQ(o.all_ids.size(), 2u);
   EXPECT_FALSE(o.last.at(0).dynamic);
   EXPECT_LT(o.last.at(0).velocity.norm(), 0.4);
@@ -144,20 +145,20 @@ TEST(Tracker, takesOutTheSensorsOwnMotion)
   EXPECT_NEAR(o.last.at(1).velocity.x(), 9, 0.4);
 }
 
-TEST(Tracker, keepsTheIdThroughAnOcclusion)
+TEST(Tracker, keepsTheIdThroughAShortOcclusion)
 {
-  Actor hidden{line({0, 0}, {8, 2})};
+  Actor hidden{straightPath({0, 0}, {8, 2})};
   hidden.seen = [](int scan) { return scan < 20 || scan >= 28; };
   const Outcome o = play({hidden}, 50, 0.05);
   EXPECT_EQ(o.all_ids.size(), 1u);
   EXPECT_EQ(o.changes.at(0), 0);
-  // Too long, and it is another object.
+  // After a longer occlusion it is another track.
   hidden.seen = [](int scan) { return scan < 20 || scan >= 40; };
   EXPECT_EQ(play({hidden}, 70, 0.05).all_ids.size(), 2u);
 }
 
-/** While it is hidden, the prediction is reported for a while, then no more. */
-TEST(Tracker, coastsOnlyBriefly)
+/** Predicted states are reported for report_misses scans only. */
+TEST(Tracker, reportsPredictionsOnlyBriefly)
 {
   Tracker tracker;
   for (int scan = 0; scan < 20; ++scan)
@@ -180,23 +181,25 @@ TEST(Tracker, coastsOnlyBriefly)
   }
 }
 
-/** Paths cross at a right angle, both cars at the crossing within 2 m of each other. */
+/** Paths cross at a right angle; the cars come within 2 m of each other. */
 TEST(Tracker, crossingPathsKeepTheirIds)
 {
-  const Outcome o = play({{line({-15, 0.5}, {10, 0})}, {line({0, -16}, {0, 10})}}, 35, 0.05);
+  const Outcome o =
+      play({{straightPath({-15, 0.5}, {10, 0})}, {straightPath({0, -16}, {0, 10})}}, 35, 0.05);
   EXPECT_EQ(o.all_ids.size(), 2u);
   EXPECT_EQ(o.changes.at(0) + o.changes.at(1), 0);
   // Head-on in neighbouring lanes, too.
-  const Outcome p = play({{line({-20, 1.3}, {12, 0})}, {line({20, -1.3}, {-12, 0})}}, 40, 0.05);
+  const Outcome p =
+      play({{straightPath({-20, 1.3}, {12, 0})}, {straightPath({20, -1.3}, {-12, 0})}}, 40, 0.05);
   EXPECT_EQ(p.changes.at(0) + p.changes.at(1), 0);
 }
 
-TEST(Tracker, objectsEnterAndLeave)
+TEST(Tracker, createsAndDeletesTracks)
 {
   std::vector<Actor> actors;
   for (int i = 0; i < 6; ++i)
   {
-    Actor actor{line({-20.0 + 2 * i, 6.0 * i}, {7, 0})};
+    Actor actor{straightPath({-20.0 + 2 * i, 6.0 * i}, {7, 0})};
     actor.seen = [i](int scan) { return scan >= 8 * i && scan < 8 * i + 25; };
     actors.push_back(actor);
   }
@@ -207,11 +210,11 @@ TEST(Tracker, objectsEnterAndLeave)
     EXPECT_EQ(o.changes.at(i), 0);
     EXPECT_EQ(o.ids.at(i).size(), 23u);
   }
-  EXPECT_TRUE(o.final_objects.empty());  // all have died
+  EXPECT_TRUE(o.final_objects.empty());  // all were deleted
 }
 
-/** One that stands, starts, and stops again: dynamic follows, without flicker. */
-TEST(Tracker, aStoppedCarThatStarts)
+/** A car stands, starts and stops again: `dynamic` changes twice. */
+TEST(Tracker, dynamicStateFollowsStartAndStop)
 {
   const auto where = [](double t) -> Vector2d
   {
@@ -249,8 +252,8 @@ TEST(Tracker, aStoppedCarThatStarts)
   EXPECT_LT(worst, 0.5);
 }
 
-/** Every scan a detection is lost with 35 % chance, and false ones appear anywhere. */
-TEST(Tracker, aDetectorThatBlinks)
+/** Detections are missed with a probability of 35 %; false positives appear at random places. */
+TEST(Tracker, toleratesMissedAndFalseDetections)
 {
   std::mt19937 generator(23);
   std::bernoulli_distribution lost(0.35);
@@ -259,31 +262,32 @@ TEST(Tracker, aDetectorThatBlinks)
   {
     pattern[i] = !lost(generator);
   }
-  Actor blinking{line({-30, 0}, {6, 0.5})};
+  Actor blinking{straightPath({-30, 0}, {6, 0.5})};
   blinking.seen = [&](int scan) { return pattern[static_cast<std::size_t>(scan)]; };
   std::uniform_real_distribution<double> place(-60, 60);
   std::vector<Actor> actors{blinking};
-  for (int i = 0; i < 100; ++i)  // each false one is seen once
+  for (int i = 0; i < 100; ++i)  // each false positive appears once
   {
     const Vector2d at(place(generator), 10 + std::abs(place(generator)));
-    Actor ghost{[at](double) { return at; }};
-    ghost.seen = [i](int scan) { return scan == i; };
-    actors.push_back(ghost);
+    Actor false_positive{[at](double) { return at; }};
+    false_positive.seen = [i](int scan) { return scan == i; };
+    actors.push_back(false_positive);
   }
   const Outcome o = play(actors, 100, 0.05);
   EXPECT_EQ(o.changes.at(0), 0);
-  EXPECT_EQ(o.all_ids.size(), 1u);  // no ghost was ever reported
+  EXPECT_EQ(o.all_ids.size(), 1u);  // no false positive is reported
 }
 
-/** A street full of cars: nobody changes the id. */
-TEST(Tracker, twoHundredObjectsAtOnce)
+/** Dense traffic without id switches. */
+TEST(Tracker, keepsTheIdsOfTwoHundredObjects)
 {
   std::vector<Actor> actors;
   for (int i = 0; i < 200; ++i)
   {
     const int lane = i % 10;
     const double direction = lane % 2 == 0 ? 1 : -1;
-    actors.push_back({line({9.0 * (i / 10) - 90, 3.5 * lane}, {direction * (5.0 + lane), 0})});
+    actors.push_back(
+        {straightPath({9.0 * (i / 10) - 90, 3.5 * lane}, {direction * (5.0 + lane), 0})});
   }
   const Outcome o = play(actors, 40, 0.08);
   EXPECT_EQ(o.all_ids.size(), 200u);
@@ -291,10 +295,10 @@ TEST(Tracker, twoHundredObjectsAtOnce)
   {
     EXPECT_EQ(o.changes.at(i), 0) << i;
   }
-  EXPECT_LT(o.worst_position, 0.5);
+  EXPECT_LT(o.max_position_error, 0.5);
 }
 
-TEST(Tracker, everyMotionAndAssociationFollowsACurve)
+TEST(Tracker, everyMotionModelAndSolverFollowsACurve)
 {
   const auto curve = [](double t) -> Vector2d {
     return {12 * std::sin(0.6 * t), 12 - 12 * std::cos(0.6 * t)};
@@ -308,15 +312,15 @@ TEST(Tracker, everyMotionAndAssociationFollowsACurve)
       TrackerOptions options;
       options.motion = motion;
       options.association = method;
-      const Outcome o = play({{curve}, {line({0, 30}, {5, 0})}}, 60, 0.05, options);
+      const Outcome o = play({{curve}, {straightPath({0, 30}, {5, 0})}}, 60, 0.05, options);
       EXPECT_EQ(o.all_ids.size(), 2u);
       EXPECT_EQ(o.changes.at(0) + o.changes.at(1), 0);
     }
   }
 }
 
-/** Greedy takes the cheapest pair first and loses an object where the optimum keeps both. */
-TEST(Tracker, optimalAssociationKeepsWhatGreedyLoses)
+/** Greedy association takes the cheapest pair first and loses an object that the optimum keeps. */
+TEST(Tracker, optimalAssociationKeepsTracksThatGreedyLoses)
 {
   for (const AssociationMethod method :
        {AssociationMethod::shortest_paths, AssociationMethod::hungarian, AssociationMethod::greedy})
@@ -332,7 +336,7 @@ TEST(Tracker, optimalAssociationKeepsWhatGreedyLoses)
     {
       (void)tracker.update(dt * scan, {carAt({0, 0}), carAt({2, 0})}, Pose::Identity());
     }
-    // Both jump by 2 m: the second car now stands nowhere near, the first where the second was.
+    // Both jump by 2 m: the first car to the second one's place, the second one further.
     const auto objects = tracker.update(0.5, {carAt({1.9, 0}), carAt({3.9, 0})}, Pose::Identity());
     const auto observed =
         std::count_if(objects.begin(), objects.end(),
@@ -341,8 +345,8 @@ TEST(Tracker, optimalAssociationKeepsWhatGreedyLoses)
   }
 }
 
-/** Clusters that stay where they are (edges of shadows, leaves) are never reported, however long
- * they last; those that move are, soon. Boxes from a file need not move. */
+/** Static clusters (occlusion boundaries, leaves) are never reported; moving ones are reported
+ * soon. Boxes read from a file need not move. */
 TEST(Tracker, clustersMustMoveToBeReported)
 {
   std::mt19937 generator(31);
@@ -369,8 +373,8 @@ TEST(Tracker, clustersMustMoveToBeReported)
   EXPECT_LE(first_reported, 8);
 }
 
-/** Strips of walls on which a shadow's edge glides move steadily, but no body is so thin. */
-TEST(Tracker, glidingStripsOfWallAreNotReported)
+/** Occlusion boundaries on walls move steadily but are thinner than any object. */
+TEST(Tracker, thinStripsAreNotReported)
 {
   Tracker tracker;
   for (int scan = 0; scan < 30; ++scan)
@@ -386,9 +390,8 @@ TEST(Tracker, glidingStripsOfWallAreNotReported)
   }
 }
 
-/** The visible side is first shorter than the body's width: the motion tells which axis is which.
- */
-TEST(Tracker, motionTellsLengthFromWidth)
+/** The visible side is at first shorter than the object's width: the motion resolves the axes. */
+TEST(Tracker, motionResolvesLengthAndWidth)
 {
   Tracker tracker;
   TrackedObject last;
@@ -407,7 +410,7 @@ TEST(Tracker, motionTellsLengthFromWidth)
   EXPECT_NEAR(last.box.size.y(), 1.8, 0.25);
 }
 
-TEST(Tracker, badInput)
+TEST(Tracker, rejectsInvalidInput)
 {
   Tracker tracker;
   EXPECT_TRUE(tracker.update(0, {}, Pose::Identity()).empty());
@@ -420,14 +423,14 @@ TEST(Tracker, badInput)
   bad.push_back(carAt({5, 5}));
   const auto objects = tracker.update(0.2, bad, Pose::Identity());
   ASSERT_EQ(objects.size(), 1u);
-  EXPECT_EQ(objects[0].detection, 4);  // among all that were given
+  EXPECT_EQ(objects[0].detection, 4);  // index into all given detections
   EXPECT_THROW((void)tracker.update(0.2, {}, Pose::Identity()), std::invalid_argument);
   EXPECT_THROW((void)tracker.update(0.1, {}, Pose::Identity()), std::invalid_argument);
   EXPECT_THROW((void)tracker.update(std::numeric_limits<double>::quiet_NaN(), {}, Pose::Identity()),
                std::invalid_argument);
 }
 
-TEST(Tracker, optionsSurviveTheirText)
+TEST(Tracker, optionsRoundTripThroughText)
 {
   TrackerOptions options;
   options.motion = TrackMotion::polynomial;

@@ -2,7 +2,7 @@
 #include <dyslam/core/Error.h>
 #include <dyslam/core/Files.h>
 #include <dyslam/core/PendingFile.h>
-#include <dyslam/nets/DyloModel.h>
+#include <dyslam/nets/DyloFile.h>
 #include <dyslam/nets/SaveArchive.h>
 #include <dyslam/nets/Threads.h>
 #include <dyslam/train/Augmentation.h>

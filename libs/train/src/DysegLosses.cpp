@@ -281,10 +281,10 @@ struct Lesson
   const DysegLossOptions& options;
   BevScan current, past;
   PlanarMotion ego;
-  DysegGuide guide;
+  TeacherMotions guide;
   DysegEncoding a, b;  //!< of the current and the past scan
   DysegMatch match;
-  DysegCellsOut out;
+  DysegCellOutput out;
   DysegCellTruth truth;  //!< of the cells at 1/4
   Tensor moving;         //!< flags of these cells
   int radius = 0;        //!< of the windows [cells]
@@ -298,10 +298,10 @@ Tensor matchingLoss(const Lesson& l)
 {
   const DysegCells& cells = l.cells();
   const auto coarse =
-      cellTruth(l.sample, l.current, cells.level.eighth.row_of_point, cells.eighth_place, l.ego);
+      cellTruth(l.sample, l.current, cells.level.eighth.row_of_point, cells.eighth_centre, l.ego);
   const auto coarse_offset =
-      seenOffsets(coarse.flow, cells.eighth_place, PlanarMotion(), l.past, 8);
-  const auto offset = seenOffsets(l.truth.flow, cells.quarter_place, l.guide.first, l.past, 4);
+      seenOffsets(coarse.flow, cells.eighth_centre, PlanarMotion(), l.past, 8);
+  const auto offset = seenOffsets(l.truth.flow, cells.quarter_centre, l.guide.coarse, l.past, 4);
   return matching_weight *
          (correlationLoss(l.match.coarse_correlation, coarse_offset.to(l.device()),
                           flagsOf(coarse.label, DysegSample::moving_point).to(l.device()),
@@ -316,7 +316,7 @@ Tensor flowLoss(const Lesson& l)
   std::vector<Eigen::Vector2f> residual(l.truth.flow.size());
   for (std::size_t i = 0; i < residual.size(); ++i)
   {
-    residual[i] = l.truth.flow[i] - l.guide.second.flowAt(l.cells().quarter_place[i]);
+    residual[i] = l.truth.flow[i] - l.guide.fine.flowAt(l.cells().quarter_centre[i]);
   }
   const auto residual_truth = rowsOf(residual).to(l.device());
   // What moves out of the windows cannot be followed.
@@ -361,7 +361,7 @@ CellLosses cellLosses(const Lesson& l)
   const auto error = nnf::binary_cross_entropy_with_logits(l.out.logit.index_select(0, judged),
                                                            label.to(torch::kFloat32), each);
   const auto anchor_error = nnf::binary_cross_entropy_with_logits(
-      l.a.anchor.index_select(0, judged), label.logical_not().to(torch::kFloat32), each);
+      l.a.static_logit.index_select(0, judged), label.logical_not().to(torch::kFloat32), each);
   return {balancedMean(anchor_error, label), 0.5 * balancedMean(error, label) + error.mean()};
 }
 
@@ -391,9 +391,9 @@ PointLosses pointLosses(DysegNet& net, const Lesson& l, RandomDraws& draws)
     const auto i = static_cast<std::size_t>(w);
     label.push_back(l.sample.label[l.current.source[i]]);
     const Eigen::Vector2f at = l.current.points[i].head<2>();
-    residual.emplace_back(l.sample.flow[l.current.source[i]] - l.guide.second.flowAt(at));
+    residual.emplace_back(l.sample.flow[l.current.source[i]] - l.guide.fine.flowAt(at));
   }
-  const auto answer = net->points(l.current, l.a, l.b, l.past.rays, l.out, which);
+  const auto answer = net->segmentPoints(l.current, l.a, l.b, l.past.rays, l.out, which);
   const auto moving = flagsOf(label, DysegSample::moving_point).to(l.device());
   // Half as drawn, half as often as they are: sure of movers, yet few false alarms.
   const auto often = torch::tensor(drawn.weight).to(l.device());
@@ -443,15 +443,15 @@ DysegLoss dysegLoss(DysegNet& net,
     return loss;
   }
   l.ego = PlanarMotion::fromPose(sample.T_past_current);
-  l.guide.first = disturbed(l.ego, options.first_noise, draws);
-  l.guide.second = disturbed(l.ego, options.second_noise, draws);
+  l.guide.coarse = disturbed(l.ego, options.first_noise, draws);
+  l.guide.fine = disturbed(l.ego, options.second_noise, draws);
   l.radius = net->options().radius;
   l.a = net->encode(l.current);
   l.b = net->encode(l.past);
   l.match = net->match(l.current, l.a, l.b, &l.guide);
-  l.out = net->cells(l.current, l.a, l.b, l.guide.second, options.iterations);
+  l.out = net->segmentCells(l.current, l.a, l.b, l.guide.fine, options.iterations);
   l.truth = cellTruth(sample, l.current, l.cells().level.quarter.row_of_point,
-                      l.cells().quarter_place, l.ego);
+                      l.cells().quarter_centre, l.ego);
   l.moving = flagsOf(l.truth.label, DysegSample::moving_point).to(l.device());
 
   loss.total = matchingLoss(l);

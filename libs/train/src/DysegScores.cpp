@@ -70,7 +70,7 @@ DysegScores scorePair(const DysegModel& model, const DysegSample& sample, int it
   const BevScan scan = makeBevScan(sample.current, model.grid());
   const DysegCells cells(scan);
   const auto truth =
-      cellTruth(sample, scan, cells.level.quarter.row_of_point, cells.quarter_place, ego);
+      cellTruth(sample, scan, cells.level.quarter.row_of_point, cells.quarter_centre, ego);
   for (std::size_t i = 0; i < truth.flow.size() && i < result.cell_flow.size(); ++i)
   {
     if (!truth.flow[i].allFinite())

@@ -86,7 +86,7 @@ void DysegTrainerOptions::describe(OptionsVisitor& v)
   v.integer("simulated_pool", simulated_pool, 1, 100000, "simulated clips kept in memory");
   v.integer("simulate_every", simulate_every, 1, 100000, "steps between new clips");
   v.integer("crop", crop, 64, 2048, "cells along each side in training, a multiple of 16");
-  requireWholeCells("[train] crop", crop);
+  requireMultipleOf16("[train] crop", crop);
   v.integer("steps", steps, 1, 100000000, "optimiser steps");
   v.real("minutes", minutes, 0, 1e6, "stop after this long; 0 for no limit");
   v.integer("batch", batch, 1, most_pairs, "pairs in a step");

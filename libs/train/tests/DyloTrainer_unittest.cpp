@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/Error.h>
 #include <dyslam/core/PendingFile.h>
-#include <dyslam/nets/DyloModel.h>
+#include <dyslam/nets/DyloFile.h>
 #include <dyslam/train/DyloTrainer.h>
 #include <gtest/gtest.h>
 

@@ -8,28 +8,31 @@
 
 namespace dyslam
 {
-/** Poses of a reference and of an estimate that belong together, in order of time. */
+/** Associated poses of a reference and an estimate, in order of time. */
 struct PosePairs
 {
-  std::vector<double> stamps;  //!< of the reference [s]; index where the files have no times
+  std::vector<double> stamps;  //!< of the reference [s]; indices for files without stamps
   std::vector<Pose> reference;
   std::vector<Pose> estimate;
-  std::size_t reference_size = 0;  //!< poses the reference had
-  std::size_t estimate_size = 0;   //!< poses the estimate had
-  std::size_t not_finite = 0;      //!< estimated poses left out because of NaN or infinity
+  std::size_t reference_size = 0;  //!< poses in the reference
+  std::size_t estimate_size = 0;   //!< poses in the estimate
+  std::size_t not_finite = 0;      //!< non-finite estimated poses, not associated
 
   [[nodiscard]] std::size_t size() const { return reference.size(); }
 };
 
-/** Each estimated pose with the reference nearest in time, one to one.
+/** Associates each estimated pose with the reference pose nearest in time, one to one.
  *
- * Where several estimates claim one reference, the nearest in time keeps it.
+ * Of several estimates with the same nearest reference, only the nearest in time is kept.
  * \param tolerance largest difference of stamps [s].
  */
 [[nodiscard]] PosePairs associateByTime(const Trajectory& reference,
                                         const Trajectory& estimate,
                                         double tolerance);
 
-/** The i-th pose with the i-th, up to the shorter one's end: KITTI files, which have no times. */
+/** Associates poses of equal index, for files without stamps (KITTI). The longer one is cut. */
 [[nodiscard]] PosePairs associateByIndex(const Trajectory& reference, const Trajectory& estimate);
+
+/** Path length up to each pose [m]; as many values as poses. */
+[[nodiscard]] std::vector<double> distanceTravelled(const std::vector<Pose>& poses);
 }  // namespace dyslam

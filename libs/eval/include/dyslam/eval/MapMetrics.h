@@ -9,44 +9,45 @@
 
 namespace dyslam
 {
-/** Scores of a static map against a reference whose points are labelled static or dynamic. */
+/** Counts of a static map against a reference labelled static or dynamic. */
 struct MapScores
 {
-  std::size_t static_total = 0;      //!< static things in the reference (points or voxels)
-  std::size_t static_preserved = 0;  //!< of them, still in the estimate
-  std::size_t dynamic_total = 0;     //!< dynamic things in the reference
-  std::size_t dynamic_rejected = 0;  //!< of them, gone from the estimate
-  std::size_t unlabelled = 0;        //!< of the reference (0, 1, or not finite), left out
+  std::size_t static_total = 0;      //!< static reference points or voxels
+  std::size_t static_preserved = 0;  //!< of them, present in the estimate
+  std::size_t dynamic_total = 0;     //!< dynamic reference points or voxels
+  std::size_t dynamic_rejected = 0;  //!< of them, absent from the estimate
+  std::size_t unlabelled = 0;        //!< reference points not counted: label 0 or 1, or non-finite
 
-  /** Shares in [0, 1]; nothing where the reference has no such point. */
+  /** Ratios in [0, 1]; nothing without such reference points. */
   [[nodiscard]] std::optional<double> preservation() const;
   [[nodiscard]] std::optional<double> rejection() const;
 };
 
-/** 2 a b / (a + b) and sqrt(a b): preservation and rejection in one figure. */
+/** 2 a b / (a + b). Nothing if either is missing. */
 [[nodiscard]] std::optional<double> harmonicMean(std::optional<double> a, std::optional<double> b);
+/** sqrt(a b). Nothing if either is missing. */
 [[nodiscard]] std::optional<double> geometricMean(std::optional<double> a, std::optional<double> b);
 
 struct MapEvaluation
 {
-  /** Static accuracy SA and dynamic accuracy DA of the KTH dynamic-map benchmark: shares of the
+  /** Static accuracy SA and dynamic accuracy DA of the KTH dynamic-map benchmark: fractions of the
    * reference's points that have (static) or lack (dynamic) an estimated point within
-   * `point_radius`. HA is their harmonic mean, AA the geometric one. */
+   * `point_radius`. HA is their harmonic mean, AA their geometric mean. */
   MapScores points;
-  /** Preservation PR and rejection RR of ERASOR: the same shares counted in voxels of side
-   * `voxel_size` on a grid through the map's origin; F1 is their harmonic mean. A voxel that holds
-   * static and dynamic reference points counts as static. */
+  /** Preservation PR and rejection RR of ERASOR: the same fractions of voxels of side
+   * `voxel_size` on a grid through the map's origin; F1 is their harmonic mean. A voxel with
+   * static and dynamic reference points is static. */
   MapScores voxels;
 };
 
 struct MapMetricsOptions
 {
-  double point_radius = 0.1;  //!< an estimated point this near stands for a reference point [m]
+  double point_radius = 0.1;  //!< largest distance of an estimated point from a reference point [m]
   double voxel_size = 0.2;    //!< [m]
 };
 
-/** \param labels one per reference point: SemanticKITTI labels (251-259 dynamic, 0 and 1 left out).
- * Points that are not finite are left out.
+/** \param labels SemanticKITTI labels of the reference points (251-259 dynamic, 0 and 1 ignored).
+ * Non-finite points are ignored.
  * \throws std::invalid_argument if labels and reference differ in length or an option is not
  * positive. */
 [[nodiscard]] MapEvaluation evaluateMap(const std::vector<Eigen::Vector3f>& reference,

@@ -8,40 +8,40 @@
 
 namespace dyslam
 {
-/** How surely DyLO's network holds each point of a scan for static, beside the truth. */
+/** Static confidence of DyLO's network for the points of a scan, with their true labels. */
 struct MaskScan
 {
   enum class Truth : std::uint8_t
   {
     unknown,
-    still,
+    stationary,
     moving
   };
   struct Point
   {
-    Eigen::Vector2f position;  //!< from above, x ahead and y to the left [m]
-    float confidence = -1;     //!< in [0, 1]; below 0 where the network did not sample
+    Eigen::Vector2f position;  //!< sensor frame, x forward, y left [m]
+    float confidence = -1;     //!< in [0, 1]; negative for points that were not sampled
     Truth truth = Truth::unknown;
   };
   std::string name;
   std::vector<Point> points;
 };
 
-/** Reads what `dyslam-train dylo --mask-csv` writes: x, y, z, static_confidence, label (0 unknown,
- * 1 static, 2 moving). \param name of the file, for errors. \throws UserError for another header, a
- * row that is not five numbers, or no rows. */
+/** Parses a file of `dyslam-train dylo --mask-csv`: x, y, z, static_confidence, label (0 unknown,
+ * 1 static, 2 moving). \param name file name for error messages. \throws UserError for another
+ * header, a row that is not five numbers, or no rows. */
 [[nodiscard]] MaskScan parseMaskScan(const std::string& text, const std::string& name);
 
-/** Calling moving what has at most some confidence, for each threshold in ascending order: shares
- * of the static sampled points (x, false alarms) and of the moving ones (y, found) that are called
- * so. From (0, 0) to (1, 1); empty without points of either kind. */
+/** ROC curve of the moving class over all thresholds of the static confidence, in ascending order:
+ * false positive rate (x) and true positive rate (y) of the sampled points. From (0, 0) to (1, 1);
+ * empty without static or without moving points. */
 [[nodiscard]] std::vector<Eigen::Vector2d> rocCurve(const MaskScan& scan);
 
 /** Area under rocCurve(), 0.5 for chance; NaN without a curve. */
-[[nodiscard]] double areaUnder(const std::vector<Eigen::Vector2d>& roc);
+[[nodiscard]] double areaUnderCurve(const std::vector<Eigen::Vector2d>& roc);
 
-/** The scan from above, 80 m square with x up (returns grey, truly moving ones dark red; sampled
- * points from blue, held for static, to red; large where they truly move) and the curve beside it
- * where there is one, as PNG bytes. */
+/** PNG of the scan from above (80 m x 80 m, x up) and of the ROC curve if there is one. Returns are
+ * grey, truly moving ones dark red; sampled points are blue (static) to red (moving), larger where
+ * they truly move. */
 [[nodiscard]] std::vector<std::uint8_t> renderMaskScan(const MaskScan& scan);
 }  // namespace dyslam

@@ -9,16 +9,17 @@
 
 namespace dyslam
 {
-/** x, y of an object's centre in a fixed frame [m], by frame number. */
-using GroundPath = std::map<int, Eigen::Vector2d>;
+/** x, y of an object's centre in a fixed frame [m], by frame index. */
+using PlanarTrack = std::map<int, Eigen::Vector2d>;
 
-/** Says where the object will be next, given where it was seen so far; nothing if it cannot. */
-class StepPredictor
+/** Predicts an object's next position from its past positions. */
+class OneStepPredictor
 {
  public:
-  virtual ~StepPredictor() = default;
-  /** A sighting, in order of frames. */
-  virtual void see(int frame, const Eigen::Vector2d& position) = 0;
+  virtual ~OneStepPredictor() = default;
+  /** Adds an observation; frames in ascending order. */
+  virtual void observe(int frame, const Eigen::Vector2d& position) = 0;
+  /** Position in `frame`; nothing without a sufficient history. */
   [[nodiscard]] virtual std::optional<Eigen::Vector2d> predict(int frame) const = 0;
 };
 
@@ -27,14 +28,14 @@ struct PredictionError
   std::size_t predictions = 0;
   double rmse = 0;    //!< root of the mean squared distance in the plane [m]
   double median = 0;  //!< [m]
-  double largest = 0;
+  double max = 0;     //!< [m]
 };
 
-/** One-step prediction as in the paper's Tables 4 and 5: after every sighting the next frame's
- * position is predicted and held against `truth` there. Frames count once `warm_up` sightings were
- * seen; a frame without a sighting is not predicted from, one without truth not counted. */
-[[nodiscard]] PredictionError predictionError(StepPredictor& predictor,
-                                              const GroundPath& sightings,
-                                              const GroundPath& truth,
+/** Errors of one-step prediction (the paper's Tables 4 and 5): after each observation the position
+ * in the next frame is predicted and compared with `truth`. The first `warm_up` - 1 observations
+ * are not evaluated, nor are frames without truth; gaps in the observations are not bridged. */
+[[nodiscard]] PredictionError predictionError(OneStepPredictor& predictor,
+                                              const PlanarTrack& observations,
+                                              const PlanarTrack& truth,
                                               std::size_t warm_up);
 }  // namespace dyslam

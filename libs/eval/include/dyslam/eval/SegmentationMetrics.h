@@ -19,14 +19,14 @@ struct SegmentationScores
   std::size_t true_negatives = 0;
   std::size_t ignored = 0;  //!< points whose reference label is 0 or 1 (unlabelled, outlier)
 
-  /** Each is nothing where it would be 0 / 0. */
+  /** Nothing where the denominator is 0. */
   [[nodiscard]] std::optional<double> iou() const;
   [[nodiscard]] std::optional<double> precision() const;
   [[nodiscard]] std::optional<double> recall() const;
   [[nodiscard]] std::optional<double> staticIou() const;
 };
 
-/** What became of the points of one reference class. */
+/** Points of one reference class, and how many were estimated as moving. */
 struct ClassScores
 {
   std::size_t points = 0;
@@ -35,8 +35,8 @@ struct ClassScores
 
 /** Moving-object segmentation over many scans, as SemanticKITTI-MOS defines it.
  *
- * A label's low 16 bits are its class; 252-259 (and 251, where only moving is known) move,
- * 0 and 1 are unlabelled and outlier and ignored in the reference, everything else is static. An
+ * The low 16 bits of a label are its class. Classes 252-259 (and 251, moving of unknown class) are
+ * moving; 0 and 1 (unlabelled, outlier) are ignored in the reference; all others are static. An
  * estimated 0 counts as static.
  */
 class SegmentationEvaluator
@@ -46,7 +46,7 @@ class SegmentationEvaluator
   void add(const std::vector<std::uint32_t>& reference, const std::vector<std::uint32_t>& estimate);
 
   [[nodiscard]] const SegmentationScores& scores() const { return scores_; }
-  /** By the reference's class (0 and 1 left out). */
+  /** By reference class, without 0 and 1. */
   [[nodiscard]] const std::map<std::uint16_t, ClassScores>& perClass() const { return classes_; }
   [[nodiscard]] std::size_t scans() const { return scans_; }
 
@@ -56,6 +56,6 @@ class SegmentationEvaluator
   std::size_t scans_ = 0;
 };
 
-/** SemanticKITTI's name of a class; "class N" for others. */
+/** SemanticKITTI's name of a class; "class N" for unknown ones. */
 [[nodiscard]] std::string semanticKittiName(std::uint16_t semantic_class);
 }  // namespace dyslam

@@ -2,11 +2,12 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <vector>
 
 namespace dyslam
 {
-/** The usual summary of a set of errors. All zero, with count 0, for an empty set. */
+/** Summary statistics of a set of errors. All zero for an empty set. */
 struct Statistics
 {
   std::size_t count = 0;
@@ -18,6 +19,9 @@ struct Statistics
   double standard_deviation = 0;  //!< of the population (divided by count)
 };
 
-/** \throws std::invalid_argument for a value that is not finite. */
+/** \throws std::invalid_argument for a non-finite value. */
 [[nodiscard]] Statistics statisticsOf(const std::vector<double>& values);
+
+/** part / whole; nothing for an empty whole. */
+[[nodiscard]] std::optional<double> ratio(std::size_t part, std::size_t whole);
 }  // namespace dyslam

@@ -9,15 +9,15 @@
 
 namespace dyslam
 {
-/** One entry of a table: a word, or a number with the digits it is printed with. */
+/** One entry of a table: text, or a number with its printed number of decimals. */
 struct TableCell
 {
   TableCell() = default;
   TableCell(std::string word) : text(std::move(word)) {}
   TableCell(const char* word) : text(word) {}
-  /** A missing or not finite value prints as "-". */
+  /** A missing or non-finite value is printed as "-". */
   TableCell(std::optional<double> number, int digits);
-  /** Our figure with the paper's behind it: "0.45 (paper 0.51)". */
+  /** A value followed by the paper's: "0.45 (paper 0.51)". */
   TableCell(std::optional<double> number, int digits, std::optional<double> paper);
 
   std::string text;             //!< as printed
@@ -30,15 +30,14 @@ class Table
  public:
   explicit Table(std::vector<std::string> columns, std::string title = "");
 
-  /** \throws std::invalid_argument if the row has not one cell per column. */
+  /** \throws std::invalid_argument if the number of cells differs from the number of columns. */
   void addRow(std::vector<TableCell> cells);
 
   [[nodiscard]] std::size_t rows() const { return rows_.size(); }
   [[nodiscard]] std::size_t columns() const { return columns_.size(); }
-  [[nodiscard]] const std::string& title() const { return title_; }
 
-  /** First column left-aligned, the others right-aligned; ends in a line feed. Columns in which
-   * no row has an entry are left out. */
+  /** First column left-aligned, the others right-aligned, with a final line feed. Columns without
+   * any entry are omitted. */
   [[nodiscard]] std::string toText() const;
   /** RFC 4180; numbers with 9 significant digits, missing ones empty. */
   [[nodiscard]] std::string toCsv() const;

@@ -13,35 +13,36 @@
 
 namespace dyslam
 {
-/** Speeds [m/s] by frame and id. */
+/** Speeds [m/s] by (frame, id). */
 using TrackSpeeds = std::map<std::pair<int, int>, double>;
 
-/** One true box and what was made of it. */
+/** One true box and the errors of the estimated box matched to it. */
 struct TrackError
 {
   int frame = 0;
   int id = -1;
   std::string type;
-  double range = 0;    //!< of the true centre from the sensor, in the ground plane [m]
-  bool found = false;  //!< the rest says nothing if not
+  double range = 0;    //!< horizontal distance of the true centre from the sensor [m]
+  bool found = false;  //!< matched; the other fields are valid only then
   bool same_type = false;
-  double position = 0;          //!< between the centres in the ground plane [m]
-  double yaw = 0;               //!< between the axes, 0 to 90 degrees: front and rear alike [rad]
-  std::optional<double> speed;  //!< estimated minus true, where both are known [m/s]
+  double position = 0;  //!< horizontal distance of the centres [m]
+  double yaw =
+      0;  //!< angle between the axes, in [0, pi/2] (front and rear are not distinguished) [rad]
+  std::optional<double> speed;  //!< estimated minus true, if both are known [m/s]
 };
 
 /** Speeds over ground by central differences of the centres, one-sided at the ends of a track.
  *
- * \param boxes in the lidar frame of their scan. \param T_world_lidar by frame number; boxes at
+ * \param boxes lidar frame of their scan \param T_world_lidar by frame index; boxes in
  * frames without a pose have no speed. */
 [[nodiscard]] TrackSpeeds speedsFrom(const std::vector<LabelledBox>& boxes,
                                      const std::map<int, StampedPose>& T_world_lidar);
 
-/** Pairs true and estimated boxes of every frame by their centres' distance in the ground plane:
- * as many pairs as possible up to `max_distance` apart, of least distance in sum.
+/** Matches true and estimated boxes of each frame by the horizontal distance of their centres: as
+ * many pairs as possible up to `max_distance` [m], with the least sum of distances.
  *
- * Boxes are in the lidar frame. Reference boxes that `rules` passes over take their estimates with
- * them and are not reported; types only matter for `same_type`.
+ * Boxes are in the lidar frame. Reference boxes ignored by `rules`, and the estimates matched to
+ * them, are not reported; types are only compared for `same_type`.
  */
 [[nodiscard]] std::vector<TrackError> trackErrors(const TrackSequence& sequence,
                                                   const TrackRules& rules,
@@ -49,7 +50,7 @@ struct TrackError
                                                   const TrackSpeeds& true_speeds = {},
                                                   const TrackSpeeds& estimated_speeds = {});
 
-/** Averages of the errors of some boxes. */
+/** Averages over the errors of a set of boxes. */
 struct TrackErrorSummary
 {
   std::size_t boxes = 0;
@@ -58,14 +59,14 @@ struct TrackErrorSummary
   double position_mean = 0;   //!< [m]
   double position_rmse = 0;   //!< [m]
   double yaw_median = 0;      //!< [rad]
-  std::size_t speeds = 0;     //!< boxes of which both speeds are known
+  std::size_t speeds = 0;     //!< boxes with both speeds known
   double speed_mean_abs = 0;  //!< [m/s]
   double speed_bias = 0;      //!< mean of estimated minus true [m/s]
 };
-/** Of the boxes of one type (any if empty) with a range in [nearest, farthest). */
+/** Over the boxes of one type (any if empty) with a range in [min_range, max_range). */
 [[nodiscard]] TrackErrorSummary summaryOf(
     const std::vector<TrackError>& errors,
     const std::string& type = "",
-    double nearest = 0,
-    double farthest = std::numeric_limits<double>::infinity());
+    double min_range = 0,
+    double max_range = std::numeric_limits<double>::infinity());
 }  // namespace dyslam

@@ -9,31 +9,32 @@
 
 namespace dyslam
 {
-/** Tracks of one recording: reference and estimate in the same frame of coordinates. */
+/** Reference and estimated tracks of one recording, in the same coordinate frame. */
 struct TrackSequence
 {
-  int frames = 0;  //!< number of frames; boxes at frames outside [0, frames) are left out
+  int frames = 0;  //!< number of frames; boxes outside [0, frames) are ignored
   std::vector<LabelledBox> reference;
   std::vector<LabelledBox> estimate;  //!< score: the track's confidence at that frame
 };
 
-/** Value of LabelledBox::occluded of reference boxes that are neither hits nor misses under any
- * rules. */
-constexpr int passed_over_box = 99;
+/** Value of LabelledBox::occluded that marks reference boxes as ignored (neither hits nor misses)
+ * under any rules. */
+constexpr int ignored_box = 99;
 
-/** What counts and what is passed over, as KITTI's tracking benchmark and AB3DMOT define it. */
+/** Which boxes count and which are ignored, as defined by KITTI's tracking benchmark and AB3DMOT.
+ */
 struct TrackRules
 {
-  std::string type;                     //!< class name to evaluate; empty: all of them together
-  std::vector<std::string> neighbours;  //!< reference classes that are neither hit nor false alarm
-  double min_iou = 0.25;                //!< of the volumes, for a match
-  /** Above 0, pairs are made by the centres' distance in the ground plane instead [m]: their
-   * overlap is then 1 at distance 0, falling to 0 at this distance. */
+  std::string type;                     //!< class to evaluate; empty for all classes together
+  std::vector<std::string> neighbours;  //!< reference classes whose boxes are ignored
+  double min_iou = 0.25;                //!< least 3D IoU of a match
+  /** If positive, boxes are matched by the horizontal distance of their centres [m] instead of the
+   * IoU: their similarity is 1 at distance 0 and falls linearly to 0 at this distance. */
   double max_distance = 0;
-  /** KITTI's: truncated and heavily occluded reference boxes are passed over, and so are unmatched
-   * estimates that are low in the image or in a DontCare area. */
+  /** KITTI's image rules: truncated and heavily occluded reference boxes are ignored, and so are
+   * unmatched estimates of small image height or in a DontCare area. */
   bool image_rules = true;
-  bool switches_across_gaps = false;  //!< count an id that changed while the object was missed
+  bool switches_across_gaps = false;  //!< count id switches that happen while the object is missed
 
   /** The rules of KITTI for Car, Pedestrian or Cyclist. */
   [[nodiscard]] static TrackRules kitti(const std::string& type);
@@ -47,42 +48,43 @@ struct ClearMot
   double precision = 0;
   double recall = 0;
   double f1 = 0;
-  std::size_t references = 0;  //!< boxes that count
-  std::size_t matches = 0;     //!< KITTI's true positives: matched passed-over boxes too
+  std::size_t references = 0;  //!< reference boxes that are not ignored
+  std::size_t matches =
+      0;  //!< true positives as KITTI counts them, including matched ignored boxes
   std::size_t misses = 0;
   std::size_t false_alarms = 0;
   std::size_t id_switches = 0;
   std::size_t fragmentations = 0;
-  double mostly_tracked = 0;  //!< part of the reference tracks matched in over 80 % of their frames
-  double mostly_lost = 0;     //!< under 20 %
-  double threshold = 0;       //!< tracks with a lower mean score were left out
+  double mostly_tracked = 0;  //!< fraction of reference tracks matched in over 80 % of their frames
+  double mostly_lost = 0;     //!< the same in under 20 %
+  double threshold = 0;       //!< estimated tracks with a lower mean score were removed
 };
 
-/** Of all estimates, or of tracks whose mean score is at least `threshold`. */
+/** Over all estimated tracks, or over those with a mean score of at least `threshold`. */
 [[nodiscard]] ClearMot clearMot(const std::vector<TrackSequence>& sequences,
                                 const TrackRules& rules);
 [[nodiscard]] ClearMot clearMot(const std::vector<TrackSequence>& sequences,
                                 const TrackRules& rules,
                                 double threshold);
 
-/** The same without estimated tracks of a mean score below `threshold`. */
+/** The sequences without estimated tracks of a mean score below `threshold`. */
 [[nodiscard]] std::vector<TrackSequence> tracksAbove(std::vector<TrackSequence> sequences,
                                                      double threshold);
 
-/** AB3DMOT's averages over recall (Weng et al., 2020), and CLEAR-MOT where MOTA is best. */
+/** AB3DMOT's averages over recall (Weng et al., 2020), and CLEAR-MOT at the best MOTA. */
 struct RecallAverages
 {
   struct Point
   {
-    double recall = 0;  //!< aimed at, a multiple of 1/40
-    double smota = 0;   //!< MOTA scaled to that recall, within [0, 1]
+    double recall = 0;  //!< target recall, a multiple of 1 / recall_points
+    double smota = 0;   //!< MOTA scaled by that recall, in [0, 1]
     ClearMot mot;
   };
   double samota = 0;
   double amota = 0;
   double amotp = 0;
   ClearMot best;
-  std::vector<Point> points;  //!< recalls never reached count 0 in the averages
+  std::vector<Point> points;  //!< recalls that are not reached count as 0 in the averages
 };
 [[nodiscard]] RecallAverages averagesOverRecall(const std::vector<TrackSequence>& sequences,
                                                 const TrackRules& rules,

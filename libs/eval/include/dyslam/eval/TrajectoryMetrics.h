@@ -10,29 +10,29 @@
 
 namespace dyslam
 {
-/** How an estimate is laid over its reference before absolute errors are taken. */
+/** Alignment of an estimate to its reference before absolute errors are computed. */
 enum class Alignment
 {
-  none,   //!< not at all: both are in one frame
-  first,  //!< so that the first poses agree
-  se3     //!< rigid motion with the least squared position errors (Umeyama without scale)
+  none,   //!< none: both are in the same frame
+  first,  //!< the first poses coincide
+  se3     //!< least-squares rigid motion of the positions (Umeyama without scale)
 };
 
 [[nodiscard]] std::string toString(Alignment alignment);
-/** \throws UserError for another word than none, first or se3. */
+/** \throws UserError for a word other than none, first or se3. */
 [[nodiscard]] Alignment alignmentFromString(const std::string& word);
 
 struct TrajectoryMetricsOptions
 {
   Alignment alignment = Alignment::se3;
-  std::vector<double> lengths{100, 200, 300, 400, 500, 600, 700, 800};  //!< of segments [m]
+  std::vector<double> lengths{100, 200, 300, 400, 500, 600, 700, 800};  //!< segment lengths [m]
 };
 
 /** Mean drift over segments of one or more lengths. */
 struct SegmentDrift
 {
-  double length = 0;                 //!< [m]; 0 for the mean over all lengths
-  std::size_t segments = 0;          //!< how many entered the mean
+  double length = 0;                 //!< segment length [m]; 0 for the mean over all lengths
+  std::size_t segments = 0;          //!< number of segments in the mean
   double translation_percent = 0;    //!< t_rel
   double rotation_deg_per_100m = 0;  //!< r_rel
 };
@@ -40,21 +40,22 @@ struct SegmentDrift
 struct KittiDrift
 {
   SegmentDrift overall;                  //!< mean over all segments of all lengths
-  std::vector<SegmentDrift> per_length;  //!< lengths without a segment have segments = 0
+  std::vector<SegmentDrift> per_length;  //!< segments = 0 for lengths without a segment
 };
 
 /** The KITTI odometry benchmark's errors.
  *
- * As the benchmark's devkit defines them: from every `step`-th frame, and for each length, the
- * segment ends at the first frame whose travelled distance (along the reference) exceeds the
- * length; its error is the motion inverse(estimated) * true over the segment, translation and
- * rotation angle, divided by the length. Segments that do not fit are left out.
+ * As defined by the benchmark's devkit: a segment starts at each `step`-th frame and ends, for each
+ * length, at the first frame whose distance travelled along the reference exceeds the length. Its
+ * error is the motion inverse(estimated) * true over the segment; translation and rotation angle
+ * are divided by the length. Segments beyond the end are not counted. \throws std::invalid_argument
+ * for step = 0 or a length that is not positive.
  */
 [[nodiscard]] KittiDrift kittiDrift(const PosePairs& pairs,
                                     const std::vector<double>& lengths,
                                     std::size_t step);
 
-/** Errors of the motion from each pose to the next (relative pose error at a distance of one). */
+/** Relative pose error over one step: errors of the motion between consecutive poses. */
 struct RelativePoseError
 {
   Statistics translation;   //!< [m]
@@ -62,10 +63,10 @@ struct RelativePoseError
 };
 [[nodiscard]] RelativePoseError relativePoseError(const PosePairs& pairs);
 
-/** T_reference_estimate: takes the estimate's frame to the reference's.
+/** T_reference_estimate: transforms the estimate's frame to the reference's.
  *
- * For se3 of positions on one line, where Umeyama's rotation about that line is free or follows the
- * noise across it, the orientations decide that rotation. Identity for an empty set.
+ * For collinear positions, for which the rotation about the line is undetermined or follows the
+ * noise (se3), the orientations determine that rotation. Identity for an empty set.
  */
 [[nodiscard]] Pose alignEstimate(const PosePairs& pairs, Alignment alignment);
 
@@ -78,24 +79,25 @@ struct AbsoluteTrajectoryError
 [[nodiscard]] AbsoluteTrajectoryError absoluteTrajectoryError(const PosePairs& pairs,
                                                               Alignment alignment);
 
-/** Sum of estimated over sum of true motion, each step's estimate projected on the true direction.
+/** Ratio of the estimated to the true distance travelled; each estimated step is projected on the
+ * true direction.
  *
- * 1 for a faithful odometry, below 1 for one that shrinks towards standing still, whatever the
- * frame's axes. Steps shorter than a micrometre have no direction and are left out.
- * \return nothing where the reference stands still.
+ * 1 for an unbiased odometry, below 1 for one that underestimates the motion; independent of the
+ * frame's axes. Steps shorter than 1e-6 m are ignored.
+ * \return nothing for a stationary reference.
  */
 [[nodiscard]] std::optional<double> forwardRatio(const PosePairs& pairs);
 
-/** Error of the last pose when the first poses agree. */
+/** Error of the last pose with the first poses aligned. */
 struct EndError
 {
   double translation = 0;   //!< [m]
   double rotation_deg = 0;  //!< [deg]
-  double percent = 0;       //!< of the reference's length; 0 where that is 0
+  double percent = 0;       //!< of the reference's length; 0 for length 0
 };
 [[nodiscard]] EndError endError(const PosePairs& pairs);
 
-/** Everything above for one estimate. */
+/** All metrics of one estimate. */
 struct TrajectoryReport
 {
   std::string name;
@@ -112,7 +114,7 @@ struct TrajectoryReport
   EndError end;
 };
 
-/** \throws UserError where fewer than two poses are associated. */
+/** \throws UserError if fewer than two poses are associated. */
 [[nodiscard]] TrajectoryReport evaluateTrajectory(const std::string& name,
                                                   const PosePairs& pairs,
                                                   const TrajectoryMetricsOptions& options = {});

@@ -12,9 +12,9 @@ namespace dyslam
 /** One row per estimate: t_rel, r_rel, RPE, ATE, forward ratio, end error. */
 [[nodiscard]] Table trajectoryTable(const std::vector<TrajectoryReport>& reports);
 
-/** The same with the figures that the paper prints for a sequence added as rows of their own.
+/** The same with additional rows of the paper's results for a sequence.
  * \param paper_sequence "odometry/04" (Tables 1, 2), "tracking/04" (Table 6), "campus/01"
- * (Table 7). \throws UserError for a sequence that the paper does not have. */
+ * (Table 7). \throws UserError for a sequence not in the paper. */
 [[nodiscard]] Table trajectoryTable(const std::vector<TrajectoryReport>& reports,
                                     const std::string& paper_sequence);
 
@@ -25,6 +25,6 @@ namespace dyslam
 /** Drift by segment length: one row per length, two columns per estimate. */
 [[nodiscard]] Table driftTable(const std::vector<TrajectoryReport>& reports);
 
-/** All figures as a JSON text, one object per estimate, keys in a fixed order. */
+/** All results as JSON, one object per estimate, keys in a fixed order. */
 [[nodiscard]] std::string trajectoryJson(const std::vector<TrajectoryReport>& reports);
 }  // namespace dyslam

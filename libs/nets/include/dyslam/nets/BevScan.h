@@ -11,45 +11,46 @@
 
 namespace dyslam
 {
-/** \throws UserError naming `field` if a side of so many cells is no multiple of 16, as the
- * network's resolutions need it. */
-void requireWholeCells(const std::string& field, int cells);
+/** Checks that a grid's side can be halved four times, as the network's resolutions require.
+ * \throws UserError naming `field` if `cells` is not a multiple of 16. */
+void requireMultipleOf16(const std::string& field, int cells);
 
-/** The grid seen from above in which DySeg reads scans. */
+/** Bird's-eye-view grid of DySeg's input. */
 struct BevOptions : Options
 {
-  int cells = 512;                //!< along each side; a multiple of 16
+  int cells = 512;                //!< number of cells along each side; a multiple of 16
   double cell_size = 0.2;         //!< [m]
-  double ground_clearance = 0.2;  //!< m above the estimated ground below which points are ground
-  double max_height = 4.5;        //!< m above ground; higher points are left out
+  double ground_clearance = 0.2;  //!< height above ground up to which points are ground [m]
+  double max_height = 4.5;        //!< height above ground beyond which points are removed [m]
 
   [[nodiscard]] float halfExtent() const { return static_cast<float>(0.5 * cells * cell_size); }
   void describe(OptionsVisitor& visitor) override;
 };
 
-/** Height of the ground around the sensor, from the points themselves.
+/** Local ground height estimated from a scan.
  *
- * The lowest well-supported height in 3.2 m cells, then made consistent with the cells around:
- * roofs and walls (too high for a slope) and ghosts of mirrored beams (too low) are replaced.
+ * The lowest sufficiently supported height in cells of 3.2 m, made consistent with the neighbouring
+ * cells: roofs and walls (too steep) and multipath echoes (too low) are replaced.
  */
 class BevGround
 {
  public:
-  /** \param points invalid ones allowed. \param reach half side of the covered square [m]. */
-  explicit BevGround(const std::vector<Eigen::Vector3f>& points, float reach = 102.4F);
+  /** \param points sensor frame [m]; invalid ones are ignored \param half_extent half side of the
+   * covered square [m] */
+  explicit BevGround(const std::vector<Eigen::Vector3f>& points, float half_extent = 102.4F);
 
-  /** Height of the ground under a place, in the frame of the points; 0 without any points. */
+  /** Ground height at (x, y), in the frame of the points [m]; 0 without points. */
   [[nodiscard]] float heightAt(float x, float y) const;
 
  private:
   void makeConsistent(const std::vector<std::uint8_t>& known);
 
-  float reach_;
+  float half_extent_;
   int width_;
   std::vector<float> height_;
 };
 
-/** What a scan's rays saw by direction: the nearest return in bins of azimuth and slope. */
+/** Range image for visibility tests: the nearest return per bin of azimuth and slope. */
 class BevRays
 {
  public:
@@ -60,11 +61,12 @@ class BevRays
   BevRays() = default;
   explicit BevRays(const std::vector<Eigen::Vector3f>& points);
 
-  /** What this scan says about a point given in its frame: `channels` numbers.
+  /** Visibility features of a point given in this scan's frame: `channels` numbers.
    *
-   * [0] how much farther than the point the nearest ray around it went, over 2 m, in [-1, 1];
-   * [1] how far the best fitting return is from the point along the ray, over 1 m, in [0, 1];
-   * [2] the share of the nine bins around that saw anything. All 0 where nothing was seen.
+   * [0] (range of the nearest neighbouring return - range of the point) / 2 m, in [-1, 1];
+   * positive where the point's position was observed free;
+   * [1] least range difference of a neighbouring return / 1 m, in [0, 1];
+   * [2] fraction of the 3 x 3 bins with a return. All 0 without returns.
    */
   void compare(const Eigen::Vector3f& point, float* out) const;
 
@@ -72,9 +74,9 @@ class BevRays
   std::vector<float> range_;
 };
 
-/** A scan as DySeg's encoder reads it: points above ground, sorted by cell, with features.
+/** DySeg's encoder input: points above ground, sorted by cell, with features.
  *
- * Cell (ix, iy) covers x from `corner.x() + ix * cell_size`; its number is iy * cells + ix.
+ * Cell (ix, iy) starts at x = `corner.x() + ix * cell_size`; its index is iy * cells + ix.
  */
 struct BevScan
 {
@@ -82,19 +84,20 @@ struct BevScan
 
   int cells = 0;
   float cell_size = 0;
-  Eigen::Vector2f corner = Eigen::Vector2f::Zero();  //!< of cell 0, in the frame of the points [m]
-  std::vector<Eigen::Vector3f> points;               //!< kept ones
-  std::vector<float> height;                         //!< of each kept point above ground [m]
-  std::vector<std::uint32_t> source;                 //!< position of each in the input
-  std::vector<std::int32_t> cell;                    //!< number of each one's cell, ascending
-  std::vector<float> features;                       //!< feature_count per kept point
-  BevRays rays;                                      //!< of all input points
+  Eigen::Vector2f corner =
+      Eigen::Vector2f::Zero();          //!< corner of cell 0, in the frame of the points [m]
+  std::vector<Eigen::Vector3f> points;  //!< points in the grid and above ground [m]
+  std::vector<float> height;            //!< height of each above ground [m]
+  std::vector<std::uint32_t> source;    //!< index of each in the input
+  std::vector<std::int32_t> cell;       //!< cell index of each, ascending
+  std::vector<float> features;          //!< feature_count per point
+  BevRays rays;                         //!< of all input points
 
   [[nodiscard]] std::size_t size() const { return points.size(); }
 };
 
-/** \param points sensor at the origin, z up; invalid ones are left out.
- * \param centre of the grid, in the frame of the points [m].
+/** \param points sensor frame, z up [m]; invalid ones are ignored.
+ * \param centre of the grid, in the same frame [m].
  * \throws UserError if an option is out of range. */
 [[nodiscard]] BevScan makeBevScan(const std::vector<Eigen::Vector3f>& points,
                                   const BevOptions& options,

@@ -9,32 +9,32 @@
 
 namespace dyslam
 {
-/** Rows side by side: for each of N x K positions a row of `rows`, or zeros for -1.
+/** Concatenated rows: for each of N x K indices the row of `rows`, or zeros for -1.
  *
- * \param rows M x C \param table N x K (int32) \return N x (K C). Gradients reach `rows`. */
+ * \param rows M x C \param table N x K row indices (int32) \return N x (K C). Gradients reach
+ * `rows`. */
 [[nodiscard]] torch::Tensor gatherRows(const torch::Tensor& rows, const torch::Tensor& table);
 
-/** leaky(sum over K of gathered rows times weights + bias): a convolution over occupied cells.
+/** leaky(gatherRows(rows, table) weight^T + bias): a sparse convolution over occupied cells.
  *
- * \param rows M x C \param table N x K (int32), -1 for none \param weight out x (K C)
- * \param slope of the leaky rectifier; 1 leaves it out. \return N x out.
- * On a CPU gathered and multiplied block by block, the same result for any number of threads;
- * elsewhere torch's own. */
+ * \param rows M x C \param table N x K row indices (int32), -1 for none \param weight out x (K C)
+ * \param slope of the leaky ReLU; 1 for none \return N x out. Block by block on the CPU, with the
+ * same result for any number of threads; torch operations elsewhere. */
 [[nodiscard]] torch::Tensor gatheredLinear(const torch::Tensor& rows,
                                            const torch::Tensor& table,
                                            const torch::Tensor& weight,
                                            const torch::Tensor& bias,
                                            double slope);
 
-/** A tensor of N x width from a flat table. */
+/** N x width tensor (int32) from a row-major table. */
 [[nodiscard]] torch::Tensor tableTensor(const std::vector<std::int32_t>& table, std::int64_t width);
 
-/** One layer over rows; torch::nn::Linear's parameters by the same names. */
+/** Linear layer over rows; parameters as in torch::nn::Linear. */
 class RowLinearImpl : public torch::nn::Module
 {
  public:
   RowLinearImpl(std::int64_t in, std::int64_t out);
-  /** \param slope of a leaky rectifier behind it; 1 leaves it out, 0 is the plain rectifier. */
+  /** \param slope of the leaky ReLU that follows; 1 for none, 0 for ReLU. */
   torch::Tensor forward(const torch::Tensor& rows, double slope = 1);
 
   torch::Tensor weight;  //!< out x in
@@ -42,13 +42,13 @@ class RowLinearImpl : public torch::nn::Module
 };
 TORCH_MODULE(RowLinear);
 
-/** A 3 x 3 convolution that reads and writes occupied cells only; what is empty counts as zero and
- * stays empty (submanifold sparse convolution, Graham and van der Maaten 2017). */
+/** Submanifold sparse 3 x 3 convolution (Graham and van der Maaten 2017): reads and writes occupied
+ * cells only; empty cells are zero and stay empty. */
 class CellConvImpl : public torch::nn::Module
 {
  public:
   CellConvImpl(std::int64_t in, std::int64_t out);
-  /** \param rows M x in \param table N x 9 rows under the kernel, -1 for none
+  /** \param rows M x in \param table N x 9 row indices under the kernel, -1 for none
    * \param slope as above \return N x out. */
   torch::Tensor forward(const torch::Tensor& rows, const torch::Tensor& table, double slope = 1);
 

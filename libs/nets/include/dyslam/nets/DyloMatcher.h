@@ -13,56 +13,59 @@
 
 namespace dyslam
 {
-/** What DyLO found between two scans. */
+/** Result of matching two scans with DyLO. */
 struct DyloMatch
 {
   Pose T_reference_current = Pose::Identity();
-  /** Of weighted point-to-plane residuals, per 1 m^2 of variance and for weights that sum to 1;
-   * tangent [translation, rotation] on the right of the motion. Zero with the regression head. */
+  /** Normal matrix J^T W J of the point-to-plane residuals, for weights that sum to 1 [1/m^2];
+   * tangent [translation, rotation], perturbation on the right of T_reference_current. Zero with
+   * the regression head. */
   Matrix6 normal_matrix = Matrix6::Zero();
-  double rmse = 0;              //!< weighted, of the residuals [m]
-  double effective_points = 0;  //!< 1 / sum of squared weights: how many share the say
-  std::size_t sampled = 0;      //!< points of the current scan that were looked at
-  std::size_t matched = 0;      //!< sampled points that found a surface
-  std::size_t inliers = 0;      //!< of those, nearer than 0.15 m to it, farther off a little more
-  double last_step = 0;         //!< how far the last pass still moved the pose [m + 10 m/rad]
+  double rmse = 0;              //!< weighted RMS residual [m]
+  double effective_points = 0;  //!< effective sample size, 1 / sum of squared weights
+  std::size_t sampled = 0;      //!< sampled points of the current scan
+  std::size_t matched = 0;      //!< sampled points with a correspondence
+  std::size_t inliers = 0;      //!< of those, with a residual below 0.15 m + 0.005 * range
+  double last_step = 0;         //!< size of the last iteration's step, motionSize() [m]
 };
 
-/** A trained DyLO network, without torch in sight. Not thread-safe.
+/** Scan-to-scan matching with a trained DyLO network; free of torch headers. Not thread-safe.
  *
- * Points have the sensor at the origin, x forward, z up [m]; invalid ones are passed over.
+ * Points are in the sensor frame, x forward, z up [m]; invalid ones are ignored.
  */
 class DyloMatcher
 {
  public:
-  /** \throws UserError if the file is missing, damaged or of another shape. */
+  /** \param weights file of saveDylo() \throws UserError if it is missing, damaged or of another
+   * shape. */
   explicit DyloMatcher(const std::string& weights, int threads = 1);
   ~DyloMatcher();
   DyloMatcher(DyloMatcher&&) noexcept;
   DyloMatcher& operator=(DyloMatcher&&) noexcept;
 
-  /** The scan becomes the current one. \return how many of its points the network can use.
-   * \param phase when each point was measured, in shares of the motion since the scan before, from
-   * the scan's own time; empty where a scan is not to be deskewed any further
-   * \param T_sweep the motion, of the sensor, that the points were deskewed with */
+  /** Encodes a scan as the current one. \return the number of points that the network can use.
+   * \param phase acquisition time of each point relative to the scan's stamp, as a fraction of the
+   * scan period; empty if the scan is not to be deskewed further
+   * \param T_sweep motion of the sensor over one scan period with which the points were deskewed */
   std::size_t setCurrent(const std::vector<Eigen::Vector3f>& points,
                          const std::vector<float>& phase = {},
                          const Pose& T_sweep = Pose::Identity());
-  /** The current scan becomes the reference, deskewed by `T_sweep` if its motion was found. */
+  /** Makes the current scan the reference; re-deskews it by `T_sweep` if its motion is known. */
   void keepAsReference(const std::optional<Pose>& T_sweep = {});
-  void forgetReference();
+  void clearReference();
 
-  /** Current scan against the reference; both must be set.
-   * \param start of the search
-   * \param deskew the reference is the scan before, so that what is found is the motion within the
-   * current scan too: it is deskewed by that, and so is a reference whose own motion is unknown.
-   * \param prior joins the points; none for null */
+  /** Estimates the pose of the current scan in the frame of the reference; both must be set.
+   * \param start initial guess
+   * \param deskew the reference is the preceding scan, so that the estimate is also the motion
+   * within the current scan: the current scan is re-deskewed by it, and so is a reference whose own
+   * motion is unknown
+   * \param prior fused with the points' normal equations; null for none */
   [[nodiscard]] DyloMatch match(const Pose& start,
                                 bool deskew = false,
                                 const DyloPrior* prior = nullptr);
 
-  /** Of the last match: how surely each point of the current scan stands still, in [0, 1]; in the
-   * order of setCurrent(). Points that no sampled point speaks for get 1. */
+  /** Static confidence of each point of the current scan in the last match, in [0, 1], in the order
+   * of setCurrent(). Interpolated from the sampled points; 1 for points without a sample nearby. */
   [[nodiscard]] std::vector<float> staticConfidence() const;
 
  private:

@@ -12,37 +12,38 @@
 
 namespace dyslam
 {
-/** A scan and its features per level: computed once per scan, used in two pairs. */
+/** A scan and its features per level; computed once per scan and used in two pairs. */
 struct EncodedScan
 {
   ScanTensors scan;
   std::array<torch::Tensor, PreparedScan::level_count> features;  //!< levels 1 and above
-  /** Of the nodes of levels 0 and 1 [N]: when each was measured, in shares of T_sweep from the
-   * scan's own time. Undefined where a scan is not to be deskewed any further. */
+  /** Acquisition time of the nodes of levels 0 and 1 [N] relative to the scan's stamp, as a
+   * fraction of the scan period. Undefined if the scan is not to be deskewed further. */
   std::array<torch::Tensor, 2> phase;
-  torch::Tensor image_phase;        //!< the same of every image cell
-  Pose T_sweep = Pose::Identity();  //!< the motion it was deskewed with
+  torch::Tensor image_phase;        //!< the same of each image cell
+  Pose T_sweep = Pose::Identity();  //!< motion over one scan period it was deskewed with
 };
 
-/** What one stage found, coarse to fine. */
+/** Estimate of one stage, coarse to fine. */
 struct DyloStage
 {
-  std::size_t level = 0;  //!< of scan 1's points
-  bool dense = false;     //!< only the pose (and its normal matrix) are new: see denseStage
-  PoseTensors pose;       //!< scan 1 to scan 2, up to and including this stage
+  std::size_t level = 0;  //!< level of scan 1's points
+  bool dense = false;     //!< only pose and normal matrix are updated: see denseStage()
+  PoseTensors pose;       //!< maps scan 1 to scan 2, including this stage's update
   MaskLogits logits;
-  torch::Tensor points;  //!< [N, 3] of scan 1, as deskewed for this stage
-  torch::Tensor weight;  //!< [N] M, sums to 1
-  torch::Tensor valid;   //!< [N] points that found a match
-  // Matches found from the pose before this stage (head gauss_newton):
+  torch::Tensor points;  //!< [N, 3] of scan 1, as deskewed in this stage
+  torch::Tensor weight;  //!< [N] mask weights M, sum 1
+  torch::Tensor valid;   //!< [N] 1 for points with a correspondence
+  // Correspondences at the pose before this stage (head gauss_newton): planes and points.
   torch::Tensor normal, offset, target;
-  torch::Tensor noise;          //!< deviation of a residual that the mask trusts fully [m]
-  torch::Tensor normal_matrix;  //!< [6, 6], of weights that sum to 1
+  torch::Tensor noise;          //!< standard deviation of the residuals of full mask weight [m]
+  torch::Tensor normal_matrix;  //!< [6, 6], for weights that sum to 1
 };
 
-/** The LiDAR odometry network: pyramid, attentive cost volume, dynamic mask, pose coarse to fine.
+/** DyLO's LiDAR odometry network (the paper's Figs. 3 and 4, after PWCLO-Net): feature
+ * pyramid, attentive cost volume, dynamic mask, pose refinement from coarse to fine.
  *
- * Scan 1 is the later one; the pose takes its points to scan 2. One pair at a time.
+ * Scan 1 is the later one; the pose maps its points to scan 2. Not thread-safe.
  */
 class DyloNetworkImpl : public torch::nn::Module
 {
@@ -51,13 +52,13 @@ class DyloNetworkImpl : public torch::nn::Module
 
   [[nodiscard]] EncodedScan encode(const ScanTensors& scan);
 
-  /** \param start where the search begins. \param prior joins the points in the fine passes; none
-   * for null. \returns every stage; the last pose is the answer.
+  /** \param start initial guess \param prior fused with the points in the fine stages; null for
+   * none \return all stages; the last pose is the estimate.
    *
-   * Fine passes follow (while gradients are not recorded until a step is short), and a last one,
-   * the dense stage, over points of level 0 of both scans with the weights of the one before. In
-   * each of them a scan 1 with phases is deskewed by the pose found so far, which is taken for the
-   * motion since the scan before. */
+   * Four coarse stages are followed by fine stages (a fixed number while gradients are recorded,
+   * else until a step is short) and the dense stage, over points of level 0 of both scans with the
+   * weights of the last fine stage. In all of them a scan 1 with phases is deskewed by the current
+   * pose, which is taken as the motion over the scan period. */
   [[nodiscard]] std::vector<DyloStage> forward(const EncodedScan& scan1,
                                                const EncodedScan& scan2,
                                                const PoseTensors& start,
@@ -78,7 +79,8 @@ class DyloNetworkImpl : public torch::nn::Module
                                     const Correlation& correlation,
                                     const MaskLogits& logits,
                                     const torch::Tensor& embedding);
-  /** \param embedding of the points of `level_before`, nothing at stage 0; becomes this stage's. */
+  /** \param embedding of the points of `level_before`, undefined at stage 0; set to this stage's.
+   */
   [[nodiscard]] DyloStage coarseStage(std::size_t stage,
                                       const EncodedScan& scan1,
                                       const EncodedScan& scan2,
@@ -91,9 +93,9 @@ class DyloNetworkImpl : public torch::nn::Module
                                     const torch::Tensor& embedding,
                                     const DyloPrior* prior);
 
-  /** One more step, over twice the points of a fine stage and as many of scan 2 on the surfaces of
-   * scan 1: what draws the ones too short draws the others too far. Each is weighed as the node of
-   * level 1 there was, by its residual and by how thick its surface is. */
+  /** One more Gauss-Newton step, over twice the points of a fine stage and as many of scan 2 on
+   * surfaces of scan 1: the biases of the two directions cancel. Each point has the weight of its
+   * node of level 1, reduced by its residual and by its surface's thickness. */
   [[nodiscard]] DyloStage denseStage(const EncodedScan& scan1,
                                      const EncodedScan& scan2,
                                      const DyloStage& fine,

@@ -5,25 +5,25 @@
 
 namespace dyslam
 {
-/** What is known of a motion before two scans are matched. */
+/** Gaussian motion prior. */
 struct DyloPrior
 {
   Pose T_reference_current = Pose::Identity();
-  Matrix6 information = Matrix6::Zero();  //!< of log(T_prior^-1 T)
-  double correlated_points = 24;          //!< sampled points that count as one measurement
+  Matrix6 information = Matrix6::Zero();  //!< of log(T_prior^-1 T), [translation, rotation]
+  double points_per_measurement = 24;     //!< sampled points per independent measurement
 };
 
-/** What the points say, in the prior's measure: factor of a normal matrix of weights that sum to 1.
- * \param rmse weighted, of the residuals [m] \param effective_points 1 / sum of squared weights */
-[[nodiscard]] double measuredPrecision(double rmse,
-                                       double effective_points,
-                                       double correlated_points);
+/** Factor that scales a normal matrix for weights that sum to 1 to the information of the points:
+ * effective_points / points_per_measurement / variance [1/m^2].
+ * \param rmse weighted RMS residual [m] \param effective_points 1 / sum of squared weights */
+[[nodiscard]] double measurementPrecision(double rmse,
+                                          double effective_points,
+                                          double points_per_measurement);
 
-/** The step that points and prior agree on, where the points alone ask for `step`. Steps stand on
- * the left of the motion `T`.
- * \param measured information of the points alone, of `step` */
-[[nodiscard]] Vector6 jointStep(const DyloPrior& prior,
-                                const Pose& T,
-                                const Vector6& step,
-                                const Matrix6& measured);
+/** MAP step: fuses the Gauss-Newton `step` of the points with the prior. Steps are perturbations on
+ * the left of the motion `T`. \param measured information of `step` from the points alone */
+[[nodiscard]] Vector6 fuseWithPrior(const DyloPrior& prior,
+                                    const Pose& T,
+                                    const Vector6& step,
+                                    const Matrix6& measured);
 }  // namespace dyslam

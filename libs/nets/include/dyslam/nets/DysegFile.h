@@ -8,16 +8,16 @@
 
 namespace dyslam
 {
-/** A network with the grid it was trained for. */
+/** A network and the grid it was trained with. */
 struct DysegNetwork
 {
   DysegNet net{nullptr};
   BevOptions grid;
 };
 
-/** Writes weights, shape and grid into one file, as half-precision numbers. \throws UserError if it
- * cannot be written. */
+/** Writes weights (half precision), shape and grid to one file. \throws UserError if it cannot be
+ * written. */
 void saveDyseg(const DysegNetwork& network, const std::string& file);
-/** \throws UserError naming the file if it is missing or is not a DySeg network. */
+/** \throws UserError naming the file if it is missing, damaged or not a DySeg network. */
 [[nodiscard]] DysegNetwork loadDyseg(const std::string& file);
 }  // namespace dyslam

@@ -12,39 +12,38 @@
 
 namespace dyslam
 {
-/** What an earlier scan saw at a place, the static world's motion undone. */
-enum class SeenBefore : std::uint8_t
+/** What an earlier scan observed at a point's position, after ego-motion compensation. */
+enum class PastVisibility : std::uint8_t
 {
-  unknown,   //!< hidden, or no ray went there
-  free,      //!< rays went on through it
-  occupied,  //!< a return came from there
+  unknown,   //!< occluded or not observed
+  free,      //!< observed free: rays passed through
+  occupied,  //!< a return within the range tolerance
 };
 
-/** What DySeg found by comparing a scan with an earlier one. */
+/** Segmentation of a scan by comparison with an earlier one. */
 struct DysegResult
 {
-  /** One per input point: probability that it moves. 0 for ground, for points outside the grid and
-   * for points too high or too low. */
+  /** Moving probability of each input point. 0 for ground, for points outside the grid and for
+   * points that are too high or too low. */
   std::vector<float> moving_probability;
-  /** One per input point; unknown where the probability is 0. */
-  std::vector<SeenBefore> seen_before;
-  /** Current scan to past scan in the plane: the motion of the static world, from the two scans
-   * alone. */
+  /** Of each input point; unknown where the probability is 0. */
+  std::vector<PastVisibility> past_visibility;
+  /** Planar ego-motion (static flow), current to past scan, from the two scans alone. */
   RigidFlowFit static_flow;
-  /** Flow per occupied cell at a quarter of the grid's resolution, current to past. */
+  /** Scene flow of the occupied cells at 1/4 of the grid's resolution, current to past. */
   std::vector<Eigen::Vector2f> cell_centre;  //!< [m]
   std::vector<Eigen::Vector2f> cell_flow;    //!< [m]
   std::vector<float> cell_moving_probability;
 };
 
-/** A trained DySeg network, without torch in sight. Not thread-safe. */
+/** A trained DySeg network; free of torch headers. Not thread-safe. */
 class DysegModel
 {
  public:
-  /** Reads weights written by save(). \throws UserError if the file is missing, is not one of
-   * DySeg's, or fits another shape of network. */
+  /** Loads weights written by saveDyseg(). \throws UserError if the file is missing, damaged or not
+   * a DySeg network. */
   explicit DysegModel(const std::string& file, int threads = 1);
-  /** Untrained, with random weights from a seed: for tests and timing. */
+  /** Untrained network with random weights from a seed, for tests and timing. */
   DysegModel(const DysegNetworkOptions& network,
              const BevOptions& grid,
              std::uint64_t seed,
@@ -53,30 +52,30 @@ class DysegModel
   DysegModel(DysegModel&&) noexcept;
   DysegModel& operator=(DysegModel&&) noexcept;
 
-  /** A scan and its encoding: make once, compare with any other. */
+  /** A scan and its encoding, computed once and compared with any other. */
   class Encoded;
-  /** \param points sensor at the origin, z up [m]; invalid ones allowed. */
+  /** \param points sensor frame, z up [m]; invalid ones are ignored. */
   [[nodiscard]] std::shared_ptr<const Encoded> encode(
       const std::vector<Eigen::Vector3f>& points) const;
 
-  /** The motion of the static world, current to past, in the plane. \param guess null if there is
-   * none. */
+  /** Planar ego-motion (static flow), current to past. \param guess null for a search over all
+   * motions in the correlation window. */
   [[nodiscard]] RigidFlowFit match(const Encoded& current,
                                    const Encoded& past,
-                                   const MotionGuess* guess = nullptr) const;
+                                   const PlanarPrior* guess = nullptr) const;
 
-  /** What moves in `current`, seen from `past`, given the static motion between them.
+  /** Moving points of `current` by comparison with `past`, given the ego-motion between them.
    * \param iterations flow updates, at least 1. */
-  [[nodiscard]] DysegResult judge(const Encoded& current,
-                                  const Encoded& past,
-                                  const RigidFlowFit& static_flow,
-                                  int iterations = 2) const;
+  [[nodiscard]] DysegResult segment(const Encoded& current,
+                                    const Encoded& past,
+                                    const RigidFlowFit& static_flow,
+                                    int iterations = 2) const;
 
-  /** How surely each input point lies on something that stays where it is, judged by its looks in
-   * this scan alone: walls and trees rather than vehicles. 1 for points that are not looked at. */
-  [[nodiscard]] std::vector<float> anchors(const Encoded& scan) const;
+  /** Appearance prior: probability that each input point belongs to a static class (walls, trees)
+   * rather than to vehicles, from this scan alone. 1 for points outside the network's input. */
+  [[nodiscard]] std::vector<float> appearancePrior(const Encoded& scan) const;
 
-  /** match() and judge(). */
+  /** match() and segment(). */
   [[nodiscard]] DysegResult compare(const Encoded& current,
                                     const Encoded& past,
                                     int iterations = 2) const;

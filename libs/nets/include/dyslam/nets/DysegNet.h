@@ -4,7 +4,7 @@
 
 #include <dyslam/nets/BevScan.h>
 #include <dyslam/nets/CellLayers.h>
-#include <dyslam/nets/CellLevels.h>
+#include <dyslam/nets/CellPyramid.h>
 #include <dyslam/nets/DysegOptions.h>
 #include <dyslam/nets/FlowUpdate.h>
 #include <dyslam/nets/RigidFlow.h>
@@ -16,78 +16,79 @@
 
 namespace dyslam
 {
-/** Occupied cells of a scan and which of them touch, as the network's layers need it. */
+/** Occupied cells of a scan with the index tables of the sparse layers. */
 struct DysegCells
 {
   explicit DysegCells(const BevScan& scan);
 
-  CellLevels level;
-  torch::Tensor half_under;      //!< full-resolution rows under each half cell's kernel, N2 x 9
-  torch::Tensor half_around;     //!< N2 x 9
-  torch::Tensor quarter_under;   //!< rows at half resolution, N4 x 9
-  torch::Tensor quarter_around;  //!< N4 x 9
-  torch::Tensor eighth_parts;    //!< rows at a quarter, N8 x 4
-  torch::Tensor eighth_around;   //!< N8 x 9
-  torch::Tensor quarter_parent;  //!< rows at an eighth, N4 x 1
-  torch::Tensor half_index;      //!< row of each cell of the map, -1 if empty, H/2 x W/2
+  CellPyramid level;
+  torch::Tensor half_from_full;      //!< full-resolution rows under each kernel at 1/2, N2 x 9
+  torch::Tensor half_neighbours;     //!< N2 x 9
+  torch::Tensor quarter_from_half;   //!< rows at 1/2, N4 x 9
+  torch::Tensor quarter_neighbours;  //!< N4 x 9
+  torch::Tensor eighth_children;     //!< rows at 1/4, N8 x 4
+  torch::Tensor eighth_neighbours;   //!< N8 x 9
+  torch::Tensor quarter_parent;      //!< rows at 1/8, N4 x 1
+  torch::Tensor half_index;          //!< row of each cell, -1 if empty, H/2 x W/2
   torch::Tensor quarter_index;
   torch::Tensor eighth_index;
   torch::Tensor quarter_position;  //!< N4 x 2 (x, y) [cells]
   torch::Tensor eighth_position;
-  std::vector<Eigen::Vector2f> quarter_place;  //!< centres, in the frame of the points [m]
-  std::vector<Eigen::Vector2f> eighth_place;
+  std::vector<Eigen::Vector2f> quarter_centre;  //!< centres, in the frame of the points [m]
+  std::vector<Eigen::Vector2f> eighth_centre;
 
   void to(torch::Device device);
 };
 
-/** What the encoder makes of one scan; made once, compared with any other scan. Rows of occupied
+/** Encoder output of one scan, computed once and compared with any other scan. Rows of occupied
  * cells at 1/2 (N2), 1/4 (N4) and 1/8 (N8) of the grid's resolution. */
 struct DysegEncoding
 {
   std::shared_ptr<const DysegCells> cells;
-  torch::Tensor points;   //!< P x pillar_channels, of each kept point
-  torch::Tensor context;  //!< N4 x quarter_channels
-  torch::Tensor anchor;   //!< N4 logits: looks like something that stays where it is
-  torch::Tensor fine;     //!< N2 x fine_channels, for matching
-  torch::Tensor middle;   //!< N4 x matching_channels, for matching
-  torch::Tensor coarse;   //!< N8 x matching_channels, for matching
+  torch::Tensor points;        //!< P x pillar_channels, point features
+  torch::Tensor context;       //!< N4 x quarter_channels
+  torch::Tensor static_logit;  //!< N4 logits of the appearance prior (static class)
+  torch::Tensor fine;          //!< N2 x fine_channels, matching features
+  torch::Tensor middle;        //!< N4 x matching_channels, matching features
+  torch::Tensor coarse;        //!< N8 x matching_channels, matching features
 };
 
-/** Motions to look around instead of the network's own fits: the truth and its errors in training.
+/** Teacher forcing: motions that replace the network's own estimates in training (truth with added
+ * errors).
  */
-struct DysegGuide
+struct TeacherMotions
 {
-  PlanarMotion first;   //!< where the windows at 1/4 lie, in place of the fit at 1/8
-  PlanarMotion second;  //!< the static flow, in place of the fit at 1/4
+  PlanarMotion coarse;  //!< centre of the windows at 1/4, in place of the estimate at 1/8
+  PlanarMotion fine;    //!< the static flow, in place of the estimate at 1/4
 };
 
-/** The motion of the static world between two scans. N occupied cells at 1/4 resolution. */
+/** Ego-motion between two scans. N occupied cells at 1/4 resolution. */
 struct DysegMatch
 {
-  torch::Tensor coarse_correlation;  //!< N8 x (2r+1)^2, around no motion; undefined with a guess
-  torch::Tensor correlation;         //!< N x (2r+1)^2, around `first`
-  PlanarMotion first;                //!< static motion (current to past) from 1/8
-  RigidFlowFit fit;                  //!< from 1/4; empty with a guide
+  torch::Tensor coarse_correlation;  //!< N8 x (2r+1)^2, around zero motion; undefined with a prior
+  torch::Tensor correlation;         //!< N x (2r+1)^2, around the last estimate
+  PlanarMotion initial;  //!< initial static motion (current to past): prior, or estimate at 1/8
+  RigidFlowFit fit;      //!< estimate at 1/4; empty with teacher forcing
 };
 
-/** What the network says about the cells of the current scan. N occupied cells at 1/4 resolution.
+/** Network output for the cells of the current scan. N occupied cells at 1/4 resolution.
  */
-struct DysegCellsOut
+struct DysegCellOutput
 {
-  PlanarMotion static_motion;           //!< what residual flow is relative to
-  std::vector<torch::Tensor> residual;  //!< N x 2 after each update: flow less static flow [m]
-  torch::Tensor feature;                //!< N x cell_features, for the points
-  torch::Tensor logit;                  //!< N: the cell holds something that moves
+  PlanarMotion static_motion;           //!< to which the residual flow is relative
+  std::vector<torch::Tensor> residual;  //!< N x 2 after each update: flow minus static flow [m]
+  torch::Tensor feature;                //!< N x cell_features, input of the point head
+  torch::Tensor logit;                  //!< N: logit that the cell contains moving points
   torch::Tensor upsampling;             //!< N x 144 logits for upsampleFlow
 };
 
-/** DySeg (the paper's section 3.1): what moves in a scan, from scene flow to an earlier one.
+/** DySeg (the paper's section 3.1): moving object segmentation from scene flow to an earlier scan.
  *
- * Everything is computed for occupied cells only, an eighth to a quarter of the grid.
- * Pillars, a shared encoder, correlation at 1/8 (all motions), 1/4 (around the static flow) and 1/2
- * of the grid (single points); the static flow in closed form, of cells that look like walls and
- * trees rather than like vehicles; recurrent updates of the flow around it; cells, then points,
- * from residual flow, context, correlation and what earlier rays saw.
+ * All layers are sparse: only occupied cells are computed. Pillar features and a shared encoder;
+ * correlation at 1/8 (all motions), 1/4 (around the static flow) and 1/2 of the grid (single
+ * points); the static flow in closed form, from cells weighted by the appearance prior; recurrent
+ * updates (RAFT) of the residual flow; moving logits of cells, then of points, from residual flow,
+ * context, correlation and visibility in the earlier scan.
  */
 class DysegNetImpl : public torch::nn::Module
 {
@@ -96,44 +97,44 @@ class DysegNetImpl : public torch::nn::Module
 
   [[nodiscard]] DysegEncoding encode(const BevScan& scan);
 
-  /** The static motion from all motions at 1/8, then around it at 1/4. \param guide null at run
-   * time. \param guess to look around instead of at all motions; null if there is none. */
+  /** Static motion: search over all motions at 1/8, then refinement at 1/4. \param guide teacher
+   * forcing in training, else null \param guess replaces the search; null for none. */
   [[nodiscard]] DysegMatch match(const BevScan& scan,
                                  const DysegEncoding& current,
                                  const DysegEncoding& past,
-                                 const DysegGuide* guide = nullptr,
-                                 const MotionGuess* guess = nullptr);
+                                 const TeacherMotions* guide = nullptr,
+                                 const PlanarPrior* guess = nullptr);
 
-  /** What does not follow the static motion (current to past). */
-  [[nodiscard]] DysegCellsOut cells(const BevScan& scan,
-                                    const DysegEncoding& current,
-                                    const DysegEncoding& past,
-                                    const PlanarMotion& static_motion,
-                                    int iterations);
+  /** Residual flow and moving logits of the cells, given the static motion (current to past). */
+  [[nodiscard]] DysegCellOutput segmentCells(const BevScan& scan,
+                                             const DysegEncoding& current,
+                                             const DysegEncoding& past,
+                                             const PlanarMotion& static_motion,
+                                             int iterations);
 
-  /** Logits of some points: moving or not. \param which positions in `scan.points`. */
-  [[nodiscard]] torch::Tensor points(const BevScan& scan,
-                                     const DysegEncoding& current,
-                                     const DysegEncoding& past,
-                                     const BevRays& past_rays,
-                                     const DysegCellsOut& cells,
-                                     const std::vector<std::int32_t>& which);
+  /** Moving logits of some points, Q. \param indices into `scan.points`. */
+  [[nodiscard]] torch::Tensor segmentPoints(const BevScan& scan,
+                                            const DysegEncoding& current,
+                                            const DysegEncoding& past,
+                                            const BevRays& past_rays,
+                                            const DysegCellOutput& cells,
+                                            const std::vector<std::int32_t>& indices);
 
-  /** Full-resolution flow less static flow at the fine cells of some points, Q x 2 [m]. */
+  /** Upsampled residual flow at the full-resolution cells of some points, Q x 2 [m]. */
   [[nodiscard]] torch::Tensor pointFlow(const BevScan& scan,
                                         const DysegEncoding& current,
-                                        const DysegCellsOut& cells,
-                                        const std::vector<std::int32_t>& which) const;
+                                        const DysegCellOutput& cells,
+                                        const std::vector<std::int32_t>& indices) const;
 
   [[nodiscard]] const DysegNetworkOptions& options() const { return options_; }
 
  private:
-  /** What lies some metres around each cell at 1/4, as seen at 1/8: the ends of a long vehicle's
-   * flank, for one. \return N4 x quarter_channels. */
+  /** Context at 1/8 for each cell at 1/4, for objects larger than the receptive field at 1/4.
+   * \return N4 x quarter_channels. */
   [[nodiscard]] torch::Tensor surroundings(const torch::Tensor& quarter, const DysegCells& cells);
 
   DysegNetworkOptions options_;
-  torch::Tensor empty_fine_;  //!< what an empty cell shows to those that look for a match
+  torch::Tensor empty_fine_;  //!< matching feature of empty cells, learned
   torch::Tensor empty_middle_;
   torch::Tensor empty_coarse_;
   RowLinear pillar_{nullptr};

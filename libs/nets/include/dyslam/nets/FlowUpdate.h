@@ -8,16 +8,16 @@
 
 namespace dyslam
 {
-/** A gated recurrent unit over occupied cells: 3 x 3 convolutions in place of matrices. */
+/** Convolutional GRU over occupied cells (3 x 3 sparse convolutions). */
 class ConvGruImpl : public torch::nn::Module
 {
  public:
   ConvGruImpl(std::int64_t hidden, std::int64_t input);
-  /** \param state N x hidden \param input N x input \param around N x 9 rows of the cells around
+  /** \param state N x hidden \param input N x input \param neighbours N x 9 row indices
    * \return the new state. */
   torch::Tensor forward(const torch::Tensor& state,
                         const torch::Tensor& input,
-                        const torch::Tensor& around);
+                        const torch::Tensor& neighbours);
 
  private:
   std::int64_t hidden_;
@@ -26,9 +26,8 @@ class ConvGruImpl : public torch::nn::Module
 };
 TORCH_MODULE(ConvGru);
 
-/** One step of RAFT's scheme: what the correlation says at the present flow, into a recurrent
- * state, out of which comes a change of the flow. Neighbouring cells inform one another through
- * the state. */
+/** One iteration of RAFT's recurrent update: correlation at the current flow and hidden state to a
+ * flow increment. The convolutions propagate it between neighbouring cells. */
 class FlowUpdateImpl : public torch::nn::Module
 {
  public:
@@ -37,14 +36,14 @@ class FlowUpdateImpl : public torch::nn::Module
   struct Result
   {
     torch::Tensor state;   //!< N x hidden
-    torch::Tensor change;  //!< N x 2, of the flow [cells]
+    torch::Tensor change;  //!< N x 2, increment of the flow [cells]
   };
-  /** \param correlation N x (2r+1)^2 around the present flow \param flow N x 2 [cells], relative to
-   * the static flow \param around N x 9 rows of the cells around, -1 for none (int32). */
+  /** \param correlation N x (2r+1)^2 around the current flow \param flow N x 2 [cells], relative to
+   * the static flow \param neighbours N x 9 row indices, -1 for none (int32). */
   Result forward(const torch::Tensor& state,
                  const torch::Tensor& correlation,
                  const torch::Tensor& flow,
-                 const torch::Tensor& around);
+                 const torch::Tensor& neighbours);
 
  private:
   int radius_;
@@ -56,18 +55,19 @@ class FlowUpdateImpl : public torch::nn::Module
 };
 TORCH_MODULE(FlowUpdate);
 
-/** Flow at fine cells as learned convex combinations of the 3 x 3 coarse cells around (RAFT's
- * upsampling), computed only where asked.
+/** Convex upsampling (RAFT): flow at fine cells as learned convex combinations of the 3 x 3 coarse
+ * cells, computed for queries only.
  *
  * \param flow N x 2 of the coarse cells \param weights N x (9 f^2) logits
- * \param around N x 9 rows of the cells around, -1 for none (int32)
- * \param row of the coarse cell of each of the Q queries (int64)
- * \param sub of each query: position (y * f + x) of the fine cell in its coarse cell (int64)
+ * \param neighbours N x 9 row indices, -1 for none (int32)
+ * \param row Q rows of the coarse cells (int64)
+ * \param sub Q positions y * f + x of the fine cells in their coarse cells (int64)
+ * \param factor f
  * \return Q x 2. Empty neighbours have no weight.
  */
 [[nodiscard]] torch::Tensor upsampleFlow(const torch::Tensor& flow,
                                          const torch::Tensor& weights,
-                                         const torch::Tensor& around,
+                                         const torch::Tensor& neighbours,
                                          const torch::Tensor& row,
                                          const torch::Tensor& sub,
                                          std::int64_t factor);

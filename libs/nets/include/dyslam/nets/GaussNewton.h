@@ -6,41 +6,42 @@
 
 namespace dyslam
 {
-/** Solution of the symmetric positive definite 6x6 system A x = b, differentiable in both (double).
+/** Solution of the symmetric positive definite 6x6 system A x = b (double), differentiable in A and
+ * b.
  */
 [[nodiscard]] torch::Tensor solveSpd(const torch::Tensor& a, const torch::Tensor& b);
 
-/** Rotation matrix of a rotation vector [3], differentiable. */
+/** Rotation matrix [3, 3] of a rotation vector [3] [rad], differentiable. */
 [[nodiscard]] torch::Tensor expRotation(const torch::Tensor& rotation);
-/** Rotation matrix of a quaternion [4], w first, any length but 0. */
+/** Rotation matrix [3, 3] of a quaternion [4] of non-zero norm, w first. */
 [[nodiscard]] torch::Tensor rotationOfQuaternion(const torch::Tensor& quaternion);
 
-/** Planes and points that a pose step should bring together. */
-struct Alignment
+/** Weighted point-to-plane correspondences, optionally with a point-to-point term. */
+struct PoseStepProblem
 {
-  torch::Tensor points;     //!< [N, 3] of scan 1, warped by the pose so far
-  torch::Tensor normal;     //!< [N, 3]; shorter than 1 where candidates disagree
-  torch::Tensor offset;     //!< [N]; residual = normal . point - offset
-  torch::Tensor target;     //!< [N, 3] for the isotropic term
+  torch::Tensor points;     //!< [N, 3] of scan 1, transformed by the current pose
+  torch::Tensor normal;     //!< [N, 3]; norm below 1 where candidates disagree
+  torch::Tensor offset;     //!< [N]; residual = normal . point - offset [m]
+  torch::Tensor target;     //!< [N, 3] for the point-to-point term
   torch::Tensor weight;     //!< [N], sums to 1
-  torch::Tensor isotropic;  //!< weight of the point-to-point term; undefined for none
+  torch::Tensor isotropic;  //!< relative weight of the point-to-point term; undefined for none
 };
 
 struct GaussNewtonStep
 {
-  PoseTensors update;           //!< to be put before the pose so far
-  torch::Tensor normal_matrix;  //!< [6, 6] of the weighted terms, [translation, rotation]
+  PoseTensors update;           //!< left increment: the new pose is update * pose
+  torch::Tensor normal_matrix;  //!< [6, 6] J^T W J, [translation, rotation]
 };
 
-/** One step, differentiable in every field of `alignment`. With no weight at all: the identity. */
-[[nodiscard]] GaussNewtonStep gaussNewtonStep(const Alignment& alignment);
+/** One Gauss-Newton step, differentiable in each field of `problem`. Identity for zero weights. */
+[[nodiscard]] GaussNewtonStep gaussNewtonStep(const PoseStepProblem& problem);
 
-/** Unit eigenvector of the smallest eigenvalue and the square roots of all, of [N, 3, 3] symmetric
- * matrices. Not differentiable. */
+/** Eigenvector of the smallest eigenvalue and square roots of all eigenvalues of symmetric matrices
+ * [N, 3, 3]. Not differentiable. */
 struct PlaneFit
 {
   torch::Tensor normal;  //!< [N, 3]
-  torch::Tensor spread;  //!< [N, 3] ascending
+  torch::Tensor spread;  //!< [N, 3] standard deviations, ascending
 };
 [[nodiscard]] PlaneFit fitPlanes(const torch::Tensor& covariance);
 }  // namespace dyslam

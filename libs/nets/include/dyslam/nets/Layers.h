@@ -9,20 +9,20 @@
 
 namespace dyslam
 {
-/** Sizes of the layers of an MLP, input first. */
+/** Channels of an MLP, input first. */
 using Sizes = std::vector<std::int64_t>;
 
-/** Shared layers over points, each followed by a leaky rectifier; no normalisation. */
+/** Shared (point-wise) MLP with leaky ReLU, slope 0.1, without normalisation. */
 class MlpImpl : public torch::nn::Module
 {
  public:
-  /** \param sizes input, hidden..., output. \param linear_end no rectifier after the last. */
+  /** \param sizes input, hidden..., output \param linear_end no activation after the last layer */
   explicit MlpImpl(const Sizes& sizes, bool linear_end = false);
   torch::Tensor forward(const torch::Tensor& x);
-  /** Of [places, own of the group], which is never written down. \param places [N, K, A] \param own
-   * [N, B] \returns [N, K, sizes.back()]. */
+  /** On [members, own of the group], without forming the concatenation. \param places [N, K, A]
+   * \param own [N, B] \return [N, K, sizes.back()]. */
   torch::Tensor forward(const torch::Tensor& places, const torch::Tensor& own);
-  /** Scale the last layer's weights: small starts that leave what follows near its default. */
+  /** Scales the last layer's weights, for an initial output near zero. */
   void scaleOutput(double factor);
 
  private:
@@ -35,15 +35,15 @@ class MlpImpl : public torch::nn::Module
 };
 TORCH_MODULE(Mlp);
 
-/** Layers over groups of points; the first reads geometry and the grouped features. */
+/** MLP over groups of points; the first layer reads geometry and grouped features. */
 class GroupedMlpImpl : public torch::nn::Module
 {
  public:
-  /** \param sizes outputs of the layers. */
+  /** \param sizes output channels of the layers */
   GroupedMlpImpl(std::int64_t geometry, std::int64_t features, const Sizes& sizes);
   /** \param geometry [N, K, G] \param features [M, C] or undefined \param index [N, K] into them.
-   * \param own [N, sizes.front()] joins the first layer's sums of its group, or undefined.
-   * \returns [N, K, sizes.back()]. */
+   * \param own [N, sizes.front()] added to the first layer of its group, or undefined.
+   * \return [N, K, sizes.back()]. */
   torch::Tensor forward(const torch::Tensor& geometry,
                         const torch::Tensor& features,
                         const torch::Tensor& index,
@@ -55,13 +55,14 @@ class GroupedMlpImpl : public torch::nn::Module
 };
 TORCH_MODULE(GroupedMlp);
 
-/** Points of a finer grid grouped around nodes of a coarser one, MLP, maximum. */
+/** Set abstraction (PointNet++): groups of a finer grid around nodes of a coarser one, MLP,
+ * maximum. */
 class SetConvImpl : public torch::nn::Module
 {
  public:
-  /** \param spacing angle between nodes [rad]; offsets are measured in it. */
+  /** \param spacing angle between nodes, the unit of the offsets [rad] */
   SetConvImpl(std::int64_t in, const Sizes& mlp, double spacing);
-  /** \param features [M, in], or undefined for in = 0. \returns [N, mlp.back()]. */
+  /** \param features [M, in], or undefined for in = 0. \return [N, mlp.back()]. */
   torch::Tensor forward(const torch::Tensor& features,
                         const ScanTensors::Level& from,
                         const ScanTensors::Level& to,
@@ -73,17 +74,18 @@ class SetConvImpl : public torch::nn::Module
 };
 TORCH_MODULE(SetConv);
 
-/** What the cost volume found for each point of scan 1. */
+/** Cost volume output for each point of scan 1. */
 struct Correlation
 {
   torch::Tensor embedding;  //!< [N, C] the correlation features E
   torch::Tensor normal;     //!< [N, 3] attention-weighted normals of the candidates
-  torch::Tensor offset;     //!< [N] so that normal . p - offset is the point-to-plane residual
+  torch::Tensor offset;     //!< [N]; normal . p - offset is the point-to-plane residual [m]
   torch::Tensor target;     //!< [N, 3] soft correspondence
-  torch::Tensor valid;      //!< [N] 1 where there was a candidate
+  torch::Tensor valid;      //!< [N] 1 for points with a candidate
 };
 
-/** Attention over the nearest points of scan 2, then over neighbours in scan 1. */
+/** Attentive cost volume (PWCLO-Net): attention over the nearest points of scan 2, then over
+ * neighbours in scan 1. */
 class AttentiveCostVolumeImpl : public torch::nn::Module
 {
  public:
@@ -95,8 +97,8 @@ class AttentiveCostVolumeImpl : public torch::nn::Module
                           std::int64_t half_cols,
                           std::int64_t candidates,
                           double spacing);
-  /** \param warped [N, 3] scan 1's points, \param warped_normal [N, 3], where the pose so far puts
-   * them. \param level of scan 2 searched. \param patch neighbours within scan 1's grid. */
+  /** \param warped [N, 3] points and \param warped_normal [N, 3] normals of scan 1, transformed by
+   * the current pose \param level of scan 2 \param patch neighbours within scan 1's grid. */
   Correlation forward(const torch::Tensor& warped,
                       const torch::Tensor& warped_normal,
                       const torch::Tensor& valid,
@@ -114,7 +116,8 @@ class AttentiveCostVolumeImpl : public torch::nn::Module
 };
 TORCH_MODULE(AttentiveCostVolume);
 
-/** Coarse features to a finer grid, joined with what the finer grid has. */
+/** Set upconv (PWCLO-Net): coarse features to a finer grid, concatenated with the finer features.
+ */
 class SetUpConvImpl : public torch::nn::Module
 {
  public:
@@ -132,11 +135,11 @@ class SetUpConvImpl : public torch::nn::Module
 };
 TORCH_MODULE(SetUpConv);
 
-/** Per point: how surely static, and how good a match. */
+/** Mask logits per point. */
 struct MaskLogits
 {
   torch::Tensor is_static;  //!< [N]; its sigmoid is the static confidence
-  torch::Tensor quality;    //!< [N]; its sigmoid is the match's relative precision
+  torch::Tensor quality;    //!< [N]; its sigmoid is the correspondence's relative precision
 };
 
 /** The dynamic mask network (paper Fig. 4, Eq. 1) and its two ablations. */
@@ -154,7 +157,7 @@ class DynamicMaskImpl : public torch::nn::Module
 };
 TORCH_MODULE(DynamicMask);
 
-/** M = softmax over points of log sigmoid(is_static) + log sigmoid(quality); sums to 1, [N].
- * Zero where not valid, all zero if nothing is. */
+/** Mask weights M = softmax over points of log sigmoid(is_static) + log sigmoid(quality), sum 1,
+ * [N]. Zero for invalid points. */
 [[nodiscard]] torch::Tensor maskWeights(const MaskLogits& logits, const torch::Tensor& valid);
 }  // namespace dyslam

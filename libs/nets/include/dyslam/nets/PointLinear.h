@@ -6,10 +6,10 @@
 
 namespace dyslam
 {
-/** leaky(x weight^T + bias): a 1x1 convolution over points [..., in] -> [..., out].
+/** leaky(x weight^T + bias) over points [..., in] -> [..., out].
  *
- * On a CPU one fused pass over blocks of rows, the same result for any number of threads; elsewhere
- * torch's own. `slope` is that of the leaky rectifier; 1 leaves it out. */
+ * A fused pass over blocks of rows on the CPU, with the same result for any number of threads;
+ * torch operations elsewhere. \param slope of the leaky ReLU; 1 for none. */
 [[nodiscard]] torch::Tensor pointLinear(const torch::Tensor& x,
                                         const torch::Tensor& weight,
                                         const torch::Tensor& bias,

@@ -9,11 +9,11 @@
 
 namespace dyslam
 {
-/** A scan laid out for the networks: points ordered by where the sensor looked.
+/** Range image and sampling pyramid of a scan, the input of DyLO's network.
  *
  * Rows are beams (row 0 the lowest), columns azimuths (column 0 straight behind, clockwise seen
- * from above). Coarser levels are grids over the same directions, so that a neighbour search is a
- * window.
+ * from above). The nodes of coarser levels form grids over the same directions, so that neighbours
+ * are searched in image windows.
  */
 struct PreparedScan
 {
@@ -26,32 +26,33 @@ struct PreparedScan
   {
     int rows = 0;
     int cols = 0;
-    std::vector<std::int32_t> cell;  //!< row-major: the image cell of each node, -1 if it is empty
+    std::vector<std::int32_t> cell;  //!< row-major: image cell of each node, -1 if empty
 
     [[nodiscard]] std::size_t size() const { return cell.size(); }
   };
 
   int rows = 0;
-  std::vector<Eigen::Vector3f> points;      //!< of each image cell, row-major; zero where empty [m]
-  std::vector<std::int32_t> source;         //!< position in the cloud, -1 where empty
-  std::vector<std::int32_t> cell_of_point;  //!< of each point of the cloud, -1 if it is left out
-  std::vector<std::int32_t> row_of_slope;   //!< image row by slope z/hypot(x,y)
-  std::array<Level, level_count> levels;    //!< 8192, 2048, 1024, 256 and 64 nodes
+  std::vector<Eigen::Vector3f> points;  //!< of each image cell, row-major; zero if empty [m]
+  std::vector<std::int32_t> source;     //!< index in the cloud, -1 if empty
   std::vector<std::int32_t>
-      first_level_of;                    //!< per level 2..4 in turn: node of level 1, -1 if empty
-  std::vector<Eigen::Vector3f> normals;  //!< of level 1, towards the sensor; zero where unknown
-  std::vector<float> planarity;          //!< of level 1, 0 no plane .. 1 a plane
+      cell_of_point;  //!< image cell of each point of the cloud, -1 if not used
+  std::vector<std::int32_t> row_of_slope;  //!< image row of each bin of slope z / hypot(x, y)
+  std::array<Level, level_count> levels;   //!< 8192, 2048, 1024, 256 and 64 nodes
+  std::vector<std::int32_t>
+      first_level_of;  //!< concatenated levels 2 to 4: node of level 1, -1 if empty
+  std::vector<Eigen::Vector3f> normals;  //!< of level 1, towards the sensor; zero if unknown
+  std::vector<float> planarity;          //!< of level 1, in [0, 1]
   std::size_t valid_points = 0;          //!< occupied image cells
 
   [[nodiscard]] bool empty() const { return valid_points == 0; }
 };
 
-/** \param points sensor at the origin, z up, x forward [m]; points that are not finite, nearer than
- * 1.5 m or farther than 100 m are left out. Linear in the number of points. */
+/** \param points sensor frame, x forward, z up [m]; points that are not finite, nearer than
+ * 1.5 m or farther than 100 m are ignored. Linear in the number of points. */
 [[nodiscard]] PreparedScan prepareScan(const std::vector<Eigen::Vector3f>& points);
 
-/** Column of a direction, as the networks compute it. */
+/** Image column of a direction. */
 [[nodiscard]] int imageColumn(float x, float y, int cols);
-/** Image row of a slope z/hypot(x,y). */
+/** Bin of a slope z / hypot(x, y), an index into row_of_slope. */
 [[nodiscard]] int slopeBin(float slope);
 }  // namespace dyslam

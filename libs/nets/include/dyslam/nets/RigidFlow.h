@@ -9,7 +9,7 @@
 
 namespace dyslam
 {
-/** A rigid motion in the plane: p goes to R(yaw) p + translation. */
+/** A rigid motion in the plane: p -> R(yaw) p + translation. */
 struct PlanarMotion
 {
   Eigen::Vector2d translation = Eigen::Vector2d::Zero();  //!< [m]
@@ -19,7 +19,7 @@ struct PlanarMotion
   {
     return Eigen::Rotation2Dd(yaw) * p + translation;
   }
-  /** Where p goes, less p. */
+  /** Displacement of p. */
   [[nodiscard]] Eigen::Vector2f flowAt(const Eigen::Vector2f& p) const
   {
     return (*this * p.cast<double>()).cast<float>() - p;
@@ -28,32 +28,34 @@ struct PlanarMotion
   [[nodiscard]] static PlanarMotion fromPose(const Pose& pose);
 };
 
-/** A motion known beforehand. */
-struct MotionGuess
+/** Initial guess of a planar motion. */
+struct PlanarPrior
 {
   PlanarMotion motion;
-  double within = 1.5;  //!< how far off it may be [m]
+  double max_error = 1.5;  //!< largest expected error [m]
 };
 
+/** Robust fit of a rigid motion. */
 struct RigidFlowFit
 {
   PlanarMotion motion;
-  std::vector<float> inlier;  //!< robust weight of each vector in [0, 1]
-  double rmse = 0;            //!< of the weighted residuals [m]
-  double lead = 1;            //!< over other motions, where all were looked at: MotionVote
-  bool converged = false;     //!< false with fewer than three vectors of any weight
+  std::vector<float> inlier;  //!< robust weight of each flow vector, in [0, 1]
+  double rmse = 0;            //!< weighted RMS residual [m]
+  double margin = 1;       //!< of the search over all motions, if there was one: MotionSearchResult
+  bool converged = false;  //!< false with fewer than three vectors of positive weight
 };
 
-/** The rigid motion that best explains most of a flow field: the static flow.
+/** Rigid motion of the majority of a flow field: the static flow.
  *
- * Weighted least squares in closed form, reweighted with a Geman-McClure kernel whose width shrinks
- * from `start_width` to `width`, so that movers lose their say whatever their number, up to half of
- * the weight.
+ * Iteratively reweighted least squares in closed form, with a Geman-McClure loss whose width is
+ * annealed from `start_width` to `width` (graduated non-convexity), so that outliers with up to
+ * half of the weight are rejected.
  *
- * \param places starts of the flow vectors [m] \param flow the vectors [m] \param weights >= 0
- * \param start an optional first motion; without it the plain weighted fit starts.
+ * \param positions start points of the flow vectors [m] \param flow the vectors [m] \param weights
+ * >= 0 \param width, start_width of the loss [m] \param start initial motion; null to start with
+ * the weighted least-squares fit.
  */
-[[nodiscard]] RigidFlowFit fitRigidFlow(const std::vector<Eigen::Vector2f>& places,
+[[nodiscard]] RigidFlowFit fitRigidFlow(const std::vector<Eigen::Vector2f>& positions,
                                         const std::vector<Eigen::Vector2f>& flow,
                                         const std::vector<float>& weights,
                                         double width = 0.15,

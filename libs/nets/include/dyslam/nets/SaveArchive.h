@@ -8,7 +8,7 @@
 
 namespace dyslam
 {
-/** Writes what an archive holds; an earlier file of the name stays until the new one is whole.
+/** Writes an archive atomically: an existing file is replaced only once the new one is complete.
  * \throws UserError if it cannot be written. */
 void saveArchive(torch::serialize::OutputArchive& archive, const std::string& path);
 }  // namespace dyslam

@@ -10,7 +10,7 @@
 
 namespace dyslam
 {
-/** A PreparedScan on the network's device. N nodes per level, row-major in the level's grid. */
+/** A PreparedScan as tensors on the network's device. N nodes per level, row-major. */
 struct ScanTensors
 {
   struct Level
@@ -18,12 +18,12 @@ struct ScanTensors
     std::int64_t rows = 0;
     std::int64_t cols = 0;
     torch::Tensor xyz;        //!< [N, 3] m
-    torch::Tensor valid;      //!< [N] 1 where the node holds a point, else 0
+    torch::Tensor valid;      //!< [N] 1 for occupied nodes, else 0
     torch::Tensor normal;     //!< [N, 3], levels 1 and above
     torch::Tensor planarity;  //!< [N], levels 1 and above
   };
 
-  std::int64_t rows = 0;       //!< of the image
+  std::int64_t rows = 0;       //!< image rows
   torch::Tensor image_xyz;     //!< [rows * columns, 3]
   torch::Tensor image_valid;   //!< [rows * columns]
   torch::Tensor row_of_slope;  //!< [slope_bins], integer
@@ -31,10 +31,10 @@ struct ScanTensors
 };
 
 [[nodiscard]] ScanTensors toTensors(const PreparedScan& scan, torch::Device device = torch::kCPU);
-/** Take over where the points of a scan lie now, into the tensors that were made from it. */
-void movePoints(const PreparedScan& scan, ScanTensors& tensors);
+/** Updates the coordinates in tensors that were made from `scan` after its points have moved. */
+void updatePoints(const PreparedScan& scan, ScanTensors& tensors);
 
-/** A rigid motion in tensors: p -> rotation p + translation. */
+/** A rigid motion as tensors: p -> rotation p + translation. */
 struct PoseTensors
 {
   torch::Tensor rotation;     //!< [3, 3]
@@ -44,20 +44,20 @@ struct PoseTensors
   [[nodiscard]] static PoseTensors from(const Pose& pose, const torch::TensorOptions& options);
   [[nodiscard]] Pose toPose() const;
   [[nodiscard]] torch::Tensor apply(const torch::Tensor& points) const;  //!< [N, 3]
-  /** this after `other`. */
+  /** Composition: applies `other` first. */
   [[nodiscard]] PoseTensors operator*(const PoseTensors& other) const;
   [[nodiscard]] PoseTensors detached() const;
 };
 
-/** Which nodes of a grid lie around where the sensor would see given points. */
+/** Image windows around the projections of points, as node indices. */
 struct Window
 {
-  torch::Tensor index;   //!< [N, K] node or cell, always within the grid
-  torch::Tensor inside;  //!< [N, K] 1 if it lies in the window, 0 where the grid ends
+  torch::Tensor index;   //!< [N, K] node or cell index, clamped to the grid
+  torch::Tensor inside;  //!< [N, K] 1 within the grid, 0 beyond its rows
 };
 
-/** Window of (2 half_rows + 1) x (2 half_cols + 1) nodes of a level (`rows` x `cols`, laid over the
- * image's beams) around each point. `dilation` [N] (integer) spreads the columns; may be undefined.
+/** Windows of (2 half_rows + 1) x (2 half_cols + 1) nodes of a level (`rows` x `cols`) around the
+ * projections of points [N, 3]. `dilation` [N] (integer) spreads the columns; may be undefined.
  */
 [[nodiscard]] Window windowAround(const torch::Tensor& points,
                                   const ScanTensors& scan,
@@ -67,7 +67,7 @@ struct Window
                                   std::int64_t half_cols,
                                   const torch::Tensor& dilation = {});
 
-/** The same for fixed grids: for each node of `to` the window of `window_rows` x `window_cols`
+/** Windows between two grids: for each node of `to` the `window_rows` x `window_cols`
  * nodes of `from` nearest to its direction. */
 [[nodiscard]] Window windowBetween(std::int64_t from_rows,
                                    std::int64_t from_cols,
@@ -77,6 +77,6 @@ struct Window
                                    std::int64_t window_cols,
                                    torch::Device device);
 
-/** Rows of `values` [M, C] picked by [N, K]: [N, K, C]. */
+/** Rows of `values` [M, C] selected by `index` [N, K]: [N, K, C]. */
 [[nodiscard]] torch::Tensor gather(const torch::Tensor& values, const torch::Tensor& index);
 }  // namespace dyslam

@@ -9,18 +9,18 @@
 
 namespace dyslam
 {
-/** Of the names and values of all weights, as 16 hexadecimal digits (FNV-1a).
- * \param stored_as the type whose precision the values have once they are stored. */
+/** Checksum (FNV-1a, 16 hexadecimal digits) of the names and values of all weights.
+ * \param stored_as type in which the values are stored. */
 [[nodiscard]] std::string checksumOf(const torch::nn::Module& network,
                                      torch::Dtype stored_as = torch::kFloat);
 
-/** Stores a checksum beside the weights. */
+/** Stores a checksum in the archive. */
 void writeChecksum(const std::string& checksum, torch::serialize::OutputArchive& archive);
 
-/** Torch reads over flipped bits. \param network with the weights of the archive
- * \throws UserError naming the file if they are not those that were stored, or are no numbers.
- * Archives without a checksum are taken as they are. */
-void requireUndamaged(const torch::nn::Module& network,
-                      torch::serialize::InputArchive& archive,
-                      const std::string& file);
+/** Detects damaged weights, which torch loads silently. \param network with the weights of the
+ * archive \throws UserError naming the file if the checksum differs or a weight is not finite.
+ * Archives without a checksum are accepted. */
+void verifyChecksum(const torch::nn::Module& network,
+                    torch::serialize::InputArchive& archive,
+                    const std::string& file);
 }  // namespace dyslam

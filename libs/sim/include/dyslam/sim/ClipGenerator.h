@@ -13,31 +13,31 @@ struct ClipOptions : Options
 {
   SimulatorOptions
       simulator;          //!< world, sensor and ranges; seed, traffic and speed are drawn per clip
-  bool any_world = true;  //!< draw the kind of world too (urban most often)
-  int scans = 2;          //!< in one clip
-  int clips_per_world = 16;  //!< neighbours in index share a world, which saves its making
-  double min_traffic = 0;    //!< bounds of the traffic drawn for each clip
+  bool any_world = true;  //!< draw the kind of world as well (urban most often)
+  int scans = 2;          //!< consecutive scans in a clip
+  int clips_per_world = 16;  //!< consecutive clips share a world, which saves time
+  double min_traffic = 0;    //!< bounds of the traffic density drawn for each clip
   double max_traffic = 1;
 
   void describe(OptionsVisitor& visitor) override;
 };
 
-/** Endless labelled training data by number: clip(i) depends on the options and i alone.
+/** Labelled training data by index: clip(i) depends on the options and on i alone.
  *
- * Thread-safe through copies: give each worker its own generator. Asking for indices in order is
- * fastest, for the last world is kept.
+ * Not thread-safe: each worker needs its own copy. Indices in ascending order are fastest, because
+ * the last world is cached.
  */
 class ClipGenerator
 {
  public:
   explicit ClipGenerator(const ClipOptions& options, int threads = 1);
 
-  /** `scans` consecutive scans with truth. */
+  /** `scans` consecutive scans with ground truth. */
   [[nodiscard]] std::vector<SimulatedScan> clip(std::uint64_t index) const;
-  /** The first `scans` scans of the same drive, fewer or more than the options say. */
+  /** The first `scans` scans of the same clip, independent of ClipOptions::scans. */
   [[nodiscard]] std::vector<SimulatedScan> clip(std::uint64_t index, int scans) const;
-  /** The options of clip `index`. Their seed is that of its world, which neighbours share; the
-   * drive through it has a seed of its own. */
+  /** The options of clip `index`. Their seed is that of the world, which consecutive clips share;
+   * the trajectory and traffic have a seed of their own. */
   [[nodiscard]] SimulatorOptions clipOptions(std::uint64_t index) const;
 
  private:

@@ -23,29 +23,28 @@ struct Beam
   double fire_time = 0;       //!< after the start of its column [s]
 };
 
-/** What a spinning LiDAR is: its beams, its rotation and how it errs.
+/** Model of a spinning LiDAR: beams, rotation and measurement errors.
  *
- * The head turns clockwise seen from above. A sweep begins and ends facing backwards, so that the
- * stamp in its middle is when the sensor looks straight ahead.
+ * The head rotates clockwise seen from above. A sweep begins and ends facing backwards, so that the
+ * stamp, in its middle, is the time at which the sensor faces forwards.
  */
 struct SensorModel
 {
   std::string name;
-  std::vector<Beam> beams;  //!< from the lowest to the highest: the position is the ring number
-  int columns = 0;          //!< firings of every beam in one turn
-  double period = 0.1;      //!< of one turn [s]
+  std::vector<Beam> beams;  //!< from the lowest to the highest; the index is the ring number
+  int columns = 0;          //!< firings of each beam per revolution
+  double period = 0.1;      //!< of one revolution [s]
   double min_range = 0.5;   //!< [m]
   double max_range = 100;   //!< [m]
 
-  double range_noise = 0.02;    //!< standard deviation on a good target [m]
-  double range_resolution = 0;  //!< grid of the reported range; 0 for none [m]
-  double divergence = 0.0015;   //!< half angle of a beam's cone [rad]
+  double range_noise = 0.02;    //!< standard deviation for a bright target [m]
+  double range_resolution = 0;  //!< quantisation of the range; 0 for none [m]
+  double divergence = 0.0015;   //!< half angle of a beam [rad]
   double reference_range =
-      60;  //!< where a target of 10 % reflectivity is detected half the time [m]
-  double random_loss = 0.005;  //!< share of returns lost for no reason
-  double beam_range_bias = 0;  //!< standard deviation of the beams' constant range errors [m]
-  double beam_angle_error =
-      0;  //!< standard deviation of the beams' elevation about the table [rad]
+      60;  //!< range at which 10 % reflectivity is detected with probability 0.5 [m]
+  double random_loss = 0.005;   //!< probability that a return is lost at random
+  double beam_range_bias = 0;   //!< standard deviation of the beams' constant range errors [m]
+  double beam_angle_error = 0;  //!< standard deviation of the beams' elevation errors [rad]
 
   /** Head azimuth at the start of column `c`, counter-clockwise from straight ahead [rad]. */
   [[nodiscard]] double azimuth(double column) const;
@@ -53,7 +52,7 @@ struct SensorModel
   [[nodiscard]] double columnTime(double column) const;
 };
 
-/** The model by its maker's data sheet (beam table, firing times, range, accuracy). */
+/** Model from the manufacturer's data sheet (beam table, firing times, range, accuracy). */
 [[nodiscard]] SensorModel sensorModel(SensorKind kind);
 
 /** "HDL64E", "HDL32E", "VLP16", "OS1-64", "OS1-128", in any case. \throws UserError. */

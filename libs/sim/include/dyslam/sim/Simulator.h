@@ -11,33 +11,34 @@
 
 namespace dyslam::sim
 {
-/** One body that may move (parked vehicles are part of the static world and not listed). */
+/** A body that may move (parked vehicles belong to the static world and are not listed). */
 struct SimulatedObject
 {
-  int id = 0;  //!< same body, same id in every scan
+  int id = 0;  //!< constant over time
   ObjectClass object_class = ObjectClass::unknown;
   Box box;               //!< lidar frame at the stamp
-  Box box_seen;          //!< where the beam met it, in the lidar frame at the stamp
-  double seen_time = 0;  //!< mean time of its points after the stamp [s]
+  Box box_seen;          //!< at seen_time, in the lidar frame at the stamp
+  double seen_time = 0;  //!< mean time of its points relative to the stamp [s]
   Eigen::Vector3d velocity =
-      Eigen::Vector3d::Zero();  //!< over ground, in axes of the lidar at the stamp [m/s]
+      Eigen::Vector3d::Zero();  //!< over ground, axes of the lidar at the stamp [m/s]
   bool moving = false;          //!< faster than SimulatorOptions::moving_speed
   std::size_t points = 0;       //!< returns on it in this scan
 };
 
-/** A scan and the truth about each of its points. The arrays are as long as `scan.points`. */
+/** A scan with the ground truth of each point. The arrays are as long as `scan.points`. */
 struct SimulatedScan
 {
   std::size_t index = 0;
-  Scan scan;  //!< as the sensor gives it: returns only, each in the lidar frame at its own time
-  /** The points in the lidar frame at the stamp: the sensor's own motion taken out, and that alone.
+  Scan scan;  //!< raw: returns only, each in the lidar frame at its own time
+  /** The points in the lidar frame at the stamp, compensated for the sensor's motion only (not for
+   * that of objects).
    */
   std::vector<Eigen::Vector3f> deskewed;
-  /** From `deskewed` to where the same piece of surface is one period later, in the lidar frame at
-   * the next scan's stamp. For a static point: T_next_this * p - p. */
+  /** Scene flow: from `deskewed` to the position of the same surface point one period later, in the
+   * lidar frame at the next scan's stamp. For a static point: T_next_this * p - p. */
   std::vector<Eigen::Vector3f> flow;
   std::vector<std::uint32_t> label;  //!< SemanticKITTI: class (moving ones 252-259), instance << 16
-  std::vector<std::uint8_t> moving;  //!< 1 on bodies that move
+  std::vector<std::uint8_t> moving;  //!< 1 for points on moving bodies
   Pose T_map_vehicle = Pose::Identity();       //!< at the stamp
   Pose T_map_vehicle_next = Pose::Identity();  //!< at the next scan's stamp
   std::vector<SimulatedObject> objects;        //!< within range
@@ -45,16 +46,17 @@ struct SimulatedScan
 
 class World;
 
-/** A drive through a generated world, scan after scan.
+/** Simulates a drive through a generated world, scan by scan.
  *
- * A value of its own: two simulators never share changing state, so each thread may have one.
+ * Simulators share no mutable state, so each thread may have its own.
  */
 class Simulator
 {
  public:
-  /** \param threads 0 takes the machine's number. \throws UserError for options out of range. */
+  /** \param threads 0 for the number of cores. \throws UserError for options out of range. */
   explicit Simulator(const SimulatorOptions& options, int threads = 1);
-  /** In a world made before, which costs more than a few scans. `world` must be of the same kind.
+  /** In an existing world (generating one takes longer than a few scans).
+   * \throws std::logic_error if `world` is of another kind than the options say.
    */
   Simulator(std::shared_ptr<const World> world, const SimulatorOptions& options, int threads = 1);
   ~Simulator();
@@ -74,6 +76,6 @@ class Simulator
   std::unique_ptr<Impl> impl_;
 };
 
-/** The static world of some options: immutable, shared by any number of simulators and threads. */
+/** Generates a static world: immutable, may be shared by simulators and threads. */
 [[nodiscard]] std::shared_ptr<const World> makeWorld(const SimulatorOptions& options);
 }  // namespace dyslam::sim

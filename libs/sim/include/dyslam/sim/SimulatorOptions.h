@@ -17,7 +17,7 @@ enum class WorldKind
   field
 };
 
-/** What carries the sensor. */
+/** Carrier of the sensor. */
 enum class EgoKind
 {
   automatic,  //!< a robot on campus, a car elsewhere
@@ -26,27 +26,27 @@ enum class EgoKind
   handheld
 };
 
-/** All that decides what is simulated: equal options give equal bytes on any number of threads. */
+/** Simulation parameters. Equal options give equal bytes on any number of threads. */
 struct SimulatorOptions : Options
 {
   WorldKind world = WorldKind::urban;
   SensorKind sensor = SensorKind::hdl64e;
-  double traffic = 0.4;  //!< 0 nothing moves .. 1 jammed
+  double traffic = 0.4;  //!< density, from 0 (nothing moves) to 1 (jam)
   int seed = 1;
   EgoKind ego = EgoKind::automatic;
 
-  double ego_speed = 0;  //!< wanted cruising speed [m/s]; 0 takes what suits the world
+  double ego_speed = 0;  //!< cruising speed [m/s]; 0 for the default of the world
   double loop_length =
-      400;                //!< about how long the ego's closed loop is [m]; the world grows with it
-  double start_time = 5;  //!< simulated before the first scan, so that traffic is under way [s]
-  double start_fraction = 0;  //!< where on its loop the ego starts [0, 1)
-  bool stops = true;          //!< the ego stops now and then for no reason
+      400;  //!< approximate length of the ego's closed loop [m]; sets the world's size
+  double start_time = 5;      //!< time simulated before the first scan [s]
+  double start_fraction = 0;  //!< start of the ego on its loop, in [0, 1)
+  bool stops = true;          //!< the ego stops at random times
 
-  bool motion_distortion = true;  //!< false: the whole sweep is taken at its stamp
-  bool noise = true;              //!< false: every ray that hits returns the exact range
-  int columns = 0;                //!< firings in one turn; 0 takes the sensor's
-  double max_range = 0;           //!< [m]; 0 takes the sensor's
-  double moving_speed = 0.2;      //!< bodies faster than this are labelled moving [m/s]
+  bool motion_distortion = true;  //!< false: all points are measured at the stamp
+  bool noise = true;              //!< false: exact ranges without losses
+  int columns = 0;                //!< firings per revolution; 0 for the sensor's
+  double max_range = 0;           //!< [m]; 0 for the sensor's
+  double moving_speed = 0.2;      //!< speed above which bodies are labelled moving [m/s]
 
   void describe(OptionsVisitor& visitor) override;
 };

@@ -11,30 +11,31 @@ namespace dyslam
 {
 struct AdaptiveOptions
 {
-  double memory = 0.97;           //!< how much an error still counts one sighting later, in (0, 1]
-  double regularisation = 1.0;    //!< added to every fit's error variance, times the least of them
-  double noise_weight = 3;        //!< sightings that what noise alone does to a fit counts as
-  double outlier_sigmas = 3;      //!< farther sightings are drawn in, unless the next agrees
-  double least_sigma = 0.03;      //!< of the sigma meant there [m]
-  double prior_sigma = 0.15;      //!< expected error of a prediction before any was seen [m]
-  double prior_weight = 3;        //!< how many seen errors the prior is worth
-  double first_speed_sigma = 5;   //!< of an object seen once [m/s]
-  double acceleration_sigma = 3;  //!< doubt of predictions further ahead than usual [m/s^2]
+  double forgetting_factor = 0.97;  //!< factor on the weight of past errors per observation, (0, 1]
+  double regularisation = 1.0;      //!< added to each error variance, as a multiple of the smallest
+  double noise_weight = 3;          //!< weight of the noise-only error model, as a number of errors
+  double outlier_sigmas = 3;        //!< gate beyond which an observation is clipped [sigma]
+  double min_sigma = 0.03;          //!< floor of the standard deviation used in that gate [m]
+  double prior_sigma = 0.15;        //!< prior standard deviation of a prediction [m]
+  double prior_weight = 3;          //!< weight of that prior, as a number of errors
+  double initial_speed_sigma = 5;   //!< standard deviation of the speed after one observation [m/s]
+  double acceleration_sigma = 3;    //!< for predictions beyond the usual interval [m/s^2]
 };
 
-/** Predicts an object's next position from a bank of polynomial fits of many degrees and windows,
- * weighted by how well each did on this very object so far.
+/** Predicts an object's next position with an ensemble of polynomial fits of different degrees and
+ * window lengths, weighted by their past prediction errors on this object.
  *
- * Every fit predicts every sighting before it is seen. The weights minimise the expected squared
- * error of the weighted mean under the fits' discounted error covariance C (a unit-sum,
- * minimum-variance combination, w ~ (C + r I)^-1 1), so a window that lags on a curve or a degree
- * that amplifies noise loses its say within a few frames. While few errors are known, C is drawn to
- * what noise of the sightings alone would do to each fit. A single sighting far off the prediction
- * is drawn in; if the next is far off, too, both are taken as they were. Causal; deterministic; the
- * covariance comes from the combination's own past errors.
+ * Each fit predicts each observation before it is added. The weights minimise the expected squared
+ * error of the weighted mean under the exponentially discounted error covariance C of the fits
+ * (minimum-variance combination with unit sum, w ~ (C + r I)^-1 1). A window that lags on a curve
+ * or a degree that amplifies noise therefore loses its weight within a few frames. While few errors
+ * are known, C is blended with the error that observation noise alone causes in each fit. A single
+ * outlier is clipped to the gate; if the next observation is outside the gate too, both are used
+ * unclipped. The covariance is estimated from the past errors of the combination. Causal,
+ * deterministic, not thread-safe.
  *
- * All fits share one QR: rows are added from the newest sighting back, and the triangular factor
- * after k rows holds the fits of every degree for the window k.
+ * All fits share one QR factorisation: rows are added from the newest observation backwards, and
+ * the triangular factor after k rows contains the fits of every degree for window k.
  */
 class AdaptivePredictor
 {
@@ -46,7 +47,7 @@ class AdaptivePredictor
   };
   static constexpr int members = 21;
   using Weights = Eigen::Matrix<double, members, 1>;
-  /** Degree and window of every member of the bank, windows never falling. */
+  /** Degree and window of each member, in ascending order of windows. */
   static constexpr std::array<Fit, members> bank{
       {{1, 3},  {1, 4},  {1, 5},  {2, 5},  {1, 7},  {2, 7},  {1, 10},
        {2, 10}, {1, 15}, {2, 15}, {3, 15}, {2, 20}, {3, 20}, {2, 30},
@@ -54,44 +55,47 @@ class AdaptivePredictor
 
   explicit AdaptivePredictor(const AdaptiveOptions& options = {});
 
-  /** Learn from a sighting. False, and nothing changes, for NaN or a stamp not after the last. */
-  bool add(const TimedPosition& sighting);
+  /** Adds an observation and updates the weights. \return false, with nothing changed, for
+   * non-finite values or a stamp not after the last one. */
+  bool add(const TimedPosition& observation);
 
+  /** Position, velocity and their covariances at `stamp` [s]; not valid without a history. */
   [[nodiscard]] MotionPrediction predict(double stamp) const;
 
-  /** Move the whole history: what was taken for the centre so far was this far off [m]. */
+  /** Translates the whole history [m], after the estimate of the object's centre was corrected. */
   void shift(const Eigen::Vector2d& offset);
 
   [[nodiscard]] const std::deque<TimedPosition>& history() const { return history_; }
   [[nodiscard]] std::size_t size() const { return history_.size(); }
-  /** The weight of every member now; they sum to 1. */
+  /** Current weights of the members; they sum to 1. */
   [[nodiscard]] const Weights& weights() const { return weights_; }
 
   using Positions = Eigen::Matrix<double, members, 2>;
-  /** What each member says, extrapolated as it is. The history must not be empty. */
+  /** Predicted position of each member [m]. The history must not be empty. */
   [[nodiscard]] Positions memberPredictions(double stamp) const;
 
  private:
   static constexpr int terms = PolynomialTrajectory::max_degree + 1;
 
-  [[nodiscard]] Eigen::Vector2d drawnIn(const TimedPosition& sighting);
-  void learn(const TimedPosition& sighting);
+  [[nodiscard]] Eigen::Vector2d clipOutlier(const TimedPosition& observation);
+  void updateErrorStatistics(const TimedPosition& observation);
   void refit();
-  void reweigh();
+  void updateWeights();
 
   AdaptiveOptions options_;
   std::deque<TimedPosition> history_;
   /** Coefficients of each member: position = origin + sum_k row(6 i + k) * tau^k. */
   Eigen::Matrix<double, members * terms, 2> coefficients_;
-  Weights slope_leverage_ =
-      Weights::Zero();  //!< variance of each member's velocity per unit noise [1/s^2]
-  Weights noise_gain_ = Weights::Ones();  //!< variance of each member's next prediction, likewise
-  std::optional<Eigen::Vector2d> drawn_from_;  //!< where the last sighting was, if drawn in
+  /** Variance of each member's velocity per unit of observation variance [1/s^2]. */
+  Weights velocity_leverage_ = Weights::Zero();
+  /** Variance of each member's next prediction per unit of observation variance. */
+  Weights noise_gain_ = Weights::Ones();
+  std::optional<Eigen::Vector2d> unclipped_position_;  //!< the last observation before clipping
   Eigen::Vector2d origin_ = Eigen::Vector2d::Zero();
-  double time_scale_ = 1;  //!< seconds per unit of tau, which counts back from the newest sighting
-  Eigen::Matrix<double, members, members> error_covariance_;  //!< discounted sum over sightings
+  double time_scale_ = 1;  //!< [s] per unit of tau; tau is 0 at the newest observation
+  Eigen::Matrix<double, members, members> error_covariance_;  //!< discounted sum of products
   double error_count_ = 0;                                    //!< discounted
-  Eigen::Matrix2d own_errors_ = Eigen::Matrix2d::Zero();
+  Eigen::Matrix2d combined_error_covariance_ = Eigen::Matrix2d::Zero();  //!< discounted sum
   Weights weights_;
   Weights velocity_weights_;
 };

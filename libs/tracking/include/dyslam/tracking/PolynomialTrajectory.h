@@ -7,49 +7,49 @@
 
 namespace dyslam
 {
-/** Where an object's centre was seen. */
+/** An observed position of an object's centre. */
 struct TimedPosition
 {
   double stamp = 0;                                    //!< [s]
   Eigen::Vector2d position = Eigen::Vector2d::Zero();  //!< x, y in a fixed frame [m]
 };
 
-/** Where a fitted motion is at one time. */
+/** Position and velocity of a fitted motion at one time. */
 struct MotionPrediction
 {
-  bool valid = false;  //!< false: no history to predict from
+  bool valid = false;  //!< false without a history
   Eigen::Vector2d position = Eigen::Vector2d::Zero();
   Eigen::Vector2d velocity = Eigen::Vector2d::Zero();  //!< derivative of the fit (Eq. 5) [m/s]
-  /** Of a new sighting about `position` [m^2]: the fit's own uncertainty plus one sighting's
-   * noise. */
+  /** Of a new observation about `position` [m^2]: covariance of the fit plus that of one
+   * observation. */
   Eigen::Matrix2d covariance = Eigen::Matrix2d::Identity();
   Eigen::Matrix2d velocity_covariance = Eigen::Matrix2d::Identity();  //!< [m^2/s^2]
-  int degree = 0;           //!< in force, after lowering for a short history
-  std::size_t samples = 0;  //!< the fit used
+  int degree = 0;           //!< of the fit; lower than configured for a short history
+  std::size_t samples = 0;  //!< number of observations in the fit
 };
 
 enum class MotionModel
 {
   polynomial,        //!< least squares over the window (Eqs. 2-4)
-  constant_velocity  //!< through the last two sightings
+  constant_velocity  //!< line through the last two observations
 };
 
 struct PolynomialOptions
 {
   MotionModel model = MotionModel::polynomial;
-  int degree = 2;                 //!< 0 to 5
-  int window = 30;                //!< sightings kept (K), at least 1
-  double prior_sigma = 0.15;      //!< expected noise of one sighting [m]
-  double prior_weight = 2;        //!< how many degrees of freedom the prior is worth
-  double first_speed_sigma = 5;   //!< of an object seen once [m/s]
-  double acceleration_sigma = 3;  //!< doubt when a fit has no spare sightings [m/s^2]
+  int degree = 2;                  //!< 0 to 5
+  int window = 30;                 //!< observations kept (K), at least 1
+  double prior_sigma = 0.15;       //!< prior standard deviation of one observation [m]
+  double prior_weight = 2;         //!< weight of that prior, in degrees of freedom
+  double initial_speed_sigma = 5;  //!< standard deviation of the speed after one observation [m/s]
+  double acceleration_sigma = 3;   //!< standard deviation, for fits without redundancy [m/s^2]
 };
 
-/** The last K sightings of one object and polynomials x(t), y(t) through them.
+/** Polynomials x(t), y(t) fitted to the last K observations of one object (the paper's Eqs. 2-5).
  *
- * The fit is solved by QR on time centred and scaled to [-1, 1]. The degree falls to what the
- * history supports: one less than the number of different stamps. Gaps in time are allowed; stamps
- * must not go back (such a sighting is refused). Not thread-safe.
+ * Least squares by QR, on time centred and scaled to [-1, 1]. The degree is limited to the number
+ * of observations less one. Gaps in time are allowed; stamps must increase (other observations are
+ * rejected). Not thread-safe.
  */
 class PolynomialTrajectory
 {
@@ -58,13 +58,13 @@ class PolynomialTrajectory
   /** \throws std::invalid_argument for a degree or window out of range. */
   explicit PolynomialTrajectory(const PolynomialOptions& options);
 
-  /** Returns false and changes nothing for NaN, or a stamp not after the last one. */
-  bool add(const TimedPosition& sighting);
-  void clear() { history_.clear(); }
-  /** Move the whole history: what was taken for the centre so far was this far off [m]. */
+  /** \return false, with nothing changed, for non-finite values or a stamp not after the last one.
+   */
+  bool add(const TimedPosition& observation);
+  /** Translates the whole history [m], after the estimate of the object's centre was corrected. */
   void shift(const Eigen::Vector2d& offset);
 
-  /** The fit at a time, usually after the last sighting. */
+  /** Evaluates the fit at `stamp` [s], usually after the last observation. */
   [[nodiscard]] MotionPrediction predict(double stamp) const;
 
   [[nodiscard]] std::size_t size() const { return history_.size(); }

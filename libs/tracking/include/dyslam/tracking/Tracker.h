@@ -9,23 +9,23 @@
 
 namespace dyslam
 {
-/** How one kind of object is tracked. Distances in metres, times in scans unless said. */
+/** Track lifecycle and association of one class of objects. */
 struct ClassTracking : Options
 {
-  double birth_score = 0;        //!< a track starts only from detections scored at least this
-  double match_score = 0;        //!< detections below are not used at all
-  int confirm_hits = 3;          //!< sightings until a track is reported
-  double confirm_score = 1e6;    //!< or the sum of its scores that does as well
-  int max_misses = 10;           //!< scans without a sighting until it dies
-  int max_tentative_misses = 2;  //!< the same before it is confirmed
-  int report_misses = 2;         //!< scans without a sighting that a confirmed track is reported
-  double gate_sigmas = 4;        //!< how far from the prediction a sighting may be
-  double gate_distance = 4;      //!< and at most this far [m]
-  double min_sigma = 0.2;        //!< least doubt of a predicted position [m]
-  double position_weight = 1;    //!< of (distance / gate)^2 in the cost
-  double overlap_weight = 1;     //!< of (1 - GIoU) / 2 in the cost
-  double heading_weight = 0.2;   //!< of the angle between the axes, over 90 degrees, in the cost
-  double max_cost = 1.2;         //!< pairs that cost more are not made
+  double birth_score = 0;        //!< least score of a detection that starts a track
+  double match_score = 0;        //!< least score of a detection that is used
+  int confirm_hits = 3;          //!< observations after which a track is confirmed
+  double confirm_score = 1e6;    //!< sum of scores that confirms a track as well
+  int max_misses = 10;           //!< misses in a row of a confirmed track; then it is deleted
+  int max_tentative_misses = 2;  //!< misses in a row of a tentative track
+  int report_misses = 2;         //!< misses in a row during which a confirmed track is reported
+  double gate_sigmas = 4;        //!< largest Mahalanobis distance of a pair
+  double gate_distance = 4;      //!< largest distance of a pair [m]
+  double min_sigma = 0.2;        //!< added to the predicted position's covariance [m]
+  double position_weight = 1;    //!< weight of (Mahalanobis distance / gate)^2 in the cost
+  double overlap_weight = 1;     //!< weight of (1 - GIoU) / 2 in the cost
+  double heading_weight = 0.2;   //!< weight of the angle between the axes / 90 deg in the cost
+  double max_cost = 1.2;         //!< largest cost of a pair
   double min_overlap = -1;       //!< least GIoU of a pair
 
   void describe(OptionsVisitor& visitor) override;
@@ -48,20 +48,20 @@ enum class AssociationMethod
 struct TrackerOptions : Options
 {
   TrackMotion motion = TrackMotion::adaptive;
-  int degree = 2;   //!< of motion = polynomial
-  int window = 30;  //!< sightings, of motion = polynomial
+  int degree = 2;   //!< of the fit, motion = polynomial
+  int window = 30;  //!< observations in the fit, motion = polynomial
   AssociationMethod association = AssociationMethod::shortest_paths;
-  double dynamic_speed = 1.0;        //!< moving above this (V_thres) [m/s]
-  double static_speed = 0.5;         //!< and no longer below this [m/s]
-  double dynamic_sigmas = 2.5;       //!< the speed must also be this many sigmas from 0
-  int dynamic_hits = 3;              //!< scans in a row that must agree
-  bool must_move = true;             //!< clusters are reported once they have been moving
-  bool complete_boxes = true;        //!< boxes of clusters grow to the size seen over time
-  double class_mismatch_cost = 0.5;  //!< added to a pair of different kinds; 10 forbids it
-  double size_gain = 0.2;            //!< of a sighting's size
-  double score_prior = 3;            //!< sightings scored 0 that every track starts with
-  double miss_prior = 1;             //!< how many sightings scored 0 a miss counts as
-  double yaw_rate = 0.35;            //!< how fast headings may turn, one sigma [rad/s]
+  double dynamic_speed = 1.0;   //!< speed above which an object becomes dynamic (V_thres) [m/s]
+  double static_speed = 0.5;    //!< speed below which it becomes static again [m/s]
+  double dynamic_sigmas = 2.5;  //!< least speed in standard deviations
+  int dynamic_hits = 3;         //!< scans in a row that must agree on a change
+  bool must_move = true;        //!< tracks of clusters are confirmed only once they have moved
+  bool complete_boxes = true;   //!< boxes of clusters are enlarged to the size observed so far
+  double class_mismatch_cost = 0.5;  //!< cost added to a pair of different classes
+  double size_gain = 0.2;            //!< filter gain of an observed size
+  double score_prior = 3;            //!< zero scores added to the mean of a track's scores
+  double miss_prior = 1;             //!< zero scores added for each miss
+  double yaw_rate = 0.35;            //!< standard deviation of a heading's rate of change [rad/s]
   ClassTracking vehicle;
   ClassTracking cyclist;
   ClassTracking pedestrian;
@@ -70,25 +70,29 @@ struct TrackerOptions : Options
   void describe(OptionsVisitor& visitor) override;
 };
 
-/** Detections of one scan after another to tracks in the odometry frame.
+/** Multi-object tracker: associates the detections of each scan with tracks in the odometry frame
+ * and manages their lifecycle (tentative, confirmed, deleted).
  *
- * Deterministic; not thread-safe. Detections with NaN or without extent are left out.
+ * Deterministic; not thread-safe. Detections with non-finite values or without extent are ignored.
  */
 class Tracker
 {
  public:
+  /** \throws UserError if an option is out of range. */
   explicit Tracker(const TrackerOptions& options = {});
   ~Tracker();
   Tracker(Tracker&&) noexcept;
   Tracker& operator=(Tracker&&) noexcept;
 
-  /** Reads the frame's detections, stamp and T_odom_vehicle, fills its objects (all living tracks,
+  /** Reads the frame's detections, stamp and T_odom_vehicle, sets its objects (all tracks,
    * tentative ones too). */
   void update(Frame& frame);
 
-  /** \param stamp [s], after that of the previous call, else std::invalid_argument
+  /** \param stamp [s], after that of the previous call
    *  \param detections boxes in the vehicle frame at that time
-   *  \return the living tracks, in order of birth. */
+   *  \param T_odom_vehicle pose of the vehicle in the odometry frame
+   *  \return all tracks, in order of creation
+   *  \throws std::invalid_argument if the stamp does not increase. */
   [[nodiscard]] std::vector<TrackedObject> update(double stamp,
                                                   const std::vector<Detection>& detections,
                                                   const Pose& T_odom_vehicle);

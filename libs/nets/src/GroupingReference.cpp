@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-namespace dyslam::plain
+namespace dyslam::reference
 {
 Neighbours nearestInWindow(const torch::Tensor& points,
                            const torch::Tensor& valid,
@@ -65,7 +65,7 @@ Surfaces surfacesAround(const torch::Tensor& warped,
 {
   const torch::NoGradGuard no_grad;
   const torch::Tensor range = warped.norm(2, 1);
-  // A window of about 0.8 m across, whatever the range.
+  // Windows about 0.8 m wide at any range.
   const torch::Tensor dilation =
       (0.1 / (range * (2 * M_PI / PreparedScan::columns)).clamp_min(1e-3))
           .round()
@@ -82,8 +82,8 @@ Surfaces surfacesAround(const torch::Tensor& warped,
   const torch::Tensor gate = 0.5 + 0.05 * range;
   torch::Tensor near = usable / (1 + distance2 / gate.square().unsqueeze(1));
   near = near * near.gt(0.1);
-  const torch::Tensor mass = near.sum(1);
-  const torch::Tensor share = near / mass.clamp_min(1e-6).unsqueeze(1);
+  const torch::Tensor weight_sum = near.sum(1);
+  const torch::Tensor share = near / weight_sum.clamp_min(1e-6).unsqueeze(1);
   const torch::Tensor mean = (share.unsqueeze(2) * d).sum(1);
   const torch::Tensor centred = (d - mean.unsqueeze(1)) * share.sqrt().unsqueeze(2);
   const PlaneFit plane = fitPlanes(torch::matmul(centred.transpose(1, 2), centred));
@@ -94,26 +94,26 @@ Surfaces surfacesAround(const torch::Tensor& warped,
   torch::Tensor attention =
       used * torch::exp(-0.5 * (distance2 - least).clamp_min(0) / width.square().unsqueeze(1));
   attention = attention / attention.sum(1, true).clamp_min(1);
-  const torch::Tensor toward = (attention.unsqueeze(2) * d).sum(1);
+  const torch::Tensor to_surface = (attention.unsqueeze(2) * d).sum(1);
 
   Surfaces result;
   result.normal = plane.normal;
-  result.target = warped + toward;
+  result.target = warped + to_surface;
   result.offset = (plane.normal * result.target).sum(1);
-  result.valid = valid * mass.gt(1.5).to(valid.scalar_type());
+  result.valid = valid * weight_sum.gt(1.5).to(valid.scalar_type());
   const torch::Tensor thickness = plane.spread.select(1, 0);
   result.thickness = thickness * valid;
   if (!warped_normal.defined())
   {
     return result;
   }
-  const torch::Tensor residual = (plane.normal * toward).sum(1).abs();
+  const torch::Tensor residual = (plane.normal * to_surface).sum(1).abs();
   const torch::Tensor width1 = plane.spread.select(1, 1);
   result.features =
       torch::stack({torch::asinh(residual / 0.05) / 3, torch::asinh(residual / 0.5),
                     thickness / (width1 + thickness + 1e-3), torch::asinh(thickness / 0.05) / 3,
-                    width1 / (plane.spread.select(1, 2) + 1e-3), toward.norm(2, 1) / gate,
-                    mass / 27, (plane.normal * warped).sum(1).abs() / (range + 1e-3),
+                    width1 / (plane.spread.select(1, 2) + 1e-3), to_surface.norm(2, 1) / gate,
+                    weight_sum / 27, (plane.normal * warped).sum(1).abs() / (range + 1e-3),
                     (plane.normal * warped_normal).sum(1).abs(), torch::log1p(range) / 4},
                    1);
   return result;
@@ -147,4 +147,4 @@ torch::Tensor attendedSum(const torch::Tensor& attention, const torch::Tensor& v
 {
   return torch::bmm(attention.unsqueeze(1), values).squeeze(1);
 }
-}  // namespace dyslam::plain
+}  // namespace dyslam::reference

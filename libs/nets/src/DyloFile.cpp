@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/Config.h>
 #include <dyslam/core/Error.h>
-#include <dyslam/nets/DyloModel.h>
+#include <dyslam/nets/DyloFile.h>
 #include <dyslam/nets/SaveArchive.h>
 #include <dyslam/nets/WeightsChecksum.h>
 
@@ -35,7 +35,7 @@ bool isDyloModel(const std::string& path)
     torch::IValue version;
     return archive.try_read("dyslam_dylo_version", version);
   }
-  catch (const std::exception&)  // what torch throws for foreign files has no common type
+  catch (const std::exception&)  // torch's exceptions for foreign files have no common type
   {
     return false;
   }
@@ -56,7 +56,7 @@ DyloNetwork loadDylo(const std::string& path)
     archive.load_from(path);
     if (!archive.try_read("dyslam_dylo_version", version) || !archive.try_read("options", text))
     {
-      throw UserError(path + ": is no DyLO model; give a dylo.pt made by dyslam-train dylo");
+      throw UserError(path + ": is not a DyLO model; give a dylo.pt made by dyslam-train dylo");
     }
   }
   catch (const UserError&)
@@ -65,8 +65,8 @@ DyloNetwork loadDylo(const std::string& path)
   }
   catch (const std::exception&)
   {
-    throw UserError(path +
-                    ": is no DyLO model or is damaged; give a dylo.pt made by dyslam-train dylo");
+    throw UserError(
+        path + ": is not a DyLO model or is damaged; give a dylo.pt made by dyslam-train dylo");
   }
   if (version.toInt() != 1)
   {
@@ -82,9 +82,9 @@ DyloNetwork loadDylo(const std::string& path)
   }
   catch (const std::exception&)
   {
-    throw UserError(path + ": its weights do not fit the network of this program; train it anew");
+    throw UserError(path + ": its weights do not fit the network of this program; train it again");
   }
-  requireUndamaged(*network, archive, path);
+  verifyChecksum(*network, archive, path);
   return network;
 }
 }  // namespace dyslam

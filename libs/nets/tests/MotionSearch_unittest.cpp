@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <dyslam/nets/MotionVote.h>
+#include <dyslam/nets/MotionSearch.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -7,7 +7,7 @@
 
 namespace
 {
-using dyslam::MotionVote;
+using dyslam::MotionSearchResult;
 using dyslam::PlanarMotion;
 
 constexpr int radius = 5;
@@ -17,7 +17,7 @@ constexpr float size = 0.8F;
 /** Windows of cells all over the place. */
 struct Cells
 {
-  std::vector<Eigen::Vector2f> places;
+  std::vector<Eigen::Vector2f> positions;
   std::vector<float> trust;
   std::vector<float> probability;
   std::mt19937 random{3};
@@ -26,9 +26,9 @@ struct Cells
   void add(const PlanarMotion& motion, bool open, float trusted)
   {
     std::uniform_real_distribution<float> place(-45, 45);
-    places.emplace_back(place(random), place(random));
+    positions.emplace_back(place(random), place(random));
     trust.push_back(trusted);
-    const Eigen::Vector2f flow = motion.flowAt(places.back()) / size;
+    const Eigen::Vector2f flow = motion.flowAt(positions.back()) / size;
     std::vector<float> window;
     double sum = 0;
     for (int y = -radius; y <= radius; ++y)
@@ -46,9 +46,10 @@ struct Cells
       probability.push_back(w / static_cast<float>(sum));
     }
   }
-  [[nodiscard]] MotionVote voted(const PlanarMotion& centre) const
+  [[nodiscard]] MotionSearchResult voted(const PlanarMotion& centre) const
   {
-    return dyslam::voteMotion({probability.data(), radius, size, places, trust}, centre, 0.02, 3);
+    return dyslam::searchMotion({probability.data(), radius, size, positions, trust}, centre, 0.02,
+                                3);
   }
   [[nodiscard]] PlanarMotion vote(const PlanarMotion& centre) const { return voted(centre).motion; }
 };
@@ -61,7 +62,7 @@ PlanarMotion motionOf(double x, double y, double yaw)
   return m;
 }
 
-TEST(MotionVote, FindsAMotionBetweenTheCells)
+TEST(MotionSearchResult, FindsAMotionWithSubcellAccuracy)
 {
   const auto truth = motionOf(-1.9, 0.3, 0.031);
   Cells cells;
@@ -74,7 +75,7 @@ TEST(MotionVote, FindsAMotionBetweenTheCells)
   EXPECT_NEAR(found.yaw, truth.yaw, 0.006);
 }
 
-TEST(MotionVote, RailsTakeNoSideAndTheUntrustedHardlyCount)
+TEST(MotionSearchResult, IgnoresAmbiguousAndLowWeightCells)
 {
   const auto truth = motionOf(-3.2, 0, 0);
   Cells cells;
@@ -88,27 +89,27 @@ TEST(MotionVote, RailsTakeNoSideAndTheUntrustedHardlyCount)
     cells.add(PlanarMotion(), false, 0.1F);
   }
   EXPECT_LT((cells.vote(PlanarMotion()).translation - truth.translation).norm(), 0.2);
-  // Trusted, the traffic is the world.
+  // With full weight, the traffic is the majority.
   std::fill(cells.trust.begin(), cells.trust.end(), 1.0F);
   EXPECT_LT(cells.vote(PlanarMotion()).translation.norm(), 0.2);
 }
 
-TEST(MotionVote, LeadsByWhatTellsMotionsApart)
+TEST(MotionSearchResult, MarginMeasuresAmbiguity)
 {
   Cells cells;
   for (int i = 0; i < 300; ++i)
   {
     cells.add(motionOf(-3.2, 0, 0), true, 1);
   }
-  EXPECT_LT(cells.voted(PlanarMotion()).lead, 0.05) << "rails alone";
+  EXPECT_LT(cells.voted(PlanarMotion()).margin, 0.05) << "rails alone";
   for (int i = 0; i < 100; ++i)
   {
     cells.add(motionOf(-3.2, 0, 0), false, 1);
   }
-  EXPECT_GT(cells.voted(PlanarMotion()).lead, 0.15);
+  EXPECT_GT(cells.voted(PlanarMotion()).margin, 0.15);
 }
 
-TEST(MotionVote, NothingToGoByGivesAFiniteMotion)
+TEST(MotionSearchResult, WithoutCellsTheMotionIsFinite)
 {
   Cells cells;
   const auto found = cells.vote(motionOf(1, 0, 0.1));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <dyslam/nets/MotionVote.h>
+#include <dyslam/nets/MotionSearch.h>
 
 #include <algorithm>
 #include <cmath>
@@ -8,15 +8,15 @@ namespace dyslam
 {
 namespace
 {
-/** Share of the cells that follow no common motion, whatever their windows say. */
-constexpr float outliers = 0.2F;
-constexpr float least_trust = 0.01F;
+/** Prior probability that a cell is an outlier. */
+constexpr float outlier_probability = 0.2F;
+constexpr float min_weight = 0.01F;
 
-/** Where the best of three equidistant values lies between them, in [-0.5, 0.5]. */
-double vertex(double before, double at, double after)
+/** Vertex of the parabola through three equidistant values, in [-0.5, 0.5]. */
+double parabolaVertex(double before, double at, double after)
 {
-  const double bend = before - 2 * at + after;
-  return bend < -1e-9 ? std::clamp(0.5 * (before - after) / bend, -0.5, 0.5) : 0;
+  const double curvature = before - 2 * at + after;
+  return curvature < -1e-9 ? std::clamp(0.5 * (before - after) / curvature, -0.5, 0.5) : 0;
 }
 
 /** The best score outside the neighbourhood of (x, y). */
@@ -36,30 +36,31 @@ float bestElsewhere(const Eigen::ArrayXf& scores, int side, int x, int y)
   return best;
 }
 
-class Vote
+class MotionLikelihood
 {
  public:
-  explicit Vote(const OffsetWindows& windows)
+  explicit MotionLikelihood(const OffsetWindows& windows)
       : windows_(windows), side_(2 * windows.radius + 1), bins_(side_ * side_)
   {
-    // How much better a cell fits than an outlier would: an outlier is one anywhere in its window.
-    const float gain = (1 - outliers) / (outliers / static_cast<float>(bins_));
-    const auto count = static_cast<Eigen::Index>(windows.places.size()) * bins_;
+    // Likelihood ratio to an outlier, which is uniform in the window.
+    const float gain =
+        (1 - outlier_probability) / (outlier_probability / static_cast<float>(bins_));
+    const auto count = static_cast<Eigen::Index>(windows.positions.size()) * bins_;
     score_ = (gain * Eigen::Map<const Eigen::ArrayXf>(windows.probability, count)).log1p();
   }
 
-  /** Scores of all translations, in cells from the centre's, for one change of yaw. */
+  /** Log-likelihoods of all translations of the grid, for one change of yaw. */
   [[nodiscard]] Eigen::ArrayXf scores(double yaw_before, double change) const
   {
     Eigen::ArrayXf total = Eigen::ArrayXf::Zero(bins_);
     const Eigen::Matrix2f turn = (Eigen::Rotation2Dd(yaw_before + change).toRotationMatrix() -
                                   Eigen::Rotation2Dd(yaw_before).toRotationMatrix())
                                      .cast<float>();
-    for (std::size_t i = 0; i < windows_.places.size(); ++i)
+    for (std::size_t i = 0; i < windows_.positions.size(); ++i)
     {
-      if (windows_.trust[i] > least_trust)
+      if (windows_.weights[i] > min_weight)
       {
-        addCell(i, turn * windows_.places[i] / windows_.cell_size, total);
+        addCell(i, turn * windows_.positions[i] / windows_.cell_size, total);
       }
     }
     return total;
@@ -68,19 +69,19 @@ class Vote
   [[nodiscard]] int side() const { return side_; }
 
  private:
-  /** \param shift of the cell's window by the turn [cells] */
+  /** \param shift of the cell's window due to the rotation [cells] */
   void addCell(std::size_t i, const Eigen::Vector2f& shift, Eigen::ArrayXf& total) const
   {
     const int x0 = static_cast<int>(std::floor(shift.x()));
     const int y0 = static_cast<int>(std::floor(shift.y()));
     const float fx = shift.x() - static_cast<float>(x0);
     const float fy = shift.y() - static_cast<float>(y0);
-    const float trust = windows_.trust[i];
+    const float weights = windows_.weights[i];
     for (const int dy : {0, 1})
     {
       for (const int dx : {0, 1})
       {
-        const float weight = trust * (dx == 1 ? fx : 1 - fx) * (dy == 1 ? fy : 1 - fy);
+        const float weight = weights * (dx == 1 ? fx : 1 - fx) * (dy == 1 ? fy : 1 - fy);
         if (weight > 0)
         {
           addShifted(i, x0 + dx, y0 + dy, weight, total);
@@ -107,20 +108,20 @@ class Vote
 };
 }  // namespace
 
-MotionVote voteMotion(const OffsetWindows& windows,
-                      const PlanarMotion& centre,
-                      double yaw_step,
-                      int yaw_steps)
+MotionSearchResult searchMotion(const OffsetWindows& windows,
+                                const PlanarMotion& centre,
+                                double yaw_step,
+                                int yaw_steps)
 {
-  const Vote vote(windows);
-  const int side = vote.side();
+  const MotionLikelihood likelihood(windows);
+  const int side = likelihood.side();
   Eigen::ArrayXf best;
   std::vector<double> best_of_yaw;
   int place = 0;
   int turn = -yaw_steps;
   for (int k = -yaw_steps; k <= yaw_steps; ++k)
   {
-    Eigen::ArrayXf scores = vote.scores(centre.yaw, k * yaw_step);
+    Eigen::ArrayXf scores = likelihood.scores(centre.yaw, k * yaw_step);
     Eigen::Index top = 0;
     const float score = scores.maxCoeff(&top);
     best_of_yaw.push_back(static_cast<double>(score));
@@ -139,12 +140,12 @@ MotionVote voteMotion(const OffsetWindows& windows,
         best[std::clamp(v, 0, side - 1) * side + std::clamp(u, 0, side - 1)]);
   };
   Eigen::Vector2d offset(x - windows.radius, y - windows.radius);
-  offset.x() += vertex(at(x - 1, y), at(x, y), at(x + 1, y));
-  offset.y() += vertex(at(x, y - 1), at(x, y), at(x, y + 1));
-  MotionVote found;
+  offset.x() += parabolaVertex(at(x - 1, y), at(x, y), at(x + 1, y));
+  offset.y() += parabolaVertex(at(x, y - 1), at(x, y), at(x, y + 1));
+  MotionSearchResult found;
   if (best[place] > 0)
   {
-    found.lead = 1 - static_cast<double>(bestElsewhere(best, side, x, y) / best[place]);
+    found.margin = 1 - static_cast<double>(bestElsewhere(best, side, x, y) / best[place]);
   }
   PlanarMotion& motion = found.motion;
   motion = centre;
@@ -153,7 +154,7 @@ MotionVote voteMotion(const OffsetWindows& windows,
   const auto k = static_cast<std::size_t>(turn + yaw_steps);
   if (k > 0 && k + 1 < best_of_yaw.size())
   {
-    motion.yaw += yaw_step * vertex(best_of_yaw[k - 1], best_of_yaw[k], best_of_yaw[k + 1]);
+    motion.yaw += yaw_step * parabolaVertex(best_of_yaw[k - 1], best_of_yaw[k], best_of_yaw[k + 1]);
   }
   return found;
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <dyslam/nets/CellLevels.h>
+#include <dyslam/nets/CellPyramid.h>
 
 namespace dyslam
 {
@@ -10,7 +10,7 @@ std::size_t at(std::int32_t i)
   return static_cast<std::size_t>(i);
 }
 
-/** The cells that points lie in, which are in order. */
+/** Occupied cells at full resolution, from the points sorted by cell. */
 CellLevel finestLevel(const BevScan& scan)
 {
   CellLevel level;
@@ -29,8 +29,8 @@ CellLevel finestLevel(const BevScan& scan)
   return level;
 }
 
-/** The same at half of the resolution. */
-CellLevel halved(const CellLevel& fine)
+/** The same at half the resolution. */
+CellLevel coarsened(const CellLevel& fine)
 {
   CellLevel level;
   level.width = fine.width / 2;
@@ -80,8 +80,11 @@ std::vector<std::int32_t> rowsAround(const CellLevel& in, const CellLevel& out, 
 }
 }  // namespace
 
-CellLevels::CellLevels(const BevScan& scan)
-    : full(finestLevel(scan)), half(halved(full)), quarter(halved(half)), eighth(halved(quarter))
+CellPyramid::CellPyramid(const BevScan& scan)
+    : full(finestLevel(scan)),
+      half(coarsened(full)),
+      quarter(coarsened(half)),
+      eighth(coarsened(quarter))
 {
 }
 

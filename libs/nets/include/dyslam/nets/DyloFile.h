@@ -8,12 +8,13 @@
 
 namespace dyslam
 {
-/** Weights and shape in one file. \throws UserError if it cannot be written. */
+/** Writes the weights and the network options to one file. \throws UserError if it cannot be
+ * written. */
 void saveDylo(DyloNetwork& network, const std::string& path);
 
-/** True for a file that saveDylo() wrote. */
+/** Whether the file was written by saveDylo(). */
 [[nodiscard]] bool isDyloModel(const std::string& path);
 
-/** \throws UserError if the file is missing, is no DyLO model or does not fit its own shape. */
+/** \throws UserError if the file is missing, is not a DyLO model or is damaged. */
 [[nodiscard]] DyloNetwork loadDylo(const std::string& path);
 }  // namespace dyslam

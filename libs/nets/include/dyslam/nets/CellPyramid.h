@@ -9,21 +9,22 @@
 
 namespace dyslam
 {
-/** The occupied cells of a square grid, in ascending order of their numbers y * width + x. */
+/** The occupied cells of a square grid, in ascending order of their indices y * width + x. */
 struct CellLevel
 {
   int width = 0;
-  std::vector<std::int32_t> number;        //!< of each occupied cell
-  std::vector<std::int32_t> row_of_cell;   //!< width^2: position in `number`, -1 if empty
-  std::vector<std::int32_t> row_of_point;  //!< of the cell of each kept point
+  std::vector<std::int32_t> number;  //!< index of each occupied cell
+  std::vector<std::int32_t>
+      row_of_cell;  //!< width^2: row (position in `number`) of each cell, -1 if empty
+  std::vector<std::int32_t> row_of_point;  //!< row of each point's cell
 
   [[nodiscard]] std::size_t size() const { return number.size(); }
 };
 
 /** The occupied cells of a scan at full, 1/2, 1/4 and 1/8 resolution. */
-struct CellLevels
+struct CellPyramid
 {
-  explicit CellLevels(const BevScan& scan);
+  explicit CellPyramid(const BevScan& scan);
 
   CellLevel full;
   CellLevel half;
@@ -31,15 +32,15 @@ struct CellLevels
   CellLevel eighth;
 };
 
-/** For each cell of `out` the rows of the 3 x 3 cells of `in` under it, -1 where there is none:
- * 9 per cell, y slow. The same level twice gives the neighbours; `in` twice as fine as `out` gives
- * what a convolution of stride 2 reads. */
+/** Row indices for a 3 x 3 convolution: for each cell of `out` the rows of the 3 x 3 cells of `in`
+ * under the kernel, y slow, -1 for empty ones. Stride 1 with the same level twice; stride 2 with
+ * `in` twice as fine as `out`. */
 [[nodiscard]] std::vector<std::int32_t> convolutionRows(const CellLevel& in, const CellLevel& out);
 
-/** For each cell of `out` the rows of the four cells of `in`, twice as fine, that make it up. */
+/** For each cell of `out` the rows of its four children in `in`, which is twice as fine. */
 [[nodiscard]] std::vector<std::int32_t> childRows(const CellLevel& in, const CellLevel& out);
 
-/** For each cell of `in` the row of the cell of `out`, half as fine, that it is part of. */
+/** For each cell of `in` the row of its parent in `out`, which is half as fine. */
 [[nodiscard]] std::vector<std::int32_t> parentRows(const CellLevel& in, const CellLevel& out);
 
 /** Centres of a level's cells, in the frame of the scan's points [m]. */

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Includes torch.
+#pragma once
+
+#include <dyslam/nets/BevOps.h>
+#include <dyslam/nets/DysegNet.h>
+
+#include <vector>
+
+namespace dyslam
+{
+/** Flow of a rigid motion at some positions, N x 2 [m]. */
+[[nodiscard]] torch::Tensor rigidFlow(const PlanarMotion& motion,
+                                      const std::vector<Eigen::Vector2f>& positions);
+
+/** Fits the static motion (current to past) to the correlation of two encodings. No gradients reach
+ * the motion. */
+class StaticMotionMatcher
+{
+ public:
+  /** \param past middle features of the past scan \param radius of the windows [cells]. All
+   * arguments must outlive the object. */
+  StaticMotionMatcher(const BevScan& scan,
+                      const DysegEncoding& current,
+                      const SparseMap& past,
+                      int radius);
+
+  /** Correlation at 1/4, N x (2r+1)^2, with the windows centred at a motion. */
+  [[nodiscard]] torch::Tensor correlationAround(const PlanarMotion& motion) const;
+
+  /** Searches all motions: at 1/8 (`coarse_correlation`, around zero motion), then at 1/4.
+   * \param[out] margin of the search at 1/8 */
+  [[nodiscard]] PlanarMotion search(const torch::Tensor& coarse_correlation, double& margin) const;
+
+  /** Refines a motion at 1/4 by repeated robust fits to the correlation's peaks.
+   * \param start_width initial width of the robust loss [m]
+   * \param[out] correlation of the last iteration */
+  [[nodiscard]] RigidFlowFit refine(const PlanarMotion& initial,
+                                    double start_width,
+                                    torch::Tensor& correlation) const;
+
+ private:
+  [[nodiscard]] RigidFlowFit fitPeaks(const torch::Tensor& correlation,
+                                      const PlanarMotion& centre,
+                                      double start_width) const;
+
+  const DysegEncoding& current_;
+  const DysegCells& cells_;
+  const SparseMap& past_;
+  int radius_;
+  float cell_size_;              //!< at 1/4 [m]
+  torch::Tensor static_weight_;  //!< N
+};
+}  // namespace dyslam
