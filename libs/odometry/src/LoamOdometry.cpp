@@ -31,15 +31,15 @@ void addLineRow(const Line& line,
                 const Eigen::Vector3d& p,
                 const Pose& T,
                 double w,
-                double kernel,
-                RowSums& sums)
+                double loss_width,
+                NormalEquations& sums)
 {
   const Eigen::Vector3d d = T * p - line.at;
   const Eigen::Vector3d off = d - line.direction * line.direction.dot(d);
   const double r = off.norm();
   // On the line any normal will do; there the row pulls nowhere.
   const Eigen::Vector3d n = r > 1e-6 ? Eigen::Vector3d(off / r) : line.direction.unitOrthogonal();
-  sums.addRow(n, p, T.linear(), r, w * robustWeight(r * r, kernel));
+  sums.addRow(n, p, T.linear(), r, w * gemanMcClureWeight(r * r, loss_width));
   ++sums.inliers;
 }
 
@@ -48,11 +48,11 @@ void addPlaneRow(const Eigen::Vector3d& at,
                  const Eigen::Vector3d& p,
                  const Pose& T,
                  double w,
-                 double kernel,
-                 RowSums& sums)
+                 double loss_width,
+                 NormalEquations& sums)
 {
   const double r = n.dot(T * p - at);
-  sums.addRow(n, p, T.linear(), r, w * robustWeight(r * r, kernel));
+  sums.addRow(n, p, T.linear(), r, w * gemanMcClureWeight(r * r, loss_width));
   ++sums.inliers;
 }
 }  // namespace
@@ -107,20 +107,23 @@ std::string LoamOdometry::extract(const Frame& frame)
   return {};
 }
 
-RowAlignmentSettings LoamOdometry::settings(double start) const
+MotionEstimate LoamOdometry::alignFeatures(const RowMatcher& match,
+                                           const Pose& T_guess,
+                                           double start_gate)
 {
-  RowAlignmentSettings s;
-  s.max_iterations = options_.max_iterations;
-  s.start_kernel = start;
-  s.kernel = options_.end_distance;
-  s.correlated_points = options_.correlated_points;
-  return s;
+  PoseGaussNewtonSettings settings;
+  settings.max_iterations = options_.max_iterations;
+  settings.start_gate = start_gate;
+  settings.end_gate = options_.end_distance;
+  const std::size_t count = features_.edges.size() + features_.planes.size();
+  return toMotionEstimate(poseGaussNewton(count, match, T_guess, settings, pool_),
+                          options_.points_per_measurement);
 }
 
 MotionEstimate LoamOdometry::toScan(const Pose& T_guess)
 {
   const std::size_t edge_count = features_.edges.size();
-  const auto edge = [&](const LoamPoint& f, const Pose& T, double gate, RowSums& sums,
+  const auto edge = [&](const LoamPoint& f, const Pose& T, double gate, NormalEquations& sums,
                         std::vector<Neighbour>& found)
   {
     const Eigen::Vector3d p = f.p.cast<double>();
@@ -137,13 +140,13 @@ MotionEstimate LoamOdometry::toScan(const Pose& T_guess)
       const Eigen::Vector3d b = edges_.points[found[k].index].cast<double>();
       if ((b - a).norm() > 1e-3)
       {
-        addLineRow({a, (b - a).normalized()}, p, T, static_cast<double>(f.weight), options_.kernel,
-                   sums);
+        addLineRow({a, (b - a).normalized()}, p, T, static_cast<double>(f.weight),
+                   options_.loss_width, sums);
       }
       return;
     }
   };
-  const auto plane = [&](const LoamPoint& f, const Pose& T, double gate, RowSums& sums,
+  const auto plane = [&](const LoamPoint& f, const Pose& T, double gate, NormalEquations& sums,
                          std::vector<Neighbour>& found)
   {
     const Eigen::Vector3d p = f.p.cast<double>();
@@ -172,11 +175,11 @@ MotionEstimate LoamOdometry::toScan(const Pose& T_guess)
     const double area = n.norm();
     if (area > 0.1 * (b - a).norm() * (c - a).norm())
     {
-      addPlaneRow(a, n / area, p, T, static_cast<double>(f.weight), options_.kernel, sums);
+      addPlaneRow(a, n / area, p, T, static_cast<double>(f.weight), options_.loss_width, sums);
     }
   };
   const auto match =
-      [&](std::size_t begin, std::size_t end, const Pose& T, double gate, RowSums& sums)
+      [&](std::size_t begin, std::size_t end, const Pose& T, double gate, NormalEquations& sums)
   {
     std::vector<Neighbour> found;
     for (std::size_t i = begin; i < end; ++i)
@@ -191,15 +194,14 @@ MotionEstimate LoamOdometry::toScan(const Pose& T_guess)
       }
     }
   };
-  return alignByRows(edge_count + features_.planes.size(), match, T_guess,
-                     settings(options_.max_distance), pool_);
+  return alignFeatures(match, T_guess, options_.max_distance);
 }
 
 MotionEstimate LoamOdometry::toMap(const Pose& T_guess)
 {
   const std::size_t edge_count = features_.edges.size();
   const auto match =
-      [&](std::size_t begin, std::size_t end, const Pose& T, double gate, RowSums& sums)
+      [&](std::size_t begin, std::size_t end, const Pose& T, double gate, NormalEquations& sums)
   {
     std::vector<Neighbour> found;
     std::vector<Eigen::Vector3f> patch;
@@ -234,19 +236,18 @@ MotionEstimate LoamOdometry::toMap(const Pose& T_guess)
         if (direction.norm() > 1e-3F)
         {
           addLineRow({shape.mean.cast<double>(), direction.normalized().cast<double>()}, p, T, w,
-                     options_.kernel, sums);
+                     options_.loss_width, sums);
         }
       }
       else if (!on_edge && shape.valid() && shape.spread.x() < 0.05F &&
                shape.spread.y() > 3 * shape.spread.x())
       {
         addPlaneRow(shape.mean.cast<double>(), shape.normal.cast<double>(), p, T, w,
-                    options_.kernel, sums);
+                    options_.loss_width, sums);
       }
     }
   };
-  return alignByRows(edge_count + features_.planes.size(), match, T_guess,
-                     settings(options_.end_distance), pool_);
+  return alignFeatures(match, T_guess, options_.end_distance);
 }
 
 MotionEstimate LoamOdometry::align(const Pose& T_reference_current_guess)

@@ -2,10 +2,10 @@
 #pragma once
 
 #include <dyslam/core/NeighbourSearch.h>
+#include <dyslam/core/PoseGaussNewton.h>
 #include <dyslam/core/VoxelGrid.h>
 
 #include "LoamFeatures.h"
-#include "RowAlignment.h"
 #include "ScanToScan.h"
 
 namespace dyslam
@@ -45,7 +45,10 @@ class LoamOdometry final : public ScanToScan
 
   [[nodiscard]] MotionEstimate toScan(const Pose& T_guess);
   [[nodiscard]] MotionEstimate toMap(const Pose& T_guess);
-  [[nodiscard]] RowAlignmentSettings settings(double start) const;
+  /** Registers all features. \param start_gate of matches [m] */
+  [[nodiscard]] MotionEstimate alignFeatures(const RowMatcher& match,
+                                             const Pose& T_guess,
+                                             double start_gate);
 
   bool mapping_;
   LoamOptions options_;
