@@ -43,6 +43,18 @@ class LoamOdometry final : public ScanToScan
     void add(const std::vector<LoamPoint>& features, const Pose& T, double size, double radius);
   };
 
+  /** The row of an edge point and the line through two edge points of the reference. */
+  void addEdgeRow(const LoamPoint& f,
+                  const Pose& T,
+                  double gate,
+                  NormalEquations& sums,
+                  std::vector<Neighbour>& found) const;
+  /** The row of a plane point and the plane through three plane points of the reference. */
+  void addPlaneRow(const LoamPoint& f,
+                   const Pose& T,
+                   double gate,
+                   NormalEquations& sums,
+                   std::vector<Neighbour>& found) const;
   [[nodiscard]] MotionEstimate toScan(const Pose& T_guess);
   [[nodiscard]] MotionEstimate toMap(const Pose& T_guess);
   /** Registers all features. \param start_gate of matches [m] */
