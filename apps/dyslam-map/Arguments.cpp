@@ -33,7 +33,7 @@ struct KeyframeOptions : Options
 
   void describe(OptionsVisitor& visitor) override
   {
-    visitor.real("keyframe_distance", distance, 0, 1000, "a new keyframe after this way [m]");
+    visitor.real("keyframe_distance", distance, 0, 1000, "a new keyframe after this distance [m]");
   }
 };
 
@@ -67,7 +67,7 @@ void declare(CLI::App& app, Arguments& a)
       ->take_all()
       ->allow_extra_args(false);
   app.add_option("--keyframe-distance", a.keyframe_distance,
-                 "a scan is used after so much way [m], or a turn of 0.17 rad; 0: every scan; "
+                 "a scan is used after this distance [m], or a turn of 0.17 rad; 0: every scan; "
                  "default: the ini's backend.keyframe_distance, else 1")
       ->check(notNegative());
   app.add_option("--tolerance", a.builder.tolerance, "largest difference of time stamps [s]")
@@ -136,7 +136,7 @@ void checkOutputs(const Arguments& a)
   if (a.builder.labels.empty() && a.builder.tracks.empty())
   {
     throw UserError("--labelled-map " + a.labelled_map +
-                    ": nothing tells what moves; give --labels or --tracks");
+                    ": nothing says what moves; give --labels or --tracks");
   }
   requireFolderOf(a.labelled_map);
 }

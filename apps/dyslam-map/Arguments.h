@@ -35,6 +35,6 @@ struct Arguments
 void declare(CLI::App& app, Arguments& a);
 /** Reads our sections of the ini; an ini of a whole run may hold others. \throws UserError. */
 void loadConfig(Arguments& a);
-/** Bad endings, folders and flags are told before the work, not after. \throws UserError. */
+/** Finds bad endings, folders and flags before the work starts. \throws UserError. */
 void checkOutputs(const Arguments& a);
 }  // namespace dyslam

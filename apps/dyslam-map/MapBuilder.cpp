@@ -15,8 +15,8 @@ namespace
 {
 namespace fs = std::filesystem;
 
-constexpr double least_way = 1.0;  // an object that went farther than this from its start moves [m]
-constexpr double keyframe_angle = 0.17;  // a scan is used after this turn, whatever its way [rad]
+constexpr double min_distance = 1.0;     // from its start, beyond which an object moves [m]
+constexpr double keyframe_angle = 0.17;  // a scan is used after this turn, wherever it is [rad]
 constexpr double labelled_voxel = 0.1;   // of the labelled map [m]
 
 std::string labelFolder(const std::string& folder)
@@ -43,7 +43,7 @@ MapBuilder::MapBuilder(const Trajectory& trajectory, const MapBuilderOptions& op
       label_folder_(labelFolder(options.labels)),
       pool_(options.threads),
       preprocessor_(options.preprocess, pool_),
-      map_(options.map)
+      map_(options.map, keyframes_)
 {
   if (trajectory_.empty())
   {
@@ -149,7 +149,7 @@ void MapBuilder::noteObjects(const Frame& frame)
     auto& path = object_paths_[box.id];
     path.push_back(box.box.center);
     last_boxes_[box.id] = box;
-    moves_[box.id] = moves_[box.id] || (path.back() - path.front()).norm() > least_way;
+    moves_[box.id] = moves_[box.id] || (path.back() - path.front()).norm() > min_distance;
   }
 }
 
@@ -217,6 +217,7 @@ void MapBuilder::add(Frame frame)
   {
     collectLabelled(frame);
   }
+  keyframes_.add(keyframeOf(frame));
   map_.insert(frame);
 }
 

@@ -46,8 +46,8 @@ class MapBuilder
    * \throws UserError. */
   MapBuilder(const Trajectory& trajectory, const MapBuilderOptions& options);
 
-  /** First pass, if there are tracks: where the objects of a scan are. Every scan comes here before
-   * the first add(), for an object that moves at all is left out of all scans. */
+  /** First pass, if there are tracks: the objects of a scan. Every scan comes here before the first
+   * add(), for an object that moves at all is left out of all scans. */
   void noteObjects(const Frame& frame);
 
   /** The next scan of the recording, in order. Those the trajectory has no pose for are skipped. */
@@ -55,7 +55,7 @@ class MapBuilder
 
   [[nodiscard]] const StaticMap& map() const { return map_; }
   [[nodiscard]] std::size_t skipped() const { return skipped_; }
-  /** What a scene shows: the map, the way, the moving objects. */
+  /** What a scene shows: the map, the trajectory, the moving objects. */
   [[nodiscard]] SceneContent scene() const;
   /** The labels are those of the labels' folder and of moving objects' boxes. */
   [[nodiscard]] const LabelledMap& labelledMap() const { return labelled_; }
@@ -78,6 +78,7 @@ class MapBuilder
   std::map<int, bool> moves_;              // by object
   ThreadPool pool_;
   Preprocessor preprocessor_;
+  KeyframeStore keyframes_;
   StaticMap map_;
   std::optional<Pose> last_keyframe_;
   std::size_t skipped_ = 0;

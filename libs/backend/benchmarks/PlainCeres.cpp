@@ -28,11 +28,11 @@ struct AutoDiffError
     const Eigen::Map<const Eigen::Quaternion<T>> r_i(q_i);
     const Eigen::Map<const Eigen::Quaternion<T>> r_j(q_j);
     const Eigen::Quaternion<T> back = rotation.conjugate().cast<T>();
-    const Eigen::Quaternion<T> misfit = back * (r_i.conjugate() * r_j);
+    const Eigen::Quaternion<T> turn = back * (r_i.conjugate() * r_j);
     Eigen::Map<Eigen::Matrix<T, 6, 1>> error(residuals);
     error.template head<3>() =
         back * Vector(r_i.conjugate() * Vector(t_j - t_i) - translation.cast<T>());
-    error.template tail<3>() = T(misfit.w() < T(0) ? -2 : 2) * misfit.vec();
+    error.template tail<3>() = T(turn.w() < T(0) ? -2 : 2) * turn.vec();
     error.applyOnTheLeft(whitening.cast<T>());
     return true;
   }

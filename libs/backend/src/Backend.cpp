@@ -3,7 +3,9 @@
 #include <dyslam/core/PoseInformation.h>
 
 #include <Eigen/Dense>
+#include <algorithm>
 #include <cmath>
+#include <stdexcept>
 #include <utility>
 
 #include "GraphData.h"
@@ -12,29 +14,20 @@ namespace dyslam
 {
 namespace
 {
-/** Where a frame stands beside its keyframe. */
-struct RidingFrame
+/** A frame at its place relative to the keyframe before it. */
+struct FrameInKeyframe
 {
   double stamp = 0;
   std::size_t keyframe = 0;
   Pose T_keyframe_frame = Pose::Identity();
 };
 
-struct Keyframe
-{
-  std::size_t frame = 0;
-  double stamp = 0;
-  double path_length = 0;
-  Pose T_odom_vehicle = Pose::Identity();
-  Pose T_map_vehicle = Pose::Identity();
-};
-
 /** Covariance of one odometry step: its own, as far as it makes sense, and a floor. */
 Matrix6 stepCovariance(const MotionEstimate& motion, const BackendOptions& options)
 {
-  const double factor = motion.converged ? 1 : options.unconverged_factor;
-  const double translation = factor * options.odometry_sigma_translation;
-  const double rotation = factor * options.odometry_sigma_rotation;
+  const double scale = motion.converged ? 1 : options.unconverged_sigma_scale;
+  const double translation = scale * options.odometry_sigma_translation;
+  const double rotation = scale * options.odometry_sigma_rotation;
   Vector6 floor;
   floor << Eigen::Vector3d::Constant(translation * translation),
       Eigen::Vector3d::Constant(rotation * rotation);
@@ -77,33 +70,34 @@ struct Backend::State
 {
   State(const BackendOptions& given,
         const LoopCloserOptions& loop_options,
-        const BackendSolverOptions& solver_options)
-      : options(given), closer(loop_options), solver(solver_options)
+        const BackendSolverOptions& solver_options,
+        KeyframeStore& store)
+      : options(given), keyframes(store), closer(loop_options, store), solver(solver_options)
   {
     validate(options, "backend");
+    if (!keyframes.empty())
+    {
+      throw std::invalid_argument("Backend: the store has keyframes already");
+    }
   }
 
-  void moveOn(const Frame& frame);
+  void accumulateOdometry(const Frame& frame);
   [[nodiscard]] bool wantsKeyframe() const;
   void addKeyframe(const Frame& frame);
-  void take(const std::vector<Loop>& decided);
-  [[nodiscard]] double misfit(const Loop& loop) const;
+  void addLoops(const std::vector<Loop>& decided);
+  [[nodiscard]] double whitenedResidual(const Loop& loop) const;
+  [[nodiscard]] PoseGraph graph() const;
   void optimise();
-  [[nodiscard]] Pose T_map_odom() const
-  {
-    return keyframes.back().T_map_vehicle * keyframes.back().T_odom_vehicle.inverse();
-  }
 
   BackendOptions options;
+  KeyframeStore& keyframes;
   LoopCloser closer;
   PoseGraphSolver solver;
-  mrpt::graphs::CNetworkOfPoses3DInf graph;
-  std::vector<Keyframe> keyframes;
-  std::vector<Pose> T_map_keyframe;  //!< of keyframes, as the loop closer wants them
-  std::vector<RidingFrame> frames;
+  PoseGraph edges;  //!< without nodes: these are the keyframes
+  std::vector<FrameInKeyframe> frames;
   std::vector<Loop> loops;
   PoseGraphResult last_result;
-  std::size_t revision = 0;
+  Pose T_odom_keyframe = Pose::Identity();  //!< the newest one's, as the odometry has it
 
   // Since the last keyframe
   Pose T_keyframe_now = Pose::Identity();
@@ -111,11 +105,11 @@ struct Backend::State
   Pose T_odom_previous = Pose::Identity();
   double path_length = 0;  //!< since the start [m]
 
-  int waiting_loops = 0;    //!< accepted since the last optimisation
-  double worst_misfit = 0;  //!< of those, whitened
+  int waiting_loops = 0;      //!< accepted since the last optimisation
+  double worst_residual = 0;  //!< of those, whitened
 };
 
-void Backend::State::moveOn(const Frame& frame)
+void Backend::State::accumulateOdometry(const Frame& frame)
 {
   const Pose step = T_odom_previous.inverse() * frame.T_odom_vehicle;
   const Matrix6 carry = adjointSE3(step.inverse());
@@ -132,69 +126,77 @@ bool Backend::State::wantsKeyframe() const
 
 void Backend::State::addKeyframe(const Frame& frame)
 {
-  Keyframe keyframe;
-  keyframe.frame = frame.index;
-  keyframe.stamp = frame.scan.stamp;
+  Keyframe keyframe = keyframeOf(frame);
   keyframe.path_length = path_length;
-  keyframe.T_odom_vehicle = frame.T_odom_vehicle;
-  keyframe.T_map_vehicle =
-      keyframes.empty() ? frame.T_odom_vehicle : keyframes.back().T_map_vehicle * T_keyframe_now;
-  const std::size_t id = keyframes.size();
-  static_cast<mrpt::poses::CPose3D&>(graph.nodes[id]) = toMrptPose(keyframe.T_map_vehicle);
-  if (id > 0)
+  keyframe.T_map_vehicle = frame.T_odom_vehicle;
+  if (!keyframes.empty())
   {
+    keyframe.T_map_vehicle = keyframes.back().T_map_vehicle * T_keyframe_now;
     Matrix6 information = covariance.inverse();
     information = 0.5 * (information + information.transpose()).eval();
-    graph.insertEdge(id - 1, id, makeEdge(T_keyframe_now, information));
+    const std::size_t id = keyframes.size();
+    edges.insertEdge(id - 1, id, makeEdge(T_keyframe_now, information));
   }
-  keyframes.push_back(keyframe);
-  T_map_keyframe.push_back(keyframe.T_map_vehicle);
+  keyframes.add(std::move(keyframe));
+  T_odom_keyframe = frame.T_odom_vehicle;
   T_keyframe_now = Pose::Identity();
   covariance.setZero();
   if (options.mode == BackendMode::ego)
   {
-    closer.add({id, path_length, staticPoints(frame)});
-    take(closer.search(T_map_keyframe));
+    closer.add(staticPoints(frame));
+    addLoops(closer.search());
     if (waiting_loops >= options.loops_to_optimise ||
-        (waiting_loops > 0 && worst_misfit > options.misfit_to_optimise))
+        (waiting_loops > 0 && worst_residual > options.residual_to_optimise))
     {
       optimise();
     }
   }
 }
 
-double Backend::State::misfit(const Loop& loop) const
+double Backend::State::whitenedResidual(const Loop& loop) const
 {
-  const Pose estimate = T_map_keyframe[loop.from].inverse() * T_map_keyframe[loop.to];
+  const Pose estimate =
+      keyframes[loop.from].T_map_vehicle.inverse() * keyframes[loop.to].T_map_vehicle;
   const Vector6 error = logSE3(loop.T_from_to.inverse() * estimate);
   return std::sqrt(error.dot(loop.information * error));
 }
 
-void Backend::State::take(const std::vector<Loop>& decided)
+void Backend::State::addLoops(const std::vector<Loop>& decided)
 {
   for (const Loop& loop : decided)
   {
     loops.push_back(loop);
     if (loop.verdict == LoopVerdict::accepted)
     {
-      graph.insertEdge(loop.from, loop.to, makeEdge(loop.T_from_to, loop.information));
-      worst_misfit = std::max(worst_misfit, misfit(loop));
+      edges.insertEdge(loop.from, loop.to, makeEdge(loop.T_from_to, loop.information));
+      worst_residual = std::max(worst_residual, whitenedResidual(loop));
       ++waiting_loops;
     }
   }
 }
 
-void Backend::State::optimise()
+PoseGraph Backend::State::graph() const
 {
-  last_result = solver.solve(graph);
+  PoseGraph whole = edges;
   for (std::size_t i = 0; i < keyframes.size(); ++i)
   {
-    keyframes[i].T_map_vehicle = fromMrptPose(graph.nodes[i]);
-    T_map_keyframe[i] = keyframes[i].T_map_vehicle;
+    static_cast<mrpt::poses::CPose3D&>(whole.nodes[i]) = toMrptPose(keyframes[i].T_map_vehicle);
   }
+  return whole;
+}
+
+void Backend::State::optimise()
+{
+  PoseGraph whole = graph();
+  last_result = solver.solve(whole);
+  std::vector<Pose> corrected;
+  for (const auto& [id, pose] : whole.nodes)
+  {
+    corrected.push_back(fromMrptPose(pose));
+  }
+  keyframes.correct(corrected);
   waiting_loops = 0;
-  worst_misfit = 0;
-  ++revision;
+  worst_residual = 0;
 }
 
 void BackendOptions::describe(OptionsVisitor& visitor)
@@ -202,15 +204,15 @@ void BackendOptions::describe(OptionsVisitor& visitor)
   visitor.choice("mode", mode, {{"odometry", BackendMode::odometry}, {"ego", BackendMode::ego}},
                  "what the graph holds: odometry alone, or odometry and loops");
   visitor.real("keyframe_distance", keyframe_distance, 0, 1000,
-               "a new keyframe after this way [m]");
+               "a new keyframe after this distance [m]");
   visitor.degrees("keyframe_angle_deg", keyframe_angle, 0, 180, "or after this turn");
   visitor.real("odometry_sigma_translation", odometry_sigma_translation, 1e-6, 100,
                "added to each step's own uncertainty [m]");
   visitor.real("odometry_sigma_rotation", odometry_sigma_rotation, 1e-7, 3,
                "the same for rotation [rad]");
-  visitor.real("unconverged_factor", unconverged_factor, 1, 1e4,
-               "on both where the odometry did not converge");
-  visitor.real("misfit_to_optimise", misfit_to_optimise, 0, 1e6,
+  visitor.real("unconverged_sigma_scale", unconverged_sigma_scale, 1, 1e4,
+               "factor on both where the odometry did not converge");
+  visitor.real("residual_to_optimise", residual_to_optimise, 0, 1e6,
                "optimise when a new loop is off by this many standard deviations");
   visitor.integer("loops_to_optimise", loops_to_optimise, 1, 100000,
                   "or this many loops have come");
@@ -219,7 +221,7 @@ void BackendOptions::describe(OptionsVisitor& visitor)
 BackendSolverOptions::BackendSolverOptions()
 {
   residual = EdgeResidual::log;
-  loop_kernel = RobustKernel::dcs;
+  loop_loss = RobustLoss::dcs;
   start = GraphStart::file;
   max_iterations = 50;
   tolerance = 1e-6;
@@ -227,8 +229,9 @@ BackendSolverOptions::BackendSolverOptions()
 
 Backend::Backend(const BackendOptions& options,
                  const LoopCloserOptions& loops,
-                 const BackendSolverOptions& solver)
-    : state_(std::make_unique<State>(options, loops, solver))
+                 const BackendSolverOptions& solver,
+                 KeyframeStore& keyframes)
+    : state_(std::make_unique<State>(options, loops, solver, keyframes))
 {
 }
 Backend::~Backend() = default;
@@ -238,13 +241,9 @@ Backend& Backend::operator=(Backend&&) noexcept = default;
 void Backend::addFrame(Frame& frame)
 {
   State& s = *state_;
-  if (s.frames.empty())
+  if (!s.frames.empty())
   {
-    s.T_odom_previous = frame.T_odom_vehicle;
-  }
-  else
-  {
-    s.moveOn(frame);
+    s.accumulateOdometry(frame);
   }
   s.T_odom_previous = frame.T_odom_vehicle;
   frame.is_keyframe = s.wantsKeyframe();
@@ -253,46 +252,36 @@ void Backend::addFrame(Frame& frame)
     s.addKeyframe(frame);
   }
   s.frames.push_back({frame.scan.stamp, s.keyframes.size() - 1, s.T_keyframe_now});
-  frame.T_map_odom = s.T_map_odom();
+  frame.T_map_odom = s.keyframes.back().T_map_vehicle * s.T_odom_keyframe.inverse();
 }
 
 void Backend::finish()
 {
   State& s = *state_;
-  s.take(s.closer.finish());
+  s.addLoops(s.closer.finish());
   if (s.waiting_loops > 0)
   {
     s.optimise();
   }
 }
 
-const PoseGraph& Backend::graph() const
+PoseGraph Backend::graph() const
 {
-  return state_->graph;
+  return state_->graph();
 }
 
-std::vector<KeyframePose> Backend::keyframes() const
+const KeyframeStore& Backend::keyframes() const
 {
-  std::vector<KeyframePose> result;
-  for (const Keyframe& keyframe : state_->keyframes)
-  {
-    result.push_back({result.size(), keyframe.frame, keyframe.stamp, keyframe.T_map_vehicle});
-  }
-  return result;
-}
-
-std::size_t Backend::revision() const
-{
-  return state_->revision;
+  return state_->keyframes;
 }
 
 Trajectory Backend::optimizedTrajectory() const
 {
   Trajectory trajectory;
-  for (const RidingFrame& frame : state_->frames)
+  for (const FrameInKeyframe& frame : state_->frames)
   {
     trajectory.push_back(frame.stamp,
-                         state_->T_map_keyframe[frame.keyframe] * frame.T_keyframe_frame);
+                         state_->keyframes[frame.keyframe].T_map_vehicle * frame.T_keyframe_frame);
   }
   return trajectory;
 }

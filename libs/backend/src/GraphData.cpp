@@ -52,7 +52,7 @@ void requireGood(const GraphData& data, const GraphEdge& edge)
   if (!edge.T_from_to.matrix().allFinite() || !edge.information.allFinite())
   {
     throw UserError("pose graph: " + nameOf(data, edge) +
-                    " has numbers that are not finite; remove or mend it");
+                    " has numbers that are not finite; remove or correct it");
   }
 }
 
@@ -65,15 +65,16 @@ bool makePositiveDefinite(const GraphData& data, GraphEdge& edge, IndefiniteInfo
   }
   if (indefinite == IndefiniteInformation::error)
   {
-    throw UserError("pose graph: the information matrix of " + nameOf(data, edge) +
-                    " is not positive definite; mend it or set indefinite_information = project");
+    throw UserError(
+        "pose graph: the information matrix of " + nameOf(data, edge) +
+        " is not positive definite; correct it or set indefinite_information = project");
   }
   const Eigen::SelfAdjointEigenSolver<Matrix6> eigen(edge.information);
   const double floor = 1e-9 * eigen.eigenvalues().maxCoeff();
   if (!(floor > 0))
   {
     throw UserError("pose graph: the information matrix of " + nameOf(data, edge) +
-                    " has no positive eigenvalue; mend it or remove the edge");
+                    " has no positive eigenvalue; correct it or remove the edge");
   }
   edge.information = eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(floor).asDiagonal() *
                      eigen.eigenvectors().transpose();

@@ -38,7 +38,7 @@ Eigen::MatrixXd solveSymmetric(Eigen::Index size, const Triplets& lower, const E
   {
     throw UserError(
         "pose graph: start = chordal fails, as the information of the edges is too uneven; use "
-        "start = spanning_tree");
+        "start = file");
   }
   return cholesky.solve(rhs);
 }
@@ -194,12 +194,6 @@ void completePoses(GraphData& data)
       }
     }
   }
-}
-
-void spanningTreePoses(GraphData& data)
-{
-  data.has_pose.assign(data.size(), false);
-  completePoses(data);
 }
 
 void chordalPoses(GraphData& data)

@@ -5,11 +5,9 @@
 
 namespace dyslam
 {
-/** Give every node without a pose one by chaining edges, fewest first, from those that have one. */
+/** Gives every node without a pose one by chaining edges, fewest first, from those that have one.
+ */
 void completePoses(GraphData& data);
-
-/** Chain all poses from the root over the fewest edges. */
-void spanningTreePoses(GraphData& data);
 
 /** Chordal initialisation: the rotations are the linear least-squares solution in the space of all
  * 3x3 matrices, projected onto rotations; the translations then follow from a linear system

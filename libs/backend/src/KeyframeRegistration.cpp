@@ -15,10 +15,10 @@ namespace dyslam
 {
 namespace
 {
-constexpr std::size_t least_pairs = 50;
-constexpr double cell_size = 0.5;     // of the grid seen from above [m]
-constexpr float least_height = 0.7F;  // over the ground to count as structure [m]
-constexpr std::size_t most_points = 1500;
+constexpr std::size_t min_pairs = 50;
+constexpr double cell_size = 0.5;   // of the grid seen from above [m]
+constexpr float min_height = 0.7F;  // over the ground to count as structure [m]
+constexpr std::size_t max_structure_points = 1500;
 
 /** Evenly picked points, about `limit` at most. */
 template <typename Point>
@@ -41,7 +41,7 @@ std::vector<Eigen::Vector2f> structureOf(const std::vector<Eigen::Vector3f>& poi
   std::vector<Eigen::Vector2f> all;
   for (const Eigen::Vector3f& p : points)
   {
-    if (p.z() > ground + least_height)
+    if (p.z() > ground + min_height)
     {
       all.emplace_back(p.head<2>());
     }
@@ -146,7 +146,7 @@ double RegistrationTarget::overlap(const std::vector<Eigen::Vector3f>& source,
   std::size_t met = 0;
   for (const Eigen::Vector3f& p : source)
   {
-    if (p.z() > ground + least_height)
+    if (p.z() > ground + min_height)
     {
       Neighbour near;
       ++standing;
@@ -182,87 +182,71 @@ const Eigen::Vector3f& RegistrationTarget::normalAt(std::uint32_t index)
   return normal;
 }
 
-RegistrationTarget::Normals RegistrationTarget::accumulate(
-    const std::vector<Eigen::Vector3f>& source, const Pose& T_target_source, double max_distance)
+void RegistrationTarget::addRow(const Eigen::Vector3d& p,
+                                const Pose& T,
+                                double gate,
+                                NormalEquations& sums)
 {
-  Normals sum;
-  const Eigen::Isometry3f T = T_target_source.cast<float>();
-  const double width = options_.robust_width * std::max(1.0, max_distance / options_.fine_distance);
-  const double width2 = width * width;
-  for (const Eigen::Vector3f& p : source)
+  Neighbour near;
+  const Eigen::Vector3d q = T * p;
+  if (!tree_.nearest(q.cast<float>(), near, static_cast<float>(gate)))
   {
-    Neighbour near;
-    const Eigen::Vector3f moved = T * p;
-    if (!tree_.nearest(moved, near, static_cast<float>(max_distance)))
-    {
-      continue;
-    }
-    const Eigen::Vector3d n = normalAt(near.index).cast<double>();
-    if (n.isZero(0))
-    {
-      continue;
-    }
-    const double distance = n.dot((moved - points_[near.index]).cast<double>());
-    // Geman-McClure
-    const double scale = width2 / (width2 + distance * distance);
-    const double weight = scale * scale;
-    // d(distance)/dx for T exp(x): n' R [I, -skew(p)]
-    Vector6 J;
-    J.head<3>() = T_target_source.linear().transpose() * n;
-    J.tail<3>() = p.cast<double>().cross(J.head<3>());
-    sum.H.noalias() += weight * J * J.transpose();
-    sum.b.noalias() += weight * distance * J;
-    sum.translation.noalias() += weight * n * n.transpose();
-    sum.squares += weight * distance * distance;
-    sum.weights += weight;
-    ++sum.pairs;
+    return;
   }
-  return sum;
+  const Eigen::Vector3d n = normalAt(near.index).cast<double>();
+  if (n.isZero(0))
+  {
+    return;
+  }
+  const double r = n.dot(q - points_[near.index].cast<double>());
+  const double width = options_.loss_width * std::max(1.0, gate / options_.fine_distance);
+  sums.addRow(n, p, T.linear(), r, gemanMcClureWeight(r * r, width));
+  ++sums.inliers;
 }
 
 KeyframeRegistrationResult RegistrationTarget::align(const std::vector<Eigen::Vector3f>& all,
-                                                     const Pose& T_target_source_guess)
+                                                     const Pose& T_target_source_initial)
 {
   const std::vector<Eigen::Vector3f> source =
       thinned(all, static_cast<std::size_t>(options_.max_points));
+  PoseGaussNewtonSettings settings;
+  settings.max_iterations = options_.max_iterations;
+  settings.start_gate = options_.coarse_distance;
+  settings.end_gate = options_.fine_distance;
+  settings.gate_decay = 0.85;
+  settings.min_inliers = min_pairs;
+  settings.converged_step = settings.settled_step;
+  ThreadPool one_thread;  // normals are computed on the way
+  const auto match =
+      [&](std::size_t begin, std::size_t end, const Pose& T, double gate, NormalEquations& sums)
+  {
+    for (std::size_t i = begin; i < end; ++i)
+    {
+      addRow(source[i].cast<double>(), T, gate, sums);
+    }
+  };
+  const PoseGaussNewtonResult found =
+      poseGaussNewton(source.size(), match, T_target_source_initial, settings, one_thread);
   KeyframeRegistrationResult result;
-  result.T_target_source = T_target_source_guess;
-  double distance = options_.coarse_distance;
-  for (; result.iterations < options_.max_iterations; ++result.iterations)
+  result.T_target_source = found.T;
+  result.iterations = found.iterations;
+  result.converged = found.converged;
+  const NormalEquations& sums = found.equations;
+  if (sums.weight <= 0)
   {
-    const Normals sum = accumulate(source, result.T_target_source, distance);
-    if (sum.pairs < least_pairs)
-    {
-      return result;
-    }
-    const Matrix6 damped = sum.H + 1e-6 * sum.weights * Matrix6::Identity();
-    const Vector6 step = -damped.ldlt().solve(sum.b);
-    result.T_target_source = result.T_target_source * expSE3(step);
-    const bool still = step.head<3>().norm() < 1e-3 && step.tail<3>().norm() < 1e-4;
-    if (still && distance <= options_.fine_distance)
-    {
-      result.converged = true;
-      break;
-    }
-    distance = std::max(options_.fine_distance, distance * (still ? 0.5 : 0.85));
-  }
-  const Normals sum = accumulate(source, result.T_target_source, options_.fine_distance);
-  if (sum.pairs < least_pairs)
-  {
-    result.converged = false;
     return result;
   }
-  result.T_target_source = orthonormalized(result.T_target_source);
   result.overlap = overlap(source, result.T_target_source);
-  result.rmse = std::sqrt(sum.squares / sum.weights);
+  result.rmse = std::sqrt(sums.error / sums.weight);
   const Eigen::Vector3d strengths =
-      Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(sum.translation).eigenvalues();
+      Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(sums.H.topLeftCorner<3, 3>()).eigenvalues();
   result.observability = strengths[0] / strengths[2];
   const double sigma = std::max(result.rmse, options_.noise_floor);
   Vector6 floor;
   floor << Eigen::Vector3d::Constant(options_.sigma_translation * options_.sigma_translation),
       Eigen::Vector3d::Constant(options_.sigma_rotation * options_.sigma_rotation);
-  Matrix6 covariance = sigma * sigma * (sum.H + 1e-6 * sum.weights * Matrix6::Identity()).inverse();
+  Matrix6 covariance =
+      sigma * sigma * (sums.H + 1e-6 * sums.weight * Matrix6::Identity()).inverse();
   covariance.diagonal() += floor;
   result.information = covariance.inverse();
   result.information = 0.5 * (result.information + result.information.transpose()).eval();
@@ -271,7 +255,7 @@ KeyframeRegistrationResult RegistrationTarget::align(const std::vector<Eigen::Ve
 
 std::optional<Pose> correlateFromAbove(const std::vector<Eigen::Vector3f>& source,
                                        const std::vector<Eigen::Vector3f>& target,
-                                       const Pose& T_target_source_guess,
+                                       const Pose& T_target_source_initial,
                                        double range,
                                        double heading_range)
 {
@@ -279,23 +263,23 @@ std::optional<Pose> correlateFromAbove(const std::vector<Eigen::Vector3f>& sourc
   {
     return std::nullopt;
   }
-  const std::vector<Eigen::Vector2f> above = structureOf(source, most_points);
+  const std::vector<Eigen::Vector2f> above = structureOf(source, max_structure_points);
   const std::vector<Eigen::Vector2f> base = structureOf(target, target.size() + 1);
   if (above.size() < 20 || base.size() < 20)
   {
     return std::nullopt;
   }
   const GridFromAbove grid(base);
-  const double heading_guess = yawPitchRoll(T_target_source_guess).x();
-  const Eigen::Vector2f offset = T_target_source_guess.translation().head<2>().cast<float>();
+  const double initial_heading = yawPitchRoll(T_target_source_initial).x();
+  const Eigen::Vector2f offset = T_target_source_initial.translation().head<2>().cast<float>();
   constexpr double heading_step = 0.035;
   const int headings = static_cast<int>(std::ceil(heading_range / heading_step));
   Placement best;
-  double best_heading = heading_guess;
+  double best_heading = initial_heading;
   std::vector<Eigen::Vector2i> cells(above.size());
   for (int k = -headings; k <= headings; ++k)
   {
-    const double heading = heading_guess + k * heading_step;
+    const double heading = initial_heading + k * heading_step;
     const Eigen::Rotation2Df turn(static_cast<float>(heading));
     for (std::size_t i = 0; i < above.size(); ++i)
     {
@@ -313,9 +297,9 @@ std::optional<Pose> correlateFromAbove(const std::vector<Eigen::Vector3f>& sourc
   {
     return std::nullopt;
   }
-  Pose pose = T_target_source_guess;
+  Pose pose = T_target_source_initial;
   pose.linear() =
-      Eigen::AngleAxisd(best_heading - heading_guess, Eigen::Vector3d::UnitZ()) * pose.linear();
+      Eigen::AngleAxisd(best_heading - initial_heading, Eigen::Vector3d::UnitZ()) * pose.linear();
   pose.translation().head<2>() += cell_size * best.shift.cast<double>();
   return pose;
 }

@@ -3,6 +3,7 @@
 
 #include <dyslam/core/NeighbourSearch.h>
 #include <dyslam/core/Pose.h>
+#include <dyslam/core/PoseGaussNewton.h>
 
 #include <Eigen/Core>
 #include <cstdint>
@@ -20,7 +21,7 @@ struct KeyframeRegistrationOptions
   int max_points = 2500;  //!< of the source that are used, evenly picked
   int normal_neighbours = 10;
   double normal_radius = 1.5;       //!< [m]
-  double robust_width = 0.2;        //!< point-to-plane distance from which weights fall [m]
+  double loss_width = 0.2;          //!< of the robust loss of point-to-plane distances [m]
   double noise_floor = 0.05;        //!< least standard deviation of a point-to-plane distance [m]
   double sigma_translation = 0.03;  //!< added to the covariance: neighbouring points err alike [m]
   double sigma_rotation = 0.002;    //!< [rad]
@@ -47,26 +48,19 @@ class RegistrationTarget
   /** Point-to-plane Gauss-Newton with robust weights; counterparts narrow from coarse to fine.
    * Not const: normals are computed where they are first needed. */
   [[nodiscard]] KeyframeRegistrationResult align(const std::vector<Eigen::Vector3f>& source,
-                                                 const Pose& T_target_source_guess);
+                                                 const Pose& T_target_source_initial);
 
   [[nodiscard]] const std::vector<Eigen::Vector3f>& points() const { return points_; }
 
  private:
-  struct Normals
-  {
-    Matrix6 H = Matrix6::Zero();
-    Vector6 b = Vector6::Zero();
-    Eigen::Matrix3d translation = Eigen::Matrix3d::Zero();
-    double squares = 0;
-    double weights = 0;
-    std::size_t pairs = 0;
-  };
   [[nodiscard]] double overlap(const std::vector<Eigen::Vector3f>& source,
                                const Pose& T_target_source) const;
   [[nodiscard]] const Eigen::Vector3f& normalAt(std::uint32_t index);
-  [[nodiscard]] Normals accumulate(const std::vector<Eigen::Vector3f>& source,
-                                   const Pose& T_target_source,
-                                   double max_distance);
+  /** The point-to-plane row of a source point, if it has a counterpart nearer than `gate`. */
+  void addRow(const Eigen::Vector3d& p,
+              const Pose& T_target_source,
+              double gate,
+              NormalEquations& sums);
 
   KeyframeRegistrationOptions options_;
   std::vector<Eigen::Vector3f> points_;
@@ -77,12 +71,12 @@ class RegistrationTarget
 };
 
 /** Where the source lies best over the target seen from above, by counting structure that meets in
- * a grid: heading within `heading_range` of the guess, offset within `range` of it.
- * \return the best planar pose with the guess's height, roll and pitch; nothing if nothing meets.
+ * a grid: heading within `heading_range` of the initial one, offset within `range` of it.
+ * \return the best planar pose with the initial height, roll and pitch; nothing if nothing meets.
  */
 [[nodiscard]] std::optional<Pose> correlateFromAbove(const std::vector<Eigen::Vector3f>& source,
                                                      const std::vector<Eigen::Vector3f>& target,
-                                                     const Pose& T_target_source_guess,
+                                                     const Pose& T_target_source_initial,
                                                      double range,
                                                      double heading_range);
 }  // namespace dyslam

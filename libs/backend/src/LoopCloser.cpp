@@ -3,60 +3,31 @@
 #include <dyslam/core/VoxelGrid.h>
 
 #include <algorithm>
-#include <array>
-#include <cmath>
-#include <cstdint>
 #include <stdexcept>
 #include <utility>
 
 #include "KeyframeRegistration.h"
+#include "LoopAgreement.h"
 #include "PolarDescriptor.h"
 
 namespace dyslam
 {
 namespace
 {
-constexpr float quantum = 0.004F;               // of stored coordinates [m]
-constexpr double correlation_range = 5;         // around the guess [m]
-constexpr double correlation_heading = 0.1;     // nearly a sector of the descriptor [rad]
-constexpr double agreement_translation = 0.75;  // between loops that support each other [m]
-constexpr double agreement_rotation = 0.06;     // [rad]
-constexpr std::size_t shortlist = 12;           // compared in full per keyframe
-using StoredPoint = std::array<std::int16_t, 3>;
+constexpr double range_limit = 131.068;      // of stored coordinates: steps of 4 mm [m]
+constexpr double correlation_range = 5;      // around the initial guess [m]
+constexpr double correlation_heading = 0.1;  // nearly a sector of the descriptor [rad]
+constexpr std::size_t shortlist = 12;        // compared in full per keyframe
 
-struct Stored
-{
-  double path_length = 0;
-  std::vector<StoredPoint> points;
-  PolarDescriptor descriptor;
-};
-
-std::vector<StoredPoint> pack(const std::vector<Eigen::Vector3f>& points)
-{
-  std::vector<StoredPoint> packed;
-  packed.reserve(points.size());
-  for (const Eigen::Vector3f& p : points)
-  {
-    const Eigen::Vector3f scaled = p / quantum;
-    if (scaled.allFinite() && scaled.cwiseAbs().maxCoeff() < 32767)
-    {
-      packed.push_back({static_cast<std::int16_t>(std::lround(scaled.x())),
-                        static_cast<std::int16_t>(std::lround(scaled.y())),
-                        static_cast<std::int16_t>(std::lround(scaled.z()))});
-    }
-  }
-  return packed;
-}
-
-void unpackInto(const std::vector<StoredPoint>& packed,
-                const Pose& T_target_source,
-                std::vector<Eigen::Vector3f>& target)
+/** Adds a stored cloud, moved to another frame. */
+void append(const PackedCloud& cloud,
+            const Pose& T_target_source,
+            std::vector<Eigen::Vector3f>& target)
 {
   const Eigen::Isometry3f T = T_target_source.cast<float>();
-  for (const StoredPoint& p : packed)
+  for (const Eigen::Vector3f& p : cloud.unpacked().points)
   {
-    const Eigen::Vector3f q(p[0], p[1], p[2]);
-    target.emplace_back(T * Eigen::Vector3f(quantum * q));
+    target.emplace_back(T * p);
   }
 }
 
@@ -66,17 +37,15 @@ struct Candidate
   double ring_difference = 0;
   PolarDescriptor::Match match;
 };
-
-struct Pending
-{
-  Loop loop;
-  int support = 0;
-};
 }  // namespace
 
 struct LoopCloser::State
 {
-  explicit State(const LoopCloserOptions& given) : options(given) { validate(options, "loop"); }
+  State(const LoopCloserOptions& given, KeyframeStore& store)
+      : options(given), keyframes(store), agreement(given.min_support, given.support_window)
+  {
+    validate(options, "loop");
+  }
 
   /** How far the estimate of a keyframe `path` metres back may be off [m]. */
   [[nodiscard]] double radiusAfter(double path) const
@@ -85,27 +54,30 @@ struct LoopCloser::State
                     options.search_radius + options.drift_per_metre * path);
   }
 
-  [[nodiscard]] std::vector<Candidate> candidatesFor(const std::vector<Pose>& poses) const;
+  /** Present estimate of one keyframe in the frame of another. */
+  [[nodiscard]] Pose between(std::size_t from, std::size_t to) const
+  {
+    return keyframes[from].T_map_vehicle.inverse() * keyframes[to].T_map_vehicle;
+  }
+
+  [[nodiscard]] std::vector<Candidate> candidatesForNewest() const;
   [[nodiscard]] Loop verify(const Candidate& candidate,
-                            const std::vector<Pose>& poses,
                             const std::vector<Eigen::Vector3f>& source) const;
-  [[nodiscard]] RegistrationTarget submapAround(std::size_t id,
-                                                const std::vector<Pose>& poses) const;
+  [[nodiscard]] RegistrationTarget submapAround(std::size_t id) const;
   [[nodiscard]] LoopVerdict judge(const Loop& loop,
                                   const KeyframeRegistrationResult& registration,
                                   const Pose& T_from_to_estimate) const;
-  void findSupport(const Loop& loop, const std::vector<Pose>& poses);
-  [[nodiscard]] std::vector<Loop> decidePending(std::size_t newest);
 
   LoopCloserOptions options;
-  std::vector<Stored> keyframes;
-  std::vector<Pending> pending;
+  KeyframeStore& keyframes;
+  std::vector<PolarDescriptor> descriptors;  //!< of keyframes
+  LoopAgreement agreement;
 };
 
-std::vector<Candidate> LoopCloser::State::candidatesFor(const std::vector<Pose>& poses) const
+std::vector<Candidate> LoopCloser::State::candidatesForNewest() const
 {
   const std::size_t newest = keyframes.size() - 1;
-  const Stored& now = keyframes[newest];
+  const Keyframe& now = keyframes[newest];
   std::vector<Candidate> near;
   for (std::size_t i = 0; i < newest; ++i)
   {
@@ -114,10 +86,11 @@ std::vector<Candidate> LoopCloser::State::candidatesFor(const std::vector<Pose>&
     {
       break;
     }
-    const double distance = (poses[i].translation() - poses[newest].translation()).norm();
+    const double distance =
+        (keyframes[i].T_map_vehicle.translation() - now.T_map_vehicle.translation()).norm();
     if (distance < radiusAfter(path))
     {
-      near.push_back({i, keyframes[i].descriptor.ringDifference(now.descriptor), {}});
+      near.push_back({i, descriptors[i].ringDifference(descriptors[newest]), {}});
     }
   }
   const auto keep = std::min(near.size(), shortlist);
@@ -129,7 +102,7 @@ std::vector<Candidate> LoopCloser::State::candidatesFor(const std::vector<Pose>&
   near.resize(keep);
   for (Candidate& candidate : near)
   {
-    candidate.match = keyframes[candidate.id].descriptor.match(now.descriptor);
+    candidate.match = descriptors[candidate.id].match(descriptors[newest]);
   }
   std::sort(
       near.begin(), near.end(),
@@ -139,8 +112,7 @@ std::vector<Candidate> LoopCloser::State::candidatesFor(const std::vector<Pose>&
   return near;
 }
 
-RegistrationTarget LoopCloser::State::submapAround(std::size_t id,
-                                                   const std::vector<Pose>& poses) const
+RegistrationTarget LoopCloser::State::submapAround(std::size_t id) const
 {
   const auto reach = static_cast<std::size_t>(options.submap_keyframes);
   const std::size_t first = id > reach ? id - reach : 0;
@@ -148,7 +120,7 @@ RegistrationTarget LoopCloser::State::submapAround(std::size_t id,
   std::vector<Eigen::Vector3f> points;
   for (std::size_t i = first; i <= last; ++i)
   {
-    unpackInto(keyframes[i].points, poses[id].inverse() * poses[i], points);
+    append(keyframes[i].loop_cloud, between(id, i), points);
   }
   return RegistrationTarget(voxelDownsample(points, options.voxel_size, VoxelPick::centroid).points,
                             {});
@@ -185,32 +157,31 @@ LoopVerdict LoopCloser::State::judge(const Loop& loop,
 }
 
 Loop LoopCloser::State::verify(const Candidate& candidate,
-                               const std::vector<Pose>& poses,
                                const std::vector<Eigen::Vector3f>& source) const
 {
   Loop loop;
   loop.from = candidate.id;
   loop.to = keyframes.size() - 1;
   loop.descriptor_distance = candidate.match.distance;
-  const Pose estimate = poses[loop.from].inverse() * poses[loop.to];
+  const Pose estimate = between(loop.from, loop.to);
   loop.T_from_to = estimate;
   if (candidate.match.distance > options.max_descriptor_distance)
   {
     loop.verdict = LoopVerdict::appearance;
     return loop;
   }
-  RegistrationTarget target = submapAround(candidate.id, poses);
+  RegistrationTarget target = submapAround(candidate.id);
   const Pose turned = poseFromYpr(0, 0, 0, candidate.match.heading, 0, 0);
-  const Pose guess =
-      correlateFromAbove(source, target.points(), turned, correlation_range, correlation_heading)
-          .value_or(turned);
-  KeyframeRegistrationResult registration = target.align(source, guess);
+  const auto alignFrom = [&](const Pose& start)
+  {
+    return target.align(source, correlateFromAbove(source, target.points(), start,
+                                                   correlation_range, correlation_heading)
+                                    .value_or(start));
+  };
+  KeyframeRegistrationResult registration = alignFrom(turned);
   if (!registration.converged || registration.overlap < options.min_overlap)
   {
-    const Pose second = correlateFromAbove(source, target.points(), estimate, correlation_range,
-                                           correlation_heading)
-                            .value_or(estimate);
-    const KeyframeRegistrationResult other = target.align(source, second);
+    const KeyframeRegistrationResult other = alignFrom(estimate);
     if (other.converged && other.overlap > registration.overlap)
     {
       registration = other;
@@ -222,59 +193,6 @@ Loop LoopCloser::State::verify(const Candidate& candidate,
   loop.rmse = registration.rmse;
   loop.verdict = judge(loop, registration, estimate);
   return loop;
-}
-
-void LoopCloser::State::findSupport(const Loop& loop, const std::vector<Pose>& poses)
-{
-  Pending added{loop, 0};
-  const auto window = static_cast<std::size_t>(options.support_window);
-  for (Pending& other : pending)
-  {
-    const std::size_t older = std::max(other.loop.from, loop.from);
-    const std::size_t gap = older - std::min(other.loop.from, loop.from);
-    if (gap > window || loop.to - other.loop.to > window || other.loop.to == loop.to)
-    {
-      continue;
-    }
-    // The way round both loops over two short pieces of odometry must end where it began.
-    const Pose from_to_from = poses[loop.from].inverse() * poses[other.loop.from];
-    const Pose to_to_to = poses[other.loop.to].inverse() * poses[loop.to];
-    const Pose misfit = loop.T_from_to.inverse() * from_to_from * other.loop.T_from_to * to_to_to;
-    if (misfit.translation().norm() < agreement_translation &&
-        rotationAngle(misfit) < agreement_rotation)
-    {
-      ++other.support;
-      ++added.support;
-    }
-  }
-  pending.push_back(added);
-}
-
-std::vector<Loop> LoopCloser::State::decidePending(std::size_t newest)
-{
-  // Accepted loops stay for a while as witnesses; `support` is then negative.
-  constexpr int decided = -1000000;
-  std::vector<Loop> result;
-  std::vector<Pending> left;
-  for (Pending& entry : pending)
-  {
-    if (entry.support >= options.min_support)
-    {
-      result.push_back(entry.loop);
-      entry.support = decided;
-    }
-    if (newest - entry.loop.to < static_cast<std::size_t>(options.support_window))
-    {
-      left.push_back(entry);
-    }
-    else if (entry.support >= 0)
-    {
-      entry.loop.verdict = LoopVerdict::unsupported;
-      result.push_back(entry.loop);
-    }
-  }
-  pending = std::move(left);
-  return result;
 }
 
 std::string toString(LoopVerdict verdict)
@@ -325,56 +243,54 @@ void LoopCloserOptions::describe(OptionsVisitor& visitor)
   visitor.integer("support_window", support_window, 1, 1000, "nearby, in keyframes");
 }
 
-LoopCloser::LoopCloser(const LoopCloserOptions& options) : state_(std::make_unique<State>(options))
+LoopCloser::LoopCloser(const LoopCloserOptions& options, KeyframeStore& keyframes)
+    : state_(std::make_unique<State>(options, keyframes))
 {
 }
 LoopCloser::~LoopCloser() = default;
 LoopCloser::LoopCloser(LoopCloser&&) noexcept = default;
 LoopCloser& LoopCloser::operator=(LoopCloser&&) noexcept = default;
 
-void LoopCloser::add(const LoopKeyframe& keyframe)
-{
-  if (keyframe.id != state_->keyframes.size())
-  {
-    throw std::invalid_argument("LoopCloser::add: keyframe " + std::to_string(keyframe.id) +
-                                " where " + std::to_string(state_->keyframes.size()) + " is next");
-  }
-  const auto sampled =
-      voxelDownsample(keyframe.points, state_->options.voxel_size, VoxelPick::centroid);
-  state_->keyframes.push_back({keyframe.path_length, pack(sampled.points),
-                               PolarDescriptor(keyframe.points, state_->options.descriptor_range)});
-}
-
-std::vector<Loop> LoopCloser::search(const std::vector<Pose>& T_map_keyframe)
+void LoopCloser::add(const std::vector<Eigen::Vector3f>& static_points)
 {
   State& s = *state_;
-  if (T_map_keyframe.size() != s.keyframes.size())
+  const std::size_t next = s.descriptors.size();
+  if (s.keyframes.size() != next + 1)
   {
-    throw std::invalid_argument("LoopCloser::search: one pose per keyframe is needed");
+    throw std::invalid_argument("LoopCloser: keyframe " + std::to_string(next) +
+                                " is next, but there are " + std::to_string(s.keyframes.size()));
   }
-  if (s.keyframes.empty())
+  KeyframeCloud sampled;
+  sampled.points = voxelDownsample(static_points, s.options.voxel_size, VoxelPick::centroid).points;
+  s.keyframes[next].loop_cloud = PackedCloud(sampled, range_limit);
+  s.descriptors.emplace_back(static_points, s.options.descriptor_range);
+}
+
+std::vector<Loop> LoopCloser::search()
+{
+  State& s = *state_;
+  if (s.descriptors.empty())
   {
     return {};
   }
   std::vector<Loop> result;
-  const std::size_t newest = s.keyframes.size() - 1;
+  const std::size_t newest = s.descriptors.size() - 1;
   if (newest % static_cast<std::size_t>(s.options.interval) == 0)
   {
-    std::vector<Eigen::Vector3f> source;
-    unpackInto(s.keyframes[newest].points, Pose::Identity(), source);
-    for (const Candidate& candidate : s.candidatesFor(T_map_keyframe))
+    const std::vector<Eigen::Vector3f> source = s.keyframes[newest].loop_cloud.unpacked().points;
+    for (const Candidate& candidate : s.candidatesForNewest())
     {
-      const Loop loop = s.verify(candidate, T_map_keyframe, source);
+      const Loop loop = s.verify(candidate, source);
       if (loop.verdict == LoopVerdict::accepted)
       {
         // One loop per keyframe is enough.
-        s.findSupport(loop, T_map_keyframe);
+        s.agreement.add(loop, s.keyframes);
         break;
       }
       result.push_back(loop);
     }
   }
-  for (Loop& loop : s.decidePending(newest))
+  for (Loop& loop : s.agreement.decide(newest))
   {
     result.push_back(std::move(loop));
   }
@@ -383,16 +299,6 @@ std::vector<Loop> LoopCloser::search(const std::vector<Pose>& T_map_keyframe)
 
 std::vector<Loop> LoopCloser::finish()
 {
-  std::vector<Loop> result;
-  for (Pending& entry : state_->pending)
-  {
-    if (entry.support >= 0)
-    {
-      entry.loop.verdict = LoopVerdict::unsupported;
-      result.push_back(entry.loop);
-    }
-  }
-  state_->pending.clear();
-  return result;
+  return state_->agreement.finish();
 }
 }  // namespace dyslam

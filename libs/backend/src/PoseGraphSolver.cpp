@@ -77,58 +77,21 @@ double chi2Of(const GraphData& data, const PoseGraphSolverOptions& options)
   return sum;
 }
 
-std::unique_ptr<ceres::LossFunction> makeLoss(RobustKernel kernel, double width)
+std::unique_ptr<ceres::LossFunction> makeLoss(RobustLoss loss, double width)
 {
-  switch (kernel)
+  switch (loss)
   {
-    case RobustKernel::huber:
-      return std::make_unique<ceres::HuberLoss>(width);
-    case RobustKernel::cauchy:
+    case RobustLoss::cauchy:
       return std::make_unique<ceres::CauchyLoss>(width);
-    case RobustKernel::dcs:
+    case RobustLoss::dcs:
       return makeDcsLoss(width);
-    case RobustKernel::none:
+    case RobustLoss::none:
       break;
   }
   return nullptr;
 }
 
-void setLinearSolver(ceres::Solver::Options& ceres_options, GraphLinearSolver linear_solver)
-{
-  switch (linear_solver)
-  {
-    case GraphLinearSolver::suite_sparse:
-      ceres_options.linear_solver_type = ceres::SPARSE_NORMAL_CHOLESKY;
-      ceres_options.sparse_linear_algebra_library_type = ceres::SUITE_SPARSE;
-      break;
-    case GraphLinearSolver::eigen_sparse:
-      ceres_options.linear_solver_type = ceres::SPARSE_NORMAL_CHOLESKY;
-      ceres_options.sparse_linear_algebra_library_type = ceres::EIGEN_SPARSE;
-      break;
-    case GraphLinearSolver::conjugate_gradients:
-      ceres_options.linear_solver_type = ceres::CGNR;
-      ceres_options.preconditioner_type = ceres::JACOBI;
-      break;
-  }
-}
-
-void setStart(GraphData& data, GraphStart start)
-{
-  switch (start)
-  {
-    case GraphStart::file:
-      completePoses(data);
-      break;
-    case GraphStart::spanning_tree:
-      spanningTreePoses(data);
-      break;
-    case GraphStart::chordal:
-      chordalPoses(data);
-      break;
-  }
-}
-
-/** A graph as Ceres sees it. Further kinds of factors join as further residual blocks. */
+/** A graph as Ceres sees it. Further kinds of factors are further residual blocks. */
 class GraphProblem
 {
  public:
@@ -149,17 +112,18 @@ class GraphProblem
     for (const GraphEdge& edge : data.edges)
     {
       auto cost = planar_ ? makePlanarEdgeCost(edge) : makeEdgeCost(coordinates_, edge);
-      const bool robust = edge.loop && options.loop_kernel != RobustKernel::none;
+      const bool robust = edge.loop && options.loop_loss != RobustLoss::none;
       problem_.AddResidualBlock(cost.release(), robust ? &loss_ : nullptr, blocks_.block(edge.from),
                                 blocks_.block(edge.to));
     }
   }
 
-  ceres::Solver::Summary solve(double kernel_width, int max_iterations, double tolerance)
+  ceres::Solver::Summary solve(double loss_width, int max_iterations, double tolerance)
   {
-    loss_.Reset(makeLoss(options_.loop_kernel, kernel_width).release(), ceres::TAKE_OWNERSHIP);
+    loss_.Reset(makeLoss(options_.loop_loss, loss_width).release(), ceres::TAKE_OWNERSHIP);
     ceres::Solver::Options ceres_options;
-    setLinearSolver(ceres_options, options_.linear_solver);
+    ceres_options.linear_solver_type = ceres::SPARSE_NORMAL_CHOLESKY;
+    ceres_options.sparse_linear_algebra_library_type = ceres::SUITE_SPARSE;
     ceres_options.max_num_iterations = max_iterations;
     ceres_options.function_tolerance = tolerance;
     ceres_options.gradient_tolerance = 1e-14;
@@ -172,7 +136,7 @@ class GraphProblem
     return summary;
   }
 
-  /** Largest whitened misfit of a loop edge. */
+  /** Largest whitened residual of a loop edge. */
   [[nodiscard]] double worstLoop()
   {
     double worst = 0;
@@ -215,15 +179,15 @@ int stepsOf(const ceres::Solver::Summary& summary)
   return std::max(0, static_cast<int>(summary.iterations.size()) - 1);
 }
 
-/** Narrows the kernel from the worst misfit to its width (graduated non-convexity), so that loops
+/** Narrows the loss from the worst residual to its width (graduated non-convexity), so that loops
  * that only look wrong because of drift are not thrown out at the start. */
-int narrowKernel(GraphProblem& problem, const PoseGraphSolverOptions& options)
+int narrowLoss(GraphProblem& problem, const PoseGraphSolverOptions& options)
 {
   constexpr double narrowing = 3;
   constexpr int steps_per_width = 10;
   int steps = 0;
   double width = 2 * problem.worstLoop();
-  while (width > options.kernel_width && steps < options.max_iterations)
+  while (width > options.loss_width && steps < options.max_iterations)
   {
     steps += stepsOf(
         problem.solve(width, std::min(steps_per_width, options.max_iterations - steps), 1e-3));
@@ -232,16 +196,16 @@ int narrowKernel(GraphProblem& problem, const PoseGraphSolverOptions& options)
   return steps;
 }
 
-/** Optimises from data.poses and puts the answer there and into the result. */
+/** Optimises from data.poses and puts the solution there and into the result. */
 void optimise(GraphData& data, const PoseGraphSolverOptions& options, PoseGraphResult& result)
 {
   GraphProblem problem(data, options);
-  if (options.loop_kernel != RobustKernel::none)
+  if (options.loop_loss != RobustLoss::none)
   {
-    result.iterations = narrowKernel(problem, options);
+    result.iterations = narrowLoss(problem, options);
   }
   const ceres::Solver::Summary summary =
-      problem.solve(options.kernel_width, std::max(0, options.max_iterations - result.iterations),
+      problem.solve(options.loss_width, std::max(0, options.max_iterations - result.iterations),
                     options.tolerance);
   result.iterations += stepsOf(summary);
   result.converged = summary.termination_type == ceres::CONVERGENCE;
@@ -261,24 +225,14 @@ void PoseGraphSolverOptions::describe(OptionsVisitor& visitor)
   visitor.integer("max_iterations", max_iterations, 0, 10000, "steps of the optimisation");
   visitor.real("tolerance", tolerance, 0, 1, "stop when a step lowers the cost by less than this");
   visitor.choice("residual", residual, {{"log", EdgeResidual::log}, {"g2o", EdgeResidual::g2o}},
-                 "coordinates of an edge's misfit");
-  visitor.choice("loop_kernel", loop_kernel,
-                 {{"none", RobustKernel::none},
-                  {"huber", RobustKernel::huber},
-                  {"cauchy", RobustKernel::cauchy},
-                  {"dcs", RobustKernel::dcs}},
-                 "what tames loops that do not fit");
-  visitor.real("kernel_width", kernel_width, 1e-6, 1e6, "whitened misfit where it sets in");
-  visitor.choice("start", start,
-                 {{"file", GraphStart::file},
-                  {"spanning_tree", GraphStart::spanning_tree},
-                  {"chordal", GraphStart::chordal}},
+                 "coordinates of an edge's residual");
+  visitor.choice(
+      "loop_loss", loop_loss,
+      {{"none", RobustLoss::none}, {"cauchy", RobustLoss::cauchy}, {"dcs", RobustLoss::dcs}},
+      "robust loss of loop edges");
+  visitor.real("loss_width", loss_width, 1e-6, 1e6, "whitened residual where it sets in");
+  visitor.choice("start", start, {{"file", GraphStart::file}, {"chordal", GraphStart::chordal}},
                  "poses the optimisation starts from");
-  visitor.choice("linear_solver", linear_solver,
-                 {{"suite_sparse", GraphLinearSolver::suite_sparse},
-                  {"eigen_sparse", GraphLinearSolver::eigen_sparse},
-                  {"conjugate_gradients", GraphLinearSolver::conjugate_gradients}},
-                 "how the normal equations are solved");
   visitor.choice(
       "indefinite_information", indefinite_information,
       {{"error", IndefiniteInformation::error}, {"project", IndefiniteInformation::project}},
@@ -304,7 +258,10 @@ PoseGraphResult PoseGraphSolver::solve(PoseGraph& graph) const
   }
   completePoses(data);
   result.start_chi2 = chi2Of(data, options_);
-  setStart(data, options_.start);
+  if (options_.start == GraphStart::chordal)
+  {
+    chordalPoses(data);
+  }
   result.initial_chi2 = chi2Of(data, options_);
   optimise(data, options_, result);
   result.final_chi2 = chi2Of(data, options_);

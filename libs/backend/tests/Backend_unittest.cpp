@@ -63,16 +63,25 @@ double rmsError(const Trajectory& estimate, const std::vector<Pose>& truth)
   return std::sqrt(sum / static_cast<double>(truth.size()));
 }
 
-Backend run(Drive& drive, const BackendOptions& options = {})
+/** A backend and its keyframes. */
+struct BackendRun
 {
-  Backend backend(options, LoopCloserOptions{}, BackendSolverOptions{});
-  for (Frame& frame : drive.frames)
+  explicit BackendRun(const BackendOptions& options = {})
+      : backend(options, LoopCloserOptions{}, BackendSolverOptions{}, keyframes)
   {
-    backend.addFrame(frame);
   }
-  backend.finish();
-  return backend;
-}
+  BackendRun(Drive& drive, const BackendOptions& options = {}) : BackendRun(options)
+  {
+    for (Frame& frame : drive.frames)
+    {
+      backend.addFrame(frame);
+    }
+    backend.finish();
+  }
+
+  KeyframeStore keyframes;
+  Backend backend;
+};
 
 TEST(Backend, LoopsLowerTheTrajectoryError)
 {
@@ -80,12 +89,14 @@ TEST(Backend, LoopsLowerTheTrajectoryError)
   Drive drive = makeDrive(world, driveAround(30, 20, 280, 0.75), 0.0008, 0.01);
   BackendOptions odometry;
   odometry.mode = BackendMode::odometry;
-  const Backend without = run(drive, odometry);
-  const double before = rmsError(without.optimizedTrajectory(), drive.truth);
-  EXPECT_TRUE(without.loops().empty());
-  EXPECT_EQ(without.revision(), 0U);
+  const BackendRun without(drive, odometry);
+  const double before = rmsError(without.backend.optimizedTrajectory(), drive.truth);
+  EXPECT_TRUE(without.backend.loops().empty());
+  EXPECT_EQ(without.keyframes.revision(), 0U);
 
-  const Backend backend = run(drive);
+  const BackendRun with(drive);
+  const Backend& backend = with.backend;
+  const KeyframeStore& keyframes = with.keyframes;
   const double after = rmsError(backend.optimizedTrajectory(), drive.truth);
   RecordProperty("rms_before", std::to_string(before));
   RecordProperty("rms_after", std::to_string(after));
@@ -93,28 +104,30 @@ TEST(Backend, LoopsLowerTheTrajectoryError)
       std::count_if(backend.loops().begin(), backend.loops().end(),
                     [](const Loop& loop) { return loop.verdict == LoopVerdict::accepted; });
   std::printf("position RMS %.3f m by odometry, %.3f m with %td loops, %zu optimisations\n", before,
-              after, accepted, backend.revision());
+              after, accepted, keyframes.revision());
   EXPECT_GT(before, 2);
   EXPECT_LT(after, 0.35 * before);
-  EXPECT_GT(backend.revision(), 0U);
+  EXPECT_GT(keyframes.revision(), 0U);
   EXPECT_TRUE(backend.lastOptimisation().converged);
 
-  // Frames, keyframes and graph tell the same story.
-  const auto keyframes = backend.keyframes();
+  // Frames, keyframes and graph agree.
   const Trajectory trajectory = backend.optimizedTrajectory();
   ASSERT_EQ(trajectory.size(), drive.frames.size());
-  EXPECT_EQ(backend.graph().nodes.size(), keyframes.size());
+  const PoseGraph graph = backend.graph();
+  ASSERT_EQ(graph.nodes.size(), keyframes.size());
+  EXPECT_EQ(graph.edges.size(), keyframes.size() - 1 + static_cast<std::size_t>(accepted));
   std::size_t marked = 0;
   for (const Frame& frame : drive.frames)
   {
     marked += frame.is_keyframe ? 1 : 0;
   }
   EXPECT_EQ(marked, keyframes.size());
-  for (const KeyframePose& keyframe : keyframes)
+  for (const Keyframe& keyframe : keyframes)
   {
     EXPECT_TRUE(drive.frames[keyframe.frame].is_keyframe);
     EXPECT_EQ(trajectory[keyframe.frame].stamp, keyframe.stamp);
     EXPECT_TRUE(trajectory[keyframe.frame].pose.isApprox(keyframe.T_map_vehicle, 1e-9));
+    EXPECT_GT(keyframe.loop_cloud.size(), 100U);
   }
   // Online, the last frame already stood where loops put it.
   EXPECT_LT((drive.frames.back().T_map_vehicle().translation() -
@@ -127,8 +140,8 @@ TEST(Backend, TwoRunsGiveTheSameBytes)
 {
   const BoxWorld world(22, 20, 15);
   Drive drive = makeDrive(world, driveAround(20, 15, 170, 0.75), 0.001, 0.01);
-  const Trajectory a = run(drive).optimizedTrajectory();
-  const Trajectory b = run(drive).optimizedTrajectory();
+  const Trajectory a = BackendRun(drive).backend.optimizedTrajectory();
+  const Trajectory b = BackendRun(drive).backend.optimizedTrajectory();
   ASSERT_EQ(a.size(), b.size());
   for (std::size_t i = 0; i < a.size(); ++i)
   {
@@ -144,7 +157,7 @@ TEST(Backend, EdgesCarryTheComposedMotionAndCovariance)
   options.keyframe_angle = 1;
   options.odometry_sigma_translation = 1e-5;
   options.odometry_sigma_rotation = 1e-6;
-  Backend backend(options, LoopCloserOptions{}, BackendSolverOptions{});
+  BackendRun run(options);
   const Pose step = poseFromYpr(1, 0.1, 0, 0.3, 0, 0);
   Vector6 sigma;
   sigma << 0.02, 0.01, 0.03, 0.004, 0.005, 0.01;
@@ -156,11 +169,12 @@ TEST(Backend, EdgesCarryTheComposedMotionAndCovariance)
     frame.motion.converged = true;
     frame.motion.information = sigma.cwiseAbs2().cwiseInverse().asDiagonal();
     frame.T_odom_vehicle = i == 0 ? Pose::Identity() : i == 1 ? step : step * step;
-    backend.addFrame(frame);
+    run.backend.addFrame(frame);
     EXPECT_EQ(frame.is_keyframe, i != 1);
   }
-  ASSERT_EQ(backend.graph().edges.size(), 1U);
-  const auto& edge = backend.graph().edges.begin()->second;
+  const PoseGraph graph = run.backend.graph();
+  ASSERT_EQ(graph.edges.size(), 1U);
+  const auto& edge = graph.edges.begin()->second;
   const Matrix6 information = informationFromYpr(step * step, edge.cov_inv.asEigen());
 
   std::mt19937 rng(1);
@@ -178,12 +192,12 @@ TEST(Backend, EdgesCarryTheComposedMotionAndCovariance)
   EXPECT_LT((product - Matrix6::Identity()).cwiseAbs().maxCoeff(), 0.06) << product;
 }
 
-TEST(Backend, UnconvergedOrSenselessInformationMeansLittleTrust)
+TEST(Backend, UnconvergedOdometryOrInvalidInformationMeansLittleTrust)
 {
   double information[3] = {0, 0, 0};
   for (int kind = 0; kind < 3; ++kind)
   {
-    Backend backend(BackendOptions{}, LoopCloserOptions{}, BackendSolverOptions{});
+    BackendRun run;
     for (std::size_t i = 0; i < 2; ++i)
     {
       Frame frame;
@@ -191,9 +205,9 @@ TEST(Backend, UnconvergedOrSenselessInformationMeansLittleTrust)
       frame.motion.converged = kind != 1;
       frame.motion.information = (kind == 2 ? NAN : 1e8) * Matrix6::Identity();
       frame.T_odom_vehicle = poseFromYpr(2.0 * static_cast<double>(i), 0, 0, 0, 0, 0);
-      backend.addFrame(frame);
+      run.backend.addFrame(frame);
     }
-    information[kind] = backend.graph().edges.begin()->second.cov_inv(0, 0);
+    information[kind] = run.backend.graph().edges.begin()->second.cov_inv(0, 0);
   }
   EXPECT_NEAR(information[0], 1 / (1e-4 + 1e-8), 1);
   EXPECT_NEAR(information[1], 1 / 1e-2, 0.01);
@@ -202,7 +216,8 @@ TEST(Backend, UnconvergedOrSenselessInformationMeansLittleTrust)
 
 TEST(Backend, EmptyRunAndOneFrame)
 {
-  Backend backend(BackendOptions{}, LoopCloserOptions{}, BackendSolverOptions{});
+  BackendRun run;
+  Backend& backend = run.backend;
   backend.finish();
   EXPECT_TRUE(backend.optimizedTrajectory().empty());
   EXPECT_TRUE(backend.graph().nodes.empty());

@@ -41,13 +41,13 @@ class EdgeErrorOf : public ::testing::TestWithParam<ErrorCoordinates>
 TEST_P(EdgeErrorOf, JacobiansMatchNumericalDerivatives)
 {
   std::mt19937 rng(1);
-  for (const double misfit : {0.0, 1e-4, 0.1, 1.0})
+  for (const double error : {0.0, 1e-4, 0.1, 1.0})
   {
     for (int trial = 0; trial < 10; ++trial)
     {
       const Pose T_i = randomPose(rng, 10, 1.5);
       const Pose Z = randomPose(rng, 5, 1);
-      const Pose T_j = T_i * Z * randomPose(rng, 3 * misfit, misfit);
+      const Pose T_j = T_i * Z * randomPose(rng, 3 * error, error);
       Matrix6 by_i;
       Matrix6 by_j;
       (void)edgeError(GetParam(), Z, T_i, T_j, &by_i, &by_j);
@@ -64,8 +64,8 @@ TEST_P(EdgeErrorOf, JacobiansMatchNumericalDerivatives)
                             edgeError(GetParam(), Z, T_i, T_j * minus)) /
                            (2 * step);
       }
-      EXPECT_LT((by_i - numeric_i).norm(), 1e-6 * (1 + numeric_i.norm())) << misfit;
-      EXPECT_LT((by_j - numeric_j).norm(), 1e-6 * (1 + numeric_j.norm())) << misfit;
+      EXPECT_LT((by_i - numeric_i).norm(), 1e-6 * (1 + numeric_i.norm())) << error;
+      EXPECT_LT((by_j - numeric_j).norm(), 1e-6 * (1 + numeric_j.norm())) << error;
     }
   }
 }

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <map>
 #include <stdexcept>
+#include <utility>
 
 #include "SyntheticScans.h"
 
@@ -40,16 +41,19 @@ std::vector<Loop> runThrough(const BoxWorld& world,
                              const std::vector<Pose>& estimate,
                              const LoopCloserOptions& options = {})
 {
-  LoopCloser closer(options);
+  KeyframeStore keyframes;
+  LoopCloser closer(options, keyframes);
   std::vector<Loop> loops;
   double path = 0;
   for (std::size_t i = 0; i < truth.size(); ++i)
   {
     path += i == 0 ? 0 : (truth[i].translation() - truth[i - 1].translation()).norm();
-    closer.add({i, path, world.scan(truth[i], static_cast<unsigned>(i))});
-    const auto present =
-        std::vector<Pose>(estimate.begin(), estimate.begin() + static_cast<std::ptrdiff_t>(i) + 1);
-    const std::vector<Loop> found = closer.search(present);
+    Keyframe keyframe;
+    keyframe.path_length = path;
+    keyframe.T_map_vehicle = estimate[i];
+    keyframes.add(std::move(keyframe));
+    closer.add(world.scan(truth[i], static_cast<unsigned>(i)));
+    const std::vector<Loop> found = closer.search();
     loops.insert(loops.end(), found.begin(), found.end());
   }
   const std::vector<Loop> rest = closer.finish();
@@ -146,8 +150,8 @@ TEST(LoopCloser, EmptyCloudsMakeNoLoops)
 {
   LoopCloserOptions options;
   options.min_path = 1;
-  LoopCloser closer(options);
-  std::vector<Pose> poses;
+  KeyframeStore keyframes;
+  LoopCloser closer(options, keyframes);
   for (std::size_t i = 0; i < 10; ++i)
   {
     std::vector<Eigen::Vector3f> points;
@@ -159,9 +163,11 @@ TEST(LoopCloser, EmptyCloudsMakeNoLoops)
     {
       points.assign(10, Eigen::Vector3f::Constant(NAN));
     }
-    closer.add({i, static_cast<double>(i), points});
-    poses.push_back(Pose::Identity());
-    for (const Loop& loop : closer.search(poses))
+    Keyframe keyframe;
+    keyframe.path_length = static_cast<double>(i);
+    keyframes.add(std::move(keyframe));
+    closer.add(points);
+    for (const Loop& loop : closer.search())
     {
       EXPECT_NE(loop.verdict, LoopVerdict::accepted);
     }
@@ -170,14 +176,19 @@ TEST(LoopCloser, EmptyCloudsMakeNoLoops)
 
 TEST(LoopCloser, ContractIsChecked)
 {
-  LoopCloser closer(LoopCloserOptions{});
-  EXPECT_TRUE(closer.search({}).empty());
-  EXPECT_THROW(closer.add({3, 0, {}}), std::invalid_argument);
-  closer.add({0, 0, {}});
-  EXPECT_THROW((void)closer.search({}), std::invalid_argument);
+  KeyframeStore keyframes;
+  LoopCloser closer(LoopCloserOptions{}, keyframes);
+  EXPECT_TRUE(closer.search().empty());
+  EXPECT_THROW(closer.add({}), std::invalid_argument);  // no keyframe to make ready
+  keyframes.add(Keyframe());
+  closer.add({});
+  EXPECT_THROW(closer.add({}), std::invalid_argument);  // ready already
+  keyframes.add(Keyframe());
+  keyframes.add(Keyframe());
+  EXPECT_THROW(closer.add({}), std::invalid_argument);  // one was passed over
   LoopCloserOptions bad;
   bad.min_overlap = 2;
-  EXPECT_THROW(LoopCloser{bad}, UserError);
+  EXPECT_THROW(LoopCloser(bad, keyframes), UserError);
 }
 }  // namespace
 }  // namespace dyslam

@@ -136,7 +136,7 @@ TEST(PoseGraphSolver, LoopsLowerTheErrorFromEveryStart)
   const World drifted = twoRounds(1);
   const double before = rmsError(drifted);
   double reference = 0;
-  for (const GraphStart start : {GraphStart::file, GraphStart::spanning_tree, GraphStart::chordal})
+  for (const GraphStart start : {GraphStart::file, GraphStart::chordal})
   {
     for (const EdgeResidual residual : {EdgeResidual::log, EdgeResidual::g2o})
     {
@@ -156,23 +156,6 @@ TEST(PoseGraphSolver, LoopsLowerTheErrorFromEveryStart)
   // With all noise as the information says, chi2 is about the number of redundant equations.
   EXPECT_GT(reference, 20);
   EXPECT_LT(reference, 110);
-}
-
-TEST(PoseGraphSolver, EveryLinearSolverFindsTheSame)
-{
-  const World drifted = twoRounds(2);
-  double reference = 0;
-  for (const GraphLinearSolver linear :
-       {GraphLinearSolver::suite_sparse, GraphLinearSolver::eigen_sparse,
-        GraphLinearSolver::conjugate_gradients})
-  {
-    World world = drifted;
-    PoseGraphSolverOptions options;
-    options.linear_solver = linear;
-    const PoseGraphResult result = PoseGraphSolver(options).solve(world.graph);
-    reference = reference == 0 ? result.final_chi2 : reference;
-    EXPECT_NEAR(result.final_chi2 / reference, 1, 1e-5);
-  }
 }
 
 TEST(PoseGraphSolver, ThreadsChangeTheRoundingAlone)
@@ -196,7 +179,7 @@ TEST(PoseGraphSolver, OneWrongLoopDoesNotBendTheMap)
   World clean = twoRounds(4);
   const World drifted = clean;
   (void)PoseGraphSolver(optionsFor(GraphStart::file)).solve(clean.graph);
-  for (const RobustKernel kernel : {RobustKernel::dcs, RobustKernel::cauchy})
+  for (const RobustLoss loss : {RobustLoss::dcs, RobustLoss::cauchy})
   {
     World world = drifted;
     addEdge(world.graph, 10, 95, poseFromYpr(3, -4, 1, 1.0, 0, 0),
@@ -204,11 +187,11 @@ TEST(PoseGraphSolver, OneWrongLoopDoesNotBendTheMap)
     World bent = world;
     (void)PoseGraphSolver(optionsFor(GraphStart::file)).solve(bent.graph);
     PoseGraphSolverOptions options = optionsFor(GraphStart::file);
-    options.loop_kernel = kernel;
+    options.loop_loss = loss;
     const PoseGraphResult result = PoseGraphSolver(options).solve(world.graph);
     EXPECT_TRUE(result.converged) << result.reason;
     EXPECT_GT(rmsError(bent), 5 * rmsError(clean));
-    EXPECT_LT(rmsError(world), 1.25 * rmsError(clean) + 0.02) << static_cast<int>(kernel);
+    EXPECT_LT(rmsError(world), 1.25 * rmsError(clean) + 0.02) << static_cast<int>(loss);
   }
 }
 
@@ -225,7 +208,7 @@ TEST(PoseGraphSolver, EmptyAndSingleNodeGraphsConverge)
 
 TEST(PoseGraphSolver, RootMayStandAnywhereAndHaveAnyId)
 {
-  for (const GraphStart start : {GraphStart::file, GraphStart::spanning_tree, GraphStart::chordal})
+  for (const GraphStart start : {GraphStart::file, GraphStart::chordal})
   {
     World world = twoRounds(5);
     world.graph.root = 57;
@@ -261,7 +244,7 @@ TEST(PoseGraphSolver, ChordalStartThatFailsIsTold)
   };
   PoseGraph uneven = graph();
   EXPECT_THROW((void)PoseGraphSolver(optionsFor(GraphStart::chordal)).solve(uneven), UserError);
-  (void)PoseGraphSolver(optionsFor(GraphStart::spanning_tree)).solve(uneven);
+  (void)PoseGraphSolver(optionsFor(GraphStart::file)).solve(uneven);
   EXPECT_NEAR(uneven.nodes.at(2).x(), 2, 1e-6);
 }
 

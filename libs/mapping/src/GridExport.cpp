@@ -162,8 +162,7 @@ void clearRays(Grid& grid, const StaticMap& map, const Ground& ground, double hi
       [&](std::size_t k, const KeyframeCloud& cloud)
       {
         const Pose& T = map.poses()[k];
-        const Eigen::Vector2d sensor =
-            (T * map.keyframes().info(k).sensor.cast<double>()).head<2>();
+        const Eigen::Vector2d sensor = (T * map.keyframes()[k].sensor.cast<double>()).head<2>();
         std::vector<double> farthest(azimuth_bins, 0.0);
         std::vector<Eigen::Vector2d> ends(azimuth_bins);
         for (const auto& point : cloud.points)

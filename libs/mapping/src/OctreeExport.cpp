@@ -32,7 +32,7 @@ void writeOctomap(const StaticMap& map, const std::string& path, const MapExport
           const Eigen::Vector3f q = (T * p.cast<double>()).cast<float>();
           points.push_back(q.x(), q.y(), q.z());
         }
-        const Eigen::Vector3f s = (T * map.keyframes().info(k).sensor.cast<double>()).cast<float>();
+        const Eigen::Vector3f s = (T * map.keyframes()[k].sensor.cast<double>()).cast<float>();
         constexpr bool lazy = true;
         constexpr bool once_per_leaf = true;
         tree.insertPointCloud(points, {s.x(), s.y(), s.z()}, options.octree_range, lazy,

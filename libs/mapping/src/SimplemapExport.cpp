@@ -36,7 +36,7 @@ mrpt::Clock::time_point toMrptTime(double stamp)
       mrpt::Clock::duration(std::llround(stamp * 1e7) + unix_epoch_ticks));
 }
 
-mrpt::obs::CObservationPointCloud::Ptr observationOf(const KeyframeInfo& info,
+mrpt::obs::CObservationPointCloud::Ptr observationOf(const Keyframe& keyframe,
                                                      const KeyframeCloud& cloud)
 {
   auto points = mrpt::maps::CPointsMapXYZI::Create();
@@ -49,7 +49,7 @@ mrpt::obs::CObservationPointCloud::Ptr observationOf(const KeyframeInfo& info,
   }
   auto observation = mrpt::obs::CObservationPointCloud::Create();
   observation->sensorLabel = "lidar";
-  observation->timestamp = toMrptTime(info.stamp);
+  observation->timestamp = toMrptTime(keyframe.stamp);
   observation->pointcloud = points;  // vehicle frame: the sensor's pose stays the identity
   return observation;
 }
@@ -66,7 +66,7 @@ void writeSimplemap(const StaticMap& map, const std::string& path)
           return;
         }
         auto frame = mrpt::obs::CSensoryFrame::Create();
-        frame->insert(observationOf(map.keyframes().info(k), cloud));
+        frame->insert(observationOf(map.keyframes()[k], cloud));
         auto pose = mrpt::poses::CPose3DPDFGaussian::Create(toMrpt(map.poses()[k]));
         simplemap.insert(pose, frame);
       });

@@ -2,67 +2,17 @@
 #include <dyslam/core/VoxelGrid.h>
 #include <dyslam/mapping/StaticMap.h>
 
-#include <algorithm>
 #include <cmath>
-#include <limits>
 #include <stdexcept>
+#include <utility>
 
 #include "VisibilityImage.h"
+#include "VoxelMap.h"
 
 namespace dyslam
 {
 namespace
 {
-constexpr double block_size = 8.0;   // voxels are listed by squares of this side [m]
-constexpr float column_size = 1.0F;  // of the columns whose lowest voxel is the ground [m]
-constexpr std::uint16_t most = std::numeric_limits<std::uint16_t>::max();
-constexpr std::uint32_t no_keyframe = 0xFFFFFFFFU;
-
-struct Voxel
-{
-  Eigen::Vector3f corner_offset =
-      Eigen::Vector3f::Zero();  // sum over points, from the cell's corner
-  float intensity = 0;          // sum over points
-  VoxelCell cell;
-  std::uint32_t last_keyframe = no_keyframe;  // that hit it
-  std::uint16_t points = 0;                   // kept with their keyframes
-  std::uint16_t hits = 0;                     // keyframes that hit it
-  std::uint16_t old_hits = 0;                 // before the last stitching, of the points in it
-  std::uint16_t seen_through = 0;             // keyframes that saw through it
-  bool has_evidence = false;                  // taken over from before the last stitching
-};
-
-/** A map as it was before it is stitched anew. */
-struct Stitched
-{
-  std::vector<Voxel> voxels;
-  VoxelHash index;
-  std::vector<Pose> poses;
-  double voxel_size;
-};
-
-VoxelCell cellOf(const Eigen::Vector3d& p, double size)
-{
-  return {static_cast<std::int32_t>(std::floor(p.x() / size)),
-          static_cast<std::int32_t>(std::floor(p.y() / size)),
-          static_cast<std::int32_t>(std::floor(p.z() / size))};
-}
-
-/** Takes over what an old voxel of the same point knew; of several, what speaks most for staying.
- */
-void adoptEvidence(Voxel& voxel, const Voxel& old)
-{
-  voxel.old_hits = std::max(voxel.old_hits, old.hits);
-  voxel.seen_through =
-      voxel.has_evidence ? std::min(voxel.seen_through, old.seen_through) : old.seen_through;
-  voxel.has_evidence = true;
-}
-
-void countUp(std::uint16_t& counter)
-{
-  counter = counter < most ? static_cast<std::uint16_t>(counter + 1) : counter;
-}
-
 bool inside(const Box& box, const Eigen::Vector3d& p, double margin)
 {
   const Eigen::Vector3d d = p - box.center;
@@ -73,8 +23,9 @@ bool inside(const Box& box, const Eigen::Vector3d& p, double margin)
          std::abs(d.z()) <= 0.5 * box.size.z() + margin;
 }
 
-/** Points of the cloud that move, or lie in the box of a dynamic track. */
-std::vector<bool> notStatic(const Frame& frame, const StaticMapOptions& options)
+/** Which points of the cloud stay out of the map: those that move, and those in the boxes of moving
+ * objects. */
+std::vector<bool> movingInMap(const Frame& frame, const StaticMapOptions& options)
 {
   std::vector<bool> moving = frame.moving;
   moving.resize(frame.cloud.size(), false);
@@ -100,6 +51,13 @@ std::vector<bool> notStatic(const Frame& frame, const StaticMapOptions& options)
   }
   return moving;
 }
+
+/** A map as it was before it is stitched again. */
+struct Stitched
+{
+  std::vector<Pose> poses;
+  VoxelMap map;
+};
 }  // namespace
 
 void StaticMapOptions::describe(OptionsVisitor& v)
@@ -125,71 +83,28 @@ void StaticMapOptions::describe(OptionsVisitor& v)
 
 struct StaticMap::Impl
 {
-  explicit Impl(const StaticMapOptions& o)
-      : options(o), voxel_size(o.voxel_size), keyframes(o.max_range + 1.0)
+  Impl(const StaticMapOptions& o, KeyframeStore& store)
+      : options(o), keyframes(store), map(o.voxel_size)
   {
     validate(options, "map");
   }
 
-  [[nodiscard]] Eigen::Vector3d cornerOf(const VoxelCell& c) const
-  {
-    return voxel_size * Eigen::Vector3d(c.x, c.y, c.z);
-  }
-  [[nodiscard]] Eigen::Vector3d centroidOf(const Voxel& v) const
-  {
-    return cornerOf(v.cell) + (v.corner_offset / std::max<float>(v.points, 1)).cast<double>();
-  }
-  /** 2D cell of a point in squares, as a key. */
-  [[nodiscard]] static std::uint64_t squareOf(double x, double y, double size)
-  {
-    return voxelKey({static_cast<std::int32_t>(std::floor(x / size)),
-                     static_cast<std::int32_t>(std::floor(y / size)), 0});
-  }
-
-  [[nodiscard]] std::uint32_t voxelAt(const VoxelCell& cell);
-  [[nodiscard]] KeyframeCloud thinned(const Frame& frame, const std::vector<bool>& moving) const;
+  [[nodiscard]] KeyframeCloud thinned(const Frame& frame) const;
   void stitch(std::size_t keyframe, const Stitched* before);
-  void lookThrough(const VisibilityImage& image, const Pose& T_map_vehicle);
-  void restitch(const std::vector<Pose>& new_poses, double new_voxel_size);
+  void restitch(double voxel_size);
+  void correct();
   void keepWithinLimit();
-  /** Voxels that are part of the cleaned map. */
-  [[nodiscard]] std::vector<bool> keptVoxels() const;
-  [[nodiscard]] std::vector<float> groundHeights(VoxelHash& columns) const;
 
   StaticMapOptions options;
-  double voxel_size;
-  KeyframeStore keyframes;
-  std::vector<Pose> poses;
-  std::vector<Voxel> voxels;
-  VoxelHash index;
-  VoxelHash block_index;
-  std::vector<std::vector<std::uint32_t>> blocks;
+  KeyframeStore& keyframes;
+  std::size_t revision = 0;  //!< of the keyframes' poses that the map is stitched at
+  std::vector<Pose> poses;   //!< these poses, one per keyframe inserted
+  VoxelMap map;
 };
 
-std::uint32_t StaticMap::Impl::voxelAt(const VoxelCell& cell)
+KeyframeCloud StaticMap::Impl::thinned(const Frame& frame) const
 {
-  const auto next = static_cast<std::uint32_t>(voxels.size());
-  const std::uint32_t found = index.findOrInsert(voxelKey(cell), next);
-  if (found == next)
-  {
-    Voxel voxel;
-    voxel.cell = cell;
-    voxels.push_back(voxel);
-    const Eigen::Vector3d corner = cornerOf(cell);
-    const auto next_block = static_cast<std::uint32_t>(blocks.size());
-    const std::uint32_t block =
-        block_index.findOrInsert(squareOf(corner.x(), corner.y(), block_size), next_block);
-    if (block == next_block)
-    {
-      blocks.emplace_back();
-    }
-    blocks[block].push_back(found);
-  }
-  return found;
-}
-
-KeyframeCloud StaticMap::Impl::thinned(const Frame& frame, const std::vector<bool>& moving) const
-{
+  const std::vector<bool> moving = movingInMap(frame, options);
   const double nearest = options.min_range * options.min_range;
   const double farthest = options.max_range * options.max_range;
   const bool has_intensity = frame.cloud.intensity.size() == frame.cloud.size();
@@ -208,7 +123,7 @@ KeyframeCloud StaticMap::Impl::thinned(const Frame& frame, const std::vector<boo
         source.push_back(static_cast<std::uint32_t>(i));
       }
     }
-    const VoxelSample sample = voxelDownsample(points, voxel_size, VoxelPick::centroid);
+    const VoxelSample sample = voxelDownsample(points, map.voxelSize(), VoxelPick::centroid);
     for (std::size_t k = 0; k < sample.points.size(); ++k)
     {
       result.points.push_back(sample.points[k]);
@@ -230,8 +145,8 @@ void StaticMap::Impl::stitch(std::size_t keyframe, const Stitched* before)
     return;
   }
   const bool has_before = before != nullptr && before->poses[keyframe].matrix().allFinite();
-  const KeyframeCloud cloud = keyframes.cloud(keyframe);
-  const auto number = static_cast<std::uint32_t>(keyframe);
+  PackedCloud& packed = keyframes[keyframe].map_cloud;
+  const KeyframeCloud cloud = packed.unpacked();
   std::vector<bool> keep(cloud.size(), true);
   for (std::size_t i = 0; i < cloud.size(); ++i)
   {
@@ -241,121 +156,58 @@ void StaticMap::Impl::stitch(std::size_t keyframe, const Stitched* before)
     }
     const Eigen::Vector3d point = cloud.points[i].cast<double>();
     const Eigen::Vector3d p = T * point;
-    const VoxelCell cell = cellOf(p, voxel_size);
-    Voxel& voxel = voxels[voxelAt(cell)];
-    if (voxel.last_keyframe != number)
-    {
-      voxel.last_keyframe = number;
-      countUp(voxel.hits);
-    }
+    Voxel& voxel = map.hit(p, static_cast<std::uint32_t>(keyframe));
     if (has_before)
     {
-      const VoxelCell old = cellOf(before->poses[keyframe] * point, before->voxel_size);
-      const std::uint32_t found = before->index.find(voxelKey(old));
-      if (found != VoxelHash::none)
+      const std::uint32_t old = before->map.find(before->poses[keyframe] * point);
+      if (old != VoxelHash::none)
       {
-        adoptEvidence(voxel, before->voxels[found]);
+        VoxelMap::carryEvidence(before->map.voxels()[old], voxel);
       }
     }
     keep[i] = voxel.points < options.points_per_voxel;
     if (keep[i])
     {
-      voxel.corner_offset += (p - cornerOf(cell)).cast<float>();
-      voxel.intensity += cloud.intensity[i];
-      countUp(voxel.points);
+      map.addPoint(voxel, p, cloud.intensity[i]);
     }
   }
-  keyframes.thin(keyframe, keep);
+  packed.keepOnly(keep);
 }
 
-void StaticMap::Impl::lookThrough(const VisibilityImage& image, const Pose& T_map_vehicle)
+/** The same keyframes at their present poses, in voxels of this size. */
+void StaticMap::Impl::restitch(double voxel_size)
 {
-  const Eigen::Isometry3f T_vehicle_map = T_map_vehicle.inverse().cast<float>();
-  const Eigen::Vector3d at = T_map_vehicle.translation();
-  const int reach = static_cast<int>(std::ceil(options.visibility_range / block_size));
-  const auto limit = static_cast<float>(options.visibility_range * options.visibility_range);
-  for (int bx = -reach; bx <= reach; ++bx)
+  const Stitched before{std::exchange(poses, {}), std::exchange(map, VoxelMap(voxel_size))};
+  for (std::size_t k = 0; k < before.poses.size(); ++k)
   {
-    for (int by = -reach; by <= reach; ++by)
-    {
-      const std::uint32_t block = block_index.find(
-          squareOf(at.x() + bx * block_size, at.y() + by * block_size, block_size));
-      if (block == VoxelHash::none)
-      {
-        continue;
-      }
-      for (const std::uint32_t v : blocks[block])
-      {
-        Voxel& voxel = voxels[v];
-        const Eigen::Vector3f p = T_vehicle_map * centroidOf(voxel).cast<float>();
-        if (p.squaredNorm() <= limit &&
-            image.seesThrough(p, static_cast<float>(voxel_size),
-                              static_cast<float>(options.visibility_margin)))
-        {
-          countUp(voxel.seen_through);
-        }
-      }
-    }
-  }
-}
-
-/** The same keyframes at other poses or in voxels of another size. */
-void StaticMap::Impl::restitch(const std::vector<Pose>& new_poses, double new_voxel_size)
-{
-  const Stitched before{std::move(voxels), std::move(index), std::move(poses), voxel_size};
-  voxels.clear();
-  index = VoxelHash();
-  block_index = VoxelHash();
-  blocks.clear();
-  poses = new_poses;
-  voxel_size = new_voxel_size;
-  for (std::size_t k = 0; k < keyframes.size(); ++k)
-  {
+    poses.push_back(keyframes[k].T_map_vehicle);
     stitch(k, &before);
   }
-  for (Voxel& voxel : voxels)
+  map.mergeOldHits();
+  revision = keyframes.revision();
+}
+
+void StaticMap::Impl::correct()
+{
+  if (revision != keyframes.revision())
   {
-    voxel.hits = std::max(voxel.hits, voxel.old_hits);
+    restitch(map.voxelSize());
+    keepWithinLimit();
   }
 }
 
 void StaticMap::Impl::keepWithinLimit()
 {
-  while (voxels.size() > static_cast<std::size_t>(options.max_voxels))
+  while (map.voxels().size() > static_cast<std::size_t>(options.max_voxels))
   {
-    const std::vector<Pose> same = poses;
-    restitch(same, 2 * voxel_size);
+    restitch(2 * map.voxelSize());
   }
 }
 
-/** Height of the ground by column: the lowest voxel hit more than once, else the lowest. */
-std::vector<float> StaticMap::Impl::groundHeights(VoxelHash& columns) const
+StaticMap::StaticMap(const StaticMapOptions& options, KeyframeStore& keyframes)
+    : impl_(std::make_unique<Impl>(options, keyframes))
 {
-  constexpr float nothing = std::numeric_limits<float>::infinity();
-  std::vector<float> sure;
-  std::vector<float> any;
-  for (const Voxel& voxel : voxels)
-  {
-    const Eigen::Vector3d c = centroidOf(voxel);
-    const auto next = static_cast<std::uint32_t>(any.size());
-    const std::uint32_t column = columns.findOrInsert(squareOf(c.x(), c.y(), column_size), next);
-    if (column == next)
-    {
-      sure.push_back(nothing);
-      any.push_back(nothing);
-    }
-    const auto z = static_cast<float>(c.z());
-    any[column] = std::min(any[column], z);
-    sure[column] = voxel.hits > 1 ? std::min(sure[column], z) : sure[column];
-  }
-  for (std::size_t i = 0; i < any.size(); ++i)
-  {
-    any[i] = sure[i] < nothing ? sure[i] : any[i];
-  }
-  return any;
 }
-
-StaticMap::StaticMap(const StaticMapOptions& options) : impl_(std::make_unique<Impl>(options)) {}
 StaticMap::~StaticMap() = default;
 StaticMap::StaticMap(StaticMap&&) noexcept = default;
 StaticMap& StaticMap::operator=(StaticMap&&) noexcept = default;
@@ -363,72 +215,44 @@ StaticMap& StaticMap::operator=(StaticMap&&) noexcept = default;
 void StaticMap::insert(const Frame& frame)
 {
   Impl& m = *impl_;
-  KeyframeInfo info;
-  info.frame = frame.index;
-  info.stamp = frame.scan.stamp;
-  info.sensor = frame.scan.T_vehicle_lidar.translation().cast<float>();
-  const Pose T_map_vehicle = frame.T_map_vehicle();
-  const bool placed = T_map_vehicle.matrix().allFinite();
-  m.poses.push_back(T_map_vehicle);
-  m.keyframes.add(info, placed ? m.thinned(frame, notStatic(frame, m.options)) : KeyframeCloud());
-  if (!placed)
+  if (m.keyframes.size() != m.poses.size() + 1)
+  {
+    throw std::invalid_argument("StaticMap: keyframe " + std::to_string(m.poses.size()) +
+                                " is next, but there are " + std::to_string(m.keyframes.size()));
+  }
+  m.correct();
+  Keyframe& keyframe = m.keyframes[m.poses.size()];
+  m.poses.push_back(keyframe.T_map_vehicle);
+  if (!keyframe.T_map_vehicle.matrix().allFinite())
   {
     return;
   }
+  keyframe.map_cloud = PackedCloud(m.thinned(frame), m.options.max_range + 1.0);
   if (m.options.visibility)
   {
-    m.lookThrough(VisibilityImage(frame.cloud.points, info.sensor), T_map_vehicle);
+    m.map.countSeenThrough(VisibilityImage(frame.cloud.points, keyframe.sensor),
+                           keyframe.T_map_vehicle, m.options);
   }
-  m.stitch(m.keyframes.size() - 1, nullptr);
+  m.stitch(m.poses.size() - 1, nullptr);
   m.keepWithinLimit();
 }
 
-void StaticMap::rebuild(const std::vector<Pose>& T_map_vehicle)
+void StaticMap::correct()
 {
-  if (T_map_vehicle.size() != impl_->keyframes.size())
-  {
-    throw std::invalid_argument("StaticMap: " + std::to_string(T_map_vehicle.size()) +
-                                " poses for " + std::to_string(impl_->keyframes.size()) +
-                                " keyframes");
-  }
-  impl_->restitch(T_map_vehicle, impl_->voxel_size);
-  impl_->keepWithinLimit();
-}
-
-std::vector<bool> StaticMap::Impl::keptVoxels() const
-{
-  VoxelHash columns;
-  const std::vector<float> ground =
-      options.visibility ? groundHeights(columns) : std::vector<float>();
-  std::vector<bool> kept(voxels.size());
-  for (std::size_t i = 0; i < voxels.size(); ++i)
-  {
-    const Voxel& voxel = voxels[i];
-    kept[i] = voxel.hits >= options.min_hits;
-    const bool seen_through = options.visibility &&
-                              voxel.seen_through >= options.visibility_min_views &&
-                              voxel.seen_through >= options.visibility_ratio * voxel.hits;
-    if (seen_through)
-    {
-      const Eigen::Vector3d c = centroidOf(voxel);
-      const float floor = ground[columns.find(squareOf(c.x(), c.y(), column_size))];
-      kept[i] = kept[i] && c.z() <= static_cast<double>(floor) + options.ground_clearance;
-    }
-  }
-  return kept;
+  impl_->correct();
 }
 
 MapPoints StaticMap::points() const
 {
-  const Impl& m = *impl_;
-  const std::vector<bool> kept = m.keptVoxels();
+  const VoxelMap& map = impl_->map;
+  const std::vector<bool> kept = map.cleaned(impl_->options);
   MapPoints result;
-  for (std::size_t i = 0; i < m.voxels.size(); ++i)
+  for (std::size_t i = 0; i < kept.size(); ++i)
   {
-    const Voxel& voxel = m.voxels[i];
+    const Voxel& voxel = map.voxels()[i];
     if (kept[i])
     {
-      result.points.push_back(m.centroidOf(voxel).cast<float>());
+      result.points.push_back(map.centroidOf(voxel).cast<float>());
       result.intensity.push_back(voxel.intensity / static_cast<float>(voxel.points));
       result.hits.push_back(voxel.hits);
     }
@@ -437,18 +261,17 @@ MapPoints StaticMap::points() const
 }
 
 void StaticMap::forEachStaticCloud(
-    const std::function<void(std::size_t, const KeyframeCloud&)>& take) const
+    const std::function<void(std::size_t, const KeyframeCloud&)>& visit) const
 {
   const Impl& m = *impl_;
-  const std::vector<bool> kept = m.keptVoxels();
-  for (std::size_t k = 0; k < m.keyframes.size(); ++k)
+  const std::vector<bool> kept = m.map.cleaned(m.options);
+  for (std::size_t k = 0; k < m.poses.size(); ++k)
   {
-    const KeyframeCloud all = m.keyframes.cloud(k);
+    const KeyframeCloud all = m.keyframes[k].map_cloud.unpacked();
     KeyframeCloud cloud;
     for (std::size_t i = 0; i < all.size() && m.poses[k].matrix().allFinite(); ++i)
     {
-      const VoxelCell cell = cellOf(m.poses[k] * all.points[i].cast<double>(), m.voxel_size);
-      const std::uint32_t voxel = m.index.find(voxelKey(cell));
+      const std::uint32_t voxel = m.map.find(m.poses[k] * all.points[i].cast<double>());
       if (all.is_static[i] != 0 && voxel != VoxelHash::none && kept[voxel])
       {
         cloud.points.push_back(all.points[i]);
@@ -456,7 +279,7 @@ void StaticMap::forEachStaticCloud(
         cloud.is_static.push_back(1);
       }
     }
-    take(k, cloud);
+    visit(k, cloud);
   }
 }
 
@@ -470,10 +293,10 @@ const std::vector<Pose>& StaticMap::poses() const
 }
 double StaticMap::voxelSize() const
 {
-  return impl_->voxel_size;
+  return impl_->map.voxelSize();
 }
 std::size_t StaticMap::voxelCount() const
 {
-  return impl_->voxels.size();
+  return impl_->map.voxels().size();
 }
 }  // namespace dyslam

@@ -15,6 +15,8 @@
 #include <opencv2/imgcodecs.hpp>
 #include <sstream>
 
+#include "TestMap.h"
+
 namespace dyslam
 {
 namespace
@@ -45,9 +47,9 @@ class MapExport : public testing::Test
   }
 
   /** A flat floor of 20 m by 20 m with a wall 1.5 m high at x = 8, seen from three places. */
-  [[nodiscard]] static StaticMap room()
+  [[nodiscard]] static test::TestMap room()
   {
-    StaticMap map;
+    test::TestMap map;
     for (std::size_t k = 0; k < 3; ++k)
     {
       Frame frame;
@@ -83,7 +85,7 @@ class MapExport : public testing::Test
 
 TEST_F(MapExport, CloudsRoundTrip)
 {
-  const auto points = room().points();
+  const auto points = room().map.points();
   ASSERT_GT(points.size(), 1000U);
   for (const std::string name : {"m.pcd", "m.ply"})
   {
@@ -101,7 +103,8 @@ TEST_F(MapExport, CloudsRoundTrip)
 
 TEST_F(MapExport, SimplemapHoldsPosesAndClouds)
 {
-  const StaticMap map = room();
+  const test::TestMap held = room();
+  const StaticMap& map = held.map;
   writeSimplemap(map, path("m.simplemap"));
   const auto first = bytes(path("m.simplemap"));
   writeSimplemap(map, path("m.simplemap"));
@@ -123,12 +126,13 @@ TEST_F(MapExport, SimplemapHoldsPosesAndClouds)
     EXPECT_EQ(cloud->sensorLabel, "lidar");
     points += cloud->pointcloud->size();
   }
-  EXPECT_EQ(points, map.keyframes().pointCount());
+  EXPECT_EQ(points, held.pointCount());
 }
 
 TEST_F(MapExport, OctomapKnowsOccupiedAndFree)
 {
-  const StaticMap map = room();
+  const test::TestMap held = room();
+  const StaticMap& map = held.map;
   for (const std::string name : {"m.bt", "m.ot"})
   {
     writeOctomap(map, path(name), {});
@@ -150,7 +154,8 @@ TEST_F(MapExport, OctomapKnowsOccupiedAndFree)
 
 TEST_F(MapExport, GridIsWhatMapServersRead)
 {
-  const StaticMap map = room();
+  const test::TestMap held = room();
+  const StaticMap& map = held.map;
   writeOccupancyGrid(map, path("m.png"), {});
   const cv::Mat grid = cv::imread(path("m.png"), cv::IMREAD_UNCHANGED);
   ASSERT_EQ(grid.type(), CV_8UC1);
@@ -187,7 +192,7 @@ TEST_F(MapExport, LargeGridsGetCoarserCells)
 {
   MapExportOptions options;
   options.grid_max_cells = 5000;
-  writeOccupancyGrid(room(), path("m.png"), options);
+  writeOccupancyGrid(room().map, path("m.png"), options);
   const cv::Mat grid = cv::imread(path("m.png"), cv::IMREAD_UNCHANGED);
   EXPECT_LE(grid.rows * grid.cols, 5000);
   EXPECT_NE(bytes(path("m.yaml")).find("resolution: 0.4"), std::string::npos)
@@ -196,7 +201,8 @@ TEST_F(MapExport, LargeGridsGetCoarserCells)
 
 TEST_F(MapExport, EmptyMapGivesValidFiles)
 {
-  const StaticMap map;
+  const test::TestMap held;
+  const StaticMap& map = held.map;
   writeMapCloud(map.points(), path("e.ply"));
   EXPECT_EQ(readCloud(path("e.ply")).size(), 0U);
   writeMapCloud(map.points(), path("e.pcd"));
@@ -222,13 +228,14 @@ TEST_F(MapExport, AFullDiskLeavesTheEarlierSimplemap)
   std::ofstream(path("f.simplemap")) << "an earlier one";
   fs::create_symlink("/dev/full", path("f.simplemap.tmp"));
   // Few bytes: they are written by the close only.
-  EXPECT_THROW(writeSimplemap(StaticMap(), path("f.simplemap")), UserError);
+  EXPECT_THROW(writeSimplemap(test::TestMap().map, path("f.simplemap")), UserError);
   EXPECT_EQ(bytes(path("f.simplemap")), "an earlier one");
 }
 
 TEST_F(MapExport, UnwritableFoldersAndBadEndings)
 {
-  const StaticMap map = room();
+  const test::TestMap held = room();
+  const StaticMap& map = held.map;
   const std::string nowhere = path("no/such/folder/m");
   EXPECT_THROW(writeMapCloud(map.points(), nowhere + ".ply"), UserError);
   EXPECT_THROW(writeSimplemap(map, nowhere + ".simplemap"), UserError);

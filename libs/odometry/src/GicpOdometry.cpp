@@ -2,13 +2,12 @@
 #include "GicpOdometry.h"
 
 #include <dyslam/core/Normals.h>
+#include <dyslam/core/PoseGaussNewton.h>
 #include <dyslam/core/VoxelGrid.h>
 #include <pcl/point_types.h>
 #include <pcl/registration/gicp.h>
 
 #include <algorithm>
-
-#include "RowAlignment.h"
 
 namespace dyslam
 {
@@ -26,7 +25,8 @@ void GicpOptions::describe(OptionsVisitor& v)
   v.real("max_distance", max_distance, 0.01, 100, "of matches [m]");
   v.integer("neighbours", neighbours, 5, 100, "for covariances");
   v.integer("max_iterations", max_iterations, 1, 500, "at most");
-  v.real("correlated_points", correlated_points, 1, 1e6, "points that count as one measurement");
+  v.real("points_per_measurement", points_per_measurement, 1, 1e6,
+         "points that count as one measurement");
 }
 
 struct GicpOdometry::Pcl
@@ -93,7 +93,7 @@ MotionEstimate GicpOdometry::align(const Pose& T_reference_current_guess)
   // PCL gives no information: point-to-plane rows at the result.
   const std::size_t step = std::max<std::size_t>(1, points_.size() / information_points);
   const auto match =
-      [&](std::size_t begin, std::size_t end, const Pose& at, double gate, RowSums& sums)
+      [&](std::size_t begin, std::size_t end, const Pose& at, double gate, NormalEquations& sums)
   {
     std::vector<Neighbour> neighbours;
     std::vector<Eigen::Vector3f> patch;
@@ -114,24 +114,25 @@ MotionEstimate GicpOdometry::align(const Pose& T_reference_current_guess)
       }
       const double r = static_cast<double>(shape.normal.dot(q - shape.mean));
       sums.addRow(shape.normal.cast<double>(), p.cast<double>(), at.linear(), r,
-                  robustWeight(r * r, 0.1) * static_cast<double>(shape.planarity()));
+                  gemanMcClureWeight(r * r, 0.1) * static_cast<double>(shape.planarity()));
       ++sums.inliers;
     }
   };
-  RowAlignmentSettings settings;
+  PoseGaussNewtonSettings settings;
   settings.max_iterations = 1;
-  settings.start_kernel = settings.kernel = options_.max_distance;
-  settings.correlated_points = options_.correlated_points / static_cast<double>(step);
-  const MotionEstimate rows = alignByRows(points_.size() / step, match, T, settings, pool_);
+  settings.start_gate = settings.end_gate = options_.max_distance;
+  const MotionEstimate rows =
+      toMotionEstimate(poseGaussNewton(points_.size() / step, match, T, settings, pool_),
+                       options_.points_per_measurement / static_cast<double>(step));
   estimate.information = rows.information;
   estimate.inliers = rows.inliers;
   estimate.rmse = rows.rmse;
   estimate.iterations = 1;
   estimate.converged =
-      gicp.hasConverged() && T.matrix().allFinite() && rows.inliers >= settings.fewest_inliers;
+      gicp.hasConverged() && T.matrix().allFinite() && rows.inliers >= settings.min_inliers;
   if (!estimate.converged)
   {
-    estimate.reason = rows.inliers < settings.fewest_inliers ? rows.reason : "PCL did not converge";
+    estimate.reason = rows.inliers < settings.min_inliers ? rows.reason : "PCL did not converge";
   }
   return estimate;
 }

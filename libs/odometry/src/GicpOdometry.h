@@ -16,7 +16,7 @@ struct GicpOptions : Options
   double max_distance = 1.0;  //!< of matches [m]
   int neighbours = 20;        //!< for covariances
   int max_iterations = 30;
-  double correlated_points = 50;  //!< points that count as one measurement
+  double points_per_measurement = 50;  //!< points that count as one measurement
 
   void describe(OptionsVisitor& visitor) override;
 };

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "IcpOdometry.h"
 
+#include <dyslam/core/PoseGaussNewton.h>
 #include <dyslam/core/VoxelGrid.h>
-
-#include "RowAlignment.h"
 
 namespace dyslam
 {
@@ -19,11 +18,12 @@ void IcpOptions::describe(OptionsVisitor& v)
   v.real("reference_size", reference_size, 0.05, 10, "reference points likewise [m]");
   v.real("max_distance", max_distance, 0.01, 100, "of matches, at first [m]");
   v.real("end_distance", end_distance, 0.01, 100, "of matches, in the end [m]");
-  v.real("kernel", kernel, 0.001, 10, "scale of the robust kernel [m]");
+  v.real("loss_width", loss_width, 0.001, 10, "of the robust loss [m]");
   v.integer("neighbours", neighbours, 3, 100, "for normals (point to plane)");
   v.real("normal_radius", normal_radius, 0.01, 10, "for normals: neighbours within [m]");
   v.integer("max_iterations", max_iterations, 1, 500, "at most");
-  v.real("correlated_points", correlated_points, 1, 1e6, "points that count as one measurement");
+  v.real("points_per_measurement", points_per_measurement, 1, 1e6,
+         "points that count as one measurement");
 }
 
 std::string IcpOdometry::extract(const Frame& frame)
@@ -47,7 +47,7 @@ MotionEstimate IcpOdometry::align(const Pose& T_reference_current_guess)
 {
   const bool planes = residual_ == Residual::point_to_plane;
   const auto match =
-      [&](std::size_t begin, std::size_t end, const Pose& T, double gate, RowSums& sums)
+      [&](std::size_t begin, std::size_t end, const Pose& T, double gate, NormalEquations& sums)
   {
     const Eigen::Matrix3d R = T.linear();
     Neighbour nearest;
@@ -70,12 +70,12 @@ MotionEstimate IcpOdometry::align(const Pose& T_reference_current_guess)
         const Eigen::Vector3d n = shape.normal.cast<double>();
         const double r = n.dot(q - shape.mean.cast<double>());
         const double flat = static_cast<double>(shape.planarity());
-        sums.addRow(n, p, R, r, own * flat * flat * robustWeight(r * r, options_.kernel));
+        sums.addRow(n, p, R, r, own * flat * flat * gemanMcClureWeight(r * r, options_.loss_width));
       }
       else
       {
         const Eigen::Vector3d d = q - reference_.points[nearest.index].cast<double>();
-        const double w = own * robustWeight(d.squaredNorm(), gate);
+        const double w = own * gemanMcClureWeight(d.squaredNorm(), gate);
         sums.addRow(Eigen::Vector3d::UnitX(), p, R, d.x(), w);
         sums.addRow(Eigen::Vector3d::UnitY(), p, R, d.y(), w);
         sums.addRow(Eigen::Vector3d::UnitZ(), p, R, d.z(), w);
@@ -83,12 +83,13 @@ MotionEstimate IcpOdometry::align(const Pose& T_reference_current_guess)
       ++sums.inliers;
     }
   };
-  RowAlignmentSettings settings;
+  PoseGaussNewtonSettings settings;
   settings.max_iterations = options_.max_iterations;
-  settings.start_kernel = options_.max_distance;
-  settings.kernel = options_.end_distance;
-  settings.correlated_points = options_.correlated_points;
-  return alignByRows(sample_.size(), match, T_reference_current_guess, settings, pool_);
+  settings.start_gate = options_.max_distance;
+  settings.end_gate = options_.end_distance;
+  return toMotionEstimate(
+      poseGaussNewton(sample_.size(), match, T_reference_current_guess, settings, pool_),
+      options_.points_per_measurement);
 }
 
 void IcpOdometry::accept(const Pose& /*T_reference_current*/)

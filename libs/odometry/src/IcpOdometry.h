@@ -15,11 +15,11 @@ struct IcpOptions : Options
   double reference_size = 0.25;  //!< reference points likewise [m]
   double max_distance = 1.5;     //!< of matches, at first [m]
   double end_distance = 0.4;     //!< ... and in the end [m]
-  double kernel = 0.1;           //!< scale of the robust kernel [m]
+  double loss_width = 0.1;       //!< of the robust loss [m]
   int neighbours = 10;           //!< for normals (point to plane)
   double normal_radius = 1.0;    //!< ... and within [m]
   int max_iterations = 40;
-  double correlated_points = 50;  //!< points that count as one measurement
+  double points_per_measurement = 50;  //!< points that count as one measurement
 
   void describe(OptionsVisitor& visitor) override;
 };
@@ -27,7 +27,7 @@ struct IcpOptions : Options
 /** Point-to-point residuals also measure how far apart the samples lie: they say less each. */
 struct IcpPointToPointOptions : IcpOptions
 {
-  IcpPointToPointOptions() { correlated_points = 250; }
+  IcpPointToPointOptions() { points_per_measurement = 250; }
 };
 
 /** Scan-to-scan ICP, point to point or point to plane, with exact nearest neighbours. */

@@ -255,12 +255,13 @@ void LoamOptions::describe(OptionsVisitor& v)
   v.real("plane_size", plane_size, 0.05, 10, "plane points to register to: one per such cube [m]");
   v.real("max_distance", max_distance, 0.01, 100, "of matches between scans, at first [m]");
   v.real("end_distance", end_distance, 0.01, 100, "in the end, and to the map [m]");
-  v.real("kernel", kernel, 0.001, 10, "scale of the robust kernel [m]");
+  v.real("loss_width", loss_width, 0.001, 10, "of the robust loss [m]");
   v.integer("max_iterations", max_iterations, 1, 500, "at most");
   v.real("map_edge_size", map_edge_size, 0.05, 10, "spacing of the map's edges [m]");
   v.real("map_plane_size", map_plane_size, 0.05, 10, "spacing of the map's plane points [m]");
   v.real("map_radius", map_radius, 5, 1000, "farther map points are dropped [m]");
-  v.real("correlated_points", correlated_points, 1, 1e6, "points that count as one measurement");
+  v.real("points_per_measurement", points_per_measurement, 1, 1e6,
+         "points that count as one measurement");
 }
 
 LoamFeatures loamFeatures(const Frame& frame, const LoamOptions& options)

@@ -20,12 +20,12 @@ struct LoamOptions : Options
   double plane_size = 0.3;         //!< plane points to register to: one per cube of this side [m]
   double max_distance = 2;         //!< of matches between scans, at first [m]
   double end_distance = 0.7;       //!< ... and in the end, and to the map [m]
-  double kernel = 0.1;             //!< scale of the robust kernel [m]
+  double loss_width = 0.1;         //!< of the robust loss [m]
   int max_iterations = 30;
-  double map_edge_size = 0.3;     //!< spacing of the map's edges [m]
-  double map_plane_size = 0.5;    //!< ... and plane points [m]
-  double map_radius = 80;         //!< farther points are dropped [m]
-  double correlated_points = 20;  //!< points that count as one measurement
+  double map_edge_size = 0.3;          //!< spacing of the map's edges [m]
+  double map_plane_size = 0.5;         //!< ... and plane points [m]
+  double map_radius = 80;              //!< farther points are dropped [m]
+  double points_per_measurement = 20;  //!< points that count as one measurement
 
   void describe(OptionsVisitor& visitor) override;
 };
@@ -47,6 +47,6 @@ struct LoamFeatures
 };
 
 /** Edge and plane points of a frame by the curvature along its rings (Zhang and Singh, LOAM, 2014).
- * Empty if the rings cannot be told. */
+ * Empty if the rings cannot be identified. */
 [[nodiscard]] LoamFeatures loamFeatures(const Frame& frame, const LoamOptions& options);
 }  // namespace dyslam

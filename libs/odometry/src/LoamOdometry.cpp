@@ -27,32 +27,32 @@ bool near(std::uint16_t a, std::uint16_t b)
   return std::abs(static_cast<int>(a) - static_cast<int>(b)) <= ring_reach;
 }
 
-void addLineRow(const Line& line,
-                const Eigen::Vector3d& p,
-                const Pose& T,
-                double w,
-                double kernel,
-                RowSums& sums)
+void addRowToLine(const Line& line,
+                  const Eigen::Vector3d& p,
+                  const Pose& T,
+                  double w,
+                  double loss_width,
+                  NormalEquations& sums)
 {
   const Eigen::Vector3d d = T * p - line.at;
   const Eigen::Vector3d off = d - line.direction * line.direction.dot(d);
   const double r = off.norm();
   // On the line any normal will do; there the row pulls nowhere.
   const Eigen::Vector3d n = r > 1e-6 ? Eigen::Vector3d(off / r) : line.direction.unitOrthogonal();
-  sums.addRow(n, p, T.linear(), r, w * robustWeight(r * r, kernel));
+  sums.addRow(n, p, T.linear(), r, w * gemanMcClureWeight(r * r, loss_width));
   ++sums.inliers;
 }
 
-void addPlaneRow(const Eigen::Vector3d& at,
-                 const Eigen::Vector3d& n,
-                 const Eigen::Vector3d& p,
-                 const Pose& T,
-                 double w,
-                 double kernel,
-                 RowSums& sums)
+void addRowToPlane(const Eigen::Vector3d& at,
+                   const Eigen::Vector3d& n,
+                   const Eigen::Vector3d& p,
+                   const Pose& T,
+                   double w,
+                   double loss_width,
+                   NormalEquations& sums)
 {
   const double r = n.dot(T * p - at);
-  sums.addRow(n, p, T.linear(), r, w * robustWeight(r * r, kernel));
+  sums.addRow(n, p, T.linear(), r, w * gemanMcClureWeight(r * r, loss_width));
   ++sums.inliers;
 }
 }  // namespace
@@ -107,99 +107,109 @@ std::string LoamOdometry::extract(const Frame& frame)
   return {};
 }
 
-RowAlignmentSettings LoamOdometry::settings(double start) const
+MotionEstimate LoamOdometry::alignFeatures(const RowMatcher& match,
+                                           const Pose& T_guess,
+                                           double start_gate)
 {
-  RowAlignmentSettings s;
-  s.max_iterations = options_.max_iterations;
-  s.start_kernel = start;
-  s.kernel = options_.end_distance;
-  s.correlated_points = options_.correlated_points;
-  return s;
+  PoseGaussNewtonSettings settings;
+  settings.max_iterations = options_.max_iterations;
+  settings.start_gate = start_gate;
+  settings.end_gate = options_.end_distance;
+  const std::size_t count = features_.edges.size() + features_.planes.size();
+  return toMotionEstimate(poseGaussNewton(count, match, T_guess, settings, pool_),
+                          options_.points_per_measurement);
+}
+
+void LoamOdometry::addEdgeRow(const LoamPoint& f,
+                              const Pose& T,
+                              double gate,
+                              NormalEquations& sums,
+                              std::vector<Neighbour>& found) const
+{
+  const Eigen::Vector3d p = f.p.cast<double>();
+  edges_.tree.nearest((T * p).cast<float>(), 6, found, static_cast<float>(gate));
+  for (std::size_t k = 1; k < found.size(); ++k)
+  {
+    const std::uint16_t ring = edges_.rings[found[0].index];
+    const std::uint16_t other = edges_.rings[found[k].index];
+    if (other == ring || !near(ring, other))
+    {
+      continue;
+    }
+    const Eigen::Vector3d a = edges_.points[found[0].index].cast<double>();
+    const Eigen::Vector3d b = edges_.points[found[k].index].cast<double>();
+    if ((b - a).norm() > 1e-3)
+    {
+      addRowToLine({a, (b - a).normalized()}, p, T, static_cast<double>(f.weight),
+                   options_.loss_width, sums);
+    }
+    return;
+  }
+}
+
+void LoamOdometry::addPlaneRow(const LoamPoint& f,
+                               const Pose& T,
+                               double gate,
+                               NormalEquations& sums,
+                               std::vector<Neighbour>& found) const
+{
+  const Eigen::Vector3d p = f.p.cast<double>();
+  planes_.tree.nearest((T * p).cast<float>(), 10, found, static_cast<float>(gate));
+  if (found.size() < 3)
+  {
+    return;
+  }
+  const std::uint16_t ring = planes_.rings[found[0].index];
+  std::size_t same = 0;
+  std::size_t other = 0;
+  for (std::size_t k = 1; k < found.size() && (same == 0 || other == 0); ++k)
+  {
+    const std::uint16_t r = planes_.rings[found[k].index];
+    std::size_t& slot = r == ring ? same : other;
+    slot = slot == 0 && near(r, ring) ? k : slot;
+  }
+  if (same == 0 || other == 0)
+  {
+    return;
+  }
+  const Eigen::Vector3d a = planes_.points[found[0].index].cast<double>();
+  const Eigen::Vector3d b = planes_.points[found[same].index].cast<double>();
+  const Eigen::Vector3d c = planes_.points[found[other].index].cast<double>();
+  const Eigen::Vector3d n = (b - a).cross(c - a);
+  const double area = n.norm();
+  if (area > 0.1 * (b - a).norm() * (c - a).norm())
+  {
+    addRowToPlane(a, n / area, p, T, static_cast<double>(f.weight), options_.loss_width, sums);
+  }
 }
 
 MotionEstimate LoamOdometry::toScan(const Pose& T_guess)
 {
   const std::size_t edge_count = features_.edges.size();
-  const auto edge = [&](const LoamPoint& f, const Pose& T, double gate, RowSums& sums,
-                        std::vector<Neighbour>& found)
-  {
-    const Eigen::Vector3d p = f.p.cast<double>();
-    edges_.tree.nearest((T * p).cast<float>(), 6, found, static_cast<float>(gate));
-    for (std::size_t k = 1; k < found.size(); ++k)
-    {
-      const std::uint16_t ring = edges_.rings[found[0].index];
-      const std::uint16_t other = edges_.rings[found[k].index];
-      if (other == ring || !near(ring, other))
-      {
-        continue;
-      }
-      const Eigen::Vector3d a = edges_.points[found[0].index].cast<double>();
-      const Eigen::Vector3d b = edges_.points[found[k].index].cast<double>();
-      if ((b - a).norm() > 1e-3)
-      {
-        addLineRow({a, (b - a).normalized()}, p, T, static_cast<double>(f.weight), options_.kernel,
-                   sums);
-      }
-      return;
-    }
-  };
-  const auto plane = [&](const LoamPoint& f, const Pose& T, double gate, RowSums& sums,
-                         std::vector<Neighbour>& found)
-  {
-    const Eigen::Vector3d p = f.p.cast<double>();
-    planes_.tree.nearest((T * p).cast<float>(), 10, found, static_cast<float>(gate));
-    if (found.size() < 3)
-    {
-      return;
-    }
-    const std::uint16_t ring = planes_.rings[found[0].index];
-    std::size_t same = 0;
-    std::size_t other = 0;
-    for (std::size_t k = 1; k < found.size() && (same == 0 || other == 0); ++k)
-    {
-      const std::uint16_t r = planes_.rings[found[k].index];
-      std::size_t& slot = r == ring ? same : other;
-      slot = slot == 0 && near(r, ring) ? k : slot;
-    }
-    if (same == 0 || other == 0)
-    {
-      return;
-    }
-    const Eigen::Vector3d a = planes_.points[found[0].index].cast<double>();
-    const Eigen::Vector3d b = planes_.points[found[same].index].cast<double>();
-    const Eigen::Vector3d c = planes_.points[found[other].index].cast<double>();
-    const Eigen::Vector3d n = (b - a).cross(c - a);
-    const double area = n.norm();
-    if (area > 0.1 * (b - a).norm() * (c - a).norm())
-    {
-      addPlaneRow(a, n / area, p, T, static_cast<double>(f.weight), options_.kernel, sums);
-    }
-  };
   const auto match =
-      [&](std::size_t begin, std::size_t end, const Pose& T, double gate, RowSums& sums)
+      [&](std::size_t begin, std::size_t end, const Pose& T, double gate, NormalEquations& sums)
   {
     std::vector<Neighbour> found;
     for (std::size_t i = begin; i < end; ++i)
     {
       if (i < edge_count)
       {
-        edge(features_.edges[i], T, gate, sums, found);
+        addEdgeRow(features_.edges[i], T, gate, sums, found);
       }
       else
       {
-        plane(features_.planes[i - edge_count], T, gate, sums, found);
+        addPlaneRow(features_.planes[i - edge_count], T, gate, sums, found);
       }
     }
   };
-  return alignByRows(edge_count + features_.planes.size(), match, T_guess,
-                     settings(options_.max_distance), pool_);
+  return alignFeatures(match, T_guess, options_.max_distance);
 }
 
 MotionEstimate LoamOdometry::toMap(const Pose& T_guess)
 {
   const std::size_t edge_count = features_.edges.size();
   const auto match =
-      [&](std::size_t begin, std::size_t end, const Pose& T, double gate, RowSums& sums)
+      [&](std::size_t begin, std::size_t end, const Pose& T, double gate, NormalEquations& sums)
   {
     std::vector<Neighbour> found;
     std::vector<Eigen::Vector3f> patch;
@@ -233,20 +243,19 @@ MotionEstimate LoamOdometry::toMap(const Pose& T_guess)
         }
         if (direction.norm() > 1e-3F)
         {
-          addLineRow({shape.mean.cast<double>(), direction.normalized().cast<double>()}, p, T, w,
-                     options_.kernel, sums);
+          addRowToLine({shape.mean.cast<double>(), direction.normalized().cast<double>()}, p, T, w,
+                       options_.loss_width, sums);
         }
       }
       else if (!on_edge && shape.valid() && shape.spread.x() < 0.05F &&
                shape.spread.y() > 3 * shape.spread.x())
       {
-        addPlaneRow(shape.mean.cast<double>(), shape.normal.cast<double>(), p, T, w,
-                    options_.kernel, sums);
+        addRowToPlane(shape.mean.cast<double>(), shape.normal.cast<double>(), p, T, w,
+                      options_.loss_width, sums);
       }
     }
   };
-  return alignByRows(edge_count + features_.planes.size(), match, T_guess,
-                     settings(options_.end_distance), pool_);
+  return alignFeatures(match, T_guess, options_.end_distance);
 }
 
 MotionEstimate LoamOdometry::align(const Pose& T_reference_current_guess)

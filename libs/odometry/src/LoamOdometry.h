@@ -2,10 +2,10 @@
 #pragma once
 
 #include <dyslam/core/NeighbourSearch.h>
+#include <dyslam/core/PoseGaussNewton.h>
 #include <dyslam/core/VoxelGrid.h>
 
 #include "LoamFeatures.h"
-#include "RowAlignment.h"
 #include "ScanToScan.h"
 
 namespace dyslam
@@ -43,9 +43,24 @@ class LoamOdometry final : public ScanToScan
     void add(const std::vector<LoamPoint>& features, const Pose& T, double size, double radius);
   };
 
+  /** The row of an edge point and the line through two edge points of the reference. */
+  void addEdgeRow(const LoamPoint& f,
+                  const Pose& T,
+                  double gate,
+                  NormalEquations& sums,
+                  std::vector<Neighbour>& found) const;
+  /** The row of a plane point and the plane through three plane points of the reference. */
+  void addPlaneRow(const LoamPoint& f,
+                   const Pose& T,
+                   double gate,
+                   NormalEquations& sums,
+                   std::vector<Neighbour>& found) const;
   [[nodiscard]] MotionEstimate toScan(const Pose& T_guess);
   [[nodiscard]] MotionEstimate toMap(const Pose& T_guess);
-  [[nodiscard]] RowAlignmentSettings settings(double start) const;
+  /** Registers all features. \param start_gate of matches [m] */
+  [[nodiscard]] MotionEstimate alignFeatures(const RowMatcher& match,
+                                             const Pose& T_guess,
+                                             double start_gate);
 
   bool mapping_;
   LoamOptions options_;

@@ -4,43 +4,12 @@
 #include <dyslam/odometry/LocalMapRegistration.h>
 #include <gtest/gtest.h>
 
-#include <random>
-
-#include "RowAlignment.h"
 #include "TestScene.h"
 
 namespace dyslam
 {
 namespace
 {
-TEST(RowSums, GradientAgreesWithNumericDerivative)
-{
-  std::mt19937 random(4);
-  std::normal_distribution<double> normal;
-  const auto vector = [&]()
-  { return Eigen::Vector3d(normal(random), normal(random), normal(random)); };
-  for (int round = 0; round < 20; ++round)
-  {
-    Vector6 tangent;
-    tangent << vector(), vector();
-    const Pose T = expSE3(tangent);
-    const Eigen::Vector3d n = vector().normalized();
-    const Eigen::Vector3d p = 5 * vector();
-    const Eigen::Vector3d q = vector();
-    const auto residual = [&](const Pose& at) { return n.dot(at * p - q); };
-    RowSums sums;
-    sums.addRow(n, p, T.linear(), residual(T), 1);
-    for (int k = 0; k < 6; ++k)
-    {
-      constexpr double h = 1e-6;
-      const Vector6 d = h * Vector6::Unit(k);
-      const double slope = (residual(T * expSE3(d)) - residual(T * expSE3(-d))) / (2 * h);
-      EXPECT_NEAR(sums.g[k], slope * residual(T), 1e-5 * (1 + std::fabs(sums.g[k])));
-      EXPECT_NEAR(sums.H(k, k), slope * slope, 1e-5 * (1 + sums.H(k, k)));
-    }
-  }
-}
-
 class ScanToMapTest : public testing::TestWithParam<bool>
 {
  protected:

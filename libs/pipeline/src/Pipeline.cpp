@@ -38,8 +38,8 @@ struct Pipeline::Stages
         tracker(config.get<TrackerOptions>("tracker")),
         backend(config.get<BackendOptions>("backend"),
                 config.get<LoopCloserOptions>("loop"),
-                config.get<BackendSolverOptions>("solver")),
-        map(config.get<StaticMapOptions>("map"))
+                config.get<BackendSolverOptions>("solver"), keyframes),
+        map(config.get<StaticMapOptions>("map"), keyframes)
   {
   }
 
@@ -50,7 +50,6 @@ struct Pipeline::Stages
   void track(Frame& frame);
   void optimize(Frame& frame);
   void insertIntoMap(const Frame& frame);
-  void correctMap();
 
   mrpt::system::CTimeLogger& times;
   PipelineOptions options;
@@ -62,9 +61,9 @@ struct Pipeline::Stages
   Odometry odometry;
   Detector detector;
   Tracker tracker;
+  KeyframeStore keyframes;
   Backend backend;
   StaticMap map;
-  std::size_t map_revision = 0;  //!< Backend::revision() that the map's poses are of
 };
 
 Pipeline::Pipeline(ConfigLoader& config, mrpt::system::CTimeLogger& times)
@@ -97,8 +96,11 @@ void Pipeline::finish()
     const CTimeLoggerEntry timed(s.times, "backend.finish");
     s.backend.finish();
   }
-  const CTimeLoggerEntry timed(s.times, "map.finish");
-  s.correctMap();
+  if (s.options.mapping)
+  {
+    const CTimeLoggerEntry timed(s.times, "map.finish");
+    s.map.correct();
+  }
 }
 
 void Pipeline::Stages::preprocess(Frame& frame)
@@ -146,26 +148,8 @@ void Pipeline::Stages::insertIntoMap(const Frame& frame)
   if (options.mapping && frame.is_keyframe)
   {
     const CTimeLoggerEntry timed(times, "map");
-    correctMap();
     map.insert(frame);
   }
-}
-
-/** Moves the map's keyframes to their optimised poses, where these changed since. */
-void Pipeline::Stages::correctMap()
-{
-  if (!options.mapping || map_revision == backend.revision())
-  {
-    return;
-  }
-  std::vector<Pose> poses;
-  for (const auto& keyframe : backend.keyframes())
-  {
-    poses.push_back(keyframe.T_map_vehicle);
-  }
-  poses.resize(map.poses().size());  // the newest keyframe may not be in the map yet
-  map.rebuild(poses);
-  map_revision = backend.revision();
 }
 
 const Backend& Pipeline::backend() const

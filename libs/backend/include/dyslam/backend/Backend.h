@@ -5,6 +5,7 @@
 #include <dyslam/backend/PoseGraph.h>
 #include <dyslam/backend/PoseGraphSolver.h>
 #include <dyslam/core/Frame.h>
+#include <dyslam/core/KeyframeStore.h>
 #include <dyslam/core/Options.h>
 #include <dyslam/core/Trajectory.h>
 
@@ -24,13 +25,14 @@ enum class BackendMode
 struct BackendOptions : Options
 {
   BackendMode mode = BackendMode::ego;
-  double keyframe_distance = 1.5;            //!< a new keyframe after this way [m] ...
+  double keyframe_distance = 1.5;            //!< a new keyframe after this distance [m] ...
   double keyframe_angle = 0.17453292519943;  //!< ... or this turn [rad]
   double odometry_sigma_translation = 0.01;  //!< added to each step's own uncertainty [m]
   double odometry_sigma_rotation = 0.0005;   //!< [rad]
-  double unconverged_factor = 10;            //!< on both where the odometry did not converge
-  double misfit_to_optimise = 3;  //!< optimise when a new loop is off by this [std. deviations] ...
-  int loops_to_optimise = 20;     //!< ... or this many loops have come
+  double unconverged_sigma_scale = 10;       //!< of both where the odometry did not converge
+  /** Optimise when a new loop's residual is this large [standard deviations] ... */
+  double residual_to_optimise = 3;
+  int loops_to_optimise = 20;  //!< ... or this many loops have come
 
   void describe(OptionsVisitor& visitor) override;
 };
@@ -42,15 +44,6 @@ struct BackendSolverOptions : PoseGraphSolverOptions
   BackendSolverOptions();
 };
 
-/** What one keyframe is in the graph: node `id` of PoseGraph has the same number. */
-struct KeyframePose
-{
-  std::size_t id = 0;
-  std::size_t frame = 0;  //!< Frame::index
-  double stamp = 0;       //!< UNIX time [s]
-  Pose T_map_vehicle = Pose::Identity();
-};
-
 /** Keyframes, odometry edges, loops and their optimisation for the pipeline.
  *
  * Between loops a frame costs a bounded time. The number of the solver's threads changes results by
@@ -60,9 +53,12 @@ struct KeyframePose
 class Backend
 {
  public:
+  /** \param keyframes empty; outlives the backend, which adds the keyframes and corrects their
+   * poses: a keyframe's number is its node in the graph. */
   Backend(const BackendOptions& options,
           const LoopCloserOptions& loops,
-          const BackendSolverOptions& solver);
+          const BackendSolverOptions& solver,
+          KeyframeStore& keyframes);
   ~Backend();
   Backend(Backend&&) noexcept;
   Backend& operator=(Backend&&) noexcept;
@@ -74,13 +70,12 @@ class Backend
   /** Decides the loops still open and optimises once more (call it after the last frame). */
   void finish();
 
-  [[nodiscard]] const PoseGraph& graph() const;
-  [[nodiscard]] std::vector<KeyframePose> keyframes() const;
-  /** Number of optimisations so far: exports re-stitch when it changed. */
-  [[nodiscard]] std::size_t revision() const;
+  /** Keyframes at their present poses, odometry edges and accepted loops; built for the caller. */
+  [[nodiscard]] PoseGraph graph() const;
+  [[nodiscard]] const KeyframeStore& keyframes() const;
   /** Every frame's T_map_vehicle by the present estimate. */
   [[nodiscard]] Trajectory optimizedTrajectory() const;
-  /** All candidates that were looked at, in order. */
+  /** All candidates that were decided, in order. */
   [[nodiscard]] const std::vector<Loop>& loops() const;
   /** Of the last optimisation; default before the first. */
   [[nodiscard]] const PoseGraphResult& lastOptimisation() const;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <dyslam/core/KeyframeStore.h>
 #include <dyslam/core/Options.h>
 #include <dyslam/core/Pose.h>
 
@@ -33,14 +34,6 @@ struct LoopCloserOptions : Options
   void describe(OptionsVisitor& visitor) override;
 };
 
-/** A keyframe as the loop closer keeps it. */
-struct LoopKeyframe
-{
-  std::size_t id = 0;
-  double path_length = 0;               //!< driven since the start [m]
-  std::vector<Eigen::Vector3f> points;  //!< vehicle frame [m], downsampled by the caller
-};
-
 /** What became of a candidate. */
 enum class LoopVerdict
 {
@@ -71,27 +64,27 @@ struct Loop
 /** Finds places seen before: candidates by distance and appearance, verified by registration and by
  * agreement with one another.
  *
- * Deterministic. Memory grows with the keyframes (about 30 kB each). The time per keyframe is
- * bounded by the number of candidates, but for a comparison of positions with all older ones.
- * Not thread-safe.
+ * Deterministic. The time per keyframe is bounded by the number of candidates, but for a comparison
+ * of positions with all older ones. Not thread-safe.
  */
 class LoopCloser
 {
  public:
-  explicit LoopCloser(const LoopCloserOptions& options);
+  /** \param keyframes outlives the loop closer, which keeps its clouds there. */
+  LoopCloser(const LoopCloserOptions& options, KeyframeStore& keyframes);
   ~LoopCloser();
   LoopCloser(LoopCloser&&) noexcept;
   LoopCloser& operator=(LoopCloser&&) noexcept;
 
-  /** Keep a keyframe; ids are 0, 1, 2, ... \throws std::invalid_argument for another id. */
-  void add(const LoopKeyframe& keyframe);
+  /** Makes the newest keyframe ready: once for every keyframe of the store, in its turn.
+   * \param static_points its vehicle frame [m]
+   * \throws std::invalid_argument unless exactly one keyframe of the store is not ready yet. */
+  void add(const std::vector<Eigen::Vector3f>& static_points);
 
-  /** Looks for loops from the newest keyframe to older ones.
-   * \param T_map_keyframe present estimate of every keyframe added so far
+  /** Looks for loops from the newest keyframe to older ones, from the poses of the store.
    * \return the candidates decided now: rejected ones of this keyframe, and loops of this and of
-   * recent keyframes that found agreement or waited for it in vain.
-   * \throws std::invalid_argument if the number of poses is not that of the keyframes. */
-  [[nodiscard]] std::vector<Loop> search(const std::vector<Pose>& T_map_keyframe);
+   * recent keyframes that found agreement or waited for it in vain. */
+  [[nodiscard]] std::vector<Loop> search();
 
   /** The loops still waiting for agreement, as unsupported. */
   [[nodiscard]] std::vector<Loop> finish();

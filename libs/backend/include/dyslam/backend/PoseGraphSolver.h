@@ -9,7 +9,7 @@
 
 namespace dyslam
 {
-/** How the misfit E = T_measured^-1 T_i^-1 T_j of an edge becomes numbers. Both agree to first
+/** How the error E = T_measured^-1 T_i^-1 T_j of an edge becomes a residual. Both agree to first
  * order, so they share one information matrix. */
 enum class EdgeResidual
 {
@@ -17,29 +17,19 @@ enum class EdgeResidual
   g2o,  //!< translation of E and twice its quaternion's vector part; the heading in planar graphs
 };
 
-/** What tames loop edges that do not fit; s is the squared, whitened misfit of an edge. */
-enum class RobustKernel
+/** Robust loss of loop edges, of the squared whitened residual. */
+enum class RobustLoss
 {
   none,
-  huber,   //!< linear beyond the width
-  cauchy,  //!< logarithmic
+  cauchy,  //!< logarithmic beyond the width
   dcs,     //!< dynamic covariance scaling: a switchable constraint with the switch solved for
 };
 
 /** Where the optimisation starts from. */
 enum class GraphStart
 {
-  file,           //!< the graph's own poses; nodes without one hang on their neighbours
-  spanning_tree,  //!< chained from the root over the fewest edges
-  chordal,        //!< linear least squares on rotation matrices, then on translations
-};
-
-/** How the normal equations are solved. */
-enum class GraphLinearSolver
-{
-  suite_sparse,         //!< sparse Cholesky factorisation by CHOLMOD
-  eigen_sparse,         //!< sparse Cholesky factorisation by Eigen
-  conjugate_gradients,  //!< iterative: little memory, slow on long chains
+  file,     //!< the graph's own poses; nodes without one are initialised from their neighbours
+  chordal,  //!< linear least squares on rotation matrices, then on translations
 };
 
 /** What to do about an edge whose information matrix is not positive definite. */
@@ -54,10 +44,9 @@ struct PoseGraphSolverOptions : Options
   int max_iterations = 100;
   double tolerance = 1e-9;  //!< stop when a step lowers the cost by less than this fraction
   EdgeResidual residual = EdgeResidual::g2o;
-  RobustKernel loop_kernel = RobustKernel::none;  //!< for edges other than k -> k + 1
-  double kernel_width = 3;                        //!< whitened misfit where the kernel sets in
+  RobustLoss loop_loss = RobustLoss::none;  //!< for edges other than k -> k + 1
+  double loss_width = 3;                    //!< whitened residual where the loss sets in
   GraphStart start = GraphStart::chordal;
-  GraphLinearSolver linear_solver = GraphLinearSolver::suite_sparse;
   IndefiniteInformation indefinite_information = IndefiniteInformation::error;
   int threads = 1;  //!< changes the result by rounding alone; with 1 it is always the same
 
@@ -68,7 +57,7 @@ struct PoseGraphResult
 {
   double start_chi2 = 0;    //!< of the poses the graph came with (of the start, if it had none)
   double initial_chi2 = 0;  //!< where the optimisation started
-  double final_chi2 = 0;    //!< sum of e' Omega e over all edges, without robust kernels
+  double final_chi2 = 0;    //!< sum of e' Omega e over all edges, without robust loss
   int iterations = 0;
   std::size_t projected_edges = 0;  //!< whose information was not positive definite
   bool converged = false;

@@ -2,8 +2,8 @@
 #pragma once
 
 #include <dyslam/core/Frame.h>
+#include <dyslam/core/KeyframeStore.h>
 #include <dyslam/core/Options.h>
-#include <dyslam/mapping/KeyframeStore.h>
 
 #include <Eigen/Core>
 #include <cstddef>
@@ -48,37 +48,39 @@ struct MapPoints
 /** The static world stitched from keyframes, in memory bounded by the area seen, not by time.
  *
  * Each voxel keeps a few points in all, so that going round a block again adds nothing; the points
- * stay with their keyframes, so that the map can be stitched anew after a loop. Left out are points
- * that move, points of dynamic tracks, and voxels that later keyframes saw
- * through. Deterministic; not thread-safe.
+ * stay with their keyframes, so that the map can be stitched again after a loop. Left out are
+ * points that move, points of dynamic tracks, and voxels that later keyframes saw through.
+ * Deterministic; not thread-safe.
  */
 class StaticMap
 {
  public:
-  explicit StaticMap(const StaticMapOptions& options = {});
+  /** \param keyframes outlives the map, which keeps its points there and follows its poses. */
+  StaticMap(const StaticMapOptions& options, KeyframeStore& keyframes);
   ~StaticMap();
   StaticMap(StaticMap&&) noexcept;
   StaticMap& operator=(StaticMap&&) noexcept;
 
-  /** Adds a keyframe at frame.T_map_vehicle(). Reads index, scan.stamp, scan.T_vehicle_lidar,
-   * cloud, moving and objects. A frame whose pose is not finite is left out
-   * of the map, but counts as an (empty) keyframe. */
+  /** Adds the newest keyframe, at its pose in the store, after correct(). Every keyframe of the
+   * store is inserted in its turn; one whose pose is not finite stays without points.
+   * \param frame that became the keyframe: cloud, what moves in it, and its objects are read
+   * \throws std::invalid_argument unless exactly one keyframe of the store is not in the map yet.
+   */
   void insert(const Frame& frame);
 
-  /** Stitches anew with corrected poses, one per inserted keyframe in their order.
-   * \throws std::invalid_argument for another number of poses. */
-  void rebuild(const std::vector<Pose>& T_map_vehicle);
+  /** Stitches the map again if the poses of the store were corrected since it was stitched. */
+  void correct();
 
   /** The cleaned map, in the order in which voxels were first met. */
   [[nodiscard]] MapPoints points() const;
 
-  /** Calls `take` with the points of every keyframe (vehicle frame) that are in the cleaned map,
+  /** Calls `visit` with the points of every keyframe (vehicle frame) that are in the cleaned map,
    * keyframes in order; one cloud is in memory at a time. */
   void forEachStaticCloud(
-      const std::function<void(std::size_t keyframe, const KeyframeCloud& cloud)>& take) const;
+      const std::function<void(std::size_t keyframe, const KeyframeCloud& cloud)>& visit) const;
 
   [[nodiscard]] const KeyframeStore& keyframes() const;
-  /** Poses the map is stitched at, one per keyframe. */
+  /** Poses the map is stitched at, one per keyframe inserted. */
   [[nodiscard]] const std::vector<Pose>& poses() const;
   /** Side of the voxels now [m]: the option's, or doubled to keep within max_voxels. */
   [[nodiscard]] double voxelSize() const;

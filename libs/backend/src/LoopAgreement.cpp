@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "LoopAgreement.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace dyslam
+{
+namespace
+{
+constexpr double max_translation_error = 0.75;  // of loops that support each other [m]
+constexpr double max_rotation_error = 0.06;     // [rad]
+
+bool agree(const Loop& a, const Loop& b, const KeyframeStore& keyframes)
+{
+  const auto between = [&](std::size_t from, std::size_t to)
+  { return keyframes[from].T_map_vehicle.inverse() * keyframes[to].T_map_vehicle; };
+  // Both loops and two short pieces of odometry make a cycle, which must end where it began.
+  const Pose error =
+      a.T_from_to.inverse() * between(a.from, b.from) * b.T_from_to * between(b.to, a.to);
+  return error.translation().norm() < max_translation_error &&
+         rotationAngle(error) < max_rotation_error;
+}
+}  // namespace
+
+void LoopAgreement::add(const Loop& loop, const KeyframeStore& keyframes)
+{
+  Entry added{loop};
+  const auto window = static_cast<std::size_t>(window_);
+  for (Entry& other : entries_)
+  {
+    const std::size_t gap =
+        std::max(other.loop.from, loop.from) - std::min(other.loop.from, loop.from);
+    const bool nearby =
+        gap <= window && loop.to - other.loop.to <= window && other.loop.to != loop.to;
+    if (nearby && agree(loop, other.loop, keyframes))
+    {
+      ++other.support;
+      ++added.support;
+    }
+  }
+  entries_.push_back(std::move(added));
+}
+
+std::vector<Loop> LoopAgreement::decide(std::size_t newest_keyframe)
+{
+  std::vector<Loop> decided;
+  std::vector<Entry> left;
+  for (Entry& entry : entries_)
+  {
+    if (!entry.accepted && entry.support >= min_support_)
+    {
+      decided.push_back(entry.loop);
+      entry.accepted = true;
+    }
+    if (newest_keyframe - entry.loop.to < static_cast<std::size_t>(window_))
+    {
+      left.push_back(entry);
+    }
+    else if (!entry.accepted)
+    {
+      entry.loop.verdict = LoopVerdict::unsupported;
+      decided.push_back(entry.loop);
+    }
+  }
+  entries_ = std::move(left);
+  return decided;
+}
+
+std::vector<Loop> LoopAgreement::finish()
+{
+  std::vector<Loop> decided;
+  for (Entry& entry : entries_)
+  {
+    if (!entry.accepted)
+    {
+      entry.loop.verdict = LoopVerdict::unsupported;
+      decided.push_back(entry.loop);
+    }
+  }
+  entries_.clear();
+  return decided;
+}
+}  // namespace dyslam

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <dyslam/backend/LoopCloser.h>
+#include <dyslam/core/KeyframeStore.h>
+
+#include <cstddef>
+#include <vector>
+
+namespace dyslam
+{
+/** Holds loops back until other loops of nearby keyframes agree with them. */
+class LoopAgreement
+{
+ public:
+  /** \param window "nearby", in keyframes */
+  LoopAgreement(int min_support, int window) : min_support_(min_support), window_(window) {}
+
+  /** A loop that passed its registration. \param keyframes whose poses make the odometry between
+   * this loop and others */
+  void add(const Loop& loop, const KeyframeStore& keyframes);
+  /** The loops decided by now: accepted, or unsupported after having waited for `window`. */
+  [[nodiscard]] std::vector<Loop> decide(std::size_t newest_keyframe);
+  /** The loops that still wait, as unsupported. */
+  [[nodiscard]] std::vector<Loop> finish();
+
+ private:
+  struct Entry
+  {
+    Loop loop;
+    int support = 0;
+    bool accepted = false;  //!< stays for a while to support others
+  };
+
+  int min_support_;
+  int window_;
+  std::vector<Entry> entries_;
+};
+}  // namespace dyslam

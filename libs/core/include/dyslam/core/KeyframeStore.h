@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <dyslam/core/Frame.h>
+#include <dyslam/core/Pose.h>
+
+#include <Eigen/Core>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace dyslam
+{
+/** Points of one keyframe. The arrays are of one length, or empty where nothing is kept of it. */
+struct KeyframeCloud
+{
+  std::vector<Eigen::Vector3f> points;  //!< vehicle frame [m]
+  std::vector<float> intensity;         //!< in [0, 1]
+  std::vector<std::uint8_t> is_static;  //!< 1: static, 0: moving
+
+  [[nodiscard]] std::size_t size() const { return points.size(); }
+};
+
+/** A cloud in 6 bytes a point, and one more for the intensity and for `is_static` where it has
+ * them. */
+class PackedCloud
+{
+ public:
+  PackedCloud() = default;
+  /** Points that are not finite or have a coordinate beyond `range_limit` [m] are left out. The
+   * others are rounded to 1/32767 of it (3 mm for 100 m), their intensity to 1/255.
+   * \throws std::invalid_argument for arrays of different lengths and a limit that is not positive.
+   */
+  PackedCloud(const KeyframeCloud& cloud, double range_limit);
+
+  [[nodiscard]] std::size_t size() const { return points_.size(); }
+  [[nodiscard]] KeyframeCloud unpacked() const;
+  /** Removes the points whose flag is false. \throws std::invalid_argument unless there is one per
+   * point. */
+  void keepOnly(const std::vector<bool>& keep);
+
+ private:
+  float scale_ = 1;
+  std::vector<std::array<std::int16_t, 3>> points_;
+  std::vector<std::uint8_t> intensity_;
+  std::vector<std::uint8_t> is_static_;
+};
+
+/** A keyframe. Loop closure and map each keep what they need of its points: a loop is looked for in
+ * all that was seen from there, coarsely; the map drops what it has from elsewhere. */
+struct Keyframe
+{
+  std::size_t frame = 0;                             //!< Frame::index
+  double stamp = 0;                                  //!< UNIX time [s]
+  double path_length = 0;                            //!< driven since the start [m]
+  Eigen::Vector3f sensor = Eigen::Vector3f::Zero();  //!< lidar's origin, vehicle frame [m]
+  Pose T_map_vehicle = Pose::Identity();
+  PackedCloud loop_cloud;  //!< points alone; about 30 kB
+  PackedCloud map_cloud;   //!< bounded by the area seen, all keyframes together
+};
+
+/** Index, time, sensor and present pose of a frame, without its points. */
+[[nodiscard]] Keyframe keyframeOf(const Frame& frame);
+
+/** The keyframes of a run with their poses, in order of time; the number of a keyframe is its node
+ * in the pose graph. Backend and map share one store. Not thread-safe. */
+class KeyframeStore
+{
+ public:
+  /** \return the keyframe's number: 0, 1, 2, ... */
+  std::size_t add(Keyframe keyframe);
+
+  [[nodiscard]] std::size_t size() const { return keyframes_.size(); }
+  [[nodiscard]] bool empty() const { return keyframes_.empty(); }
+  [[nodiscard]] const Keyframe& operator[](std::size_t i) const { return keyframes_[i]; }
+  [[nodiscard]] Keyframe& operator[](std::size_t i) { return keyframes_[i]; }
+  [[nodiscard]] const Keyframe& back() const { return keyframes_.back(); }
+  [[nodiscard]] auto begin() const { return keyframes_.begin(); }
+  [[nodiscard]] auto end() const { return keyframes_.end(); }
+
+  /** Gives every keyframe a corrected pose. \throws std::invalid_argument unless there is one each.
+   */
+  void correct(const std::vector<Pose>& T_map_vehicle);
+  /** Number of corrections so far. */
+  [[nodiscard]] std::size_t revision() const { return revision_; }
+
+ private:
+  std::vector<Keyframe> keyframes_;
+  std::size_t revision_ = 0;
+};
+}  // namespace dyslam

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <dyslam/mapping/StaticMap.h>
+
+#include <cstddef>
+#include <memory>
+#include <vector>
+
+namespace dyslam::test
+{
+/** A map with its keyframes; every frame is one. */
+struct TestMap
+{
+  explicit TestMap(const StaticMapOptions& options = {}) : map(options, *keyframes) {}
+
+  void insert(const Frame& frame)
+  {
+    keyframes->add(keyframeOf(frame));
+    map.insert(frame);
+  }
+  /** As after a loop. */
+  void correct(const std::vector<Pose>& poses)
+  {
+    keyframes->correct(poses);
+    map.correct();
+  }
+  /** Points kept of all keyframes. */
+  [[nodiscard]] std::size_t pointCount() const
+  {
+    std::size_t count = 0;
+    for (const Keyframe& keyframe : *keyframes)
+    {
+      count += keyframe.map_cloud.size();
+    }
+    return count;
+  }
+
+  std::unique_ptr<KeyframeStore> keyframes = std::make_unique<KeyframeStore>();
+  StaticMap map;
+};
+}  // namespace dyslam::test
