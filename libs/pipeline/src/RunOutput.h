@@ -100,5 +100,5 @@ struct RunOutputKind
 };
 
 /** Every output, in the order in which they finish: what matters most is written first. */
-[[nodiscard]] const std::vector<RunOutputKind>& runOutputKinds();
+[[nodiscard]] std::vector<RunOutputKind> runOutputKinds();
 }  // namespace dyslam

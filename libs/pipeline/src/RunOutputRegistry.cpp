@@ -8,11 +8,11 @@ RunOutputFactory makeSettingsOutput, makeTrajectoryOutput, makeGraphOutput, make
     makeTrackOutput, makeLabelOutput, makeStaticScanOutput, makeReplayOutput, makeSimplemapOutput,
     makePcdOutput, makePlyOutput, makeSceneOutput, makePlotOutput, makeReportOutput;
 
-const std::vector<RunOutputKind>& runOutputKinds()
+std::vector<RunOutputKind> runOutputKinds()
 {
   // Files of an earlier run are removed from the last row to the first: report.json, which says
   // that a folder is whole, goes first, and effective.ini, which says that it is a run's, last.
-  static const std::vector<RunOutputKind> kinds{
+  return {
       {makeSettingsOutput},
       {makeTrajectoryOutput},
       {makeGraphOutput},
@@ -28,6 +28,5 @@ const std::vector<RunOutputKind>& runOutputKinds()
       {makePlotOutput, "plot", "trajectory.png, where there is ground truth"},
       {makeReportOutput},
   };
-  return kinds;
 }
 }  // namespace dyslam

@@ -19,8 +19,8 @@ namespace dyslam
 {
 namespace
 {
-const RunOutputKind& settings_row = runOutputKinds().front();
-const RunOutputKind& report_row = runOutputKinds().back();
+const RunOutputKind settings_row = runOutputKinds().front();
+const RunOutputKind report_row = runOutputKinds().back();
 
 enum class Failure
 {
