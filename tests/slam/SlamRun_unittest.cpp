@@ -277,6 +277,23 @@ TEST_F(SlamRun, AnEarlierRunLeavesNothingBehindInTheFolder)
   EXPECT_TRUE(fs::exists(folder / "labels" / "notes.txt"));
 }
 
+TEST_F(SlamRun, AnOutputThatFailsIsNamedAndTheOthersAreWritten)
+{
+  auto s = settings("one_fails");
+  s.config.set("input.only_first_n=3");
+  const fs::path folder = s.output_folder;
+  fs::create_directories(folder / "graph.g2o" / "of_the_user");  // stands in the way
+  const std::string error = errorOf(s);
+  EXPECT_NE(error.find("graph.g2o"), std::string::npos) << error;
+  EXPECT_EQ(error.find("trajectory"), std::string::npos) << error;
+  for (const char* written : {"trajectory_tum.txt", "scans.csv", "labels/000002.label",
+                              "replay.rawlog", "map_static.ply", "map.3Dscene", "trajectory.png"})
+  {
+    EXPECT_TRUE(fs::exists(folder / written)) << written;
+  }
+  EXPECT_FALSE(fs::exists(folder / "report.json")) << "a folder that has it is whole";
+}
+
 TEST_F(SlamRun, WhatNoRunWroteIsNotReplaced)
 {
   auto s = settings("sequence");

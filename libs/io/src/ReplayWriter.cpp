@@ -25,7 +25,7 @@ namespace
 {
 const TColor moving_colour(255, 40, 40);
 const TColor path_colour(255, 255, 255);
-constexpr double arrow_seconds = 1.0;  // an arrow is as long as the way in this time
+constexpr double arrow_seconds = 1.0;  // an arrow is as long as the path in this time
 
 /** Points of one kind with their intensities. */
 struct Part
@@ -207,13 +207,13 @@ struct ReplayWriter::Impl
     if (frame.T_odom_vehicle.matrix().allFinite())
     {
       const Pose T_vehicle_odom = frame.T_odom_vehicle.inverse();
-      std::vector<Eigen::Vector3d> way;
+      std::vector<Eigen::Vector3d> path;
       for (const auto& p : odometry_path)
       {
-        way.emplace_back(T_vehicle_odom * p);
+        path.emplace_back(T_vehicle_odom * p);
       }
-      way.emplace_back(Eigen::Vector3d::Zero());
-      if (const auto line = polyline(way, path_colour, 3.0F))
+      path.emplace_back(Eigen::Vector3d::Zero());
+      if (const auto line = polyline(path, path_colour, 3.0F))
       {
         scene.insert(line);
       }

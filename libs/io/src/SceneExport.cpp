@@ -70,7 +70,7 @@ mrpt::opengl::CRenderizable::Ptr gridUnder(const std::vector<Eigen::Vector3d>& p
 
 void insertBoxes(mrpt::opengl::COpenGLScene& scene, const SceneContent& content)
 {
-  constexpr double arrow_seconds = 1.0;  // an arrow is as long as the way in this time
+  constexpr double arrow_seconds = 1.0;  // an arrow is as long as the path in this time
   for (std::size_t i = 0; i < content.boxes.size(); ++i)
   {
     const LabelledBox& object = content.boxes[i];

@@ -5,11 +5,9 @@
 #include <dyslam/core/Files.h>
 
 #include <algorithm>
-#include <array>
 #include <cctype>
 #include <filesystem>
 #include <system_error>
-#include <vector>
 
 namespace fs = std::filesystem;
 
@@ -17,29 +15,7 @@ namespace dyslam
 {
 namespace
 {
-/** report.json goes first: a folder that has it is whole. */
-constexpr std::array<const char*, 18> run_files = {
-    "report.json",          "effective.ini",     "odometry_tum.txt",    "trajectory_tum.txt",
-    "trajectory_kitti.txt", "reference_tum.txt", "trajectory.png",      "tracks.csv",
-    "tracks.txt",           "graph.graph",       "graph.g2o",           "map_static.pcd",
-    "map_static.ply",       "map.3Dscene",       "keyframes.simplemap", "replay.rawlog",
-    "static_scans.rawlog",  "scans.csv"};
-
-struct NumberedFiles
-{
-  const char* folder;
-  const char* extension;
-};
-constexpr std::array<NumberedFiles, 2> numbered_files = {
-    {{"labels", ".label"}, {"static_scans", ".bin"}}};
-
-bool isNumbered(const fs::path& file, const char* extension)
-{
-  const std::string stem = file.stem().string();
-  return file.extension() == extension && stem.size() >= 6 &&
-         std::all_of(stem.begin(), stem.end(),
-                     [](unsigned char c) { return std::isdigit(c) != 0; });
-}
+constexpr const char* advice = "choose another --output";
 
 std::vector<fs::path> filesIn(const fs::path& folder)
 {
@@ -51,48 +27,70 @@ std::vector<fs::path> filesIn(const fs::path& folder)
   }
   return files;
 }
+
+bool isNumbered(const fs::path& file, const std::string& extension)
+{
+  const std::string stem = file.stem().string();
+  return file.extension() == extension && stem.size() >= 6 &&
+         std::all_of(stem.begin(), stem.end(),
+                     [](unsigned char c) { return std::isdigit(c) != 0; });
+}
+
+/** With what a run that was killed left of it; nothing happens where it is not there. */
+void removeFile(const fs::path& file)
+{
+  std::error_code ignored;
+  fs::remove(file, ignored);
+  fs::remove(file.string() + ".tmp", ignored);
+}
+
+void removeNumbered(const fs::path& folder, const std::string& extension)
+{
+  for (fs::path file : filesIn(folder))
+  {
+    if (file.extension() == ".tmp")
+    {
+      file.replace_extension();
+    }
+    if (isNumbered(file, extension))
+    {
+      removeFile(file);
+    }
+  }
+  std::error_code ignored;
+  fs::remove(folder, ignored);  // only if it is empty now
+}
 }  // namespace
 
-void prepareOutputFolder(const std::string& folder, const std::string& input)
+void prepareOutputFolder(const std::string& folder,
+                         const std::vector<OutputName>& names,
+                         const std::string& input)
 {
   const fs::path base = folder;
-  makeFolder(folder, "choose another --output");
-  for (const char* name : run_files)
-  {
-    std::error_code ignored;
-    if (fs::equivalent(input, base / name, ignored))
-    {
-      throw UserError(input + ": would be replaced by this run's " + name +
-                      "; choose another --output");
-    }
-  }
+  makeFolder(folder, advice);
   const bool of_a_run = fs::exists(base / "effective.ini");
-  for (const NumberedFiles& kind : numbered_files)
-  {
-    if (!of_a_run && !filesIn(base / kind.folder).empty())
-    {
-      throw UserError((base / kind.folder).string() +
-                      ": holds files that are of no run; choose another --output");
-    }
-  }
-  for (const char* name : run_files)
+  for (const OutputName& name : names)
   {
     std::error_code ignored;
-    fs::remove(base / name, ignored);
-    fs::remove(base / (std::string(name) + ".tmp"), ignored);  // of a run that was killed
-  }
-  for (const NumberedFiles& kind : numbered_files)
-  {
-    for (const fs::path& file : filesIn(base / kind.folder))
+    if (fs::equivalent(input, base / name.name, ignored))
     {
-      if (isNumbered(file, kind.extension))
-      {
-        std::error_code ignored;
-        fs::remove(file, ignored);
-      }
+      throw UserError(input + ": would be replaced by this run's " + name.name + "; " + advice);
     }
-    std::error_code ignored;
-    fs::remove(base / kind.folder, ignored);  // only if it is empty now
+    if (!name.extension.empty() && !of_a_run && !filesIn(base / name.name).empty())
+    {
+      throw UserError((base / name.name).string() + ": holds files that are of no run; " + advice);
+    }
+  }
+  for (auto name = names.rbegin(); name != names.rend(); ++name)
+  {
+    if (name->extension.empty())
+    {
+      removeFile(base / name->name);
+    }
+    else
+    {
+      removeNumbered(base / name->name, name->extension);
+    }
   }
 }
 }  // namespace dyslam

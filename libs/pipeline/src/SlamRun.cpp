@@ -4,26 +4,76 @@
 #include <dyslam/io/RawlogSource.h>
 #include <dyslam/mapping/StaticMap.h>
 #include <dyslam/pipeline/Pipeline.h>
-#include <dyslam/pipeline/ReadAhead.h>
 #include <dyslam/pipeline/SlamRun.h>
 #include <mrpt/system/CTimeLogger.h>
 
 #include <algorithm>
 #include <atomic>
-#include <cctype>
 #include <fstream>
 #include <map>
+#include <utility>
 
+#include "ReadAhead.h"
 #include "RunOutputs.h"
+#include "RunStatistics.h"
 
 namespace dyslam
 {
 namespace
 {
-std::map<std::string, double> stageMilliseconds(const mrpt::system::CTimeLogger& times,
-                                                std::size_t frames)
+using mrpt::system::CTimeLogger;
+using OnFrame = std::function<void(double, std::size_t)>;
+
+void requireWritable(const std::string& profile_csv)
 {
-  std::map<std::string, mrpt::system::CTimeLogger::TCallStats> stats;
+  if (!profile_csv.empty() && !std::ofstream(profile_csv))
+  {
+    throw UserError(profile_csv + ": cannot be written; choose another --profile");
+  }
+}
+
+/** Of the scans asked for; 0 where all are. */
+double shareOf(std::size_t frames, int only_first_n)
+{
+  return only_first_n > 0 ? static_cast<double>(frames) / only_first_n : 0;
+}
+
+/** Every frame through the pipeline and on to the outputs. */
+void replay(const SlamRunSettings& settings,
+            RawlogSource& source,
+            int only_first_n,
+            Pipeline& pipeline,
+            RunStatistics& statistics,
+            RunOutputs& outputs,
+            const OnFrame& on_frame)
+{
+  std::atomic<double> read = 0;  // share of the file; only the reading thread may ask the source
+  ReadAhead reader(
+      [&]
+      {
+        auto frame = source.next();
+        read = source.progress();
+        return frame;
+      });
+  while (auto frame = reader.next())
+  {
+    pipeline.process(*frame);
+    statistics.add(*frame);
+    outputs.add(std::move(*frame));
+    if (on_frame)
+    {
+      on_frame(std::max(read.load(), shareOf(statistics.frames, only_first_n)), statistics.frames);
+    }
+    if (settings.stop && settings.stop())
+    {
+      throw UserError(settings.rawlog + ": stopped");
+    }
+  }
+}
+
+std::map<std::string, double> stageMilliseconds(const CTimeLogger& times, std::size_t frames)
+{
+  std::map<std::string, CTimeLogger::TCallStats> stats;
   times.getStats(stats);
   std::map<std::string, double> ms;
   for (const auto& [stage, stat] : stats)
@@ -33,165 +83,112 @@ std::map<std::string, double> stageMilliseconds(const mrpt::system::CTimeLogger&
   return ms;
 }
 
-SlamRunReport summaryOf(const Pipeline& pipeline, const RawlogSource& source, std::size_t frames)
+void append(std::vector<std::string>& all, const std::vector<std::string>& more)
 {
-  SlamRunReport report;
+  all.insert(all.end(), more.begin(), more.end());
+}
+
+RunResults resultsOf(const Pipeline& pipeline,
+                     const RawlogSource& source,
+                     const RunStatistics& statistics,
+                     const CTimeLogger& times)
+{
+  RunResults results;
+  results.graph = &pipeline.backend().graph();
+  results.map = pipeline.map();
+  results.map_points = results.map == nullptr ? MapPoints() : results.map->points();
+  results.trajectory = pipeline.trajectory();
+  results.reference = statistics.referenceInMap(results.trajectory);
+  results.stage_ms = stageMilliseconds(times, statistics.frames);
+
+  SlamRunReport& report = results.report;
   report.method = pipeline.summary();
-  report.frames = frames;
+  report.frames = statistics.frames;
+  report.unconverged = statistics.unconverged;
+  report.odometry_failed = statistics.odometry_failures.total();
   report.keyframes = pipeline.backend().keyframes().size();
-  for (const auto& loop : pipeline.backend().loops())
-  {
-    report.loops += loop.verdict == LoopVerdict::accepted ? 1 : 0;
-  }
-  const auto lengths = pipeline.trajectory().pathLengths();
+  const auto& loops = pipeline.backend().loops();
+  report.loops = static_cast<std::size_t>(
+      std::count_if(loops.begin(), loops.end(),
+                    [](const Loop& loop) { return loop.verdict == LoopVerdict::accepted; }));
+  report.tracks = statistics.moving_objects.size();
+  report.map_points = results.map_points.size();
+  const auto lengths = results.trajectory.pathLengths();
   report.path_length = lengths.empty() ? 0 : lengths.back();
-  report.map_points = pipeline.map() == nullptr ? 0 : pipeline.map()->points().size();
-  report.warnings = source.warnings();
-  for (const std::string& warning : pipeline.warnings())
+  for (const auto& [stage, ms] : results.stage_ms)
   {
-    report.warnings.push_back(warning);
+    report.ms_per_scan += ms;
   }
-  return report;
-}
-/** Of the scans asked for; 0 where all are. */
-double shareOf(std::size_t frames, int only_first_n)
-{
-  return only_first_n > 0 ? static_cast<double>(frames) / only_first_n : 0;
+  report.has_reference = !results.reference.empty();
+  append(report.warnings, source.warnings());
+  append(report.warnings, pipeline.warnings());
+  append(report.warnings, statistics.warnings());
+  return results;
 }
 
-/** Why scans failed, reasons that differ in their numbers counted together. */
-class Reasons
+/** \param damage why the run ended early; empty if it did not. */
+void throwWhatFailed(const std::string& damage,
+                     const RunResults& results,
+                     const std::string& folder)
 {
- public:
-  void add(const std::string& reason)
+  std::string what = damage;
+  if (!damage.empty())
   {
-    std::string kind = reason;
-    std::replace_if(
-        kind.begin(), kind.end(), [](unsigned char c) { return std::isdigit(c) != 0; }, '0');
-    auto& [count, example] = kinds_[kind];
-    ++count;
-    example = reason;
-    ++total_;
+    what += "; results of the " + std::to_string(results.report.frames) +
+            " scans before it are in " + folder;
   }
-  [[nodiscard]] std::size_t total() const { return total_; }
-  [[nodiscard]] std::string commonest() const
+  for (const std::string& failure : results.failures)
   {
-    const auto most = std::max_element(kinds_.begin(), kinds_.end(),
-                                       [](const auto& a, const auto& b)
-                                       { return a.second.first < b.second.first; });
-    return most == kinds_.end() ? "" : most->second.second;
+    what += (what.empty() ? "" : "; ") + failure;
   }
-
- private:
-  std::map<std::string, std::pair<std::size_t, std::string>> kinds_;
-  std::size_t total_ = 0;
-};
-
-/** Runs that are worth a second look, though nothing failed. */
-void warnOfDoubts(const Reasons& odometry_failures, SlamRunReport& report)
-{
-  constexpr double many = 0.2;  // of all scans
-  if (static_cast<double>(odometry_failures.total()) > many * static_cast<double>(report.frames))
+  if (!results.failures.empty())
   {
-    report.warnings.push_back(
-        "odometry.method found no motion on " + std::to_string(odometry_failures.total()) + " of " +
-        std::to_string(report.frames) +
-        " scans, most often because: " + odometry_failures.commonest() + " (scans.csv tells each)");
+    what += "; the other results are in " + folder;
   }
-  const auto lost = static_cast<double>(report.unconverged);
-  if (lost > many * static_cast<double>(report.frames))
+  if (!what.empty())
   {
-    report.warnings.push_back(std::to_string(report.unconverged) + " of " +
-                              std::to_string(report.frames) +
-                              " scans could not be registered; does the config fit the sensor? (-c "
-                              "kitti64.ini is made for 64 beams, -c vlp16.ini for 16)");
+    throw UserError(what);
   }
 }
 }  // namespace
 
-SlamRunReport runSlam(const SlamRunSettings& settings,
-                      const std::function<void(double, std::size_t)>& on_frame)
+SlamRunReport runSlam(const SlamRunSettings& settings, const OnFrame& on_frame)
 {
-  mrpt::system::CTimeLogger times(true, "dyslam");
+  CTimeLogger times(true, "dyslam");
   times.setMinLoggingLevel(mrpt::system::LVL_ERROR);  // it would print its table at the end
   ConfigLoader config(settings.config);
   const auto input = config.get<RawlogSourceOptions>("input");
   Pipeline pipeline(config, times);
-  const auto output = config.get<OutputOptions>("output");
-  const auto replay = config.get<ReplayWriterOptions>("replay");
+  RunOutputs outputs(settings, config);
   config.requireAllUsed();
 
   RawlogSource source(settings.rawlog, input);
-  if (!settings.profile_csv.empty() && !std::ofstream(settings.profile_csv))
-  {
-    throw UserError(settings.profile_csv + ": cannot be written; choose another --profile");
-  }
-  RunOutputs outputs(settings, output, replay, config.effective());
+  requireWritable(settings.profile_csv);
+  outputs.open();
 
-  std::size_t frames = 0;
-  std::size_t unconverged = 0;
-  Reasons odometry_failures;
+  RunStatistics statistics;
   std::string damage;
   try
   {
-    std::atomic<double> read = 0;  // share of the file; only the reading thread may ask the source
-    ReadAhead reader(
-        [&]
-        {
-          auto frame = source.next();
-          read = source.progress();
-          return frame;
-        });
-    while (auto frame = reader.next())
-    {
-      pipeline.process(*frame);
-      ++frames;
-      unconverged += frame->motion.converged ? 0 : 1;
-      if (!frame->odometry.converged)
-      {
-        odometry_failures.add(frame->odometry.reason);
-      }
-      outputs.add(std::move(*frame), pipeline);
-      if (on_frame)
-      {
-        on_frame(std::max(read.load(), shareOf(frames, input.only_first_n)), frames);
-      }
-      if (settings.stop && settings.stop())
-      {
-        throw UserError(settings.rawlog + ": stopped");
-      }
-    }
+    replay(settings, source, input.only_first_n, pipeline, statistics, outputs, on_frame);
   }
   catch (const UserError& error)
   {
-    if (frames == 0)
+    if (statistics.frames == 0)
     {
       throw;
     }
     damage = error.what();  // what was read before it is worth keeping
   }
-
   pipeline.finish();
-  outputs.finish(pipeline);
-  SlamRunReport report = summaryOf(pipeline, source, frames);
-  report.unconverged = unconverged;
-  report.odometry_failed = odometry_failures.total();
-  warnOfDoubts(odometry_failures, report);
-  const auto stage_ms = stageMilliseconds(times, frames);
-  for (const auto& [stage, ms] : stage_ms)
-  {
-    report.ms_per_scan += ms;
-  }
+
+  RunResults results = resultsOf(pipeline, source, statistics, times);
+  outputs.finish(results);
   if (!settings.profile_csv.empty())
   {
     times.saveToCSVFile(settings.profile_csv);
   }
-  outputs.writeReport(report, stage_ms);
-  if (!damage.empty())
-  {
-    throw UserError(damage + "; results of the " + std::to_string(frames) +
-                    " scans before it are in " + settings.output_folder);
-  }
-  return report;
+  throwWhatFailed(damage, results, settings.output_folder);
+  return results.report;
 }
 }  // namespace dyslam

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <dyslam/pipeline/ReadAhead.h>
-#include <dyslam/pipeline/WriteBehind.h>
 #include <gtest/gtest.h>
 
 #include <stdexcept>
 #include <vector>
+
+#include "../src/ReadAhead.h"
+#include "../src/WriteBehind.h"
 
 namespace dyslam
 {

@@ -51,8 +51,6 @@ class Track
   }
   [[nodiscard]] ObjectClass objectClass() const { return object_class_; }
   [[nodiscard]] int misses() const { return misses_; }
-  [[nodiscard]] bool confirmed() const { return confirmed_; }
-  [[nodiscard]] int id() const { return id_; }
   [[nodiscard]] bool dead() const;
   [[nodiscard]] TrackedObject object() const;
 

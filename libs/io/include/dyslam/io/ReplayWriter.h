@@ -25,9 +25,9 @@ struct ReplayWriterOptions : Options
  *
  * Per scan: CObservationPointCloud `static` and `moving` (XYZI, vehicle frame),
  * CObservationRobotPose `estimate` (and `ground_truth` where known), and a CObservation3DScene in
- * the vehicle frame with points coloured by what they are, tracked boxes with ids, velocity arrows
- * and the trajectory so far. Streams: memory does not grow with the run. The same input gives the
- * same bytes.
+ * the vehicle frame with points coloured by what they are, boxes of the reported objects with ids,
+ * velocity arrows and the trajectory so far. Streams: memory does not grow with the run. The same
+ * input gives the same bytes.
  *
  * The file grows under `<path>.tmp` and gets its name when closed: by close(), or by the destructor
  * when an error unwinds the program after the first scan. A full disk leaves an earlier file.
@@ -41,7 +41,7 @@ class ReplayWriter
   ReplayWriter(ReplayWriter&&) noexcept;
   ReplayWriter& operator=(ReplayWriter&&) noexcept;
 
-  /** Reads scan.stamp, cloud, moving_probability, objects and the poses of the frame.
+  /** Reads scan.stamp, cloud, moving_probability, detections, objects and the poses of the frame.
    * \throws UserError if the disk is full. */
   void write(const Frame& frame);
   /** Finishes the file; later calls do nothing. \throws UserError if that fails. */

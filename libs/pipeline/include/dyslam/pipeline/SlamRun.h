@@ -43,7 +43,8 @@ struct SlamRunReport
 /** Replays a rawlog through the pipeline and fills a folder with the results.
  *
  * A recording that turns out damaged halfway, and a run that is stopped, still leave complete
- * results of the frames before; then the error is thrown.
+ * results of the frames before; then the error is thrown. So does a run one of whose files could
+ * not be written: the others are, but for report.json, which says that a folder is whole.
  * \param on_frame called after each frame with the share of the work done and the number of
  * frames. \throws UserError for bad input, config or output folder. */
 SlamRunReport runSlam(const SlamRunSettings& settings,

@@ -4,8 +4,10 @@
 #include <dyslam/core/Frame.h>
 
 #include <functional>
-#include <memory>
 #include <optional>
+#include <thread>
+
+#include "BoundedQueue.h"
 
 namespace dyslam
 {
@@ -14,7 +16,7 @@ class ReadAhead
 {
  public:
   /** \param next gives the next frame or nothing at the end; called from the reading thread only.
-   *  \param depth frames read ahead at most. */
+   *  \param depth frames that wait at most. */
   explicit ReadAhead(std::function<std::optional<Frame>()> next, std::size_t depth = 2);
   ~ReadAhead();
   ReadAhead(const ReadAhead&) = delete;
@@ -22,10 +24,10 @@ class ReadAhead
 
   /** The next frame; nothing at the end. Throws what the reader threw, after all frames before it.
    */
-  [[nodiscard]] std::optional<Frame> next();
+  [[nodiscard]] std::optional<Frame> next() { return frames_.pop(); }
 
  private:
-  struct Shared;
-  std::unique_ptr<Shared> shared_;
+  BoundedQueue<Frame> frames_;
+  std::thread thread_;
 };
 }  // namespace dyslam

@@ -2,7 +2,9 @@
 #pragma once
 
 #include <functional>
-#include <memory>
+#include <thread>
+
+#include "BoundedQueue.h"
 
 namespace dyslam
 {
@@ -13,17 +15,19 @@ class WriteBehind
  public:
   /** \param depth jobs that may wait; add() blocks beyond. */
   explicit WriteBehind(std::size_t depth = 4);
+  /** Waits for every job. */
   ~WriteBehind();
   WriteBehind(const WriteBehind&) = delete;
   WriteBehind& operator=(const WriteBehind&) = delete;
 
-  /** Throws what an earlier job threw, once; jobs after a failed one are dropped. */
-  void add(std::function<void()> job);
-  /** Waits for every job. Throws what a job threw. */
+  /** Throws what an earlier job threw, once; jobs after a failed one and after finish() are
+   * dropped. */
+  void add(std::function<void()> job) { jobs_.push(std::move(job)); }
+  /** Waits for every job. Throws what a job threw, unless add() did. */
   void finish();
 
  private:
-  struct Shared;
-  std::unique_ptr<Shared> shared_;
+  BoundedQueue<std::function<void()>> jobs_;
+  std::thread thread_;
 };
 }  // namespace dyslam

@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <dyslam/backend/PoseGraph.h>
+#include <dyslam/core/Frame.h>
+#include <dyslam/core/Options.h>
+#include <dyslam/core/Trajectory.h>
+#include <dyslam/mapping/StaticMap.h>
+#include <dyslam/pipeline/SlamRun.h>
+
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace dyslam
+{
+/** What a run has come to after its last frame. */
+struct RunResults
+{
+  const PoseGraph* graph = nullptr;
+  const StaticMap* map = nullptr;  //!< null if mapping is off
+  MapPoints map_points;            //!< of the map
+  Trajectory trajectory;           //!< of the vehicle in the map frame, a pose per frame
+  Trajectory reference;            //!< ground truth in the map frame, where the recording has it
+  std::map<std::string, double> stage_ms;  //!< mean per frame [ms]
+  SlamRunReport report;                    //!< its `files`: those written so far
+  std::vector<std::string> failures;       //!< why outputs could not be written
+};
+
+/** A file that an output leaves in the run's folder, or a folder of numbered files. */
+struct OutputName
+{
+  OutputName(const char* file) : name(file) {}
+  OutputName(const char* folder, const char* extension_in) : name(folder), extension(extension_in)
+  {
+  }
+
+  std::string name;
+  std::string extension;  //!< of the files 000000.label, 000001.label, ... if it is a folder
+};
+
+/** What outputs are made from. An output's own options are a section of the config. */
+struct RunOutputContext
+{
+  const SlamRunSettings& settings;
+  ConfigLoader& config;
+  double scene_voxel_size;  //!< [m]
+};
+
+/** One kind of result that a run leaves in its folder.
+ *
+ * To add one, derive a class in a file of its own in outputs/ and give it a row in
+ * RunOutputRegistry.cpp; nothing else has to know its name.
+ */
+class RunOutput
+{
+ public:
+  RunOutput(const RunOutputContext& context, std::vector<OutputName> names);
+  virtual ~RunOutput();
+  RunOutput(const RunOutput&) = delete;
+  RunOutput& operator=(const RunOutput&) = delete;
+
+  /** All that it may leave. What an earlier run left under these names is removed, whether the
+   * output is switched on or not. */
+  [[nodiscard]] const std::vector<OutputName>& names() const { return names_; }
+
+  /** Whether add() takes long: it is then called in another thread, frame by frame in order. All
+   * calls of one output come one after the other either way. */
+  [[nodiscard]] virtual bool isSlow() const { return false; }
+
+  // An exception out of one of these ends this output alone, except in open().
+
+  /** Before the first frame, in the folder without this output's files. */
+  virtual void open() {}
+  virtual void add(const Frame& /*frame*/) {}
+  /** After the last frame. */
+  virtual void finish(const RunResults& /*results*/) {}
+
+ protected:
+  /** Where to write `name`, one of names(). \throws std::logic_error for another. */
+  [[nodiscard]] std::string path(const std::string& name) const;
+
+ private:
+  std::string folder_;
+  std::vector<OutputName> names_;
+};
+
+using RunOutputFactory = std::unique_ptr<RunOutput>(const RunOutputContext& context);
+
+/** One row of the registry. */
+struct RunOutputKind
+{
+  RunOutputFactory* make;
+  /** Key of [output] that switches it on (the default) or off; null: always on. */
+  const char* key = nullptr;
+  const char* help = nullptr;
+  /** Setting that must be on as well; null: none. */
+  bool SlamRunSettings::*flag = nullptr;
+};
+
+/** Every output, in the order in which they finish: what matters most is written first. */
+[[nodiscard]] std::vector<RunOutputKind> runOutputKinds();
+}  // namespace dyslam

@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "RunOutput.h"
+
+namespace dyslam
+{
+// Each is defined in outputs/, in the file of its name.
+RunOutputFactory makeSettingsOutput, makeTrajectoryOutput, makeGraphOutput, makeScanTableOutput,
+    makeTrackOutput, makeLabelOutput, makeStaticScanOutput, makeReplayOutput, makeSimplemapOutput,
+    makePcdOutput, makePlyOutput, makeSceneOutput, makePlotOutput, makeReportOutput;
+
+std::vector<RunOutputKind> runOutputKinds()
+{
+  // Files of an earlier run are removed from the last row to the first: report.json, which says
+  // that a folder is whole, goes first, and effective.ini, which says that it is a run's, last.
+  return {
+      {makeSettingsOutput},
+      {makeTrajectoryOutput},
+      {makeGraphOutput},
+      {makeScanTableOutput},
+      {makeTrackOutput},
+      {makeLabelOutput, nullptr, nullptr, &SlamRunSettings::labels},
+      {makeStaticScanOutput, nullptr, nullptr, &SlamRunSettings::static_scans},
+      {makeReplayOutput, "replay", "replay.rawlog, for RawLogViewer"},
+      {makeSimplemapOutput, "simplemap", "keyframes.simplemap"},
+      {makePcdOutput, "pcd", "map_static.pcd"},
+      {makePlyOutput, "ply", "map_static.ply"},
+      {makeSceneOutput, "scene", "map.3Dscene, for SceneViewer3D"},
+      {makePlotOutput, "plot", "trajectory.png, where there is ground truth"},
+      {makeReportOutput},
+  };
+}
+}  // namespace dyslam

@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "RunStatistics.h"
+
+#include <algorithm>
+#include <cctype>
+
+namespace dyslam
+{
+void Reasons::add(const std::string& reason)
+{
+  std::string kind = reason;
+  std::replace_if(
+      kind.begin(), kind.end(), [](unsigned char c) { return std::isdigit(c) != 0; }, '0');
+  auto& [count, example] = kinds_[kind];
+  ++count;
+  example = reason;
+  ++total_;
+}
+
+std::string Reasons::mostFrequent() const
+{
+  const auto most = std::max_element(kinds_.begin(), kinds_.end(),
+                                     [](const auto& a, const auto& b)
+                                     { return a.second.first < b.second.first; });
+  return most == kinds_.end() ? "" : most->second.second;
+}
+
+void RunStatistics::add(const Frame& frame)
+{
+  ++frames;
+  unconverged += frame.motion.converged ? 0 : 1;
+  if (!frame.odometry.converged)
+  {
+    odometry_failures.add(frame.odometry.reason);
+  }
+  for (const TrackedObject& object : frame.objects)
+  {
+    if (object.reported && object.dynamic)
+    {
+      moving_objects.insert(object.id);
+    }
+  }
+  if (frame.T_world_vehicle_truth)
+  {
+    reference.push_back(frame.scan.stamp, *frame.T_world_vehicle_truth);
+  }
+}
+
+Trajectory RunStatistics::referenceInMap(const Trajectory& trajectory) const
+{
+  Trajectory result;
+  if (reference.empty())
+  {
+    return result;
+  }
+  const auto start = trajectory.at(reference[0].stamp);
+  const Pose T_map_world = start.value_or(Pose::Identity()) * reference[0].pose.inverse();
+  for (const StampedPose& truth : reference)
+  {
+    result.push_back(truth.stamp, T_map_world * truth.pose);
+  }
+  return result;
+}
+
+std::vector<std::string> RunStatistics::warnings() const
+{
+  constexpr double many = 0.2;  // of all scans
+  const auto limit = many * static_cast<double>(frames);
+  const std::string of_all = " of " + std::to_string(frames) + " scans";
+  std::vector<std::string> result;
+  if (static_cast<double>(odometry_failures.total()) > limit)
+  {
+    result.push_back("odometry.method found no motion on " +
+                     std::to_string(odometry_failures.total()) + of_all + ", most often because: " +
+                     odometry_failures.mostFrequent() + " (scans.csv has the reason of each)");
+  }
+  if (static_cast<double>(unconverged) > limit)
+  {
+    result.push_back(std::to_string(unconverged) + of_all +
+                     " could not be registered; does the config fit the sensor? (-c kitti64.ini is "
+                     "made for 64 beams, -c vlp16.ini for 16)");
+  }
+  return result;
+}
+}  // namespace dyslam

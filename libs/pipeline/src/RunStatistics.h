@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <dyslam/core/Frame.h>
+#include <dyslam/core/Trajectory.h>
+
+#include <cstddef>
+#include <map>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace dyslam
+{
+/** Why scans failed, reasons that differ in their numbers alone counted together. */
+class Reasons
+{
+ public:
+  void add(const std::string& reason);
+  [[nodiscard]] std::size_t total() const { return total_; }
+  /** An example of the most frequent kind; empty if there was none. */
+  [[nodiscard]] std::string mostFrequent() const;
+
+ private:
+  std::map<std::string, std::pair<std::size_t, std::string>> kinds_;  //!< count, example
+  std::size_t total_ = 0;
+};
+
+/** What is counted while the frames of a run come. */
+struct RunStatistics
+{
+  void add(const Frame& frame);
+
+  /** Ground truth in the map frame, which begins at the trajectory's first pose. */
+  [[nodiscard]] Trajectory referenceInMap(const Trajectory& trajectory) const;
+
+  /** What deserves a second look, though nothing failed; one sentence each. */
+  [[nodiscard]] std::vector<std::string> warnings() const;
+
+  std::size_t frames = 0;
+  std::size_t unconverged = 0;  //!< frames whose motion was predicted, not measured
+  Reasons odometry_failures;
+  std::set<int> moving_objects;  //!< ids of those reported
+  Trajectory reference;          //!< ground truth as recorded
+};
+}  // namespace dyslam

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/mapping/MapExport.h>
+
+#include "../RunOutput.h"
+
+namespace dyslam
+{
+namespace
+{
+/** `map_static.pcd` or `map_static.ply`: the points of the static map. */
+class MapCloudOutput : public RunOutput
+{
+ public:
+  using RunOutput::RunOutput;
+  void finish(const RunResults& results) override
+  {
+    if (results.map != nullptr)
+    {
+      writeMapCloud(results.map_points, path(names().front().name));
+    }
+  }
+};
+}  // namespace
+
+std::unique_ptr<RunOutput> makePcdOutput(const RunOutputContext& context)
+{
+  return std::make_unique<MapCloudOutput>(context, std::vector<OutputName>{"map_static.pcd"});
+}
+
+std::unique_ptr<RunOutput> makePlyOutput(const RunOutputContext& context)
+{
+  return std::make_unique<MapCloudOutput>(context, std::vector<OutputName>{"map_static.ply"});
+}
+}  // namespace dyslam

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/io/ReplayWriter.h>
+
+#include <optional>
+
+#include "../RunOutput.h"
+
+namespace dyslam
+{
+namespace
+{
+constexpr const char* rawlog = "replay.rawlog";
+
+/** `replay.rawlog`, see ReplayWriter. */
+class ReplayOutput : public RunOutput
+{
+ public:
+  explicit ReplayOutput(const RunOutputContext& context)
+      : RunOutput(context, {rawlog}), options_(context.config.get<ReplayWriterOptions>("replay"))
+  {
+  }
+  [[nodiscard]] bool isSlow() const override { return true; }
+  void open() override { writer_.emplace(path(rawlog), options_); }
+  void add(const Frame& frame) override { writer_->write(frame); }
+  void finish(const RunResults& /*results*/) override { writer_->close(); }
+
+ private:
+  ReplayWriterOptions options_;
+  std::optional<ReplayWriter> writer_;
+};
+}  // namespace
+
+std::unique_ptr<RunOutput> makeReplayOutput(const RunOutputContext& context)
+{
+  return std::make_unique<ReplayOutput>(context);
+}
+}  // namespace dyslam

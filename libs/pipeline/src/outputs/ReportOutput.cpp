@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/PendingFile.h>
+
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "../RunOutput.h"
+
+namespace dyslam
+{
+namespace
+{
+constexpr const char* name = "report.json";
+using Json = nlohmann::ordered_json;
+
+/** To nine digits, which is more than any figure here is good for. */
+double rounded(double value)
+{
+  char text[32];
+  std::snprintf(text, sizeof text, "%.9g", value);
+  return std::strtod(text, nullptr);
+}
+
+/** `report.json`: figures of the run. A folder that has it is whole: it is written last, and only
+ * if no other output failed. */
+class ReportOutput : public RunOutput
+{
+ public:
+  explicit ReportOutput(const RunOutputContext& context)
+      : RunOutput(context, {name}),
+        input_(std::filesystem::absolute(context.settings.rawlog).lexically_normal().string())
+  {
+  }
+  void finish(const RunResults& results) override
+  {
+    if (!results.failures.empty())
+    {
+      return;
+    }
+    constexpr int indent = 2;
+    const std::string text =
+        jsonOf(results).dump(indent, ' ', false, Json::error_handler_t::replace);
+    writeWhole(path(name), text + "\n");
+  }
+
+ private:
+  [[nodiscard]] Json jsonOf(const RunResults& results) const
+  {
+    const SlamRunReport& report = results.report;
+    Json json;
+    json["input"] = input_;
+    json["method"] = report.method;
+    json["frames"] = report.frames;
+    json["unconverged"] = report.unconverged;
+    json["odometry_failed"] = report.odometry_failed;
+    json["keyframes"] = report.keyframes;
+    json["loops"] = report.loops;
+    json["tracks"] = report.tracks;
+    json["map_points"] = report.map_points;
+    json["path_length_m"] = rounded(report.path_length);
+    json["ms_per_scan"] = rounded(report.ms_per_scan);
+    json["stage_ms"] = Json::object();
+    for (const auto& [stage, ms] : results.stage_ms)
+    {
+      json["stage_ms"][stage] = rounded(ms);
+    }
+    json["warnings"] = report.warnings;
+    json["files"] = report.files;
+    json["files"].push_back(name);
+    return json;
+  }
+
+  std::string input_;
+};
+}  // namespace
+
+std::unique_ptr<RunOutput> makeReportOutput(const RunOutputContext& context)
+{
+  return std::make_unique<ReportOutput>(context);
+}
+}  // namespace dyslam

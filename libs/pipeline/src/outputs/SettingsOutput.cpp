@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/PendingFile.h>
+
+#include "../RunOutput.h"
+
+namespace dyslam
+{
+namespace
+{
+constexpr const char* ini = "effective.ini";
+
+/** `effective.ini`: every setting of the run. A folder that has it is of a run. */
+class SettingsOutput : public RunOutput
+{
+ public:
+  explicit SettingsOutput(const RunOutputContext& context)
+      : RunOutput(context, {ini}), config_(context.config)
+  {
+  }
+  void open() override { writeWhole(path(ini), config_.effective().toIni()); }
+
+ private:
+  const ConfigLoader& config_;  // other parts of the run load theirs until open()
+};
+}  // namespace
+
+std::unique_ptr<RunOutput> makeSettingsOutput(const RunOutputContext& context)
+{
+  return std::make_unique<SettingsOutput>(context);
+}
+}  // namespace dyslam

@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/Files.h>
+#include <dyslam/io/CloudFiles.h>
+#include <dyslam/io/RawlogWriter.h>
+
+#include <optional>
+
+#include "../RunOutput.h"
+#include "ScanLabels.h"
+
+namespace dyslam
+{
+namespace
+{
+constexpr const char* folder = "static_scans";
+constexpr const char* extension = ".bin";
+constexpr const char* rawlog = "static_scans.rawlog";
+
+/** The scan without the points labelled as moving. */
+Scan staticPartOf(const Frame& frame)
+{
+  const std::vector<Label> labels = scanLabels(frame);
+  Scan kept = frame.scan;
+  std::size_t count = 0;
+  const auto keep = [&](auto& values, std::size_t from)
+  {
+    if (!values.empty())
+    {
+      values[count] = values[from];
+    }
+  };
+  for (std::size_t i = 0; i < labels.size(); ++i)
+  {
+    if (!isMovingLabel(labels[i]))
+    {
+      keep(kept.points, i);
+      keep(kept.intensity, i);
+      keep(kept.time, i);
+      keep(kept.ring, i);
+      ++count;
+    }
+  }
+  kept.points.resize(count);
+  kept.intensity.resize(kept.intensity.empty() ? 0 : count);
+  kept.time.resize(kept.time.empty() ? 0 : count);
+  kept.ring.resize(kept.ring.empty() ? 0 : count);
+  return kept;
+}
+
+/** The scans without what moves: `static_scans/NNNNNN.bin` and `static_scans.rawlog`. */
+class StaticScanOutput : public RunOutput
+{
+ public:
+  explicit StaticScanOutput(const RunOutputContext& context)
+      : RunOutput(context, {{folder, extension}, rawlog})
+  {
+  }
+  [[nodiscard]] bool isSlow() const override { return true; }
+  void open() override
+  {
+    makeFolder(path(folder));
+    writer_.emplace(path(rawlog));
+  }
+  void add(const Frame& frame) override
+  {
+    const Scan kept = staticPartOf(frame);
+    writeBin(numberedPath(path(folder), frame, extension), kept.points, kept.intensity);
+    writer_->write(kept, frame.T_world_vehicle_truth);
+  }
+  void finish(const RunResults& /*results*/) override { writer_->close(); }
+
+ private:
+  std::optional<RawlogWriter> writer_;
+};
+}  // namespace
+
+std::unique_ptr<RunOutput> makeStaticScanOutput(const RunOutputContext& context)
+{
+  return std::make_unique<StaticScanOutput>(context);
+}
+}  // namespace dyslam

@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/io/GroundTruth.h>
+
+#include <cmath>
+#include <cstdio>
+
+#include "../RunOutput.h"
+#include "StreamedFile.h"
+
+namespace dyslam
+{
+namespace
+{
+constexpr const char* table = "tracks.csv";
+constexpr const char* kitti = "tracks.txt";
+constexpr const char* header =
+    "frame,stamp,id,class,x,y,z,length,width,height,yaw,vx,vy,vz,speed,dynamic,observed,score\n";
+
+/** Box of the odometry frame in the lidar frame of a scan. */
+Box inLidarFrame(const Box& box, const Frame& frame)
+{
+  const Pose T_lidar_odom = (frame.T_odom_vehicle * frame.scan.T_vehicle_lidar).inverse();
+  Box result = box;
+  result.center = T_lidar_odom * box.center;
+  const Eigen::Vector3d heading =
+      T_lidar_odom.linear() * Eigen::Vector3d(std::cos(box.yaw), std::sin(box.yaw), 0);
+  result.yaw = std::atan2(heading.y(), heading.x());
+  return result;
+}
+
+LabelledBox labelledBox(const TrackedObject& object, const Frame& frame)
+{
+  LabelledBox box;
+  box.frame = static_cast<int>(frame.index);
+  box.id = object.id;
+  box.object_class = object.object_class;
+  box.type = toString(object.object_class);
+  box.box = inLidarFrame(object.box, frame);
+  box.score = object.score;
+  return box;
+}
+
+std::string rowOf(const TrackedObject& object, const Frame& frame)
+{
+  const auto& c = object.box.center;
+  const auto& s = object.box.size;
+  const auto& v = object.velocity;
+  char text[512];
+  std::snprintf(
+      text, sizeof text,
+      "%zu,%.6f,%d,%s,%.3f,%.3f,%.3f,%.2f,%.2f,%.2f,%.4f,%.3f,%.3f,%.3f,%.3f,%d,%d,%.3f\n",
+      frame.index, frame.scan.stamp, object.id, toString(object.object_class).c_str(), c.x(), c.y(),
+      c.z(), s.x(), s.y(), s.z(), object.box.yaw, v.x(), v.y(), v.z(), v.norm(),
+      object.dynamic ? 1 : 0, object.observed ? 1 : 0, object.score);
+  return text;
+}
+
+/** The reported objects: `tracks.csv`, boxes in the odometry frame, and `tracks.txt`, in the lidar
+ * frame of each scan. */
+class TrackOutput : public RunOutput
+{
+ public:
+  explicit TrackOutput(const RunOutputContext& context) : RunOutput(context, {table, kitti}) {}
+  void open() override { rows_.open(path(table), header); }
+  void add(const Frame& frame) override
+  {
+    std::string rows;
+    for (const TrackedObject& object : frame.objects)
+    {
+      if (object.reported)
+      {
+        boxes_.push_back(labelledBox(object, frame));
+        rows += rowOf(object, frame);
+      }
+    }
+    rows_.write(rows);
+  }
+  void finish(const RunResults& /*results*/) override
+  {
+    writeTracks(path(kitti), boxes_);
+    rows_.close();
+  }
+
+ private:
+  StreamedFile rows_;
+  std::vector<LabelledBox> boxes_;
+};
+}  // namespace
+
+std::unique_ptr<RunOutput> makeTrackOutput(const RunOutputContext& context)
+{
+  return std::make_unique<TrackOutput>(context);
+}
+}  // namespace dyslam

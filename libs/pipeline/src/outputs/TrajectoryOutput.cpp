@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/io/TrajectoryFiles.h>
+
+#include <Eigen/Geometry>
+#include <cstdio>
+
+#include "../RunOutput.h"
+#include "StreamedFile.h"
+
+namespace dyslam
+{
+namespace
+{
+constexpr const char* odometry = "odometry_tum.txt";
+constexpr const char* tum = "trajectory_tum.txt";
+constexpr const char* kitti = "trajectory_kitti.txt";
+constexpr const char* reference = "reference_tum.txt";
+
+std::string tumLine(double stamp, const Pose& pose)
+{
+  const Eigen::Quaterniond q(pose.linear());
+  const auto t = pose.translation();
+  char text[256];
+  std::snprintf(text, sizeof text, "%.9f %.12g %.12g %.12g %.12g %.12g %.12g %.12g\n", stamp, t.x(),
+                t.y(), t.z(), q.x(), q.y(), q.z(), q.w());
+  return text;
+}
+
+/** `odometry_tum.txt` while frames come; at the end `trajectory_tum.txt`, `trajectory_kitti.txt`
+ * and, where the recording has ground truth, `reference_tum.txt`. */
+class TrajectoryOutput : public RunOutput
+{
+ public:
+  explicit TrajectoryOutput(const RunOutputContext& context)
+      : RunOutput(context, {odometry, tum, kitti, reference})
+  {
+  }
+  void open() override { odometry_.open(path(odometry)); }
+  void add(const Frame& frame) override
+  {
+    odometry_.write(tumLine(frame.scan.stamp, frame.T_odom_vehicle));
+  }
+  void finish(const RunResults& results) override
+  {
+    writeTum(path(tum), results.trajectory);
+    writeKittiPoses(path(kitti), results.trajectory);
+    if (!results.reference.empty())
+    {
+      writeTum(path(reference), results.reference);
+    }
+    odometry_.close();  // may throw: what was streamed matters less than the final poses
+  }
+
+ private:
+  StreamedFile odometry_;
+};
+}  // namespace
+
+std::unique_ptr<RunOutput> makeTrajectoryOutput(const RunOutputContext& context)
+{
+  return std::make_unique<TrajectoryOutput>(context);
+}
+}  // namespace dyslam

@@ -1,0 +1,196 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "../src/RunOutputs.h"
+
+#include <dyslam/core/Error.h>
+#include <dyslam/core/Files.h>
+#include <dyslam/core/PendingFile.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+#include <set>
+#include <stdexcept>
+#include <thread>
+
+namespace fs = std::filesystem;
+
+namespace dyslam
+{
+namespace
+{
+const RunOutputKind settings_row = runOutputKinds().front();
+const RunOutputKind report_row = runOutputKinds().back();
+
+enum class Failure
+{
+  none,
+  open,
+  add,
+  finish
+};
+
+/** Writes the number of its frames; fails where it is told to. */
+class FakeOutput : public RunOutput
+{
+ public:
+  FakeOutput(const RunOutputContext& context, const std::string& name, bool slow, Failure failure)
+      : RunOutput(context, {name.c_str()}), name_(name), slow_(slow), failure_(failure)
+  {
+  }
+  [[nodiscard]] bool isSlow() const override { return slow_; }
+  void open() override { failIf(Failure::open); }
+  void add(const Frame& frame) override
+  {
+    EXPECT_EQ(frame.index, frames_) << "frames come in order";
+    EXPECT_EQ(std::this_thread::get_id() != maker_, slow_) << "the slow ones in a thread of theirs";
+    ++frames_;
+    if (frames_ == 3)
+    {
+      failIf(Failure::add);
+    }
+  }
+  void finish(const RunResults& /*results*/) override
+  {
+    failIf(Failure::finish);
+    writeWhole(path(name_), std::to_string(frames_));
+  }
+
+ private:
+  void failIf(Failure where) const
+  {
+    if (failure_ == where)
+    {
+      throw UserError(name_ + ": disk full");
+    }
+  }
+
+  std::string name_;
+  bool slow_;
+  Failure failure_;
+  std::size_t frames_ = 0;
+  std::thread::id maker_ = std::this_thread::get_id();
+};
+
+template <Failure failure, bool slow>
+std::unique_ptr<RunOutput> makeA(const RunOutputContext& context)
+{
+  return std::make_unique<FakeOutput>(context, "a.txt", slow, failure);
+}
+
+template <bool slow>
+std::unique_ptr<RunOutput> makeB(const RunOutputContext& context)
+{
+  return std::make_unique<FakeOutput>(context, "b.txt", slow, Failure::none);
+}
+
+class RunOutputsTest : public ::testing::Test
+{
+ protected:
+  void SetUp() override
+  {
+    settings_.rawlog = "x.rawlog";
+    settings_.output_folder = folder_.string();
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+
+  /** Five frames to these outputs. */
+  RunResults runOf(const std::vector<RunOutputKind>& kinds)
+  {
+    const Config given;
+    ConfigLoader config(given);
+    RunOutputs outputs(settings_, config, kinds);
+    outputs.open();
+    for (std::size_t i = 0; i < 5; ++i)
+    {
+      Frame frame;
+      frame.index = i;
+      outputs.add(frame);
+    }
+    RunResults results;
+    outputs.finish(results);
+    return results;
+  }
+
+  [[nodiscard]] std::string content(const std::string& name) const
+  {
+    return readWhole((folder_ / name).string());
+  }
+  [[nodiscard]] bool has(const std::string& name) const { return fs::exists(folder_ / name); }
+
+  fs::path folder_ = fs::temp_directory_path() / ("dyslam_outputs_" + std::to_string(::getpid()));
+  SlamRunSettings settings_;
+};
+
+TEST_F(RunOutputsTest, WritesWhatDoesNotFailAndNamesWhatDoes)
+{
+  const std::vector<std::vector<RunOutputKind>> all{
+      {{makeA<Failure::add, false>}, {makeB<false>}, report_row},
+      {{makeA<Failure::finish, false>}, {makeB<true>}, report_row},
+      {{makeA<Failure::add, true>}, {makeB<false>}, report_row},
+      {{makeA<Failure::finish, true>}, {makeB<true>}, report_row}};
+  for (const auto& kinds : all)
+  {
+    const RunResults results = runOf(kinds);
+    EXPECT_EQ(results.failures, std::vector<std::string>{"a.txt: disk full"});
+    EXPECT_EQ(results.report.files, std::vector<std::string>{"b.txt"});
+    EXPECT_FALSE(has("a.txt"));
+    EXPECT_EQ(content("b.txt"), "5");
+    EXPECT_FALSE(has("report.json")) << "a folder that has it is whole";
+  }
+}
+
+TEST_F(RunOutputsTest, AFileThatCannotBeOpenedEndsTheRunAtOnce)
+{
+  EXPECT_THROW((void)runOf({{makeA<Failure::open, false>}, {makeB<false>}}), UserError);
+}
+
+TEST_F(RunOutputsTest, TheReportListsTheFilesWritten)
+{
+  const RunResults results = runOf({settings_row, {makeA<Failure::none, true>}, report_row});
+  EXPECT_TRUE(results.failures.empty());
+  const std::vector<std::string> files{"effective.ini", "a.txt", "report.json"};
+  EXPECT_EQ(results.report.files, files);
+  for (const std::string& file : files)
+  {
+    EXPECT_NE(content("report.json").find('"' + file + '"'), std::string::npos) << file;
+  }
+}
+
+TEST_F(RunOutputsTest, WhatIsSwitchedOffIsRemovedAllTheSame)
+{
+  const std::vector<RunOutputKind> kinds{
+      settings_row,
+      {makeA<Failure::none, false>},
+      {makeB<false>, nullptr, nullptr, &SlamRunSettings::static_scans}};
+  settings_.static_scans = true;
+  (void)runOf(kinds);
+  ASSERT_TRUE(has("b.txt"));
+  writeWhole((folder_ / "b.txt.tmp").string(), "of a run that was killed");
+  writeWhole((folder_ / "notes.txt").string(), "mine");
+  settings_.static_scans = false;
+  (void)runOf(kinds);
+  EXPECT_TRUE(has("a.txt"));
+  EXPECT_FALSE(has("b.txt"));
+  EXPECT_FALSE(has("b.txt.tmp"));
+  EXPECT_TRUE(has("notes.txt"));
+}
+
+TEST_F(RunOutputsTest, EveryKindHasNamesOfItsOwn)
+{
+  const Config given;
+  ConfigLoader config(given);
+  std::set<std::string> names;
+  for (const RunOutputKind& kind : runOutputKinds())
+  {
+    const auto output = kind.make({settings_, config, 0.4});
+    EXPECT_FALSE(output->names().empty());
+    for (const OutputName& name : output->names())
+    {
+      EXPECT_TRUE(names.insert(name.name).second) << name.name << " is written by two outputs";
+    }
+  }
+  EXPECT_FALSE(fs::exists(folder_)) << "nothing is written before open()";
+}
+}  // namespace
+}  // namespace dyslam

@@ -1,0 +1,293 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// One run's outputs show the same objects: replay, tables, labels and scene.
+#include <dyslam/io/GroundTruth.h>
+#include <dyslam/io/Labels.h>
+#include <dyslam/io/RawlogWriter.h>
+#include <dyslam/io/TrajectoryFiles.h>
+#include <dyslam/pipeline/SlamRun.h>
+#include <dyslam/sim/Simulator.h>
+#include <gtest/gtest.h>
+#include <mrpt/obs/CObservation3DScene.h>
+#include <mrpt/obs/CRawlog.h>
+#include <mrpt/opengl/COpenGLScene.h>
+#include <mrpt/opengl/CSetOfLines.h>
+#include <mrpt/opengl/CText.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <set>
+#include <sstream>
+#include <string>
+#include <vector>
+
+namespace fs = std::filesystem;
+
+namespace dyslam
+{
+namespace
+{
+constexpr int scan_count = 40;
+
+/** A row of tracks.csv. */
+struct Row
+{
+  Box box;  //!< odometry frame
+  double speed = 0;
+  bool dynamic = false;
+  bool observed = false;
+};
+using Rows = std::map<int, Row>;  // by the object's id
+
+std::vector<std::string> fieldsOf(const std::string& line)
+{
+  std::vector<std::string> fields;
+  std::stringstream text(line);
+  for (std::string field; std::getline(text, field, ',');)
+  {
+    fields.push_back(field);
+  }
+  return fields;
+}
+
+/** By frame. */
+std::vector<Rows> readTable(const fs::path& path)
+{
+  std::vector<Rows> frames(scan_count);
+  std::ifstream file(path);
+  std::string line;
+  std::getline(file, line);
+  EXPECT_EQ(line,
+            "frame,stamp,id,class,x,y,z,length,width,height,yaw,vx,vy,vz,speed,dynamic,observed,"
+            "score");
+  while (std::getline(file, line))
+  {
+    const auto f = fieldsOf(line);
+    const auto number = [&](std::size_t i) { return std::stod(f.at(i)); };
+    Row row;
+    row.box.center = {number(4), number(5), number(6)};
+    row.box.size = {number(7), number(8), number(9)};
+    row.box.yaw = number(10);
+    row.speed = number(14);
+    row.dynamic = f.at(15) == "1";
+    row.observed = f.at(16) == "1";
+    frames.at(std::stoul(f[0]))[std::stoi(f[2])] = row;
+  }
+  return frames;
+}
+
+/** What a scan's scene in the replay shows. */
+struct DrawnBox
+{
+  mrpt::math::TPose3D pose;  //!< vehicle frame
+  Eigen::Vector3d size = Eigen::Vector3d::Zero();
+  double speed = 0;
+};
+
+std::map<int, DrawnBox> boxesOf(const mrpt::opengl::COpenGLScene& scene)
+{
+  std::map<int, DrawnBox> boxes;
+  mrpt::opengl::CSetOfLines::Ptr box;  // comes before its text
+  for (const auto& object : *scene.getViewport())
+  {
+    if (const auto lines = std::dynamic_pointer_cast<mrpt::opengl::CSetOfLines>(object))
+    {
+      box = lines;
+    }
+    const auto text = std::dynamic_pointer_cast<mrpt::opengl::CText>(object);
+    char kind[32];
+    int id = 0;
+    DrawnBox drawn;
+    if (!text ||
+        std::sscanf(text->getString().c_str(), "%31s %d: %lf", kind, &id, &drawn.speed) != 3)
+    {
+      continue;
+    }
+    drawn.pose = box->getPose();
+    for (const auto& line : *box)
+    {
+      const Eigen::Vector3d corner(line.point2.x, line.point2.y, line.point2.z);
+      drawn.size = drawn.size.cwiseMax(2 * corner);
+    }
+    EXPECT_TRUE(boxes.emplace(id, drawn).second) << "object " << id << " is drawn twice";
+  }
+  return boxes;
+}
+
+/** By frame. */
+std::vector<std::map<int, DrawnBox>> readReplay(const fs::path& path)
+{
+  std::vector<std::map<int, DrawnBox>> frames;
+  mrpt::obs::CRawlog rawlog;
+  EXPECT_TRUE(rawlog.loadFromRawLogFile(path.string()));
+  for (std::size_t i = 0; i < rawlog.size(); ++i)
+  {
+    const auto scene =
+        std::dynamic_pointer_cast<mrpt::obs::CObservation3DScene>(rawlog.getAsObservation(i));
+    if (scene)
+    {
+      frames.push_back(boxesOf(*scene->scene));
+    }
+  }
+  return frames;
+}
+
+/** The instances of a .label file, less one. */
+std::set<int> idsOf(const fs::path& path)
+{
+  std::set<int> ids;
+  for (const Label label : readLabels(path.string()))
+  {
+    if (instanceOf(label) > 0)
+    {
+      ids.insert(instanceOf(label) - 1);
+    }
+  }
+  return ids;
+}
+
+class OutputsAgree : public ::testing::Test
+{
+ protected:
+  static void SetUpTestSuite()
+  {
+    folder_ = fs::temp_directory_path() / ("dyslam_outputs_agree_" + std::to_string(::getpid()));
+    fs::create_directories(folder_);
+    SlamRunSettings settings;
+    settings.rawlog = (folder_ / "town.rawlog").string();
+    settings.output_folder = (folder_ / "run").string();
+    settings.labels = true;
+    settings.config =
+        Config::fromFile(std::string(DYSLAM_SOURCE_DIR) + "/share/dyslam/config_files/vlp16.ini");
+    writeTown(settings.rawlog);
+    ASSERT_EQ(runSlam(settings).frames, static_cast<std::size_t>(scan_count));
+    table_ = readTable(folder_ / "run" / "tracks.csv");
+  }
+  static void TearDownTestSuite() { fs::remove_all(folder_); }
+
+  static void writeTown(const std::string& path)
+  {
+    sim::SimulatorOptions options;
+    options.sensor = sim::SensorKind::vlp16;
+    options.columns = 900;
+    options.traffic = 0.5;
+    options.seed = 11;
+    sim::Simulator simulator(options, 1);
+    RawlogWriter writer(path);
+    for (int i = 0; i < scan_count; ++i)
+    {
+      const auto simulated = simulator.next();
+      writer.write(simulated.scan, simulated.T_map_vehicle);
+    }
+    writer.close();
+  }
+
+  static fs::path folder_;
+  static std::vector<Rows> table_;
+};
+fs::path OutputsAgree::folder_;
+std::vector<Rows> OutputsAgree::table_;
+
+TEST_F(OutputsAgree, ReplayAndTable)
+{
+  const auto replay = readReplay(folder_ / "run" / "replay.rawlog");
+  const Trajectory odometry = readTum((folder_ / "run" / "odometry_tum.txt").string());
+  ASSERT_EQ(replay.size(), table_.size());
+  ASSERT_EQ(odometry.size(), table_.size());
+  std::size_t boxes = 0;
+  for (std::size_t frame = 0; frame < table_.size(); ++frame)
+  {
+    EXPECT_EQ(replay[frame].size(), table_[frame].size()) << frame;
+    for (const auto& [id, drawn] : replay[frame])
+    {
+      const auto found = table_[frame].find(id);
+      ASSERT_TRUE(found != table_[frame].end()) << "scan " << frame << ", object " << id;
+      const Row& row = found->second;
+      const Pose T_vehicle_odom = odometry[frame].pose.inverse();
+      const Eigen::Vector3d center = T_vehicle_odom * row.box.center;
+      const Eigen::Vector3d heading =
+          T_vehicle_odom.linear() *
+          Eigen::Vector3d(std::cos(row.box.yaw), std::sin(row.box.yaw), 0);
+      const Eigen::Vector3d at(drawn.pose.x, drawn.pose.y, drawn.pose.z);
+      EXPECT_LT((at - center).norm(), 0.002) << frame << " " << id;
+      EXPECT_NEAR(std::cos(drawn.pose.yaw - std::atan2(heading.y(), heading.x())), 1, 1e-6);
+      EXPECT_LT((drawn.size - row.box.size).norm(), 0.02) << frame << " " << id;
+      EXPECT_NEAR(drawn.speed, row.speed, 0.051) << frame << " " << id;
+      ++boxes;
+    }
+  }
+  EXPECT_GT(boxes, 20U) << "the town has traffic";
+}
+
+TEST_F(OutputsAgree, TheTwoTables)
+{
+  std::size_t rows = 0;
+  for (const LabelledBox& box : readTracks((folder_ / "run" / "tracks.txt").string()))
+  {
+    EXPECT_EQ(table_.at(static_cast<std::size_t>(box.frame)).count(box.id), 1U);
+    ++rows;
+  }
+  std::size_t expected = 0;
+  for (const Rows& frame : table_)
+  {
+    expected += frame.size();
+  }
+  EXPECT_EQ(rows, expected);
+}
+
+TEST_F(OutputsAgree, LabelsAndTable)
+{
+  std::size_t seen = 0;
+  for (std::size_t frame = 0; frame < table_.size(); ++frame)
+  {
+    std::set<int> expected;
+    for (const auto& [id, row] : table_[frame])
+    {
+      if (row.observed)
+      {
+        expected.insert(id);
+      }
+    }
+    seen += expected.size();
+    char name[32];
+    std::snprintf(name, sizeof name, "%06zu.label", frame);
+    EXPECT_EQ(idsOf(folder_ / "run" / "labels" / name), expected) << frame;
+  }
+  EXPECT_GT(seen, 20U);
+}
+
+TEST_F(OutputsAgree, SceneAndTable)
+{
+  std::set<int> expected;
+  for (const Rows& frame : table_)
+  {
+    for (const auto& [id, row] : frame)
+    {
+      if (row.dynamic)
+      {
+        expected.insert(id);
+      }
+    }
+  }
+  ASSERT_FALSE(expected.empty());
+  mrpt::opengl::COpenGLScene scene;
+  ASSERT_TRUE(scene.loadFromFile((folder_ / "run" / "map.3Dscene").string()));
+  std::set<int> drawn;
+  for (const auto& object : *scene.getViewport())
+  {
+    int id = 0;
+    int length = 0;
+    const std::string name = object->getName();
+    if (std::sscanf(name.c_str(), "object %d%n", &id, &length) == 1 &&
+        static_cast<std::size_t>(length) == name.size())
+    {
+      drawn.insert(id);
+    }
+  }
+  EXPECT_EQ(drawn, expected);
+}
+}  // namespace
+}  // namespace dyslam
