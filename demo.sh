@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
-# Installs what is needed (Debian 12), builds, runs the main job on a bundled recording, and prints
-# the error table and where the results are.
+# Installs what is needed (Debian 12), builds the two programs that it runs, runs the main job on a bundled
+# recording, and prints the error table and where the results are.
 #   ./demo.sh [rawlog/street64.rawlog] [kitti64.ini]
+# The rest is built by `cmake --build --preset release`, or by ./test.sh with the tests.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")"
 source scripts/dependencies.sh
@@ -9,8 +10,8 @@ install_packages
 rawlog=${1:-rawlog/street64.rawlog}
 config=${2:-kitti64.ini}
 out=out/$(basename "$rawlog" .rawlog)
-cmake --preset release -DDYSLAM_BUILD_TESTS=OFF -DDYSLAM_BUILD_BENCHMARKS=OFF >/dev/null
-cmake --build --preset release
+cmake --preset release >/dev/null
+cmake --build --preset release --target dyslam dyslam-eval
 bin=build/release/bin
 "$bin/dyslam" -i "$rawlog" -c "$config" -o "$out" --labels
 "$bin/dyslam-eval" run "$out"

@@ -14,33 +14,39 @@ set(CMAKE_RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/bin)
 set(CMAKE_LIBRARY_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/lib)
 set(CMAKE_ARCHIVE_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/lib)
 
+# ccache keeps precompiled headers only if told not to mind their definitions and times.
 find_program(DYSLAM_CCACHE ccache)
 if(DYSLAM_CCACHE AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
-  set(CMAKE_CXX_COMPILER_LAUNCHER ${DYSLAM_CCACHE})
+  set(CMAKE_CXX_COMPILER_LAUNCHER
+    ${CMAKE_COMMAND} -E env CCACHE_SLOPPINESS=pch_defines,time_macros ${DYSLAM_CCACHE})
 endif()
 
-# AVX2 and FMA where the building machine has them. EIGEN_MAX_ALIGN_BYTES keeps Eigen's memory layout
-# that of the packaged libraries, which are built for plain x86-64.
-include(CheckCXXSourceRuns)
-set(CMAKE_REQUIRED_FLAGS "-march=x86-64-v3")
-check_cxx_source_runs("int main(){return __builtin_cpu_supports(\"avx2\") && __builtin_cpu_supports(\"fma\") && __builtin_cpu_supports(\"bmi2\") ? 0 : 1;}" DYSLAM_HOST_IS_X86_64_V3)
-unset(CMAKE_REQUIRED_FLAGS)
-if(DYSLAM_HOST_IS_X86_64_V3)
-  set(default_cpu x86-64-v3)
-else()
-  set(default_cpu baseline)
+# What is packaged or installed runs on every x86-64: no CPU extension unless asked for. `probe`, which
+# the presets use, takes AVX2 and FMA where the building machine has them.
+set(DYSLAM_CPU baseline CACHE STRING "Instruction set: baseline, x86-64-v3, or probe (v3 where this machine has it)")
+set_property(CACHE DYSLAM_CPU PROPERTY STRINGS baseline x86-64-v3 probe)
+set(DYSLAM_INSTRUCTIONS ${DYSLAM_CPU})
+if(DYSLAM_CPU STREQUAL "probe")
+  include(CheckCXXSourceRuns)
+  check_cxx_source_runs("int main(){return __builtin_cpu_supports(\"avx2\") && __builtin_cpu_supports(\"fma\") && __builtin_cpu_supports(\"bmi2\") ? 0 : 1;}" DYSLAM_HOST_IS_X86_64_V3)
+  if(DYSLAM_HOST_IS_X86_64_V3)
+    set(DYSLAM_INSTRUCTIONS x86-64-v3)
+  else()
+    set(DYSLAM_INSTRUCTIONS baseline)
+  endif()
+elseif(NOT DYSLAM_CPU MATCHES "^(baseline|x86-64-v3)$")
+  message(FATAL_ERROR "DYSLAM_CPU is '${DYSLAM_CPU}': use baseline, x86-64-v3 or probe")
 endif()
-set(DYSLAM_CPU ${default_cpu} CACHE STRING "Instruction set: baseline or x86-64-v3")
-set_property(CACHE DYSLAM_CPU PROPERTY STRINGS baseline x86-64-v3)
-if(DYSLAM_CPU STREQUAL "x86-64-v3")
+if(DYSLAM_INSTRUCTIONS STREQUAL "x86-64-v3")
   add_compile_options(-march=x86-64-v3)
-elseif(NOT DYSLAM_CPU STREQUAL "baseline")
-  message(FATAL_ERROR "DYSLAM_CPU is '${DYSLAM_CPU}': use baseline or x86-64-v3")
 endif()
-add_compile_definitions(EIGEN_MAX_ALIGN_BYTES=16)
+
+# Eigen's memory layout is that of the packaged libraries (PCL, MRPT), built for plain x86-64. dyslam::core
+# passes it on: a user built with AVX must see the same sizes of the types as the library.
+set(DYSLAM_LAYOUT_DEFINITIONS EIGEN_MAX_ALIGN_BYTES=16)
 
 if(DYSLAM_SANITIZE)
-  add_compile_options(-fsanitize=address,undefined -fno-omit-frame-pointer)
-  add_link_options(-fsanitize=address,undefined)
+  add_compile_options(-fsanitize=${DYSLAM_SANITIZE} -fno-omit-frame-pointer)
+  add_link_options(-fsanitize=${DYSLAM_SANITIZE})
 endif()
-message(STATUS "DySLAM ${PROJECT_VERSION}: ${CMAKE_BUILD_TYPE}, ${DYSLAM_CPU}")
+message(STATUS "DySLAM ${PROJECT_VERSION}: ${CMAKE_BUILD_TYPE}, ${DYSLAM_INSTRUCTIONS}")

@@ -12,10 +12,21 @@ function(dyslam_set_warnings target)
   endif()
 endfunction()
 
-# dyslam_add_library(NAME <module> SOURCES <src/...> [PUBLIC <targets>] [PRIVATE <targets>])
-# Makes the library dyslam_<module> with the alias dyslam::<module>.
+function(dyslam_use_headers_or target kind default)
+  if(kind)
+    dyslam_use_headers(${target} ${kind})
+  else()
+    dyslam_use_headers(${target} ${default})
+  endif()
+endfunction()
+
+# dyslam_add_library(NAME <module> SOURCES <src/...> [PUBLIC <targets>] [PRIVATE <targets>]
+#   [INTERNAL_HEADERS <names>] [INTERNAL] [HEADERS <kind>])
+# Makes the library dyslam_<module> with the alias dyslam::<module>, and installs it with its headers.
+# INTERNAL_HEADERS (those that include torch) are not installed; of an INTERNAL library nothing is.
+# HEADERS: what is read once for all its files (DySLAMPrecompiled.cmake), `core` by default.
 function(dyslam_add_library)
-  cmake_parse_arguments(ARG "" "NAME" "SOURCES;PUBLIC;PRIVATE" ${ARGN})
+  cmake_parse_arguments(ARG "INTERNAL" "NAME;HEADERS" "SOURCES;PUBLIC;PRIVATE;INTERNAL_HEADERS" ${ARGN})
   set(target dyslam_${ARG_NAME})
   add_library(${target} STATIC ${ARG_SOURCES})
   add_library(dyslam::${ARG_NAME} ALIAS ${target})
@@ -26,46 +37,28 @@ function(dyslam_add_library)
   target_link_libraries(${target} PUBLIC ${ARG_PUBLIC} PRIVATE ${ARG_PRIVATE})
   set_target_properties(${target} PROPERTIES EXPORT_NAME ${ARG_NAME})
   dyslam_set_warnings(${target})
-  install(TARGETS ${target} EXPORT dyslamTargets
-    ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR})
-  install(DIRECTORY include/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
-endfunction()
-
-# dyslam_add_test(NAME <module> SOURCES <tests/...> [LIBRARIES <targets>])
-# One GTest program per module, run by ctest as one test.
-function(dyslam_add_test)
-  if(NOT DYSLAM_BUILD_TESTS)
+  dyslam_use_headers_or(${target} "${ARG_HEADERS}" core)
+  if(ARG_INTERNAL)
     return()
   endif()
-  cmake_parse_arguments(ARG "" "NAME" "SOURCES;LIBRARIES" ${ARGN})
-  set(target ${ARG_NAME}_tests)
-  add_executable(${target} ${ARG_SOURCES})
-  target_link_libraries(${target} PRIVATE ${ARG_LIBRARIES} GTest::gtest GTest::gtest_main)
-  dyslam_set_warnings(${target})
-  add_test(NAME ${ARG_NAME} COMMAND ${target})
-  set_tests_properties(${ARG_NAME} PROPERTIES TIMEOUT 900
-    ENVIRONMENT "DYSLAM_SOURCE_DIR=${PROJECT_SOURCE_DIR}")
+  set_property(GLOBAL APPEND PROPERTY DYSLAM_INSTALLED ${ARG_NAME})
+  install(TARGETS ${target} EXPORT dyslamTargets
+    ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR})
+  set(left_out)
+  foreach(header IN LISTS ARG_INTERNAL_HEADERS)
+    list(APPEND left_out PATTERN ${header} EXCLUDE)
+  endforeach()
+  install(DIRECTORY include/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} ${left_out})
 endfunction()
 
 # dyslam_add_app(NAME <app-name> LIBRARIES <targets> [SOURCES <files in apps/<app-name>>])
 # Builds apps/<app-name>/main.cpp and the other sources given.
 function(dyslam_add_app)
-  cmake_parse_arguments(ARG "" "NAME" "LIBRARIES;SOURCES" ${ARGN})
+  cmake_parse_arguments(ARG "" "NAME;HEADERS" "LIBRARIES;SOURCES" ${ARGN})
   list(TRANSFORM ARG_SOURCES PREPEND ${ARG_NAME}/)
   add_executable(${ARG_NAME} ${ARG_NAME}/main.cpp ${ARG_SOURCES})
   target_link_libraries(${ARG_NAME} PRIVATE ${ARG_LIBRARIES})
-  target_compile_definitions(${ARG_NAME} PRIVATE DYSLAM_VERSION="${PROJECT_VERSION}")
   dyslam_set_warnings(${ARG_NAME})
+  dyslam_use_headers_or(${ARG_NAME} "${ARG_HEADERS}" apps)
   install(TARGETS ${ARG_NAME} RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
-endfunction()
-
-# dyslam_add_benchmark(NAME <name> SOURCES <...> LIBRARIES <targets>): never part of the tests.
-function(dyslam_add_benchmark)
-  if(NOT DYSLAM_BUILD_BENCHMARKS OR NOT benchmark_FOUND)
-    return()
-  endif()
-  cmake_parse_arguments(ARG "" "NAME" "SOURCES;LIBRARIES" ${ARGN})
-  add_executable(${ARG_NAME} ${ARG_SOURCES})
-  target_link_libraries(${ARG_NAME} PRIVATE ${ARG_LIBRARIES} benchmark::benchmark)
-  dyslam_set_warnings(${ARG_NAME})
 endfunction()

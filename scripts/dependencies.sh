@@ -4,7 +4,7 @@ PACKAGES=(
   build-essential cmake ninja-build ccache
   libmrpt-dev mrpt-apps libeigen3-dev libceres-dev libpcl-dev libopencv-dev liboctomap-dev
   libembree-dev libtorch-dev libcli11-dev libpcap-dev nlohmann-json3-dev
-  libgtest-dev libbenchmark-dev
+  libgtest-dev clang-format-14
   python3-numpy xz-utils
 )
 

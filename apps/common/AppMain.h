@@ -2,6 +2,7 @@
 #pragma once
 
 #include <dyslam/core/Error.h>
+#include <dyslam/core/Version.h>
 
 #include <CLI/CLI.hpp>
 #include <exception>
@@ -93,9 +94,7 @@ inline int runApp(int argc,
   };
   CLI::App app;
   app.name(name);
-#ifdef DYSLAM_VERSION
   app.set_version_flag("--version", std::string(DYSLAM_VERSION));
-#endif
   try
   {
     declare(app);

@@ -2,6 +2,7 @@
 // Without CLI11 and MRPT: the training-only build has neither.
 #include <dyslam/core/Error.h>
 #include <dyslam/core/FreedMemory.h>
+#include <dyslam/core/Version.h>
 
 #include <algorithm>
 #include <cstdio>

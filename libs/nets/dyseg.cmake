@@ -1,19 +1,20 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # Common parts of both networks.
-dyslam_add_library(NAME nets_common
+dyslam_add_library(NAME nets_common HEADERS torch
   SOURCES
     src/PointLinear.cpp
     src/SaveArchive.cpp
     src/Threads.cpp
     src/WeightsChecksum.cpp
   PUBLIC dyslam::core
-  PRIVATE ${TORCH_LIBRARIES} ${OpenMP_CXX_LIBRARIES})
+  PRIVATE ${TORCH_LIBRARIES} ${OpenMP_CXX_LIBRARIES}
+  INTERNAL_HEADERS ${torch_headers})
 # Only this file is compiled with OpenMP: elsewhere Eigen would start threads of its own.
 separate_arguments(openmp_flags NATIVE_COMMAND "${OpenMP_CXX_FLAGS}")
 set_source_files_properties(src/Threads.cpp PROPERTIES COMPILE_OPTIONS "${openmp_flags}")
 
 # DySeg's network, a separate library because the DySeg stage needs no other network.
-dyslam_add_library(NAME nets_dyseg
+dyslam_add_library(NAME nets_dyseg HEADERS torch
   SOURCES
     src/BevOps.cpp
     src/BevScan.cpp
@@ -27,9 +28,10 @@ dyslam_add_library(NAME nets_dyseg
     src/RigidFlow.cpp
     src/StaticMotionMatcher.cpp
   PUBLIC dyslam::core dyslam::nets_common
-  PRIVATE ${TORCH_LIBRARIES})
+  PRIVATE ${TORCH_LIBRARIES}
+  INTERNAL_HEADERS ${torch_headers})
 
-dyslam_add_test(NAME nets_dyseg
+dyslam_add_test(NAME nets_dyseg HEADERS torch
   SOURCES
     tests/BevOps_unittest.cpp
     tests/BevScan_unittest.cpp

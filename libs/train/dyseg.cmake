@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # Training of DySeg's network.
-dyslam_add_library(NAME train_dyseg
+dyslam_add_library(NAME train_dyseg INTERNAL HEADERS torch
   SOURCES
     src/DysegBodies.cpp
     src/DysegData.cpp
@@ -13,7 +13,7 @@ dyslam_add_library(NAME train_dyseg
   PUBLIC dyslam::core dyslam::nets_dyseg dyslam::sim dyslam::train_common
   PRIVATE ${TORCH_LIBRARIES})
 
-dyslam_add_test(NAME train_dyseg
+dyslam_add_test(NAME train_dyseg HEADERS torch
   SOURCES
     tests/DysegData_unittest.cpp
     tests/DysegLosses_unittest.cpp

@@ -21,12 +21,17 @@ std::vector<fs::path> sharedFolders()
     folders.emplace_back(given);
   }
   std::error_code ignored;
-  const fs::path program = fs::read_symlink("/proc/self/exe", ignored);
-  if (!program.empty())
+  const fs::path bin = fs::read_symlink("/proc/self/exe", ignored).parent_path();
+  if (!bin.empty() && fs::equivalent(bin, DYSLAM_BUILD_BIN, ignored))
   {
-    folders.push_back(program.parent_path().parent_path() / "share" / "dyslam");
+    folders.emplace_back(DYSLAM_SOURCE_SHARE);
+    return folders;
   }
-  folders.emplace_back(DYSLAM_SOURCE_SHARE);
+  if (!bin.empty())
+  {
+    folders.push_back(bin.parent_path() / "share" / "dyslam");
+  }
+  folders.emplace_back(DYSLAM_INSTALLED_SHARE);
   return folders;
 }
 

@@ -8,8 +8,9 @@ namespace dyslam
 /** A file given by the user: the path itself if there is such a file, else the shared one in
  * `folder` ("kitti64.ini" and "kitti64" find config_files/kitti64.ini).
  *
- * Shared files are looked for in $DYSLAM_SHARE, then in share/dyslam beside the folder of the
- * running program (an installed tree), then in the source tree that was built.
+ * Shared files are looked for in $DYSLAM_SHARE, then, for a program of the build folder, in the
+ * source tree; for any other in share/dyslam beside the program's folder (an installed tree), then
+ * in the prefix that the library was configured to be installed in.
  * \param field the setting that named it, for the message; empty for none
  * \throws UserError naming the shared files of that kind. */
 [[nodiscard]] std::string findGivenOrShared(const std::string& path,

@@ -8,7 +8,7 @@
 
 namespace
 {
-/** Points on the ground and two walls, told in the vehicle frame. */
+/** Points on the ground and two walls, in the vehicle frame. */
 dyslam::Frame frameAt(const dyslam::Pose& T_world_vehicle)
 {
   dyslam::Frame frame;

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <dyslam/core/Frame.h>
+#include <dyslam/core/Objects.h>
+
+#include <cstddef>
+
+namespace dyslam
+{
+/** Sizes in bytes that a library and its user must agree on. They hang on Eigen's alignment, which other
+ * compiler flags (AVX) would change; the targets of dyslam pass it on. */
+struct Layout
+{
+  std::size_t eigen_alignment = 0;
+  std::size_t frame = 0;
+  std::size_t detection = 0;
+  std::size_t tracked_object = 0;
+};
+
+/** As the file that includes this is compiled. Not inline: each translation unit has its own. */
+constexpr Layout layout_here{
+    EIGEN_MAX_ALIGN_BYTES, sizeof(Frame), sizeof(Detection), sizeof(TrackedObject)};
+
+/** As the library was compiled. */
+[[nodiscard]] Layout libraryLayout();
+}  // namespace dyslam

@@ -1,0 +1,7 @@
+#!/usr/bin/env bash
+# Fails naming the C++ files that clang-format 14 would change; --fix changes them.
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+mode=(--dry-run --Werror)
+[[ ${1:-} == --fix ]] && mode=(-i)
+git ls-files -z '*.cpp' '*.h' '*.h.in' | xargs -0 clang-format-14 --style=file "${mode[@]}"
