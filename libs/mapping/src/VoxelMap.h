@@ -31,7 +31,12 @@ struct Voxel
 class VoxelMap
 {
  public:
-  explicit VoxelMap(double voxel_size) : voxel_size_(voxel_size) {}
+  /** \param expected number of voxels to make room for */
+  explicit VoxelMap(double voxel_size, std::size_t expected = 0)
+      : voxel_size_(voxel_size), index_(expected)
+  {
+    voxels_.reserve(expected);
+  }
 
   [[nodiscard]] double voxelSize() const { return voxel_size_; }
   [[nodiscard]] const std::vector<Voxel>& voxels() const { return voxels_; }

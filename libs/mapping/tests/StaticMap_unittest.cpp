@@ -329,6 +329,25 @@ TEST(StaticMap, CorrectedHalfwayIsAsGoodAsStitchedAtTheEnd)
   EXPECT_GT(shareNear(b, a, 0.2), 0.999);
 }
 
+TEST(StaticMap, FollowsALoopBeforeTheNextKeyframeIfItIsWorthIt)
+{
+  for (const double shift : {0.04, 0.4})
+  {
+    TestMap map;
+    for (std::size_t i = 0; i < 2; ++i)
+    {
+      map.insert(scanAt(i, static_cast<double>(i), kNoCar));
+    }
+    std::vector<Pose> corrected = posesOf(2, 1);
+    corrected[1].translation().y() += shift;
+    map.keyframes->correct(corrected);
+    map.insert(scanAt(2, 2, kNoCar));
+    EXPECT_NEAR(map.map.poses()[1].translation().y(), shift > 0.05 ? shift : 0, 1e-12);
+    map.map.correct();  // at the end of a run every correction counts
+    EXPECT_NEAR(map.map.poses()[1].translation().y(), shift, 1e-12);
+  }
+}
+
 TEST(StaticMap, EachCorrectionKeepsThePoints)
 {
   // Poses that tremble at every optimisation must not wear the map out.
