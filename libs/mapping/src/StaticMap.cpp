@@ -78,7 +78,7 @@ void StaticMapOptions::describe(OptionsVisitor& v)
   v.real("visibility_margin", visibility_margin, 0, 10,
          "m, a ray must end this far behind a voxel");
   v.integer("visibility_min_views", visibility_min_views, 1, 1000,
-            "keyframes that saw through a voxel, at least");
+            "keyframes that observed a voxel as free, at least");
   v.real("visibility_ratio", visibility_ratio, 0, 1000, "and this many times as many as hit it");
   v.real("ground_clearance", ground_clearance, 0, 10,
          "m, voxels this near to the lowest of their column stay");
@@ -143,8 +143,8 @@ KeyframeCloud StaticMap::Impl::thinned(const Frame& frame) const
   return result;
 }
 
-/** Puts the keyframe's points into voxels; those that find their voxel full are forgotten.
- * \param before where the points' voxels take over what was learnt of visibility; may be null. */
+/** Puts the keyframe's points into voxels; those whose voxel is full are removed.
+ * \param before whose evidence the voxels of the same points inherit; may be null. */
 void StaticMap::Impl::stitch(std::size_t keyframe, const Stitched* before)
 {
   const Pose& T = poses[keyframe];
@@ -266,8 +266,8 @@ void StaticMap::insert(const Frame& frame)
   keyframe.map_cloud = PackedCloud(m.thinned(frame), m.options.max_range + 1.0);
   if (m.options.visibility)
   {
-    m.map.countSeenThrough(VisibilityImage(frame.cloud.points, keyframe.sensor),
-                           keyframe.T_map_vehicle, m.options);
+    m.map.countObservedFree(VisibilityImage(frame.cloud.points, keyframe.sensor),
+                            keyframe.T_map_vehicle, m.options);
   }
   m.stitch(m.poses.size() - 1, nullptr);
   m.keepWithinLimit();

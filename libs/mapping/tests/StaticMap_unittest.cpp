@@ -154,7 +154,7 @@ TEST(StaticMap, LeavesOutMovingPointsAndTracks)
   EXPECT_EQ(map.pointCount(), 4U);  // moving ones stay with their keyframe
 }
 
-TEST(StaticMap, SeesThroughWhatDroveAwayAndKeepsWallsGroundAndPole)
+TEST(StaticMap, RemovesWhatDroveAwayAndKeepsWallsGroundAndPole)
 {
   StaticMapOptions without;
   without.visibility = false;

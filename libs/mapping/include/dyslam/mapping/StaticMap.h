@@ -26,11 +26,11 @@ struct StaticMapOptions : Options
   /** insert() first corrects the map where a loop has moved one of its keyframes this far [m]. */
   double correction_distance = 0.05;
 
-  // Visibility clean-up: what later rays pass through again and again was not static.
+  // Visibility clean-up: what later rays pass through repeatedly was not static.
   bool visibility = true;
   double visibility_range = 40.0;  //!< voxels up to here are checked [m]
   double visibility_margin = 0.5;  //!< a ray must end this far behind the voxel [m]
-  int visibility_min_views = 3;    //!< keyframes that saw through it, at least ...
+  int visibility_min_views = 3;    //!< keyframes that observed it as free, at least ...
   double visibility_ratio = 1.5;   //!< ... and this many times as many as hit it
   double ground_clearance = 0.3;   //!< voxels this near to the lowest of their column stay [m]
 
@@ -51,7 +51,7 @@ struct MapPoints
  *
  * Each voxel keeps a few points in all, so that going round a block again adds nothing; the points
  * stay with their keyframes, so that the map can be stitched again after a loop. Left out are
- * points that move, points of dynamic tracks, and voxels that later keyframes saw through.
+ * points that move, points of dynamic tracks, and voxels that later keyframes observed as free.
  * Deterministic; not thread-safe.
  */
 class StaticMap
