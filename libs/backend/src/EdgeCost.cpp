@@ -84,10 +84,10 @@ class PlanarEdgeCost final : public ceres::SizedCostFunction<3, 3, 3>
     // Rows of the rotation from the map into the measured pose's frame, E = Z^-1 T_i^-1 T_j.
     const Eigen::Rotation2Dd R_j_map(-(i.z() + heading_));
     const Eigen::Matrix2d A = R_j_map.toRotationMatrix();
-    const Eigen::Vector2d way = j.head<2>() - i.head<2>();
+    const Eigen::Vector2d motion = j.head<2>() - i.head<2>();
     const Eigen::Rotation2Dd back(-heading_);
     Eigen::Vector3d error;
-    error.head<2>() = A * way - back * translation_;
+    error.head<2>() = A * motion - back * translation_;
     error.z() = std::remainder(j.z() - i.z() - heading_, 2 * M_PI);
     Eigen::Map<Eigen::Vector3d>(residuals).noalias() = whitening_ * error;
     if (jacobians == nullptr)
@@ -98,7 +98,7 @@ class PlanarEdgeCost final : public ceres::SizedCostFunction<3, 3, 3>
     {
       Eigen::Matrix3d by_i = Eigen::Matrix3d::Zero();
       by_i.topLeftCorner<2, 2>() = -A;
-      const Eigen::Vector2d turned = A * way;
+      const Eigen::Vector2d turned = A * motion;
       by_i(0, 2) = turned.y();
       by_i(1, 2) = -turned.x();
       by_i(2, 2) = -1;

@@ -8,9 +8,9 @@
 
 namespace dyslam
 {
-/** The look of a place from above: the greatest height over the ground in each cell of a polar grid
- * around the vehicle. A turn of the vehicle shifts its columns (the idea of Kim & Kim, "Scan
- * Context", IROS 2018). */
+/** The appearance of a place from above: the greatest height over the ground in each cell of a
+ * polar grid around the vehicle. A turn of the vehicle shifts its columns (the idea of Kim & Kim,
+ * "Scan Context", IROS 2018). */
 class PolarDescriptor
 {
  public:

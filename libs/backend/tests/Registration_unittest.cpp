@@ -107,10 +107,10 @@ TEST(CorrelateFromAbove, FindsOffsetAndHeading)
   const BoxWorld world(3, 40, 25);
   const Pose a = poseFromYpr(0, -25, 1.7, 0, 0, 0);
   const Pose T = poseFromYpr(3.2, -1.6, 0, 1.24, 0, 0);
-  const auto guess = correlateFromAbove(world.scan(a * T, 2), world.scan(a, 1),
-                                        poseFromYpr(0, 0, 0, 1.2, 0, 0), 5, 0.07);
-  ASSERT_TRUE(guess.has_value());
-  const Pose error = T.inverse() * *guess;
+  const auto initial = correlateFromAbove(world.scan(a * T, 2), world.scan(a, 1),
+                                          poseFromYpr(0, 0, 0, 1.2, 0, 0), 5, 0.07);
+  ASSERT_TRUE(initial.has_value());
+  const Pose error = T.inverse() * *initial;
   EXPECT_LT(error.translation().norm(), 1.0);
   EXPECT_LT(rotationAngle(error), 0.05);
 }
@@ -172,9 +172,9 @@ TEST_F(RealScans, AScanMovedByAKnownMotionIsFound)
       moved.emplace_back(back * p);
     }
     const auto source = sampled(moved);
-    const auto guess = correlateFromAbove(source, target.points(), Pose::Identity(), 5, 0.25);
-    ASSERT_TRUE(guess.has_value());
-    const auto result = target.align(source, *guess);
+    const auto initial = correlateFromAbove(source, target.points(), Pose::Identity(), 5, 0.25);
+    ASSERT_TRUE(initial.has_value());
+    const auto result = target.align(source, *initial);
     EXPECT_TRUE(result.converged);
     const Pose error = T.inverse() * result.T_target_source;
     EXPECT_LT(error.translation().norm(), 0.03);

@@ -2,6 +2,7 @@
 #include <dyslam/core/VoxelGrid.h>
 #include <dyslam/mapping/StaticMap.h>
 
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 #include <utility>
@@ -70,12 +71,14 @@ void StaticMapOptions::describe(OptionsVisitor& v)
             "keyframe points kept per voxel, later ones add nothing");
   v.integer("max_voxels", max_voxels, 1000, 1000000000, "beyond, the voxel size doubles");
   v.integer("min_hits", min_hits, 1, 1000, "voxels hit by fewer keyframes are not part of the map");
+  v.real("correction_distance", correction_distance, 0, 100,
+         "m, the map follows a loop at once where that moved a keyframe this far");
   v.flag("visibility", visibility, "remove voxels that later rays passed through");
   v.real("visibility_range", visibility_range, 0, 300, "m, voxels up to here are checked");
   v.real("visibility_margin", visibility_margin, 0, 10,
          "m, a ray must end this far behind a voxel");
   v.integer("visibility_min_views", visibility_min_views, 1, 1000,
-            "keyframes that saw through a voxel, at least");
+            "keyframes that observed a voxel as free, at least");
   v.real("visibility_ratio", visibility_ratio, 0, 1000, "and this many times as many as hit it");
   v.real("ground_clearance", ground_clearance, 0, 10,
          "m, voxels this near to the lowest of their column stay");
@@ -92,11 +95,16 @@ struct StaticMap::Impl
   [[nodiscard]] KeyframeCloud thinned(const Frame& frame) const;
   void stitch(std::size_t keyframe, const Stitched* before);
   void restitch(double voxel_size);
+  /** How far the store's poses have moved from those that the map is stitched at, at most [m]. */
+  [[nodiscard]] double largestCorrection() const;
   void correct();
+  /** Corrects the map where that is worth it. */
+  void follow();
   void keepWithinLimit();
 
   StaticMapOptions options;
   KeyframeStore& keyframes;
+  std::size_t followed = 0;  //!< revision of the keyframes' poses that follow() has seen
   std::size_t revision = 0;  //!< of the keyframes' poses that the map is stitched at
   std::vector<Pose> poses;   //!< these poses, one per keyframe inserted
   VoxelMap map;
@@ -135,8 +143,8 @@ KeyframeCloud StaticMap::Impl::thinned(const Frame& frame) const
   return result;
 }
 
-/** Puts the keyframe's points into voxels; those that find their voxel full are forgotten.
- * \param before where the points' voxels take over what was learnt of visibility; may be null. */
+/** Puts the keyframe's points into voxels; those whose voxel is full are removed.
+ * \param before whose evidence the voxels of the same points inherit; may be null. */
 void StaticMap::Impl::stitch(std::size_t keyframe, const Stitched* before)
 {
   const Pose& T = poses[keyframe];
@@ -177,7 +185,8 @@ void StaticMap::Impl::stitch(std::size_t keyframe, const Stitched* before)
 /** The same keyframes at their present poses, in voxels of this size. */
 void StaticMap::Impl::restitch(double voxel_size)
 {
-  const Stitched before{std::exchange(poses, {}), std::exchange(map, VoxelMap(voxel_size))};
+  const Stitched before{std::exchange(poses, {}),
+                        std::exchange(map, VoxelMap(voxel_size, map.voxels().size()))};
   for (std::size_t k = 0; k < before.poses.size(); ++k)
   {
     poses.push_back(keyframes[k].T_map_vehicle);
@@ -187,12 +196,36 @@ void StaticMap::Impl::restitch(double voxel_size)
   revision = keyframes.revision();
 }
 
+double StaticMap::Impl::largestCorrection() const
+{
+  double largest = 0;
+  for (std::size_t k = 0; k < poses.size(); ++k)
+  {
+    const Pose moved = poses[k].inverse() * keyframes[k].T_map_vehicle;
+    const bool finite = moved.matrix().allFinite();
+    largest = finite ? std::max(largest, motionSize(logSE3(moved))) : largest;
+  }
+  return largest;
+}
+
 void StaticMap::Impl::correct()
 {
   if (revision != keyframes.revision())
   {
     restitch(map.voxelSize());
     keepWithinLimit();
+  }
+}
+
+void StaticMap::Impl::follow()
+{
+  if (followed != keyframes.revision())
+  {
+    followed = keyframes.revision();
+    if (largestCorrection() > options.correction_distance)
+    {
+      correct();
+    }
   }
 }
 
@@ -220,7 +253,10 @@ void StaticMap::insert(const Frame& frame)
     throw std::invalid_argument("StaticMap: keyframe " + std::to_string(m.poses.size()) +
                                 " is next, but there are " + std::to_string(m.keyframes.size()));
   }
-  m.correct();
+  if (m.revision != m.keyframes.revision() && m.largestCorrection() > m.options.correction_distance)
+  {
+    m.correct();
+  }
   Keyframe& keyframe = m.keyframes[m.poses.size()];
   m.poses.push_back(keyframe.T_map_vehicle);
   if (!keyframe.T_map_vehicle.matrix().allFinite())
@@ -230,8 +266,8 @@ void StaticMap::insert(const Frame& frame)
   keyframe.map_cloud = PackedCloud(m.thinned(frame), m.options.max_range + 1.0);
   if (m.options.visibility)
   {
-    m.map.countSeenThrough(VisibilityImage(frame.cloud.points, keyframe.sensor),
-                           keyframe.T_map_vehicle, m.options);
+    m.map.countObservedFree(VisibilityImage(frame.cloud.points, keyframe.sensor),
+                            keyframe.T_map_vehicle, m.options);
   }
   m.stitch(m.poses.size() - 1, nullptr);
   m.keepWithinLimit();

@@ -43,7 +43,7 @@ VisibilityImage::VisibilityImage(const std::vector<Eigen::Vector3f>& points,
   }
 }
 
-bool VisibilityImage::seesThrough(const Eigen::Vector3f& p, float size, float margin) const
+bool VisibilityImage::observesFree(const Eigen::Vector3f& p, float size, float margin) const
 {
   constexpr float pixel = 2 * pi / cols;
   const Eigen::Vector3f d = p - sensor_;

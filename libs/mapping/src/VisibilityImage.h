@@ -16,7 +16,7 @@ class VisibilityImage
   /** True if every ray near the direction of a cube of side `size` at `p` (vehicle frame) ended
    * more than `margin` behind it, and there were such rays. Directions without a return (sky,
    * black cars) prove nothing. */
-  [[nodiscard]] bool seesThrough(const Eigen::Vector3f& p, float size, float margin) const;
+  [[nodiscard]] bool observesFree(const Eigen::Vector3f& p, float size, float margin) const;
 
  private:
   static constexpr int cols = 900;

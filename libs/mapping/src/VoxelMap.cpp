@@ -89,8 +89,8 @@ void VoxelMap::carryEvidence(const Voxel& old, Voxel& voxel)
 {
   // Of several old voxels, what speaks most for staying.
   voxel.old_hits = std::max(voxel.old_hits, old.hits);
-  voxel.seen_through =
-      voxel.has_evidence ? std::min(voxel.seen_through, old.seen_through) : old.seen_through;
+  voxel.observed_free =
+      voxel.has_evidence ? std::min(voxel.observed_free, old.observed_free) : old.observed_free;
   voxel.has_evidence = true;
 }
 
@@ -102,9 +102,9 @@ void VoxelMap::mergeOldHits()
   }
 }
 
-void VoxelMap::countSeenThrough(const VisibilityImage& image,
-                                const Pose& T_map_vehicle,
-                                const StaticMapOptions& options)
+void VoxelMap::countObservedFree(const VisibilityImage& image,
+                                 const Pose& T_map_vehicle,
+                                 const StaticMapOptions& options)
 {
   const Eigen::Isometry3f T_vehicle_map = T_map_vehicle.inverse().cast<float>();
   const Eigen::Vector3d at = T_map_vehicle.translation();
@@ -125,10 +125,10 @@ void VoxelMap::countSeenThrough(const VisibilityImage& image,
         Voxel& voxel = voxels_[v];
         const Eigen::Vector3f p = T_vehicle_map * centroidOf(voxel).cast<float>();
         if (p.squaredNorm() <= limit &&
-            image.seesThrough(p, static_cast<float>(voxel_size_),
-                              static_cast<float>(options.visibility_margin)))
+            image.observesFree(p, static_cast<float>(voxel_size_),
+                               static_cast<float>(options.visibility_margin)))
         {
-          countUp(voxel.seen_through);
+          countUp(voxel.observed_free);
         }
       }
     }
@@ -172,10 +172,10 @@ std::vector<bool> VoxelMap::cleaned(const StaticMapOptions& options) const
   {
     const Voxel& voxel = voxels_[i];
     kept[i] = voxel.hits >= options.min_hits;
-    const bool seen_through = options.visibility &&
-                              voxel.seen_through >= options.visibility_min_views &&
-                              voxel.seen_through >= options.visibility_ratio * voxel.hits;
-    if (seen_through)
+    const bool observed_free = options.visibility &&
+                               voxel.observed_free >= options.visibility_min_views &&
+                               voxel.observed_free >= options.visibility_ratio * voxel.hits;
+    if (observed_free)
     {
       const Eigen::Vector3d c = centroidOf(voxel);
       const float floor = ground[columns.find(squareOf(c.x(), c.y(), column_size))];

@@ -22,16 +22,21 @@ struct Voxel
   std::uint32_t last_keyframe = 0xFFFFFFFFU;  //!< that hit it
   std::uint16_t points = 0;                   //!< kept with their keyframes
   std::uint16_t hits = 0;                     //!< keyframes that hit it
-  std::uint16_t old_hits = 0;      //!< in the map before the last correction, of the points in it
-  std::uint16_t seen_through = 0;  //!< keyframes that saw through it
-  bool has_evidence = false;       //!< carried over from the map before the last correction
+  std::uint16_t old_hits = 0;       //!< in the map before the last correction, of the points in it
+  std::uint16_t observed_free = 0;  //!< keyframes that observed it as free
+  bool has_evidence = false;        //!< carried over from the map before the last correction
 };
 
 /** The voxels of the static map and what speaks for and against each. */
 class VoxelMap
 {
  public:
-  explicit VoxelMap(double voxel_size) : voxel_size_(voxel_size) {}
+  /** \param expected number of voxels to make room for */
+  explicit VoxelMap(double voxel_size, std::size_t expected = 0)
+      : voxel_size_(voxel_size), index_(expected)
+  {
+    voxels_.reserve(expected);
+  }
 
   [[nodiscard]] double voxelSize() const { return voxel_size_; }
   [[nodiscard]] const std::vector<Voxel>& voxels() const { return voxels_; }
@@ -42,14 +47,14 @@ class VoxelMap
   /** The voxel around a point that a keyframe saw; it is made where there is none. */
   Voxel& hit(const Eigen::Vector3d& p, std::uint32_t keyframe);
   void addPoint(Voxel& voxel, const Eigen::Vector3d& p, float intensity) const;
-  /** Carries over what an earlier map knew of the voxel of the same point. */
+  /** Carries over the evidence of an earlier map about the voxel of the same point. */
   static void carryEvidence(const Voxel& old, Voxel& voxel);
   /** The hits of the earlier map count where they are more. */
   void mergeOldHits();
-  /** Counts the voxels near the vehicle that a scan saw through. */
-  void countSeenThrough(const VisibilityImage& image,
-                        const Pose& T_map_vehicle,
-                        const StaticMapOptions& options);
+  /** Counts the voxels near the vehicle that a scan observed as free. */
+  void countObservedFree(const VisibilityImage& image,
+                         const Pose& T_map_vehicle,
+                         const StaticMapOptions& options);
 
   /** For each voxel, whether it is part of the cleaned map. */
   [[nodiscard]] std::vector<bool> cleaned(const StaticMapOptions& options) const;

@@ -154,7 +154,7 @@ TEST(StaticMap, LeavesOutMovingPointsAndTracks)
   EXPECT_EQ(map.pointCount(), 4U);  // moving ones stay with their keyframe
 }
 
-TEST(StaticMap, SeesThroughWhatDroveAwayAndKeepsWallsGroundAndPole)
+TEST(StaticMap, RemovesWhatDroveAwayAndKeepsWallsGroundAndPole)
 {
   StaticMapOptions without;
   without.visibility = false;
@@ -327,6 +327,25 @@ TEST(StaticMap, CorrectedHalfwayIsAsGoodAsStitchedAtTheEnd)
   EXPECT_NEAR(static_cast<double>(a.size()), static_cast<double>(b.size()), 0.03 * size);
   EXPECT_GT(shareNear(a, b, 0.2), 0.999);
   EXPECT_GT(shareNear(b, a, 0.2), 0.999);
+}
+
+TEST(StaticMap, FollowsALoopBeforeTheNextKeyframeIfItIsWorthIt)
+{
+  for (const double shift : {0.04, 0.4})
+  {
+    TestMap map;
+    for (std::size_t i = 0; i < 2; ++i)
+    {
+      map.insert(scanAt(i, static_cast<double>(i), kNoCar));
+    }
+    std::vector<Pose> corrected = posesOf(2, 1);
+    corrected[1].translation().y() += shift;
+    map.keyframes->correct(corrected);
+    map.insert(scanAt(2, 2, kNoCar));
+    EXPECT_NEAR(map.map.poses()[1].translation().y(), shift > 0.05 ? shift : 0, 1e-12);
+    map.map.correct();  // at the end of a run every correction counts
+    EXPECT_NEAR(map.map.poses()[1].translation().y(), shift, 1e-12);
+  }
 }
 
 TEST(StaticMap, EachCorrectionKeepsThePoints)

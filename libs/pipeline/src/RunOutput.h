@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <dyslam/backend/PoseGraph.h>
 #include <dyslam/core/Frame.h>
 #include <dyslam/core/Options.h>
 #include <dyslam/core/Trajectory.h>
@@ -15,10 +14,12 @@
 
 namespace dyslam
 {
+class Backend;
+
 /** What a run has come to after its last frame. */
 struct RunResults
 {
-  const PoseGraph* graph = nullptr;
+  const Backend* backend = nullptr;
   const StaticMap* map = nullptr;  //!< null if mapping is off
   MapPoints map_points;            //!< of the map
   Trajectory trajectory;           //!< of the vehicle in the map frame, a pose per frame

@@ -94,7 +94,7 @@ RunResults resultsOf(const Pipeline& pipeline,
                      const CTimeLogger& times)
 {
   RunResults results;
-  results.graph = &pipeline.backend().graph();
+  results.backend = &pipeline.backend();
   results.map = pipeline.map();
   results.map_points = results.map == nullptr ? MapPoints() : results.map->points();
   results.trajectory = pipeline.trajectory();

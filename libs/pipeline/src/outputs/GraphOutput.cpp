@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/backend/Backend.h>
 #include <dyslam/io/GraphFiles.h>
+#include <mrpt/graphs/CNetworkOfPoses.h>
 
 #include "../RunOutput.h"
 
@@ -7,18 +9,21 @@ namespace dyslam
 {
 namespace
 {
-constexpr const char* graph = "graph.graph";
-constexpr const char* g2o = "graph.g2o";
+constexpr const char* mrpt_file = "graph.graph";
+constexpr const char* g2o_file = "graph.g2o";
 
 /** The pose graph: `graph.graph` (MRPT) and `graph.g2o`. */
 class GraphOutput : public RunOutput
 {
  public:
-  explicit GraphOutput(const RunOutputContext& context) : RunOutput(context, {graph, g2o}) {}
+  explicit GraphOutput(const RunOutputContext& context) : RunOutput(context, {mrpt_file, g2o_file})
+  {
+  }
   void finish(const RunResults& results) override
   {
-    writeGraph(*results.graph, path(graph));
-    writeG2o(*results.graph, path(g2o));
+    const PoseGraph graph = results.backend->graph();
+    writeGraph(graph, path(mrpt_file));
+    writeG2o(graph, path(g2o_file));
   }
 };
 }  // namespace

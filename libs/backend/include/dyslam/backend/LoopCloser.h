@@ -38,7 +38,7 @@ struct LoopCloserOptions : Options
 enum class LoopVerdict
 {
   accepted,
-  appearance,     //!< the two places do not look alike
+  appearance,     //!< the two places differ in appearance
   not_converged,  //!< the registration did not settle
   no_overlap,     //!< registered, but too few points meet
   bad_fit,        //!< registered, but the surfaces do not coincide
@@ -48,7 +48,7 @@ enum class LoopVerdict
 };
 [[nodiscard]] std::string toString(LoopVerdict verdict);
 
-/** One loop candidate that was looked at. */
+/** One loop candidate and what became of it. */
 struct Loop
 {
   std::size_t from = 0;  //!< the older keyframe

@@ -23,12 +23,14 @@ struct StaticMapOptions : Options
   int points_per_voxel = 5;   //!< keyframe points kept per voxel: later ones add nothing
   int max_voxels = 10000000;  //!< beyond, the voxel size doubles
   int min_hits = 1;           //!< voxels hit by fewer keyframes are not part of the map
+  /** insert() first corrects the map where a loop has moved one of its keyframes this far [m]. */
+  double correction_distance = 0.05;
 
-  // Visibility clean-up: what later rays pass through again and again was not static.
+  // Visibility clean-up: what later rays pass through repeatedly was not static.
   bool visibility = true;
   double visibility_range = 40.0;  //!< voxels up to here are checked [m]
   double visibility_margin = 0.5;  //!< a ray must end this far behind the voxel [m]
-  int visibility_min_views = 3;    //!< keyframes that saw through it, at least ...
+  int visibility_min_views = 3;    //!< keyframes that observed it as free, at least ...
   double visibility_ratio = 1.5;   //!< ... and this many times as many as hit it
   double ground_clearance = 0.3;   //!< voxels this near to the lowest of their column stay [m]
 
@@ -49,7 +51,7 @@ struct MapPoints
  *
  * Each voxel keeps a few points in all, so that going round a block again adds nothing; the points
  * stay with their keyframes, so that the map can be stitched again after a loop. Left out are
- * points that move, points of dynamic tracks, and voxels that later keyframes saw through.
+ * points that move, points of dynamic tracks, and voxels that later keyframes observed as free.
  * Deterministic; not thread-safe.
  */
 class StaticMap
@@ -61,14 +63,15 @@ class StaticMap
   StaticMap(StaticMap&&) noexcept;
   StaticMap& operator=(StaticMap&&) noexcept;
 
-  /** Adds the newest keyframe, at its pose in the store, after correct(). Every keyframe of the
-   * store is inserted in its turn; one whose pose is not finite stays without points.
+  /** Adds the newest keyframe, at its pose in the store. Every keyframe of the store is inserted in
+   * its turn; one whose pose is not finite stays without points. Before, a map that is off by more
+   * than `correction_distance` is corrected.
    * \param frame that became the keyframe: cloud, what moves in it, and its objects are read
    * \throws std::invalid_argument unless exactly one keyframe of the store is not in the map yet.
    */
   void insert(const Frame& frame);
 
-  /** Stitches the map again if the poses of the store were corrected since it was stitched. */
+  /** Stitches the map again at the poses of the store, if these were corrected since. */
   void correct();
 
   /** The cleaned map, in the order in which voxels were first met. */
