@@ -3,8 +3,8 @@
 
 #include <dyslam/core/Error.h>
 #include <dyslam/eval/TrajectoryReports.h>
-#include <dyslam/io/GroundTruth.h>
-#include <dyslam/io/TrajectoryFiles.h>
+#include <dyslam/formats/GroundTruth.h>
+#include <dyslam/formats/TrajectoryFiles.h>
 
 #include <filesystem>
 #include <fstream>

@@ -3,9 +3,9 @@
 
 #include <dyslam/core/Error.h>
 #include <dyslam/core/Options.h>
-#include <dyslam/io/GroundTruth.h>
+#include <dyslam/formats/GroundTruth.h>
+#include <dyslam/formats/TrajectoryFiles.h>
 #include <dyslam/io/RawlogSource.h>
-#include <dyslam/io/TrajectoryFiles.h>
 
 #include <algorithm>
 #include <charconv>

@@ -2,15 +2,15 @@
 #include "KittiLayout.h"
 
 #include <dyslam/core/Error.h>
+#include <dyslam/formats/SustechFiles.h>
+#include <dyslam/formats/TextFile.h>
+#include <dyslam/formats/TrajectoryFiles.h>
 #include <dyslam/io/CloudFiles.h>
-#include <dyslam/io/TrajectoryFiles.h>
 
 #include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <filesystem>
-
-#include "TextFile.h"
 
 namespace dyslam
 {

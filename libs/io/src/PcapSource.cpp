@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/Error.h>
+#include <dyslam/formats/TextFile.h>
 #include <dyslam/io/PcapSource.h>
 #include <pcap/pcap.h>
 
@@ -10,7 +11,6 @@
 #include <deque>
 #include <filesystem>
 
-#include "TextFile.h"
 #include "VelodynePackets.h"
 
 namespace dyslam

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/Error.h>
+#include <dyslam/formats/TrajectoryFiles.h>
 #include <dyslam/io/CloudFiles.h>
 #include <dyslam/io/Converters.h>
 #include <dyslam/io/PcapSource.h>
-#include <dyslam/io/TrajectoryFiles.h>
 
 #include <array>
 #include <filesystem>

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/Error.h>
+#include <dyslam/formats/GroundTruth.h>
+#include <dyslam/formats/TrajectoryFiles.h>
 #include <dyslam/io/CloudFiles.h>
 #include <dyslam/io/Converters.h>
-#include <dyslam/io/GroundTruth.h>
 #include <dyslam/io/RawlogSource.h>
-#include <dyslam/io/TrajectoryFiles.h>
 
 #include <cmath>
 

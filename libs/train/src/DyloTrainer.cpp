@@ -2,6 +2,7 @@
 #include <dyslam/core/Error.h>
 #include <dyslam/core/Files.h>
 #include <dyslam/core/PendingFile.h>
+#include <dyslam/formats/ScanFiles.h>
 #include <dyslam/nets/DyloFile.h>
 #include <dyslam/nets/SaveArchive.h>
 #include <dyslam/nets/Threads.h>
@@ -20,6 +21,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
+#include <limits>
 
 #include "DyloTrainOptions.h"
 #include "DyloValidation.h"
@@ -61,9 +63,9 @@ std::unique_ptr<PairSource> makeSource(const DataOptions& data,
     std::vector<std::vector<Eigen::Vector3f>> scans;
     for (const std::string& folder : listItems(data.singles, '|'))
     {
-      for (const std::string& file : binFiles(base + "/" + folder))
+      for (const std::string& file : listBinFiles(base + "/" + folder))
       {
-        scans.push_back(readBinPoints(file));
+        scans.push_back(readTrainingPoints(file, std::numeric_limits<float>::quiet_NaN()));
       }
     }
     mixed->add(std::make_unique<SingleScanSource>(std::move(scans), bodies, augmentation, seed),

@@ -2,6 +2,7 @@
 #include "DysegPairs.h"
 
 #include <dyslam/core/Error.h>
+#include <dyslam/formats/ScanFiles.h>
 #include <dyslam/train/DataText.h>
 #include <dyslam/train/ScanFiles.h>
 
@@ -50,9 +51,9 @@ DysegPairs::DysegPairs(const DysegTrainerOptions& options) : options_(options)
   }
   for (const auto& part : listItems(options.single_scans, ','))
   {
-    for (const auto& f : binFiles(under(part)))
+    for (const auto& f : listBinFiles(under(part)))
     {
-      singles_.push_back(readPoints(f));
+      singles_.push_back(readTrainingPoints(f, 0));
     }
   }
 }

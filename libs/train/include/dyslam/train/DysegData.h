@@ -88,9 +88,6 @@ struct DysegAugmentOptions : Options
  * thins the pair. */
 void augment(const DysegAugmentOptions& options, RandomDraws& draws, DysegSample& sample);
 
-/** x y z intensity as float32; no returns become (0,0,0). \throws UserError. */
-[[nodiscard]] std::vector<Eigen::Vector3f> readPoints(const std::string& file);
-
 /** vls128_run88: boxes of SUSTechPOINTS beside scans. \param folder of the run. \throws UserError.
  */
 [[nodiscard]] DysegClip loadBoxedRun(const std::string& folder,

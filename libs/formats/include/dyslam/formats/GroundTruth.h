@@ -3,7 +3,7 @@
 
 #include <dyslam/core/Objects.h>
 #include <dyslam/core/Trajectory.h>
-#include <dyslam/io/Labels.h>
+#include <dyslam/formats/LabelFiles.h>
 
 #include <Eigen/Core>
 #include <cstddef>

@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/Error.h>
 #include <dyslam/core/PendingFile.h>
-#include <dyslam/io/GroundTruth.h>
-#include <dyslam/io/TrajectoryFiles.h>
+#include <dyslam/formats/GroundTruth.h>
+#include <dyslam/formats/TextFile.h>
+#include <dyslam/formats/TrajectoryFiles.h>
 
 #include <algorithm>
 #include <cstring>
 #include <filesystem>
-
-#include "TextFile.h"
 
 namespace dyslam
 {

@@ -86,7 +86,4 @@ void writeKittiTracking(const std::string& path,
  * pedestrian, 2 car, 3 cyclist. Boxes in the lidar's frame, id -1. \throws UserError. */
 [[nodiscard]] std::vector<LabelledBox> readDetectionsCsv(const std::string& path,
                                                          const Pose& T_cam_velo);
-
-/** SUSTechPOINTS boxes of one scan (`label_json/NNNNNN.json`): lidar frame. \throws UserError. */
-[[nodiscard]] std::vector<LabelledBox> readSustechJson(const std::string& path, int frame);
 }  // namespace dyslam

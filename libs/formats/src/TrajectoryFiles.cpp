@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/Error.h>
 #include <dyslam/core/PendingFile.h>
-#include <dyslam/io/TrajectoryFiles.h>
+#include <dyslam/formats/TextFile.h>
+#include <dyslam/formats/TrajectoryFiles.h>
 
 #include <Eigen/LU>
 #include <cmath>
-
-#include "TextFile.h"
 
 namespace dyslam
 {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/Error.h>
-#include <dyslam/io/GroundTruth.h>
-#include <dyslam/io/TrajectoryFiles.h>
+#include <dyslam/formats/GroundTruth.h>
+#include <dyslam/formats/TrajectoryFiles.h>
 
 #include <cmath>
 #include <limits>

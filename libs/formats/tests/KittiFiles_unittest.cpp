@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/Error.h>
-#include <dyslam/io/KittiFiles.h>
-#include <dyslam/io/TrajectoryFiles.h>
+#include <dyslam/formats/KittiFiles.h>
+#include <dyslam/formats/SustechFiles.h>
+#include <dyslam/formats/TrajectoryFiles.h>
 
 #include <cmath>
 

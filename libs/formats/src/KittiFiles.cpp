@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/Error.h>
 #include <dyslam/core/PendingFile.h>
-#include <dyslam/io/KittiFiles.h>
+#include <dyslam/formats/KittiFiles.h>
+#include <dyslam/formats/TextFile.h>
 
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <map>
-
-#include "TextFile.h"
 
 namespace dyslam
 {
