@@ -2,6 +2,7 @@
 # Everything from outside is found here, once. Packages: see PACKAGES in scripts/dependencies.sh.
 find_package(Threads REQUIRED)
 find_package(Eigen3 3.4 REQUIRED NO_MODULE)
+find_package(TBB 2021 REQUIRED)
 find_package(embree 3 QUIET)
 find_package(CLI11 2.1 REQUIRED)
 find_package(nlohmann_json 3.11 REQUIRED)
