@@ -53,8 +53,8 @@ Config TrainArguments::loadConfig() const
 
 void TrainArguments::requireConsistent() const
 {
-  const bool judges_a_file = validate_only && !start.empty();
-  if (output.empty() && !judges_a_file)
+  const bool evaluates_a_file = validate_only && !start.empty();
+  if (output.empty() && !evaluates_a_file)
   {
     throw UserError("--output: is needed, a folder for the results");
   }

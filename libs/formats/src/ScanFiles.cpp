@@ -229,7 +229,7 @@ std::vector<std::string> listCloudFiles(const std::string& folder)
     if (lowerExtension(file) != lowerExtension(files.front()))
     {
       throw UserError(folder + ": holds scans of two kinds (" + lowerExtension(files.front()) +
-                      " and " + lowerExtension(file) + "); part them into two folders");
+                      " and " + lowerExtension(file) + "); put them into two folders");
     }
   }
   return files;

@@ -195,9 +195,4 @@ std::vector<Pose> cameraToLidarPoses(const std::vector<Pose>& poses, const Pose&
   }
   return result;
 }
-
-std::vector<Pose> lidarToCameraPoses(const std::vector<Pose>& poses, const Pose& T_cam_velo)
-{
-  return cameraToLidarPoses(poses, T_cam_velo.inverse());
-}
 }  // namespace dyslam

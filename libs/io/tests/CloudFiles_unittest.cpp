@@ -114,7 +114,7 @@ TEST(CloudFiles, TimesOf64Bits)
 TEST(CloudFiles, RealPly)
 {
   DYSLAM_REQUIRE_DATA();
-  const Scan scan = readCloud(*dataFolder() + "/registration_pairs/small_gicp_source.ply");
+  const Scan scan = readCloud(*realDataFolder() + "/registration_pairs/small_gicp_source.ply");
   EXPECT_EQ(69792U, scan.size());
   EXPECT_EQ(69792U, scan.intensity.size());
 }

@@ -177,11 +177,12 @@ void pasteBodies(const AugmentationOptions& options,
 
 void AugmentationOptions::describe(OptionsVisitor& visitor)
 {
-  visitor.real("translation", translation, 0, 5, "deviation of T_aug along x [m]");
-  visitor.degrees("yaw_deg", yaw, 0, 45, "deviation of T_aug's yaw");
+  visitor.real("translation", translation, 0, 5, "standard deviation of T_aug along x [m]");
+  visitor.degrees("yaw_deg", yaw, 0, 45, "standard deviation of T_aug's yaw");
   visitor.real("mirror", mirror, 0, 1, "probability of a mirrored scene");
   visitor.real("turned", turned, 0, 1, "probability of a common random heading");
-  visitor.real("range_noise", range_noise, 0, 1, "largest deviation of added range noise [m]");
+  visitor.real("range_noise", range_noise, 0, 1,
+               "largest standard deviation of added range noise [m]");
   visitor.real("point_dropout", point_dropout, 0, 1, "largest share of points left out");
   visitor.real("beam_dropout", beam_dropout, 0, 1, "probability of fewer beams");
   visitor.real("bodies", bodies, 0, 1, "probability of pasted bodies");

@@ -64,7 +64,7 @@ void DysegPairs::prepare(int step)
   {
     return;
   }
-  // A run that goes on makes the clips again that were at hand.
+  // A run that is continued makes the clips again that were at hand.
   const int newest = step / options_.simulate_every;
   const int oldest = pool_.empty() ? std::max(0, newest + 1 - options_.simulated_pool) : newest;
   for (int n = oldest; n <= newest; ++n)
