@@ -2,7 +2,10 @@
 # Everything from outside is found here, once. Packages: see PACKAGES in scripts/dependencies.sh.
 find_package(Threads REQUIRED)
 find_package(Eigen3 3.4 REQUIRED NO_MODULE)
+find_package(TBB 2021 REQUIRED)
 find_package(embree 3 QUIET)
+find_package(CLI11 2.1 REQUIRED)
+find_package(nlohmann_json 3.11 REQUIRED)
 
 # The networks are built where libtorch is, and OpenMP for their threads.
 option(DYSLAM_WITH_TORCH "Build the networks if libtorch is found" ON)
@@ -22,10 +25,6 @@ if(NOT DYSLAM_TRAIN_ONLY)
   find_package(PCL 1.13 REQUIRED COMPONENTS common kdtree search registration io)
   find_package(OpenCV 4 REQUIRED COMPONENTS core imgproc imgcodecs)
   find_package(octomap REQUIRED)
-  find_package(CLI11 2.1 REQUIRED)
-  find_package(nlohmann_json 3.11 REQUIRED)
-else()
-  find_package(CLI11 2.1 QUIET)
 endif()
 
 if(DYSLAM_BUILD_TESTS)

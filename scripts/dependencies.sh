@@ -2,7 +2,7 @@
 # The one list of what DySLAM needs from Debian 12; sourced by demo.sh, test.sh and .ci/run.
 PACKAGES=(
   build-essential cmake ninja-build ccache
-  libmrpt-dev mrpt-apps libeigen3-dev libceres-dev libpcl-dev libopencv-dev liboctomap-dev
+  libmrpt-dev mrpt-apps libeigen3-dev libtbb-dev libceres-dev libpcl-dev libopencv-dev liboctomap-dev
   libembree-dev libtorch-dev libcli11-dev libpcap-dev nlohmann-json3-dev
   libgtest-dev clang-format-14
   python3-numpy xz-utils

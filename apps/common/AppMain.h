@@ -15,7 +15,7 @@
 namespace dyslam
 {
 /** First line of an error text that says something. MRPT's exceptions open with lines such as
- * "==== MRPT exception ====" and tell the message behind a label. */
+ * "==== MRPT exception ====" and have the message behind a label. */
 inline std::string firstMeaningfulLine(const std::string& text)
 {
   std::istringstream lines(text);
@@ -77,7 +77,7 @@ inline std::string unknownCommand(const CLI::App& app, const std::string& word)
 /** What every program's main calls.
  *
  * `declare` adds flags to the parser, `run` works. Returns 0 on success, --help and --version, and
- * 1 on every error, told in one line on stderr: `<app>: <message>`.
+ * 1 on every error, with one line on stderr: `<app>: <message>`.
  */
 inline int runApp(int argc,
                   char** argv,
@@ -110,7 +110,7 @@ inline int runApp(int argc,
       app.exit(error);
       return 0;
     }
-    // CLI11 tells a missing option first, even if it is missing because of a mistyped one.
+    // CLI11 names a missing option first, even if it is missing because of a mistyped one.
     for (const std::string& word : app.remaining(true))
     {
       if (word.size() > 1 && word[0] == '-')

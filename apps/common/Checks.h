@@ -13,7 +13,7 @@
 
 namespace dyslam
 {
-/** A finite number for which `good` holds. CLI11's own checks tell of the whole range of doubles.
+/** A finite number for which `good` holds. CLI11's own checks name the whole range of doubles.
  * \param name as --help shows it. \param wanted for the message: "0 or more". */
 inline CLI::Validator numberThatIs(const std::string& name,
                                    const std::string& wanted,

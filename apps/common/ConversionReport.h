@@ -30,7 +30,7 @@ inline void report(const ConversionResult& result, const std::string& output)
 }
 
 /** Converts with a line of progress, and says what came of it.
- * \param program its name \param convert does it, telling how far it is. \throws UserError. */
+ * \param program its name \param convert does it, reporting how far it is. \throws UserError. */
 inline void runConversion(const std::string& program,
                           const std::string& output,
                           bool quiet,

@@ -3,7 +3,7 @@
 
 #include <dyslam/core/BoxOverlap.h>
 #include <dyslam/core/Error.h>
-#include <dyslam/io/KittiFiles.h>
+#include <dyslam/formats/KittiFiles.h>
 
 #include <algorithm>
 #include <chrono>

@@ -2,7 +2,7 @@
 #include "LabelFolders.h"
 
 #include <dyslam/core/Error.h>
-#include <dyslam/io/Labels.h>
+#include <dyslam/formats/LabelFiles.h>
 
 #include <algorithm>
 #include <filesystem>

@@ -3,8 +3,8 @@
 
 #include <dyslam/core/Error.h>
 #include <dyslam/eval/MapMetrics.h>
+#include <dyslam/formats/LabelFiles.h>
 #include <dyslam/io/CloudFiles.h>
-#include <dyslam/io/Labels.h>
 
 #include <algorithm>
 #include <cmath>

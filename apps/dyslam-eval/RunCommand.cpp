@@ -3,11 +3,10 @@
 
 #include <dyslam/core/Error.h>
 #include <dyslam/eval/TrajectoryReports.h>
-#include <dyslam/io/GroundTruth.h>
-#include <dyslam/io/TrajectoryFiles.h>
+#include <dyslam/formats/GroundTruth.h>
+#include <dyslam/formats/TrajectoryFiles.h>
 
 #include <filesystem>
-#include <fstream>
 #include <iostream>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -20,6 +19,7 @@
 #include "LabelFolders.h"
 #include "MetricFlags.h"
 #include "OutputFiles.h"
+#include "RunReport.h"
 
 namespace dyslam
 {
@@ -48,25 +48,12 @@ struct RunScores
 
 Json readReport(const fs::path& folder)
 {
-  const fs::path path = folder / "report.json";
-  std::ifstream file(path);
-  if (!file)
+  const auto report = readRunReport(folder.string());
+  if (!report)
   {
     std::cerr << "note: " << folder.string() << " has no report.json: the run did not finish\n";
-    return Json::object();
   }
-  try
-  {
-    Json json = Json::parse(file);
-    if (json.is_object())
-    {
-      return json;
-    }
-  }
-  catch (const Json::exception&)
-  {
-  }
-  throw UserError(path.string() + ": is not the JSON report of a run");
+  return report.value_or(Json::object());
 }
 
 /** Nothing, with a note, if the run has no or too little ground truth. */

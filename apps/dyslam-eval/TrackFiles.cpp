@@ -3,20 +3,21 @@
 
 #include <dyslam/core/Error.h>
 #include <dyslam/core/Options.h>
-#include <dyslam/io/GroundTruth.h>
+#include <dyslam/formats/GroundTruth.h>
+#include <dyslam/formats/LabelFiles.h>
+#include <dyslam/formats/TextFile.h>
+#include <dyslam/formats/TrajectoryFiles.h>
 #include <dyslam/io/RawlogSource.h>
-#include <dyslam/io/TrajectoryFiles.h>
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
-#include <cstdio>
 #include <filesystem>
-#include <fstream>
 #include <iostream>
 #include <map>
-#include <nlohmann/json.hpp>
-#include <sstream>
+
+#include "RunReport.h"
 
 namespace fs = std::filesystem;
 
@@ -81,6 +82,33 @@ std::map<std::pair<int, int>, int> pointCounts(const std::string& labels_folder)
   return counts;
 }
 
+/** Speeds of a run's tracks.csv, by frame and id. */
+TrackSpeeds readSpeeds(const std::string& path)
+{
+  TextFile file(path, ",\r");
+  std::array<std::size_t, 3> columns{};
+  const std::array<const char*, 3> names{"frame", "id", "speed"};
+  const std::vector<std::string> header =
+      file.next() ? std::vector<std::string>(file.fields().begin(), file.fields().end())
+                  : std::vector<std::string>();
+  for (std::size_t i = 0; i < names.size(); ++i)
+  {
+    const auto at = std::find(header.begin(), header.end(), names[i]);
+    if (at == header.end())
+    {
+      throw UserError(path + ": has no column " + names[i] + "; repeat the run");
+    }
+    columns[i] = static_cast<std::size_t>(at - header.begin());
+  }
+  TrackSpeeds speeds;
+  while (file.next())
+  {
+    file.requireFields(header.size(), "as the header");
+    speeds[{file.integer(columns[0]), file.integer(columns[1])}] = file.number(columns[2]);
+  }
+  return speeds;
+}
+
 bool isExcluded(const LabelledBox& box, const TrackSelection& selection)
 {
   const double azimuth = std::atan2(box.box.center.y(), box.box.center.x());
@@ -135,25 +163,9 @@ TrackData readRun(const std::string& folder, const TrackSelection& selection)
                                   }),
                    data.boxes.end());
   const std::string path = (fs::path(folder) / "tracks.csv").string();
-  std::ifstream file(path);
-  std::string line;
-  std::getline(file, line);
-  for (int number = 2; std::getline(file, line); ++number)
+  if (fs::exists(path))
   {
-    std::vector<std::string> fields;
-    std::istringstream words(line);
-    for (std::string field; std::getline(words, field, ',');)
-    {
-      fields.push_back(field);
-    }
-    try
-    {
-      data.speeds[{std::stoi(fields.at(0)), std::stoi(fields.at(2))}] = std::stod(fields.at(14));
-    }
-    catch (const std::exception&)
-    {
-      throw UserError(path + ":" + std::to_string(number) + ": invalid row; repeat the run");
-    }
+    data.speeds = readSpeeds(path);
   }
   return data;
 }
@@ -161,21 +173,21 @@ TrackData readRun(const std::string& folder, const TrackSelection& selection)
 std::optional<FrameRange> processedFrames(const std::string& folder)
 {
   const fs::path ini = fs::path(folder) / "effective.ini";
-  std::ifstream report(fs::path(folder) / "report.json");
+  const auto report = readRunReport(folder);
   if (!report || !fs::exists(ini))
   {
     return std::nullopt;
   }
-  const auto json = nlohmann::json::parse(report, nullptr, false);
   const Config config = Config::fromFile(ini.string());
-  if (!json.is_object() || !json.contains("frames") || !json["frames"].is_number_integer() ||
+  const auto frames = report->find("frames");
+  if (frames == report->end() || !frames->is_number_integer() ||
       !config.has("input", "skip_first_n"))
   {
     return std::nullopt;
   }
   RawlogSourceOptions input;
   load(input, config, "input");
-  return FrameRange{input.skip_first_n, input.skip_first_n + json["frames"].get<int>() - 1};
+  return FrameRange{input.skip_first_n, input.skip_first_n + frames->get<int>() - 1};
 }
 
 std::string mergedType(const std::string& type)

@@ -5,7 +5,7 @@
 #include <dyslam/core/PendingFile.h>
 #include <dyslam/eval/TrajectoryPlot.h>
 #include <dyslam/eval/TrajectoryReports.h>
-#include <dyslam/io/TrajectoryFiles.h>
+#include <dyslam/formats/TrajectoryFiles.h>
 
 #include <filesystem>
 #include <iostream>

@@ -4,8 +4,8 @@
 #include <dyslam/core/Parallel.h>
 #include <dyslam/core/Trajectory.h>
 #include <dyslam/core/VoxelGrid.h>
-#include <dyslam/io/GroundTruth.h>
-#include <dyslam/io/Labels.h>
+#include <dyslam/formats/GroundTruth.h>
+#include <dyslam/formats/LabelFiles.h>
 #include <dyslam/io/SceneExport.h>
 #include <dyslam/mapping/MapExport.h>
 #include <dyslam/mapping/StaticMap.h>

@@ -2,7 +2,7 @@
 #include "ScanReading.h"
 
 #include <dyslam/core/Error.h>
-#include <dyslam/io/TrajectoryFiles.h>
+#include <dyslam/formats/TrajectoryFiles.h>
 
 #include <cstdio>
 #include <optional>

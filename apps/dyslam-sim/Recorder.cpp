@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Recorder.h"
 
-#include <dyslam/io/GroundTruth.h>
+#include <dyslam/formats/GroundTruth.h>
 #include <dyslam/io/RawlogWriter.h>
 #include <dyslam/sim/Simulator.h>
 

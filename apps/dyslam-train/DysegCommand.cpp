@@ -13,6 +13,7 @@ namespace dyslam
 {
 void trainDysegCommand(const TrainArguments& arguments)
 {
+  arguments.requireConsistent();
   const Config config = arguments.loadConfig();
   ConfigLoader loader(config);
   DysegTrainerSetup setup;
@@ -46,9 +47,9 @@ void trainDysegCommand(const TrainArguments& arguments)
   }
   makeFolder(output, "choose another --output");
   writeWhole(output + "/effective.ini", loader.effective().toIni());
-  if (!arguments.blend.empty())
+  if (!arguments.blend.first.empty())
   {
-    trainer.blend(arguments.blend, arguments.blend_share);
+    trainer.blend(arguments.blend.first, arguments.blend.second);
     trainer.save();
     return;
   }

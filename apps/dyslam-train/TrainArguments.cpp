@@ -5,43 +5,32 @@
 #include <dyslam/core/SharedFiles.h>
 
 #include <csignal>
-#include <sstream>
+
+#include "../common/Checks.h"
 
 namespace dyslam
 {
 namespace
 {
-/** The SHARE of --blend. */
-double shareOf(const std::string& text)
+/** The options of both networks. */
+void declareCommon(CLI::App& app, TrainArguments& a)
 {
-  std::istringstream in(text);
-  double share = 0;
-  if (!(in >> share) || !in.eof() || share < 0 || share > 1)
-  {
-    throw UserError("--blend: '" + text + "' is not a share between 0 and 1");
-  }
-  return share;
-}
-
-void checkTogether(const TrainArguments& a, const std::string& help)
-{
-  const bool judges_a_file = a.validate_only && !a.start.empty();
-  if (a.config.empty() || (a.output.empty() && !judges_a_file))
-  {
-    throw UserError("--config and --output are needed; see " + help);
-  }
-  if (!a.blend.empty() && a.start.empty())
-  {
-    throw UserError("--blend: needs --start, the weights to blend with");
-  }
-  if (a.resume && !a.start.empty())
-  {
-    throw UserError("--start: not together with --resume, which has weights already");
-  }
-  if (a.validate_only && (a.resume || !a.blend.empty()))
-  {
-    throw UserError("--validate: only judges; not together with --resume or --blend");
-  }
+  app.add_option("-c,--config", a.config, "ini file, or the name of a shipped one")->required();
+  app.add_option("-o,--output", a.output,
+                 "folder for the results; one that holds a training is not overwritten");
+  app.add_flag("--resume", a.resume, "continue the training in --output exactly where it stopped");
+  app.add_option("--start", a.start, "initial weights: those of another training");
+  app.add_option(
+         "--blend", a.blend,
+         "FILE SHARE: no training, write the mean of --start and of these weights, SHARE of "
+         "it from these")
+      ->check(numberThatIs("SHARE", "between 0 and 1", [](double v) { return v >= 0 && v <= 1; })
+                  .application_index(1));
+  app.add_flag("--validate", a.validate_only,
+               "only print the validation table, of --start or of the training in --output");
+  app.add_option("--set", a.assignments, "section.key=value, as if it stood in the ini; repeatable")
+      ->take_all()
+      ->allow_extra_args(false);
 }
 
 volatile std::sig_atomic_t stop_requested = 0;
@@ -62,66 +51,52 @@ Config TrainArguments::loadConfig() const
   return loaded;
 }
 
-TrainArguments parseTrainArguments(const std::string& network,
-                                   const std::vector<std::string>& words)
+void TrainArguments::requireConsistent() const
 {
-  const std::string help = "dyslam-train " + network + " --help";
-  TrainArguments a;
-  for (std::size_t i = 0; i < words.size(); ++i)
+  const bool evaluates_a_file = validate_only && !start.empty();
+  if (output.empty() && !evaluates_a_file)
   {
-    const std::string& word = words[i];
-    const auto value = [&]() -> const std::string&
-    {
-      if (i + 1 >= words.size())
-      {
-        throw UserError(word + ": a value is missing; see " + help);
-      }
-      return words[++i];
-    };
-    if (word == "-c" || word == "--config")
-    {
-      a.config = value();
-    }
-    else if (word == "-o" || word == "--output")
-    {
-      a.output = value();
-    }
-    else if (word == "--start")
-    {
-      a.start = value();
-    }
-    else if (word == "--blend")
-    {
-      a.blend = value();
-      a.blend_share = shareOf(value());
-    }
-    else if (word == "--set")
-    {
-      a.assignments.push_back(value());
-    }
-    else if (word == "--resume")
-    {
-      a.resume = true;
-    }
-    else if (word == "--validate")
-    {
-      a.validate_only = true;
-    }
-    else if (word == "--device" && network == "dylo")
-    {
-      a.device = value();
-    }
-    else if (word == "--mask-csv" && network == "dylo")
-    {
-      a.mask_folder = value();
-    }
-    else
-    {
-      throw UserError(word + ": unknown option; see " + help);
-    }
+    throw UserError("--output: is needed, a folder for the results");
   }
-  checkTogether(a, help);
-  return a;
+  if (!blend.first.empty() && start.empty())
+  {
+    throw UserError("--blend: needs --start, the weights to blend with");
+  }
+  if (resume && !start.empty())
+  {
+    throw UserError("--start: not together with --resume, which has weights already");
+  }
+  if (validate_only && (resume || !blend.first.empty()))
+  {
+    throw UserError("--validate: only prints; not together with --resume or --blend");
+  }
+}
+
+CLI::App& declareDylo(CLI::App& app, TrainArguments& arguments)
+{
+  CLI::App& parser = *app.add_subcommand("dylo", "trains the LiDAR odometry network");
+  declareCommon(parser, arguments);
+  parser.add_option("--device", arguments.device, "cpu or cuda")->capture_default_str();
+  parser.add_option(
+      "--mask-csv", arguments.mask_folder,
+      "folder for a validation scan's points with their static confidence, per recording");
+  parser.footer(
+      "Writes dylo.pt (the weights), checkpoint.pt (to continue from), log.csv, validation.csv "
+      "and\n"
+      "effective.ini. --start takes a checkpoint.pt, or of a dylo.pt the layers that the network "
+      "of\n"
+      "the config has too. Ctrl-C ends a training after a last checkpoint.");
+  return parser;
+}
+
+CLI::App& declareDyseg(CLI::App& app, TrainArguments& arguments)
+{
+  CLI::App& parser = *app.add_subcommand("dyseg", "trains the moving-object segmentation network");
+  declareCommon(parser, arguments);
+  parser.footer(
+      "Writes dyseg.pt (the weights), state.pt (to continue from), train.csv, validation.csv and\n"
+      "effective.ini. --start takes a dyseg.pt. Ctrl-C ends a training after a last checkpoint.");
+  return parser;
 }
 
 bool stopRequested()

@@ -3,7 +3,9 @@
 
 #include <dyslam/core/Config.h>
 
+#include <CLI/CLI.hpp>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace dyslam
@@ -14,22 +16,22 @@ struct TrainArguments
   std::string config;  //!< a file, or the name of one that comes with DySLAM
   std::string output;
   std::string start;
-  std::string blend;
-  double blend_share = 0;
+  std::pair<std::string, double> blend;  //!< weights, and their share of the mean
   bool resume = false;
   bool validate_only = false;
   std::vector<std::string> assignments;  //!< section.key=value
   std::string device = "cpu";            //!< DyLO's
   std::string mask_folder;               //!< DyLO's
 
+  /** \throws UserError for options that do not go together. */
+  void requireConsistent() const;
   /** The config file with the assignments done. \throws UserError. */
   [[nodiscard]] Config loadConfig() const;
 };
 
-/** \param network dylo or dyseg, for the messages \param words what follows it on the command line.
- * \throws UserError for what is no option of that network, or does not go together. */
-[[nodiscard]] TrainArguments parseTrainArguments(const std::string& network,
-                                                 const std::vector<std::string>& words);
+/** The subcommand of each network, filling `arguments`. */
+CLI::App& declareDylo(CLI::App& app, TrainArguments& arguments);
+CLI::App& declareDyseg(CLI::App& app, TrainArguments& arguments);
 
 /** Whether the user has asked to stop (Ctrl-C or SIGTERM), from the first call on. */
 [[nodiscard]] bool stopRequested();

@@ -51,7 +51,7 @@ void declare(CLI::App& app, Arguments& arguments)
   app.add_option("--dt", o.dt, "seconds between scans; default: the layout's times, else 0.1034");
   app.add_flag("--kitti-vertical-angle-correction", o.vertical_angle_correction,
                "turn points up by 0.205 deg, as odometry's scans need");
-  app.add_option("--skip-first-n", o.skip_first_n, "scans to pass over");
+  app.add_option("--skip-first-n", o.skip_first_n, "scans to skip");
   app.add_option("--only-first-n", o.only_first_n, "scans to convert after those");
   app.add_flag("--external-storage", o.external_storage, "clouds in files of their own");
   app.add_flag("-q,--quiet", arguments.quiet, "no progress");

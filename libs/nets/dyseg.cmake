@@ -45,6 +45,6 @@ dyslam_add_test(NAME nets_dyseg HEADERS torch
 
 if(DYSLAM_BUILD_BENCHMARKS)
   add_executable(dyseg_benchmark benchmarks/dyseg_benchmark.cpp)
-  target_link_libraries(dyseg_benchmark PRIVATE dyslam::nets_dyseg)
+  target_link_libraries(dyseg_benchmark PRIVATE dyslam::nets_dyseg dyslam::formats)
   dyslam_set_warnings(dyseg_benchmark)
 endif()

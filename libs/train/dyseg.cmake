@@ -11,7 +11,7 @@ dyslam_add_library(NAME train_dyseg INTERNAL HEADERS torch
     src/DysegTrainer.cpp
     src/DysegValidation.cpp
   PUBLIC dyslam::core dyslam::nets_dyseg dyslam::sim dyslam::train_common
-  PRIVATE ${TORCH_LIBRARIES})
+  PRIVATE dyslam::formats ${TORCH_LIBRARIES})
 
 dyslam_add_test(NAME train_dyseg HEADERS torch
   SOURCES

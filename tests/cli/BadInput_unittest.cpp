@@ -2,9 +2,9 @@
 // What the user meets when the input is bad: the programs themselves are run. Each must say one
 // line that names the file or field and the way out, give exit code 1, and leave whole files
 // behind.
+#include <dyslam/formats/TrajectoryFiles.h>
 #include <dyslam/io/RawlogSource.h>
 #include <dyslam/io/RawlogWriter.h>
-#include <dyslam/io/TrajectoryFiles.h>
 #include <dyslam/sim/Simulator.h>
 #include <gtest/gtest.h>
 #include <mrpt/io/CFileGZOutputStream.h>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Registers two synthetic scans through the installed library; exit code 0 if the motion is found.
-#include <dyslam/io/TrajectoryFiles.h>
+#include <dyslam/formats/TrajectoryFiles.h>
 #include <dyslam/odometry/LocalMapRegistration.h>
 
 #include <cmath>

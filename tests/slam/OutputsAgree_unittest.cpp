@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // One run's outputs show the same objects: replay, tables, labels and scene.
-#include <dyslam/io/GroundTruth.h>
-#include <dyslam/io/Labels.h>
+#include <dyslam/formats/GroundTruth.h>
+#include <dyslam/formats/LabelFiles.h>
 #include <dyslam/io/RawlogWriter.h>
-#include <dyslam/io/TrajectoryFiles.h>
+#include <dyslam/formats/TrajectoryFiles.h>
 #include <dyslam/pipeline/SlamRun.h>
 #include <dyslam/sim/Simulator.h>
 #include <gtest/gtest.h>

@@ -2,12 +2,12 @@
 // Whole runs on a small simulated recording: from the rawlog to every file of the output folder.
 #include <dyslam/core/Error.h>
 #include <dyslam/eval/TrajectoryMetrics.h>
+#include <dyslam/formats/GroundTruth.h>
+#include <dyslam/formats/LabelFiles.h>
+#include <dyslam/formats/TrajectoryFiles.h>
 #include <dyslam/io/CloudFiles.h>
-#include <dyslam/io/GroundTruth.h>
-#include <dyslam/io/Labels.h>
 #include <dyslam/io/RawlogSource.h>
 #include <dyslam/io/RawlogWriter.h>
-#include <dyslam/io/TrajectoryFiles.h>
 #include <dyslam/pipeline/SlamRun.h>
 #include <dyslam/sim/Simulator.h>
 #include <gtest/gtest.h>

@@ -5,7 +5,7 @@
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
-#include <sstream>
+#include <vector>
 
 namespace dyslam
 {
@@ -31,6 +31,7 @@ std::ifstream openBinary(const std::string& path, const std::string& advice)
   {
     throw UserError(path + ": is a folder, a file is needed" + hintOf(advice));
   }
+  errno = 0;
   std::ifstream file(path, std::ios::binary);
   if (!file)
   {
@@ -39,12 +40,30 @@ std::ifstream openBinary(const std::string& path, const std::string& advice)
   return file;
 }
 
+void requireReadable(const std::istream& file, const std::string& path)
+{
+  if (file.bad())
+  {
+    throw UserError(path + ": cannot be read to its end: " +
+                    (errno != 0 ? std::strerror(errno) : "unknown reason") +
+                    "; check the disk, or copy the file again");
+  }
+}
+
 std::string readWhole(const std::string& path, const std::string& advice)
 {
   std::ifstream file = openBinary(path, advice);
-  std::ostringstream content;
-  content << file.rdbuf();
-  return content.str();
+  std::string content;
+  std::error_code unknown_size;
+  const auto size = fs::file_size(path, unknown_size);
+  content.reserve(unknown_size ? 0 : static_cast<std::size_t>(size));
+  std::vector<char> block(std::size_t{1} << 16U);
+  while (file.read(block.data(), static_cast<std::streamsize>(block.size())) || file.gcount() > 0)
+  {
+    content.append(block.data(), static_cast<std::size_t>(file.gcount()));
+  }
+  requireReadable(file, path);
+  return content;
 }
 
 void makeFolder(const std::string& path, const std::string& advice)

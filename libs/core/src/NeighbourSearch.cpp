@@ -16,39 +16,35 @@ bool nearer(const Neighbour& a, const Neighbour& b)
          (a.squared_distance == b.squared_distance && a.index < b.index);
 }
 
-/** Keeps the k best in a heap. */
+/** Keeps the k best in order: for the k that are asked for, faster than a heap. */
 struct KnnVisitor
 {
   std::size_t k;
   float bound;
-  std::vector<Neighbour>& heap;
+  std::vector<Neighbour>& best;
 
   void visit(const Neighbour& n)
   {
-    if (heap.size() < k)
+    if (best.size() == k)
     {
-      heap.push_back(n);
-      std::push_heap(heap.begin(), heap.end(), nearer);
+      if (!nearer(n, best.back()))
+      {
+        return;
+      }
+      best.pop_back();
     }
-    else if (nearer(n, heap.front()))
+    best.push_back(n);
+    std::size_t at = best.size() - 1;
+    for (; at > 0 && nearer(n, best[at - 1]); --at)
     {
-      std::pop_heap(heap.begin(), heap.end(), nearer);
-      heap.back() = n;
-      std::push_heap(heap.begin(), heap.end(), nearer);
+      best[at] = best[at - 1];
     }
-    if (heap.size() == k)
+    best[at] = n;
+    if (best.size() == k)
     {
-      bound = std::min(bound, heap.front().squared_distance);
+      bound = best.back().squared_distance;
     }
   }
-};
-
-struct RadiusVisitor
-{
-  float bound;
-  std::vector<Neighbour>& found;
-
-  void visit(const Neighbour& n) { found.push_back(n); }
 };
 
 struct NearestVisitor
@@ -165,21 +161,6 @@ void KdTree::nearest(const Eigen::Vector3f& query,
   }
   KnnVisitor visitor{k, max_distance * max_distance, result};
   search(0, query, visitor);
-  std::sort_heap(result.begin(), result.end(), nearer);
-}
-
-void KdTree::radius(const Eigen::Vector3f& query,
-                    float radius,
-                    std::vector<Neighbour>& result) const
-{
-  result.clear();
-  if (points_.empty() || !query.allFinite())
-  {
-    return;
-  }
-  RadiusVisitor visitor{radius * radius, result};
-  search(0, query, visitor);
-  std::sort(result.begin(), result.end(), nearer);
 }
 
 bool KdTree::nearest(const Eigen::Vector3f& query, Neighbour& result, float max_distance) const

@@ -1,140 +1,94 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/Parallel.h>
+#include <tbb/info.h>
+#include <tbb/parallel_for.h>
+#include <tbb/partitioner.h>
+#include <tbb/task_arena.h>
 
 #include <algorithm>
-#include <atomic>
-#include <condition_variable>
-#include <exception>
-#include <mutex>
 #include <thread>
+
+#ifdef __SANITIZE_THREAD__
+#include <atomic>
 #include <vector>
+#endif
 
 namespace dyslam
 {
 struct ThreadPool::Shared
 {
-  std::vector<std::thread> threads;
-  std::mutex mutex;
-  std::condition_variable wake;
-  std::condition_variable done;
-  std::uint64_t generation = 0;
-  bool stopping = false;
-  int busy = 0;
-  std::exception_ptr failure;
-
-  // The loop under way
-  const std::function<void(std::size_t, std::size_t, std::size_t)>* body = nullptr;
-  std::size_t count = 0;
-  std::size_t chunk_size = 1;
-  std::atomic<std::size_t> next_chunk{0};
-
-  void work()
+  // More threads than cores gain nothing, and TBB warns of them on stderr.
+  explicit Shared(int threads)
+      : size(threads), arena(std::min(threads, tbb::info::default_concurrency()))
   {
-    const std::size_t chunks = chunkCount(count, chunk_size);
-    for (std::size_t chunk = next_chunk++; chunk < chunks; chunk = next_chunk++)
-    {
-      try
-      {
-        const std::size_t begin = chunk * chunk_size;
-        (*body)(begin, std::min(begin + chunk_size, count), chunk);
-      }
-      catch (...)
-      {
-        const std::lock_guard<std::mutex> lock(mutex);
-        if (!failure)
-        {
-          failure = std::current_exception();
-        }
-      }
-    }
   }
 
-  void threadLoop()
+  template <typename Body>
+  void run(std::size_t chunks, const Body& body)
   {
-    std::uint64_t seen = 0;
-    for (;;)
+#ifdef __SANITIZE_THREAD__
+    // The packaged TBB is not instrumented: with it, the sanitizer would see races that are none.
+    std::atomic<std::size_t> next{0};
+    const auto work = [&]
     {
+      for (std::size_t chunk = next++; chunk < chunks; chunk = next++)
       {
-        std::unique_lock<std::mutex> lock(mutex);
-        wake.wait(lock, [&] { return stopping || generation != seen; });
-        if (stopping)
-        {
-          return;
-        }
-        seen = generation;
+        body(chunk);
       }
-      work();
-      const std::lock_guard<std::mutex> lock(mutex);
-      if (--busy == 0)
-      {
-        done.notify_one();
-      }
+    };
+    std::vector<std::thread> threads;
+    for (int i = 1; i < size; ++i)
+    {
+      threads.emplace_back(work);
     }
+    work();
+    for (std::thread& thread : threads)
+    {
+      thread.join();
+    }
+#else
+    arena.execute([&]
+                  { tbb::parallel_for(std::size_t{0}, chunks, body, tbb::simple_partitioner()); });
+#endif
   }
+
+  int size;
+  tbb::task_arena arena;
 };
 
-ThreadPool::ThreadPool(int threads) : shared_(std::make_unique<Shared>())
+ThreadPool::ThreadPool(int threads)
+    : shared_(std::make_unique<Shared>(
+          threads > 0 ? threads
+                      : static_cast<int>(std::max(1U, std::thread::hardware_concurrency()))))
 {
-  if (threads <= 0)
-  {
-    threads = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
-  }
-  for (int i = 1; i < threads; ++i)
-  {
-    shared_->threads.emplace_back([s = shared_.get()] { s->threadLoop(); });
-  }
 }
 
-ThreadPool::~ThreadPool()
-{
-  {
-    const std::lock_guard<std::mutex> lock(shared_->mutex);
-    shared_->stopping = true;
-  }
-  shared_->wake.notify_all();
-  for (auto& thread : shared_->threads)
-  {
-    thread.join();
-  }
-}
+ThreadPool::~ThreadPool() = default;
 
 int ThreadPool::size() const
 {
-  return static_cast<int>(shared_->threads.size()) + 1;
+  return shared_->size;
 }
 
 void ThreadPool::forChunks(std::size_t count,
                            std::size_t chunk_size,
                            const std::function<void(std::size_t, std::size_t, std::size_t)>& body)
 {
-  auto& s = *shared_;
   chunk_size = std::max<std::size_t>(1, chunk_size);
-  if (s.threads.empty() || count <= chunk_size)
+  const std::size_t chunks = chunkCount(count, chunk_size);
+  const auto run = [&](std::size_t chunk)
   {
-    for (std::size_t begin = 0, chunk = 0; begin < count; begin += chunk_size, ++chunk)
-    {
-      body(begin, std::min(begin + chunk_size, count), chunk);
-    }
+    const std::size_t begin = chunk * chunk_size;
+    body(begin, std::min(begin + chunk_size, count), chunk);
+  };
+  if (shared_->size > 1 && chunks > 1)
+  {
+    shared_->run(chunks, run);
     return;
   }
+  for (std::size_t chunk = 0; chunk < chunks; ++chunk)
   {
-    const std::lock_guard<std::mutex> lock(s.mutex);
-    s.body = &body;
-    s.count = count;
-    s.chunk_size = chunk_size;
-    s.next_chunk = 0;
-    s.failure = nullptr;
-    s.busy = static_cast<int>(s.threads.size());
-    ++s.generation;
-  }
-  s.wake.notify_all();
-  s.work();
-  std::unique_lock<std::mutex> lock(s.mutex);
-  s.done.wait(lock, [&] { return s.busy == 0; });
-  s.body = nullptr;
-  if (s.failure)
-  {
-    std::rethrow_exception(s.failure);
+    run(chunk);
   }
 }
 }  // namespace dyslam

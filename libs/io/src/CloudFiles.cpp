@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/Error.h>
-#include <dyslam/core/PendingFile.h>
+#include <dyslam/core/Files.h>
 #include <dyslam/io/CloudFiles.h>
 #include <pcl/PCLPointCloud2.h>
 #include <pcl/console/print.h>
@@ -18,22 +18,12 @@
 #include <sstream>
 #include <vector>
 
-#include "TextFile.h"
-
 namespace dyslam
 {
 namespace fs = std::filesystem;
 
 namespace
 {
-std::string lowerExtension(const std::string& path)
-{
-  std::string extension = fs::path(path).extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return extension;
-}
-
 /** One field of a PCL blob as numbers, whatever its type. */
 class FieldReader
 {
@@ -263,127 +253,7 @@ Scan readWithPcl(const std::string& path, bool ply)
   return scanFromBlob(blob, path);
 }
 
-void requireSameLength(const std::vector<Eigen::Vector3f>& points,
-                       const std::vector<float>& intensity)
-{
-  if (!intensity.empty() && intensity.size() != points.size())
-  {
-    throw std::logic_error("points and intensity differ in length");
-  }
-}
-
-/** x y z [intensity] as float32, point after point: what all three formats hold. */
-std::string packed(const std::vector<Eigen::Vector3f>& points,
-                   const std::vector<float>& intensity,
-                   bool always_intensity)
-{
-  const std::size_t fields = intensity.empty() && !always_intensity ? 3 : 4;
-  std::string bytes(points.size() * fields * sizeof(float), '\0');
-  for (std::size_t i = 0; i < points.size(); ++i)
-  {
-    const std::array<float, 4> values{points[i].x(), points[i].y(), points[i].z(),
-                                      intensity.empty() ? 0.0F : intensity[i]};
-    std::memcpy(&bytes[i * fields * sizeof(float)], values.data(), fields * sizeof(float));
-  }
-  return bytes;
-}
-
-/** Orders names so that 2 comes before 10. */
-bool naturalLess(const std::string& a, const std::string& b)
-{
-  const auto digit = [](char c) { return c >= '0' && c <= '9'; };
-  std::size_t i = 0;
-  std::size_t j = 0;
-  while (i < a.size() && j < b.size())
-  {
-    if (digit(a[i]) && digit(b[j]))
-    {
-      const std::size_t begin_a = a.find_first_not_of('0', i);
-      const std::size_t begin_b = b.find_first_not_of('0', j);
-      i = begin_a == std::string::npos ? a.size() : begin_a;
-      j = begin_b == std::string::npos ? b.size() : begin_b;
-      std::size_t end_i = i;
-      std::size_t end_j = j;
-      for (; end_i < a.size() && digit(a[end_i]); ++end_i)
-      {
-      }
-      for (; end_j < b.size() && digit(b[end_j]); ++end_j)
-      {
-      }
-      if (end_i - i != end_j - j)
-      {
-        return end_i - i < end_j - j;
-      }
-      const int order = a.compare(i, end_i - i, b, j, end_j - j);
-      if (order != 0)
-      {
-        return order < 0;
-      }
-      i = end_i;
-      j = end_j;
-    }
-    else if (a[i] != b[j])
-    {
-      return a[i] < b[j];
-    }
-    else
-    {
-      ++i;
-      ++j;
-    }
-  }
-  return a.size() - i < b.size() - j || (a.size() - i == b.size() - j && a < b);
-}
 }  // namespace
-
-Scan readBin(const std::string& path)
-{
-  const std::string bytes = readWhole(path);
-  constexpr std::size_t step = 4 * sizeof(float);
-  if (bytes.size() % step != 0)
-  {
-    throw UserError(path + ": " + std::to_string(bytes.size()) +
-                    " bytes are not whole points of 4 floats; the file is cut short or no scan");
-  }
-  Scan scan;
-  const std::size_t count = bytes.size() / step;
-  scan.points.resize(count);
-  scan.intensity.resize(count);
-  for (std::size_t i = 0; i < count; ++i)
-  {
-    std::memcpy(scan.points[i].data(), &bytes[i * step], 3 * sizeof(float));
-    std::memcpy(&scan.intensity[i], &bytes[i * step + 3 * sizeof(float)], sizeof(float));
-  }
-  const std::string ring_path = fs::path(path).replace_extension(".ring").string();
-  if (fs::exists(ring_path))
-  {
-    const std::string rings = readWhole(ring_path);
-    if (rings.size() != count)
-    {
-      throw UserError(ring_path + ": has " + std::to_string(rings.size()) +
-                      " rings, but the scan has " + std::to_string(count) + " points");
-    }
-    for (const char ring : rings)
-    {
-      scan.ring.push_back(static_cast<std::uint8_t>(ring));
-    }
-  }
-  return scan;
-}
-
-void writeBin(const std::string& path,
-              const std::vector<Eigen::Vector3f>& points,
-              const std::vector<float>& intensity)
-{
-  requireSameLength(points, intensity);
-  writeWhole(path, packed(points, intensity, true));
-}
-
-bool isCloudFile(const std::string& path)
-{
-  const std::string extension = lowerExtension(path);
-  return extension == ".bin" || extension == ".pcd" || extension == ".ply";
-}
 
 Scan readCloud(const std::string& path)
 {
@@ -399,84 +269,4 @@ Scan readCloud(const std::string& path)
   throw UserError(path + ": unknown kind of cloud; use .bin, .pcd or .ply");
 }
 
-void writePcd(const std::string& path,
-              const std::vector<Eigen::Vector3f>& points,
-              const std::vector<float>& intensity)
-{
-  requireSameLength(points, intensity);
-  const bool with = !intensity.empty();
-  const std::string count = std::to_string(points.size());
-  const std::string header =
-      std::string("# .PCD v0.7 - Point Cloud Data file format\nVERSION 0.7\n") +
-      (with ? "FIELDS x y z intensity\nSIZE 4 4 4 4\nTYPE F F F F\n"
-              "COUNT 1 1 1 1\n"
-            : "FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\n") +
-      "WIDTH " + count + "\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS " + count + "\nDATA binary\n";
-  writeWhole(path, header + packed(points, intensity, false));
-}
-
-void writePly(const std::string& path,
-              const std::vector<Eigen::Vector3f>& points,
-              const std::vector<float>& intensity)
-{
-  requireSameLength(points, intensity);
-  const std::string header =
-      "ply\nformat binary_little_endian 1.0\nelement vertex " + std::to_string(points.size()) +
-      "\nproperty float x\nproperty float y\nproperty float z\n" +
-      (intensity.empty() ? "" : "property float intensity\n") + "end_header\n";
-  writeWhole(path, header + packed(points, intensity, false));
-}
-
-void writeCloud(const std::string& path,
-                const std::vector<Eigen::Vector3f>& points,
-                const std::vector<float>& intensity)
-{
-  const std::string extension = lowerExtension(path);
-  if (extension == ".pcd")
-  {
-    writePcd(path, points, intensity);
-  }
-  else if (extension == ".ply")
-  {
-    writePly(path, points, intensity);
-  }
-  else if (extension == ".bin")
-  {
-    writeBin(path, points, intensity);
-  }
-  else
-  {
-    throw UserError(path + ": unknown kind of cloud; use .pcd, .ply or .bin");
-  }
-}
-
-std::vector<std::string> listCloudFiles(const std::string& folder)
-{
-  if (!fs::is_directory(folder))
-  {
-    throw UserError(folder + ": no such folder");
-  }
-  std::vector<std::string> files;
-  for (const auto& entry : fs::directory_iterator(folder))
-  {
-    if (entry.is_regular_file() && isCloudFile(entry.path().string()))
-    {
-      files.push_back(entry.path().string());
-    }
-  }
-  if (files.empty())
-  {
-    throw UserError(folder + ": has no .bin, .pcd or .ply files");
-  }
-  std::sort(files.begin(), files.end(), naturalLess);
-  for (const std::string& file : files)
-  {
-    if (lowerExtension(file) != lowerExtension(files.front()))
-    {
-      throw UserError(folder + ": holds scans of two kinds (" + lowerExtension(files.front()) +
-                      " and " + lowerExtension(file) + "); part them into two folders");
-    }
-  }
-  return files;
-}
 }  // namespace dyslam

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <dyslam/formats/GroundTruth.h>
 #include <dyslam/io/Converters.h>
-#include <dyslam/io/GroundTruth.h>
 #include <dyslam/io/RawlogWriter.h>
 
 #include <memory>

@@ -2,13 +2,13 @@
 #include <dyslam/core/Error.h>
 #include <dyslam/core/PendingFile.h>
 #include <dyslam/core/PoseInformation.h>
+#include <dyslam/formats/TextFile.h>
 #include <dyslam/io/GraphFiles.h>
 
 #include <Eigen/Dense>
 #include <array>
 #include <charconv>
 #include <cmath>
-#include <fstream>
 #include <optional>
 #include <string_view>
 #include <vector>
@@ -22,27 +22,17 @@ namespace
 using Graph = mrpt::graphs::CNetworkOfPoses3DInf;
 using mrpt::graphs::TNodeID;
 
-/** One line of a file, taken word by word; errors know where they are. */
+/** The line a file is at, taken word by word; errors know where they are. */
 class LineReader
 {
  public:
-  LineReader(std::string_view line, const std::string& file, std::size_t number)
-      : rest_(line), file_(file), number_(number)
-  {
-  }
+  explicit LineReader(const TextFile& file) : file_(file) {}
 
+  /** The next word; empty at the end of the line. */
   [[nodiscard]] std::string_view word()
   {
-    skipBlanks();
-    std::size_t length = 0;
-    while (length < rest_.size() && !isBlank(rest_[length]))
-    {
-      ++length;
-    }
-    const std::string_view result = rest_.substr(0, length);
-    rest_.remove_prefix(length);
-    ++field_;
-    return result;
+    const std::size_t at = next_++;
+    return at < file_.fields().size() ? file_.fields()[at] : std::string_view();
   }
 
   [[nodiscard]] double number(const char* name)
@@ -74,10 +64,10 @@ class LineReader
     return value;
   }
 
-  [[nodiscard]] bool atEnd()
+  [[nodiscard]] bool atEnd() const
   {
-    skipBlanks();
-    return rest_.empty() || rest_.front() == '|' || rest_.front() == '#';
+    const auto& words = file_.fields();
+    return next_ >= words.size() || words[next_].front() == '|' || words[next_].front() == '#';
   }
 
   void requireEnd()
@@ -89,33 +79,18 @@ class LineReader
     }
   }
 
-  [[noreturn]] void fail(const std::string& message) const
-  {
-    throw UserError(file_ + ":" + std::to_string(number_) + ": " + message);
-  }
+  [[noreturn]] void fail(const std::string& message) const { file_.fail(message); }
 
  private:
-  static bool isBlank(char c) { return c == ' ' || c == '\t' || c == '\r'; }
-
-  void skipBlanks()
-  {
-    while (!rest_.empty() && isBlank(rest_.front()))
-    {
-      rest_.remove_prefix(1);
-    }
-  }
-
   [[noreturn]] void fail(const char* name, std::string_view text, const char* wanted) const
   {
     const std::string found = text.empty() ? "the line ends" : "'" + std::string(text) + "' stands";
-    fail("field " + std::to_string(field_) + " (" + name + "): " + found + " where " + wanted +
+    fail("field " + std::to_string(next_) + " (" + name + "): " + found + " where " + wanted +
          " should be");
   }
 
-  std::string_view rest_;
-  const std::string& file_;
-  std::size_t number_;
-  int field_ = 0;
+  const TextFile& file_;
+  std::size_t next_ = 0;
 };
 
 Eigen::Vector3d readVector(LineReader& line, const std::array<const char*, 3>& names)
@@ -206,16 +181,9 @@ class GraphReader
 
   Graph read()
   {
-    std::ifstream file(path_);
-    if (!file)
+    for (TextFile file(path_, " \t\r"); file.next();)
     {
-      throw UserError(path_ + ": cannot be opened; give an existing .graph or .g2o file");
-    }
-    std::string text;
-    std::size_t number = 0;
-    while (std::getline(file, text))
-    {
-      readLine(LineReader(text, path_, ++number));
+      readLine(LineReader(file));
     }
     if (graph_.nodes.empty() && graph_.edges.empty())
     {

@@ -2,14 +2,13 @@
 #include "GzInput.h"
 
 #include <dyslam/core/Error.h>
+#include <dyslam/formats/TextFile.h>
 
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
 #include <stdexcept>
-
-#include "TextFile.h"
 
 namespace dyslam
 {

@@ -55,7 +55,7 @@ void KittiConverterOptions::describe(OptionsVisitor& visitor)
       "the motion within a scan was undone; auto: in KITTI odometry");
   visitor.real("dt", dt, 0, 3600, "seconds between scans; 0: the layout's times, else 0.1034");
   visitor.flag("vertical_angle_correction", vertical_angle_correction, "turn points up 0.205 deg");
-  visitor.integer("skip_first_n", skip_first_n, 0, 1000000000, "scans to pass over");
+  visitor.integer("skip_first_n", skip_first_n, 0, 1000000000, "scans to skip");
   visitor.integer("only_first_n", only_first_n, 0, 1000000000, "scans to convert; 0: all");
   visitor.flag("external_storage", external_storage, "clouds in files of their own");
   visitor.integer("compression_level", compression_level, 0, 9, "of gzip");

@@ -2,15 +2,13 @@
 #include "KittiLayout.h"
 
 #include <dyslam/core/Error.h>
+#include <dyslam/formats/SustechFiles.h>
+#include <dyslam/formats/TrajectoryFiles.h>
 #include <dyslam/io/CloudFiles.h>
-#include <dyslam/io/TrajectoryFiles.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <filesystem>
-
-#include "TextFile.h"
 
 namespace dyslam
 {
@@ -236,8 +234,8 @@ class LayoutReader
           firstExisting("", {input_ / "times.txt", input_ / "velodyne_points" / "timestamps.txt"});
       if (!source.empty())
       {
-        times =
-            fs::path(source).filename() == "timestamps.txt" ? readDates(source) : readTimes(source);
+        times = fs::path(source).filename() == "timestamps.txt" ? readKittiTimestamps(source)
+                                                                : readTimes(source);
       }
     }
     has_times_ = !times.empty();
@@ -257,25 +255,6 @@ class LayoutReader
       }
       entries[i].stamp = times[number];
     }
-  }
-
-  /** Raw's `2011-09-26 13:02:25.951199337`, taken as UTC. */
-  static std::vector<double> readDates(const std::string& path)
-  {
-    TextFile file(path, " \t\r-:");
-    std::vector<double> times;
-    while (file.next())
-    {
-      file.requireFields(6, "a date and time");
-      const int year = file.integer(0) - (file.integer(1) <= 2 ? 1 : 0);
-      // Days since 1970 of a Gregorian date, with March as the year's first month.
-      const int month = (file.integer(1) + 9) % 12;
-      const int days = 365 * year + year / 4 - year / 100 + year / 400 + (153 * month + 2) / 5 +
-                       file.integer(2) - 1 - 719468;
-      times.push_back(86400.0 * days + 3600.0 * file.integer(3) + 60.0 * file.integer(4) +
-                      file.number(5));
-    }
-    return times;
   }
 
   void readPoses()

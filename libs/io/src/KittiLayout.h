@@ -3,8 +3,8 @@
 
 #include <dyslam/core/Objects.h>
 #include <dyslam/core/Trajectory.h>
+#include <dyslam/formats/KittiFiles.h>
 #include <dyslam/io/Converters.h>
-#include <dyslam/io/KittiFiles.h>
 
 #include <cstddef>
 #include <optional>

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/Error.h>
+#include <dyslam/formats/TextFile.h>
 #include <dyslam/io/PcapSource.h>
 #include <pcap/pcap.h>
 
@@ -10,7 +11,6 @@
 #include <deque>
 #include <filesystem>
 
-#include "TextFile.h"
 #include "VelodynePackets.h"
 
 namespace dyslam
@@ -18,7 +18,7 @@ namespace dyslam
 namespace
 {
 constexpr double pi = 3.14159265358979323846;
-constexpr std::size_t probe_packets = 64;  //!< looked at to tell the model
+constexpr std::size_t probe_packets = 64;  //!< looked at to find the model
 constexpr double clock_jump = 1.0;         //!< [s] between the sensor's and the capture's clock
 constexpr int whole_turn_tolerance = 300;  //!< [0.01 deg]
 
@@ -120,7 +120,7 @@ class PacketReader
   std::string damage_;
 };
 
-/** A revolution on its way, with what tells whether it is whole. */
+/** A revolution on its way, with what shows whether it is whole. */
 struct Revolution
 {
   Scan scan;
@@ -145,7 +145,7 @@ void PcapSourceOptions::describe(OptionsVisitor& visitor)
                   {"VLP16", VelodyneModel::vlp16},
                   {"HDL32E", VelodyneModel::hdl32e},
                   {"HDL64E", VelodyneModel::hdl64e}},
-                 "the lidar; auto: told by the packets");
+                 "the lidar; auto: from the packets");
   visitor.text("calibration_file", calibration_file, "Velodyne XML or YAML; empty: the default");
   visitor.real("min_range", min_range, 0, 100, "nearer returns are the vehicle's own [m]");
   visitor.degrees("cut_azimuth_deg", cut_azimuth, 0, 360, "clockwise from ahead, where scans end");
@@ -204,9 +204,9 @@ struct PcapSource::Impl
       }
     }
     const std::uint8_t byte = probed.front().view().modelByte();
-    VelodyneModel told = byte == 0x21   ? VelodyneModel::hdl32e
-                         : byte == 0x22 ? VelodyneModel::vlp16
-                                        : VelodyneModel::automatic;
+    VelodyneModel stated = byte == 0x21   ? VelodyneModel::hdl32e
+                           : byte == 0x22 ? VelodyneModel::vlp16
+                                          : VelodyneModel::automatic;
     std::vector<double> paces;
     for (std::size_t i = 1; i < probed.size(); ++i)
     {
@@ -220,22 +220,22 @@ struct PcapSource::Impl
       // 1327 us for VLP-16, 553 us for HDL-32E.
       const auto paced = pace > 1200 && pace < 1450 ? VelodyneModel::vlp16
                          : pace > 480 && pace < 630 ? VelodyneModel::hdl32e
-                                                    : told;
-      if (told != paced)
+                                                    : stated;
+      if (stated != paced)
       {
         notes.push_back(path + ": taken as " + nameOf(paced) + " by the pace of its packets" +
-                        (told == VelodyneModel::automatic
+                        (stated == VelodyneModel::automatic
                              ? ""
-                             : ", not as the " + nameOf(told) + " that they claim to be"));
-        told = paced;
+                             : ", not as the " + nameOf(stated) + " that they claim to be"));
+        stated = paced;
       }
     }
-    if (told == VelodyneModel::automatic)
+    if (stated == VelodyneModel::automatic)
     {
       throw UserError(path + ": the lidar is none that is known (model byte " +
                       std::to_string(byte) + "); name VLP16, HDL32E or HDL64E");
     }
-    return told;
+    return stated;
   }
 
   [[nodiscard]] mrpt::obs::VelodyneCalibration calibration() const
@@ -404,7 +404,7 @@ std::vector<std::string> PcapSource::warnings() const
   if (impl_->bad_blocks > 0)
   {
     lines.push_back(impl_->path + ": " + std::to_string(impl_->bad_blocks) +
-                    " blocks are not of a " + nameOf(impl_->model) + " and were passed over");
+                    " blocks are not of a " + nameOf(impl_->model) + " and were ignored");
   }
   return lines;
 }

@@ -49,7 +49,7 @@ std::regex compiled(const std::string& pattern)
 void RawlogSourceOptions::describe(OptionsVisitor& visitor)
 {
   visitor.text("sensor_label", sensor_label, "regex for the lidar's label; empty: the first lidar");
-  visitor.integer("skip_first_n", skip_first_n, 0, 1000000000, "scans to pass over");
+  visitor.integer("skip_first_n", skip_first_n, 0, 1000000000, "scans to skip");
   visitor.integer("only_first_n", only_first_n, 0, 1000000000, "scans to deliver; 0: all");
   visitor.text("ground_truth_label", ground_truth_label, "of the true poses; empty: use none");
   visitor.real("ground_truth_max_gap", ground_truth_max_gap, 0, 10,
@@ -108,7 +108,7 @@ struct RawlogSource::Impl
     }
   }
 
-  /** \param at_scan tells the number of the scan at hand with it. */
+  /** \param at_scan adds the number of the scan at hand. */
   void warn(const std::string& text, bool at_scan = true)
   {
     const auto it = std::find_if(notes.begin(), notes.end(),
@@ -169,7 +169,7 @@ struct RawlogSource::Impl
     }
     else if (name != label)
     {
-      warn("scans of '" + name + "' are passed over: '" + label +
+      warn("scans of '" + name + "' are ignored: '" + label +
                "' came first; choose with sensor_label",
            false);
       return false;
@@ -208,7 +208,8 @@ struct RawlogSource::Impl
     return name.substr(name.find_last_of(':') + 1);
   }
 
-  /** Whether the scan's time goes on from the one before. \throws UserError if it never does. */
+  /** Whether the scan's time comes after that of the one before. \throws UserError if it never
+   * does. */
   [[nodiscard]] bool acceptStamp(const CObservation& observation)
   {
     const bool has_time = observation.timestamp != INVALID_TIMESTAMP;
@@ -276,7 +277,7 @@ struct RawlogSource::Impl
                       applyTimeRing(*own, stream.externalFolder(), scan);
     if (!fits)
     {
-      warn("times and rings that do not fit their scan were passed over");
+      warn("times and rings that do not fit their scan were ignored");
     }
   }
 

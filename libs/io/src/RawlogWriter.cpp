@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/Error.h>
+#include <dyslam/formats/TextFile.h>
 #include <dyslam/io/GzOutput.h>
 #include <dyslam/io/RawlogWriter.h>
 #include <mrpt/maps/CPointsMapXYZI.h>
@@ -16,7 +17,6 @@
 
 #include "MrptConversions.h"
 #include "ObservationScans.h"
-#include "TextFile.h"
 
 namespace dyslam
 {

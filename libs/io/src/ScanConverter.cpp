@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/Error.h>
+#include <dyslam/formats/TrajectoryFiles.h>
 #include <dyslam/io/CloudFiles.h>
 #include <dyslam/io/Converters.h>
 #include <dyslam/io/PcapSource.h>
-#include <dyslam/io/TrajectoryFiles.h>
 
 #include <array>
 #include <filesystem>
@@ -176,7 +176,7 @@ void ScanConverterOptions::describe(OptionsVisitor& visitor)
   visitor.text("poses", poses, "TUM or KITTI poses of the lidar, a line for each scan");
   visitor.real("dt", dt, 0, 3600, "seconds between scans; 0: the scans' own times, else 0.1");
   visitor.flag("keep_partial", keep_partial, "broken first and last revolutions, too");
-  visitor.integer("skip_first_n", skip_first_n, 0, 1000000000, "scans to pass over");
+  visitor.integer("skip_first_n", skip_first_n, 0, 1000000000, "scans to skip");
   visitor.integer("only_first_n", only_first_n, 0, 1000000000, "scans to convert; 0: all");
   visitor.flag("external_storage", external_storage, "clouds in files of their own");
   visitor.integer("compression_level", compression_level, 0, 9, "of gzip");

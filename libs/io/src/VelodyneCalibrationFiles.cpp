@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/Error.h>
+#include <dyslam/formats/TextFile.h>
 
 #include <algorithm>
 #include <cstdlib>
 #include <filesystem>
 #include <regex>
 
-#include "TextFile.h"
 #include "VelodynePackets.h"
 
 namespace dyslam

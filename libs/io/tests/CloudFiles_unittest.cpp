@@ -111,40 +111,10 @@ TEST(CloudFiles, TimesOf64Bits)
   EXPECT_NEAR(0.05F, scan.time[1], 1e-6F);
 }
 
-TEST(CloudFiles, RingsBesideBin)
-{
-  const TestFolder folder;
-  writeBin(folder.file("a.bin"), someScan(0, 3).points);
-  folder.write("a.ring", std::string("\x05\x00\xff", 3));
-  EXPECT_EQ((std::vector<std::uint16_t>{5, 0, 255}), readBin(folder.file("a.bin")).ring);
-  folder.write("a.ring", "xx");
-  EXPECT_THROW((void)readBin(folder.file("a.bin")), UserError);
-}
-
-TEST(CloudFiles, ListsInNumericalOrder)
-{
-  const TestFolder folder;
-  for (const char* name : {"10.bin", "9.bin", "007.bin", "100.bin", "notes.txt"})
-  {
-    folder.write(name, "");
-  }
-  std::vector<std::string> names;
-  for (const auto& file : listCloudFiles(folder.path()))
-  {
-    names.push_back(std::filesystem::path(file).filename().string());
-  }
-  EXPECT_EQ((std::vector<std::string>{"007.bin", "9.bin", "10.bin", "100.bin"}), names);
-  folder.write("a.pcd", "");
-  EXPECT_THROW((void)listCloudFiles(folder.path()), UserError);
-  EXPECT_THROW((void)listCloudFiles(folder.file("none")), UserError);
-  std::filesystem::create_directories(folder.file("empty"));
-  EXPECT_THROW((void)listCloudFiles(folder.file("empty")), UserError);
-}
-
 TEST(CloudFiles, RealPly)
 {
   DYSLAM_REQUIRE_DATA();
-  const Scan scan = readCloud(*dataFolder() + "/registration_pairs/small_gicp_source.ply");
+  const Scan scan = readCloud(*realDataFolder() + "/registration_pairs/small_gicp_source.ply");
   EXPECT_EQ(69792U, scan.size());
   EXPECT_EQ(69792U, scan.intensity.size());
 }

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/Error.h>
+#include <dyslam/formats/GroundTruth.h>
+#include <dyslam/formats/TrajectoryFiles.h>
 #include <dyslam/io/CloudFiles.h>
 #include <dyslam/io/Converters.h>
-#include <dyslam/io/GroundTruth.h>
 #include <dyslam/io/RawlogSource.h>
-#include <dyslam/io/TrajectoryFiles.h>
 
 #include <cmath>
 
@@ -215,11 +215,11 @@ TEST(KittiConverter, SkipsAndLimitsRenumberTheTruth)
   options.kind = KittiKind::tracking;
   options.skip_first_n = 2;
   options.only_first_n = 2;
-  std::size_t told = 0;
+  std::size_t stated = 0;
   const auto result = convertKitti(folder.file("in"), folder.file("x.rawlog"), options,
-                                   [&told](double, std::size_t scans) { told = scans; });
+                                   [&stated](double, std::size_t scans) { stated = scans; });
   EXPECT_EQ(2U, result.scans);
-  EXPECT_EQ(2U, told);
+  EXPECT_EQ(2U, stated);
   EXPECT_EQ(1U, GroundTruthReader(folder.file("x.gt")).boxes(1).size());
   options.skip_first_n = 5;
   EXPECT_THROW(convertKitti(folder.file("in"), folder.file("x.rawlog"), options), UserError);
@@ -320,7 +320,7 @@ TEST(KittiConverter, RealDriveKeepsEveryPoint)
 {
   DYSLAM_REQUIRE_DATA();
   const TestFolder folder;
-  const std::string input = *dataFolder() + "/kitti_raw_2011_09_26_drive_0005";
+  const std::string input = *realDataFolder() + "/kitti_raw_2011_09_26_drive_0005";
   KittiConverterOptions options;
   options.kind = KittiKind::raw;
   options.poses = input + "/poses_icp_deskewed_velo.txt";

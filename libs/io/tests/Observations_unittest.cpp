@@ -209,7 +209,8 @@ TEST(RawlogSource, ReadsExternalKittiAndTextFiles)
 TEST(RawlogSource, VelodynePacketsAgreeWithMrptWhereMrptReadsThem)
 {
   DYSLAM_REQUIRE_DATA();
-  const std::string path = *dataFolder() + "/misc_16beam_and_formats/test_velodyne_VLP16.rawlog";
+  const std::string path =
+      *realDataFolder() + "/misc_16beam_and_formats/test_velodyne_VLP16.rawlog";
   const auto frame = RawlogSource(path).next();
   ASSERT_TRUE(frame);
   const Scan& scan = frame->scan;
@@ -230,7 +231,7 @@ TEST(RawlogSource, VelodynePacketsAgreeWithMrptWhereMrptReadsThem)
 TEST(RawlogSource, RotatingScanIsTheSameSceneAsItsPackets)
 {
   DYSLAM_REQUIRE_DATA();
-  const std::string folder = *dataFolder() + "/misc_16beam_and_formats/";
+  const std::string folder = *realDataFolder() + "/misc_16beam_and_formats/";
   const auto rotating = RawlogSource(folder + "rot_scan_velodyne.rawlog").next();
   const auto packets = RawlogSource(folder + "test_velodyne_VLP16.rawlog").next();
   ASSERT_TRUE(rotating && packets);

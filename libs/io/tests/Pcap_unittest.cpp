@@ -208,7 +208,7 @@ TEST(PcapSource, RealCaptures)
         Expected{"sample_velodyne_hdl32", 3, 1, VelodyneModel::hdl32e, 0.1},
         Expected{"monterey-first-100-packets", 19, 17, VelodyneModel::hdl32e, 0.085}})
   {
-    const std::string path = *dataFolder() + "/misc_16beam_and_formats/" + e.name + ".pcap";
+    const std::string path = *realDataFolder() + "/misc_16beam_and_formats/" + e.name + ".pcap";
     EXPECT_EQ(e.model, PcapSource(path).model());
     const auto scans = readAll(path).scans;
     EXPECT_EQ(e.whole, scans.size()) << e.name;

@@ -1,17 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <Eigen/Core>
+#include <dyslam/core/Error.h>
+#include <dyslam/formats/ScanFiles.h>
+
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
-#include <filesystem>
-#include <fstream>
 #include <functional>
-#include <iterator>
 #include <string>
-#include <system_error>
 #include <vector>
 
 /** Common parts of the networks' benchmarks. */
@@ -22,13 +20,14 @@ namespace timing
 inline std::vector<std::string> scanFiles(const std::string& folder, std::size_t needed)
 {
   std::vector<std::string> files;
-  std::error_code none;
-  for (const auto& entry : std::filesystem::directory_iterator(folder, none))
+  try
   {
-    if (entry.path().extension() == ".bin")
-    {
-      files.push_back(entry.path().string());
-    }
+    files = dyslam::listBinFiles(folder);
+  }
+  catch (const dyslam::UserError& error)
+  {
+    std::fprintf(stderr, "%s\n", error.what());
+    std::exit(1);
   }
   if (files.size() < needed)
   {
@@ -36,7 +35,6 @@ inline std::vector<std::string> scanFiles(const std::string& folder, std::size_t
                  folder.c_str(), files.size(), needed);
     std::exit(1);
   }
-  std::sort(files.begin(), files.end());
   return files;
 }
 
@@ -50,18 +48,6 @@ inline int threadsOf(const char* word)
     std::exit(1);
   }
   return threads;
-}
-
-inline std::vector<Eigen::Vector3f> readBin(const std::string& path)
-{
-  std::ifstream file(path, std::ios::binary);
-  const std::vector<char> bytes{std::istreambuf_iterator<char>(file), {}};
-  std::vector<Eigen::Vector3f> points(bytes.size() / 16);
-  for (std::size_t i = 0; i < points.size(); ++i)
-  {
-    std::copy_n(bytes.data() + 16 * i, 12, reinterpret_cast<char*>(points[i].data()));
-  }
-  return points;
 }
 
 /** Prints the median and minimum wall time of `runs` calls. */

@@ -22,8 +22,8 @@ int main(int argc, char** argv)
   using namespace dyslam;
   DyloNetwork network = argc > 3 ? loadDylo(argv[3]) : DyloNetwork(DyloNetworkOptions{});
   const torch::NoGradGuard no_grad;
-  const auto points1 = timing::readBin(files.at(1));
-  const auto points2 = timing::readBin(files.at(0));
+  const auto points1 = dyslam::readBin(files.at(1)).points;
+  const auto points2 = dyslam::readBin(files.at(0)).points;
   PreparedScan prepared = prepareScan(points1);
   ScanTensors tensors = toTensors(prepared);
   const EncodedScan scan2 = network->encode(toTensors(prepareScan(points2)));

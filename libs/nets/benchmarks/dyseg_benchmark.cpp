@@ -21,9 +21,9 @@ int main(int argc, char** argv)
   const int threads = argc > 2 ? timing::threadsOf(argv[2]) : 1;
   const DysegModel model = argc > 3 ? DysegModel(argv[3], threads)
                                     : DysegModel(DysegNetworkOptions{}, BevOptions{}, 1, threads);
-  const auto points = timing::readBin(files.at(10));
+  const auto points = dyslam::readBin(files.at(10)).points;
   const auto current = model.encode(points);
-  const auto past = model.encode(timing::readBin(files.at(9)));
+  const auto past = model.encode(dyslam::readBin(files.at(9)).points);
 
   constexpr int runs = 15;
   timing::report("grid", runs, [&] { (void)makeBevScan(points, model.grid()); });

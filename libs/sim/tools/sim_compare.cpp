@@ -4,6 +4,7 @@
 // Writes PREFIX_range.png (real above simulated) and PREFIX_bev.png (real left) and prints one
 // table of statistics for Markdown.
 #include <dyslam/core/Error.h>
+#include <dyslam/formats/ScanFiles.h>
 #include <dyslam/sim/Simulator.h>
 
 #include <CLI/CLI.hpp>
@@ -12,8 +13,6 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
-#include <filesystem>
-#include <fstream>
 #include <iostream>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
@@ -24,24 +23,21 @@ namespace
 using dyslam::Scan;
 constexpr double kPi = 3.14159265358979;
 
-Scan readBin(const std::string& path)
+/** The returns of a scan, intensity in [0, 1]. */
+Scan readReturns(const std::string& path)
 {
-  std::ifstream in(path, std::ios::binary);
-  if (!in)
+  const Scan scan = dyslam::readBin(path);
+  Scan returns;
+  for (std::size_t i = 0; i < scan.size(); ++i)
   {
-    throw dyslam::UserError(path + ": cannot be read");
-  }
-  Scan scan;
-  std::array<float, 4> v{};
-  while (in.read(reinterpret_cast<char*>(v.data()), sizeof(v)))
-  {
-    if (v[0] != 0 || v[1] != 0 || v[2] != 0)
+    if (dyslam::isReturn(scan.points[i]))
     {
-      scan.points.emplace_back(v[0], v[1], v[2]);
-      scan.intensity.push_back(v[3] > 1 ? v[3] / 255 : v[3]);
+      returns.points.push_back(scan.points[i]);
+      returns.intensity.push_back(scan.intensity[i] > 1 ? scan.intensity[i] / 255
+                                                        : scan.intensity[i]);
     }
   }
-  return scan;
+  return returns;
 }
 
 /** Row of the sensor's beam nearest in elevation, for real and simulated scans. */
@@ -376,20 +372,12 @@ int main(int argc, char** argv)
         bev_simulated = drawBev(scan.scan, &scan.moving, half);
       }
     }
-    std::vector<std::string> files;
-    for (const auto& entry : std::filesystem::directory_iterator(real))
-    {
-      if (entry.path().extension() == ".bin")
-      {
-        files.push_back(entry.path().string());
-      }
-    }
-    std::sort(files.begin(), files.end());
+    const std::vector<std::string> files = dyslam::listBinFiles(real);
     const std::size_t step =
         std::max<std::size_t>(1, files.size() / static_cast<std::size_t>(scans));
     for (std::size_t i = 0; i < files.size(); i += step)
     {
-      const Scan scan = readBin(files[i]);
+      const Scan scan = readReturns(files[i]);
       recorded.add(scan, finder, picture_columns);
       if (i / step == static_cast<std::size_t>(picture_real) || range_real.empty())
       {

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/Error.h>
+#include <dyslam/formats/LabelFiles.h>
+#include <dyslam/formats/ScanFiles.h>
 #include <dyslam/nets/PreparedScan.h>
 #include <dyslam/train/Augmentation.h>
 #include <dyslam/train/ScanFiles.h>
@@ -175,11 +177,12 @@ void pasteBodies(const AugmentationOptions& options,
 
 void AugmentationOptions::describe(OptionsVisitor& visitor)
 {
-  visitor.real("translation", translation, 0, 5, "deviation of T_aug along x [m]");
-  visitor.degrees("yaw_deg", yaw, 0, 45, "deviation of T_aug's yaw");
+  visitor.real("translation", translation, 0, 5, "standard deviation of T_aug along x [m]");
+  visitor.degrees("yaw_deg", yaw, 0, 45, "standard deviation of T_aug's yaw");
   visitor.real("mirror", mirror, 0, 1, "probability of a mirrored scene");
   visitor.real("turned", turned, 0, 1, "probability of a common random heading");
-  visitor.real("range_noise", range_noise, 0, 1, "largest deviation of added range noise [m]");
+  visitor.real("range_noise", range_noise, 0, 1,
+               "largest standard deviation of added range noise [m]");
   visitor.real("point_dropout", point_dropout, 0, 1, "largest share of points left out");
   visitor.real("beam_dropout", beam_dropout, 0, 1, "probability of fewer beams");
   visitor.real("bodies", bodies, 0, 1, "probability of pasted bodies");
@@ -190,21 +193,22 @@ void AugmentationOptions::describe(OptionsVisitor& visitor)
 std::vector<Body> loadBodies(const std::string& folder, std::size_t min_points)
 {
   std::vector<Body> bodies;
-  for (const std::string& file : binFiles(folder))
+  for (const std::string& file : listBinFiles(folder))
   {
     const auto label_file = std::filesystem::path(file).replace_extension(".label");
     if (!std::filesystem::exists(label_file))
     {
       continue;
     }
-    const std::vector<Eigen::Vector3f> points = readBinPoints(file);
-    const std::vector<std::uint32_t> labels = readLabels(label_file.string(), points.size());
+    const std::vector<Eigen::Vector3f> points =
+        readTrainingPoints(file, std::numeric_limits<float>::quiet_NaN());
+    const std::vector<Label> labels = readLabels(label_file.string(), points.size());
     std::map<std::uint32_t, Body> instances;
     for (std::size_t i = 0; i < points.size(); ++i)
     {
-      if ((labels[i] & 0xFFFFU) == 252 && points[i].allFinite())
+      if (semanticOf(labels[i]) == 252 && points[i].allFinite())
       {
-        instances[labels[i] >> 16U].push_back(points[i]);
+        instances[instanceOf(labels[i])].push_back(points[i]);
       }
     }
     for (auto& [number, body] : instances)

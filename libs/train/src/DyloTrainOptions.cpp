@@ -14,7 +14,7 @@ void TrainOptions::describe(OptionsVisitor& visitor)
   visitor.real("last_learning_rate", last_learning_rate, 1e-12, 1, "at the end");
   visitor.word("schedule", schedule, {"exponential", "cosine"}, "from the first rate to the last");
   visitor.real("clip", clip, 1e-6, 1e6, "largest norm of a gradient");
-  visitor.real("guessed_starts", guessed_starts, 0, 1,
+  visitor.real("perturbed_starts", perturbed_starts, 0, 1,
                "share of pairs that start near the truth, as from a prediction, not from standing");
   visitor.integer("threads", threads, 1, 256, "of a CPU");
   visitor.real("checkpoint_minutes", checkpoint_minutes, 0.01, 1e6, "between checkpoints");

@@ -20,7 +20,7 @@ struct TrainOptions : Options
   double last_learning_rate = 1e-6;      //!< at the last step
   std::string schedule = "exponential";  //!< or cosine
   double clip = 5;                       //!< largest norm of a gradient
-  double guessed_starts = 0.5;           //!< share of pairs that start near the truth
+  double perturbed_starts = 0.5;         //!< share of pairs that start near the truth
   int threads = 1;
   double checkpoint_minutes = 3;  //!< between checkpoints
   int validate_every = 500;       //!< steps
@@ -32,7 +32,7 @@ struct TrainOptions : Options
 struct DataOptions : Options
 {
   std::string base = "$DYSLAM_DATA";
-  // Lists, separated by '|'; describe() tells their fields.
+  // Lists, separated by '|'; see describe() for their fields.
   std::string recordings;
   std::string singles;
   std::string bodies;

@@ -2,6 +2,7 @@
 #include <dyslam/core/Error.h>
 #include <dyslam/core/Files.h>
 #include <dyslam/core/PendingFile.h>
+#include <dyslam/formats/ScanFiles.h>
 #include <dyslam/nets/DyloFile.h>
 #include <dyslam/nets/SaveArchive.h>
 #include <dyslam/nets/Threads.h>
@@ -20,6 +21,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
+#include <limits>
 
 #include "DyloTrainOptions.h"
 #include "DyloValidation.h"
@@ -61,9 +63,9 @@ std::unique_ptr<PairSource> makeSource(const DataOptions& data,
     std::vector<std::vector<Eigen::Vector3f>> scans;
     for (const std::string& folder : listItems(data.singles, '|'))
     {
-      for (const std::string& file : binFiles(base + "/" + folder))
+      for (const std::string& file : listBinFiles(base + "/" + folder))
       {
-        scans.push_back(readBinPoints(file));
+        scans.push_back(readTrainingPoints(file, std::numeric_limits<float>::quiet_NaN()));
       }
     }
     mixed->add(std::make_unique<SingleScanSource>(std::move(scans), bodies, augmentation, seed),
@@ -106,13 +108,13 @@ std::vector<torch::Tensor> nodeLabels(const PreparedScan& scan,
 }
 
 /** Where the network's search begins: standing still, or a prediction that errs as one does. */
-Pose drawStart(const Pose& truth, double guessed_starts, std::uint64_t seed, std::uint64_t index)
+Pose drawStart(const Pose& truth, double perturbed_starts, std::uint64_t seed, std::uint64_t index)
 {
   RandomDraws draws(seed ^ 0x57A27ULL, index);
   constexpr double reach = 1.5;  // m, beyond which a search from standing finds little
   const double share =
-      truth.translation().norm() > reach ? std::max(guessed_starts, 0.8) : guessed_starts;
-  if (guessed_starts <= 0 || !draws.chance(share))
+      truth.translation().norm() > reach ? std::max(perturbed_starts, 0.8) : perturbed_starts;
+  if (perturbed_starts <= 0 || !draws.chance(share))
   {
     return Pose::Identity();
   }
@@ -254,7 +256,7 @@ DyloLossImpl::Terms Trainer::trainPair(std::uint64_t index)
   data_seconds_ += secondsSince(begin);
 
   const auto options = torch::dtype(torch::kFloat).device(device_);
-  const Pose start = drawStart(pair.T_2_1, options_.guessed_starts,
+  const Pose start = drawStart(pair.T_2_1, options_.perturbed_starts,
                                static_cast<std::uint64_t>(options_.seed), index);
   const auto stages = network_->forward(network_->encode(scan1), network_->encode(scan2),
                                         PoseTensors::from(start, options));
@@ -292,7 +294,8 @@ void Trainer::run()
     if (request_.stopped && request_.stopped())
     {
       save();
-      request_.report("stopped at step " + std::to_string(step_) + "; --resume goes on from here");
+      request_.report("stopped at step " + std::to_string(step_) +
+                      "; --resume continues from here");
       return;
     }
     const double rate = learningRate();
@@ -436,7 +439,7 @@ void Trainer::load(const std::string& path, bool weights_only)
 {
   if (!std::filesystem::exists(path))
   {
-    throw UserError(path + ": there is no checkpoint to go on from");
+    throw UserError(path + ": there is no checkpoint to continue from");
   }
   try
   {

@@ -19,7 +19,7 @@ constexpr int moving_points_needed = 3;
 constexpr double matching_weight = 0.5;
 constexpr double flow_weight = 1.0;
 constexpr double upsampled_weight = 0.3;
-constexpr double anchor_weight = 0.3;
+constexpr double static_probability_weight = 0.3;
 
 Tensor rowsOf(const std::vector<Eigen::Vector2f>& values)
 {
@@ -340,7 +340,7 @@ Tensor flowLoss(const Lesson& l)
 
 struct CellLosses
 {
-  Tensor anchor;  //!< what looks as if it stayed, by the scan alone
+  Tensor static_probability;  //!< static, by the appearance in one scan
   Tensor cell;
 };
 
@@ -360,9 +360,10 @@ CellLosses cellLosses(const Lesson& l)
   const auto each = nnf::BinaryCrossEntropyWithLogitsFuncOptions().reduction(torch::kNone);
   const auto error = nnf::binary_cross_entropy_with_logits(l.out.logit.index_select(0, judged),
                                                            label.to(torch::kFloat32), each);
-  const auto anchor_error = nnf::binary_cross_entropy_with_logits(
+  const auto static_probability_error = nnf::binary_cross_entropy_with_logits(
       l.a.static_logit.index_select(0, judged), label.logical_not().to(torch::kFloat32), each);
-  return {balancedMean(anchor_error, label), 0.5 * balancedMean(error, label) + error.mean()};
+  return {balancedMean(static_probability_error, label),
+          0.5 * balancedMean(error, label) + error.mean()};
 }
 
 struct PointLosses
@@ -458,7 +459,8 @@ DysegLoss dysegLoss(DysegNet& net,
   loss.matching = loss.total.item<double>();
   loss.flow = addTo(loss.total, flowLoss(l), flow_weight);
   const CellLosses of_cells = cellLosses(l);
-  loss.anchor = addTo(loss.total, of_cells.anchor, anchor_weight);
+  loss.static_probability =
+      addTo(loss.total, of_cells.static_probability, static_probability_weight);
   loss.cell = addTo(loss.total, of_cells.cell, 1);
   const PointLosses of_points = pointLosses(net, l, draws);
   loss.point = addTo(loss.total, of_points.point, 1);

@@ -2,6 +2,7 @@
 #include "DysegPairs.h"
 
 #include <dyslam/core/Error.h>
+#include <dyslam/formats/ScanFiles.h>
 #include <dyslam/train/DataText.h>
 #include <dyslam/train/ScanFiles.h>
 
@@ -50,9 +51,9 @@ DysegPairs::DysegPairs(const DysegTrainerOptions& options) : options_(options)
   }
   for (const auto& part : listItems(options.single_scans, ','))
   {
-    for (const auto& f : binFiles(under(part)))
+    for (const auto& f : listBinFiles(under(part)))
     {
-      singles_.push_back(readPoints(f));
+      singles_.push_back(readTrainingPoints(f, 0));
     }
   }
 }
@@ -63,7 +64,7 @@ void DysegPairs::prepare(int step)
   {
     return;
   }
-  // A run that goes on makes the clips again that were at hand.
+  // A run that is continued makes the clips again that were at hand.
   const int newest = step / options_.simulate_every;
   const int oldest = pool_.empty() ? std::max(0, newest + 1 - options_.simulated_pool) : newest;
   for (int n = oldest; n <= newest; ++n)

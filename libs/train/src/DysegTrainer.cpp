@@ -69,13 +69,14 @@ void DysegTrainerOptions::describe(OptionsVisitor& v)
   v.text("labelled_poses", labelled_poses, "poses, in the folders of runs with labels");
   v.integer("labelled_last", labelled_last, 1, 1000000, "its last frame for training");
   v.text("boxed_validation", boxed_validation, "run with boxes, under data; empty for none");
-  v.integer("boxed_validation_first", boxed_validation_first, 8, 1000000, "its first frame judged");
-  v.integer("boxed_validation_last", boxed_validation_last, 8, 1000000, "its last frame judged");
+  v.integer("boxed_validation_first", boxed_validation_first, 8, 1000000,
+            "its first frame evaluated");
+  v.integer("boxed_validation_last", boxed_validation_last, 8, 1000000, "its last frame evaluated");
   v.text("labelled_validation", labelled_validation, "run with labels, under data; empty for none");
   v.integer("labelled_validation_first", labelled_validation_first, 1, 1000000,
-            "its first frame judged");
+            "its first frame evaluated");
   v.integer("labelled_validation_last", labelled_validation_last, 1, 1000000,
-            "its last frame judged");
+            "its last frame evaluated");
   v.text("single_scans", single_scans, "folders of scans under data, separated by commas");
   v.real("simulated_share", simulated_share, 0, 1, "of pairs");
   v.real("single_share", single_share, 0, 1, "of the real pairs");
@@ -128,10 +129,10 @@ struct DysegTrainer::Impl
   DysegLoss learn();
   void updateMean();
   void save();
-  /** Saves, judges what was saved, and notes it in validation.csv; only once at a step. */
+  /** Saves, evaluates what was saved, and notes it in validation.csv; only once at a step. */
   void validateNow(const std::function<void(const std::string&)>& say);
   /** Rows "set,scores" of the weights in a file. */
-  std::vector<std::string> judge(const std::string& weights);
+  std::vector<std::string> evaluate(const std::string& weights);
 };
 
 double DysegTrainer::Impl::rate() const
@@ -172,7 +173,7 @@ DysegLoss DysegTrainer::Impl::learn()
     learnt = true;
     sum.matching += loss.matching / options.batch;
     sum.flow += loss.flow / options.batch;
-    sum.anchor += loss.anchor / options.batch;
+    sum.static_probability += loss.static_probability / options.batch;
     sum.cell += loss.cell / options.batch;
     sum.point += loss.point / options.batch;
   }
@@ -223,7 +224,7 @@ void DysegTrainer::Impl::save()
   saved_step = step;
 }
 
-std::vector<std::string> DysegTrainer::Impl::judge(const std::string& weights)
+std::vector<std::string> DysegTrainer::Impl::evaluate(const std::string& weights)
 {
   if (validation.empty())
   {
@@ -260,7 +261,7 @@ void DysegTrainer::Impl::validateNow(const std::function<void(const std::string&
   save();
   std::ofstream csv(file("validation.csv"), std::ios::app);
   say("validation at step " + std::to_string(step) + ": " + score_names);
-  for (const std::string& row : judge(file("dyseg.pt")))
+  for (const std::string& row : evaluate(file("dyseg.pt")))
   {
     csv << step << ',' << row << '\n';
     say("  " + row);
@@ -366,7 +367,8 @@ void DysegTrainer::validateOnly(const std::string& weights,
                                 const std::function<void(const std::string&)>& say)
 {
   say(std::string("validation: ") + score_names);
-  for (const std::string& row : impl_->judge(weights.empty() ? impl_->file("dyseg.pt") : weights))
+  for (const std::string& row :
+       impl_->evaluate(weights.empty() ? impl_->file("dyseg.pt") : weights))
   {
     say("  " + row);
   }
@@ -385,7 +387,8 @@ void DysegTrainer::run(const std::function<void(const std::string&)>& say,
   say("data: " + t.pairs->summary());
   t.start = Clock::now();
   makeFolder(t.folder, "choose another --output");
-  beginLog(t.file("train.csv"), "step,minutes,rate,matching,flow,anchor,cell,point", t.step);
+  beginLog(t.file("train.csv"), "step,minutes,rate,matching,flow,static_probability,cell,point",
+           t.step);
   beginLog(t.file("validation.csv"), std::string("step,") + score_names, t.step);
   std::ofstream csv(t.file("train.csv"), std::ios::app);
   DysegLoss mean;
@@ -395,14 +398,14 @@ void DysegTrainer::run(const std::function<void(const std::string&)>& say,
     if (stopped && stopped())
     {
       t.save();
-      say("stopped at step " + std::to_string(t.step) + "; --resume goes on from here");
+      say("stopped at step " + std::to_string(t.step) + "; --resume continues from here");
       return;
     }
     t.pairs->prepare(t.step);
     const auto loss = t.learn();
     mean.matching += loss.matching;
     mean.flow += loss.flow;
-    mean.anchor += loss.anchor;
+    mean.static_probability += loss.static_probability;
     mean.cell += loss.cell;
     mean.point += loss.point;
     ++counted;
@@ -412,9 +415,10 @@ void DysegTrainer::run(const std::function<void(const std::string&)>& say,
       char line[200];
       std::snprintf(line, sizeof(line), "%d,%.2f,%.6f,%.4f,%.4f,%.4f,%.4f,%.4f", t.step,
                     t.minutes(), t.rate(), mean.matching / counted, mean.flow / counted,
-                    mean.anchor / counted, mean.cell / counted, mean.point / counted);
+                    mean.static_probability / counted, mean.cell / counted, mean.point / counted);
       csv << line << std::endl;
-      say("step, minutes, rate, matching, flow, anchor, cell, point: " + std::string(line));
+      say("step, minutes, rate, matching, flow, static_probability, cell, point: " +
+          std::string(line));
       mean = DysegLoss();
       counted = 0;
     }

@@ -22,31 +22,32 @@ struct Stretch
   int last = 0;
 };
 
-void checkApart(const Stretch& judged, const Stretch& trained, const std::string& data)
+void checkApart(const Stretch& evaluated, const Stretch& trained, const std::string& data)
 {
   std::error_code missing;  // told where it is read
-  if (!judged.folder.empty() && !trained.folder.empty() && judged.first <= trained.last &&
-      fs::equivalent(fs::path(data) / judged.folder, fs::path(data) / trained.folder, missing))
+  if (!evaluated.folder.empty() && !trained.folder.empty() && evaluated.first <= trained.last &&
+      fs::equivalent(fs::path(data) / evaluated.folder, fs::path(data) / trained.folder, missing))
   {
-    throw UserError("[train] " + judged.key + "_first = " + std::to_string(judged.first) +
-                    ": frames of " + judged.folder + " up to " + trained.key +
+    throw UserError("[train] " + evaluated.key + "_first = " + std::to_string(evaluated.first) +
+                    ": frames of " + evaluated.folder + " up to " + trained.key +
                     "_last = " + std::to_string(trained.last) +
                     " are trained on; begin behind them, or train on fewer");
   }
 }
 
-void checkThere(const Stretch& judged, const std::string& data)
+void checkThere(const Stretch& evaluated, const std::string& data)
 {
-  if (!judged.folder.empty() && !fs::is_directory(data + "/" + judged.folder))
+  if (!evaluated.folder.empty() && !fs::is_directory(data + "/" + evaluated.folder))
   {
-    throw UserError("[train] " + judged.key + " = " + judged.folder + ": no such folder in " +
+    throw UserError("[train] " + evaluated.key + " = " + evaluated.folder + ": no such folder in " +
                     data + "; name another, or leave it empty");
   }
 }
 
-std::string nameOf(const Stretch& judged)
+std::string nameOf(const Stretch& evaluated)
 {
-  return judged.folder + " " + std::to_string(judged.first) + "-" + std::to_string(judged.last);
+  return evaluated.folder + " " + std::to_string(evaluated.first) + "-" +
+         std::to_string(evaluated.last);
 }
 
 Stretch boxedOf(const DysegTrainerOptions& o)
@@ -68,16 +69,17 @@ void checkDysegValidation(const DysegTrainerOptions& options)
   {
     return;
   }
-  for (const Stretch& judged : {boxedOf(options), labelledOf(options)})
+  for (const Stretch& evaluated : {boxedOf(options), labelledOf(options)})
   {
-    if (!judged.folder.empty() && judged.first > judged.last)
+    if (!evaluated.folder.empty() && evaluated.first > evaluated.last)
     {
-      throw UserError("[train] " + judged.key + "_first = " + std::to_string(judged.first) +
-                      " is behind " + judged.key + "_last = " + std::to_string(judged.last) +
-                      "; exchange them, or leave " + judged.key + " empty");
+      throw UserError("[train] " + evaluated.key + "_first = " + std::to_string(evaluated.first) +
+                      " is behind " + evaluated.key + "_last = " + std::to_string(evaluated.last) +
+                      "; exchange them, or leave " + evaluated.key + " empty");
     }
-    checkApart(judged, {options.boxed_run, "boxed", 0, options.boxed_last}, options.data);
-    checkApart(judged, {options.labelled_run, "labelled", 0, options.labelled_last}, options.data);
+    checkApart(evaluated, {options.boxed_run, "boxed", 0, options.boxed_last}, options.data);
+    checkApart(evaluated, {options.labelled_run, "labelled", 0, options.labelled_last},
+               options.data);
   }
 }
 

@@ -15,7 +15,7 @@ struct DysegValidationSet
   std::vector<DysegSample> samples;
 };
 
-/** \throws UserError if frames that shall be judged are trained on, or their first is behind their
+/** \throws UserError if frames that are evaluated are trained on, or their first is behind their
  * last. */
 void checkDysegValidation(const DysegTrainerOptions& options);
 

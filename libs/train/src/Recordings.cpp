@@ -1,14 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/Deskew.h>
 #include <dyslam/core/Error.h>
-#include <dyslam/core/Labels.h>
-#include <dyslam/core/Scan.h>
+#include <dyslam/formats/LabelFiles.h>
+#include <dyslam/formats/ScanFiles.h>
+#include <dyslam/formats/TrajectoryFiles.h>
 #include <dyslam/train/DataText.h>
 #include <dyslam/train/Recordings.h>
 #include <dyslam/train/ScanFiles.h>
 
 #include <algorithm>
 #include <filesystem>
+#include <limits>
 #include <stdexcept>
 
 namespace dyslam
@@ -18,7 +20,7 @@ namespace
 std::vector<PointLabel> pointLabels(const std::string& path, std::size_t points)
 {
   std::vector<PointLabel> labels(points, PointLabel::unknown);
-  const std::vector<std::uint32_t> given = readLabels(path, points);
+  const std::vector<Label> given = readLabels(path, points);
   for (std::size_t i = 0; i < points; ++i)
   {
     if (isMovingLabel(given[i]))
@@ -52,8 +54,8 @@ std::vector<Eigen::Vector3f> deskewed(const std::vector<Eigen::Vector3f>& points
 
 Recording loadRecording(const RecordingDescription& description, bool by_own_motion)
 {
-  const std::vector<std::string> files = binFiles(description.folder);
-  const std::vector<Pose> poses = readPoses12(description.pose_file);
+  const std::vector<std::string> files = listBinFiles(description.folder);
+  const std::vector<Pose> poses = readKittiPoses(description.pose_file);
   if (description.last >= files.size() || description.last >= poses.size())
   {
     throw UserError(description.folder + ": frames " + std::to_string(description.first) + " to " +
@@ -73,7 +75,8 @@ Recording loadRecording(const RecordingDescription& description, bool by_own_mot
   };
   for (std::size_t k = description.first; k <= description.last; ++k)
   {
-    std::vector<Eigen::Vector3f> points = readBinPoints(files[k]);
+    std::vector<Eigen::Vector3f> points =
+        readTrainingPoints(files[k], std::numeric_limits<float>::quiet_NaN());
     if (!description.label_folder.empty())
     {
       const std::string stem = std::filesystem::path(files[k]).stem().string();

@@ -114,11 +114,12 @@ TEST_F(DysegTraining, AskedToStopItSavesAndGoesOnExactly)
 TEST_F(DysegTraining, ValidationAloneLeavesTheFolderAsItIs)
 {
   setup_.train.data.clear();
-  train("judged", 1);
-  const auto files = [&]
-  { return std::distance(fs::directory_iterator(folder_ / "judged"), fs::directory_iterator()); };
+  train("evaluated", 1);
+  const auto files = [&] {
+    return std::distance(fs::directory_iterator(folder_ / "evaluated"), fs::directory_iterator());
+  };
   const auto before = files();
-  DysegTrainer trainer(setup_, (folder_ / "judged").string());
+  DysegTrainer trainer(setup_, (folder_ / "evaluated").string());
   std::string said;
   trainer.validateOnly("", [&](const std::string& line) { said += line + "\n"; });
   EXPECT_NE(said.find("simulated 8 scans back,"), std::string::npos) << said;

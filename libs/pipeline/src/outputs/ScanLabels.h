@@ -2,7 +2,7 @@
 #pragma once
 
 #include <dyslam/core/Frame.h>
-#include <dyslam/io/Labels.h>
+#include <dyslam/formats/LabelFiles.h>
 
 #include <string>
 #include <vector>

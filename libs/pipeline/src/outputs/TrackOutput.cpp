@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <dyslam/io/GroundTruth.h>
+#include <dyslam/formats/GroundTruth.h>
 
 #include <cmath>
 #include <cstdio>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <dyslam/io/TrajectoryFiles.h>
+#include <dyslam/formats/TrajectoryFiles.h>
 
 #include <Eigen/Geometry>
 #include <cstdio>

@@ -24,7 +24,7 @@ class Config
   };
   using Section = std::map<std::string, Value>;
 
-  /** \throws UserError naming file, line and mend. */
+  /** \throws UserError naming file, line and fix. */
   [[nodiscard]] static Config fromFile(const std::string& path);
   [[nodiscard]] static Config fromText(const std::string& text, const std::string& name);
 

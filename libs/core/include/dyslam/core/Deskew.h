@@ -26,12 +26,12 @@ struct SweepModel
  *
  * The body moves by `T_start_end` (takes points of the frame at fraction 1 to the frame at fraction
  * 0) along a screw. A point measured at fraction s, given in the body's frame of that moment, is
- * told in the body's frame at fraction `reference`. Fractions outside [0, 1] extrapolate.
+ * in the body's frame at fraction `reference`. Fractions outside [0, 1] extrapolate.
  */
 class SweepMotion
 {
  public:
-  /** \param reference fraction whose pose the points are told in: 0 the start, 0.5 the middle. */
+  /** \param reference fraction whose frame the points are in: 0 the start, 0.5 the middle. */
   SweepMotion(const Pose& T_start_end, double reference);
 
   [[nodiscard]] Eigen::Vector3f toReference(const Eigen::Vector3f& p, float fraction) const

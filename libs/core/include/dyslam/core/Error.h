@@ -6,7 +6,7 @@
 
 namespace dyslam
 {
-/** Something the user can mend: a bad file, field, key or value.
+/** Something the user can fix: a bad file, field, key or value.
  *
  * The message is one line that names the file, the field and the fix. Programs print it and exit
  * with 1. Broken contracts between our own functions are std::logic_error instead.

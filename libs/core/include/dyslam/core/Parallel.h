@@ -7,7 +7,7 @@
 
 namespace dyslam
 {
-/** A fixed set of threads that share loops. With one thread everything runs in the caller.
+/** Threads that share loops (TBB's). With one thread everything runs in the caller.
  *
  * Work is cut into chunks whose borders depend on the sizes alone, never on the number of threads,
  * so that a reduction which keeps one partial result per chunk and adds them in order gives the
@@ -17,7 +17,7 @@ namespace dyslam
 class ThreadPool
 {
  public:
-  /** \param threads at least 1; 0 takes the machine's number. */
+  /** \param threads at most; 0 takes the machine's number, and no more than that are used. */
   explicit ThreadPool(int threads = 1);
   ~ThreadPool();
   ThreadPool(const ThreadPool&) = delete;
@@ -25,7 +25,8 @@ class ThreadPool
 
   [[nodiscard]] int size() const;
 
-  /** Calls body(begin, end, chunk) for every chunk of [0, count). Exceptions reach the caller. */
+  /** Calls body(begin, end, chunk) for every chunk of [0, count). An exception ends the loop and
+   * reaches the caller. */
   void forChunks(std::size_t count,
                  std::size_t chunk_size,
                  const std::function<void(std::size_t, std::size_t, std::size_t)>& body);

@@ -45,7 +45,7 @@ struct RangeImage
                                        int rows,
                                        int cols);
 
-/** Ring of each point where a recording has none, 0 the lowest; empty if they cannot be told.
+/** Ring of each point where a recording has none, 0 the lowest; empty if they cannot be found.
  *
  * Files that store one ring after the other (as KITTI's) show it by the azimuth, which jumps back
  * once a ring; where that gives no sensible number of rings, elevations are clustered. Points that

@@ -10,7 +10,7 @@
 
 namespace dyslam
 {
-/** Told after every scan: fraction of the work done (0 to 1) and scans so far. */
+/** Called after every scan: fraction of the work done (0 to 1) and scans so far. */
 using ConversionProgress = std::function<void(double, std::size_t)>;
 
 struct ConversionResult

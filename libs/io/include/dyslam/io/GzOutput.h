@@ -21,7 +21,7 @@ class GzOutput
   GzOutput(const GzOutput&) = delete;
   GzOutput& operator=(const GzOutput&) = delete;
 
-  /** Notes a failure, for check() to tell: MRPT would wrap an exception into pages of text. */
+  /** Notes a failure, for check() to report: MRPT would wrap an exception into pages of text. */
   std::size_t Write(const void* buffer, std::size_t count);
   std::size_t Read(void* buffer, std::size_t count);  //!< throws
   [[nodiscard]] std::string getStreamDescription() const { return pending_.path(); }

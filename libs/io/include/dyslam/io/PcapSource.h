@@ -13,7 +13,7 @@ namespace dyslam
 {
 enum class VelodyneModel
 {
-  automatic,  //!< from the packets; HDL-64E does not tell, so name it
+  automatic,  //!< from the packets; not for HDL-64E: name it
   vlp16,
   hdl32e,
   hdl64e

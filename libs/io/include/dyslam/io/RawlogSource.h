@@ -15,7 +15,7 @@ namespace dyslam
 struct RawlogSourceOptions : Options
 {
   std::string sensor_label;  //!< regex for the lidar's label; empty: the first lidar of the file
-  int skip_first_n = 0;      //!< scans to pass over
+  int skip_first_n = 0;      //!< scans to skip
   int only_first_n = 0;      //!< scans to deliver after those; 0: all
   std::string ground_truth_label = "ground_truth";  //!< of the CObservationRobotPose
   /** Truth that has not the scan's own time stamp is interpolated if both neighbours are this near.

@@ -17,9 +17,9 @@ namespace dyslam
 /** ... a whole number. */
 [[nodiscard]] int wholeNumberOf(const std::string& text);
 
-/** A CSV file of a training to go on with: rows of later steps are left out, as a training that was
- * stopped between two checkpoints makes them again; a new file gets its header.
- * \param header names of the columns; the step comes first. \throws UserError. */
+/** The CSV file of a training that is continued: rows of later steps are left out, as a training
+ * that was stopped between two checkpoints makes them again; a new file gets its header. \param
+ * header names of the columns; the step comes first. \throws UserError. */
 void beginLog(const std::string& file, const std::string& header, long long last_step);
 
 /** The folder that a setting names; a leading $NAME is read from the environment.

@@ -12,7 +12,7 @@ struct DyloTrainRequest
 {
   std::string
       output;  //!< folder for checkpoint.pt, dylo.pt, log.csv, validation.csv, effective.ini
-  bool resume = false;  //!< go on from checkpoint.pt there
+  bool resume = false;  //!< continue from checkpoint.pt there
   std::string start;    //!< a checkpoint.pt or dylo.pt whose weights are begun with, or empty
   /** A dylo.pt: no training, but the mean of it and `start`, which is written as a training's
    * weights are. Empty for none. */

@@ -17,7 +17,7 @@ namespace dyslam
 /** Speeds that objects are called by; in between they are neither moving nor static [m/s]. */
 constexpr double moving_over = 0.5;
 constexpr double standing_under = 0.25;
-/** Cast bodies move exactly as they are told: any that move, and faster than this, are movers. */
+/** Cast bodies move exactly as they are set to: any that move, and faster than this, are movers. */
 constexpr double cast_moving_over = 0.3;  // m/s
 /** Seeds of simulated clips that training never draws; from here on. */
 constexpr std::uint64_t unseen_seeds = 900000000;
@@ -47,7 +47,7 @@ struct DysegClip
   std::vector<Frame> frames;
 };
 
-/** A pair of scans with truth per point of the first, as the network is trained and judged. */
+/** A pair of scans with truth per point of the first, as the network is trained and evaluated. */
 struct DysegSample
 {
   static constexpr std::uint8_t static_point = 0;
@@ -87,9 +87,6 @@ struct DysegAugmentOptions : Options
 /** Casts bodies into both scans of a pair, some moving and some standing; then turns, mirrors and
  * thins the pair. */
 void augment(const DysegAugmentOptions& options, RandomDraws& draws, DysegSample& sample);
-
-/** x y z intensity as float32; no returns become (0,0,0). \throws UserError. */
-[[nodiscard]] std::vector<Eigen::Vector3f> readPoints(const std::string& file);
 
 /** vls128_run88: boxes of SUSTechPOINTS beside scans. \param folder of the run. \throws UserError.
  */

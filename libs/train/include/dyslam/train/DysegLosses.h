@@ -50,7 +50,7 @@ struct DysegLoss
   torch::Tensor total;
   double matching = 0;
   double flow = 0;
-  double anchor = 0;
+  double static_probability = 0;
   double cell = 0;
   double point = 0;
 };

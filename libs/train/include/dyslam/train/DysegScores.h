@@ -29,7 +29,7 @@ struct DysegScores
   void add(const DysegScores& other);
 };
 
-/** One pair through the whole network, judged on all labelled points of the scan. */
+/** One pair through the whole network, evaluated on all labelled points of the scan. */
 [[nodiscard]] DysegScores scorePair(const DysegModel& model,
                                     const DysegSample& sample,
                                     int iterations = 2);

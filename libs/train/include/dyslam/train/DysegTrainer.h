@@ -16,7 +16,7 @@ struct DysegLossOptions : Options
 {
   int iterations = 2;          //!< flow updates in training
   double decay = 0.8;          //!< weight of an update's flow against the next one's
-  int points = 3072;           //!< judged one by one in a pair
+  int points = 3072;           //!< evaluated one by one in a pair
   double first_noise = 0.35;   //!< m, error of the guide at 1/4 resolution; its yaw 1.5 deg per m
   double second_noise = 0.06;  //!< m, error of the static flow in training
   void describe(OptionsVisitor& visitor) override;
@@ -30,8 +30,8 @@ struct DysegTrainerOptions : Options
   std::string labelled_run;                //!< folder under `data` with labels; empty for none
   std::string labelled_poses = "poses_icp_raw_velo.txt";  //!< in the folders with labels
   int labelled_last = 79;                                 //!< its last training frame
-  /** Frames of a run with boxes and of one with labels that are judged and never trained on. They
-   * are compared with frames before them, up to 8 back, that may be. Empty for none. */
+  /** Frames of a run with boxes and of one with labels that are evaluated and never trained on.
+   * They are compared with frames before them, up to 8 back, that may be. Empty for none. */
   std::string boxed_validation = "vls128_run88";
   int boxed_validation_first = 48;
   int boxed_validation_last = 63;
@@ -73,9 +73,10 @@ struct DysegTrainerSetup
 
 /** Trains DySeg's network and writes what it has into a folder.
  *
- * `dyseg.pt` the weights so far (a running mean), `state.pt` everything to go on from, `train.csv`
- * and `validation.csv`. The data of a step depends on seed and step alone, so that a run that was
- * stopped and resumed gives the same weights (with `minutes` = 0: time is not part of it).
+ * `dyseg.pt` the weights so far (a running mean), `state.pt` everything to continue from,
+ * `train.csv` and `validation.csv`. The data of a step depends on seed and step alone, so that a
+ * run that was stopped and resumed gives the same weights (with `minutes` = 0: time is not part of
+ * it).
  */
 class DysegTrainer
 {

@@ -27,7 +27,7 @@ struct TrainingPair
 };
 
 /** Endless training pairs by number. pair(i) depends on the source and i alone, so that a run that
- * was stopped goes on with exactly the data it would have seen. */
+ * was stopped continues with exactly the data it would have seen. */
 class PairSource
 {
  public:

@@ -75,7 +75,7 @@ inline bool contains(const std::string& text, const std::string& part)
 }
 
 /** Folder of real data, if the user says where it is. */
-inline std::optional<std::string> dataFolder()
+inline std::optional<std::string> realDataFolder()
 {
   const char* folder = std::getenv("DYSLAM_DATA");
   return folder != nullptr && *folder != 0 ? std::optional<std::string>(folder) : std::nullopt;
@@ -83,7 +83,7 @@ inline std::optional<std::string> dataFolder()
 }  // namespace dyslam
 
 #define DYSLAM_REQUIRE_DATA()                                       \
-  if (!dyslam::dataFolder())                                        \
+  if (!dyslam::realDataFolder())                                    \
   {                                                                 \
     GTEST_SKIP() << "needs real data: set DYSLAM_DATA to a folder"; \
   }                                                                 \

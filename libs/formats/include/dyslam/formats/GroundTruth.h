@@ -3,7 +3,7 @@
 
 #include <dyslam/core/Objects.h>
 #include <dyslam/core/Trajectory.h>
-#include <dyslam/io/Labels.h>
+#include <dyslam/formats/LabelFiles.h>
 
 #include <Eigen/Core>
 #include <cstddef>
@@ -32,8 +32,6 @@ class GroundTruthReader
  public:
   /** \throws UserError if the folder is missing or a file in it is damaged. */
   explicit GroundTruthReader(const std::string& folder);
-  /** The sidecar of a rawlog if there is one. */
-  [[nodiscard]] static std::optional<GroundTruthReader> besides(const std::string& rawlog_path);
 
   [[nodiscard]] const std::string& folder() const { return folder_; }
   /** T_world_vehicle; empty if unknown. */
@@ -43,8 +41,6 @@ class GroundTruthReader
   /** Boxes of one frame, lidar frame. */
   [[nodiscard]] std::vector<LabelledBox> boxes(std::size_t frame) const;
 
-  [[nodiscard]] bool hasLabels() const { return has_labels_; }
-  [[nodiscard]] bool hasFlow() const { return has_flow_; }
   /** Labels of a frame's points in the scan's order; nothing if that frame has none.
    * \throws UserError if their number is not `points`. */
   [[nodiscard]] std::optional<std::vector<Label>> labels(std::size_t frame,
@@ -59,8 +55,6 @@ class GroundTruthReader
   Trajectory poses_;
   std::vector<LabelledBox> tracks_;
   std::multimap<int, std::size_t> boxes_of_frame_;
-  bool has_labels_ = false;
-  bool has_flow_ = false;
 };
 
 /** Writes the sidecar: per-point files at once, poses and tracks when closed. */

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/Error.h>
-#include <dyslam/io/GroundTruth.h>
-#include <dyslam/io/TrajectoryFiles.h>
+#include <dyslam/formats/GroundTruth.h>
+#include <dyslam/formats/TrajectoryFiles.h>
 
 #include <cmath>
 #include <limits>
@@ -117,7 +117,7 @@ TEST(TrajectoryFiles, CameraAndLidarPoses)
   T_cam_velo.translation() = Eigen::Vector3d(0, -0.1, -0.3);
   // Driving 2 m ahead and turning left: along z and about -y for the camera.
   const Pose lidar = poseFromYpr(2, 0.5, 0, 0.3, 0, 0);
-  const auto camera = lidarToCameraPoses({Pose::Identity(), lidar}, T_cam_velo);
+  const auto camera = cameraToLidarPoses({Pose::Identity(), lidar}, T_cam_velo.inverse());
   EXPECT_TRUE(camera[0].isApprox(Pose::Identity(), 1e-12));
   EXPECT_TRUE(camera[1].linear().isApprox(expSO3(Eigen::Vector3d(0, -0.3, 0)), 1e-12));
   // Where the camera is after the motion, by hand.
@@ -130,7 +130,7 @@ TEST(TrajectoryFiles, CameraAndLidarPoses)
 TEST(TrajectoryFiles, RealPosesOfCameraAndLidar)
 {
   DYSLAM_REQUIRE_DATA();
-  const std::string folder = *dataFolder() + "/kitti_odometry_text/";
+  const std::string folder = *realDataFolder() + "/kitti_odometry_text/";
   for (const char* sequence : {"00", "04", "10"})
   {
     const auto camera = readKittiPoses(folder + "poses_gt_cam0/" + sequence + ".txt");
@@ -163,7 +163,6 @@ TEST(GroundTruth, SidecarRoundTrip)
 {
   const TestFolder folder;
   EXPECT_EQ(folder.file("a.gt"), groundTruthFolder(folder.file("a.rawlog")));
-  EXPECT_FALSE(GroundTruthReader::besides(folder.file("a.rawlog")));
   const std::vector<Label> labels{9, makeLabel(254, 3), 0};
   const float nan = std::numeric_limits<float>::quiet_NaN();
   const std::vector<Eigen::Vector3f> flow{{1, 2, 3}, {nan, nan, nan}, {0, -1, 0.5F}};
@@ -186,22 +185,20 @@ TEST(GroundTruth, SidecarRoundTrip)
     earlier.frame = 0;
     writer.addBox(earlier);
   }
-  const auto reader = GroundTruthReader::besides(folder.file("a.rawlog"));
-  ASSERT_TRUE(reader);
-  EXPECT_EQ(2U, reader->poses().size());
-  EXPECT_TRUE(reader->hasLabels() && reader->hasFlow());
-  EXPECT_EQ(labels, reader->labels(2, 3));
-  EXPECT_FALSE(reader->labels(1, 3));
-  expectError([&] { (void)reader->labels(2, 4); }, "000002.label");
-  const auto read_flow = reader->flow(0, 3);
+  const GroundTruthReader reader(groundTruthFolder(folder.file("a.rawlog")));
+  EXPECT_EQ(2U, reader.poses().size());
+  EXPECT_EQ(labels, reader.labels(2, 3));
+  EXPECT_FALSE(reader.labels(1, 3));
+  expectError([&] { (void)reader.labels(2, 4); }, "000002.label");
+  const auto read_flow = reader.flow(0, 3);
   ASSERT_TRUE(read_flow);
   EXPECT_EQ(flow[2], (*read_flow)[2]);
   EXPECT_TRUE(std::isnan((*read_flow)[1].x()));
-  expectError([&] { (void)reader->flow(0, 2); }, "36 bytes");
-  EXPECT_EQ(0, reader->tracks().front().frame);
-  EXPECT_TRUE(reader->boxes(1).empty());
-  ASSERT_EQ(1U, reader->boxes(2).size());
-  const LabelledBox read = reader->boxes(2).front();
+  expectError([&] { (void)reader.flow(0, 2); }, "36 bytes");
+  EXPECT_EQ(0, reader.tracks().front().frame);
+  EXPECT_TRUE(reader.boxes(1).empty());
+  ASSERT_EQ(1U, reader.boxes(2).size());
+  const LabelledBox read = reader.boxes(2).front();
   EXPECT_EQ(5, read.id);
   EXPECT_EQ("Pedestrian", read.type);
   EXPECT_EQ(ObjectClass::pedestrian, read.object_class);

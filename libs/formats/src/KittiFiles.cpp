@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/Error.h>
-#include <dyslam/core/PendingFile.h>
-#include <dyslam/io/KittiFiles.h>
+#include <dyslam/formats/KittiFiles.h>
+#include <dyslam/formats/TextFile.h>
 
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <map>
 
-#include "TextFile.h"
+#include "TrackLines.h"
 
 namespace dyslam
 {
@@ -153,24 +153,14 @@ OxtsReading oxtsFrom(const TextFile& file)
   return r;
 }
 
-LabelledBox boxFromLabel(const TextFile& file, const Pose& T_cam_velo)
+/** Columns `first` to `first` + 5: height width length x y z. */
+CameraBox cameraBoxFrom(const TextFile& file, std::size_t first, double ry)
 {
-  LabelledBox box;
-  box.frame = file.integer(0);
-  box.id = file.integerPart(1);
-  box.type = std::string(file.fields()[2]);
-  box.object_class = objectClassFromString(box.type);
-  box.truncated = file.integerPart(3);
-  box.occluded = file.integerPart(4);
-  box.image_box = {file.number(6), file.number(7), file.number(8), file.number(9)};
-  const CameraBox camera{{file.number(13), file.number(14), file.number(15)},
-                         file.number(10),
-                         file.number(11),
-                         file.number(12),
-                         file.number(16)};
-  box.box = toLidar(camera, T_cam_velo);
-  box.score = file.fields().size() == 18 ? file.number(17) : 1;
-  return box;
+  return {{file.number(first + 3), file.number(first + 4), file.number(first + 5)},
+          file.number(first),
+          file.number(first + 1),
+          file.number(first + 2),
+          ry};
 }
 }  // namespace
 
@@ -203,6 +193,24 @@ KittiCalib readKittiCalib(const std::string& file_or_folder)
     setP2(*P2, calib);
   }
   return calib;
+}
+
+std::vector<double> readKittiTimestamps(const std::string& path)
+{
+  TextFile file(path, " \t\r-:");
+  std::vector<double> times;
+  while (file.next())
+  {
+    file.requireFields(6, "a date and time");
+    const int year = file.integer(0) - (file.integer(1) <= 2 ? 1 : 0);
+    // Days since 1970 of a Gregorian date, with March as the year's first month.
+    const int month = (file.integer(1) + 9) % 12;
+    const int days = 365 * year + year / 4 - year / 100 + year / 400 + (153 * month + 2) / 5 +
+                     file.integer(2) - 1 - 719468;
+    times.push_back(86400.0 * days + 3600.0 * file.integer(3) + 60.0 * file.integer(4) +
+                    file.number(5));
+  }
+  return times;
 }
 
 std::vector<OxtsReading> readOxts(const std::string& file_or_folder)
@@ -295,19 +303,6 @@ Box toLidar(const CameraBox& box, const Pose& T_cam_velo)
   return result;
 }
 
-CameraBox toCamera(const Box& box, const Pose& T_cam_velo)
-{
-  CameraBox result;
-  result.bottom = T_cam_velo * box.center + Eigen::Vector3d(0, box.size.z() / 2, 0);
-  result.length = box.size.x();
-  result.width = box.size.y();
-  result.height = box.size.z();
-  const Eigen::Vector3d heading =
-      T_cam_velo.linear() * Eigen::Vector3d(std::cos(box.yaw), std::sin(box.yaw), 0);
-  result.ry = std::atan2(-heading.z(), heading.x());
-  return result;
-}
-
 std::vector<LabelledBox> readKittiTracking(const std::string& path,
                                            const Pose& T_cam_velo,
                                            bool keep_dont_care)
@@ -316,43 +311,15 @@ std::vector<LabelledBox> readKittiTracking(const std::string& path,
   std::vector<LabelledBox> boxes;
   while (file.next())
   {
-    if (file.fields().size() != 18)
+    LabelledBox box = readTrackLine(file, "height width length x y z ry");
+    if (keep_dont_care || box.type != "DontCare")
     {
-      file.requireFields(17,
-                         "KITTI tracking: frame id type truncated occluded alpha left top right "
-                         "bottom height width length x y z ry, with or without score");
-    }
-    if (keep_dont_care || file.fields()[2] != "DontCare")
-    {
-      boxes.push_back(boxFromLabel(file, T_cam_velo));
+      box.id = file.integerPart(1);
+      box.box = toLidar(cameraBoxFrom(file, 10, file.number(16)), T_cam_velo);
+      boxes.push_back(box);
     }
   }
   return boxes;
-}
-
-void writeKittiTracking(const std::string& path,
-                        const std::vector<LabelledBox>& boxes,
-                        const Pose& T_cam_velo)
-{
-  std::string text;
-  for (const LabelledBox& box : boxes)
-  {
-    const CameraBox camera = toCamera(box.box, T_cam_velo);
-    text += std::to_string(box.frame) + ' ' + std::to_string(box.id) + ' ' +
-            (box.type.empty() ? toString(box.object_class) : box.type) + ' ' +
-            std::to_string(box.truncated) + ' ' + std::to_string(box.occluded);
-    const double alpha = camera.ry - std::atan2(camera.bottom.x(), camera.bottom.z());
-    for (const double value :
-         {std::remainder(alpha, 2 * pi), box.image_box[0], box.image_box[1], box.image_box[2],
-          box.image_box[3], camera.height, camera.width, camera.length, camera.bottom.x(),
-          camera.bottom.y(), camera.bottom.z(), camera.ry, box.score})
-    {
-      text += ' ';
-      appendFixed(text, value, 6);
-    }
-    text += '\n';
-  }
-  writeWhole(path, text);
 }
 
 std::vector<LabelledBox> readDetectionsCsv(const std::string& path, const Pose& T_cam_velo)
@@ -375,12 +342,7 @@ std::vector<LabelledBox> readDetectionsCsv(const std::string& path, const Pose& 
     box.type = toString(box.object_class);
     box.image_box = {file.number(2), file.number(3), file.number(4), file.number(5)};
     box.score = file.number(6);
-    const CameraBox camera{{file.number(10), file.number(11), file.number(12)},
-                           file.number(7),
-                           file.number(8),
-                           file.number(9),
-                           file.number(13)};
-    box.box = toLidar(camera, T_cam_velo);
+    box.box = toLidar(cameraBoxFrom(file, 7, file.number(13)), T_cam_velo);
     boxes.push_back(box);
   }
   return boxes;

@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/Error.h>
 #include <dyslam/core/PendingFile.h>
-#include <dyslam/io/GroundTruth.h>
-#include <dyslam/io/TrajectoryFiles.h>
+#include <dyslam/formats/GroundTruth.h>
+#include <dyslam/formats/TextFile.h>
+#include <dyslam/formats/TrajectoryFiles.h>
 
 #include <algorithm>
 #include <cstring>
 #include <filesystem>
 
-#include "TextFile.h"
+#include "TrackLines.h"
 
 namespace dyslam
 {
@@ -25,24 +26,11 @@ std::vector<LabelledBox> readTracks(const std::string& path)
   std::vector<LabelledBox> boxes;
   while (file.next())
   {
-    if (file.fields().size() != 18)
-    {
-      file.requireFields(17,
-                         "frame id type truncated occluded alpha left top right bottom height "
-                         "width length x y z yaw, with or without score");
-    }
-    LabelledBox box;
-    box.frame = file.integer(0);
+    LabelledBox box = readTrackLine(file, "height width length x y z yaw");
     box.id = file.integer(1);
-    box.type = std::string(file.fields()[2]);
-    box.object_class = objectClassFromString(box.type);
-    box.truncated = file.integerPart(3);
-    box.occluded = file.integerPart(4);
-    box.image_box = {file.number(6), file.number(7), file.number(8), file.number(9)};
     box.box.size = {file.number(12), file.number(11), file.number(10)};
     box.box.center = {file.number(13), file.number(14), file.number(15)};
     box.box.yaw = file.number(16);
-    box.score = file.fields().size() == 18 ? file.number(17) : 1;
     boxes.push_back(box);
   }
   return boxes;
@@ -96,18 +84,6 @@ GroundTruthReader::GroundTruthReader(const std::string& folder) : folder_(folder
   {
     boxes_of_frame_.emplace(tracks_[i].frame, i);
   }
-  has_labels_ = fs::is_directory(root / "labels");
-  has_flow_ = fs::is_directory(root / "flow");
-}
-
-std::optional<GroundTruthReader> GroundTruthReader::besides(const std::string& rawlog_path)
-{
-  const std::string folder = groundTruthFolder(rawlog_path);
-  if (!fs::is_directory(folder))
-  {
-    return std::nullopt;
-  }
-  return GroundTruthReader(folder);
 }
 
 std::vector<LabelledBox> GroundTruthReader::boxes(std::size_t frame) const
@@ -125,7 +101,7 @@ std::optional<std::vector<Label>> GroundTruthReader::labels(std::size_t frame,
                                                             std::size_t points) const
 {
   const fs::path path = fs::path(folder_) / "labels" / numberedName(frame, ".label");
-  if (!has_labels_ || !fs::exists(path))
+  if (!fs::exists(path))
   {
     return std::nullopt;
   }
@@ -136,7 +112,7 @@ std::optional<std::vector<Eigen::Vector3f>> GroundTruthReader::flow(std::size_t 
                                                                     std::size_t points) const
 {
   const fs::path path = fs::path(folder_) / "flow" / numberedName(frame, ".flow");
-  if (!has_flow_ || !fs::exists(path))
+  if (!fs::exists(path))
   {
     return std::nullopt;
   }

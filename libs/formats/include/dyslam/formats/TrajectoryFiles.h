@@ -49,9 +49,7 @@ struct TrajectoryFile
 [[nodiscard]] TrajectoryFile readTrajectory(const std::string& path);
 
 /** Poses of the camera (in the first camera's frame) to those of the lidar (in the first lidar's
- * frame) and back; `T_cam_velo` is `Tr` of KITTI's calib.txt. */
+ * frame); `T_cam_velo` is `Tr` of KITTI's calib.txt. Its inverse takes them back. */
 [[nodiscard]] std::vector<Pose> cameraToLidarPoses(const std::vector<Pose>& poses,
-                                                   const Pose& T_cam_velo);
-[[nodiscard]] std::vector<Pose> lidarToCameraPoses(const std::vector<Pose>& poses,
                                                    const Pose& T_cam_velo);
 }  // namespace dyslam

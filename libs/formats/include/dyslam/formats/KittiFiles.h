@@ -29,6 +29,10 @@ struct KittiCalib
  */
 [[nodiscard]] KittiCalib readKittiCalib(const std::string& file_or_folder);
 
+/** timestamps.txt of a raw drive: a line such as `2011-09-26 13:02:25.951199337`, taken as UTC, for
+ * each scan [s since 1970]. \throws UserError. */
+[[nodiscard]] std::vector<double> readKittiTimestamps(const std::string& path);
+
 /** One GNSS/INS reading: the 30 numbers of KITTI's oxts, those that we use. */
 struct OxtsReading
 {
@@ -69,7 +73,6 @@ struct CameraBox
 /** The same box, upright in the other frame: the two differ in tilt by less than a degree, which
  * the heading ignores. */
 [[nodiscard]] Box toLidar(const CameraBox& box, const Pose& T_cam_velo);
-[[nodiscard]] CameraBox toCamera(const Box& box, const Pose& T_cam_velo);
 
 /** Tracking labels (`label_02/NNNN.txt`, 17 columns, or results with score in an 18th) with boxes
  * in the lidar's frame. \param keep_dont_care keeps the DontCare regions, whose boxes mean nothing.
@@ -77,16 +80,9 @@ struct CameraBox
 [[nodiscard]] std::vector<LabelledBox> readKittiTracking(const std::string& path,
                                                          const Pose& T_cam_velo,
                                                          bool keep_dont_care = false);
-/** The same file as text for KITTI's own evaluation; boxes come in the lidar's frame. */
-void writeKittiTracking(const std::string& path,
-                        const std::vector<LabelledBox>& boxes,
-                        const Pose& T_cam_velo);
 
 /** 3D detections as AB3DMOT's csv: frame,type,x1,y1,x2,y2,score,h,w,l,x,y,z,ry,alpha with type 1
  * pedestrian, 2 car, 3 cyclist. Boxes in the lidar's frame, id -1. \throws UserError. */
 [[nodiscard]] std::vector<LabelledBox> readDetectionsCsv(const std::string& path,
                                                          const Pose& T_cam_velo);
-
-/** SUSTechPOINTS boxes of one scan (`label_json/NNNNNN.json`): lidar frame. \throws UserError. */
-[[nodiscard]] std::vector<LabelledBox> readSustechJson(const std::string& path, int frame);
 }  // namespace dyslam

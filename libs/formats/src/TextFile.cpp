@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "TextFile.h"
-
 #include <dyslam/core/Error.h>
+#include <dyslam/formats/TextFile.h>
 
 #include <array>
 #include <charconv>
@@ -38,6 +37,7 @@ bool TextFile::next()
       return true;
     }
   }
+  requireReadable(file_, path_);
   return false;
 }
 

@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/Error.h>
 #include <dyslam/core/PendingFile.h>
-#include <dyslam/io/TrajectoryFiles.h>
+#include <dyslam/formats/TextFile.h>
+#include <dyslam/formats/TrajectoryFiles.h>
 
 #include <Eigen/LU>
 #include <cmath>
-
-#include "TextFile.h"
 
 namespace dyslam
 {
@@ -195,10 +194,5 @@ std::vector<Pose> cameraToLidarPoses(const std::vector<Pose>& poses, const Pose&
     result.push_back(T_velo_cam * pose * T_cam_velo);
   }
   return result;
-}
-
-std::vector<Pose> lidarToCameraPoses(const std::vector<Pose>& poses, const Pose& T_cam_velo)
-{
-  return cameraToLidarPoses(poses, T_cam_velo.inverse());
 }
 }  // namespace dyslam

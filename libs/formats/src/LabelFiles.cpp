@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/Error.h>
 #include <dyslam/core/PendingFile.h>
-#include <dyslam/io/Labels.h>
+#include <dyslam/formats/LabelFiles.h>
+#include <dyslam/formats/TextFile.h>
 
 #include <cstring>
-
-#include "TextFile.h"
 
 // All binary formats here are little-endian, as is every machine this is built for.
 static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__, "a little-endian machine is needed");

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <dyslam/core/Scan.h>
+
+#include <string>
+#include <vector>
+
+namespace dyslam
+{
+/** KITTI's scan: little-endian float32 x y z intensity a point, every point kept. A file of the
+ * same name ending in `.ring` (one byte a point) fills Scan::ring. \throws UserError. */
+[[nodiscard]] Scan readBin(const std::string& path);
+/** \param intensity empty (0 is written) or one per point. \throws UserError. */
+void writeBin(const std::string& path,
+              const std::vector<Eigen::Vector3f>& points,
+              const std::vector<float>& intensity = {});
+
+/** Binary PCD and PLY of float32 x y z and, unless empty, intensity. Written under a temporary name
+ * first. \throws UserError. */
+void writePcd(const std::string& path,
+              const std::vector<Eigen::Vector3f>& points,
+              const std::vector<float>& intensity = {});
+void writePly(const std::string& path,
+              const std::vector<Eigen::Vector3f>& points,
+              const std::vector<float>& intensity = {});
+/** By the ending: `.pcd`, `.ply` or `.bin`. */
+void writeCloud(const std::string& path,
+                const std::vector<Eigen::Vector3f>& points,
+                const std::vector<float>& intensity = {});
+
+/** The ending of a file name with its dot, in lower case: ".bin". */
+[[nodiscard]] std::string lowerExtension(const std::string& path);
+/** True for the endings of point clouds: .bin, .pcd, .ply. */
+[[nodiscard]] bool isCloudFile(const std::string& path);
+
+/** Point clouds of a folder, sorted by name (numbers by value). Only one ending may occur.
+ * \throws UserError if there is none. */
+[[nodiscard]] std::vector<std::string> listCloudFiles(const std::string& folder);
+/** The .bin files of a folder in the same order, whatever else there is.
+ * \throws UserError if there is none. */
+[[nodiscard]] std::vector<std::string> listBinFiles(const std::string& folder);
+}  // namespace dyslam

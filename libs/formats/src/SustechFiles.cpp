@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/Error.h>
+#include <dyslam/core/Files.h>
+#include <dyslam/formats/SustechFiles.h>
+
+#include <charconv>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+
+namespace dyslam
+{
+namespace
+{
+constexpr double pi = 3.14159265358979323846;
+using nlohmann::json;
+
+/** The message without the library's "[json.exception.type_error.302] ". */
+std::string reasonOf(const std::exception& error)
+{
+  const std::string text = error.what();
+  const auto end = text.find("] ");
+  return end == std::string::npos ? text : text.substr(end + 2);
+}
+
+Eigen::Vector3d vectorFrom(const json& object)
+{
+  return {object.at("x").get<double>(), object.at("y").get<double>(), object.at("z").get<double>()};
+}
+
+/** The tool writes the number of an object as text. */
+int numberFrom(const json& value)
+{
+  const std::string text = value.is_string() ? value.get<std::string>() : value.dump();
+  int number = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  if (error != std::errc() || end != text.data() + text.size())
+  {
+    throw std::invalid_argument("obj_id " + value.dump() + " is not a whole number");
+  }
+  return number;
+}
+
+LabelledBox boxFrom(const json& object, int frame)
+{
+  LabelledBox box;
+  box.frame = frame;
+  box.id = numberFrom(object.at("obj_id"));
+  box.type = object.at("obj_type").get<std::string>();
+  box.object_class = objectClassFromString(box.type);
+  const json& psr = object.at("psr");
+  box.box.center = vectorFrom(psr.at("position"));
+  box.box.size = vectorFrom(psr.at("scale"));
+  box.box.yaw = std::remainder(psr.at("rotation").at("z").get<double>(), 2 * pi);
+  return box;
+}
+}  // namespace
+
+std::vector<LabelledBox> readSustechJson(const std::string& path, int frame)
+{
+  const std::string text = readWhole(path);
+  std::vector<LabelledBox> boxes;
+  json root;
+  try
+  {
+    root = json::parse(text);
+  }
+  catch (const json::exception& error)
+  {
+    throw UserError(path + ": " + reasonOf(error));
+  }
+  if (!root.is_array())
+  {
+    throw UserError(path + ": is not a list of boxes, as SUSTechPOINTS writes it");
+  }
+  try
+  {
+    for (const json& object : root)
+    {
+      boxes.push_back(boxFrom(object, frame));
+    }
+  }
+  catch (const std::exception& error)
+  {
+    throw UserError(path + ": box " + std::to_string(boxes.size() + 1) + ": " + reasonOf(error));
+  }
+  return boxes;
+}
+}  // namespace dyslam

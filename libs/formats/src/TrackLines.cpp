@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "TrackLines.h"
+
+#include <string>
+
+namespace dyslam
+{
+LabelledBox readTrackLine(const TextFile& file, const char* box_columns)
+{
+  const bool has_score = file.fields().size() == 18;
+  if (!has_score)
+  {
+    const std::string columns = "frame id type truncated occluded alpha left top right bottom " +
+                                std::string(box_columns) + ", with or without score";
+    file.requireFields(17, columns.c_str());
+  }
+  LabelledBox box;
+  box.frame = file.integer(0);
+  box.type = std::string(file.fields()[2]);
+  box.object_class = objectClassFromString(box.type);
+  box.truncated = file.integerPart(3);
+  box.occluded = file.integerPart(4);
+  box.image_box = {file.number(6), file.number(7), file.number(8), file.number(9)};
+  box.score = has_score ? file.number(17) : 1;
+  return box;
+}
+}  // namespace dyslam
