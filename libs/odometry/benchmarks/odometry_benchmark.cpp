@@ -11,6 +11,8 @@
 // constant_velocity repeats the reference's previous motion.
 #include <dyslam/core/Error.h>
 #include <dyslam/core/FreedMemory.h>
+#include <dyslam/formats/ScanFiles.h>
+#include <dyslam/formats/TrajectoryFiles.h>
 #include <dyslam/odometry/Odometry.h>
 #include <dyslam/odometry/Preprocessor.h>
 #include <dyslam/odometry/ScanMatcher.h>
@@ -21,10 +23,8 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
-#include <cstring>
 #include <ctime>
 #include <filesystem>
-#include <fstream>
 #include <iostream>
 #include <sstream>
 
@@ -53,47 +53,6 @@ struct Row
   /** Normalised squared error of the motions: mean 6 if the information is honest. */
   double normalised_error = 0;
 };
-
-Scan readScan(const std::filesystem::path& file)
-{
-  std::ifstream in(file, std::ios::binary);
-  std::vector<char> bytes((std::istreambuf_iterator<char>(in)), std::istreambuf_iterator<char>());
-  Scan scan;
-  const std::size_t count = bytes.size() / 16;
-  scan.points.resize(count);
-  scan.intensity.resize(count);
-  for (std::size_t i = 0; i < count; ++i)
-  {
-    std::memcpy(scan.points[i].data(), bytes.data() + 16 * i, 12);
-    std::memcpy(&scan.intensity[i], bytes.data() + 16 * i + 12, 4);
-  }
-  return scan;
-}
-
-std::vector<Pose> readPoses(const std::string& file)
-{
-  std::vector<Pose> poses;
-  std::ifstream in(file);
-  if (!file.empty() && !in)
-  {
-    throw UserError(file + ": cannot be read");
-  }
-  std::string line;
-  while (std::getline(in, line))
-  {
-    std::istringstream numbers(line);
-    Pose pose = Pose::Identity();
-    for (int k = 0; k < 12; ++k)
-    {
-      numbers >> pose.matrix()(k / 4, k % 4);
-    }
-    if (numbers)
-    {
-      poses.push_back(orthonormalized(pose));
-    }
-  }
-  return poses;
-}
 
 Arguments parse(int argc, char** argv)
 {
@@ -162,28 +121,17 @@ Arguments parse(int argc, char** argv)
 
 std::vector<Scan> readScans(const Arguments& a)
 {
-  std::filesystem::path folder = a.folder;
-  if (std::filesystem::is_directory(folder / "velodyne"))
-  {
-    folder /= "velodyne";
-  }
-  std::vector<std::filesystem::path> files;
-  for (const auto& entry : std::filesystem::directory_iterator(folder))
-  {
-    if (entry.path().extension() == ".bin")
-    {
-      files.push_back(entry.path());
-    }
-  }
-  std::sort(files.begin(), files.end());
+  const std::filesystem::path inside = std::filesystem::path(a.folder) / "velodyne";
+  const std::string folder = std::filesystem::is_directory(inside) ? inside.string() : a.folder;
   std::vector<Scan> scans;
+  const std::vector<std::string> files = listBinFiles(folder);
   for (std::size_t i = a.first; i < std::min(files.size(), a.first + a.frames); ++i)
   {
-    scans.push_back(readScan(files[i]));
+    scans.push_back(readBin(files[i]));
   }
   if (scans.empty())
   {
-    throw UserError(folder.string() + ": no .bin files");
+    throw UserError(folder + ": has no .bin file from number " + std::to_string(a.first) + " on");
   }
   return scans;
 }
@@ -327,7 +275,7 @@ int main(int argc, char** argv)
   {
     const Arguments a = parse(argc, argv);
     const std::vector<Scan> scans = readScans(a);
-    std::vector<Pose> reference = readPoses(a.poses);
+    std::vector<Pose> reference = a.poses.empty() ? std::vector<Pose>() : readKittiPoses(a.poses);
     reference.erase(reference.begin(), reference.begin() + static_cast<std::ptrdiff_t>(std::min(
                                                                a.first, reference.size())));
     std::printf("%zu frames, %d threads\n", scans.size(), a.threads);

@@ -43,14 +43,7 @@ Vector6 priorWeight(const Matrix6& information, const Vector6& off)
 }
 }  // namespace
 
-void ScanToMap::NormalEquations::add(const NormalEquations& other, double share)
-{
-  H += share * other.H;
-  g += share * other.g;
-  weight += share * other.weight;
-}
-
-ScanToMap::NormalEquations ScanToMap::Sums::balanced(double max_ground_weight_ratio) const
+NormalEquations ScanToMap::Sums::balanced(double max_ground_weight_ratio) const
 {
   NormalEquations all = upright;
   const double within = max_ground_weight_ratio * upright.weight / std::max(ground.weight, 1e-9);
@@ -138,6 +131,7 @@ void ScanToMap::accumulate(const RawPoints& scan,
         const Eigen::Matrix<double, 6, 3> JtM = w * J.transpose() * M;
         equations.H.noalias() += JtM * J;
         equations.g.noalias() += JtM * e;
+        equations.weight += w;
       }
       else
       {
@@ -146,11 +140,8 @@ void ScanToMap::accumulate(const RawPoints& scan,
         Vector6 J;
         J.head<3>() = n.cast<double>();
         J.tail<3>() = p.cross(n).cast<double>();
-        const Vector6 wJ = w * J;
-        equations.H.noalias() += wJ * J.transpose();
-        equations.g.noalias() += wJ * static_cast<double>(r);
+        equations.addRow(J, static_cast<double>(r), w);
       }
-      equations.weight += w;
       sums.error += static_cast<double>(base_weight * r2);
       sums.agreeing += static_cast<double>(base_weight);
       ++sums.inliers;

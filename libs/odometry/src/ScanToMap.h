@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <dyslam/core/PoseGaussNewton.h>
+
 #include <cstddef>
 #include <optional>
 #include <vector>
@@ -56,14 +58,6 @@ class ScanToMap
     Surface surface;
     float offset = 0;  //!< of the plane along its normal
     float weight = 0;
-  };
-  struct NormalEquations
-  {
-    Matrix6 H = Matrix6::Zero();
-    Vector6 g = Vector6::Zero();
-    double weight = 0;
-
-    void add(const NormalEquations& other, double share = 1);
   };
   struct Sums
   {

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Bounds on a real drive; needs DYSLAM_DATA.
+#include <dyslam/formats/ScanFiles.h>
+#include <dyslam/formats/TrajectoryFiles.h>
 #include <dyslam/odometry/Odometry.h>
 #include <dyslam/odometry/Preprocessor.h>
 #include <gtest/gtest.h>
@@ -9,10 +11,7 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
-#include <cstring>
 #include <filesystem>
-#include <fstream>
-#include <sstream>
 
 namespace dyslam
 {
@@ -32,37 +31,6 @@ class RealDrive : public testing::TestWithParam<Bound>
 {
 };
 
-Scan readScan(const std::filesystem::path& file)
-{
-  std::ifstream in(file, std::ios::binary);
-  const std::vector<char> bytes((std::istreambuf_iterator<char>(in)),
-                                std::istreambuf_iterator<char>());
-  Scan scan;
-  scan.points.resize(bytes.size() / 16);
-  for (std::size_t i = 0; i < scan.points.size(); ++i)
-  {
-    std::memcpy(scan.points[i].data(), bytes.data() + 16 * i, 12);
-  }
-  return scan;
-}
-
-std::vector<Pose> readPoses(const std::filesystem::path& file)
-{
-  std::vector<Pose> poses;
-  std::ifstream in(file);
-  for (std::string line; std::getline(in, line);)
-  {
-    std::istringstream numbers(line);
-    Pose pose = Pose::Identity();
-    for (int k = 0; k < 12; ++k)
-    {
-      numbers >> pose.matrix()(k / 4, k % 4);
-    }
-    poses.push_back(orthonormalized(pose));
-  }
-  return poses;
-}
-
 /** What `dyslam` runs with its default settings, without segmentation. */
 TEST_P(RealDrive, DefaultOdometryStaysWithinBounds)
 {
@@ -73,7 +41,7 @@ TEST_P(RealDrive, DefaultOdometryStaysWithinBounds)
     GTEST_SKIP() << "DYSLAM_DATA is not set or has no " << GetParam().folder;
   }
   const std::filesystem::path folder = std::filesystem::path(data) / GetParam().folder;
-  const std::vector<Pose> reference = readPoses(folder / GetParam().poses);
+  const std::vector<Pose> reference = readKittiPoses((folder / GetParam().poses).string());
   const Config config;
   ConfigLoader loader(config);
   ThreadPool pool(2);
@@ -88,7 +56,7 @@ TEST_P(RealDrive, DefaultOdometryStaysWithinBounds)
     std::snprintf(name.data(), name.size(), "%06zu.bin", i);
     Frame frame;
     frame.index = i;
-    frame.scan = readScan(folder / "velodyne" / name.data());
+    frame.scan = readBin((folder / "velodyne" / name.data()).string());
     frame.scan.stamp = GetParam().period * static_cast<double>(i);
     ASSERT_GT(frame.scan.size(), 1000U) << name.data();
     odometry.predict(frame);

@@ -271,7 +271,7 @@ void Detector::detect(Frame& frame) const
 }
 
 std::vector<std::uint32_t> Detector::selectMovingPoints(const Points& points,
-                                                        const std::vector<float>& moving) const
+                                                        const std::vector<bool>& moving) const
 {
   std::vector<std::uint32_t> selected;
   const auto range = static_cast<float>(options_.max_range);
