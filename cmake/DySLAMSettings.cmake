@@ -45,6 +45,9 @@ endif()
 # passes it on: a user built with AVX must see the same sizes of the types as the library.
 set(DYSLAM_LAYOUT_DEFINITIONS EIGEN_MAX_ALIGN_BYTES=16)
 
+if(DYSLAM_SANITIZE STREQUAL "ON")
+  set(DYSLAM_SANITIZE address,undefined)
+endif()
 if(DYSLAM_SANITIZE)
   add_compile_options(-fsanitize=${DYSLAM_SANITIZE} -fno-omit-frame-pointer)
   add_link_options(-fsanitize=${DYSLAM_SANITIZE})

@@ -4,14 +4,15 @@ PACKAGES=(
   build-essential cmake ninja-build ccache
   libmrpt-dev mrpt-apps libeigen3-dev libtbb-dev libceres-dev libpcl-dev libopencv-dev liboctomap-dev
   libembree-dev libtorch-dev libcli11-dev libpcap-dev nlohmann-json3-dev
-  libgtest-dev clang-format-14
+  libgtest-dev
   python3-numpy xz-utils
 )
 
-# Installs what is missing, with sudo where we are not root. Quiet when there is nothing to do.
+# Installs what is missing of these and of the arguments, with sudo where we are not root. Quiet when there
+# is nothing to do.
 install_packages() {
   local missing=() package
-  for package in "${PACKAGES[@]}"; do
+  for package in "${PACKAGES[@]}" "$@"; do
     dpkg-query -W -f='${Status}' "$package" 2>/dev/null | grep -q 'install ok installed' || missing+=("$package")
   done
   ((${#missing[@]})) || return 0

@@ -14,7 +14,7 @@ namespace
 constexpr int exit_failed = 1;
 constexpr int exit_skipped = 77;  // SKIP_RETURN_CODE in cmake/DySLAMTests.cmake
 
-/** Fails a test that is skipped because real data are missing. */
+/** Notes whether a test was skipped because real data are missing. */
 class RequireData : public testing::EmptyTestEventListener
 {
  public:
