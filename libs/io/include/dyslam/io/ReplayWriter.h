@@ -41,7 +41,7 @@ class ReplayWriter
   ReplayWriter(ReplayWriter&&) noexcept;
   ReplayWriter& operator=(ReplayWriter&&) noexcept;
 
-  /** Reads scan.stamp, cloud, moving_probability, detections, objects and the poses of the frame.
+  /** Reads scan.stamp, cloud, moving, objects and the poses of the frame.
    * \throws UserError if the disk is full. */
   void write(const Frame& frame);
   /** Finishes the file; later calls do nothing. \throws UserError if that fails. */
