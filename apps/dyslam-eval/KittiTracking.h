@@ -23,9 +23,9 @@ struct KittiTarget
   PlanarTrack observations;  //!< the labels, or the detections nearest to them
 };
 
-/** \param detections PointRCNN csv, or empty to use the labels. Of the detections with a score of at
- * least 0, the one nearest to the label in the ground plane is used, if within 2 m.
- * \throws UserError for files that cannot be read or a track without boxes. */
+/** \param detections PointRCNN csv, or empty to use the labels. Of the detections with a score of
+ * at least 0, the one nearest to the label in the ground plane is used, if within 2 m. \throws
+ * UserError for files that cannot be read or a track without boxes. */
 [[nodiscard]] KittiTarget readKittiTarget(const std::string& boxes,
                                           const std::string& oxts,
                                           const std::string& calib,

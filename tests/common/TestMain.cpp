@@ -37,7 +37,8 @@ class TemporaryFolder
 {
  public:
   TemporaryFolder()
-      : folder_(std::filesystem::temp_directory_path() / ("dyslam_tests_" + std::to_string(getpid())))
+      : folder_(std::filesystem::temp_directory_path() /
+                ("dyslam_tests_" + std::to_string(getpid())))
   {
     std::filesystem::create_directories(folder_);
     setenv("TMPDIR", folder_.c_str(), 1);

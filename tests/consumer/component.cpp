@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// uses_<component> [folder]: exit code 0 if the installed library was compiled for the same sizes of
-// types as this file, and, where a folder is given, if the shared settings are found there.
+// uses_<component> [folder]: exit code 0 if the installed library was compiled for the same sizes
+// of types as this file, and, where a folder is given, if the shared settings are found there.
 #include <dyslam/core/Layout.h>
 #include <dyslam/core/SharedFiles.h>
 #include <dyslam/core/Version.h>
@@ -15,10 +15,7 @@ int main(int argc, char** argv)
   const dyslam::Layout here = dyslam::layout_here;
   const dyslam::Layout library = dyslam::libraryLayout();
   std::printf("dyslam %s, alignment %zu, Frame %zu bytes here, %zu in the library\n",
-              DYSLAM_VERSION,
-              here.eigen_alignment,
-              here.frame,
-              library.frame);
+              DYSLAM_VERSION, here.eigen_alignment, here.frame, library.frame);
   if (here.eigen_alignment != library.eigen_alignment || here.frame != library.frame ||
       here.detection != library.detection || here.tracked_object != library.tracked_object)
   {

@@ -2,8 +2,8 @@
 // One run's outputs show the same objects: replay, tables, labels and scene.
 #include <dyslam/formats/GroundTruth.h>
 #include <dyslam/formats/LabelFiles.h>
-#include <dyslam/io/RawlogWriter.h>
 #include <dyslam/formats/TrajectoryFiles.h>
+#include <dyslam/io/RawlogWriter.h>
 #include <dyslam/pipeline/SlamRun.h>
 #include <dyslam/sim/Simulator.h>
 #include <gtest/gtest.h>

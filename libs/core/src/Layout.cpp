@@ -3,5 +3,8 @@
 
 namespace dyslam
 {
-Layout libraryLayout() { return layout_here; }
+Layout libraryLayout()
+{
+  return layout_here;
+}
 }  // namespace dyslam

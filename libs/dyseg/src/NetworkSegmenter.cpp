@@ -172,8 +172,9 @@ std::vector<float> NetworkSegmenter::Impl::judge(const DysegModel::Encoded& curr
                                                  const Eigen::Vector3d& sensor)
 {
   const Past& earlier = past[back - 1];
-  const PlanarPrior guess{earlier.from_current,
-                          searchesAroundPrior(frame) ? prior_search_radius : PlanarPrior().max_error};
+  const PlanarPrior guess{earlier.from_current, searchesAroundPrior(frame)
+                                                    ? prior_search_radius
+                                                    : PlanarPrior().max_error};
   const RigidFlowFit step = back == 1 ? last_step : model.match(current, *earlier.encoded, &guess);
   auto result = model.segment(current, *earlier.encoded, step, options.iterations);
   if (!flow)

@@ -38,7 +38,8 @@ struct Pipeline::Stages
         tracker(config.get<TrackerOptions>("tracker")),
         backend(config.get<BackendOptions>("backend"),
                 config.get<LoopCloserOptions>("loop"),
-                config.get<BackendSolverOptions>("solver"), keyframes),
+                config.get<BackendSolverOptions>("solver"),
+                keyframes),
         map(config.get<StaticMapOptions>("map"), keyframes)
   {
   }

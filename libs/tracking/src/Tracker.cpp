@@ -41,7 +41,8 @@ Observation toObservation(const Detection& detection, int index, const Pose& T_o
 
 bool isReported(const Track& track, const TrackedObject& object)
 {
-  return object.confirmed && (object.observed || track.misses() <= track.classOptions().report_misses);
+  return object.confirmed &&
+         (object.observed || track.misses() <= track.classOptions().report_misses);
 }
 
 Assignment solveAssignment(AssociationMethod method, const CostMatrix& cost)

@@ -13,7 +13,7 @@ namespace
 constexpr const char* table = "scans.csv";
 constexpr const char* header =
     "frame,stamp,points,moving_points,odometry_converged,odometry_accepted,odometry_inliers,"
-    "odometry_rmse,odometry_reason,registered,inliers,rmse,reason,forward,turn_deg,keyframe\n";
+    "odometry_rmse,odometry_rejection,registered,inliers,rmse,reason,forward,turn_deg,keyframe\n";
 
 /** A field of a CSV file. */
 std::string quoted(const std::string& text)
@@ -30,7 +30,7 @@ std::string rowOf(const Frame& frame)
       numbers, sizeof numbers, "%zu,%.9f,%zu,%td,%d,%d,%zu,%.4f,", frame.index, frame.scan.stamp,
       frame.cloud.size(), std::count(frame.moving.begin(), frame.moving.end(), true),
       odometry.converged ? 1 : 0, frame.odometry_accepted ? 1 : 0, odometry.inliers, odometry.rmse);
-  std::string row = numbers + quoted(odometry.reason);
+  std::string row = numbers + quoted(frame.odometry_rejection);
   std::snprintf(numbers, sizeof numbers, ",%d,%zu,%.4f,", motion.converged ? 1 : 0, motion.inliers,
                 motion.rmse);
   row += numbers + quoted(motion.reason);

@@ -8,8 +8,8 @@
 
 namespace dyslam
 {
-/** Sizes in bytes that a library and its user must agree on. They hang on Eigen's alignment, which other
- * compiler flags (AVX) would change; the targets of dyslam pass it on. */
+/** Sizes in bytes that a library and its user must agree on. They hang on Eigen's alignment, which
+ * other compiler flags (AVX) would change; the targets of dyslam pass it on. */
 struct Layout
 {
   std::size_t eigen_alignment = 0;
@@ -19,8 +19,8 @@ struct Layout
 };
 
 /** As the file that includes this is compiled. Not inline: each translation unit has its own. */
-constexpr Layout layout_here{
-    EIGEN_MAX_ALIGN_BYTES, sizeof(Frame), sizeof(Detection), sizeof(TrackedObject)};
+constexpr Layout layout_here{EIGEN_MAX_ALIGN_BYTES, sizeof(Frame), sizeof(Detection),
+                             sizeof(TrackedObject)};
 
 /** As the library was compiled. */
 [[nodiscard]] Layout libraryLayout();

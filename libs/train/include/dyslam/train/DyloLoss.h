@@ -22,8 +22,8 @@ struct DyloLossOptions : Options
 /** Loss with its learned balances: per stage ||t - t*|| e^-s_x + s_x + ||q - q*|| e^-s_q + s_q,
  * levels weighted 1.6, 0.8, 0.4, 0.2 coarse to fine as in PWCLO-Net, further passes 0.2 each, and
  * what supervises points: flow, residual likelihood, moving labels. The dense pass, whose pose is
- * the answer, counts by log(||t - t*|| + 5 mm) + log(||q - q*|| + 0.0002): there a pair that fits to
- * centimetres teaches as much as one that is lost. */
+ * the answer, counts by log(||t - t*|| + 5 mm) + log(||q - q*|| + 0.0002): there a pair that fits
+ * to centimetres teaches as much as one that is lost. */
 class DyloLossImpl : public torch::nn::Module
 {
  public:
