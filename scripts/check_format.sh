@@ -4,4 +4,4 @@ set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 mode=(--dry-run --Werror)
 [[ ${1:-} == --fix ]] && mode=(-i)
-git ls-files -z '*.cpp' '*.h' '*.h.in' | xargs -0 clang-format-14 --style=file "${mode[@]}"
+git ls-files -z '*.cpp' '*.h' | xargs -0 clang-format-14 --style=file "${mode[@]}"

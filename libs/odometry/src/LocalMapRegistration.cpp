@@ -61,9 +61,10 @@ void RefineOptions::describe(OptionsVisitor& v)
   v.real("sample_size", sample_size, 0.05, 20, "registered points: one per cube of this side [m]");
   v.integer("max_points", max_points, 100, 1000000, "cap on registered points per scan");
   v.integer("max_iterations", max_iterations, 1, 200, "of the registration, per level");
-  v.real("kernel", kernel, 0.001, 10,
-         "scale of the robust loss once the initial guess is good [m]");
-  v.real("max_kernel", max_kernel, 0.001, 10, "its start where initial guesses have been bad [m]");
+  v.real("loss_width", loss_width, 0.001, 10,
+         "of the robust loss once the initial guess is good [m]");
+  v.real("max_loss_width", max_loss_width, 0.001, 10,
+         "its start where initial guesses have been bad [m]");
   v.real("initial_sigma", initial_sigma, 0, 50,
          "of the initial guess of the first registration to a map [m]");
   v.real("guess_sigma", guess_sigma, 1e-4, 1e3, "of an initial guess that is not the prior [m]");
@@ -87,7 +88,7 @@ struct LocalMapRegistration::State
 
   void setPrior(const Frame& frame, const Pose& T_guess, const MotionPrior* prior);
   void computeCovariances();
-  [[nodiscard]] ScanToMapSettings settings(double start_kernel) const;
+  [[nodiscard]] ScanToMapSettings settings(double start_loss_width) const;
   ScanToMapResult alignCoarseToFine(const Pose& T_guess, int coarseness);
   ScanToMapResult align(const Pose& T_guess, double guess_error);
   ScanToMapResult alignSecond(const Pose& T_guess, double guess_error, double dt);
@@ -165,12 +166,12 @@ void LocalMapRegistration::State::computeCovariances()
                  });
 }
 
-ScanToMapSettings LocalMapRegistration::State::settings(double start_kernel) const
+ScanToMapSettings LocalMapRegistration::State::settings(double start_loss_width) const
 {
   ScanToMapSettings s;
   s.distributions = options.method == RefineMethod::gicp;
-  s.kernel = options.kernel;
-  s.start_kernel = std::clamp(start_kernel, options.kernel, options.max_kernel);
+  s.loss_width = options.loss_width;
+  s.start_loss_width = std::clamp(start_loss_width, options.loss_width, options.max_loss_width);
   s.max_iterations = options.max_iterations;
   s.points_per_measurement = options.points_per_measurement;
   s.max_ground_weight_ratio = options.max_ground_weight_ratio;
@@ -189,8 +190,8 @@ ScanToMapResult LocalMapRegistration::State::alignCoarseToFine(const Pose& T_gue
     const SurfaceMap coarse = map.coarser(coarseness);
     ScanToMapSettings s = settings(0);
     s.distributions = false;
-    s.start_kernel = options.cell_size * coarseness;
-    s.kernel = options.kernel * coarseness;
+    s.start_loss_width = options.cell_size * coarseness;
+    s.loss_width = options.loss_width * coarseness;
     s.prior_information /= static_cast<double>(coarseness * coarseness);
     const ScanToMapResult level =
         registration.align(points.sample, covariances, coarse, T_odom_previous, T, s);
@@ -198,7 +199,7 @@ ScanToMapResult LocalMapRegistration::State::alignCoarseToFine(const Pose& T_gue
     iterations += level.iterations;
   }
   ScanToMapResult fine = registration.align(points.sample, covariances, map, T_odom_previous, T,
-                                            settings(options.max_kernel));
+                                            settings(options.max_loss_width));
   fine.iterations += iterations;
   return fine;
 }
@@ -247,7 +248,7 @@ ScanToMapResult LocalMapRegistration::State::alignSecond(const Pose& T_guess,
     map.add(deskewed, first.weight, T_odom_previous);
     const int iterations = result.iterations;
     result = registration.align(points.sample, covariances, map, T_odom_previous, result.T,
-                                settings(options.max_kernel));
+                                settings(options.max_loss_width));
     result.iterations += iterations;
   }
   return result;
@@ -356,7 +357,7 @@ RegistrationResult LocalMapRegistration::registerFrame(const Frame& frame,
   result.motion.iterations = found.iterations;
   result.motion.inliers = found.inliers;
   result.motion.rmse = found.rmse;
-  result.kernel = s.settings(guess_error).start_kernel;
+  result.loss_width = s.settings(guess_error).start_loss_width;
   if (found.inliers < min_inliers || found.inlier_share < s.options.min_inlier_share)
   {
     s.fail(result);

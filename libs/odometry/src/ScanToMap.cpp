@@ -25,7 +25,7 @@ constexpr float gate = 4;
 constexpr float reread_share = 0.2F;
 /** Noise of a range measurement [m]: a floor under all residuals' spread. */
 constexpr double sensor_sigma = 0.015;
-constexpr double kernel_decay = 0.6;
+constexpr double loss_width_decay = 0.6;
 /** The prior's robust weight falls where the points contradict it by more than this many sigmas. */
 constexpr double translation_gate = 10;
 constexpr double rotation_gate = 3.5;
@@ -81,7 +81,7 @@ void ScanToMap::accumulate(const RawPoints& scan,
 {
   const SweepMotion motion(iteration.T_motion, 0);
   const Eigen::Matrix3f& R = iteration.R;
-  const float k2 = iteration.kernel * iteration.kernel;
+  const float k2 = iteration.loss_width * iteration.loss_width;
   const float reread = reread_share * map.cellSize();
   const bool skewed = !scan.phase.empty();
   const bool weighted = !scan.weight.empty();
@@ -174,13 +174,13 @@ ScanToMapResult ScanToMap::align(const RawPoints& scan,
   iteration.base = map.cellOf(T_guess.translation());
   iteration.distributions = settings.distributions;
   const Eigen::Vector3d corner = map.corner(iteration.base);
-  double kernel = std::max(settings.kernel, settings.start_kernel);
+  double loss_width = std::max(settings.loss_width, settings.start_loss_width);
   while (result.iterations < settings.max_iterations)
   {
     iteration.T_motion = T_before.inverse() * result.T;
     iteration.R = result.T.linear().cast<float>();
     iteration.t = (result.T.translation() - corner).cast<float>();
-    iteration.kernel = static_cast<float>(kernel);
+    iteration.loss_width = static_cast<float>(loss_width);
     Sums sums;
     accumulate(scan, shapes, map, iteration, sums);
     const NormalEquations equations = sums.balanced(settings.max_ground_weight_ratio);
@@ -206,13 +206,13 @@ ScanToMapResult ScanToMap::align(const RawPoints& scan,
       break;
     }
     result.T = orthonormalized(result.T * expSE3(step));
-    if (kernel <= settings.kernel && step.head<3>().norm() < 3e-4 && step.tail<3>().norm() < 3e-5)
+    if (loss_width <= settings.loss_width && step.head<3>().norm() < 3e-4 && step.tail<3>().norm() < 3e-5)
     {
       result.converged = true;
       break;
     }
     result.converged = step.head<3>().norm() < 1e-2 && step.tail<3>().norm() < 1e-3;
-    kernel = std::max(settings.kernel, kernel_decay * kernel);
+    loss_width = std::max(settings.loss_width, loss_width_decay * loss_width);
   }
   return result;
 }

@@ -15,8 +15,8 @@ namespace dyslam
 struct ScanToMapSettings
 {
   bool distributions = false;  //!< distribution to distribution instead of point to plane
-  double start_kernel = 0.5;   //!< [m]
-  double kernel = 0.05;        //!< [m]
+  double start_loss_width = 0.5;   //!< [m]
+  double loss_width = 0.05;        //!< [m]
   int max_iterations = 20;
   std::optional<Pose> T_prior;                  //!< of the pose; the guess if there is none
   Matrix6 prior_information = Matrix6::Zero();  //!< of log(T_prior^-1 T) [1/m^2, 1/rad^2]
@@ -79,7 +79,7 @@ class ScanToMap
     Eigen::Matrix3f R;
     Eigen::Vector3f t;
     VoxelCell base;
-    float kernel = 0;
+    float loss_width = 0;
     bool distributions = false;
   };
 

@@ -98,12 +98,12 @@ TEST_P(Registration, AKnownInitialSigmaReplacesTheOptions)
   EXPECT_EQ(registration.framesInMap(), 1);
   const Pose T = poseFromYpr(0.02, 0, 0, 0, 0, 0);
   const Frame frame = scene_.frame(T, 0.01, 2);
-  const double by_option = registration.registerFrame(frame, Pose::Identity()).kernel;
-  EXPECT_EQ(by_option, options().max_kernel) << "2 m";
+  const double by_option = registration.registerFrame(frame, Pose::Identity()).loss_width;
+  EXPECT_EQ(by_option, options().max_loss_width) << "2 m";
   LocalMapRegistration known(options(), pool_);
   (void)step(known, scene_.frame(Pose::Identity(), 0.01, 1), Pose::Identity());
   const RegistrationResult found = step(known, frame, Pose::Identity(), 0.1);
-  EXPECT_EQ(found.kernel, 0.1);
+  EXPECT_EQ(found.loss_width, 0.1);
   EXPECT_LT((T.inverse() * found.T_odom_vehicle).translation().norm(), 0.03);
   EXPECT_EQ(known.framesInMap(), 2);
 }

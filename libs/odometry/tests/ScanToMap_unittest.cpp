@@ -26,7 +26,7 @@ class ScanToMapTest : public testing::TestWithParam<bool>
       shapes_.push_back(own.surfaceAt(p, VoxelCell()).covariance);
     }
     settings_.distributions = GetParam();
-    settings_.start_kernel = 0.4;
+    settings_.start_loss_width = 0.4;
     settings_.max_iterations = 40;
   }
 

@@ -31,8 +31,8 @@ struct RefineOptions : Options
   double sample_size = 0.8;          //!< registered points: one per cube of this side [m]
   int max_points = 10000;            //!< cap on registered points per scan
   int max_iterations = 25;           //!< per level of the map
-  double kernel = 0.06;      //!< scale of the robust loss once the initial guess is good [m]
-  double max_kernel = 0.6;   //!< its start where initial guesses have been bad [m]
+  double loss_width = 0.06;      //!< of the robust loss once the initial guess is good [m]
+  double max_loss_width = 0.6;   //!< its start where initial guesses have been bad [m]
   double initial_sigma = 2;  //!< of the initial guess of the first registration to a map [m]
   double guess_sigma = 0.3;  //!< of an initial guess that is not the prior [m]
   double guess_sigma_angle = 0.0349;      //!< ... and of its rotation [rad]
@@ -65,7 +65,7 @@ struct RegistrationResult
   /** The scene fixes some direction of motion less well than guess_sigma does. */
   bool degenerate = false;
   double inlier_share = 0;    //!< weight of the registered points that agree with the map, of all
-  double kernel = 0;          //!< scale of the robust loss at the start [m]
+  double loss_width = 0;      //!< of the robust loss at the start [m]
   std::size_t points = 0;     //!< registered
   std::size_t map_cells = 0;  //!< before the frame is integrated
 };

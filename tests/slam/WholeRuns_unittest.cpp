@@ -1,0 +1,185 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Runs with the shipped settings within bounds, all networks together, and a run that closes loops.
+#include <dyslam/eval/SegmentationMetrics.h>
+#include <dyslam/eval/TrajectoryMetrics.h>
+#include <dyslam/formats/LabelFiles.h>
+#include <dyslam/formats/TrajectoryFiles.h>
+#include <dyslam/io/RawlogWriter.h>
+#include <dyslam/pipeline/SlamRun.h>
+#include <dyslam/sim/Simulator.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+namespace fs = std::filesystem;
+
+namespace dyslam
+{
+namespace
+{
+class WholeRun : public ::testing::Test
+{
+ protected:
+  void SetUp() override
+  {
+    folder_ = fs::temp_directory_path() / ("dyslam_whole_run_" + std::to_string(::getpid()));
+    fs::create_directories(folder_);
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+
+  [[nodiscard]] SlamRunSettings settings(const std::string& rawlog,
+                                         const std::string& config,
+                                         const std::string& output) const
+  {
+    SlamRunSettings s;
+    s.rawlog = rawlog;
+    s.output_folder = (folder_ / output).string();
+    s.config =
+        Config::fromFile(std::string(DYSLAM_SOURCE_DIR) + "/share/dyslam/config_files/" + config);
+    s.config.set("output.replay=false");
+    s.config.set("output.scene=false");
+    return s;
+  }
+
+  [[nodiscard]] static std::string bundled(const std::string& name)
+  {
+    return std::string(DYSLAM_SOURCE_DIR) + "/rawlog/" + name;
+  }
+
+  /** \param file of the run's folder */
+  [[nodiscard]] static TrajectoryReport errorsOf(const SlamRunSettings& run,
+                                                 const char* file = "trajectory_tum.txt")
+  {
+    const fs::path folder = run.output_folder;
+    return evaluateTrajectory("run",
+                              associateByTime(readTum((folder / "reference_tum.txt").string()),
+                                              readTum((folder / file).string()), 1e-3));
+  }
+
+  [[nodiscard]] static double iouOf(const SlamRunSettings& run, const std::string& truth)
+  {
+    SegmentationEvaluator evaluator;
+    for (const auto& entry : fs::directory_iterator(fs::path(run.output_folder) / "labels"))
+    {
+      const auto reference = readLabels((fs::path(truth) / entry.path().filename()).string());
+      evaluator.add(reference, readLabels(entry.path().string()));
+    }
+    return evaluator.scores().iou().value_or(0);
+  }
+
+  fs::path folder_;
+};
+
+/** The bounds are what was reached, and some per cent. */
+TEST_F(WholeRun, TheBundledStreetStaysWithinBounds)
+{
+  auto s = settings(bundled("street64.rawlog"), "kitti64.ini", "street64");
+  s.labels = true;
+  const SlamRunReport report = runSlam(s);
+  EXPECT_EQ(report.unconverged, 0U);
+  EXPECT_LT(errorsOf(s).relative.translation.rmse, 0.0108);
+  EXPECT_LT(errorsOf(s).end.translation, 0.26);
+  EXPECT_GT(iouOf(s, bundled("street64.gt/labels")), 0.86);
+}
+
+TEST_F(WholeRun, TheBundledCampusStaysWithinBounds)
+{
+  auto s = settings(bundled("campus16.rawlog"), "vlp16.ini", "campus16");
+  s.labels = true;
+  const SlamRunReport report = runSlam(s);
+  EXPECT_EQ(report.unconverged, 0U);
+  EXPECT_LT(errorsOf(s).relative.translation.rmse, 0.0255);
+  EXPECT_LT(errorsOf(s).end.translation, 0.05);
+  EXPECT_GT(iouOf(s, bundled("campus16.gt/labels")), 0.68);
+}
+
+/** Segmenter, learned matcher and registration fed by one another. */
+TEST_F(WholeRun, DysegDyloAndRefineTogether)
+{
+  auto s = settings(bundled("street64.rawlog"), "kitti64.ini", "networks");
+  s.config.set("odometry.method=dylo");
+  s.config.set("input.only_first_n=40");
+  const SlamRunReport report = runSlam(s);
+  EXPECT_EQ(report.method, "network + dylo + point_to_plane");
+  EXPECT_EQ(report.unconverged, 0U);
+  EXPECT_EQ(report.odometry_failed, 0U);
+  EXPECT_LT(errorsOf(s).relative.translation.rmse, 0.013);
+
+  // DyLO's motion is used, not only found.
+  std::ifstream file(fs::path(s.output_folder) / "scans.csv");
+  std::string line;
+  std::getline(file, line);
+  std::stringstream header(line);
+  std::size_t column = 0;
+  for (std::string name; std::getline(header, name, ',') && name != "odometry_accepted";)
+  {
+    ++column;
+  }
+  int accepted = 0;
+  while (std::getline(file, line))
+  {
+    std::stringstream row(line);
+    std::string cell;
+    for (std::size_t i = 0; i <= column; ++i)
+    {
+      std::getline(row, cell, ',');
+    }
+    accepted += cell == "1" ? 1 : 0;
+  }
+  EXPECT_GT(accepted, 25) << "of 40";
+}
+
+/** Out along a campus path and back again, by an odometry that drifts. */
+TEST_F(WholeRun, ALoopCorrectsTrajectoryAndMap)
+{
+  sim::SimulatorOptions options;
+  options.world = sim::WorldKind::campus;
+  options.sensor = sim::SensorKind::vlp16;
+  options.columns = 600;
+  options.seed = 5;
+  options.ego_speed = 3;
+  options.motion_distortion = false;  // it would be that of the way out on the way back, too
+  options.stops = false;
+  sim::Simulator simulator(options, 1);
+  const std::string rawlog = (folder_ / "there_and_back.rawlog").string();
+  std::vector<sim::SimulatedScan> scans;
+  for (int i = 0; i < 120; ++i)
+  {
+    scans.push_back(simulator.next());
+  }
+  RawlogWriter writer(rawlog);
+  const std::size_t count = scans.size();
+  for (std::size_t i = 0; i < 2 * count - 1; ++i)
+  {
+    auto& scan = scans[i < count ? i : 2 * count - 2 - i];
+    scan.scan.time.clear();
+    scan.scan.stamp = 1000 + 0.1 * static_cast<double>(i);
+    writer.write(scan.scan, scan.T_map_vehicle);
+  }
+  writer.close();
+
+  const auto runWith = [&](const std::string& mode)
+  {
+    auto s = settings(rawlog, "vlp16.ini", mode);
+    s.config.set("backend.mode=" + mode);
+    s.config.set("odometry.method=loam_no_mapping");
+    s.config.set("refine.method=none");
+    s.config.set("dyseg.method=none");
+    return std::pair(s, runSlam(s));
+  };
+  const auto [open, open_report] = runWith("odometry");
+  const auto [closed, closed_report] = runWith("ego");
+  EXPECT_EQ(open_report.loops, 0U);
+  EXPECT_GT(closed_report.loops, 2U);
+  EXPECT_GT(errorsOf(open).end.translation, 0.2) << "there is a drift to correct";
+  EXPECT_LT(errorsOf(closed).end.translation, 0.5 * errorsOf(open).end.translation);
+  EXPECT_LT(errorsOf(closed).end.translation, errorsOf(closed, "odometry_tum.txt").end.translation);
+  // Walls that are seen twice, at two places, fill more voxels.
+  EXPECT_LT(closed_report.map_points, open_report.map_points);
+}
+}  // namespace
+}  // namespace dyslam
