@@ -315,10 +315,10 @@ TEST_F(Dylo, SaysWhichWeightsFileIsMissingOrNone)
   const std::string other = testing::TempDir() + "no_weights.pt";
   std::ofstream(other) << "not a model";
   const std::string message = messageOf(other);
-  EXPECT_NE(message.find("no DyLO model"), std::string::npos) << message;
+  EXPECT_NE(message.find("is not a DyLO model"), std::string::npos) << message;
   EXPECT_EQ(message.find('\n'), std::string::npos);
   // The weights of another network.
-  EXPECT_NE(messageOf("dyseg.pt").find("no DyLO model"), std::string::npos);
+  EXPECT_NE(messageOf("dyseg.pt").find("is not a DyLO model"), std::string::npos);
 }
 }  // namespace
 }  // namespace dyslam
