@@ -4,6 +4,7 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 
 #include "ScanSample.h"
 #include "ScanToMap.h"
@@ -75,8 +76,8 @@ void RefineOptions::describe(OptionsVisitor& v)
          "correlated points that count as one measurement");
   v.real("max_ground_weight_ratio", max_ground_weight_ratio, 1e-3, 1e9,
          "weight of ground surfaces against all others, at most");
-  v.real("min_inlier_share", min_inlier_share, 0, 1,
-         "with a smaller weight of inliers the registration has failed");
+  v.real("min_inlier_ratio", min_inlier_ratio, 0, 1,
+         "inliers among the points with a surface in the map; below, the registration has failed");
 }
 
 struct LocalMapRegistration::State
@@ -256,9 +257,20 @@ ScanToMapResult LocalMapRegistration::State::alignSecond(const Pose& T_guess,
 
 void LocalMapRegistration::State::fail(RegistrationResult& result)
 {
-  result.motion.reason =
-      "the scan does not fit the local map: " + std::to_string(result.motion.inliers) + " of " +
-      std::to_string(result.points) + " points agree";
+  char text[140];
+  if (result.motion.inliers < min_inliers)
+  {
+    std::snprintf(text, sizeof text,
+                  "the scan does not fit the local map: %zu of %zu points agree, fewer than %zu",
+                  result.motion.inliers, result.points, min_inliers);
+  }
+  else
+  {
+    std::snprintf(text, sizeof text,
+                  "the scan does not fit the local map: inlier ratio %.2f, the limit is %.2f",
+                  result.inlier_ratio, options.min_inlier_ratio);
+  }
+  result.motion.reason = text;
   if (++failures >= max_failures)
   {
     pending = Pending::restart;
@@ -354,11 +366,12 @@ RegistrationResult LocalMapRegistration::registerFrame(const Frame& frame,
       s.frames == 1 ? s.alignSecond(T_guess, guess_error, frame.dt) : s.align(T_guess, guess_error);
   result.points = s.points.sample.size();
   result.inlier_share = found.inlier_share;
+  result.inlier_ratio = found.inlier_ratio;
   result.motion.iterations = found.iterations;
   result.motion.inliers = found.inliers;
   result.motion.rmse = found.rmse;
   result.loss_width = s.settings(guess_error).start_loss_width;
-  if (found.inliers < min_inliers || found.inlier_share < s.options.min_inlier_share)
+  if (found.inliers < min_inliers || found.inlier_ratio < s.options.min_inlier_ratio)
   {
     s.fail(result);
   }

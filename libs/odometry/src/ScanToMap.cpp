@@ -57,6 +57,7 @@ void ScanToMap::Sums::add(const Sums& other)
   ground.add(other.ground);
   error += other.error;
   weight += other.weight;
+  compared += other.compared;
   agreeing += other.agreeing;
   inliers += other.inliers;
 }
@@ -105,6 +106,7 @@ void ScanToMap::accumulate(const RawPoints& scan,
       {
         continue;
       }
+      sums.compared += static_cast<double>(own_weight);
       const float r = match.surface.normal.dot(q) - match.offset;
       const float r2 = r * r;
       if (!(r2 <= gate * gate * k2))
@@ -192,6 +194,7 @@ ScanToMapResult ScanToMap::align(const RawPoints& scan,
     result.rmse = std::sqrt(variance);
     result.inliers = sums.inliers;
     result.inlier_share = sums.weight > 0 ? sums.agreeing / sums.weight : 0;
+    result.inlier_ratio = sums.compared > 0 ? sums.agreeing / sums.compared : 0;
     result.information = equations.H / unit;
 
     const Vector6 off_prior = logSE3(T_prior.inverse() * result.T);

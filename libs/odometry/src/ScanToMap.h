@@ -30,7 +30,8 @@ struct ScanToMapResult
   Matrix6 information = Matrix6::Zero();  //!< of the points alone, of log(T_measured^-1 T)
   int iterations = 0;
   std::size_t inliers = 0;
-  double inlier_share = 0;                 //!< of the weight of all points
+  double inlier_share = 0;                 //!< agreeing weight, of that of all points
+  double inlier_ratio = 0;                 //!< ... of that of points with a surface in the map
   double rmse = 0;                         //!< of the inliers [m]
   Vector6 prior_weight = Vector6::Ones();  //!< robust weight of the prior in the end
   bool converged = false;
@@ -65,6 +66,7 @@ class ScanToMap
     NormalEquations ground;
     double error = 0;
     double weight = 0;
+    double compared = 0;  //!< of the points with a surface in the map
     double agreeing = 0;
     std::size_t inliers = 0;
 

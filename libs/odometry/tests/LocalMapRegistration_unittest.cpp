@@ -193,6 +193,34 @@ TEST_P(Registration, AForeignSceneFailsAndThenRestartsTheMap)
   EXPECT_TRUE(step(registration, foreign, guess).motion.converged);
 }
 
+/** Rings far apart give few surfaces; that says nothing against the fit of those that there are. */
+TEST_P(Registration, TheGateDoesNotDependOnHowManyPointsHaveASurface)
+{
+  const auto everyFifthRing = [](Frame frame)
+  {
+    Cloud cloud;
+    for (std::size_t i = 0; i < frame.cloud.size(); ++i)
+    {
+      if (frame.scan.ring[frame.cloud.source[i]] % 5 == 0)
+      {
+        cloud.points.push_back(frame.cloud.points[i]);
+        cloud.source.push_back(frame.cloud.source[i]);
+      }
+    }
+    frame.cloud = cloud;
+    return frame;
+  };
+  LocalMapRegistration registration(options(), pool_);
+  step(registration, everyFifthRing(scene_.frame(Pose::Identity(), 0.01, 1)), Pose::Identity());
+  const Pose T = poseFromYpr(0.1, 0.02, 0, 0.005, 0, 0);
+  const RegistrationResult result =
+      step(registration, everyFifthRing(scene_.frame(T, 0.01, 2)), T, 0.1);
+  EXPECT_LT(result.inlier_share, 0.25);
+  EXPECT_GT(result.inlier_ratio, options().min_inlier_ratio + 0.1);
+  EXPECT_TRUE(result.motion.reason.find("does not fit") == std::string::npos)
+      << result.motion.reason;
+}
+
 TEST_P(Registration, MovingPointsCanGetNoWeight)
 {
   const Pose T = poseFromYpr(0.4, 0, 0, 0.01, 0, 0);

@@ -51,6 +51,7 @@ TEST_P(ScanToMapTest, FindsThePoseFromAround)
     const Pose error = T_.inverse() * result.T;
     EXPECT_TRUE(result.converged);
     EXPECT_GT(result.inlier_share, 0.5);
+    EXPECT_GE(result.inlier_ratio, result.inlier_share);
     EXPECT_LT(error.translation().norm(), 0.02);
     EXPECT_LT(rotationAngle(error), 0.001);
   }

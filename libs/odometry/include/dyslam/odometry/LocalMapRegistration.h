@@ -46,7 +46,9 @@ struct RefineOptions : Options
    * surfaces together get at most this many times the weight of all others, but never less than a
    * fifth of their own, for in an open field there is nothing else. */
   double max_ground_weight_ratio = 12;
-  double min_inlier_share = 0.2;  //!< with a smaller weight of inliers the registration has failed
+  /** Inliers, by their robust weight, among the points that have a surface in the map; below, the
+   * registration has failed. How many points have one depends on the sensor, and does not count. */
+  double min_inlier_ratio = 0.3;
 
   void describe(OptionsVisitor& visitor) override;
 };
@@ -65,6 +67,7 @@ struct RegistrationResult
   /** The scene fixes some direction of motion less well than guess_sigma does. */
   bool degenerate = false;
   double inlier_share = 0;    //!< weight of the registered points that agree with the map, of all
+  double inlier_ratio = 0;    //!< ... of those with a surface in the map
   double loss_width = 0;      //!< of the robust loss at the start [m]
   std::size_t points = 0;     //!< registered
   std::size_t map_cells = 0;  //!< before the frame is integrated
