@@ -76,6 +76,8 @@ void RefineOptions::describe(OptionsVisitor& v)
          "correlated points that count as one measurement");
   v.real("max_ground_weight_ratio", max_ground_weight_ratio, 1e-3, 1e9,
          "weight of ground surfaces against all others, at most");
+  v.real("min_surface_share", min_surface_share, 0, 1,
+         "points that have a surface in the map; fewer, and its cells are too small");
   v.real("min_inlier_ratio", min_inlier_ratio, 0, 1,
          "inliers among the points with a surface in the map; below, the registration has failed");
 }
@@ -257,18 +259,22 @@ ScanToMapResult LocalMapRegistration::State::alignSecond(const Pose& T_guess,
 
 void LocalMapRegistration::State::fail(RegistrationResult& result)
 {
-  char text[140];
-  if (result.motion.inliers < min_inliers)
+  char text[200];
+  if (result.surface_share < options.min_surface_share)
   {
-    std::snprintf(text, sizeof text,
-                  "the scan does not fit the local map: %zu of %zu points agree, fewer than %zu",
-                  result.motion.inliers, result.points, min_inliers);
+    std::snprintf(
+        text, sizeof text,
+        "only %.0f %% of the points have a surface in the local map, the limit is %.0f %%: "
+        "refine.cell_size is too small for the sensor",
+        100 * result.surface_share, 100 * options.min_surface_share);
   }
   else
   {
-    std::snprintf(text, sizeof text,
-                  "the scan does not fit the local map: inlier ratio %.2f, the limit is %.2f",
-                  result.inlier_ratio, options.min_inlier_ratio);
+    std::snprintf(
+        text, sizeof text,
+        "the scan does not fit the local map: %zu of %zu points agree, inlier ratio %.2f, "
+        "the limit is %.2f",
+        result.motion.inliers, result.points, result.inlier_ratio, options.min_inlier_ratio);
   }
   result.motion.reason = text;
   if (++failures >= max_failures)
@@ -366,12 +372,14 @@ RegistrationResult LocalMapRegistration::registerFrame(const Frame& frame,
       s.frames == 1 ? s.alignSecond(T_guess, guess_error, frame.dt) : s.align(T_guess, guess_error);
   result.points = s.points.sample.size();
   result.inlier_share = found.inlier_share;
+  result.surface_share = found.surface_share;
   result.inlier_ratio = found.inlier_ratio;
   result.motion.iterations = found.iterations;
   result.motion.inliers = found.inliers;
   result.motion.rmse = found.rmse;
   result.loss_width = s.settings(guess_error).start_loss_width;
-  if (found.inliers < min_inliers || found.inlier_ratio < s.options.min_inlier_ratio)
+  if (found.inliers < min_inliers || found.surface_share < s.options.min_surface_share ||
+      found.inlier_ratio < s.options.min_inlier_ratio)
   {
     s.fail(result);
   }

@@ -194,6 +194,7 @@ ScanToMapResult ScanToMap::align(const RawPoints& scan,
     result.rmse = std::sqrt(variance);
     result.inliers = sums.inliers;
     result.inlier_share = sums.weight > 0 ? sums.agreeing / sums.weight : 0;
+    result.surface_share = sums.weight > 0 ? sums.compared / sums.weight : 0;
     result.inlier_ratio = sums.compared > 0 ? sums.agreeing / sums.compared : 0;
     result.information = equations.H / unit;
 

@@ -14,9 +14,9 @@ namespace dyslam
 {
 struct ScanToMapSettings
 {
-  bool distributions = false;  //!< distribution to distribution instead of point to plane
-  double start_loss_width = 0.5;   //!< [m]
-  double loss_width = 0.05;        //!< [m]
+  bool distributions = false;     //!< distribution to distribution instead of point to plane
+  double start_loss_width = 0.5;  //!< [m]
+  double loss_width = 0.05;       //!< [m]
   int max_iterations = 20;
   std::optional<Pose> T_prior;                  //!< of the pose; the guess if there is none
   Matrix6 prior_information = Matrix6::Zero();  //!< of log(T_prior^-1 T) [1/m^2, 1/rad^2]
@@ -31,7 +31,8 @@ struct ScanToMapResult
   int iterations = 0;
   std::size_t inliers = 0;
   double inlier_share = 0;                 //!< agreeing weight, of that of all points
-  double inlier_ratio = 0;                 //!< ... of that of points with a surface in the map
+  double surface_share = 0;                //!< weight of points with a surface in the map
+  double inlier_ratio = 0;                 //!< agreeing weight, of that of those points
   double rmse = 0;                         //!< of the inliers [m]
   Vector6 prior_weight = Vector6::Ones();  //!< robust weight of the prior in the end
   bool converged = false;

@@ -31,8 +31,8 @@ struct RefineOptions : Options
   double sample_size = 0.8;          //!< registered points: one per cube of this side [m]
   int max_points = 10000;            //!< cap on registered points per scan
   int max_iterations = 25;           //!< per level of the map
-  double loss_width = 0.06;      //!< of the robust loss once the initial guess is good [m]
-  double max_loss_width = 0.6;   //!< its start where initial guesses have been bad [m]
+  double loss_width = 0.06;          //!< of the robust loss once the initial guess is good [m]
+  double max_loss_width = 0.6;       //!< its start where initial guesses have been bad [m]
   double initial_sigma = 2;  //!< of the initial guess of the first registration to a map [m]
   double guess_sigma = 0.3;  //!< of an initial guess that is not the prior [m]
   double guess_sigma_angle = 0.0349;      //!< ... and of its rotation [rad]
@@ -46,8 +46,11 @@ struct RefineOptions : Options
    * surfaces together get at most this many times the weight of all others, but never less than a
    * fifth of their own, for in an open field there is nothing else. */
   double max_ground_weight_ratio = 12;
+  /** Share of the points that have a surface in the map: less, and the map's cells are too small
+   * for the sensor's rings, which then move along with it. */
+  double min_surface_share = 0.17;
   /** Inliers, by their robust weight, among the points that have a surface in the map; below, the
-   * registration has failed. How many points have one depends on the sensor, and does not count. */
+   * registration has failed. How many points have one depends on the sensor. */
   double min_inlier_ratio = 0.3;
 
   void describe(OptionsVisitor& visitor) override;
@@ -67,7 +70,8 @@ struct RegistrationResult
   /** The scene fixes some direction of motion less well than guess_sigma does. */
   bool degenerate = false;
   double inlier_share = 0;    //!< weight of the registered points that agree with the map, of all
-  double inlier_ratio = 0;    //!< ... of those with a surface in the map
+  double surface_share = 0;   //!< weight of the points that have a surface in the map, of all
+  double inlier_ratio = 0;    //!< weight of those that agree with it, of that of those
   double loss_width = 0;      //!< of the robust loss at the start [m]
   std::size_t points = 0;     //!< registered
   std::size_t map_cells = 0;  //!< before the frame is integrated
