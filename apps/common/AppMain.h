@@ -9,6 +9,7 @@
 #include <functional>
 #include <iostream>
 #include <sstream>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -74,10 +75,17 @@ inline std::string unknownCommand(const CLI::App& app, const std::string& word)
          (nearest.empty() ? "; it is none of " + all : "; did you mean " + nearest + "?");
 }
 
+/** A program did all that it was asked to, but the result is of no use: exit code 2. */
+class UselessResult : public std::runtime_error
+{
+ public:
+  using std::runtime_error::runtime_error;
+};
+
 /** What every program's main calls.
  *
- * `declare` adds flags to the parser, `run` works. Returns 0 on success, --help and --version, and
- * 1 on every error, with one line on stderr: `<app>: <message>`.
+ * `declare` adds flags to the parser, `run` works. Returns 0 on success, --help and --version, 1 on
+ * every error and 2 on UselessResult, with one line on stderr: `<app>: <message>`.
  */
 inline int runApp(int argc,
                   char** argv,
@@ -124,6 +132,11 @@ inline int runApp(int argc,
       return fail(unknownCommand(app, rest.front()) + " (see " + name + " --help)");
     }
     return fail(firstMeaningfulLine(error.what()) + " (see " + name + " --help)");
+  }
+  catch (const UselessResult& result)
+  {
+    fail(result.what());
+    return 2;
   }
   catch (const std::bad_alloc&)
   {

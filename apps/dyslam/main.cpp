@@ -132,5 +132,9 @@ int main(int argc, char** argv)
         {
           print(report, a.settings.output_folder);
         }
+        if (!report.failure.empty())
+        {
+          throw dyslam::UselessResult(report.failure);
+        }
       });
 }

@@ -28,7 +28,10 @@ std::string Reasons::mostFrequent() const
 void RunStatistics::add(const Frame& frame)
 {
   ++frames;
-  unconverged += frame.motion.converged ? 0 : 1;
+  if (!frame.motion.converged)
+  {
+    registration_failures.add(frame.motion.reason);
+  }
   if (!frame.odometry.converged)
   {
     odometry_failures.add(frame.odometry.reason);
@@ -74,12 +77,24 @@ std::vector<std::string> RunStatistics::warnings() const
                      std::to_string(odometry_failures.total()) + of_all + ", most often because: " +
                      odometry_failures.mostFrequent() + " (scans.csv has the reason of each)");
   }
-  if (static_cast<double>(unconverged) > limit)
+  if (static_cast<double>(registration_failures.total()) > limit && failure().empty())
   {
-    result.push_back(std::to_string(unconverged) + of_all +
-                     " could not be registered; does the config fit the sensor? (-c kitti64.ini is "
-                     "made for 64 beams, -c vlp16.ini for 16)");
+    result.push_back(std::to_string(registration_failures.total()) + of_all +
+                     " could not be registered, most often because: " +
+                     registration_failures.mostFrequent());
   }
   return result;
+}
+
+std::string RunStatistics::failure() const
+{
+  if (2 * registration_failures.total() <= frames)
+  {
+    return {};
+  }
+  return std::to_string(registration_failures.total()) + " of " + std::to_string(frames) +
+         " scans could not be registered: do not trust trajectory and map; most often because: " +
+         registration_failures.mostFrequent() +
+         "; try settings that fit the sensor (-c kitti64.ini for 64 beams, -c vlp16.ini for 16)";
 }
 }  // namespace dyslam

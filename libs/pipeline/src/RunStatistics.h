@@ -38,8 +38,11 @@ struct RunStatistics
   /** What deserves a second look, though nothing failed; one sentence each. */
   [[nodiscard]] std::vector<std::string> warnings() const;
 
+  /** Why the run is of no use, if more than half of the scans could not be registered; else empty. */
+  [[nodiscard]] std::string failure() const;
+
   std::size_t frames = 0;
-  std::size_t unconverged = 0;  //!< frames whose motion was predicted, not measured
+  Reasons registration_failures;  //!< of frames whose motion was predicted, not measured
   Reasons odometry_failures;
   std::set<int> moving_objects;  //!< ids of those reported
   Trajectory reference;          //!< ground truth as recorded

@@ -104,7 +104,8 @@ RunResults resultsOf(const Pipeline& pipeline,
   SlamRunReport& report = results.report;
   report.method = pipeline.summary();
   report.frames = statistics.frames;
-  report.unconverged = statistics.unconverged;
+  report.unconverged = statistics.registration_failures.total();
+  report.failure = statistics.failure();
   report.odometry_failed = statistics.odometry_failures.total();
   report.keyframes = pipeline.backend().keyframes().size();
   const auto& loops = pipeline.backend().loops();

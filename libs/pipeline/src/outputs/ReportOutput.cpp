@@ -66,6 +66,7 @@ class ReportOutput : public RunOutput
     {
       json["stage_ms"][stage] = rounded(ms);
     }
+    json["failure"] = report.failure;
     json["warnings"] = report.warnings;
     json["files"] = report.files;
     json["files"].push_back(name);

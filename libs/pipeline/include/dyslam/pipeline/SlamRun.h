@@ -36,6 +36,8 @@ struct SlamRunReport
   double path_length = 0;      //!< [m]
   double ms_per_scan = 0;      //!< mean of all stages, without reading and writing
   bool has_reference = false;  //!< the recording had ground truth; reference_tum.txt was written
+  /** Why the run is of no use, as most scans could not be registered; empty if it is. */
+  std::string failure;
   std::vector<std::string> warnings;
   std::vector<std::string> files;  //!< written, in the output folder
 };
