@@ -48,7 +48,7 @@ struct RefineOptions : Options
   double max_ground_weight_ratio = 12;
   /** Share of the points that have a surface in the map: less, and the map's cells are too small
    * for the sensor's rings, which then move along with it. */
-  double min_surface_share = 0.17;
+  double min_surface_share = 0.14;
   /** Inliers, by their robust weight, among the points that have a surface in the map; below, the
    * registration has failed. How many points have one depends on the sensor. */
   double min_inlier_ratio = 0.3;
