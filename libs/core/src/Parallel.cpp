@@ -10,6 +10,8 @@
 
 #ifdef __SANITIZE_THREAD__
 #include <atomic>
+#include <exception>
+#include <mutex>
 #include <vector>
 #endif
 
@@ -29,11 +31,21 @@ struct ThreadPool::Shared
 #ifdef __SANITIZE_THREAD__
     // The packaged TBB is not instrumented: with it, the sanitizer would see races that are none.
     std::atomic<std::size_t> next{0};
+    std::mutex mutex;
+    std::exception_ptr failure;
     const auto work = [&]
     {
-      for (std::size_t chunk = next++; chunk < chunks; chunk = next++)
+      try
       {
-        body(chunk);
+        for (std::size_t chunk = next++; chunk < chunks; chunk = next++)
+        {
+          body(chunk);
+        }
+      }
+      catch (...)
+      {
+        const std::lock_guard<std::mutex> lock(mutex);
+        failure = std::current_exception();
       }
     };
     std::vector<std::thread> threads;
@@ -45,6 +57,10 @@ struct ThreadPool::Shared
     for (std::thread& thread : threads)
     {
       thread.join();
+    }
+    if (failure)
+    {
+      std::rethrow_exception(failure);
     }
 #else
     arena.execute([&]
