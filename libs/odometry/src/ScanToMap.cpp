@@ -210,7 +210,8 @@ ScanToMapResult ScanToMap::align(const RawPoints& scan,
       break;
     }
     result.T = orthonormalized(result.T * expSE3(step));
-    if (loss_width <= settings.loss_width && step.head<3>().norm() < 3e-4 && step.tail<3>().norm() < 3e-5)
+    if (loss_width <= settings.loss_width && step.head<3>().norm() < 3e-4 &&
+        step.tail<3>().norm() < 3e-5)
     {
       result.converged = true;
       break;

@@ -79,9 +79,9 @@ std::vector<std::string> RunStatistics::warnings() const
   }
   if (static_cast<double>(registration_failures.total()) > limit && failure().empty())
   {
-    result.push_back(std::to_string(registration_failures.total()) + of_all +
-                     " could not be registered, most often because: " +
-                     registration_failures.mostFrequent());
+    result.push_back(
+        std::to_string(registration_failures.total()) + of_all +
+        " could not be registered, most often because: " + registration_failures.mostFrequent());
   }
   return result;
 }

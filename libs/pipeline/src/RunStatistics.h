@@ -38,7 +38,8 @@ struct RunStatistics
   /** What deserves a second look, though nothing failed; one sentence each. */
   [[nodiscard]] std::vector<std::string> warnings() const;
 
-  /** Why the run is of no use, if more than half of the scans could not be registered; else empty. */
+  /** Why the run is of no use, if more than half of the scans could not be registered; else empty.
+   */
   [[nodiscard]] std::string failure() const;
 
   std::size_t frames = 0;
