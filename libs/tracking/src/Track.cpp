@@ -8,6 +8,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "SignificantMotion.h"
+
 namespace dyslam
 {
 namespace
@@ -99,6 +101,7 @@ Track::Track(int id, double stamp, const Observation& observation, const Tracker
   yaw_variance_ = observation.covariance(3, 3);
   addToHistory(observation);
   confirm(observation);
+  keepObservation(observation);
 }
 
 void Track::confirm(const Observation& observation)
@@ -192,9 +195,13 @@ void Track::match(const Observation& observation)
   velocity_ = now.velocity;
   velocity_covariance_ = now.velocity_covariance;
   updateDynamicState();
-  has_moved_ = has_moved_ || dynamic_ || hasSignificantMotion();
+  has_moved_ =
+      has_moved_ || dynamic_ ||
+      hasSignificantMotion(std::visit(
+          [](const auto& motion) -> const PositionHistory& { return motion.history(); }, motion_));
   alignHeadingWithMotion(observation);
   confirm(observation);
+  keepObservation(observation);
 }
 
 void Track::updatePosition(const Observation& observation, const Box& observed)
@@ -296,51 +303,6 @@ void Track::updateSize(const Observation& observation)
   }
 }
 
-/** Significance test of a straight motion: the slope of a line fitted to the last observations
- * contradicts its standard deviation. Occlusion boundaries flicker to and fro instead. */
-bool Track::hasSignificantMotion() const
-{
-  constexpr double min_speed = 0.5;     // [m/s]
-  constexpr double min_distance = 0.4;  // [m]
-  constexpr double sigmas = 8;
-  constexpr std::size_t min_count = 4;
-  constexpr double prior_sigma = 0.05;  // of one observation [m]
-  constexpr std::size_t max_count = 12;
-  const auto& history = std::visit([](const auto& motion) -> const std::deque<TimedPosition>&
-                                   { return motion.history(); },
-                                   motion_);
-  const std::size_t count = std::min(max_count, history.size());
-  if (count < min_count)
-  {
-    return false;
-  }
-  const auto first = history.end() - static_cast<std::ptrdiff_t>(count);
-  const double n = static_cast<double>(count);
-  double mean_time = 0;
-  Eigen::Vector2d mean = Eigen::Vector2d::Zero();
-  for (auto it = first; it != history.end(); ++it)
-  {
-    mean_time += it->stamp / n;
-    mean += it->position / n;
-  }
-  double time_spread = 0;
-  Eigen::Vector2d slope = Eigen::Vector2d::Zero();
-  for (auto it = first; it != history.end(); ++it)
-  {
-    time_spread += square(it->stamp - mean_time);
-    slope += (it->stamp - mean_time) * (it->position - mean);
-  }
-  slope /= time_spread;
-  double squared_residuals = 2 * square(prior_sigma);
-  for (auto it = first; it != history.end(); ++it)
-  {
-    squared_residuals += (it->position - mean - (it->stamp - mean_time) * slope).squaredNorm();
-  }
-  const double sigma = std::sqrt(squared_residuals / (2 * (n - 2) + 2) / time_spread);
-  const double distance = slope.norm() * (history.back().stamp - first->stamp);
-  return slope.norm() > min_speed && distance > min_distance && slope.norm() > sigmas * sigma;
-}
-
 void Track::updateDynamicState()
 {
   const double speed = velocity_.norm();
@@ -362,6 +324,13 @@ void Track::updateDynamicState()
     dynamic_ = !dynamic_;
     change_count_ = 0;
   }
+}
+
+void Track::keepObservation(const Observation& observation)
+{
+  observed_ = alignedBox(observation);
+  observed_.yaw = nearestAxis(observed_.yaw, box_.yaw);
+  observed_covariance_ = observation.covariance;
 }
 
 void Track::miss()
@@ -391,6 +360,8 @@ TrackedObject Track::object() const
   object.dynamic = dynamic_;
   object.observed = detection_ >= 0;
   object.detection = detection_;
+  object.observation = observed_;
+  object.observation_covariance = observed_covariance_;
   object.age = age_;
   object.score =
       score_sum_ / (hits_ + options_->score_prior + options_->miss_prior * total_misses_);

@@ -65,7 +65,7 @@ class Track
   void swapAxes();
   void updateSize(const Observation& observation);
   void updateDynamicState();
-  [[nodiscard]] bool hasSignificantMotion() const;
+  void keepObservation(const Observation& observation);
 
   const TrackerOptions* options_;
   int id_;
@@ -91,5 +91,7 @@ class Track
   bool has_moved_ = false;  //!< significant motion was observed at some time
   int change_count_ = 0;    //!< scans in a row whose velocity contradicts `dynamic_`
   int detection_ = -1;
+  Box observed_;  //!< the last observation as a box of this object
+  Eigen::Matrix4d observed_covariance_ = Eigen::Matrix4d::Identity();
 };
 }  // namespace dyslam

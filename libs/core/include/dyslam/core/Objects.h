@@ -59,6 +59,12 @@ struct TrackedObject
   int detection = -1;     //!< which one, in Frame::detections
   int age = 0;            //!< scans since birth
   double score = 0;
+  /** The matched detection as this object's box, odometry frame; valid where `observed`. Length and
+   * width are assigned as the track's, the hidden extents of a cluster are completed to its size,
+   * the heading is within 90 deg of its heading. */
+  Box observation;
+  /** Of the observation's x, y, z [m^2], yaw [rad^2], odometry frame; valid where `observed`. */
+  Eigen::Matrix4d observation_covariance = Eigen::Matrix4d::Identity();
 };
 
 /** A labelled box at one frame of a recording: ground truth or an exported track. */

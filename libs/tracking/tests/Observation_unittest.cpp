@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/BoxOverlap.h>
+#include <dyslam/tracking/Tracker.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+using namespace dyslam;
+
+namespace
+{
+constexpr double dt = 0.1;  // [s]
+
+Detection car(const Eigen::Vector3d& center, double yaw)
+{
+  Detection detection;
+  detection.box.center = center;
+  detection.box.size = {4.2, 1.8, 1.5};
+  detection.box.yaw = yaw;
+  detection.object_class = ObjectClass::car;
+  detection.covariance = Eigen::Vector4d(0.04, 0.01, 0.02, 0.03).asDiagonal();
+  return detection;
+}
+}  // namespace
+
+/** The observation of a box from a file is that box in the odometry frame, unfiltered. */
+TEST(TrackedObservation, isTheDetectionInTheOdometryFrame)
+{
+  const Pose T_odom_vehicle = poseFromYpr(3, -2, 0.5, M_PI / 2, 0, 0);
+  Tracker tracker;
+  (void)tracker.update(0, {car({10, 1, -0.8}, 0.1)}, T_odom_vehicle);
+  const auto objects = tracker.update(dt, {car({10.3, 1.2, -0.7}, 0.2)}, T_odom_vehicle);
+  ASSERT_EQ(objects.size(), 1u);
+  ASSERT_TRUE(objects[0].observed);
+  const Box& seen = objects[0].observation;
+  // A quarter turn: x of the vehicle is y of the odometry frame.
+  EXPECT_NEAR((seen.center - Eigen::Vector3d(3 - 1.2, -2 + 10.3, 0.5 - 0.7)).norm(), 0, 1e-12);
+  EXPECT_NEAR(seen.yaw, M_PI / 2 + 0.2, 1e-12);
+  EXPECT_NEAR((seen.size - Eigen::Vector3d(4.2, 1.8, 1.5)).norm(), 0, 1e-12);
+  EXPECT_GT((objects[0].box.center - seen.center).norm(), 0.01);  // the state is filtered
+  const Eigen::Matrix4d expected = Eigen::Vector4d(0.01, 0.04, 0.02, 0.03).asDiagonal();
+  EXPECT_NEAR((objects[0].observation_covariance - expected).norm(), 0, 1e-12);
+}
+
+TEST(TrackedObservation, isSetAtBirthAndOnlyWhereObserved)
+{
+  Tracker tracker;
+  auto objects = tracker.update(0, {car({8, 3, 0}, 0.3)}, Pose::Identity());
+  ASSERT_EQ(objects.size(), 1u);
+  EXPECT_TRUE(objects[0].observed);
+  EXPECT_NEAR((objects[0].observation.center - Eigen::Vector3d(8, 3, 0)).norm(), 0, 1e-12);
+  EXPECT_NEAR(objects[0].observation_covariance(0, 0), 0.04, 1e-12);
+  objects = tracker.update(dt, {}, Pose::Identity());
+  ASSERT_EQ(objects.size(), 1u);
+  EXPECT_FALSE(objects[0].observed);
+}
+
+/** A detector that sometimes takes the rear for the front. */
+TEST(TrackedObservation, headingIsWithinAQuarterTurnOfTheTracks)
+{
+  Tracker tracker;
+  for (int scan = 0; scan < 30; ++scan)
+  {
+    const double yaw = scan % 4 == 3 ? 0.2 - M_PI : 0.2;
+    const auto objects =
+        tracker.update(dt * scan, {car({0.8 * scan, 0.16 * scan, 0}, yaw)}, Pose::Identity());
+    ASSERT_EQ(objects.size(), 1u);
+    EXPECT_NEAR(wrapAngle(objects[0].observation.yaw - 0.2), 0, 1e-9) << scan;
+  }
+}
+
+/** A car drives towards the sensor and shows its front only, after it was seen whole: length and
+ * width are the car's and the hidden rear is added. */
+TEST(TrackedObservation, ofAClusterIsCompletedToTheWholeObject)
+{
+  Tracker tracker;
+  TrackedObject last;
+  for (int scan = 0; scan < 40; ++scan)
+  {
+    const double visible = scan < 30 ? 4.2 : 0.6;
+    Detection front = car({30 - 0.6 * scan + 0.5 * visible, 3, 0}, scan < 30 ? 0 : M_PI / 2);
+    front.box.size = {visible, 1.8, 1.5};
+    if (scan >= 30)
+    {
+      front.box.size = {1.8, visible, 1.5};  // the longer visible side is the width
+    }
+    front.points = {0, 1, 2};
+    const auto objects = tracker.update(dt * scan, {front}, Pose::Identity());
+    ASSERT_EQ(objects.size(), 1u);
+    ASSERT_TRUE(objects[0].observed);
+    last = objects[0];
+  }
+  const Box& seen = last.observation;
+  EXPECT_NEAR(std::abs(wrapAngle(seen.yaw - last.box.yaw)), 0, 0.1);
+  EXPECT_NEAR(seen.size.x(), last.box.size.x(), 1e-9);
+  EXPECT_GT(seen.size.x(), 3.5);
+  EXPECT_NEAR(seen.size.y(), 1.8, 0.1);
+  // The front, the side that faces the sensor, stays where it was seen.
+  EXPECT_NEAR(seen.center.x() - 0.5 * seen.size.x(), 30 - 0.6 * 39, 0.1);
+}
