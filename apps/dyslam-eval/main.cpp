@@ -4,6 +4,7 @@
 #include "../common/AppMain.h"
 #include "CurvesCommand.h"
 #include "KittiMotCommand.h"
+#include "KittiSlamCommand.h"
 #include "MapCommand.h"
 #include "MaskCommand.h"
 #include "PredictionCommand.h"
@@ -24,8 +25,8 @@ int main(int argc, char** argv)
         commands = {dyslam::trajectoryCommand(app), dyslam::segmentationCommand(app),
                     dyslam::mapCommand(app),        dyslam::tracksCommand(app),
                     dyslam::predictionCommand(app), dyslam::kittiMotCommand(app),
-                    dyslam::runCommand(app),        dyslam::curvesCommand(app),
-                    dyslam::maskCommand(app)};
+                    dyslam::kittiSlamCommand(app),  dyslam::runCommand(app),
+                    dyslam::curvesCommand(app),     dyslam::maskCommand(app)};
       },
       [&]
       {

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/backend/Backend.h>
-#include <dyslam/core/PoseInformation.h>
+#include <dyslam/backend/factors/LoopFactor.h>
+#include <dyslam/backend/factors/OdometryFactor.h>
+
+#include <mrpt/graphs/CNetworkOfPoses.h>
 
 #include <Eigen/Dense>
 #include <algorithm>
@@ -8,7 +11,8 @@
 #include <stdexcept>
 #include <utility>
 
-#include "GraphData.h"
+#include "ObjectGraph.h"
+#include "PoseGraphView.h"
 
 namespace dyslam
 {
@@ -47,11 +51,6 @@ Matrix6 stepCovariance(const MotionEstimate& motion, const BackendOptions& optio
   return covariance;
 }
 
-mrpt::poses::CPose3DPDFGaussianInf makeEdge(const Pose& mean, const Matrix6& information)
-{
-  return {toMrptPose(mean), mrpt::math::CMatrixDouble66(informationToYpr(mean, information))};
-}
-
 std::vector<Eigen::Vector3f> staticPoints(const Frame& frame)
 {
   std::vector<Eigen::Vector3f> points;
@@ -68,35 +67,47 @@ std::vector<Eigen::Vector3f> staticPoints(const Frame& frame)
 
 struct Backend::State
 {
-  State(const BackendOptions& given,
-        const LoopCloserOptions& loop_options,
-        const BackendSolverOptions& solver_options,
-        KeyframeStore& store)
-      : options(given), keyframes(store), closer(loop_options, store), solver(solver_options)
+  State(const BackendConfig& config, KeyframeStore& store)
+      : options(config.backend),
+        solver(config.solver),
+        window_keyframes(static_cast<std::size_t>(config.objects.window_keyframes)),
+        keyframes(store),
+        closer(config.loops, store),
+        objects(config.objects, config.backend.mode == BackendMode::full, graph)
   {
     validate(options, "backend");
+    validate(solver, "solver");
     if (!keyframes.empty())
     {
       throw std::invalid_argument("Backend: the store has keyframes already");
     }
   }
 
+  [[nodiscard]] bool hasObjects() const
+  {
+    return options.mode == BackendMode::segmot || options.mode == BackendMode::full;
+  }
   void accumulateOdometry(const Frame& frame);
   [[nodiscard]] bool wantsKeyframe() const;
   void addKeyframe(const Frame& frame);
-  void addLoops(const std::vector<Loop>& decided);
-  [[nodiscard]] double whitenedResidual(const Loop& loop) const;
-  [[nodiscard]] PoseGraph graph() const;
-  void optimise();
+  void insertLoops(const std::vector<Loop>& decided);
+  [[nodiscard]] bool loopsAskForIt() const;
+  bool optimiseWindow(const Frame& frame);
+  void optimiseAll();
+  void correctKeyframes(std::size_t first);
 
   BackendOptions options;
+  FactorGraphOptions solver;
+  std::size_t window_keyframes;
   KeyframeStore& keyframes;
   LoopCloser closer;
-  PoseGraphSolver solver;
-  PoseGraph edges;  //!< without nodes: these are the keyframes
+  FactorGraph graph;
+  ObjectGraph objects;
+  std::vector<FactorGraph::FactorId> odometry;  //!< that of keyframe k + 1 at k
   std::vector<FrameInKeyframe> frames;
   std::vector<Loop> loops;
-  PoseGraphResult last_result;
+  OptimisationResult last_result;
+  std::vector<std::string> problems;       //!< factors that the graph refused
   Pose T_odom_keyframe = Pose::Identity();  //!< the newest one's, as the odometry has it
 
   // Since the last keyframe
@@ -126,83 +137,108 @@ bool Backend::State::wantsKeyframe() const
 
 void Backend::State::addKeyframe(const Frame& frame)
 {
+  const std::size_t id = keyframes.size();
   Keyframe keyframe = keyframeOf(frame);
   keyframe.path_length = path_length;
-  keyframe.T_map_vehicle = frame.T_odom_vehicle;
-  if (!keyframes.empty())
+  keyframe.T_map_vehicle =
+      id == 0 ? frame.T_odom_vehicle : keyframes.back().T_map_vehicle * T_keyframe_now;
+  graph.addPose(Key::ego(id), keyframe.T_map_vehicle);
+  if (id == 0)
   {
-    keyframe.T_map_vehicle = keyframes.back().T_map_vehicle * T_keyframe_now;
+    graph.setFixed(Key::ego(0), true);
+  }
+  else
+  {
     Matrix6 information = covariance.inverse();
     information = 0.5 * (information + information.transpose()).eval();
-    const std::size_t id = keyframes.size();
-    edges.insertEdge(id - 1, id, makeEdge(T_keyframe_now, information));
+    odometry.push_back(graph.add(
+        std::make_unique<OdometryFactor>(id - 1, id, T_keyframe_now, information)));
   }
   keyframes.add(std::move(keyframe));
   T_odom_keyframe = frame.T_odom_vehicle;
   T_keyframe_now = Pose::Identity();
   covariance.setZero();
-  if (options.mode == BackendMode::ego)
-  {
-    closer.add(staticPoints(frame));
-    addLoops(closer.search());
-    if (waiting_loops >= options.loops_to_optimise ||
-        (waiting_loops > 0 && worst_residual > options.residual_to_optimise))
-    {
-      optimise();
-    }
-  }
 }
 
-double Backend::State::whitenedResidual(const Loop& loop) const
-{
-  const Pose estimate =
-      keyframes[loop.from].T_map_vehicle.inverse() * keyframes[loop.to].T_map_vehicle;
-  const Vector6 error = logSE3(loop.T_from_to.inverse() * estimate);
-  return std::sqrt(error.dot(loop.information * error));
-}
-
-void Backend::State::addLoops(const std::vector<Loop>& decided)
+void Backend::State::insertLoops(const std::vector<Loop>& decided)
 {
   for (const Loop& loop : decided)
   {
     loops.push_back(loop);
-    if (loop.verdict == LoopVerdict::accepted)
+    if (loop.verdict != LoopVerdict::accepted)
     {
-      edges.insertEdge(loop.from, loop.to, makeEdge(loop.T_from_to, loop.information));
-      worst_residual = std::max(worst_residual, whitenedResidual(loop));
+      continue;
+    }
+    try
+    {
+      const FactorGraph::FactorId id = graph.add(
+          std::make_unique<LoopFactor>(loop.from, loop.to, loop.T_from_to, loop.information));
+      worst_residual = std::max(worst_residual, graph.whitenedResidual(id));
       ++waiting_loops;
+    }
+    catch (const std::invalid_argument& e)
+    {
+      problems.push_back(std::string("a loop was left out: ") + e.what());
     }
   }
 }
 
-PoseGraph Backend::State::graph() const
+bool Backend::State::loopsAskForIt() const
 {
-  PoseGraph whole = edges;
-  for (std::size_t i = 0; i < keyframes.size(); ++i)
-  {
-    static_cast<mrpt::poses::CPose3D&>(whole.nodes[i]) = toMrptPose(keyframes[i].T_map_vehicle);
-  }
-  return whole;
+  return waiting_loops >= options.loops_to_optimise ||
+         (waiting_loops > 0 && worst_residual > options.residual_to_optimise);
 }
 
-void Backend::State::optimise()
+/** Takes the poses of keyframes `first` and later from the graph. */
+void Backend::State::correctKeyframes(std::size_t first)
 {
-  PoseGraph whole = graph();
-  last_result = solver.solve(whole);
   std::vector<Pose> corrected;
-  for (const auto& [id, pose] : whole.nodes)
+  for (std::size_t i = first; i < keyframes.size(); ++i)
   {
-    corrected.push_back(fromMrptPose(pose));
+    corrected.push_back(graph.pose(Key::ego(i)));
   }
-  keyframes.correct(corrected);
+  keyframes.correct(corrected, first);
+}
+
+bool Backend::State::optimiseWindow(const Frame& frame)
+{
+  std::set<Key> free;
+  objects.appendWindow(frame.scan.stamp, free);
+  if (free.empty())
+  {
+    return false;
+  }
+  const std::size_t first =
+      std::max<std::size_t>(1, keyframes.size() - std::min(keyframes.size(), window_keyframes));
+  for (std::size_t i = first; i < keyframes.size(); ++i)
+  {
+    free.insert(Key::ego(i));
+  }
+  constexpr int steps = 3;  // from a good start; the next window goes on from here
+  FactorGraphOptions quick = solver;
+  quick.max_iterations = std::min(steps, solver.max_iterations);
+  (void)graph.optimise(quick, free);
+  correctKeyframes(first);
+  return true;
+}
+
+void Backend::State::optimiseAll()
+{
+  last_result = graph.optimise(solver);
+  correctKeyframes(0);
   waiting_loops = 0;
   worst_residual = 0;
 }
 
 void BackendOptions::describe(OptionsVisitor& visitor)
 {
-  visitor.choice("mode", mode, {{"odometry", BackendMode::odometry}, {"ego", BackendMode::ego}},
-                 "what the graph holds: odometry alone, or odometry and loops");
+  visitor.choice("mode", mode,
+                 {{"odometry", BackendMode::odometry},
+                  {"ego", BackendMode::ego},
+                  {"segmot", BackendMode::segmot},
+                  {"full", BackendMode::full}},
+                 "what the graph holds: odometry; ego: and loops; segmot: and objects, all of them "
+                 "moving; full: and objects, those that stand as landmarks");
   visitor.real("keyframe_distance", keyframe_distance, 0, 1000,
                "a new keyframe after this distance [m]");
   visitor.degrees("keyframe_angle_deg", keyframe_angle, 0, 180, "or after this turn");
@@ -218,27 +254,15 @@ void BackendOptions::describe(OptionsVisitor& visitor)
                   "or this many loops have come");
 }
 
-BackendSolverOptions::BackendSolverOptions()
-{
-  residual = EdgeResidual::log;
-  loop_loss = RobustLoss::dcs;
-  start = GraphStart::file;
-  max_iterations = 50;
-  tolerance = 1e-6;
-}
-
-Backend::Backend(const BackendOptions& options,
-                 const LoopCloserOptions& loops,
-                 const BackendSolverOptions& solver,
-                 KeyframeStore& keyframes)
-    : state_(std::make_unique<State>(options, loops, solver, keyframes))
+Backend::Backend(const BackendConfig& config, KeyframeStore& keyframes)
+    : state_(std::make_unique<State>(config, keyframes))
 {
 }
 Backend::~Backend() = default;
 Backend::Backend(Backend&&) noexcept = default;
 Backend& Backend::operator=(Backend&&) noexcept = default;
 
-void Backend::addFrame(Frame& frame)
+bool Backend::addOdometry(Frame& frame)
 {
   State& s = *state_;
   if (!s.frames.empty())
@@ -252,22 +276,82 @@ void Backend::addFrame(Frame& frame)
     s.addKeyframe(frame);
   }
   s.frames.push_back({frame.scan.stamp, s.keyframes.size() - 1, s.T_keyframe_now});
+  if (s.hasObjects())
+  {
+    s.objects.add(frame, {s.keyframes.size() - 1, s.T_keyframe_now, s.covariance});
+  }
   frame.T_map_odom = s.keyframes.back().T_map_vehicle * s.T_odom_keyframe.inverse();
+  return frame.is_keyframe;
+}
+
+std::size_t Backend::addLoops(const Frame& frame)
+{
+  State& s = *state_;
+  if (!frame.is_keyframe || s.options.mode == BackendMode::odometry)
+  {
+    return 0;
+  }
+  const int before = s.waiting_loops;
+  s.closer.add(staticPoints(frame));
+  s.insertLoops(s.closer.search());
+  return static_cast<std::size_t>(s.waiting_loops - before);
+}
+
+bool Backend::optimise(Frame& frame)
+{
+  State& s = *state_;
+  bool changed = false;
+  if (s.loopsAskForIt())
+  {
+    s.optimiseAll();
+    changed = true;
+  }
+  else if (frame.is_keyframe && s.hasObjects() && s.window_keyframes > 0)
+  {
+    changed = s.optimiseWindow(frame);
+  }
+  frame.T_map_odom = s.keyframes.back().T_map_vehicle * s.T_odom_keyframe.inverse();
+  return changed;
+}
+
+void Backend::addFrame(Frame& frame)
+{
+  addOdometry(frame);
+  addLoops(frame);
+  optimise(frame);
 }
 
 void Backend::finish()
 {
   State& s = *state_;
-  s.addLoops(s.closer.finish());
-  if (s.waiting_loops > 0)
+  s.insertLoops(s.closer.finish());
+  if (s.hasObjects())
   {
-    s.optimise();
+    s.objects.finish();
   }
+  if (s.waiting_loops > 0 || s.hasObjects())
+  {
+    s.optimiseAll();
+  }
+  if (s.hasObjects() && s.objects.releaseContradicted(s.solver) > 0)
+  {
+    s.optimiseAll();
+  }
+}
+
+const FactorGraph& Backend::factorGraph() const
+{
+  return state_->graph;
+}
+
+const Factor& Backend::odometryFactor(std::size_t keyframe) const
+{
+  return state_->graph.factor(state_->odometry.at(keyframe - 1));
 }
 
 PoseGraph Backend::graph() const
 {
-  return state_->graph();
+  return poseGraphView(state_->graph);
 }
 
 const KeyframeStore& Backend::keyframes() const
@@ -291,8 +375,23 @@ const std::vector<Loop>& Backend::loops() const
   return state_->loops;
 }
 
-const PoseGraphResult& Backend::lastOptimisation() const
+std::vector<SmoothedObject> Backend::smoothedObjects() const
+{
+  return state_->objects.smoothed();
+}
+
+const OptimisationResult& Backend::lastOptimisation() const
 {
   return state_->last_result;
+}
+
+std::vector<std::string> Backend::warnings() const
+{
+  std::vector<std::string> result = state_->problems;
+  for (const auto& more : {state_->last_result.warnings, state_->objects.warnings()})
+  {
+    result.insert(result.end(), more.begin(), more.end());
+  }
+  return result;
 }
 }  // namespace dyslam

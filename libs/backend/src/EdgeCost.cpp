@@ -119,75 +119,7 @@ class PlanarEdgeCost final : public ceres::SizedCostFunction<3, 3, 3>
   double heading_;
   Eigen::Matrix3d whitening_;
 };
-
-class DcsLoss final : public ceres::LossFunction
-{
- public:
-  explicit DcsLoss(double width) : phi_(width * width) {}
-
-  void Evaluate(double s, double rho[3]) const override
-  {
-    if (s <= phi_)
-    {
-      rho[0] = s;
-      rho[1] = 1;
-      rho[2] = 0;
-      return;
-    }
-    const double sum = phi_ + s;
-    rho[0] = 3 * phi_ - 4 * phi_ * phi_ / sum;
-    rho[1] = 4 * phi_ * phi_ / (sum * sum);
-    rho[2] = -2 * rho[1] / sum;
-  }
-
- private:
-  double phi_;
-};
 }  // namespace
-
-void packPose(const Pose& pose, double* block)
-{
-  Eigen::Map<Eigen::Vector3d>{block} = pose.translation();
-  Eigen::Map<Eigen::Quaterniond>{block + 3} = Eigen::Quaterniond(pose.linear());
-}
-
-Pose unpackPose(const double* block)
-{
-  Pose pose = Pose::Identity();
-  pose.translation() = Eigen::Map<const Eigen::Vector3d>(block);
-  pose.linear() = Eigen::Map<const Eigen::Quaterniond>(block + 3).toRotationMatrix();
-  return pose;
-}
-
-bool PoseManifold::Plus(const double* x, const double* delta, double* x_plus_delta) const
-{
-  const Eigen::Map<const Vector6> tangent(delta);
-  const Pose step = expSE3(tangent);
-  const Eigen::Map<const Eigen::Quaterniond> q(x + 3);
-  const Eigen::Quaterniond turned = q * Eigen::Quaterniond(step.linear());
-  const Eigen::Vector3d moved = Eigen::Map<const Eigen::Vector3d>(x) + q * step.translation();
-  Eigen::Map<Eigen::Vector3d>{x_plus_delta} = moved;
-  Eigen::Map<Eigen::Quaterniond>{x_plus_delta + 3} = turned.normalized();
-  return true;
-}
-
-bool PoseManifold::PlusJacobian(const double* /*x*/, double* jacobian) const
-{
-  Eigen::Map<Eigen::Matrix<double, 7, 6, Eigen::RowMajor>>(jacobian).setIdentity();
-  return true;
-}
-
-bool PoseManifold::Minus(const double* y, const double* x, double* y_minus_x) const
-{
-  Eigen::Map<Vector6>{y_minus_x} = logSE3(unpackPose(x).inverse() * unpackPose(y));
-  return true;
-}
-
-bool PoseManifold::MinusJacobian(const double* /*x*/, double* jacobian) const
-{
-  Eigen::Map<RowMatrix67>(jacobian).setIdentity();
-  return true;
-}
 
 std::unique_ptr<ceres::CostFunction> makeEdgeCost(ErrorCoordinates coordinates,
                                                   const GraphEdge& edge)
@@ -198,10 +130,5 @@ std::unique_ptr<ceres::CostFunction> makeEdgeCost(ErrorCoordinates coordinates,
 std::unique_ptr<ceres::CostFunction> makePlanarEdgeCost(const GraphEdge& edge)
 {
   return std::make_unique<PlanarEdgeCost>(edge);
-}
-
-std::unique_ptr<ceres::LossFunction> makeDcsLoss(double width)
-{
-  return std::make_unique<DcsLoss>(width);
 }
 }  // namespace dyslam

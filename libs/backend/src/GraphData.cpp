@@ -199,7 +199,6 @@ GraphData unroll(const mrpt::graphs::CNetworkOfPoses3DInf& graph, IndefiniteInfo
     edge.to = indexOf(data.ids, pair.second);
     edge.T_from_to = fromMrptPose(measured.mean);
     edge.information = informationFromYpr(edge.T_from_to, measured.cov_inv.asEigen());
-    edge.loop = pair.second != pair.first + 1 && pair.first != pair.second + 1;
     requireGood(data, edge);
     data.projected_edges += makePositiveDefinite(data, edge, indefinite) ? 1 : 0;
     data.edges.push_back(edge);

@@ -20,7 +20,6 @@ struct GraphEdge
   std::size_t to = 0;
   Pose T_from_to = Pose::Identity();
   Matrix6 information = Matrix6::Identity();
-  bool loop = false;  //!< not from a node to its successor
 };
 
 /** A pose graph unrolled into arrays. */

@@ -77,31 +77,15 @@ double chi2Of(const GraphData& data, const PoseGraphSolverOptions& options)
   return sum;
 }
 
-std::unique_ptr<ceres::LossFunction> makeLoss(RobustLoss loss, double width)
-{
-  switch (loss)
-  {
-    case RobustLoss::cauchy:
-      return std::make_unique<ceres::CauchyLoss>(width);
-    case RobustLoss::dcs:
-      return makeDcsLoss(width);
-    case RobustLoss::none:
-      break;
-  }
-  return nullptr;
-}
-
-/** A graph as Ceres sees it. Further kinds of factors are further residual blocks. */
+/** A pose graph as Ceres sees it. */
 class GraphProblem
 {
  public:
   GraphProblem(const GraphData& data, const PoseGraphSolverOptions& options)
-      : data_(data),
-        options_(options),
+      : options_(options),
         planar_(inPlane(data, options)),
         coordinates_(coordinatesFor(data, options)),
         blocks_(data, planar_),
-        loss_(nullptr, ceres::TAKE_OWNERSHIP),
         problem_(problemOptions())
   {
     for (std::size_t i = 0; i < data.size(); ++i)
@@ -112,20 +96,18 @@ class GraphProblem
     for (const GraphEdge& edge : data.edges)
     {
       auto cost = planar_ ? makePlanarEdgeCost(edge) : makeEdgeCost(coordinates_, edge);
-      const bool robust = edge.loop && options.loop_loss != RobustLoss::none;
-      problem_.AddResidualBlock(cost.release(), robust ? &loss_ : nullptr, blocks_.block(edge.from),
+      problem_.AddResidualBlock(cost.release(), nullptr, blocks_.block(edge.from),
                                 blocks_.block(edge.to));
     }
   }
 
-  ceres::Solver::Summary solve(double loss_width, int max_iterations, double tolerance)
+  ceres::Solver::Summary solve()
   {
-    loss_.Reset(makeLoss(options_.loop_loss, loss_width).release(), ceres::TAKE_OWNERSHIP);
     ceres::Solver::Options ceres_options;
     ceres_options.linear_solver_type = ceres::SPARSE_NORMAL_CHOLESKY;
     ceres_options.sparse_linear_algebra_library_type = ceres::SUITE_SPARSE;
-    ceres_options.max_num_iterations = max_iterations;
-    ceres_options.function_tolerance = tolerance;
+    ceres_options.max_num_iterations = options_.max_iterations;
+    ceres_options.function_tolerance = options_.tolerance;
     ceres_options.gradient_tolerance = 1e-14;
     ceres_options.parameter_tolerance = 1e-12;
     ceres_options.initial_trust_region_radius = 1e8;
@@ -136,78 +118,31 @@ class GraphProblem
     return summary;
   }
 
-  /** Largest whitened residual of a loop edge. */
-  [[nodiscard]] double worstLoop()
-  {
-    double worst = 0;
-    for (const GraphEdge& edge : data_.edges)
-    {
-      if (edge.loop)
-      {
-        const Vector6 error =
-            edgeError(coordinates_, edge.T_from_to, blocks_.pose(edge.from), blocks_.pose(edge.to));
-        worst = std::max(worst, std::sqrt(error.dot(edge.information * error)));
-      }
-    }
-    return worst;
-  }
-
   [[nodiscard]] Pose pose(std::size_t i) { return blocks_.pose(i); }
 
  private:
   static ceres::Problem::Options problemOptions()
   {
     ceres::Problem::Options options;
-    options.loss_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
     options.manifold_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
     options.disable_all_safety_checks = true;
     return options;
   }
 
-  const GraphData& data_;
   const PoseGraphSolverOptions& options_;
   bool planar_;
   ErrorCoordinates coordinates_;
   Blocks blocks_;
   PoseManifold manifold_;
-  ceres::LossFunctionWrapper loss_;
   ceres::Problem problem_;
 };
-
-int stepsOf(const ceres::Solver::Summary& summary)
-{
-  return std::max(0, static_cast<int>(summary.iterations.size()) - 1);
-}
-
-/** Narrows the loss from the worst residual to its width (graduated non-convexity), so that loops
- * that only look wrong because of drift are not thrown out at the start. */
-int narrowLoss(GraphProblem& problem, const PoseGraphSolverOptions& options)
-{
-  constexpr double narrowing = 3;
-  constexpr int steps_per_width = 10;
-  int steps = 0;
-  double width = 2 * problem.worstLoop();
-  while (width > options.loss_width && steps < options.max_iterations)
-  {
-    steps += stepsOf(
-        problem.solve(width, std::min(steps_per_width, options.max_iterations - steps), 1e-3));
-    width = std::min(width / narrowing, problem.worstLoop());
-  }
-  return steps;
-}
 
 /** Optimises from data.poses and puts the solution there and into the result. */
 void optimise(GraphData& data, const PoseGraphSolverOptions& options, PoseGraphResult& result)
 {
   GraphProblem problem(data, options);
-  if (options.loop_loss != RobustLoss::none)
-  {
-    result.iterations = narrowLoss(problem, options);
-  }
-  const ceres::Solver::Summary summary =
-      problem.solve(options.loss_width, std::max(0, options.max_iterations - result.iterations),
-                    options.tolerance);
-  result.iterations += stepsOf(summary);
+  const ceres::Solver::Summary summary = problem.solve();
+  result.iterations = std::max(0, static_cast<int>(summary.iterations.size()) - 1);
   result.converged = summary.termination_type == ceres::CONVERGENCE;
   result.reason = summary.message;
   for (std::size_t i = 0; i < data.size(); ++i)
@@ -226,11 +161,6 @@ void PoseGraphSolverOptions::describe(OptionsVisitor& visitor)
   visitor.real("tolerance", tolerance, 0, 1, "stop when a step lowers the cost by less than this");
   visitor.choice("residual", residual, {{"log", EdgeResidual::log}, {"g2o", EdgeResidual::g2o}},
                  "coordinates of an edge's residual");
-  visitor.choice(
-      "loop_loss", loop_loss,
-      {{"none", RobustLoss::none}, {"cauchy", RobustLoss::cauchy}, {"dcs", RobustLoss::dcs}},
-      "robust loss of loop edges");
-  visitor.real("loss_width", loss_width, 1e-6, 1e6, "whitened residual where it sets in");
   visitor.choice("start", start, {{"file", GraphStart::file}, {"chordal", GraphStart::chordal}},
                  "poses the optimisation starts from");
   visitor.choice(

@@ -122,16 +122,16 @@ std::size_t KeyframeStore::add(Keyframe keyframe)
   return keyframes_.size() - 1;
 }
 
-void KeyframeStore::correct(const std::vector<Pose>& T_map_vehicle)
+void KeyframeStore::correct(const std::vector<Pose>& T_map_vehicle, std::size_t first)
 {
-  if (T_map_vehicle.size() != keyframes_.size())
+  if (first + T_map_vehicle.size() != keyframes_.size())
   {
     throw std::invalid_argument("KeyframeStore: " + std::to_string(T_map_vehicle.size()) +
                                 " poses for " + std::to_string(keyframes_.size()) + " keyframes");
   }
-  for (std::size_t i = 0; i < keyframes_.size(); ++i)
+  for (std::size_t i = 0; i < T_map_vehicle.size(); ++i)
   {
-    keyframes_[i].T_map_vehicle = T_map_vehicle[i];
+    keyframes_[first + i].T_map_vehicle = T_map_vehicle[i];
   }
   ++revision_;
 }

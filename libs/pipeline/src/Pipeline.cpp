@@ -36,9 +36,9 @@ struct Pipeline::Stages
         odometry(config, pool, times),
         detector(config.get<DetectorOptions>("detector")),
         tracker(config.get<TrackerOptions>("tracker")),
-        backend(config.get<BackendOptions>("backend"),
-                config.get<LoopCloserOptions>("loop"),
-                config.get<BackendSolverOptions>("solver"),
+        backend({config.get<BackendOptions>("backend"), config.get<LoopCloserOptions>("loop"),
+                 config.get<ObjectGraphOptions>("objects"),
+                 config.get<FactorGraphOptions>("solver")},
                 keyframes),
         map(config.get<StaticMapOptions>("map"), keyframes)
   {

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <dyslam/backend/FactorGraph.h>
 #include <dyslam/backend/LoopCloser.h>
+#include <dyslam/backend/ObjectGraphOptions.h>
 #include <dyslam/backend/PoseGraph.h>
-#include <dyslam/backend/PoseGraphSolver.h>
+#include <dyslam/backend/SmoothedObject.h>
 #include <dyslam/core/Frame.h>
 #include <dyslam/core/KeyframeStore.h>
 #include <dyslam/core/Options.h>
@@ -11,15 +13,18 @@
 
 #include <cstddef>
 #include <memory>
+#include <string>
 #include <vector>
 
 namespace dyslam
 {
-/** What the graph holds. */
+/** What the graph holds; the paper's ablation (Table 6). */
 enum class BackendMode
 {
-  odometry,  //!< the chain of odometry edges: nothing to optimise
-  ego,       //!< odometry and loops
+  odometry,  //!< the chain of odometry factors: nothing to optimise
+  ego,       //!< odometry and loops (DyLO-SAM)
+  segmot,    //!< and every object as a moving one, as LIO-SEGMOT has them
+  full,      //!< and objects, standing ones as landmarks, moving ones with velocities (DyLO-SAM-MOT)
 };
 
 struct BackendOptions : Options
@@ -37,48 +42,67 @@ struct BackendOptions : Options
   void describe(OptionsVisitor& visitor) override;
 };
 
-/** The solver's options with the backend's defaults: from the present estimate, in the paper's
- * coordinates, wrong loops switched off. */
-struct BackendSolverOptions : PoseGraphSolverOptions
+/** All options of the backend. */
+struct BackendConfig
 {
-  BackendSolverOptions();
+  BackendOptions backend;
+  LoopCloserOptions loops;
+  ObjectGraphOptions objects;
+  FactorGraphOptions solver;
 };
 
-/** Keyframes, odometry edges, loops and their optimisation for the pipeline.
+/** Keyframes, odometry, loops and objects in one factor graph, and its optimisation (paper,
+ * section 3.3.2).
  *
- * Between loops a frame costs a bounded time. The number of the solver's threads changes results by
- * rounding alone.
- * Not thread-safe.
+ * Without loops a frame costs a bounded time: the newest keyframes and objects are optimised, older
+ * ones are held. After a loop and at the end everything is optimised together.
+ * Deterministic; not thread-safe.
  */
 class Backend
 {
  public:
   /** \param keyframes empty; outlives the backend, which adds the keyframes and corrects their
-   * poses: a keyframe's number is its node in the graph. */
-  Backend(const BackendOptions& options,
-          const LoopCloserOptions& loops,
-          const BackendSolverOptions& solver,
-          KeyframeStore& keyframes);
+   * poses: a keyframe's number is its ego pose in the graph. */
+  Backend(const BackendConfig& config, KeyframeStore& keyframes);
   ~Backend();
   Backend(Backend&&) noexcept;
   Backend& operator=(Backend&&) noexcept;
 
-  /** Reads scan.stamp, cloud, moving, motion and T_odom_vehicle; fills is_keyframe and
-   * T_map_odom. Frames come in order of time. */
+  /** Reads scan.stamp, cloud, moving, motion, T_odom_vehicle and objects; fills is_keyframe and
+   * T_map_odom. Frames come in order of time. The same as the three steps below. */
   void addFrame(Frame& frame);
 
-  /** Decides the loops still open and optimises once more (call it after the last frame). */
+  /** The steps of addFrame(), for who does something between them: every frame, in this order.
+   * Accumulates the odometry; adds keyframe, odometry factor and objects. Fills is_keyframe, and
+   * T_map_odom by the present estimate. \return is_keyframe */
+  bool addOdometry(Frame& frame);
+  /** Looks for loops from the frame, if it is a keyframe, and adds those accepted now; moves no
+   * pose. A backend that is never asked finds no loops. \return number of loops added */
+  std::size_t addLoops(const Frame& frame);
+  /** Optimises what is due: the newest part, or everything where a loop asks for it. Fills
+   * T_map_odom. \return true if the pose of a keyframe changed */
+  bool optimise(Frame& frame);
+
+  /** Decides what is still open, loops and objects, and optimises everything once more (call it
+   * after the last frame). */
   void finish();
 
-  /** Keyframes at their present poses, odometry edges and accepted loops; built for the caller. */
+  [[nodiscard]] const FactorGraph& factorGraph() const;
+  /** The odometry factor that leads to a keyframe. \pre keyframe >= 1 */
+  [[nodiscard]] const Factor& odometryFactor(std::size_t keyframe) const;
+  /** View of the ego poses, odometry and accepted loops as MRPT has them; built for the caller. */
   [[nodiscard]] PoseGraph graph() const;
   [[nodiscard]] const KeyframeStore& keyframes() const;
   /** Every frame's T_map_vehicle by the present estimate. */
   [[nodiscard]] Trajectory optimizedTrajectory() const;
   /** All candidates that were decided, in order. */
   [[nodiscard]] const std::vector<Loop>& loops() const;
-  /** Of the last optimisation; default before the first. */
-  [[nodiscard]] const PoseGraphResult& lastOptimisation() const;
+  /** Every object of the graph at every scan that observed it, by scan, then id. */
+  [[nodiscard]] std::vector<SmoothedObject> smoothedObjects() const;
+  /** Of the last optimisation of everything; default before the first. */
+  [[nodiscard]] const OptimisationResult& lastOptimisation() const;
+  /** What the graph could not use, in words. */
+  [[nodiscard]] std::vector<std::string> warnings() const;
 
  private:
   struct State;

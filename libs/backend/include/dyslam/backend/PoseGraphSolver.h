@@ -17,14 +17,6 @@ enum class EdgeResidual
   g2o,  //!< translation of E and twice its quaternion's vector part; the heading in planar graphs
 };
 
-/** Robust loss of loop edges, of the squared whitened residual. */
-enum class RobustLoss
-{
-  none,
-  cauchy,  //!< logarithmic beyond the width
-  dcs,     //!< dynamic covariance scaling: a switchable constraint with the switch solved for
-};
-
 /** Where the optimisation starts from. */
 enum class GraphStart
 {
@@ -44,8 +36,6 @@ struct PoseGraphSolverOptions : Options
   int max_iterations = 100;
   double tolerance = 1e-9;  //!< stop when a step lowers the cost by less than this fraction
   EdgeResidual residual = EdgeResidual::g2o;
-  RobustLoss loop_loss = RobustLoss::none;  //!< for edges other than k -> k + 1
-  double loss_width = 3;                    //!< whitened residual where the loss sets in
   GraphStart start = GraphStart::chordal;
   IndefiniteInformation indefinite_information = IndefiniteInformation::error;
   int threads = 1;  //!< changes the result by rounding alone; with 1 it is always the same
@@ -57,7 +47,7 @@ struct PoseGraphResult
 {
   double start_chi2 = 0;    //!< of the poses the graph came with (of the start, if it had none)
   double initial_chi2 = 0;  //!< where the optimisation started
-  double final_chi2 = 0;    //!< sum of e' Omega e over all edges, without robust loss
+  double final_chi2 = 0;    //!< sum of e' Omega e over all edges
   int iterations = 0;
   std::size_t projected_edges = 0;  //!< whose information was not positive definite
   bool converged = false;

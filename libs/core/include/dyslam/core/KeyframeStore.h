@@ -79,9 +79,9 @@ class KeyframeStore
   [[nodiscard]] auto begin() const { return keyframes_.begin(); }
   [[nodiscard]] auto end() const { return keyframes_.end(); }
 
-  /** Gives every keyframe a corrected pose. \throws std::invalid_argument unless there is one each.
-   */
-  void correct(const std::vector<Pose>& T_map_vehicle);
+  /** Gives the keyframes from number `first` on corrected poses. \throws std::invalid_argument
+   * unless there is one each. */
+  void correct(const std::vector<Pose>& T_map_vehicle, std::size_t first = 0);
   /** Number of corrections so far. */
   [[nodiscard]] std::size_t revision() const { return revision_; }
 

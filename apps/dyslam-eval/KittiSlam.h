@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <dyslam/backend/Backend.h>
+#include <dyslam/core/Pose.h>
+#include <dyslam/tracking/Tracker.h>
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace dyslam
+{
+/** Errors added to the true motion between scans, as an odometry makes them. */
+struct OdometryNoise
+{
+  std::string name;
+  double per_step = 0;  //!< standard deviation along each axis per step [m] ...
+  double per_metre = 0;  //!< ... and this share of the step
+  double turn = 0;       //!< about each axis per step [rad]
+};
+
+/** One sequence of KITTI tracking: detections and ego-motion, lidar frame. */
+struct KittiDrive
+{
+  std::string name;  //!< "0004"
+  std::vector<double> stamps;
+  std::vector<Pose> truth;  //!< T_world_velo, smoothed from OXTS without any object
+  std::vector<std::vector<Detection>> detections;  //!< per scan, as the detector gave them
+  std::vector<Pose> visual;  //!< of the visual odometry in the data; empty if there is none
+  std::vector<LabelledBox> labels;
+};
+
+/** \param detector folder of `det_<detector>/Car/NNNN.txt`, or "labels" for the labelled boxes
+ *  \throws UserError for files that cannot be read. */
+[[nodiscard]] KittiDrive readKittiDrive(const std::string& folder,
+                                        const std::string& name,
+                                        const std::string& detector,
+                                        double min_score);
+
+/** The motion between scans with errors drawn from `noise`; T_odom_velo, the first is identity. */
+[[nodiscard]] std::vector<Pose> noisyOdometry(const std::vector<Pose>& truth,
+                                              const OdometryNoise& noise,
+                                              std::uint32_t seed);
+
+/** What a run of tracker and backend gave. */
+struct KittiSlamRun
+{
+  std::vector<Pose> trajectory;  //!< T_map_velo per scan
+  std::vector<SmoothedObject> objects;
+  std::vector<std::vector<TrackedObject>> tracked;  //!< per scan, odometry frame
+  std::vector<std::string> warnings;
+};
+
+/** \param odometry T_odom_velo per scan \param step covariance of a step [m^2, rad^2], tangent */
+[[nodiscard]] KittiSlamRun runKittiSlam(const KittiDrive& drive,
+                                        const std::vector<Pose>& odometry,
+                                        const std::vector<Matrix6>& step_information,
+                                        const TrackerOptions& tracker,
+                                        const BackendConfig& backend);
+/** Information of each step of an odometry with this noise. */
+[[nodiscard]] std::vector<Matrix6> stepInformation(const std::vector<Pose>& odometry,
+                                                   const OdometryNoise& noise);
+}  // namespace dyslam

@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <dyslam/backend/Factor.h>
+#include <dyslam/core/Options.h>
+
+#include <array>
+#include <cstddef>
+#include <map>
+#include <memory>
+#include <set>
+#include <string>
+#include <vector>
+
+namespace dyslam
+{
+/** Robust loss, of the squared whitened residual. */
+enum class RobustLoss
+{
+  none,
+  cauchy,  //!< logarithmic beyond the width
+  dcs,     //!< dynamic covariance scaling: a switchable constraint with the switch solved for
+};
+
+struct FactorGraphOptions : Options
+{
+  int max_iterations = 50;
+  double tolerance = 1e-6;  //!< stop when a step lowers the cost by less than this fraction
+  RobustLoss loop_loss = RobustLoss::dcs;  //!< of loop factors
+  double loop_loss_width = 3;              //!< whitened residual where it sets in
+  RobustLoss object_loss = RobustLoss::cauchy;  //!< of observation factors
+  double object_loss_width = 3;
+
+  void describe(OptionsVisitor& visitor) override;
+};
+
+/** How an optimisation went. */
+struct OptimisationResult
+{
+  double initial_chi2 = 0;  //!< sum of squared whitened residuals, without robust loss
+  double final_chi2 = 0;
+  int iterations = 0;
+  bool converged = false;
+  std::string reason;                 //!< why it stopped
+  std::vector<std::string> warnings;  //!< of the graph, for example parts that hang on nothing
+};
+
+/** The working graph of the backend (paper, Fig. 6 and Eq. 11): typed variables, factors of
+ * explicit kinds, and their solution by Ceres.
+ *
+ * Always solved in one thread: the same graph gives the same bytes. Not thread-safe.
+ */
+class FactorGraph
+{
+ public:
+  using FactorId = std::size_t;
+  struct Variable
+  {
+    std::array<double, pose_block_size> block{};  //!< see ValueBlocks
+    bool fixed = false;
+    std::vector<FactorId> factors;  //!< that touch it
+  };
+
+  /** Adds a variable. \throws std::invalid_argument if the key is taken, of the other type, or the
+   * value is not finite. */
+  void addPose(const Key& key, const Pose& pose);
+  void addVelocity(const Key& key, const Vector6& twist);
+  /** Takes it away with all factors that touch it. */
+  void remove(const Key& key);
+
+  [[nodiscard]] bool contains(const Key& key) const { return variables_.count(key) != 0; }
+  /** \throws std::out_of_range, here and below, for a key that the graph does not have. */
+  [[nodiscard]] Pose pose(const Key& key) const;
+  [[nodiscard]] Vector6 velocity(const Key& key) const;
+  void setPose(const Key& key, const Pose& pose);
+  void setVelocity(const Key& key, const Vector6& twist);
+  /** A fixed variable keeps its value in every optimisation. */
+  void setFixed(const Key& key, bool fixed);
+  [[nodiscard]] bool isFixed(const Key& key) const;
+  /** In order of keys. */
+  [[nodiscard]] const std::map<Key, Variable>& variables() const { return variables_; }
+
+  /** \throws std::invalid_argument if one of its variables is missing. */
+  FactorId add(std::unique_ptr<const Factor> factor);
+  void removeFactor(FactorId id);
+  [[nodiscard]] const Factor& factor(FactorId id) const;
+  [[nodiscard]] const std::vector<FactorId>& factorsOf(const Key& key) const;
+  /** All factors, in order of their ids. */
+  [[nodiscard]] std::vector<FactorId> factorIds() const;
+  [[nodiscard]] std::size_t factorCount() const { return factor_count_; }
+
+  /** Length of the whitened residual at the present values. */
+  [[nodiscard]] double whitenedResidual(FactorId id) const;
+  /** Sum of squared whitened residuals at the present values, without robust loss. */
+  [[nodiscard]] double chi2() const;
+
+  /** Optimises all variables that are not fixed. Parts of the graph without a fixed variable keep
+   * their first pose where it is, and a warning says so. */
+  OptimisationResult optimise(const FactorGraphOptions& options);
+  /** Optimises the given variables alone; all others keep their values. */
+  OptimisationResult optimise(const FactorGraphOptions& options, const std::set<Key>& free);
+
+  /** Marginal covariances over the tangents (poses) or components (velocities) of some variables at
+   * the present values, without robust loss; given the fixed variables, and where `free` is not
+   * empty given all variables that it does not name.
+   * \throws std::runtime_error where the factors leave a direction open. */
+  [[nodiscard]] std::vector<Matrix6> covariances(const std::vector<Key>& keys,
+                                                 const std::set<Key>& free = {});
+
+ private:
+  [[nodiscard]] Variable& variable(const Key& key);
+  [[nodiscard]] const Variable& variable(const Key& key) const;
+  [[nodiscard]] OptimisationResult optimiseVariables(const FactorGraphOptions& options,
+                                                     const std::vector<Key>& free);
+  /** Adds a first pose to `held` for every part of `free` that no other variable holds. */
+  void holdLooseParts(std::vector<Key>& free, std::vector<std::string>& warnings) const;
+
+  std::map<Key, Variable> variables_;
+  std::vector<std::unique_ptr<const Factor>> factors_;  //!< null where one was removed
+  std::vector<FactorId> unused_;                        //!< of those
+  std::size_t factor_count_ = 0;
+};
+}  // namespace dyslam

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <tuple>
+
+namespace dyslam
+{
+/** The variables of a factor graph (paper, Fig. 6). */
+enum class VariableKind : std::uint8_t
+{
+  ego_pose,         //!< x_k: T_map_vehicle at keyframe k
+  static_object,    //!< s_j: T_map_object of an object that stands, one for all time
+  object_pose,      //!< l_j,k: T_map_object of a moving object at scan k
+  object_velocity,  //!< V_j,k: its twist over the interval that ends at scan k
+};
+
+/** Names one variable of a factor graph. */
+struct Key
+{
+  VariableKind kind = VariableKind::ego_pose;
+  std::int64_t object = -1;  //!< id of the object; -1 for ego poses
+  std::int64_t index = -1;   //!< keyframe or scan; -1 for static objects
+
+  [[nodiscard]] static Key ego(std::size_t keyframe)
+  {
+    return {VariableKind::ego_pose, -1, static_cast<std::int64_t>(keyframe)};
+  }
+  [[nodiscard]] static Key staticObject(int object)
+  {
+    return {VariableKind::static_object, object, -1};
+  }
+  [[nodiscard]] static Key objectPose(int object, std::size_t scan)
+  {
+    return {VariableKind::object_pose, object, static_cast<std::int64_t>(scan)};
+  }
+  [[nodiscard]] static Key objectVelocity(int object, std::size_t scan)
+  {
+    return {VariableKind::object_velocity, object, static_cast<std::int64_t>(scan)};
+  }
+
+  [[nodiscard]] bool isPose() const { return kind != VariableKind::object_velocity; }
+
+  friend bool operator==(const Key& a, const Key& b)
+  {
+    return std::tie(a.kind, a.object, a.index) == std::tie(b.kind, b.object, b.index);
+  }
+  friend bool operator!=(const Key& a, const Key& b) { return !(a == b); }
+  /** By kind, then object, then index. */
+  friend bool operator<(const Key& a, const Key& b)
+  {
+    return std::tie(a.kind, a.object, a.index) < std::tie(b.kind, b.object, b.index);
+  }
+};
+
+/** "x12", "s4", "l4@123", "v4@123". */
+[[nodiscard]] std::string toString(const Key& key);
+}  // namespace dyslam

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <dyslam/core/Pose.h>
+
+#include <Eigen/Core>
+#include <cstddef>
+
+namespace dyslam
+{
+/** An object at one scan as the whole recording shows it. */
+struct SmoothedObject
+{
+  int id = -1;
+  std::size_t scan = 0;  //!< Frame::index
+  double stamp = 0;      //!< [s]
+  Pose T_map_object = Pose::Identity();
+  Eigen::Vector3d velocity = Eigen::Vector3d::Zero();  //!< map frame [m/s]
+  bool moving = false;                                 //!< a dynamic object of the graph
+  /** Of x, y, z [m^2], yaw [rad^2], map frame, given the ego poses. */
+  Eigen::Matrix4d covariance = Eigen::Matrix4d::Zero();
+  Eigen::Matrix3d velocity_covariance = Eigen::Matrix3d::Zero();  //!< map frame [m^2/s^2]
+};
+}  // namespace dyslam

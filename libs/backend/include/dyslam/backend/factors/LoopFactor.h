@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <dyslam/backend/factors/RelativePoseFactor.h>
+
+namespace dyslam
+{
+/** Motion between two keyframes at one place as the registration of their scans measured it (h,
+ * Eq. 7); robust, since a place may only look like another. */
+class LoopFactor final : public RelativePoseFactor
+{
+ public:
+  /** \param T_from_to pose of keyframe `to` in keyframe `from` */
+  LoopFactor(std::size_t from, std::size_t to, const Pose& T_from_to, const Matrix6& information)
+      : RelativePoseFactor(Key::ego(from), Key::ego(to), T_from_to, information)
+  {
+  }
+  [[nodiscard]] FactorKind kind() const override { return FactorKind::loop; }
+};
+}  // namespace dyslam

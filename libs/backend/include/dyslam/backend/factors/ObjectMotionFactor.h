@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <dyslam/backend/Factor.h>
+
+#include <vector>
+
+namespace dyslam
+{
+/** log(l_from^-1 l_to) - V_to dt: a moving object goes on as its velocity says (m, Eq. 9). */
+class ObjectMotionFactor final : public Factor
+{
+ public:
+  /** \param object id
+   *  \param from, to scans, in order of time
+   *  \param dt between them [s], above 0
+   *  \throws std::invalid_argument. */
+  ObjectMotionFactor(
+      int object, std::size_t from, std::size_t to, double dt, const Matrix6& information);
+
+  [[nodiscard]] FactorKind kind() const override { return FactorKind::object_motion; }
+  [[nodiscard]] Vector6 residual(ValueBlocks blocks, FactorJacobians* jacobians) const override;
+  [[nodiscard]] double dt() const { return dt_; }
+
+ private:
+  double dt_;
+};
+}  // namespace dyslam

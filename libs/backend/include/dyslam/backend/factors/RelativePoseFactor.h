@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <dyslam/backend/Factor.h>
+
+namespace dyslam
+{
+/** log(T_measured^-1 T_a^-1 T_b) between two poses a and b: what odometry, loop and observation
+ * factors have in common. */
+class RelativePoseFactor : public Factor
+{
+ public:
+  RelativePoseFactor(const Key& a, const Key& b, const Pose& T_a_b, const Matrix6& information);
+
+  [[nodiscard]] Vector6 residual(ValueBlocks blocks, FactorJacobians* jacobians) const override;
+  [[nodiscard]] Pose measurement() const override { return T_a_b_; }
+
+ private:
+  Pose T_a_b_;
+};
+}  // namespace dyslam

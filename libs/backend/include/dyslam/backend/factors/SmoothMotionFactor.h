@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <dyslam/backend/Factor.h>
+
+namespace dyslam
+{
+/** V_to - V_from: the velocity of an object changes slowly (o, Eq. 10). */
+class SmoothMotionFactor final : public Factor
+{
+ public:
+  /** \param from, to scans whose intervals follow each other */
+  SmoothMotionFactor(int object, std::size_t from, std::size_t to, const Matrix6& information)
+      : Factor({Key::objectVelocity(object, from), Key::objectVelocity(object, to)}, information)
+  {
+  }
+
+  [[nodiscard]] FactorKind kind() const override { return FactorKind::smooth_motion; }
+  [[nodiscard]] Vector6 residual(ValueBlocks blocks, FactorJacobians* jacobians) const override;
+};
+}  // namespace dyslam

@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/backend/Factor.h>
+
+#include <Eigen/Cholesky>
+#include <stdexcept>
+#include <utility>
+
+namespace dyslam
+{
+namespace
+{
+std::string namesOf(const std::vector<Key>& keys)
+{
+  std::string names;
+  for (const Key& key : keys)
+  {
+    names += (names.empty() ? "" : " -> ") + toString(key);
+  }
+  return names;
+}
+}  // namespace
+
+std::string toString(const Key& key)
+{
+  switch (key.kind)
+  {
+    case VariableKind::ego_pose:
+      return "x" + std::to_string(key.index);
+    case VariableKind::static_object:
+      return "s" + std::to_string(key.object);
+    case VariableKind::object_pose:
+      return "l" + std::to_string(key.object) + "@" + std::to_string(key.index);
+    case VariableKind::object_velocity:
+      break;
+  }
+  return "v" + std::to_string(key.object) + "@" + std::to_string(key.index);
+}
+
+std::string toString(FactorKind kind)
+{
+  switch (kind)
+  {
+    case FactorKind::odometry:
+      return "odometry";
+    case FactorKind::loop:
+      return "loop";
+    case FactorKind::observation:
+      return "observation";
+    case FactorKind::object_motion:
+      return "object_motion";
+    case FactorKind::smooth_motion:
+      break;
+  }
+  return "smooth_motion";
+}
+
+Factor::Factor(std::vector<Key> keys, const Matrix6& information) : keys_(std::move(keys))
+{
+  for (std::size_t i = 0; i < keys_.size(); ++i)
+  {
+    for (std::size_t j = 0; j < i; ++j)
+    {
+      if (keys_[i] == keys_[j])
+      {
+        throw std::invalid_argument("factor " + namesOf(keys_) + ": joins a variable to itself");
+      }
+    }
+  }
+  if (!information.allFinite())
+  {
+    throw std::invalid_argument("factor " + namesOf(keys_) +
+                                ": its information has numbers that are not finite");
+  }
+  const Eigen::LLT<Matrix6> cholesky(information);
+  if (cholesky.info() != Eigen::Success || !information.isApprox(information.transpose(), 1e-6))
+  {
+    throw std::invalid_argument("factor " + namesOf(keys_) +
+                                ": its information is not positive definite");
+  }
+  whitening_ = cholesky.matrixU();
+}
+
+void packPose(const Pose& pose, double* block)
+{
+  Eigen::Map<Eigen::Vector3d>{block} = pose.translation();
+  Eigen::Map<Eigen::Quaterniond>{block + 3} = Eigen::Quaterniond(pose.linear());
+}
+
+Pose unpackPose(const double* block)
+{
+  Pose pose = Pose::Identity();
+  pose.translation() = Eigen::Map<const Eigen::Vector3d>(block);
+  pose.linear() = Eigen::Map<const Eigen::Quaterniond>(block + 3).toRotationMatrix();
+  return pose;
+}
+}  // namespace dyslam

@@ -1,0 +1,216 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "FactorGraphProblem.h"
+
+#include <ceres/ceres.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "RobustLosses.h"
+
+namespace dyslam
+{
+namespace
+{
+/** A factor as a cost function of Ceres: whitened, on blocks. */
+class FactorCost final : public ceres::CostFunction
+{
+ public:
+  explicit FactorCost(const Factor& factor) : factor_(factor)
+  {
+    set_num_residuals(6);
+    for (const Key& key : factor.keys())
+    {
+      mutable_parameter_block_sizes()->push_back(key.isPose() ? pose_block_size
+                                                              : velocity_block_size);
+    }
+  }
+
+  bool Evaluate(double const* const* blocks, double* residuals, double** jacobians) const override
+  {
+    FactorJacobians derivatives;
+    Eigen::Map<Vector6>(residuals).noalias() =
+        factor_.whitening() *
+        factor_.residual(blocks, jacobians != nullptr ? &derivatives : nullptr);
+    for (std::size_t i = 0; jacobians != nullptr && i < factor_.keys().size(); ++i)
+    {
+      if (jacobians[i] == nullptr)
+      {
+        continue;
+      }
+      if (factor_.keys()[i].isPose())
+      {
+        Eigen::Map<Eigen::Matrix<double, 6, 7, Eigen::RowMajor>> block(jacobians[i]);
+        block.leftCols<6>().noalias() = factor_.whitening() * derivatives[i];
+        block.col(6).setZero();
+      }
+      else
+      {
+        Eigen::Map<Eigen::Matrix<double, 6, 6, Eigen::RowMajor>>(jacobians[i]).noalias() =
+            factor_.whitening() * derivatives[i];
+      }
+    }
+    return true;
+  }
+
+ private:
+  const Factor& factor_;
+};
+
+ceres::Problem::Options problemOptions()
+{
+  ceres::Problem::Options options;
+  options.loss_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
+  options.manifold_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
+  options.disable_all_safety_checks = true;
+  return options;
+}
+
+int stepsOf(const ceres::Solver::Summary& summary)
+{
+  return std::max(0, static_cast<int>(summary.iterations.size()) - 1);
+}
+}  // namespace
+
+FactorGraphProblem::FactorGraphProblem(const FactorGraphOptions& options,
+                                       const std::vector<Key>& free,
+                                       std::map<Key, FactorGraph::Variable>& variables,
+                                       const std::vector<std::unique_ptr<const Factor>>& factors)
+    : options_(options),
+      loop_loss_(nullptr, ceres::TAKE_OWNERSHIP),
+      object_loss_(makeLoss(options.object_loss, options.object_loss_width)),
+      problem_(problemOptions())
+{
+  std::vector<FactorGraph::FactorId> touching;
+  for (const Key& key : free)
+  {
+    FactorGraph::Variable& variable = variables.at(key);
+    problem_.AddParameterBlock(variable.block.data(),
+                               key.isPose() ? pose_block_size : velocity_block_size,
+                               key.isPose() ? &manifold_ : nullptr);
+    touching.insert(touching.end(), variable.factors.begin(), variable.factors.end());
+  }
+  std::sort(touching.begin(), touching.end());
+  touching.erase(std::unique(touching.begin(), touching.end()), touching.end());
+  for (const FactorGraph::FactorId id : touching)
+  {
+    add(*factors[id], variables);
+  }
+  // What the factors brought along and nobody asked to move.
+  for (const Block& block : blocks_)
+  {
+    for (std::size_t i = 0; i < block.factor->keys().size(); ++i)
+    {
+      if (!std::binary_search(free.begin(), free.end(), block.factor->keys()[i]))
+      {
+        problem_.SetParameterBlockConstant(block.values[i]);
+      }
+    }
+  }
+}
+
+void FactorGraphProblem::add(const Factor& factor, std::map<Key, FactorGraph::Variable>& variables)
+{
+  Block block{&factor, {}};
+  std::vector<double*> values;
+  for (std::size_t i = 0; i < factor.keys().size(); ++i)
+  {
+    block.values[i] = variables.at(factor.keys()[i]).block.data();
+    values.push_back(block.values[i]);
+  }
+  ceres::LossFunction* loss = nullptr;
+  if (factor.kind() == FactorKind::loop && options_.loop_loss != RobustLoss::none)
+  {
+    loss = &loop_loss_;
+    has_loops_ = true;
+  }
+  else if (factor.kind() == FactorKind::observation)
+  {
+    loss = object_loss_.get();
+  }
+  problem_.AddResidualBlock(new FactorCost(factor), loss, values);
+  blocks_.push_back(block);
+}
+
+ceres::Solver::Summary FactorGraphProblem::solve(double loop_loss_width,
+                                                 int max_iterations,
+                                                 double tolerance)
+{
+  loop_loss_.Reset(makeLoss(options_.loop_loss, loop_loss_width).release(), ceres::TAKE_OWNERSHIP);
+  ceres::Solver::Options options;
+  options.linear_solver_type = ceres::SPARSE_NORMAL_CHOLESKY;
+  options.sparse_linear_algebra_library_type = ceres::SUITE_SPARSE;
+  options.max_num_iterations = max_iterations;
+  options.function_tolerance = tolerance;
+  options.gradient_tolerance = 1e-14;
+  options.parameter_tolerance = 1e-12;
+  options.initial_trust_region_radius = 1e8;
+  options.num_threads = 1;
+  options.logging_type = ceres::SILENT;
+  ceres::Solver::Summary summary;
+  ceres::Solve(options, &problem_, &summary);
+  return summary;
+}
+
+double FactorGraphProblem::chi2() const
+{
+  double sum = 0;
+  for (const Block& block : blocks_)
+  {
+    sum += (block.factor->whitening() * block.factor->residual(block.values.data(), nullptr))
+               .squaredNorm();
+  }
+  return sum;
+}
+
+double FactorGraphProblem::worstLoop() const
+{
+  double worst = 0;
+  for (const Block& block : blocks_)
+  {
+    if (block.factor->kind() == FactorKind::loop)
+    {
+      worst = std::max(worst, (block.factor->whitening() *
+                               block.factor->residual(block.values.data(), nullptr))
+                                  .norm());
+    }
+  }
+  return worst;
+}
+
+/** Narrows the loss from the worst residual to its width (graduated non-convexity), so that loops
+ * that only look wrong because of drift are not thrown out at the start. */
+int FactorGraphProblem::narrowLoopLoss()
+{
+  constexpr double narrowing = 3;
+  constexpr int steps_per_width = 10;
+  int steps = 0;
+  double width = 2 * worstLoop();
+  while (width > options_.loop_loss_width && steps < options_.max_iterations)
+  {
+    steps +=
+        stepsOf(solve(width, std::min(steps_per_width, options_.max_iterations - steps), 1e-3));
+    width = std::min(width / narrowing, worstLoop());
+  }
+  return steps;
+}
+
+OptimisationResult FactorGraphProblem::solve()
+{
+  OptimisationResult result;
+  result.initial_chi2 = chi2();
+  if (has_loops_)
+  {
+    result.iterations = narrowLoopLoss();
+  }
+  const ceres::Solver::Summary summary =
+      solve(options_.loop_loss_width, std::max(0, options_.max_iterations - result.iterations),
+            options_.tolerance);
+  result.iterations += stepsOf(summary);
+  result.converged = summary.termination_type == ceres::CONVERGENCE;
+  result.reason = summary.message;
+  result.final_chi2 = chi2();
+  return result;
+}
+}  // namespace dyslam

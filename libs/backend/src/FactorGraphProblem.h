@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <ceres/cost_function.h>
+#include <ceres/loss_function.h>
+#include <ceres/problem.h>
+#include <ceres/solver.h>
+#include <dyslam/backend/FactorGraph.h>
+
+#include <memory>
+#include <vector>
+
+#include "PoseManifold.h"
+
+namespace dyslam
+{
+/** Some variables of a factor graph and the factors that touch them, as Ceres sees them. The values
+ * are changed in place. */
+class FactorGraphProblem
+{
+ public:
+  /** \param free to be optimised; sorted \param variables all of the graph; outlives the problem */
+  FactorGraphProblem(const FactorGraphOptions& options,
+                     const std::vector<Key>& free,
+                     std::map<Key, FactorGraph::Variable>& variables,
+                     const std::vector<std::unique_ptr<const Factor>>& factors);
+
+  /** Narrows the robust loss of loops, then solves. */
+  OptimisationResult solve();
+  [[nodiscard]] double chi2() const;
+  [[nodiscard]] ceres::Problem& problem() { return problem_; }
+
+ private:
+  void add(const Factor& factor, std::map<Key, FactorGraph::Variable>& variables);
+  ceres::Solver::Summary solve(double loop_loss_width, int max_iterations, double tolerance);
+  int narrowLoopLoss();
+  [[nodiscard]] double worstLoop() const;
+
+  struct Block
+  {
+    const Factor* factor;
+    std::array<double*, max_keys_per_factor> values;
+  };
+
+  const FactorGraphOptions& options_;
+  PoseManifold manifold_;
+  ceres::LossFunctionWrapper loop_loss_;
+  std::unique_ptr<ceres::LossFunction> object_loss_;
+  ceres::Problem problem_;
+  std::vector<Block> blocks_;
+  bool has_loops_ = false;
+};
+}  // namespace dyslam

@@ -1,0 +1,396 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "ObjectGraph.h"
+
+#include <dyslam/backend/factors/ObjectMotionFactor.h>
+#include <dyslam/backend/factors/ObservationFactor.h>
+#include <dyslam/backend/factors/SmoothMotionFactor.h>
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <memory>
+
+namespace dyslam
+{
+namespace
+{
+/** Successive observations that must show an object moving. */
+constexpr std::size_t moving_confirmations = 3;
+/** Fewest observations that a speed is estimated from. */
+constexpr std::size_t min_for_speed = 4;
+/** Objects never decided about and not seen for so long are dropped [s]. */
+constexpr double forget_after = 5;
+
+bool isVehicle(ObjectClass object_class)
+{
+  return object_class == ObjectClass::car || object_class == ObjectClass::van ||
+         object_class == ObjectClass::truck || object_class == ObjectClass::bus;
+}
+
+Pose poseOf(const Box& box)
+{
+  return poseFromYpr(box.center.x(), box.center.y(), box.center.z(), box.yaw, 0, 0);
+}
+
+/** Covariance over the tangent of an object's pose from that of x, y, z, yaw in a level frame. */
+Matrix6 tangentCovariance(const Eigen::Matrix4d& covariance, double yaw, double tilt_sigma)
+{
+  const Eigen::Matrix3d R_object_level =
+      Eigen::AngleAxisd(-yaw, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+  Matrix6 result = Matrix6::Zero();
+  result.topLeftCorner<3, 3>() =
+      R_object_level * covariance.topLeftCorner<3, 3>() * R_object_level.transpose();
+  result(3, 3) = result(4, 4) = tilt_sigma * tilt_sigma;
+  result(5, 5) = covariance(3, 3);
+  return result;
+}
+
+Pose turnedBack(const Pose& pose)
+{
+  return pose * poseFromYpr(0, 0, 0, M_PI, 0, 0);
+}
+
+bool isReversed(const Pose& a, const Pose& b)
+{
+  return a.linear().col(0).dot(b.linear().col(0)) < 0;
+}
+}  // namespace
+
+void ObjectGraphOptions::describe(OptionsVisitor& v)
+{
+  v.real("max_range", max_range, 0, 1000, "of observations that enter the graph [m]");
+  v.integer("min_observations", min_observations, 2, 10000,
+            "of an object before it enters the graph");
+  v.real("max_gap", max_gap, 0, 100, "between observations that a motion joins [s]");
+  v.real("max_jump", max_jump, 0, 1000,
+         "from where its motion takes an object; beyond, it starts anew [m]");
+  v.real("moving_speed", moving_speed, 0, 100,
+         "an object that was ever significantly faster moves [m/s]");
+  v.real("speed_window", speed_window, 0.1, 100, "over which speeds are estimated [s]");
+  v.real("min_standing_time", min_standing_time, 0, 1000,
+         "seen at one place for so long, an object stands [s]");
+  v.real("standing_sigma_scale", standing_sigma_scale, 0.1, 100,
+         "on the sigmas of observations of standing objects, whose errors are alike");
+  v.real("moving_sigma_scale", moving_sigma_scale, 0.1, 100, "the same for moving objects");
+  v.degrees("tilt_sigma_deg", tilt_sigma, 0.01, 90, "of an object's roll and pitch");
+  v.real("acceleration_sigma", acceleration_sigma, 1e-3, 1000, "of a moving object [m/s^2]");
+  v.real("angular_acceleration_sigma", angular_acceleration_sigma, 1e-3, 1000,
+         "about the vertical axis [rad/s^2]");
+  v.real("motion_sigma", motion_sigma, 1e-4, 100, "of a velocity within one time step [m/s]");
+  v.real("angular_motion_sigma", angular_motion_sigma, 1e-4, 100, "the same for turns [rad/s]");
+  v.real("window", window, 0, 1e6, "poses of moving objects older than this are held [s]");
+  v.integer("window_keyframes", window_keyframes, 0, 1000000,
+            "ego poses before these are held; 0: nothing is optimised until a loop or the end");
+}
+
+ObjectGraph::ObjectGraph(const ObjectGraphOptions& options, bool landmarks, FactorGraph& graph)
+    : options_(options), landmarks_(landmarks), graph_(graph)
+{
+  validate(options_, "objects");
+}
+
+void ObjectGraph::add(const Frame& frame, const View& view)
+{
+  const Pose T_vehicle_odom = frame.T_odom_vehicle.inverse();
+  for (const TrackedObject& tracked : frame.objects)
+  {
+    if (!tracked.observed)
+    {
+      continue;
+    }
+    const Pose T_odom_object = poseOf(tracked.observation);
+    const Pose T_vehicle_object = T_vehicle_odom * T_odom_object;
+    Observation observation;
+    observation.scan = frame.index;
+    observation.stamp = frame.scan.stamp;
+    observation.keyframe = view.keyframe;
+    observation.T_keyframe_object = view.T_keyframe_vehicle * T_vehicle_object;
+    const Matrix6 carry = adjointSE3(T_vehicle_object.inverse());
+    observation.covariance = tangentCovariance(tracked.observation_covariance,
+                                               tracked.observation.yaw, options_.tilt_sigma) +
+                             carry * view.covariance * carry.transpose();
+    if (!observation.T_keyframe_object.matrix().allFinite() ||
+        Eigen::LLT<Matrix6>(observation.covariance).info() != Eigen::Success)
+    {
+      ++unusable_;
+      continue;
+    }
+    if (T_vehicle_object.translation().norm() > options_.max_range)
+    {
+      continue;
+    }
+    Object& object = objects_[tracked.id];
+    object.landmark = landmarks_ && isVehicle(tracked.object_class);
+    object.observations.push_back(observation);
+    if (tracked.confirmed)
+    {
+      decide(object);
+      insertNew(tracked.id, object);
+    }
+  }
+  for (auto it = objects_.begin(); it != objects_.end();)
+  {
+    const bool forgotten = it->second.state == State::undecided &&
+                           frame.scan.stamp - it->second.observations.back().stamp > forget_after;
+    it = forgotten ? objects_.erase(it) : std::next(it);
+  }
+}
+
+std::vector<PlanarObservation> ObjectGraph::recent(const Object& object, double duration) const
+{
+  std::vector<PlanarObservation> result;
+  const double newest = object.observations.back().stamp;
+  for (auto it = object.observations.rbegin();
+       it != object.observations.rend() && newest - it->stamp <= duration; ++it)
+  {
+    const Pose T_map_object = graph_.pose(Key::ego(it->keyframe)) * it->T_keyframe_object;
+    const double sigma =
+        options_.moving_sigma_scale * std::sqrt(0.5 * it->covariance.topLeftCorner<2, 2>().trace());
+    result.push_back({it->stamp, T_map_object.translation().head<2>(), sigma});
+  }
+  return result;
+}
+
+bool ObjectGraph::stands(const Object& object) const
+{
+  const double duration = object.observations.back().stamp - object.observations.front().stamp;
+  if (duration < options_.min_standing_time)
+  {
+    return false;
+  }
+  // The whole sighting as one line: a slow drift shows in the long run.
+  const auto all = recent(object, duration);
+  return fitSpeed(all, 0, all.size()).atMost() < options_.moving_speed;
+}
+
+void ObjectGraph::decide(Object& object) const
+{
+  const auto count = static_cast<std::size_t>(options_.min_observations);
+  if (object.state == State::moving || object.observations.size() < std::max(count, min_for_speed))
+  {
+    return;
+  }
+  const auto window = recent(object, options_.speed_window);
+  if (window.size() >= min_for_speed)
+  {
+    const bool fast = fitSpeed(window, 0, window.size()).atLeast() > options_.moving_speed;
+    object.fast = fast ? object.fast + 1 : 0;
+  }
+  if (object.fast >= moving_confirmations)
+  {
+    object.state = State::moving;
+  }
+  else if (object.state == State::undecided && object.fast == 0 && stands(object))
+  {
+    if (!landmarks_)
+    {
+      object.state = State::moving;  // at rest
+    }
+    else if (object.landmark)
+    {
+      object.state = State::standing;
+    }
+  }
+}
+
+void ObjectGraph::insertNew(int id, Object& object)
+{
+  if (object.state == State::moving && graph_.contains(Key::staticObject(id)))
+  {
+    removeFromGraph(id, object);
+  }
+  for (; object.state != State::undecided && object.in_graph < object.observations.size();
+       ++object.in_graph)
+  {
+    if (object.state == State::standing)
+    {
+      insertStanding(id, object, object.observations[object.in_graph]);
+    }
+    else
+    {
+      insertMoving(id, object, object.in_graph);
+    }
+  }
+}
+
+void ObjectGraph::removeFromGraph(int id, Object& object)
+{
+  graph_.remove(Key::staticObject(id));
+  object.in_graph = 0;
+  object.mean = {};
+}
+
+Matrix6 ObjectGraph::informationOf(const Matrix6& covariance, double sigma_scale) const
+{
+  const Matrix6 inverse = (covariance * sigma_scale * sigma_scale).inverse();
+  return 0.5 * (inverse + inverse.transpose());
+}
+
+void ObjectGraph::insertStanding(int id, Object& object, const Observation& observation)
+{
+  const Key key = Key::staticObject(id);
+  if (!graph_.contains(key))
+  {
+    graph_.addPose(key,
+                   graph_.pose(Key::ego(observation.keyframe)) * observation.T_keyframe_object);
+  }
+  Pose T = observation.T_keyframe_object;
+  if (isReversed(graph_.pose(Key::ego(observation.keyframe)) * T, graph_.pose(key)))
+  {
+    T = turnedBack(T);
+  }
+  MeanObservation& mean = object.mean;
+  if (mean.count == 0 || mean.keyframe != observation.keyframe)
+  {
+    mean = {};
+    mean.keyframe = observation.keyframe;
+  }
+  else
+  {
+    graph_.removeFactor(mean.factor);
+  }
+  ++mean.count;
+  const double share = 1 / static_cast<double>(mean.count);
+  mean.T_keyframe_object =
+      mean.count == 1 ? T : orthonormalized(interpolate(mean.T_keyframe_object, T, share));
+  mean.covariance += share * (observation.covariance - mean.covariance);
+  mean.factor = graph_.add(std::make_unique<ObservationFactor>(
+      mean.keyframe, key, mean.T_keyframe_object,
+      informationOf(mean.covariance, options_.standing_sigma_scale)));
+}
+
+void ObjectGraph::insertMoving(int id, Object& object, std::size_t i)
+{
+  Observation& now = object.observations[i];
+  const Pose T_map_keyframe = graph_.pose(Key::ego(now.keyframe));
+  const Key key = Key::objectPose(id, now.scan);
+  if (i > 0 &&
+      isReversed(graph_.pose(Key::objectPose(id, object.observations[i - 1].scan)),
+                 T_map_keyframe * now.T_keyframe_object))
+  {
+    now.T_keyframe_object = turnedBack(now.T_keyframe_object);
+  }
+  graph_.addPose(key, T_map_keyframe * now.T_keyframe_object);
+  graph_.add(std::make_unique<ObservationFactor>(
+      now.keyframe, key, now.T_keyframe_object,
+      informationOf(now.covariance, options_.moving_sigma_scale)));
+  if (i > 0 && now.stamp - object.observations[i - 1].stamp <= options_.max_gap)
+  {
+    joinMotion(id, object.observations[i - 1], now);
+  }
+}
+
+void ObjectGraph::joinMotion(int id, const Observation& before, const Observation& now)
+{
+  const double dt = now.stamp - before.stamp;
+  const Key key_before = Key::objectVelocity(id, before.scan);
+  const Vector6 motion = logSE3(graph_.pose(Key::objectPose(id, before.scan)).inverse() *
+                                graph_.pose(Key::objectPose(id, now.scan)));
+  const bool goes_on = graph_.contains(key_before);
+  const Vector6 expected = goes_on ? Vector6(dt * graph_.velocity(key_before)) : motion;
+  if ((motion - expected).head<3>().norm() > options_.max_jump)
+  {
+    ++jumps_;
+    return;
+  }
+  const auto diagonal = [](double sigma, double sigma_angle, double sigma_tilt)
+  {
+    Vector6 sigmas;
+    sigmas << sigma, sigma, sigma, sigma_tilt, sigma_tilt, sigma_angle;
+    return Matrix6(sigmas.array().square().inverse().matrix().asDiagonal());
+  };
+  graph_.addVelocity(Key::objectVelocity(id, now.scan), motion / dt);
+  graph_.add(std::make_unique<ObjectMotionFactor>(
+      id, before.scan, now.scan, dt,
+      diagonal(options_.motion_sigma * dt, options_.angular_motion_sigma * dt,
+               options_.angular_motion_sigma * dt)));
+  if (goes_on)
+  {
+    graph_.add(std::make_unique<SmoothMotionFactor>(
+        id, before.scan, now.scan,
+        diagonal(options_.acceleration_sigma * dt, options_.angular_acceleration_sigma * dt,
+                 options_.angular_acceleration_sigma * dt)));
+  }
+}
+
+void ObjectGraph::appendWindow(double stamp, std::set<Key>& free) const
+{
+  for (const auto& [id, object] : objects_)
+  {
+    if (object.in_graph == 0 || stamp - object.observations.back().stamp > options_.window)
+    {
+      continue;
+    }
+    if (object.state == State::standing)
+    {
+      free.insert(Key::staticObject(id));
+      continue;
+    }
+    for (std::size_t i = object.in_graph;
+         i > 0 && stamp - object.observations[i - 1].stamp <= options_.window; --i)
+    {
+      const std::size_t scan = object.observations[i - 1].scan;
+      free.insert(Key::objectPose(id, scan));
+      if (graph_.contains(Key::objectVelocity(id, scan)))
+      {
+        free.insert(Key::objectVelocity(id, scan));
+      }
+    }
+  }
+}
+
+void ObjectGraph::finish()
+{
+  for (auto& [id, object] : objects_)
+  {
+    if (object.state == State::standing && !stands(object))
+    {
+      object.state = State::moving;
+      insertNew(id, object);
+    }
+  }
+}
+
+std::size_t ObjectGraph::releaseContradicted(const FactorGraphOptions& options)
+{
+  std::size_t released = 0;
+  for (auto& [id, object] : objects_)
+  {
+    if (object.state != State::standing)
+    {
+      continue;
+    }
+    std::size_t outside = 0;
+    const auto& factors = graph_.factorsOf(Key::staticObject(id));
+    for (const FactorGraph::FactorId factor : factors)
+    {
+      outside += graph_.whitenedResidual(factor) > options.object_loss_width ? 1 : 0;
+    }
+    if (2 * outside > factors.size())
+    {
+      object.state = State::moving;
+      insertNew(id, object);
+      ++released;
+    }
+  }
+  return released;
+}
+
+std::vector<std::string> ObjectGraph::warnings() const
+{
+  std::vector<std::string> result;
+  if (unusable_ > 0)
+  {
+    result.push_back(std::to_string(unusable_) +
+                     " observations of objects have no finite position or covariance and were left "
+                     "out of the graph");
+  }
+  if (jumps_ > 0)
+  {
+    result.push_back("moving objects jumped " + std::to_string(jumps_) + " times by more than " +
+                     std::to_string(options_.max_jump).substr(0, 4) +
+                     " m (objects.max_jump) and started anew there");
+  }
+  return result;
+}
+}  // namespace dyslam

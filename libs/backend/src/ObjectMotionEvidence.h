@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <vector>
+
+namespace dyslam
+{
+/** An object's position in the plane of the map at a time. */
+struct PlanarObservation
+{
+  double stamp = 0;                                     //!< [s]
+  Eigen::Vector2d position = Eigen::Vector2d::Zero();  //!< [m]
+  double sigma = 0;                                     //!< of each coordinate [m]
+};
+
+/** A speed and how well it is known. */
+struct SpeedEstimate
+{
+  Eigen::Vector2d velocity = Eigen::Vector2d::Zero();  //!< [m/s]
+  double sigma = 0;                                    //!< of each coordinate [m/s]
+  [[nodiscard]] double atLeast() const { return velocity.norm() - 2 * sigma; }
+  [[nodiscard]] double atMost() const { return velocity.norm() + 2 * sigma; }
+};
+
+/** Velocity of the straight line through observations [first, last); its sigma is that of the
+ * observations or their scatter about the line, whichever is larger.
+ * \pre at least three observations at different times. */
+[[nodiscard]] SpeedEstimate fitSpeed(const std::vector<PlanarObservation>& observations,
+                                     std::size_t first,
+                                     std::size_t last);
+}  // namespace dyslam

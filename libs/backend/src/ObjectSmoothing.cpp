@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+
+#include "ObjectGraph.h"
+
+namespace dyslam
+{
+namespace
+{
+/** Covariances of a chain are computed in pieces of so many poses, given what lies farther than the
+ * margin: there the chain no longer matters. */
+constexpr std::size_t piece_size = 30;
+constexpr std::size_t margin = 10;
+
+/** Covariance of x, y, z, yaw in the map from that over the tangent of a level pose. */
+Eigen::Matrix4d levelCovariance(const Matrix6& tangent, const Pose& pose)
+{
+  Eigen::Matrix<double, 4, 6> J = Eigen::Matrix<double, 4, 6>::Zero();
+  J.topLeftCorner<3, 3>() = pose.linear();
+  J(3, 5) = 1;
+  return J * tangent * J.transpose();
+}
+}  // namespace
+
+void ObjectGraph::appendSmoothed(int id,
+                                 const Object& object,
+                                 std::vector<SmoothedObject>& result) const
+{
+  for (std::size_t i = 0; i < object.in_graph; ++i)
+  {
+    const Observation& observation = object.observations[i];
+    SmoothedObject smoothed;
+    smoothed.id = id;
+    smoothed.scan = observation.scan;
+    smoothed.stamp = observation.stamp;
+    smoothed.moving = object.state == State::moving;
+    if (!smoothed.moving)
+    {
+      smoothed.T_map_object = graph_.pose(Key::staticObject(id));
+      result.push_back(smoothed);
+      continue;
+    }
+    smoothed.T_map_object = graph_.pose(Key::objectPose(id, observation.scan));
+    // The velocity at a scan: of the intervals before and after it.
+    Vector6 twist = Vector6::Zero();
+    int intervals = 0;
+    for (std::size_t k = i; k < std::min(i + 2, object.in_graph); ++k)
+    {
+      const Key key = Key::objectVelocity(id, object.observations[k].scan);
+      if (graph_.contains(key))
+      {
+        twist += graph_.velocity(key);
+        ++intervals;
+      }
+    }
+    smoothed.velocity = smoothed.T_map_object.linear() * twist.head<3>() / std::max(1, intervals);
+    result.push_back(smoothed);
+  }
+}
+
+void ObjectGraph::addCovariances(int id,
+                                 const Object& object,
+                                 std::vector<SmoothedObject>& result) const
+{
+  const std::size_t offset = result.size() - object.in_graph;
+  if (object.state == State::standing)
+  {
+    const Key key = Key::staticObject(id);
+    const Eigen::Matrix4d covariance =
+        levelCovariance(graph_.covariances({key}, {key}).front(), graph_.pose(key));
+    for (std::size_t i = offset; i < result.size(); ++i)
+    {
+      result[i].covariance = covariance;
+    }
+    return;
+  }
+  for (std::size_t first = 0; first < object.in_graph; first += piece_size)
+  {
+    const std::size_t last = std::min(object.in_graph, first + piece_size);
+    std::set<Key> free;
+    std::vector<Key> wanted;
+    for (std::size_t i = first - std::min(first, margin);
+         i < std::min(object.in_graph, last + margin); ++i)
+    {
+      const std::size_t scan = object.observations[i].scan;
+      for (const Key& key : {Key::objectPose(id, scan), Key::objectVelocity(id, scan)})
+      {
+        if (graph_.contains(key))
+        {
+          free.insert(key);
+          if (i >= first && i < last)
+          {
+            wanted.push_back(key);
+          }
+        }
+      }
+    }
+    const std::vector<Matrix6> covariances = graph_.covariances(wanted, free);
+    std::size_t next = 0;
+    for (std::size_t i = first; i < last; ++i)
+    {
+      SmoothedObject& smoothed = result[offset + i];
+      smoothed.covariance = levelCovariance(covariances[next++], smoothed.T_map_object);
+      if (next < wanted.size() && wanted[next] == Key::objectVelocity(id, smoothed.scan))
+      {
+        const Eigen::Matrix3d& R = smoothed.T_map_object.linear();
+        smoothed.velocity_covariance =
+            R * covariances[next++].topLeftCorner<3, 3>() * R.transpose();
+      }
+    }
+  }
+}
+
+std::vector<SmoothedObject> ObjectGraph::smoothed() const
+{
+  std::vector<SmoothedObject> result;
+  for (const auto& [id, object] : objects_)
+  {
+    appendSmoothed(id, object, result);
+    if (object.in_graph > 0)
+    {
+      addCovariances(id, object, result);
+    }
+  }
+  std::stable_sort(result.begin(), result.end(), [](const auto& a, const auto& b)
+                   { return a.scan < b.scan || (a.scan == b.scan && a.id < b.id); });
+  return result;
+}
+}  // namespace dyslam

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "PoseGraphView.h"
+
+#include <dyslam/core/PoseInformation.h>
+
+#include "GraphData.h"
+
+namespace dyslam
+{
+PoseGraph poseGraphView(const FactorGraph& graph)
+{
+  PoseGraph view;
+  for (const auto& [key, variable] : graph.variables())
+  {
+    if (key.kind == VariableKind::ego_pose)
+    {
+      static_cast<mrpt::poses::CPose3D&>(view.nodes[static_cast<std::size_t>(key.index)]) =
+          toMrptPose(unpackPose(variable.block.data()));
+    }
+  }
+  for (const FactorGraph::FactorId id : graph.factorIds())
+  {
+    const Factor& factor = graph.factor(id);
+    if (factor.kind() == FactorKind::odometry || factor.kind() == FactorKind::loop)
+    {
+      const Pose T = factor.measurement();
+      view.insertEdge(
+          static_cast<std::size_t>(factor.keys()[0].index),
+          static_cast<std::size_t>(factor.keys()[1].index),
+          {toMrptPose(T),
+           mrpt::math::CMatrixDouble66(informationToYpr(T, factor.information()))});
+    }
+  }
+  return view;
+}
+}  // namespace dyslam
