@@ -7,7 +7,6 @@
 #include <dyslam/formats/KittiFiles.h>
 #include <dyslam/formats/TrajectoryFiles.h>
 
-#include <filesystem>
 #include <memory>
 #include <random>
 
@@ -15,42 +14,53 @@ namespace dyslam
 {
 namespace
 {
-constexpr double frame_time = 0.1;  // between scans [s]
+constexpr double frame_time = 0.1036;  // of KITTI's lidar; the data have no time stamps [s]
 
-/** Poses of the IMU from OXTS. Its positions slide by up to a metre and jitter by a tenth, its
- * velocities and angles are smooth: the positions are taken as weak absolute measurements. */
-std::vector<Pose> smoothedOxts(const std::vector<OxtsReading>& readings)
+/** Scale of the visual odometry: along its own steps, OXTS goes so much farther. */
+double scaleOf(const std::vector<Pose>& visual, const std::vector<Pose>& measured)
 {
-  constexpr double position_sigma = 1;        // [m]
-  constexpr double velocity_sigma = 0.03;     // [m/s]
-  constexpr double angle_sigma = 0.0002;      // per step [rad]
-  const std::vector<Pose> measured = oxtsPoses(readings);
+  double products = 0;
+  double squares = 0;
+  constexpr std::size_t block = 10;
+  for (std::size_t i = 0; i + block < measured.size(); i += block)
+  {
+    const double a = (visual[i].inverse() * visual[i + block]).translation().norm();
+    const double b = (measured[i].inverse() * measured[i + block]).translation().norm();
+    products += a * b;
+    squares += a * a;
+  }
+  return squares > 0 ? products / squares : 1;
+}
+
+/** Poses of the lidar by everything but objects: OXTS, whose positions slide by up to a metre and
+ * jitter by a tenth, and the visual odometry, which is smooth but for its scale. */
+std::vector<Pose> fusedTruth(const std::vector<Pose>& oxts, const std::vector<Pose>& visual)
+{
+  constexpr double position_sigma = 10;  // per reading; the errors of many are alike [m]
+  constexpr double angle_sigma = 0.05;  // [rad]
+  const Matrix6 absolute = informationFromSigmas(position_sigma, angle_sigma);
+  const Matrix6 relative = informationFromSigmas(0.01, 0.0005);
+  const double scale = scaleOf(visual, oxts);
   FactorGraph graph;
-  const std::size_t world = readings.size();
+  const std::size_t world = oxts.size();
   graph.addPose(Key::ego(world), Pose::Identity());
   graph.setFixed(Key::ego(world), true);
-  const auto velocityOf = [](const OxtsReading& r)
-  { return Eigen::Vector3d(r.velocity_forward, r.velocity_left, r.velocity_up); };
-  for (std::size_t i = 0; i < readings.size(); ++i)
+  for (std::size_t i = 0; i < oxts.size(); ++i)
   {
-    graph.addPose(Key::ego(i), measured[i]);
-    graph.add(std::make_unique<LoopFactor>(world, i, measured[i],
-                                           informationFromSigmas(position_sigma, 0.01)));
+    graph.addPose(Key::ego(i), oxts[i]);
+    graph.add(std::make_unique<LoopFactor>(world, i, oxts[i], absolute));
     if (i > 0)
     {
-      Pose step = measured[i - 1].inverse() * measured[i];
-      const Eigen::Vector3d v0 = velocityOf(readings[i - 1]);
-      const Eigen::Vector3d v1 = step.linear() * velocityOf(readings[i]);
-      step.translation() = 0.5 * frame_time * (v0 + v1);
-      graph.add(std::make_unique<OdometryFactor>(
-          i - 1, i, step, informationFromSigmas(velocity_sigma * frame_time, angle_sigma)));
+      Pose step = visual[i - 1].inverse() * visual[i];
+      step.translation() *= scale;
+      graph.add(std::make_unique<OdometryFactor>(i - 1, i, step, relative));
     }
   }
   FactorGraphOptions plain;
   plain.loop_loss = RobustLoss::none;
   (void)graph.optimise(plain);
   std::vector<Pose> poses;
-  for (std::size_t i = 0; i < readings.size(); ++i)
+  for (std::size_t i = 0; i < oxts.size(); ++i)
   {
     poses.push_back(graph.pose(Key::ego(i)));
   }
@@ -107,7 +117,20 @@ KittiDrive readKittiDrive(const std::string& folder,
   }
   KittiDrive drive;
   drive.name = name;
-  drive.truth = imuToLidarPoses(smoothedOxts(readings), calib.T_velo_imu);
+  const Pose T_velo_cam = calib.T_cam_velo.inverse();
+  const Trajectory camera = readTrajectory(folder + "/orbslam3_cam0/" + file).trajectory;
+  for (std::size_t i = 0; i < camera.size(); ++i)
+  {
+    drive.visual.push_back(T_velo_cam * camera[i].pose * calib.T_cam_velo);
+  }
+  if (drive.visual.size() != readings.size())
+  {
+    throw UserError(folder + "/orbslam3_cam0/" + file + ": has " +
+                    std::to_string(drive.visual.size()) + " poses for " +
+                    std::to_string(readings.size()) + " readings of oxts");
+  }
+  drive.truth =
+      fusedTruth(imuToLidarPoses(oxtsPoses(readings), calib.T_velo_imu), drive.visual);
   drive.detections.resize(drive.truth.size());
   for (std::size_t i = 0; i < drive.truth.size(); ++i)
   {
@@ -124,16 +147,6 @@ KittiDrive readKittiDrive(const std::string& folder,
         (detector == "labels" || box.score >= min_score))
     {
       drive.detections[static_cast<std::size_t>(box.frame)].push_back(detectionOf(box));
-    }
-  }
-  const std::string visual = folder + "/orbslam3_cam0/" + file;
-  if (std::filesystem::exists(visual))
-  {
-    const Pose T_velo_cam = calib.T_cam_velo.inverse();
-    const Trajectory camera = readTrajectory(visual).trajectory;
-    for (std::size_t i = 0; i < camera.size(); ++i)
-    {
-      drive.visual.push_back(T_velo_cam * camera[i].pose * calib.T_cam_velo);
     }
   }
   return drive;

@@ -30,6 +30,7 @@ struct Arguments
   std::vector<std::string> modes{"odometry", "segmot", "full"};
   int seeds = 10;
   double min_score = 0;
+  std::string alignment = "se3";
   OutputFlags output;
 };
 
@@ -72,13 +73,15 @@ BackendMode modeOf(const std::string& name)
                             : BackendMode::full;
 }
 
-AbsoluteTrajectoryError errorOf(const KittiDrive& drive, const std::vector<Pose>& estimate)
+AbsoluteTrajectoryError errorOf(const KittiDrive& drive,
+                                const std::vector<Pose>& estimate,
+                                Alignment alignment)
 {
   PosePairs pairs;
   pairs.stamps = drive.stamps;
   pairs.reference = drive.truth;
   pairs.estimate = estimate;
-  return absoluteTrajectoryError(pairs, Alignment::se3);
+  return absoluteTrajectoryError(pairs, alignment);
 }
 
 void run(const Arguments& a)
@@ -104,7 +107,7 @@ void run(const Arguments& a)
           settings.backend.backend.mode = modeOf(mode);
           const KittiSlamRun result =
               runKittiSlam(drive, odometry, information, settings.tracker, settings.backend);
-          const AbsoluteTrajectoryError error = errorOf(drive, result.trajectory);
+          const AbsoluteTrajectoryError error = errorOf(drive, result.trajectory, alignmentFromString(a.alignment));
           sums[mode].first += error.translation.rmse / a.seeds;
           sums[mode].second += error.rotation_deg.rmse / a.seeds;
         }
@@ -143,6 +146,7 @@ Subcommand kittiSlamCommand(CLI::App& app)
   sub->add_option("--seeds", a->seeds, "drawn odometries per sequence")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
+  sub->add_option("--align", a->alignment, "none, first or se3")->capture_default_str();
   a->output.declare(*sub);
   return {sub, [a] { run(*a); }};
 }

@@ -27,7 +27,8 @@ std::string toString(const Key& key)
     case VariableKind::ego_pose:
       return "x" + std::to_string(key.index);
     case VariableKind::static_object:
-      return "s" + std::to_string(key.object);
+      return "s" + std::to_string(key.object) +
+             (key.index > 0 ? "#" + std::to_string(key.index) : "");
     case VariableKind::object_pose:
       return "l" + std::to_string(key.object) + "@" + std::to_string(key.index);
     case VariableKind::object_velocity:

@@ -18,6 +18,8 @@ namespace
 constexpr std::size_t moving_confirmations = 3;
 /** Fewest observations that a speed is estimated from. */
 constexpr std::size_t min_for_speed = 4;
+/** Successive observations far away after which a standing object is taken for another one. */
+constexpr std::size_t stray_confirmations = 3;
 /** Objects never decided about and not seen for so long are dropped [s]. */
 constexpr double forget_after = 5;
 
@@ -67,10 +69,14 @@ void ObjectGraphOptions::describe(OptionsVisitor& v)
   v.real("moving_speed", moving_speed, 0, 100,
          "an object that was ever significantly faster moves [m/s]");
   v.real("speed_window", speed_window, 0.1, 100, "over which speeds are estimated [s]");
+  v.real("max_standing_motion", max_standing_motion, 0, 1000,
+         "an object that came farther within its sighting moves [m]");
   v.real("min_standing_time", min_standing_time, 0, 1000,
          "seen at one place for so long, an object stands [s]");
   v.real("standing_sigma_scale", standing_sigma_scale, 0.1, 100,
          "on the sigmas of observations of standing objects, whose errors are alike");
+  v.degrees("standing_heading_sigma_deg", standing_heading_sigma, 0, 360,
+            "added to the heading's uncertainty of standing objects");
   v.real("moving_sigma_scale", moving_sigma_scale, 0.1, 100, "the same for moving objects");
   v.degrees("tilt_sigma_deg", tilt_sigma, 0.01, 90, "of an object's roll and pitch");
   v.real("acceleration_sigma", acceleration_sigma, 1e-3, 1000, "of a moving object [m/s^2]");
@@ -119,13 +125,24 @@ void ObjectGraph::add(const Frame& frame, const View& view)
     {
       continue;
     }
-    Object& object = objects_[tracked.id];
+    ObjectKey key(tracked.id, sighting_[tracked.id]);
+    if (isStray(key, objects_[key], observation))
+    {
+      ++jumps_;
+      if (++objects_[key].strays < stray_confirmations)
+      {
+        continue;
+      }
+      key.second = ++sighting_[tracked.id];
+    }
+    Object& object = objects_[key];
+    object.strays = 0;
     object.landmark = landmarks_ && isVehicle(tracked.object_class);
     object.observations.push_back(observation);
     if (tracked.confirmed)
     {
-      decide(object);
-      insertNew(tracked.id, object);
+      decide(key, object);
+      insertNew(key, object);
     }
   }
   for (auto it = objects_.begin(); it != objects_.end();)
@@ -134,6 +151,20 @@ void ObjectGraph::add(const Frame& frame, const View& view)
                            frame.scan.stamp - it->second.observations.back().stamp > forget_after;
     it = forgotten ? objects_.erase(it) : std::next(it);
   }
+}
+
+bool ObjectGraph::isStray(const ObjectKey& key,
+                          const Object& object,
+                          const Observation& observation) const
+{
+  if (object.state != State::standing)
+  {
+    return false;
+  }
+  const Pose T_map_object =
+      graph_.pose(Key::ego(observation.keyframe)) * observation.T_keyframe_object;
+  return (T_map_object.translation() - graph_.pose(standingKey(key)).translation()).norm() >
+         options_.max_jump;
 }
 
 std::vector<PlanarObservation> ObjectGraph::recent(const Object& object, double duration) const
@@ -160,10 +191,12 @@ bool ObjectGraph::stands(const Object& object) const
   }
   // The whole sighting as one line: a slow drift shows in the long run.
   const auto all = recent(object, duration);
-  return fitSpeed(all, 0, all.size()).atMost() < options_.moving_speed;
+  const SpeedEstimate speed = fitSpeed(all, 0, all.size());
+  return speed.atMost() < options_.moving_speed &&
+         speed.velocity.norm() * duration < options_.max_standing_motion;
 }
 
-void ObjectGraph::decide(Object& object) const
+void ObjectGraph::decide(const ObjectKey& key, Object& object) const
 {
   const auto count = static_cast<std::size_t>(options_.min_observations);
   if (object.state == State::moving || object.observations.size() < std::max(count, min_for_speed))
@@ -176,7 +209,18 @@ void ObjectGraph::decide(Object& object) const
     const bool fast = fitSpeed(window, 0, window.size()).atLeast() > options_.moving_speed;
     object.fast = fast ? object.fast + 1 : 0;
   }
-  if (object.fast >= moving_confirmations)
+  if (object.state == State::standing && !window.empty())
+  {
+    Eigen::Vector2d mean = Eigen::Vector2d::Zero();
+    for (const PlanarObservation& observation : window)
+    {
+      mean += observation.position / static_cast<double>(window.size());
+    }
+    // The landmark stands in the middle of its observations: half the motion shows.
+    const double offset = (mean - graph_.pose(standingKey(key)).translation().head<2>()).norm();
+    object.away = 2 * offset > options_.max_standing_motion ? object.away + 1 : 0;
+  }
+  if (object.fast >= moving_confirmations || object.away >= moving_confirmations)
   {
     object.state = State::moving;
   }
@@ -193,29 +237,29 @@ void ObjectGraph::decide(Object& object) const
   }
 }
 
-void ObjectGraph::insertNew(int id, Object& object)
+void ObjectGraph::insertNew(const ObjectKey& key, Object& object)
 {
-  if (object.state == State::moving && graph_.contains(Key::staticObject(id)))
+  if (object.state == State::moving && graph_.contains(standingKey(key)))
   {
-    removeFromGraph(id, object);
+    removeFromGraph(key, object);
   }
   for (; object.state != State::undecided && object.in_graph < object.observations.size();
        ++object.in_graph)
   {
     if (object.state == State::standing)
     {
-      insertStanding(id, object, object.observations[object.in_graph]);
+      insertStanding(key, object, object.observations[object.in_graph]);
     }
     else
     {
-      insertMoving(id, object, object.in_graph);
+      insertMoving(key, object, object.in_graph);
     }
   }
 }
 
-void ObjectGraph::removeFromGraph(int id, Object& object)
+void ObjectGraph::removeFromGraph(const ObjectKey& key, Object& object)
 {
-  graph_.remove(Key::staticObject(id));
+  graph_.remove(standingKey(key));
   object.in_graph = 0;
   object.mean = {};
 }
@@ -226,9 +270,11 @@ Matrix6 ObjectGraph::informationOf(const Matrix6& covariance, double sigma_scale
   return 0.5 * (inverse + inverse.transpose());
 }
 
-void ObjectGraph::insertStanding(int id, Object& object, const Observation& observation)
+void ObjectGraph::insertStanding(const ObjectKey& object_key,
+                                 Object& object,
+                                 const Observation& observation)
 {
-  const Key key = Key::staticObject(id);
+  const Key key = standingKey(object_key);
   if (!graph_.contains(key))
   {
     graph_.addPose(key,
@@ -254,13 +300,16 @@ void ObjectGraph::insertStanding(int id, Object& object, const Observation& obse
   mean.T_keyframe_object =
       mean.count == 1 ? T : orthonormalized(interpolate(mean.T_keyframe_object, T, share));
   mean.covariance += share * (observation.covariance - mean.covariance);
+  Matrix6 covariance = mean.covariance;
+  covariance(5, 5) += options_.standing_heading_sigma * options_.standing_heading_sigma;
   mean.factor = graph_.add(std::make_unique<ObservationFactor>(
       mean.keyframe, key, mean.T_keyframe_object,
-      informationOf(mean.covariance, options_.standing_sigma_scale)));
+      informationOf(covariance, options_.standing_sigma_scale)));
 }
 
-void ObjectGraph::insertMoving(int id, Object& object, std::size_t i)
+void ObjectGraph::insertMoving(const ObjectKey& object_key, Object& object, std::size_t i)
 {
+  const int id = object_key.first;
   Observation& now = object.observations[i];
   const Pose T_map_keyframe = graph_.pose(Key::ego(now.keyframe));
   const Key key = Key::objectPose(id, now.scan);
@@ -315,7 +364,7 @@ void ObjectGraph::joinMotion(int id, const Observation& before, const Observatio
 
 void ObjectGraph::appendWindow(double stamp, std::set<Key>& free) const
 {
-  for (const auto& [id, object] : objects_)
+  for (const auto& [key, object] : objects_)
   {
     if (object.in_graph == 0 || stamp - object.observations.back().stamp > options_.window)
     {
@@ -323,17 +372,17 @@ void ObjectGraph::appendWindow(double stamp, std::set<Key>& free) const
     }
     if (object.state == State::standing)
     {
-      free.insert(Key::staticObject(id));
+      free.insert(standingKey(key));
       continue;
     }
     for (std::size_t i = object.in_graph;
          i > 0 && stamp - object.observations[i - 1].stamp <= options_.window; --i)
     {
       const std::size_t scan = object.observations[i - 1].scan;
-      free.insert(Key::objectPose(id, scan));
-      if (graph_.contains(Key::objectVelocity(id, scan)))
+      free.insert(Key::objectPose(key.first, scan));
+      if (graph_.contains(Key::objectVelocity(key.first, scan)))
       {
-        free.insert(Key::objectVelocity(id, scan));
+        free.insert(Key::objectVelocity(key.first, scan));
       }
     }
   }
@@ -341,12 +390,12 @@ void ObjectGraph::appendWindow(double stamp, std::set<Key>& free) const
 
 void ObjectGraph::finish()
 {
-  for (auto& [id, object] : objects_)
+  for (auto& [key, object] : objects_)
   {
     if (object.state == State::standing && !stands(object))
     {
       object.state = State::moving;
-      insertNew(id, object);
+      insertNew(key, object);
     }
   }
 }
@@ -354,14 +403,14 @@ void ObjectGraph::finish()
 std::size_t ObjectGraph::releaseContradicted(const FactorGraphOptions& options)
 {
   std::size_t released = 0;
-  for (auto& [id, object] : objects_)
+  for (auto& [key, object] : objects_)
   {
     if (object.state != State::standing)
     {
       continue;
     }
     std::size_t outside = 0;
-    const auto& factors = graph_.factorsOf(Key::staticObject(id));
+    const auto& factors = graph_.factorsOf(standingKey(key));
     for (const FactorGraph::FactorId factor : factors)
     {
       outside += graph_.whitenedResidual(factor) > options.object_loss_width ? 1 : 0;
@@ -369,7 +418,7 @@ std::size_t ObjectGraph::releaseContradicted(const FactorGraphOptions& options)
     if (2 * outside > factors.size())
     {
       object.state = State::moving;
-      insertNew(id, object);
+      insertNew(key, object);
       ++released;
     }
   }
@@ -387,9 +436,9 @@ std::vector<std::string> ObjectGraph::warnings() const
   }
   if (jumps_ > 0)
   {
-    result.push_back("moving objects jumped " + std::to_string(jumps_) + " times by more than " +
+    result.push_back("objects jumped " + std::to_string(jumps_) + " times by more than " +
                      std::to_string(options_.max_jump).substr(0, 4) +
-                     " m (objects.max_jump) and started anew there");
+                     " m (objects.max_jump): nothing joins them across");
   }
   return result;
 }

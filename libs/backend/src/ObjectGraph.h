@@ -10,6 +10,7 @@
 #include <map>
 #include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "ObjectMotionEvidence.h"
@@ -87,24 +88,36 @@ class ObjectGraph
     std::size_t in_graph = 0;  //!< of them
     MeanObservation mean;      //!< of a standing object, from the newest keyframe
     std::size_t fast = 0;      //!< successive observations that show it moving
+    std::size_t away = 0;      //!< successive observations off where it stands
+    std::size_t strays = 0;    //!< successive observations far from where it stands
   };
+  /** Id and number of the sighting: a track may jump from one parked car to the next. */
+  using ObjectKey = std::pair<int, int>;
 
-  void decide(Object& object) const;
+  [[nodiscard]] bool isStray(const ObjectKey& key,
+                             const Object& object,
+                             const Observation& observation) const;
+  void decide(const ObjectKey& key, Object& object) const;
+  [[nodiscard]] static Key standingKey(const ObjectKey& key)
+  {
+    return Key::staticObject(key.first, key.second);
+  }
   [[nodiscard]] std::vector<PlanarObservation> recent(const Object& object, double duration) const;
   [[nodiscard]] bool stands(const Object& object) const;
-  void insertNew(int id, Object& object);
-  void insertStanding(int id, Object& object, const Observation& observation);
-  void insertMoving(int id, Object& object, std::size_t i);
+  void insertNew(const ObjectKey& key, Object& object);
+  void insertStanding(const ObjectKey& key, Object& object, const Observation& observation);
+  void insertMoving(const ObjectKey& key, Object& object, std::size_t i);
   void joinMotion(int id, const Observation& before, const Observation& now);
-  void removeFromGraph(int id, Object& object);
+  void removeFromGraph(const ObjectKey& key, Object& object);
   [[nodiscard]] Matrix6 informationOf(const Matrix6& covariance, double sigma_scale) const;
-  void appendSmoothed(int id, const Object& object, std::vector<SmoothedObject>& result) const;
-  void addCovariances(int id, const Object& object, std::vector<SmoothedObject>& result) const;
+  void appendSmoothed(const ObjectKey& key, const Object& object, std::vector<SmoothedObject>& result) const;
+  void addCovariances(const ObjectKey& key, const Object& object, std::vector<SmoothedObject>& result) const;
 
   ObjectGraphOptions options_;
   bool landmarks_;
   FactorGraph& graph_;
-  std::map<int, Object> objects_;
+  std::map<ObjectKey, Object> objects_;
+  std::map<int, int> sighting_;  //!< the newest one's of each id
   std::size_t unusable_ = 0;  //!< observations
   std::size_t jumps_ = 0;
 };

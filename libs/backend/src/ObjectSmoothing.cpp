@@ -24,7 +24,7 @@ Eigen::Matrix4d levelCovariance(const Matrix6& tangent, const Pose& pose)
 }
 }  // namespace
 
-void ObjectGraph::appendSmoothed(int id,
+void ObjectGraph::appendSmoothed(const ObjectKey& object_key,
                                  const Object& object,
                                  std::vector<SmoothedObject>& result) const
 {
@@ -32,23 +32,23 @@ void ObjectGraph::appendSmoothed(int id,
   {
     const Observation& observation = object.observations[i];
     SmoothedObject smoothed;
-    smoothed.id = id;
+    smoothed.id = object_key.first;
     smoothed.scan = observation.scan;
     smoothed.stamp = observation.stamp;
     smoothed.moving = object.state == State::moving;
     if (!smoothed.moving)
     {
-      smoothed.T_map_object = graph_.pose(Key::staticObject(id));
+      smoothed.T_map_object = graph_.pose(standingKey(object_key));
       result.push_back(smoothed);
       continue;
     }
-    smoothed.T_map_object = graph_.pose(Key::objectPose(id, observation.scan));
+    smoothed.T_map_object = graph_.pose(Key::objectPose(object_key.first, observation.scan));
     // The velocity at a scan: of the intervals before and after it.
     Vector6 twist = Vector6::Zero();
     int intervals = 0;
     for (std::size_t k = i; k < std::min(i + 2, object.in_graph); ++k)
     {
-      const Key key = Key::objectVelocity(id, object.observations[k].scan);
+      const Key key = Key::objectVelocity(object_key.first, object.observations[k].scan);
       if (graph_.contains(key))
       {
         twist += graph_.velocity(key);
@@ -60,14 +60,14 @@ void ObjectGraph::appendSmoothed(int id,
   }
 }
 
-void ObjectGraph::addCovariances(int id,
+void ObjectGraph::addCovariances(const ObjectKey& object_key,
                                  const Object& object,
                                  std::vector<SmoothedObject>& result) const
 {
   const std::size_t offset = result.size() - object.in_graph;
   if (object.state == State::standing)
   {
-    const Key key = Key::staticObject(id);
+    const Key key = standingKey(object_key);
     const Eigen::Matrix4d covariance =
         levelCovariance(graph_.covariances({key}, {key}).front(), graph_.pose(key));
     for (std::size_t i = offset; i < result.size(); ++i)
@@ -85,7 +85,7 @@ void ObjectGraph::addCovariances(int id,
          i < std::min(object.in_graph, last + margin); ++i)
     {
       const std::size_t scan = object.observations[i].scan;
-      for (const Key& key : {Key::objectPose(id, scan), Key::objectVelocity(id, scan)})
+      for (const Key& key : {Key::objectPose(object_key.first, scan), Key::objectVelocity(object_key.first, scan)})
       {
         if (graph_.contains(key))
         {
@@ -103,7 +103,7 @@ void ObjectGraph::addCovariances(int id,
     {
       SmoothedObject& smoothed = result[offset + i];
       smoothed.covariance = levelCovariance(covariances[next++], smoothed.T_map_object);
-      if (next < wanted.size() && wanted[next] == Key::objectVelocity(id, smoothed.scan))
+      if (next < wanted.size() && wanted[next] == Key::objectVelocity(object_key.first, smoothed.scan))
       {
         const Eigen::Matrix3d& R = smoothed.T_map_object.linear();
         smoothed.velocity_covariance =
@@ -116,12 +116,12 @@ void ObjectGraph::addCovariances(int id,
 std::vector<SmoothedObject> ObjectGraph::smoothed() const
 {
   std::vector<SmoothedObject> result;
-  for (const auto& [id, object] : objects_)
+  for (const auto& [key, object] : objects_)
   {
-    appendSmoothed(id, object, result);
+    appendSmoothed(key, object, result);
     if (object.in_graph > 0)
     {
-      addCovariances(id, object, result);
+      addCovariances(key, object, result);
     }
   }
   std::stable_sort(result.begin(), result.end(), [](const auto& a, const auto& b)

@@ -11,7 +11,7 @@ namespace dyslam
 enum class VariableKind : std::uint8_t
 {
   ego_pose,         //!< x_k: T_map_vehicle at keyframe k
-  static_object,    //!< s_j: T_map_object of an object that stands, one for all time
+  static_object,    //!< s_j: T_map_object of an object that stands, one for a whole sighting
   object_pose,      //!< l_j,k: T_map_object of a moving object at scan k
   object_velocity,  //!< V_j,k: its twist over the interval that ends at scan k
 };
@@ -21,15 +21,15 @@ struct Key
 {
   VariableKind kind = VariableKind::ego_pose;
   std::int64_t object = -1;  //!< id of the object; -1 for ego poses
-  std::int64_t index = -1;   //!< keyframe or scan; -1 for static objects
+  std::int64_t index = -1;   //!< keyframe or scan; number of the sighting of a static object
 
   [[nodiscard]] static Key ego(std::size_t keyframe)
   {
     return {VariableKind::ego_pose, -1, static_cast<std::int64_t>(keyframe)};
   }
-  [[nodiscard]] static Key staticObject(int object)
+  [[nodiscard]] static Key staticObject(int object, int sighting = 0)
   {
-    return {VariableKind::static_object, object, -1};
+    return {VariableKind::static_object, object, sighting};
   }
   [[nodiscard]] static Key objectPose(int object, std::size_t scan)
   {
@@ -54,6 +54,6 @@ struct Key
   }
 };
 
-/** "x12", "s4", "l4@123", "v4@123". */
+/** "x12", "s4", "s4#1" for a second sighting, "l4@123", "v4@123". */
 [[nodiscard]] std::string toString(const Key& key);
 }  // namespace dyslam
