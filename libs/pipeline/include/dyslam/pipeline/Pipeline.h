@@ -44,6 +44,16 @@ class Pipeline
   /** Fills every part of the frame that the source left open. Frames come in order of time. */
   void process(Frame& frame);
 
+  // The steps of process(), for callers that do something in between, as MRPT's graph-SLAM engine
+  // does: all of them for every frame, in this order.
+
+  /** FrontEnd::process(). */
+  void runFrontEnd(Frame& frame);
+  /** Backend::addFrame(). */
+  void addToGraph(Frame& frame);
+  /** StaticMap::insert(), if the frame is a keyframe and mapping is on. */
+  void addToMap(const Frame& frame);
+
   /** After the last frame: optimises once more and corrects the map. */
   void finish();
 
