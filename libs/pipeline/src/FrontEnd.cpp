@@ -15,9 +15,7 @@ using mrpt::system::CTimeLoggerEntry;
 
 struct FrontEnd::Stages
 {
-  Stages(const FrontEndOptions& given,
-         ConfigLoader& config,
-         mrpt::system::CTimeLogger& time_logger)
+  Stages(const FrontEndOptions& given, ConfigLoader& config, mrpt::system::CTimeLogger& time_logger)
       : times(time_logger),
         options(given),
         segmentation(config.get<MovingSegmenterOptions>("dyseg")),
