@@ -5,6 +5,9 @@
 #include <dyslam/pipeline/Pipeline.h>
 #include <mrpt/system/CTimeLogger.h>
 
+#include <algorithm>
+#include <utility>
+
 namespace dyslam
 {
 using mrpt::system::CTimeLoggerEntry;
@@ -36,6 +39,8 @@ struct Pipeline::Stages
   KeyframeStore keyframes;
   Backend backend;
   StaticMap map;
+  std::size_t loops_seen = 0;     //!< of Backend::loops()
+  std::size_t revision_seen = 0;  //!< of the keyframes
 };
 
 Pipeline::Pipeline(ConfigLoader& config, mrpt::system::CTimeLogger& times)
@@ -48,7 +53,9 @@ Pipeline::~Pipeline() = default;
 void Pipeline::process(Frame& frame)
 {
   runFrontEnd(frame);
-  addToGraph(frame);
+  addOdometry(frame);
+  addLoops(frame);
+  optimise(frame);
   addToMap(frame);
 }
 
@@ -57,10 +64,27 @@ void Pipeline::runFrontEnd(Frame& frame)
   stages_->front_end.process(frame);
 }
 
-void Pipeline::addToGraph(Frame& frame)
+bool Pipeline::addOdometry(Frame& frame)
 {
   const CTimeLoggerEntry timed(stages_->times, "backend");
   stages_->backend.addFrame(frame);
+  return frame.is_keyframe;
+}
+
+std::size_t Pipeline::addLoops(const Frame& /*frame*/)
+{
+  const auto& loops = stages_->backend.loops();
+  const auto accepted =
+      std::count_if(loops.begin() + static_cast<std::ptrdiff_t>(stages_->loops_seen), loops.end(),
+                    [](const Loop& loop) { return loop.verdict == LoopVerdict::accepted; });
+  stages_->loops_seen = loops.size();
+  return static_cast<std::size_t>(accepted);
+}
+
+bool Pipeline::optimise(Frame& /*frame*/)
+{
+  return std::exchange(stages_->revision_seen, stages_->keyframes.revision()) !=
+         stages_->keyframes.revision();
 }
 
 void Pipeline::addToMap(const Frame& frame)

@@ -5,6 +5,7 @@
 #include <dyslam/core/Options.h>
 #include <dyslam/core/Trajectory.h>
 
+#include <cstddef>
 #include <memory>
 #include <string>
 #include <vector>
@@ -49,8 +50,12 @@ class Pipeline
 
   /** FrontEnd::process(). */
   void runFrontEnd(Frame& frame);
-  /** Backend::addFrame(). */
-  void addToGraph(Frame& frame);
+  /** Adds the frame to the backend. \return whether it is a keyframe, and so a new node. */
+  bool addOdometry(Frame& frame);
+  /** Looks for loops of a keyframe. \return how many were accepted. */
+  std::size_t addLoops(const Frame& frame);
+  /** Solves as far as the backend finds it due. \return whether keyframes were moved. */
+  bool optimise(Frame& frame);
   /** StaticMap::insert(), if the frame is a keyframe and mapping is on. */
   void addToMap(const Frame& frame);
 
