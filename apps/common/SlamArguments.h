@@ -128,8 +128,8 @@ inline void runSlamProgram(const std::string& program, SlamArguments& a, const S
   SlamRunReport report;
   {
     Progress progress(program, "scans", a.quiet());
-    report = run(a.settings, [&](double fraction, std::size_t frames)
-                 { progress.update(fraction, frames); });
+    report = run(a.settings,
+                 [&](double fraction, std::size_t frames) { progress.update(fraction, frames); });
     progress.finish(report.frames);
   }
   if (!a.quiet())

@@ -15,7 +15,6 @@ struct Arguments
   dyslam::SlamArguments slam;
   dyslam::GraphSlamPluginNames plugins;
   std::string graph;  //!< to optimise
-  CLI::Option* config = nullptr;
   bool list_registrars = false;
   bool list_optimizers = false;
 };
@@ -38,7 +37,6 @@ void declare(CLI::App& app, Arguments& a)
   app.add_flag("--list-optimizers", a.list_optimizers, "list the optimizers");
   app.add_option("--optimize", a.graph, "saved graph (.graph or .g2o) to optimise");
   dyslam::declareSlamArguments(app, a.slam);
-  a.config = app.get_option("--config");
 }
 
 template <typename Plugin>
@@ -75,18 +73,11 @@ void optimizeGraph(const Arguments& a)
   const std::string& output =
       a.plugins.optimizer.empty() ? a.slam.settings.output_folder : a.plugins.optimizer;
   dyslam::Config config;
-  if (a.config->count() > 0)
+  for (const auto& assignment : a.slam.assignments)
   {
-    config = dyslam::configOf(a.slam);
+    config.set(assignment);
   }
-  else
-  {
-    for (const auto& assignment : a.slam.assignments)
-    {
-      config.set(assignment);
-    }
-    config.requireKnownSections({"solver"});
-  }
+  config.requireKnownSections({"pose_graph"});
   const auto report = dyslam::optimizeGraphFile(a.graph, output, config);
   if (a.slam.quiet())
   {

@@ -49,12 +49,16 @@ void FactorGraphOptimizer::finish()
 void FactorGraphOptimizer::getDescriptiveReport(std::string* report) const
 {
   CGraphSlamOptimizer::getDescriptiveReport(report);
-  const PoseGraphResult& last = context_->backend().lastOptimisation();
+  const OptimisationResult& last = context_->backend().lastOptimisation();
   *report += m_class_name + ": ";
   *report += last.reason.empty()
                  ? "nothing to optimise\n"
-                 : "last optimisation: chi2 " + std::to_string(last.initial_chi2) + " to " +
-                       std::to_string(last.final_chi2) + " in " + std::to_string(last.iterations) +
-                       " iterations (" + last.reason + ")\n";
+                 : "last optimisation of everything: chi2 " + std::to_string(last.initial_chi2) +
+                       " to " + std::to_string(last.final_chi2) + " in " +
+                       std::to_string(last.iterations) + " iterations (" + last.reason + ")\n";
+  for (const std::string& warning : context_->backend().warnings())
+  {
+    *report += "warning: " + warning + "\n";
+  }
 }
 }  // namespace dyslam

@@ -34,7 +34,7 @@ GraphFileReport optimizeGraphFile(const std::string& input,
                                   const Config& config)
 {
   PoseGraphSolverOptions options;
-  load(options, config, "solver");
+  load(options, config, "pose_graph");
   const Writer write = output.empty() ? nullptr : writerFor(output);
   Graph graph = readPoseGraph(input);
 

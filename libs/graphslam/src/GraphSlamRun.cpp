@@ -1,19 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/Error.h>
 #include <dyslam/graphslam/FactorGraphOptimizer.h>
-#include <dyslam/graphslam/GraphSlamPlugins.h>
+#include <dyslam/graphslam/GraphSlamEngine.h>
 #include <dyslam/graphslam/GraphSlamRun.h>
 #include <dyslam/io/GraphFiles.h>
 #include <dyslam/io/RawlogSource.h>
 #include <dyslam/io/RawlogStream.h>
 #include <dyslam/pipeline/Pipeline.h>
-#include <mrpt/graphslam/CGraphSlamEngine.h>
 
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
-#include <iostream>
-#include <sstream>
 #include <utility>
 
 namespace dyslam
@@ -21,46 +18,7 @@ namespace dyslam
 namespace
 {
 namespace fs = std::filesystem;
-using Graph = GraphSlamContext::Graph;
 using OnFrame = std::function<void(double, std::size_t)>;
-
-/** Keeps std::cout and std::cerr silent while it lives. MRPT's engine writes messages to the console
- * in its constructor, before it can be told not to. */
-class SilentConsole
-{
- public:
-  SilentConsole() : cout_(std::cout.rdbuf(nothing_.rdbuf())), cerr_(std::cerr.rdbuf(nothing_.rdbuf()))
-  {
-  }
-  ~SilentConsole()
-  {
-    std::cout.rdbuf(cout_);
-    std::cerr.rdbuf(cerr_);
-  }
-  SilentConsole(const SilentConsole&) = delete;
-  SilentConsole& operator=(const SilentConsole&) = delete;
-
- private:
-  std::ostringstream nothing_;
-  std::streambuf* cout_;
-  std::streambuf* cerr_;
-};
-
-/** MRPT's engine without a word on the console: its messages are in its report. */
-class QuietEngine : public mrpt::graphslam::CGraphSlamEngine<Graph>
-{
- public:
-  QuietEngine(const std::string& ini,
-              const std::string& rawlog,
-              NodeDecider& nodes,
-              EdgeDecider& edges,
-              GraphOptimizer& optimizer)
-      : CGraphSlamEngine(ini, rawlog, "", nullptr, &nodes, &edges, &optimizer)
-  {
-    logging_enable_console_output = false;
-    m_time_logger.setMinLoggingLevel(mrpt::system::LVL_ERROR);  // it prints a table when it dies
-  }
-};
 
 /** What the engine reads of its own. */
 std::string writeEngineIni(const fs::path& folder)
@@ -106,11 +64,9 @@ class Engine
         folder_(settings.output_folder),
         nodes_(findPlugin(nodeDeciders(), node_kind, names.node_decider).make(context_)),
         edges_(findPlugin(edgeDeciders(), edge_kind, names.edge_decider).make(context_)),
-        optimizer_(findPlugin(graphOptimizers(), optimizer_kind, names.optimizer).make(context_))
+        optimizer_(findPlugin(graphOptimizers(), optimizer_kind, names.optimizer).make(context_)),
+        engine_(writeEngineIni(folder_), settings.rawlog, *nodes_, *edges_, *optimizer_)
   {
-    const SilentConsole silence;
-    engine_ = std::make_unique<QuietEngine>(writeEngineIni(folder_), settings.rawlog, *nodes_,
-                                            *edges_, *optimizer_);
   }
 
   /** \throws UserError of a plug-in, out of what MRPT has wrapped it in. */
@@ -123,7 +79,7 @@ class Engine
     }
     try
     {
-      engine_->execGraphSlamStep(observation, entry);
+      engine_.execGraphSlamStep(observation, entry);
     }
     catch (const mrpt::ExceptionWithCallBackBase& error)
     {
@@ -140,8 +96,8 @@ class Engine
   /** The files of graphslam-engine. \return their names. */
   [[nodiscard]] std::vector<std::string> writeReports()
   {
-    engine_->generateReportFiles(folder_);
-    writeGraph(engine_->getGraph(), (fs::path(folder_) / "output_graph.graph").string());
+    engine_.generateReportFiles(folder_);
+    writeGraph(engine_.getGraph(), (fs::path(folder_) / "output_graph.graph").string());
     return {"engine.ini",         "output_graph.graph", "CGraphSlamEngine.log", "timings.log",
             "node_registrar.log", "edge_registrar.log", "optimizer.log"};
   }
@@ -152,7 +108,7 @@ class Engine
   std::unique_ptr<NodeDecider> nodes_;
   std::unique_ptr<EdgeDecider> edges_;
   std::unique_ptr<GraphOptimizer> optimizer_;
-  std::unique_ptr<QuietEngine> engine_;
+  GraphSlamEngine engine_;
 };
 
 /** Of the scans asked for; 0 where all are. */

@@ -13,8 +13,8 @@ namespace
 {
 std::size_t countOf(const std::vector<Loop>& loops, LoopVerdict verdict)
 {
-  return static_cast<std::size_t>(std::count_if(loops.begin(), loops.end(), [verdict](const Loop& l)
-                                                { return l.verdict == verdict; }));
+  return static_cast<std::size_t>(std::count_if(
+      loops.begin(), loops.end(), [verdict](const Loop& l) { return l.verdict == verdict; }));
 }
 }  // namespace
 

@@ -5,9 +5,6 @@
 #include <dyslam/pipeline/Pipeline.h>
 #include <mrpt/system/CTimeLogger.h>
 
-#include <algorithm>
-#include <utility>
-
 namespace dyslam
 {
 using mrpt::system::CTimeLoggerEntry;
@@ -25,10 +22,10 @@ struct Pipeline::Stages
       : times(time_logger),
         options(config.get<PipelineOptions>("pipeline")),
         front_end({options.threads, options.tracking}, config, times),
-        backend({config.get<BackendOptions>("backend"), config.get<LoopCloserOptions>("loop"),
-                 config.get<ObjectGraphOptions>("objects"),
-                 config.get<FactorGraphOptions>("solver")},
-                keyframes),
+        backend(
+            {config.get<BackendOptions>("backend"), config.get<LoopCloserOptions>("loop"),
+             config.get<ObjectGraphOptions>("objects"), config.get<FactorGraphOptions>("solver")},
+            keyframes),
         map(config.get<StaticMapOptions>("map"), keyframes)
   {
   }
@@ -39,8 +36,6 @@ struct Pipeline::Stages
   KeyframeStore keyframes;
   Backend backend;
   StaticMap map;
-  std::size_t loops_seen = 0;     //!< of Backend::loops()
-  std::size_t revision_seen = 0;  //!< of the keyframes
 };
 
 Pipeline::Pipeline(ConfigLoader& config, mrpt::system::CTimeLogger& times)
@@ -67,24 +62,19 @@ void Pipeline::runFrontEnd(Frame& frame)
 bool Pipeline::addOdometry(Frame& frame)
 {
   const CTimeLoggerEntry timed(stages_->times, "backend");
-  stages_->backend.addFrame(frame);
-  return frame.is_keyframe;
+  return stages_->backend.addOdometry(frame);
 }
 
-std::size_t Pipeline::addLoops(const Frame& /*frame*/)
+std::size_t Pipeline::addLoops(const Frame& frame)
 {
-  const auto& loops = stages_->backend.loops();
-  const auto accepted =
-      std::count_if(loops.begin() + static_cast<std::ptrdiff_t>(stages_->loops_seen), loops.end(),
-                    [](const Loop& loop) { return loop.verdict == LoopVerdict::accepted; });
-  stages_->loops_seen = loops.size();
-  return static_cast<std::size_t>(accepted);
+  const CTimeLoggerEntry timed(stages_->times, "backend");
+  return stages_->backend.addLoops(frame);
 }
 
-bool Pipeline::optimise(Frame& /*frame*/)
+bool Pipeline::optimise(Frame& frame)
 {
-  return std::exchange(stages_->revision_seen, stages_->keyframes.revision()) !=
-         stages_->keyframes.revision();
+  const CTimeLoggerEntry timed(stages_->times, "backend");
+  return stages_->backend.optimise(frame);
 }
 
 void Pipeline::addToMap(const Frame& frame)

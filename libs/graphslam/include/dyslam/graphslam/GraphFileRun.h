@@ -18,8 +18,8 @@ struct GraphFileReport
   double seconds = 0;  //!< of the optimisation, without reading and writing
 };
 
-/** Optimises a saved graph (`.graph` or `.g2o`) by the solver of section [solver], whose defaults
- * are those of PoseGraphSolverOptions.
+/** Optimises a saved graph (`.graph` or `.g2o`) by PoseGraphSolver, with the options of section
+ * [pose_graph].
  * \param output `.graph` or `.g2o`, by its extension; empty: nothing is written
  * \throws UserError for a bad file, a graph that cannot be solved, and an unknown extension. */
 GraphFileReport optimizeGraphFile(const std::string& input,

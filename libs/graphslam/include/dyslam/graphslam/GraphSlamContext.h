@@ -37,8 +37,8 @@ class GraphSlamContext
 
   /** Begins a step of the engine: frame() is null until a scan comes. */
   void beginStep();
-  /** An observation of the step; if it is a scan it goes through the front end and into the backend.
-   * \throws UserError for a second scan in one step, and as ScanDecoder does. */
+  /** An observation of the step; if it is a scan it goes through the front end and into the
+   * backend. \throws UserError for a second scan in one step, and as ScanDecoder does. */
   void takeObservation(const mrpt::obs::CObservation::Ptr& observation);
   /** Of the present step, null if it had no scan. */
   [[nodiscard]] const Frame* frame() const;

@@ -13,12 +13,9 @@
 
 namespace dyslam
 {
-using NodeDecider =
-    mrpt::graphslam::deciders::CNodeRegistrationDecider<GraphSlamContext::Graph>;
-using EdgeDecider =
-    mrpt::graphslam::deciders::CEdgeRegistrationDecider<GraphSlamContext::Graph>;
-using GraphOptimizer =
-    mrpt::graphslam::optimizers::CGraphSlamOptimizer<GraphSlamContext::Graph>;
+using NodeDecider = mrpt::graphslam::deciders::CNodeRegistrationDecider<GraphSlamContext::Graph>;
+using EdgeDecider = mrpt::graphslam::deciders::CEdgeRegistrationDecider<GraphSlamContext::Graph>;
+using GraphOptimizer = mrpt::graphslam::optimizers::CGraphSlamOptimizer<GraphSlamContext::Graph>;
 
 /** A class that can be plugged into the engine. */
 template <typename Interface>
@@ -44,6 +41,7 @@ template <typename Interface>
     const std::string& name)
 {
   std::vector<std::string> names;
+  std::string all;
   for (const auto& plugin : plugins)
   {
     if (name.empty() || name == plugin.name)
@@ -51,9 +49,10 @@ template <typename Interface>
       return plugin;
     }
     names.emplace_back(plugin.name);
+    all += (all.empty() ? "" : ", ") + names.back();
   }
   const std::string nearest = nearestWord(name, names);
-  throw UserError(name + ": unknown " + kind + "; did you mean " +
-                  (nearest.empty() ? names.front() : nearest) + "?");
+  throw UserError(name + ": unknown " + kind +
+                  (nearest.empty() ? "; there is " + all : "; did you mean " + nearest + "?"));
 }
 }  // namespace dyslam

@@ -50,11 +50,11 @@ class Pipeline
 
   /** FrontEnd::process(). */
   void runFrontEnd(Frame& frame);
-  /** Adds the frame to the backend. \return whether it is a keyframe, and so a new node. */
+  /** Backend::addOdometry(). \return whether the frame is a keyframe, and so a new node. */
   bool addOdometry(Frame& frame);
-  /** Looks for loops of a keyframe. \return how many were accepted. */
+  /** Backend::addLoops(). \return how many were accepted. */
   std::size_t addLoops(const Frame& frame);
-  /** Solves as far as the backend finds it due. \return whether keyframes were moved. */
+  /** Backend::optimise(). \return whether a keyframe was moved. */
   bool optimise(Frame& frame);
   /** StaticMap::insert(), if the frame is a keyframe and mapping is on. */
   void addToMap(const Frame& frame);
