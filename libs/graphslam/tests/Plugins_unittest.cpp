@@ -181,7 +181,8 @@ TEST_F(GraphSlamPlugins, TwoScansInOneSensoryFrameAreAnError)
   Graph graph;
   p.nodes.setGraphPtr(&graph);
   const auto frame = nextSensoryFrame(p.stream);
-  for (const auto& observation : *nextSensoryFrame(p.stream))
+  const auto next = nextSensoryFrame(p.stream);
+  for (const auto& observation : *next)
   {
     frame->insert(observation);
   }
