@@ -1,14 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "RawlogStream.h"
-
 #include <dyslam/core/Error.h>
+#include <dyslam/io/RawlogStream.h>
+#include <mrpt/maps/registerAllClasses.h>
 #include <mrpt/obs/CActionCollection.h>
 #include <mrpt/obs/CRawlog.h>
 #include <mrpt/obs/CSensoryFrame.h>
+#include <mrpt/obs/registerAllClasses.h>
 #include <mrpt/serialization/CArchive.h>
 
 #include <filesystem>
 
+#include "GzInput.h"
 #include "MrptConversions.h"
 
 namespace dyslam
@@ -36,12 +38,24 @@ std::string findExternalFolder(const std::string& path)
 }  // namespace
 
 RawlogStream::RawlogStream(const std::string& path)
-    : path_(path), external_folder_(findExternalFolder(path)), file_(path)
+    : path_(path),
+      external_folder_(findExternalFolder(path)),
+      file_(std::make_unique<GzInput>(path))
 {
-  if (file_.fileSize() == 0)
+  if (file_->fileSize() == 0)
   {
     throw UserError(path + ": is empty; " + advice);
   }
+  mrpt::obs::registerAllClasses_mrpt_obs();
+  mrpt::maps::registerAllClasses_mrpt_maps();
+}
+RawlogStream::~RawlogStream() = default;
+RawlogStream::RawlogStream(RawlogStream&&) noexcept = default;
+RawlogStream& RawlogStream::operator=(RawlogStream&&) noexcept = default;
+
+double RawlogStream::progress() const
+{
+  return file_->progress();
 }
 
 void RawlogStream::failReading(const std::string& reason) const
@@ -51,16 +65,16 @@ void RawlogStream::failReading(const std::string& reason) const
     // MRPT's message about bytes that are no object may be anything: MRPT's own words would only
     // confuse.
     throw UserError(path_ + ": is not a rawlog, or is damaged in its first object" +
-                    (file_.broken() ? " (the compressed data are broken)" : "") +
-                    (file_.cut() ? " (the file ends there)" : "") + "; " + advice);
+                    (file_->broken() ? " (the compressed data are broken)" : "") +
+                    (file_->cut() ? " (the file ends there)" : "") + "; " + advice);
   }
   const std::string count = std::to_string(objects_);
-  if (file_.broken())
+  if (file_->broken())
   {
     throw UserError(path_ + ": the compressed data are damaged after " + count +
                     " objects; copy or record the file again");
   }
-  if (file_.cut())
+  if (file_->cut())
   {
     throw UserError(path_ + ": is cut short: the file ends within an object, after " + count +
                     " whole ones; copy or record it again");
@@ -74,7 +88,7 @@ void RawlogStream::readObject()
   mrpt::serialization::CSerializable::Ptr object;
   try
   {
-    auto archive = mrpt::serialization::archiveFrom(file_);
+    auto archive = mrpt::serialization::archiveFrom(*file_);
     object = archive.ReadObject();
   }
   catch (const std::exception& error)
@@ -106,9 +120,9 @@ mrpt::obs::CObservation::Ptr RawlogStream::next()
 {
   while (queue_.empty())
   {
-    if (file_.atEnd())
+    if (file_->atEnd())
     {
-      if (file_.cut() || file_.broken())
+      if (file_->cut() || file_->broken())
       {
         failReading("");
       }

@@ -1,16 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/backend/Backend.h>
-#include <dyslam/dyseg/MovingSegmenter.h>
-#include <dyslam/dyseg/TemporalFilter.h>
 #include <dyslam/mapping/StaticMap.h>
-#include <dyslam/odometry/Odometry.h>
-#include <dyslam/odometry/Preprocessor.h>
+#include <dyslam/pipeline/FrontEnd.h>
 #include <dyslam/pipeline/Pipeline.h>
-#include <dyslam/tracking/Detector.h>
-#include <dyslam/tracking/Tracker.h>
 #include <mrpt/system/CTimeLogger.h>
-
-#include <vector>
 
 namespace dyslam
 {
@@ -28,40 +21,18 @@ struct Pipeline::Stages
   Stages(ConfigLoader& config, mrpt::system::CTimeLogger& time_logger)
       : times(time_logger),
         options(config.get<PipelineOptions>("pipeline")),
-        segmentation(config.get<MovingSegmenterOptions>("dyseg")),
-        pool(options.threads),
-        preprocessor(config.get<PreprocessOptions>("preprocess"), pool),
-        segmenter(makeSegmenter(segmentation.method, config, pool)),
-        filter(config.get<TemporalFilterOptions>("dyseg_filter")),
-        odometry(config, pool, times),
-        detector(config.get<DetectorOptions>("detector")),
-        tracker(config.get<TrackerOptions>("tracker")),
-        backend({config.get<BackendOptions>("backend"), config.get<LoopCloserOptions>("loop"),
-                 config.get<ObjectGraphOptions>("objects"),
-                 config.get<FactorGraphOptions>("solver")},
-                keyframes),
+        front_end({options.threads, options.tracking}, config, times),
+        backend(
+            {config.get<BackendOptions>("backend"), config.get<LoopCloserOptions>("loop"),
+             config.get<ObjectGraphOptions>("objects"), config.get<FactorGraphOptions>("solver")},
+            keyframes),
         map(config.get<StaticMapOptions>("map"), keyframes)
   {
   }
 
-  void preprocess(Frame& frame);
-  /** Segments now if the segmenter runs before (false) or after (true) the pose is known. */
-  void segment(Frame& frame, bool pose_known);
-  void filterOverTime(Frame& frame);
-  void track(Frame& frame);
-  void optimize(Frame& frame);
-  void insertIntoMap(const Frame& frame);
-
   mrpt::system::CTimeLogger& times;
   PipelineOptions options;
-  MovingSegmenterOptions segmentation;
-  ThreadPool pool;
-  Preprocessor preprocessor;
-  std::unique_ptr<MovingSegmenter> segmenter;  //!< null: nothing is segmented
-  TemporalFilter filter;
-  Odometry odometry;
-  Detector detector;
-  Tracker tracker;
+  FrontEnd front_end;
   KeyframeStore keyframes;
   Backend backend;
   StaticMap map;
@@ -76,18 +47,43 @@ Pipeline::~Pipeline() = default;
 
 void Pipeline::process(Frame& frame)
 {
-  Stages& s = *stages_;
-  s.odometry.predict(frame);
-  s.preprocess(frame);
-  s.segment(frame, false);
-  s.odometry.estimate(frame);
-  s.segment(frame, true);
-  s.filterOverTime(frame);
-  decideMoving(frame, s.segmentation.moving_threshold);
-  s.odometry.integrate(frame);
-  s.track(frame);
-  s.optimize(frame);
-  s.insertIntoMap(frame);
+  runFrontEnd(frame);
+  addOdometry(frame);
+  addLoops(frame);
+  optimise(frame);
+  addToMap(frame);
+}
+
+void Pipeline::runFrontEnd(Frame& frame)
+{
+  stages_->front_end.process(frame);
+}
+
+bool Pipeline::addOdometry(Frame& frame)
+{
+  const CTimeLoggerEntry timed(stages_->times, "backend");
+  return stages_->backend.addOdometry(frame);
+}
+
+std::size_t Pipeline::addLoops(const Frame& frame)
+{
+  const CTimeLoggerEntry timed(stages_->times, "backend");
+  return stages_->backend.addLoops(frame);
+}
+
+bool Pipeline::optimise(Frame& frame)
+{
+  const CTimeLoggerEntry timed(stages_->times, "backend");
+  return stages_->backend.optimise(frame);
+}
+
+void Pipeline::addToMap(const Frame& frame)
+{
+  if (stages_->options.mapping && frame.is_keyframe)
+  {
+    const CTimeLoggerEntry timed(stages_->times, "map");
+    stages_->map.insert(frame);
+  }
 }
 
 void Pipeline::finish()
@@ -101,55 +97,6 @@ void Pipeline::finish()
   {
     const CTimeLoggerEntry timed(s.times, "map.finish");
     s.map.correct();
-  }
-}
-
-void Pipeline::Stages::preprocess(Frame& frame)
-{
-  const CTimeLoggerEntry timed(times, "preprocess");
-  frame.cloud = preprocessor.prepare(frame.scan, frame.prior.T_previous_current, frame.dt);
-}
-
-void Pipeline::Stages::segment(Frame& frame, bool pose_known)
-{
-  if (segmenter && segmenter->needsPose() == pose_known)
-  {
-    const CTimeLoggerEntry timed(times, "dyseg");
-    segmenter->segment(frame);
-  }
-}
-
-void Pipeline::Stages::filterOverTime(Frame& frame)
-{
-  if (segmentation.filter)
-  {
-    const CTimeLoggerEntry timed(times, "dyseg");
-    filter.apply(frame);
-  }
-}
-
-void Pipeline::Stages::track(Frame& frame)
-{
-  if (options.tracking)
-  {
-    const CTimeLoggerEntry timed(times, "tracking");
-    detector.detect(frame);
-    tracker.update(frame);
-  }
-}
-
-void Pipeline::Stages::optimize(Frame& frame)
-{
-  const CTimeLoggerEntry timed(times, "backend");
-  backend.addFrame(frame);
-}
-
-void Pipeline::Stages::insertIntoMap(const Frame& frame)
-{
-  if (options.mapping && frame.is_keyframe)
-  {
-    const CTimeLoggerEntry timed(times, "map");
-    map.insert(frame);
   }
 }
 
@@ -170,14 +117,11 @@ Trajectory Pipeline::trajectory() const
 
 std::string Pipeline::summary() const
 {
-  const Stages& s = *stages_;
-  std::string text = s.segmenter ? s.segmenter->name() + " + " : "";
-  text += s.segmenter && s.segmentation.filter ? "filter + " : "";
-  return text + s.odometry.name();
+  return stages_->front_end.summary();
 }
 
 std::vector<std::string> Pipeline::warnings() const
 {
-  return stages_->odometry.warnings();
+  return stages_->front_end.warnings();
 }
 }  // namespace dyslam

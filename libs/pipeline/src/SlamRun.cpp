@@ -22,52 +22,12 @@ namespace dyslam
 namespace
 {
 using mrpt::system::CTimeLogger;
-using OnFrame = std::function<void(double, std::size_t)>;
 
 void requireWritable(const std::string& profile_csv)
 {
   if (!profile_csv.empty() && !std::ofstream(profile_csv))
   {
     throw UserError(profile_csv + ": cannot be written; choose another --profile");
-  }
-}
-
-/** Of the scans asked for; 0 where all are. */
-double shareOf(std::size_t frames, int only_first_n)
-{
-  return only_first_n > 0 ? static_cast<double>(frames) / only_first_n : 0;
-}
-
-/** Every frame through the pipeline and on to the outputs. */
-void replay(const SlamRunSettings& settings,
-            RawlogSource& source,
-            int only_first_n,
-            Pipeline& pipeline,
-            RunStatistics& statistics,
-            RunOutputs& outputs,
-            const OnFrame& on_frame)
-{
-  std::atomic<double> read = 0;  // share of the file; only the reading thread may ask the source
-  ReadAhead reader(
-      [&]
-      {
-        auto frame = source.next();
-        read = source.progress();
-        return frame;
-      });
-  while (auto frame = reader.next())
-  {
-    pipeline.process(*frame);
-    statistics.add(*frame);
-    outputs.add(std::move(*frame));
-    if (on_frame)
-    {
-      on_frame(std::max(read.load(), shareOf(statistics.frames, only_first_n)), statistics.frames);
-    }
-    if (settings.stop && settings.stop())
-    {
-      throw UserError(settings.rawlog + ": stopped");
-    }
   }
 }
 
@@ -86,45 +46,6 @@ std::map<std::string, double> stageMilliseconds(const CTimeLogger& times, std::s
 void append(std::vector<std::string>& all, const std::vector<std::string>& more)
 {
   all.insert(all.end(), more.begin(), more.end());
-}
-
-RunResults resultsOf(const Pipeline& pipeline,
-                     const RawlogSource& source,
-                     const RunStatistics& statistics,
-                     const CTimeLogger& times)
-{
-  RunResults results;
-  results.backend = &pipeline.backend();
-  results.map = pipeline.map();
-  results.map_points = results.map == nullptr ? MapPoints() : results.map->points();
-  results.trajectory = pipeline.trajectory();
-  results.reference = statistics.referenceInMap(results.trajectory);
-  results.stage_ms = stageMilliseconds(times, statistics.frames);
-
-  SlamRunReport& report = results.report;
-  report.method = pipeline.summary();
-  report.frames = statistics.frames;
-  report.unconverged = statistics.registration_failures.total();
-  report.failure = statistics.failure();
-  report.odometry_failed = statistics.odometry_failures.total();
-  report.keyframes = pipeline.backend().keyframes().size();
-  const auto& loops = pipeline.backend().loops();
-  report.loops = static_cast<std::size_t>(
-      std::count_if(loops.begin(), loops.end(),
-                    [](const Loop& loop) { return loop.verdict == LoopVerdict::accepted; }));
-  report.tracks = statistics.moving_objects.size();
-  report.map_points = results.map_points.size();
-  const auto lengths = results.trajectory.pathLengths();
-  report.path_length = lengths.empty() ? 0 : lengths.back();
-  for (const auto& [stage, ms] : results.stage_ms)
-  {
-    report.ms_per_scan += ms;
-  }
-  report.has_reference = !results.reference.empty();
-  append(report.warnings, source.warnings());
-  append(report.warnings, pipeline.warnings());
-  append(report.warnings, statistics.warnings());
-  return results;
 }
 
 /** \param damage why the run ended early; empty if it did not. */
@@ -153,43 +74,174 @@ void throwWhatFailed(const std::string& damage,
 }
 }  // namespace
 
+struct SlamRun::Impl
+{
+  explicit Impl(const SlamRunSettings& given)
+      : settings(given),
+        times(true, "dyslam"),
+        config(settings.config),
+        input(config.get<RawlogSourceOptions>("input")),
+        pipeline(config, times),
+        outputs(settings, config)
+  {
+    times.setMinLoggingLevel(mrpt::system::LVL_ERROR);  // it would print its table at the end
+    config.requireAllUsed();
+  }
+
+  [[nodiscard]] RunResults results(const std::vector<std::string>& source_warnings) const;
+  void fillReport(SlamRunReport& report, const RunResults& results) const;
+
+  SlamRunSettings settings;
+  CTimeLogger times;
+  ConfigLoader config;
+  RawlogSourceOptions input;
+  Pipeline pipeline;
+  RunOutputs outputs;
+  RunStatistics statistics;
+};
+
+RunResults SlamRun::Impl::results(const std::vector<std::string>& source_warnings) const
+{
+  RunResults results;
+  results.backend = &pipeline.backend();
+  results.map = pipeline.map();
+  results.map_points = results.map == nullptr ? MapPoints() : results.map->points();
+  results.trajectory = pipeline.trajectory();
+  results.reference = statistics.referenceInMap(results.trajectory);
+  results.stage_ms = stageMilliseconds(times, statistics.frames);
+  fillReport(results.report, results);
+  append(results.report.warnings, source_warnings);
+  append(results.report.warnings, pipeline.warnings());
+  append(results.report.warnings, statistics.warnings());
+  return results;
+}
+
+void SlamRun::Impl::fillReport(SlamRunReport& report, const RunResults& results) const
+{
+  report.method = pipeline.summary();
+  report.frames = statistics.frames;
+  report.unconverged = statistics.registration_failures.total();
+  report.failure = statistics.failure();
+  report.odometry_failed = statistics.odometry_failures.total();
+  report.keyframes = pipeline.backend().keyframes().size();
+  const auto& loops = pipeline.backend().loops();
+  report.loops = static_cast<std::size_t>(
+      std::count_if(loops.begin(), loops.end(),
+                    [](const Loop& loop) { return loop.verdict == LoopVerdict::accepted; }));
+  report.tracks = statistics.moving_objects.size();
+  report.map_points = results.map_points.size();
+  const auto lengths = results.trajectory.pathLengths();
+  report.path_length = lengths.empty() ? 0 : lengths.back();
+  for (const auto& [stage, ms] : results.stage_ms)
+  {
+    report.ms_per_scan += ms;
+  }
+  report.has_reference = !results.reference.empty();
+}
+
+SlamRun::SlamRun(const SlamRunSettings& settings) : impl_(std::make_unique<Impl>(settings)) {}
+SlamRun::~SlamRun() = default;
+
+Pipeline& SlamRun::pipeline()
+{
+  return impl_->pipeline;
+}
+
+const RawlogSourceOptions& SlamRun::input() const
+{
+  return impl_->input;
+}
+
+void SlamRun::open()
+{
+  requireWritable(impl_->settings.profile_csv);
+  impl_->outputs.open();
+}
+
+void SlamRun::add(Frame frame)
+{
+  impl_->statistics.add(frame);
+  impl_->outputs.add(std::move(frame));
+}
+
+std::size_t SlamRun::frames() const
+{
+  return impl_->statistics.frames;
+}
+
+SlamRunReport SlamRun::finish(const std::vector<std::string>& source_warnings,
+                              const std::string& damage)
+{
+  RunResults results = impl_->results(source_warnings);
+  impl_->outputs.finish(results);
+  if (!impl_->settings.profile_csv.empty())
+  {
+    impl_->times.saveToCSVFile(impl_->settings.profile_csv);
+  }
+  throwWhatFailed(damage, results, impl_->settings.output_folder);
+  return results.report;
+}
+
+namespace
+{
+using OnFrame = std::function<void(double, std::size_t)>;
+
+/** Of the scans asked for; 0 where all are. */
+double shareOf(std::size_t frames, int only_first_n)
+{
+  return only_first_n > 0 ? static_cast<double>(frames) / only_first_n : 0;
+}
+
+/** Every frame through the pipeline and on to the outputs. */
+void replay(const SlamRunSettings& settings,
+            RawlogSource& source,
+            SlamRun& run,
+            const OnFrame& on_frame)
+{
+  std::atomic<double> read = 0;  // share of the file; only the reading thread may ask the source
+  ReadAhead reader(
+      [&]
+      {
+        auto frame = source.next();
+        read = source.progress();
+        return frame;
+      });
+  while (auto frame = reader.next())
+  {
+    run.pipeline().process(*frame);
+    run.add(std::move(*frame));
+    if (on_frame)
+    {
+      on_frame(std::max(read.load(), shareOf(run.frames(), run.input().only_first_n)),
+               run.frames());
+    }
+    if (settings.stop && settings.stop())
+    {
+      throw UserError(settings.rawlog + ": stopped");
+    }
+  }
+}
+}  // namespace
+
 SlamRunReport runSlam(const SlamRunSettings& settings, const OnFrame& on_frame)
 {
-  CTimeLogger times(true, "dyslam");
-  times.setMinLoggingLevel(mrpt::system::LVL_ERROR);  // it would print its table at the end
-  ConfigLoader config(settings.config);
-  const auto input = config.get<RawlogSourceOptions>("input");
-  Pipeline pipeline(config, times);
-  RunOutputs outputs(settings, config);
-  config.requireAllUsed();
-
-  RawlogSource source(settings.rawlog, input);
-  requireWritable(settings.profile_csv);
-  outputs.open();
-
-  RunStatistics statistics;
+  SlamRun run(settings);
+  RawlogSource source(settings.rawlog, run.input());
+  run.open();
   std::string damage;
   try
   {
-    replay(settings, source, input.only_first_n, pipeline, statistics, outputs, on_frame);
+    replay(settings, source, run, on_frame);
   }
   catch (const UserError& error)
   {
-    if (statistics.frames == 0)
+    if (run.frames() == 0)
     {
       throw;
     }
     damage = error.what();  // what was read before it is worth keeping
   }
-  pipeline.finish();
-
-  RunResults results = resultsOf(pipeline, source, statistics, times);
-  outputs.finish(results);
-  if (!settings.profile_csv.empty())
-  {
-    times.saveToCSVFile(settings.profile_csv);
-  }
-  throwWhatFailed(damage, results, settings.output_folder);
-  return results.report;
+  run.pipeline().finish();
+  return run.finish(source.warnings(), damage);
 }
 }  // namespace dyslam

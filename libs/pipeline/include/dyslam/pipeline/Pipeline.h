@@ -5,6 +5,7 @@
 #include <dyslam/core/Options.h>
 #include <dyslam/core/Trajectory.h>
 
+#include <cstddef>
 #include <memory>
 #include <string>
 #include <vector>
@@ -43,6 +44,20 @@ class Pipeline
 
   /** Fills every part of the frame that the source left open. Frames come in order of time. */
   void process(Frame& frame);
+
+  // The steps of process(), for callers that do something in between, as MRPT's graph-SLAM engine
+  // does: all of them for every frame, in this order.
+
+  /** FrontEnd::process(). */
+  void runFrontEnd(Frame& frame);
+  /** Backend::addOdometry(). \return whether the frame is a keyframe, and so a new node. */
+  bool addOdometry(Frame& frame);
+  /** Backend::addLoops(). \return how many were accepted. */
+  std::size_t addLoops(const Frame& frame);
+  /** Backend::optimise(). \return whether a keyframe was moved. */
+  bool optimise(Frame& frame);
+  /** StaticMap::insert(), if the frame is a keyframe and mapping is on. */
+  void addToMap(const Frame& frame);
 
   /** After the last frame: optimises once more and corrects the map. */
   void finish();

@@ -2,14 +2,19 @@
 #pragma once
 
 #include <dyslam/core/Config.h>
+#include <dyslam/core/Frame.h>
 
 #include <cstddef>
 #include <functional>
+#include <memory>
 #include <string>
 #include <vector>
 
 namespace dyslam
 {
+class Pipeline;
+struct RawlogSourceOptions;
+
 /** What one run is asked to do. Everything else is in the config. */
 struct SlamRunSettings
 {
@@ -40,6 +45,34 @@ struct SlamRunReport
   std::string failure;
   std::vector<std::string> warnings;
   std::vector<std::string> files;  //!< written, in the output folder
+};
+
+/** The pipeline and the results of a run, for programs that hand over the frames themselves. */
+class SlamRun
+{
+ public:
+  /** Builds all stages and outputs; nothing is written yet. \throws UserError for a bad config. */
+  explicit SlamRun(const SlamRunSettings& settings);
+  ~SlamRun();
+
+  [[nodiscard]] Pipeline& pipeline();
+  /** Section [input]. */
+  [[nodiscard]] const RawlogSourceOptions& input() const;
+
+  /** Before the first frame: makes the output folder, and removes what an earlier run left in it.
+   * \throws UserError if it cannot be written. */
+  void open();
+  /** A frame that the pipeline has processed: counted, and handed to the outputs. */
+  void add(Frame frame);
+  [[nodiscard]] std::size_t frames() const;
+  /** After Pipeline::finish(): writes all that is known at the end only.
+   * \param source_warnings about the recording \param damage why it ended early; empty if it did
+   * not. \throws UserError for damage, and if files could not be written: the others are. */
+  SlamRunReport finish(const std::vector<std::string>& source_warnings, const std::string& damage);
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
 };
 
 /** Replays a rawlog through the pipeline and fills a folder with the results.

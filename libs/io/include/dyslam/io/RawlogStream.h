@@ -5,18 +5,23 @@
 
 #include <cstddef>
 #include <deque>
+#include <memory>
 #include <string>
-
-#include "GzInput.h"
 
 namespace dyslam
 {
-/** The observations of a rawlog one by one, whichever of MRPT's two styles it is written in. */
+class GzInput;
+
+/** The observations of a rawlog, plain or gzip, one by one, whichever of MRPT's two styles it is
+ * written in. Not thread-safe. */
 class RawlogStream
 {
  public:
   /** \throws UserError if the file is missing, empty or clearly no rawlog. */
   explicit RawlogStream(const std::string& path);
+  ~RawlogStream();
+  RawlogStream(RawlogStream&&) noexcept;
+  RawlogStream& operator=(RawlogStream&&) noexcept;
 
   /** The next observation, null at the end.
    * \throws UserError if the file is cut short, damaged or holds things that are no rawlog's. */
@@ -25,7 +30,8 @@ class RawlogStream
   [[nodiscard]] const std::string& path() const { return path_; }
   /** `<name>_Images` beside the file if it is there, else the file's own folder. */
   [[nodiscard]] const std::string& externalFolder() const { return external_folder_; }
-  [[nodiscard]] double progress() const { return file_.progress(); }
+  /** Bytes of the (compressed) file read so far, 0 to 1. */
+  [[nodiscard]] double progress() const;
 
  private:
   void readObject();
@@ -33,7 +39,7 @@ class RawlogStream
 
   std::string path_;
   std::string external_folder_;
-  GzInput file_;
+  std::unique_ptr<GzInput> file_;
   std::deque<mrpt::obs::CObservation::Ptr> queue_;
   std::size_t objects_ = 0;  //!< whole objects read
 };

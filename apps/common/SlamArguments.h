@@ -1,0 +1,144 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <dyslam/core/SharedFiles.h>
+#include <dyslam/pipeline/SlamRun.h>
+
+#include <CLI/CLI.hpp>
+#include <atomic>
+#include <csignal>
+#include <cstdio>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "AppMain.h"
+#include "Checks.h"
+#include "Progress.h"
+
+namespace dyslam
+{
+/** Flags of the programs that run the pipeline on a rawlog. */
+struct SlamArguments
+{
+  SlamRunSettings settings;
+  std::string config = "kitti64.ini";
+  std::vector<std::string> assignments;
+  std::string verbosity = "INFO";
+  std::optional<int> skip_first_n;
+  std::optional<int> only_first_n;
+
+  [[nodiscard]] bool quiet() const { return verbosity == "ERROR"; }
+};
+
+/** All but those of input and output. */
+inline void declareSlamArguments(CLI::App& app, SlamArguments& a)
+{
+  app.add_option("-c,--config", a.config, "ini file, or the name of a shipped one")
+      ->capture_default_str();
+  app.add_option("--set", a.assignments, "section.key=value, as if it stood in the ini; repeatable")
+      ->take_all()
+      ->allow_extra_args(false);
+  app.add_flag("--labels", a.settings.labels,
+               "write labels/NNNNNN.label, moving and static points");
+  app.add_flag("--static-scans", a.settings.static_scans,
+               "write the scans without moving points: static_scans/NNNNNN.bin and a rawlog");
+  app.add_option("--skip-first-n", a.skip_first_n, "scans to pass over")->check(notNegative());
+  app.add_option("--only-first-n", a.only_first_n, "scans to process after those; 0: all")
+      ->check(notNegative());
+  app.add_option("--profile", a.settings.profile_csv, "CSV file for the times of every stage");
+  app.add_option("-v,--verbosity", a.verbosity, "what is printed")
+      ->check(CLI::IsMember({"ERROR", "INFO"}))
+      ->capture_default_str();
+}
+
+/** The ini and what the command line puts in it. \throws UserError. */
+inline Config configOf(const SlamArguments& a)
+{
+  Config config = Config::fromFile(findGivenOrShared(a.config, "config_files", ".ini"));
+  for (const auto& assignment : a.assignments)
+  {
+    config.set(assignment);
+  }
+  if (a.skip_first_n)
+  {
+    config.set("input.skip_first_n=" + std::to_string(*a.skip_first_n));
+  }
+  if (a.only_first_n)
+  {
+    config.set("input.only_first_n=" + std::to_string(*a.only_first_n));
+  }
+  return config;
+}
+
+// The only thing a signal can reach.
+inline std::atomic<bool> stop_asked{false};
+static_assert(std::atomic<bool>::is_always_lock_free, "a signal handler may set it");
+
+/** Ctrl-C and kill end the run after the scan at hand; the second time they kill as usual. */
+inline void stopOnSignals()
+{
+  struct sigaction action = {};
+  action.sa_handler = [](int) { stop_asked = true; };
+  action.sa_flags = static_cast<int>(SA_RESETHAND) | SA_RESTART;
+  sigemptyset(&action.sa_mask);
+  sigaction(SIGINT, &action, nullptr);
+  sigaction(SIGTERM, &action, nullptr);
+}
+
+inline void print(const SlamRunReport& report, const std::string& folder)
+{
+  for (const auto& warning : report.warnings)
+  {
+    std::printf("warning: %s\n", warning.c_str());
+  }
+  std::printf("%s\n", report.method.c_str());
+  std::printf("%zu scans, %.1f m, %zu keyframes, %zu loops, %zu moving objects, %zu map points\n",
+              report.frames, report.path_length, report.keyframes, report.loops, report.tracks,
+              report.map_points);
+  if (report.unconverged > 0)
+  {
+    std::printf("%zu scans could not be registered; their motion is predicted\n",
+                report.unconverged);
+  }
+  std::printf("%.1f ms per scan\n", report.ms_per_scan);
+  std::printf("results in %s:", folder.c_str());
+  for (const auto& file : report.files)
+  {
+    std::printf(" %s", file.c_str());
+  }
+  std::printf("\n");
+  if (report.has_reference)
+  {
+    std::printf("errors against the ground truth: dyslam-eval run %s\n", folder.c_str());
+  }
+}
+
+using SlamRunner = std::function<SlamRunReport(
+    const SlamRunSettings& settings, const std::function<void(double, std::size_t)>& on_frame)>;
+
+/** Runs, shows how far it is and says what came of it. \throws UserError, UselessResult. */
+inline void runSlamProgram(const std::string& program, SlamArguments& a, const SlamRunner& run)
+{
+  requireConverted(a.settings.rawlog);
+  a.settings.config = configOf(a);
+  stopOnSignals();
+  a.settings.stop = [] { return stop_asked.load(); };
+  SlamRunReport report;
+  {
+    Progress progress(program, "scans", a.quiet());
+    report = run(a.settings,
+                 [&](double fraction, std::size_t frames) { progress.update(fraction, frames); });
+    progress.finish(report.frames);
+  }
+  if (!a.quiet())
+  {
+    print(report, a.settings.output_folder);
+  }
+  if (!report.failure.empty())
+  {
+    throw UselessResult(report.failure);
+  }
+}
+}  // namespace dyslam

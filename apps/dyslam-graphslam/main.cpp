@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/FreedMemory.h>
+#include <dyslam/graphslam/GraphFileRun.h>
+#include <dyslam/graphslam/GraphSlamPlugins.h>
+#include <dyslam/graphslam/GraphSlamRun.h>
+
+#include "../common/SlamArguments.h"
+
+namespace
+{
+using dyslam::UserError;
+
+struct Arguments
+{
+  dyslam::SlamArguments slam;
+  dyslam::GraphSlamPluginNames plugins;
+  std::string graph;  //!< to optimise
+  bool list_registrars = false;
+  bool list_optimizers = false;
+};
+
+void declare(CLI::App& app, Arguments& a)
+{
+  app.description(
+      "MRPT's graph-SLAM engine with our odometry, loops and optimiser on a rawlog, without a "
+      "window; or optimises a saved graph");
+  app.add_option("-r,--rawlog,-i,--input", a.slam.settings.rawlog, "rawlog to replay");
+  app.add_option("-n,--node-reg", a.plugins.node_decider, "node registration decider");
+  app.add_option("-e,--edge-reg", a.plugins.edge_decider, "edge registration decider");
+  app.add_option("-o,--optimizer", a.plugins.optimizer,
+                 "optimizer; with --optimize: the file to write");
+  app.add_option("--output", a.slam.settings.output_folder,
+                 "folder for the results; with --optimize: the file to write")
+      ->default_str("graphslam_results");
+  app.add_flag("--list-registrars,--list-regs", a.list_registrars,
+               "list the node and edge registration deciders");
+  app.add_flag("--list-optimizers", a.list_optimizers, "list the optimizers");
+  app.add_option("--optimize", a.graph, "saved graph (.graph or .g2o) to optimise");
+  dyslam::declareSlamArguments(app, a.slam);
+}
+
+template <typename Plugin>
+void list(const char* title, const std::vector<dyslam::GraphSlamPlugin<Plugin>>& plugins)
+{
+  std::printf("%s\n", title);
+  for (const auto& plugin : plugins)
+  {
+    std::printf("  %-22s %s\n", plugin.name, plugin.description);
+  }
+}
+
+/** \return whether a list was asked for. */
+bool showLists(const Arguments& a)
+{
+  if (a.list_registrars)
+  {
+    list("Node registration deciders:", dyslam::nodeDeciders());
+    list("Edge registration deciders:", dyslam::edgeDeciders());
+  }
+  if (a.list_optimizers)
+  {
+    list("Optimizers:", dyslam::graphOptimizers());
+  }
+  return a.list_registrars || a.list_optimizers;
+}
+
+void optimizeGraph(const Arguments& a)
+{
+  if (!a.slam.settings.output_folder.empty() && !a.plugins.optimizer.empty())
+  {
+    throw UserError("--optimize writes one file: give -o or --output, not both");
+  }
+  const std::string& output =
+      a.plugins.optimizer.empty() ? a.slam.settings.output_folder : a.plugins.optimizer;
+  dyslam::Config config;
+  for (const auto& assignment : a.slam.assignments)
+  {
+    config.set(assignment);
+  }
+  config.requireKnownSections({"pose_graph"});
+  const auto report = dyslam::optimizeGraphFile(a.graph, output, config);
+  if (a.slam.quiet())
+  {
+    return;
+  }
+  const dyslam::PoseGraphResult& result = report.result;
+  std::printf("%s: %zu nodes, %zu edges\n", a.graph.c_str(), report.nodes, report.edges);
+  std::printf("chi2 of the file %.9g, where the optimisation began %.9g, final %.9g\n",
+              result.start_chi2, result.initial_chi2, result.final_chi2);
+  std::printf("%d iterations, %.3f s: %s\n", result.iterations, report.seconds,
+              result.reason.c_str());
+  if (result.projected_edges > 0)
+  {
+    std::printf("%zu edges had no positive definite information; the nearest was used\n",
+                result.projected_edges);
+  }
+  if (!output.empty())
+  {
+    std::printf("written: %s\n", output.c_str());
+  }
+}
+
+void run(Arguments& a)
+{
+  if (showLists(a))
+  {
+    return;
+  }
+  if (!a.graph.empty())
+  {
+    if (!a.slam.settings.rawlog.empty())
+    {
+      throw UserError("--optimize takes a saved graph instead of a rawlog; give one of them");
+    }
+    optimizeGraph(a);
+    return;
+  }
+  if (a.slam.settings.rawlog.empty())
+  {
+    throw UserError("--rawlog is required (or --optimize; see dyslam-graphslam --help)");
+  }
+  if (a.slam.settings.output_folder.empty())
+  {
+    a.slam.settings.output_folder = "graphslam_results";
+  }
+  dyslam::runSlamProgram("dyslam-graphslam", a.slam,
+                         [&a](const auto& settings, const auto& on_frame)
+                         { return dyslam::runGraphSlam(settings, a.plugins, on_frame); });
+}
+}  // namespace
+
+int main(int argc, char** argv)
+{
+  dyslam::keepFreedMemory();
+  Arguments a;
+  return dyslam::runApp(
+      argc, argv, [&](CLI::App& app) { declare(app, a); }, [&] { run(a); });
+}

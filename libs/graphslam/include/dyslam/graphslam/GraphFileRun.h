@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <dyslam/backend/PoseGraphSolver.h>
+#include <dyslam/core/Config.h>
+
+#include <cstddef>
+#include <string>
+
+namespace dyslam
+{
+/** What came of optimising a saved graph. */
+struct GraphFileReport
+{
+  std::size_t nodes = 0;
+  std::size_t edges = 0;
+  PoseGraphResult result;
+  double seconds = 0;  //!< of the optimisation, without reading and writing
+};
+
+/** Optimises a saved graph (`.graph` or `.g2o`) by PoseGraphSolver, with the options of section
+ * [pose_graph].
+ * \param output `.graph` or `.g2o`, by its extension; empty: nothing is written
+ * \throws UserError for a bad file, a graph that cannot be solved, and an unknown extension. */
+GraphFileReport optimizeGraphFile(const std::string& input,
+                                  const std::string& output,
+                                  const Config& config = {});
+}  // namespace dyslam

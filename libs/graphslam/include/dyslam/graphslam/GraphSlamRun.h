@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <dyslam/pipeline/SlamRun.h>
+
+#include <cstddef>
+#include <functional>
+#include <string>
+
+namespace dyslam
+{
+/** Classes that are plugged into MRPT's engine, by name; empty: the default. */
+struct GraphSlamPluginNames
+{
+  std::string node_decider;
+  std::string edge_decider;
+  std::string optimizer;
+};
+
+/** As runSlam(), but with mrpt::graphslam::CGraphSlamEngine in charge, without a window. With the
+ * default plug-ins every file that runSlam() writes has the same bytes, but for the times in
+ * report.json.
+ *
+ * Writes besides what MRPT's graphslam-engine does: `output_graph.graph` (the engine's network),
+ * `CGraphSlamEngine.log`, `timings.log`, `node_registrar.log`, `edge_registrar.log` and
+ * `optimizer.log`; and `engine.ini`, which the engine was given.
+ * \throws UserError as runSlam(), and for an unknown plug-in. */
+SlamRunReport runGraphSlam(const SlamRunSettings& settings,
+                           const GraphSlamPluginNames& plugins = {},
+                           const std::function<void(double, std::size_t)>& on_frame = {});
+}  // namespace dyslam

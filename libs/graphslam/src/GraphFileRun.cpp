@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/Error.h>
+#include <dyslam/graphslam/GraphFileRun.h>
+#include <dyslam/io/GraphFiles.h>
+
+#include <chrono>
+#include <filesystem>
+
+namespace dyslam
+{
+namespace
+{
+using Graph = mrpt::graphs::CNetworkOfPoses3DInf;
+
+using Writer = void (*)(const Graph& graph, const std::string& path);
+
+Writer writerFor(const std::string& path)
+{
+  const std::string extension = std::filesystem::path(path).extension().string();
+  if (extension == ".graph")
+  {
+    return writeGraph;
+  }
+  if (extension == ".g2o")
+  {
+    return writeG2o;
+  }
+  throw UserError(path + ": unknown kind of graph file; end it in .graph or .g2o");
+}
+}  // namespace
+
+GraphFileReport optimizeGraphFile(const std::string& input,
+                                  const std::string& output,
+                                  const Config& config)
+{
+  PoseGraphSolverOptions options;
+  load(options, config, "pose_graph");
+  const Writer write = output.empty() ? nullptr : writerFor(output);
+  Graph graph = readPoseGraph(input);
+
+  const PoseGraphSolver solver(options);
+  const auto start = std::chrono::steady_clock::now();
+  GraphFileReport report;
+  try
+  {
+    report.result = solver.solve(graph);
+  }
+  catch (const UserError& error)
+  {
+    throw UserError(input + ": " + error.what());
+  }
+  report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  report.nodes = graph.nodeCount();
+  report.edges = graph.edgeCount();
+  if (write != nullptr)
+  {
+    write(graph, output);
+  }
+  return report;
+}
+}  // namespace dyslam

@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/backend/Backend.h>
+#include <dyslam/core/Error.h>
+#include <dyslam/graphslam/GraphSlamContext.h>
+#include <dyslam/pipeline/Pipeline.h>
+
+#include <stdexcept>
+#include <utility>
+
+namespace dyslam
+{
+GraphSlamContext::GraphSlamContext(Pipeline& pipeline,
+                                   ScanDecoder decoder,
+                                   std::size_t only_first_n,
+                                   std::function<void(Frame)> on_frame)
+    : pipeline_(pipeline),
+      decoder_(std::move(decoder)),
+      only_first_n_(only_first_n),
+      on_frame_(std::move(on_frame))
+{
+}
+
+void GraphSlamContext::beginStep()
+{
+  if (finished_)
+  {
+    throw std::logic_error("GraphSlamContext: an observation after finish()");
+  }
+  if (frame_ && !in_map_)
+  {
+    pipeline_.addToMap(*frame_);
+    in_map_ = true;
+  }
+  in_step_ = false;
+}
+
+void GraphSlamContext::takeObservation(const mrpt::obs::CObservation::Ptr& observation)
+{
+  if (done_)
+  {
+    return;
+  }
+  const auto scan = decoder_.take(observation);
+  if (!scan)
+  {
+    return;
+  }
+  if (in_step_)
+  {
+    throw UserError("a sensory frame holds two scans of " + decoder_.sensorLabel() +
+                    "; make it observations (rawlog-edit), each in a step of its own");
+  }
+  complete();
+  done_ = only_first_n_ != 0 && scans_ >= only_first_n_;
+  if (done_)
+  {
+    return;
+  }
+  frame_ = decoder_.decode(*scan);
+  pipeline_.runFrontEnd(*frame_);
+  pipeline_.addOdometry(*frame_);
+  T_map_vehicle_ = frame_->T_map_vehicle();
+  in_step_ = true;
+  in_map_ = false;
+  ++scans_;
+}
+
+const Frame* GraphSlamContext::frame() const
+{
+  return in_step_ ? &*frame_ : nullptr;
+}
+
+std::size_t GraphSlamContext::addLoops()
+{
+  return pipeline_.addLoops(*frame_);
+}
+
+bool GraphSlamContext::optimise()
+{
+  const bool moved = pipeline_.optimise(*frame_);
+  T_map_vehicle_ = frame_->T_map_vehicle();
+  return moved;
+}
+
+/** Ground truth may stand behind its scan: a frame waits for the next scan. */
+void GraphSlamContext::complete()
+{
+  if (frame_ && on_frame_)
+  {
+    frame_->T_world_vehicle_truth = decoder_.truthAt(frame_->scan.stamp);
+    on_frame_(std::move(*frame_));
+  }
+  frame_.reset();
+}
+
+void GraphSlamContext::finish()
+{
+  beginStep();
+  complete();
+  pipeline_.finish();
+  finished_ = true;
+}
+
+GraphSlamContext::Graph GraphSlamContext::view() const
+{
+  return backend().graph();
+}
+
+const Backend& GraphSlamContext::backend() const
+{
+  return pipeline_.backend();
+}
+}  // namespace dyslam

@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/Error.h>
+#include <dyslam/graphslam/GraphFileRun.h>
+#include <dyslam/io/GraphFiles.h>
+
+#include "Fixture.h"
+
+namespace dyslam
+{
+namespace
+{
+/** 1 for translations, and rotations that next to nothing can turn. */
+constexpr const char* information = " 1 0 0 0 0 0 1 0 0 0 0 1 0 0 0 1e9 0 0 1e9 0 1e9\n";
+
+/** Four corners of a square whose last side disagrees with the others by 0.4 m. */
+std::string squareText()
+{
+  const std::string i = information;
+  std::string text =
+      "VERTEX_SE3:QUAT 0 0 0 0 0 0 0 1\nVERTEX_SE3:QUAT 1 1 0 0 0 0 0 1\n"
+      "VERTEX_SE3:QUAT 2 1 1 0 0 0 0 1\nVERTEX_SE3:QUAT 3 0 1 0 0 0 0 1\nFIX 0\n";
+  text += "EDGE_SE3:QUAT 0 1 1 0 0 0 0 0 1" + i;
+  text += "EDGE_SE3:QUAT 1 2 0 1 0 0 0 0 1" + i;
+  text += "EDGE_SE3:QUAT 2 3 -1 0 0 0 0 0 1" + i;
+  text += "EDGE_SE3:QUAT 3 0 0 -1.4 0 0 0 0 1" + i;
+  return text;
+}
+
+class GraphFileRun : public test::WithFolder
+{
+ protected:
+  static std::string write(const std::string& name, const std::string& text)
+  {
+    std::ofstream(pathOf(name)) << text;
+    return pathOf(name);
+  }
+
+  static std::string errorOf(const std::string& input, const std::string& output = "")
+  {
+    try
+    {
+      (void)optimizeGraphFile(input, output);
+      return "";
+    }
+    catch (const UserError& error)
+    {
+      return error.what();
+    }
+  }
+};
+
+TEST_F(GraphFileRun, SpreadsTheErrorOfALoopAndWritesBothFormats)
+{
+  const std::string input = write("square.g2o", squareText());
+  for (const char* name : {"out.g2o", "out.graph"})
+  {
+    const GraphFileReport report = optimizeGraphFile(input, pathOf(name));
+    EXPECT_EQ(report.nodes, 4U);
+    EXPECT_EQ(report.edges, 4U);
+    EXPECT_TRUE(report.result.converged) << report.result.reason;
+    EXPECT_NEAR(report.result.start_chi2, 0.16, 1e-9);
+    // Each of the four sides takes a quarter of it, in y.
+    EXPECT_NEAR(report.result.final_chi2, 4 * 0.1 * 0.1, 1e-6);
+    const auto written = readPoseGraph(pathOf(name));
+    EXPECT_NEAR(PoseGraphSolver(PoseGraphSolverOptions()).chi2(written), report.result.final_chi2,
+                1e-9);
+    EXPECT_NEAR(written.nodes.at(1).y(), 0.1, 1e-6);
+    EXPECT_NEAR(written.nodes.at(2).y(), 1.2, 1e-6);
+    EXPECT_NEAR(written.nodes.at(3).y(), 1.3, 1e-6);
+  }
+}
+
+TEST_F(GraphFileRun, TakesTheSolversOptions)
+{
+  const std::string input = write("options.g2o", squareText());
+  Config config;
+  config.set("pose_graph.max_iterations=1");
+  config.set("pose_graph.start=file");
+  EXPECT_EQ(optimizeGraphFile(input, "", config).result.iterations, 1);
+  config.set("pose_graph.max_iteration=1");
+  EXPECT_THROW((void)optimizeGraphFile(input, "", config), UserError);
+}
+
+TEST_F(GraphFileRun, BadFilesAreNamed)
+{
+  EXPECT_EQ(errorOf(pathOf("missing.g2o")), pathOf("missing.g2o") + ": no such file");
+  const std::string good = write("good.g2o", squareText());
+  EXPECT_EQ(errorOf(good, pathOf("out.txt")),
+            pathOf("out.txt") + ": unknown kind of graph file; end it in .graph or .g2o");
+  EXPECT_FALSE(errorOf(good, pathOf("no/such/folder/out.g2o")).empty());
+
+  const std::string loose = write("loose.g2o", squareText() + "VERTEX_SE3:QUAT 9 0 0 0 0 0 0 1\n");
+  const std::string error = errorOf(loose);
+  EXPECT_EQ(error.rfind(loose + ": ", 0), 0U) << error;
+  EXPECT_NE(error.find('9'), std::string::npos) << error;
+
+  const std::string nan =
+      write("nan.g2o", squareText() + "EDGE_SE3:QUAT 0 2 nan 0 0 0 0 0 1" + information);
+  EXPECT_EQ(errorOf(nan).rfind(nan, 0), 0U) << errorOf(nan);
+}
+}  // namespace
+}  // namespace dyslam

@@ -1,0 +1,223 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Whole runs of MRPT's engine, compared with the pipeline's own.
+#include <dyslam/core/Error.h>
+#include <dyslam/graphslam/GraphSlamRun.h>
+#include <dyslam/io/RawlogStream.h>
+#include <mrpt/io/CFileGZOutputStream.h>
+#include <mrpt/obs/CObservationRobotPose.h>
+#include <mrpt/serialization/CArchive.h>
+
+#include <cstdio>
+#include <set>
+
+#include "Fixture.h"
+
+namespace fs = std::filesystem;
+
+namespace dyslam
+{
+namespace
+{
+constexpr int scan_count = 40;
+
+class GraphSlamRun : public test::WithFolder
+{
+ protected:
+  static SlamRunSettings settings(const std::string& output)
+  {
+    SlamRunSettings s;
+    s.rawlog = test::bundled("rawlog/campus16.rawlog");
+    s.output_folder = pathOf(output);
+    s.config = test::loopyConfig(scan_count);
+    s.labels = true;
+    return s;
+  }
+
+  static std::string errorOf(const SlamRunSettings& s, const GraphSlamPluginNames& plugins = {})
+  {
+    try
+    {
+      (void)runGraphSlam(s, plugins);
+      return "";
+    }
+    catch (const UserError& error)
+    {
+      return error.what();
+    }
+  }
+
+  static std::set<std::string> namesIn(const fs::path& folder)
+  {
+    std::set<std::string> names;
+    for (const auto& entry : fs::recursive_directory_iterator(folder))
+    {
+      names.insert(fs::relative(entry.path(), folder).string());
+    }
+    return names;
+  }
+};
+
+TEST_F(GraphSlamRun, GivesTheBytesOfThePipeline)
+{
+  const auto own = settings("a/run");
+  const auto engine = settings("b/run");
+  const SlamRunReport expected = runSlam(own);
+  ::testing::internal::CaptureStdout();
+  ::testing::internal::CaptureStderr();
+  std::size_t calls = 0;
+  const SlamRunReport report = runGraphSlam(engine, {}, [&](double, std::size_t) { ++calls; });
+  EXPECT_EQ(::testing::internal::GetCapturedStdout(), "");
+  EXPECT_EQ(::testing::internal::GetCapturedStderr(), "");
+
+  EXPECT_EQ(expected.frames, static_cast<std::size_t>(scan_count));
+  EXPECT_GT(expected.loops, 3U) << "this recording should test loops";
+  EXPECT_EQ(report.frames, expected.frames);
+  EXPECT_EQ(report.loops, expected.loops);
+  EXPECT_EQ(report.keyframes, expected.keyframes);
+  EXPECT_GE(calls + 2, static_cast<std::size_t>(scan_count));
+
+  auto names = namesIn(own.output_folder);
+  EXPECT_GT(names.size(), static_cast<std::size_t>(scan_count));
+  for (const std::string& name : names)
+  {
+    if (name != "report.json" && fs::is_regular_file(fs::path(own.output_folder) / name))
+    {
+      EXPECT_TRUE(test::contentOf(fs::path(own.output_folder) / name) ==
+                  test::contentOf(fs::path(engine.output_folder) / name))
+          << name;
+    }
+  }
+  for (const char* name :
+       {"output_graph.graph", "CGraphSlamEngine.log", "timings.log", "engine.ini",
+        "node_registrar.log", "edge_registrar.log", "optimizer.log"})
+  {
+    EXPECT_TRUE(names.insert(name).second);
+  }
+  EXPECT_EQ(namesIn(engine.output_folder), names);
+  // The engine's network is the backend's graph.
+  EXPECT_TRUE(test::contentOf(fs::path(engine.output_folder) / "output_graph.graph") ==
+              test::contentOf(fs::path(own.output_folder) / "graph.graph"));
+}
+
+/** MRPT's engine asks for a key. The test would wait for ever. */
+TEST_F(GraphSlamRun, NeverReadsFromTheKeyboard)
+{
+  int keyboard[2];
+  ASSERT_EQ(pipe(keyboard), 0);  // open, and nobody writes
+  const int stdin_before = dup(STDIN_FILENO);
+  dup2(keyboard[0], STDIN_FILENO);
+  auto s = settings("keyboard");
+  s.labels = false;
+  s.config.set("input.only_first_n=3");
+  EXPECT_EQ(runGraphSlam(s).frames, 3U);
+  ASSERT_EQ(write(keyboard[1], "k", 1), 1);
+  EXPECT_EQ(std::getchar(), 'k') << "standard input is the program's again";
+  dup2(stdin_before, STDIN_FILENO);
+  for (const int descriptor : {keyboard[0], keyboard[1], stdin_before})
+  {
+    close(descriptor);
+  }
+}
+
+TEST_F(GraphSlamRun, WithoutLoopsGivesWhatTheBackendGivesWithoutLoops)
+{
+  auto own = settings("odometry");
+  own.config.set("backend.mode=odometry");
+  own.labels = false;
+  auto engine = settings("no_loops");
+  engine.labels = false;
+  (void)runSlam(own);
+  const SlamRunReport report = runGraphSlam(engine, {"", "CEmptyERD", ""});
+  EXPECT_EQ(report.loops, 0U);
+  for (const char* name : {"trajectory_tum.txt", "graph.graph"})
+  {
+    EXPECT_EQ(test::contentOf(fs::path(own.output_folder) / name),
+              test::contentOf(fs::path(engine.output_folder) / name));
+  }
+}
+
+TEST_F(GraphSlamRun, UnknownPluginsNameTheNearest)
+{
+  auto s = settings("unknown");
+  EXPECT_EQ(errorOf(s, {"OdometryNodeDecidr", "", ""}),
+            "OdometryNodeDecidr: unknown node registration decider; did you mean "
+            "OdometryNodeDecider?");
+  EXPECT_EQ(errorOf(s, {"", "x", ""}),
+            "x: unknown edge registration decider; there is LoopEdgeDecider, CEmptyERD");
+  EXPECT_EQ(errorOf(s, {"", "", "FactorGraphOptimiser"}),
+            "FactorGraphOptimiser: unknown optimizer; did you mean FactorGraphOptimizer?");
+  EXPECT_FALSE(fs::exists(s.output_folder));
+}
+
+TEST_F(GraphSlamRun, BadRecordingsAreRefusedBeforeAnythingIsWritten)
+{
+  auto s = settings("bad");
+  s.rawlog = pathOf("missing.rawlog");
+  EXPECT_EQ(errorOf(s), s.rawlog + ": no such file");
+
+  s.rawlog = pathOf("no_scans.rawlog");
+  {
+    mrpt::io::CFileGZOutputStream file(s.rawlog);
+    auto archive = mrpt::serialization::archiveFrom(file);
+    mrpt::obs::CObservationRobotPose pose;
+    pose.timestamp = mrpt::Clock::now();
+    archive << pose;
+  }
+  EXPECT_EQ(errorOf(s), s.rawlog +
+                            ": has no 3D scans, only 1 CObservationRobotPose; give a "
+                            "recording of a 3D LiDAR");
+  EXPECT_FALSE(fs::exists(s.output_folder));
+}
+
+/** As the pipeline does: what stands before the damage is worth keeping. */
+TEST_F(GraphSlamRun, ACutRecordingLeavesTheResultsOfItsWholeScans)
+{
+  const std::string whole = test::contentOf(test::bundled("rawlog/campus16.rawlog"));
+  auto own = settings("cut_own");
+  own.config.set("input.only_first_n=0");
+  own.labels = false;
+  own.rawlog = pathOf("cut.rawlog");
+  std::ofstream(own.rawlog, std::ios::binary).write(whole.data(), 1 << 20);
+  auto engine = own;
+  engine.output_folder = pathOf("cut_engine");
+  EXPECT_THROW((void)runSlam(own), UserError);
+  const std::string error = errorOf(engine);
+  EXPECT_NE(error.find("is cut short"), std::string::npos) << error;
+  EXPECT_EQ(error.find('\n'), std::string::npos) << error;
+  const auto trajectory = test::contentOf(fs::path(own.output_folder) / "trajectory_tum.txt");
+  EXPECT_FALSE(trajectory.empty());
+  EXPECT_EQ(trajectory, test::contentOf(fs::path(engine.output_folder) / "trajectory_tum.txt"));
+}
+
+/** Observations without a time stamp would make the engine throw. */
+TEST_F(GraphSlamRun, ObservationsWithoutTimeArePassedOver)
+{
+  auto s = settings("timeless");
+  s.labels = false;
+  s.rawlog = pathOf("timeless.rawlog");
+  {
+    mrpt::io::CFileGZOutputStream file(s.rawlog);
+    auto archive = mrpt::serialization::archiveFrom(file);
+    RawlogStream stream(test::bundled("rawlog/campus16.rawlog"));
+    for (int i = 0; i < 24; ++i)
+    {
+      const auto observation = stream.next();
+      ASSERT_TRUE(observation);
+      if (i >= 12 && i < 16)
+      {
+        observation->timestamp = INVALID_TIMESTAMP;
+      }
+      archive << *observation;
+    }
+  }
+  const SlamRunReport report = runGraphSlam(s);
+  auto own = s;
+  own.output_folder = pathOf("timeless_own");
+  const SlamRunReport expected = runSlam(own);
+  EXPECT_GT(report.frames, 3U);
+  EXPECT_EQ(report.frames, expected.frames);
+  EXPECT_EQ(report.warnings, expected.warnings);
+  EXPECT_FALSE(report.warnings.empty());
+}
+}  // namespace
+}  // namespace dyslam

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <dyslam/core/Frame.h>
+#include <mrpt/obs/CObservation.h>
+
+#include <cstddef>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace dyslam
+{
+struct RawlogSourceOptions;
+
+/** A scan of the lidar that is read, not decoded yet. */
+struct RecordedScan
+{
+  mrpt::obs::CObservation::Ptr observation;
+  mrpt::obs::CObservation::Ptr time_ring;  //!< its points' times and rings; null if it has none
+  std::size_t index = 0;                   //!< among the lidar's scans in the recording, from 0
+};
+
+/** Makes frames of a recording's observations, whoever reads them: chooses the lidar, drops scans
+ * with bad time stamps, joins what belongs to one scan. RawlogSource says which classes are read.
+ *
+ * Not thread-safe; one object per recording.
+ */
+class ScanDecoder
+{
+ public:
+  /** Of the options, only_first_n is left to the caller.
+   * \param recording its name, for messages \param external_folder of externally stored data
+   * \throws UserError for bad options. */
+  ScanDecoder(const RawlogSourceOptions& options,
+              const std::string& recording,
+              const std::string& external_folder);
+  ~ScanDecoder();
+  ScanDecoder(ScanDecoder&&) noexcept;
+  ScanDecoder& operator=(ScanDecoder&&) noexcept;
+
+  /** The next observation of the recording. \return it, if it is a scan to use.
+   * \throws UserError if the time stamps stand still or run backwards for long. */
+  [[nodiscard]] std::optional<RecordedScan> take(const mrpt::obs::CObservation::Ptr& observation);
+
+  /** Fills index and scan of a frame. \throws UserError for damaged data. */
+  [[nodiscard]] Frame decode(const RecordedScan& scan);
+
+  /** Ground truth among the observations taken so far (it may stand behind its scan),
+   * T_world_vehicle at a time [s]. Times asked for must not go back. */
+  [[nodiscard]] std::optional<Pose> truthAt(double stamp);
+
+  /** Why the observations taken so far have not a single scan to use. \throws UserError always. */
+  [[noreturn]] void failWithoutScans() const;
+
+  /** Scans dropped for their time stamps so far. */
+  [[nodiscard]] std::size_t framesDropped() const;
+  /** Label of the lidar that is being read. */
+  [[nodiscard]] std::string sensorLabel() const;
+  /** What the user should know about the recording, one line each, each kind once with its count.
+   */
+  [[nodiscard]] std::vector<std::string> warnings() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+}  // namespace dyslam

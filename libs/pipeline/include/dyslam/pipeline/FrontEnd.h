@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <dyslam/core/Frame.h>
+#include <dyslam/core/Options.h>
+
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace mrpt::system
+{
+class CTimeLogger;
+}
+
+namespace dyslam
+{
+struct FrontEndOptions
+{
+  int threads = 0;       //!< 0: as many as the machine has
+  bool tracking = true;  //!< detect and track moving objects
+};
+
+/** The stages that look at one scan after the other: motion prior, preprocessing, segmentation,
+ * odometry, decision what moves, detection and tracking.
+ *
+ * Not thread-safe; one object per recording. Same bytes for any number of threads.
+ */
+class FrontEnd
+{
+ public:
+  /** Loads [dyseg], [preprocess], the segmenters' sections, [dyseg_filter], those of Odometry,
+   * [detector] and [tracker]. \param times outlives the object; gets the time of each stage.
+   * \throws UserError for bad options. */
+  FrontEnd(const FrontEndOptions& options, ConfigLoader& config, mrpt::system::CTimeLogger& times);
+  ~FrontEnd();
+
+  /** Fills every part of the frame between source and backend. Frames come in order of time. */
+  void process(Frame& frame);
+
+  /** The methods in force, as "network + constant_velocity + point_to_plane". */
+  [[nodiscard]] std::string summary() const;
+  /** What the config or the recording leaves open, one sentence each. */
+  [[nodiscard]] std::vector<std::string> warnings() const;
+
+ private:
+  struct Stages;
+  std::unique_ptr<Stages> stages_;
+};
+}  // namespace dyslam

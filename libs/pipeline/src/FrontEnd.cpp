@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/Parallel.h>
+#include <dyslam/dyseg/MovingSegmenter.h>
+#include <dyslam/dyseg/TemporalFilter.h>
+#include <dyslam/odometry/Odometry.h>
+#include <dyslam/odometry/Preprocessor.h>
+#include <dyslam/pipeline/FrontEnd.h>
+#include <dyslam/tracking/Detector.h>
+#include <dyslam/tracking/Tracker.h>
+#include <mrpt/system/CTimeLogger.h>
+
+namespace dyslam
+{
+using mrpt::system::CTimeLoggerEntry;
+
+struct FrontEnd::Stages
+{
+  Stages(const FrontEndOptions& given, ConfigLoader& config, mrpt::system::CTimeLogger& time_logger)
+      : times(time_logger),
+        options(given),
+        segmentation(config.get<MovingSegmenterOptions>("dyseg")),
+        pool(options.threads),
+        preprocessor(config.get<PreprocessOptions>("preprocess"), pool),
+        segmenter(makeSegmenter(segmentation.method, config, pool)),
+        filter(config.get<TemporalFilterOptions>("dyseg_filter")),
+        odometry(config, pool, times),
+        detector(config.get<DetectorOptions>("detector")),
+        tracker(config.get<TrackerOptions>("tracker"))
+  {
+  }
+
+  void preprocess(Frame& frame);
+  /** Segments now if the segmenter runs before (false) or after (true) the pose is known. */
+  void segment(Frame& frame, bool pose_known);
+  void filterOverTime(Frame& frame);
+  void track(Frame& frame);
+
+  mrpt::system::CTimeLogger& times;
+  FrontEndOptions options;
+  MovingSegmenterOptions segmentation;
+  ThreadPool pool;
+  Preprocessor preprocessor;
+  std::unique_ptr<MovingSegmenter> segmenter;  //!< null: nothing is segmented
+  TemporalFilter filter;
+  Odometry odometry;
+  Detector detector;
+  Tracker tracker;
+};
+
+FrontEnd::FrontEnd(const FrontEndOptions& options,
+                   ConfigLoader& config,
+                   mrpt::system::CTimeLogger& times)
+    : stages_(std::make_unique<Stages>(options, config, times))
+{
+}
+
+FrontEnd::~FrontEnd() = default;
+
+void FrontEnd::process(Frame& frame)
+{
+  Stages& s = *stages_;
+  s.odometry.predict(frame);
+  s.preprocess(frame);
+  s.segment(frame, false);
+  s.odometry.estimate(frame);
+  s.segment(frame, true);
+  s.filterOverTime(frame);
+  decideMoving(frame, s.segmentation.moving_threshold);
+  s.odometry.integrate(frame);
+  s.track(frame);
+}
+
+void FrontEnd::Stages::preprocess(Frame& frame)
+{
+  const CTimeLoggerEntry timed(times, "preprocess");
+  frame.cloud = preprocessor.prepare(frame.scan, frame.prior.T_previous_current, frame.dt);
+}
+
+void FrontEnd::Stages::segment(Frame& frame, bool pose_known)
+{
+  if (segmenter && segmenter->needsPose() == pose_known)
+  {
+    const CTimeLoggerEntry timed(times, "dyseg");
+    segmenter->segment(frame);
+  }
+}
+
+void FrontEnd::Stages::filterOverTime(Frame& frame)
+{
+  if (segmentation.filter)
+  {
+    const CTimeLoggerEntry timed(times, "dyseg");
+    filter.apply(frame);
+  }
+}
+
+void FrontEnd::Stages::track(Frame& frame)
+{
+  if (options.tracking)
+  {
+    const CTimeLoggerEntry timed(times, "tracking");
+    detector.detect(frame);
+    tracker.update(frame);
+  }
+}
+
+std::string FrontEnd::summary() const
+{
+  const Stages& s = *stages_;
+  std::string text = s.segmenter ? s.segmenter->name() + " + " : "";
+  text += s.segmenter && s.segmentation.filter ? "filter + " : "";
+  return text + s.odometry.name();
+}
+
+std::vector<std::string> FrontEnd::warnings() const
+{
+  return stages_->odometry.warnings();
+}
+}  // namespace dyslam
