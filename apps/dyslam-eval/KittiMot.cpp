@@ -95,12 +95,12 @@ std::vector<LabelledBox> detectionsOf(const KittiMotSetup& setup,
 {
   const fs::path folder(setup.detections);
   const fs::path own = folder / type / (name + ".txt");
-  std::vector<LabelledBox> boxes = readDetections(
-      (fs::exists(own) ? own : folder / (name + ".txt")).string(), calib.T_cam_velo);
-  boxes.erase(std::remove_if(boxes.begin(), boxes.end(),
-                             [&](const LabelledBox& box)
-                             { return toString(box.object_class) != type; }),
-              boxes.end());
+  std::vector<LabelledBox> boxes =
+      readDetections((fs::exists(own) ? own : folder / (name + ".txt")).string(), calib.T_cam_velo);
+  boxes.erase(
+      std::remove_if(boxes.begin(), boxes.end(),
+                     [&](const LabelledBox& box) { return toString(box.object_class) != type; }),
+      boxes.end());
   return boxes;
 }
 
@@ -189,10 +189,9 @@ void collect(const std::vector<TrackedObject>& objects,
       box.box = skewed(box.box, motion, interval, {sweep_period, true});
     }
     box.score = object.score;
-    box.image_box =
-        object.detection >= 0
-            ? recording.image_boxes[frame][static_cast<std::size_t>(object.detection)]
-            : inImage(box.box, recording.calib);
+    box.image_box = object.detection >= 0
+                        ? recording.image_boxes[frame][static_cast<std::size_t>(object.detection)]
+                        : inImage(box.box, recording.calib);
     const bool in_view = box.box.center.x() > 0.5 && box.image_box[2] - box.image_box[0] > 2;
     if (object.detection >= 0 || in_view)
     {

@@ -23,6 +23,7 @@ struct Arguments
 {
   std::string config = "kitti_mot.ini";
   std::string split = "validation";
+  std::vector<std::string> sequences;
   std::vector<std::string> types{"Car", "Pedestrian", "Cyclist"};
   std::vector<std::string> set;
   KittiMotSetup setup;
@@ -50,7 +51,8 @@ constexpr Published ab3dmot[] = {{"Car", 93.34, 86.47, 79.40, 108.7, 93.55, 87.0
 
 const Published* publishedFor(const Arguments& a, const std::string& type)
 {
-  if (a.split != "validation" || a.min_iou != 0.25 || a.setup.added_noise > 0 || a.setup.every > 1)
+  if (a.split != "validation" || !a.sequences.empty() || a.min_iou != 0.25 ||
+      a.setup.added_noise > 0 || a.setup.every > 1)
   {
     return nullptr;
   }
@@ -130,11 +132,13 @@ nlohmann::ordered_json toJson(const Scores& scores, int frames)
 void run(const Arguments& a)
 {
   const KittiMotSetup setup = setupOf(a);
-  const std::vector<std::string> names =
-      a.split == "validation" ? kittiMotValidation() : kittiMotTraining();
+  const std::vector<std::string> names = !a.sequences.empty()      ? a.sequences
+                                         : a.split == "validation" ? kittiMotValidation()
+                                                                   : kittiMotTraining();
   Table table({"class", "tracker", "sAMOTA", "AMOTA", "AMOTP", "MOTA", "MOTP", "IDS", "FRAG", "FP",
                "FN", "HOTA", "AssA", "frames/s"},
-              "3D tracking of given detections, KITTI " + a.split + " sequences");
+              "3D tracking of given detections, KITTI " +
+                  (a.sequences.empty() ? a.split : std::string("chosen")) + " sequences");
   nlohmann::ordered_json json;
   std::vector<KittiMotRun> runs;
   for (const std::string& type : a.types)
@@ -183,6 +187,7 @@ Subcommand kittiMotCommand(CLI::App& app)
   sub->add_option("--split", a->split, "AB3DMOT's validation sequences, or the others")
       ->check(CLI::IsMember({"validation", "training"}))
       ->capture_default_str();
+  sub->add_option("--sequences", a->sequences, "these (0000 ...) instead of the split");
   sub->add_option("--class", a->types, "classes to track")
       ->check(CLI::IsMember({"Car", "Pedestrian", "Cyclist"}))
       ->capture_default_str();

@@ -71,8 +71,7 @@ TEST(KittiTracks, EveryLayoutOfDetectionsIsTheSameBox)
   EXPECT_EQ(with_id[0].id, 9);
   EXPECT_EQ(without_id[0].id, -1);
   EXPECT_TRUE(readDetections(folder.write("none.txt", ""), T).empty());
-  EXPECT_TRUE(
-      readDetections(folder.write("d.txt", "0 DontCare" + columns + " 1\n"), T).empty());
+  EXPECT_TRUE(readDetections(folder.write("d.txt", "0 DontCare" + columns + " 1\n"), T).empty());
 }
 
 TEST(KittiTracks, OtherLayoutsAreErrorsOfOneLine)

@@ -28,6 +28,14 @@ void ClassTracking::describe(OptionsVisitor& v)
          "weight of the angle between the axes / 90 deg in the cost");
   v.real("max_cost", max_cost, 0.001, 1000, "largest cost of an associated pair");
   v.real("min_overlap", min_overlap, -1, 1, "least GIoU of an associated pair");
+  v.real("score_memory", score_memory, 0, 1,
+         "weight of earlier scores in the mean of a track's scores, per observation");
+  v.real("score_prior", score_prior, 0, 1000, "zero scores added to the mean of a track's scores");
+  v.real("miss_prior", miss_prior, 0, 1000, "zero scores added for each miss");
+  v.real("speed_sigma", speed_sigma, 0.01, 100,
+         "standard deviation of a new track's speed, for motion = kalman, m/s");
+  v.real("velocity_walk", velocity_walk, 0.01, 100,
+         "random walk of the velocity, for motion = kalman, m/s per square root of a second");
 }
 
 TrackerOptions::TrackerOptions()
@@ -41,7 +49,8 @@ void TrackerOptions::describe(OptionsVisitor& v)
   v.choice("motion", motion,
            {{"adaptive", TrackMotion::adaptive},
             {"polynomial", TrackMotion::polynomial},
-            {"constant_velocity", TrackMotion::constant_velocity}},
+            {"constant_velocity", TrackMotion::constant_velocity},
+            {"kalman", TrackMotion::kalman}},
            "motion model that predicts the next position");
   v.integer("degree", degree, 0, 5, "degree of the fit, for motion = polynomial");
   v.integer("window", window, 1, 1000, "observations in the fit, for motion = polynomial");
@@ -62,10 +71,10 @@ void TrackerOptions::describe(OptionsVisitor& v)
   v.real("class_mismatch_cost", class_mismatch_cost, 0, 1000,
          "cost added to a pair of different classes; above max_cost it forbids the pair");
   v.real("size_gain", size_gain, 0, 1, "filter gain of an observed size");
-  v.real("score_prior", score_prior, 0, 1000, "zero scores added to the mean of a track's scores");
-  v.real("miss_prior", miss_prior, 0, 1000, "zero scores added for each miss");
   v.degrees("yaw_rate_deg", yaw_rate, 0, 360,
             "standard deviation of a heading's rate of change, deg/s");
+  v.flag("adapt_noise", adapt_noise,
+         "covariances of boxes from files grow with the noise that is observed");
   PrefixedVisitor vehicles(v, "vehicle_");
   vehicle.describe(vehicles);
   PrefixedVisitor cyclists(v, "cyclist_");

@@ -87,8 +87,8 @@ TEST(DetectionDeskew, RecoversAStandingBoxFromItsSkewedObservation)
     const Box again = skewed(found, T_now_next, interval, sweep);
     EXPECT_NEAR((again.center - seen.center).norm(), 0, 0.002) << azimuth;
   }
-  // The left is swept before the stamp on a clockwise sweep. Driving ahead, the box is nearer at the
-  // stamp than it was then.
+  // The left is swept before the stamp on a clockwise sweep. Driving ahead, the box is nearer at
+  // the stamp than it was then.
   EXPECT_LT(deskewed(boxAt(15, 0.8), T_now_next, interval, sweep).center.x(),
             boxAt(15, 0.8).center.x());
   EXPECT_GT(deskewed(boxAt(15, 0.8), T_now_next, interval, {0.1, false}).center.x(),

@@ -28,7 +28,8 @@ struct Sweep
                            const Pose& T_now_next,
                            double interval,
                            const Sweep& sweep);
-/** The inverse, to first order in the change of azimuth: where the scan shows a box of its stamp. */
+/** The inverse, to first order in the change of azimuth: where the scan shows a box of its stamp.
+ */
 [[nodiscard]] Box skewed(const Box& box,
                          const Pose& T_now_next,
                          double interval,

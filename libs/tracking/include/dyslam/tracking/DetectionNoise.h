@@ -13,13 +13,13 @@ namespace dyslam
  * sensor. */
 struct ClassNoise : Options
 {
-  double radial = 0.08;                 //!< along the line of sight at r = 0 [m]
-  double radial_per_range = 0.005;      //!< its increase [m/m]
-  double tangential = 0.05;             //!< across it, horizontally [m]
-  double tangential_per_range = 0.0015; //!< its increase [m/m]
-  double height = 0.06;                 //!< of the centre's z [m]
-  double yaw = 0.035;                   //!< of the heading at r = 0 [rad]
-  double yaw_per_range = 0.0014;        //!< its increase [rad/m]
+  double radial = 0.08;                  //!< along the line of sight at r = 0 [m]
+  double radial_per_range = 0.005;       //!< its increase [m/m]
+  double tangential = 0.05;              //!< across it, horizontally [m]
+  double tangential_per_range = 0.0015;  //!< its increase [m/m]
+  double height = 0.06;                  //!< of the centre's z [m]
+  double yaw = 0.035;                    //!< of the heading at r = 0 [rad]
+  double yaw_per_range = 0.0014;         //!< its increase [rad/m]
 
   void describe(OptionsVisitor& visitor) override;
 };
@@ -39,7 +39,8 @@ struct DetectionNoiseOptions : Options
 };
 
 /** Covariance of x, y, z [m^2], yaw [rad^2] of a box, in the box's frame.
- * \param sensor position of the lidar in that frame [m]; radial and tangential are meant from it. */
+ * \param sensor position of the lidar in that frame [m]; radial and tangential are meant from it.
+ */
 [[nodiscard]] Eigen::Matrix4d detectionCovariance(
     const Box& box,
     ObjectClass object_class,
