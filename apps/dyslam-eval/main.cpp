@@ -9,6 +9,7 @@
 #include "PredictionCommand.h"
 #include "RunCommand.h"
 #include "SegmentationCommand.h"
+#include "SpeedsCommand.h"
 #include "TracksCommand.h"
 #include "TrajectoryCommand.h"
 
@@ -25,7 +26,7 @@ int main(int argc, char** argv)
                     dyslam::mapCommand(app),        dyslam::tracksCommand(app),
                     dyslam::predictionCommand(app), dyslam::kittiMotCommand(app),
                     dyslam::runCommand(app),        dyslam::curvesCommand(app),
-                    dyslam::maskCommand(app)};
+                    dyslam::maskCommand(app),       dyslam::speedsCommand(app)};
       },
       [&]
       {

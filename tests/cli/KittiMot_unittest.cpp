@@ -79,10 +79,11 @@ class KittiMot : public ::testing::Test
   /** Labels, and detections with noise, misses and false alarms. */
   static void writeScene()
   {
-    const std::vector<Actor> actors{{ObjectClass::car, {12, 3}, {10, 0}, {4.2, 1.8, 1.5}},
-                                    {ObjectClass::car, {60, -4}, {-3, 0}, {3.9, 1.7, 1.5}},
-                                    {ObjectClass::car, {40, 8}, {0, 0}, {4.4, 1.8, 1.6}},
-                                    {ObjectClass::pedestrian, {50, -7}, {1.2, 0.2}, {0.7, 0.6, 1.8}}};
+    const std::vector<Actor> actors{
+        {ObjectClass::car, {12, 3}, {10, 0}, {4.2, 1.8, 1.5}},
+        {ObjectClass::car, {60, -4}, {-3, 0}, {3.9, 1.7, 1.5}},
+        {ObjectClass::car, {40, 8}, {0, 0}, {4.4, 1.8, 1.6}},
+        {ObjectClass::pedestrian, {50, -7}, {1.2, 0.2}, {0.7, 0.6, 1.8}}};
     std::mt19937 generator(11);
     std::normal_distribution<double> noise(0, 0.06);
     std::uniform_real_distribution<double> uniform(0, 1);
@@ -105,7 +106,8 @@ class KittiMot : public ::testing::Test
         }
         box.box.center = {at.x(), at.y(), -0.9};
         box.box.size = actors[i].size;
-        box.image_box = {100.0 * static_cast<double>(i), 100, 100.0 * static_cast<double>(i) + 90, 200};
+        box.image_box = {100.0 * static_cast<double>(i), 100, 100.0 * static_cast<double>(i) + 90,
+                         200};
         labels.push_back(box);
         if (uniform(generator) < 0.1)
         {
@@ -135,8 +137,8 @@ class KittiMot : public ::testing::Test
   {
     const std::string command = std::string(DYSLAM_BIN_DIR) + "/dyslam-eval kitti-mot --data " +
                                 folder_.string() +
-                                " --sequences 0000 --repeats 1 --class Car Pedestrian " + arguments +
-                                " > " + (folder_ / "says").string() + " 2>&1";
+                                " --sequences 0000 --repeats 1 --class Car Pedestrian " +
+                                arguments + " > " + (folder_ / "says").string() + " 2>&1";
     return WEXITSTATUS(std::system(command.c_str()));
   }
 
@@ -174,9 +176,8 @@ TEST_F(KittiMot, WrittenTracksScoreAsThoseTracked)
     EXPECT_NEAR(averages.samota, json[type]["samota"].get<double>(), 1e-12) << type;
     EXPECT_NEAR(averages.amotp, json[type]["amotp"].get<double>(), 1e-9) << type;
     EXPECT_NEAR(averages.best.mota, json[type]["mota"].get<double>(), 1e-12) << type;
-    EXPECT_NEAR(
-        hota(tracksAbove({sequence}, averages.best.threshold), rules).hota,
-        json[type]["hota"].get<double>(), 1e-9)
+    EXPECT_NEAR(hota(tracksAbove({sequence}, averages.best.threshold), rules).hota,
+                json[type]["hota"].get<double>(), 1e-9)
         << type;
   }
 }

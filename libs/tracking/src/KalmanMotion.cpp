@@ -21,9 +21,7 @@ KalmanMotion::KalmanMotion(const KalmanOptions& options) : options_(options)
   }
 }
 
-void KalmanMotion::propagate(double dt,
-                             Eigen::Vector4d& state,
-                             Eigen::Matrix4d& covariance) const
+void KalmanMotion::propagate(double dt, Eigen::Vector4d& state, Eigen::Matrix4d& covariance) const
 {
   Eigen::Matrix4d transition = Eigen::Matrix4d::Identity();
   transition.topRightCorner<2, 2>() = dt * Eigen::Matrix2d::Identity();
@@ -42,8 +40,7 @@ void KalmanMotion::propagate(double dt,
 bool KalmanMotion::add(const TimedPosition& observation, const Eigen::Matrix2d& covariance)
 {
   if (!std::isfinite(observation.stamp) || !observation.position.allFinite() ||
-      !covariance.allFinite() ||
-      (!history_.empty() && observation.stamp <= history_.back().stamp))
+      !covariance.allFinite() || (!history_.empty() && observation.stamp <= history_.back().stamp))
   {
     return false;
   }

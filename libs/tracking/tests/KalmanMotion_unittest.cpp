@@ -62,8 +62,8 @@ TEST(KalmanMotion, InnovationsAreConsistent)
     Vector2d velocity(5 * normal(generator), 5 * normal(generator));
     for (int i = 0; i < 40; ++i)
     {
-      const TimedPosition o{
-          0.1 * i, position + 0.2 * Vector2d(normal(generator), normal(generator))};
+      const TimedPosition o{0.1 * i,
+                            position + 0.2 * Vector2d(normal(generator), normal(generator))};
       if (i > 0)
       {
         const MotionPrediction p = filter.predict(o.stamp);
