@@ -18,7 +18,7 @@ struct KittiMotSetup
   TrackerOptions tracker;
   DetectionNoiseOptions noise;
   double frame_time = 0.1036;  //!< between scans, of sequences without times [s]
-  bool deskew = false;         //!< boxes are of scans that are not deskewed
+  bool deskew = true;          //!< boxes are of scans that are not deskewed
   double added_noise = 0;      //!< standard deviation added to x and y of the detections [m]
   int seed = 1;                //!< of that noise
   int every = 1;               //!< only every n-th frame is seen and evaluated

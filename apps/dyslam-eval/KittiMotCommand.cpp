@@ -201,7 +201,8 @@ Subcommand kittiMotCommand(CLI::App& app)
                   "time between scans of sequences without times/NNNN.txt, s")
       ->check(CLI::Range(0.001, 10.0))
       ->capture_default_str();
-  sub->add_flag("--deskew", a->setup.deskew, "boxes are of scans that are not deskewed");
+  sub->add_flag("--deskew,!--no-deskew", a->setup.deskew,
+                "boxes and labels are of scans that are not deskewed, as KITTI's (default)");
   sub->add_option("--noise", a->setup.added_noise,
                   "standard deviation of noise added to x and y of the detections, m")
       ->check(CLI::Range(0.0, 10.0));

@@ -47,8 +47,8 @@ Speeds centredSpeeds(const PlanarTrack& track, int window)
     options.window = window;
     PolynomialTrajectory fit(options);
     const int half = window / 2;
-    for (auto at = track.lower_bound(frame - half);
-         at != track.end() && at->first <= frame + half; ++at)
+    for (auto at = track.lower_bound(frame - half); at != track.end() && at->first <= frame + half;
+         ++at)
     {
       fit.add({at->first * frame_time, at->second});
     }
@@ -69,8 +69,8 @@ Speeds rawSpeeds(const PlanarTrack& track)
     if (at != track.begin())
     {
       const auto before = std::prev(at);
-      speeds[at->first] = (at->second - before->second).norm() /
-                          ((at->first - before->first) * frame_time);
+      speeds[at->first] =
+          (at->second - before->second).norm() / ((at->first - before->first) * frame_time);
     }
   }
   return speeds;

@@ -20,8 +20,9 @@ struct LinePlotOptions
   std::string title;
   std::string x_label;
   std::string y_label;
-  double low = 0;      //!< lowest value of the y axis
-  double quantile = 1; //!< of the values that the y axis must reach; single peaks are cut off below 1
+  double low = 0;  //!< lowest value of the y axis
+  double quantile =
+      1;  //!< of the values that the y axis must reach; single peaks are cut off below 1
 };
 
 /** PNG of lines over one pair of axes, with a legend. The first series is drawn first.
