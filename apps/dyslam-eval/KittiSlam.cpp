@@ -5,7 +5,9 @@
 #include <dyslam/backend/factors/OdometryFactor.h>
 #include <dyslam/core/Error.h>
 #include <dyslam/formats/KittiFiles.h>
+#include <dyslam/formats/KittiTracks.h>
 #include <dyslam/formats/TrajectoryFiles.h>
+#include <dyslam/tracking/DetectionDeskew.h>
 
 #include <memory>
 #include <random>
@@ -66,47 +68,13 @@ std::vector<Pose> fusedTruth(const std::vector<Pose>& oxts, const std::vector<Po
   }
   return poses;
 }
-
-Detection detectionOf(const LabelledBox& box)
-{
-  Detection detection;
-  detection.box = box.box;
-  detection.object_class = box.object_class;
-  detection.score = box.score;
-  const double range = box.box.center.head<2>().norm();
-  const Eigen::Vector2d direction = box.box.center.head<2>() / std::max(range, 1e-6);
-  const Eigen::Vector2d across(-direction.y(), direction.x());
-  const double radial = 0.08 + 0.005 * range;
-  const double tangential = 0.05 + 0.0015 * range;
-  const double yaw = (2 + 0.08 * range) * M_PI / 180;
-  detection.covariance.setZero();
-  detection.covariance.topLeftCorner<2, 2>() =
-      radial * radial * direction * direction.transpose() +
-      tangential * tangential * across * across.transpose();
-  detection.covariance(2, 2) = 0.01;
-  detection.covariance(3, 3) = yaw * yaw;
-  return detection;
-}
-
-/** Moves boxes of a sweep that is not deskewed to the stamp of the scan. */
-void deskew(std::vector<Detection>& detections, const Pose& motion)
-{
-  const Vector6 twist = logSE3(motion);
-  for (Detection& detection : detections)
-  {
-    const double phase =
-        -std::atan2(detection.box.center.y(), detection.box.center.x()) / (2 * M_PI);
-    const Pose T = expSE3(phase * twist);
-    detection.box.center = T * detection.box.center;
-    detection.box.yaw += yawPitchRoll(T).x();
-  }
-}
 }  // namespace
 
 KittiDrive readKittiDrive(const std::string& folder,
                           const std::string& name,
                           const std::string& detector,
-                          double min_score)
+                          double min_score,
+                          const DetectionNoiseOptions& noise)
 {
   const std::string file = name + ".txt";
   const KittiCalib calib = readKittiCalib(folder + "/calib/" + file);
@@ -140,13 +108,18 @@ KittiDrive readKittiDrive(const std::string& folder,
   const std::vector<LabelledBox> boxes =
       detector == "labels"
           ? drive.labels
-          : readDetectionsCsv(folder + "/det_" + detector + "/Car/" + file, calib.T_cam_velo);
+          : readDetections(folder + "/det_" + detector + "/Car/" + file, calib.T_cam_velo);
   for (const LabelledBox& box : boxes)
   {
     if (box.frame >= 0 && static_cast<std::size_t>(box.frame) < drive.truth.size() &&
         (detector == "labels" || box.score >= min_score))
     {
-      drive.detections[static_cast<std::size_t>(box.frame)].push_back(detectionOf(box));
+      Detection detection;
+      detection.box = box.box;
+      detection.object_class = box.object_class;
+      detection.score = box.score;
+      detection.covariance = detectionCovariance(box.box, box.object_class, noise);
+      drive.detections[static_cast<std::size_t>(box.frame)].push_back(detection);
     }
   }
   return drive;
@@ -208,7 +181,8 @@ KittiSlamRun runKittiSlam(const KittiDrive& drive,
     }
     frame.motion.converged = true;
     frame.detections = drive.detections[i];
-    deskew(frame.detections, frame.motion.T_previous_current);
+    deskewDetections(frame.detections, frame.motion.T_previous_current, frame_time,
+                     {frame_time, true});
     tracker.update(frame);
     backend.addOdometry(frame);
     backend.optimise(frame);

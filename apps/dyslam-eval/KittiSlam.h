@@ -3,6 +3,7 @@
 
 #include <dyslam/backend/Backend.h>
 #include <dyslam/core/Pose.h>
+#include <dyslam/tracking/DetectionNoise.h>
 #include <dyslam/tracking/Tracker.h>
 
 #include <cstdint>
@@ -36,7 +37,8 @@ struct KittiDrive
 [[nodiscard]] KittiDrive readKittiDrive(const std::string& folder,
                                         const std::string& name,
                                         const std::string& detector,
-                                        double min_score);
+                                        double min_score,
+                                        const DetectionNoiseOptions& noise);
 
 /** The motion between scans with errors drawn from `noise`; T_odom_velo, the first is identity. */
 [[nodiscard]] std::vector<Pose> noisyOdometry(const std::vector<Pose>& truth,

@@ -42,6 +42,7 @@ const std::array<OdometryNoise, 3> noises{{{"poor", 0.05, 0.005, 0.1 * degree},
 struct Settings
 {
   TrackerOptions tracker;
+  DetectionNoiseOptions noise;
   BackendConfig backend;
 };
 
@@ -58,6 +59,7 @@ Settings settingsOf(const Arguments& a)
   }
   ConfigLoader loader(config);
   Settings settings{loader.get<TrackerOptions>("tracker"),
+                    loader.get<DetectionNoiseOptions>("detection_noise"),
                     {loader.get<BackendOptions>("backend"), LoopCloserOptions{},
                      loader.get<ObjectGraphOptions>("objects"),
                      loader.get<FactorGraphOptions>("solver")}};
@@ -89,7 +91,7 @@ void run(const Arguments& a)
   Settings settings = settingsOf(a);
   for (const std::string& name : a.sequences)
   {
-    const KittiDrive drive = readKittiDrive(a.data, name, a.detector, a.min_score);
+    const KittiDrive drive = readKittiDrive(a.data, name, a.detector, a.min_score, settings.noise);
     for (const OdometryNoise& noise : noises)
     {
       if (std::find(a.odometries.begin(), a.odometries.end(), noise.name) == a.odometries.end())

@@ -2,10 +2,9 @@
 #pragma once
 
 #include <dyslam/eval/PredictionMetrics.h>
-#include <dyslam/eval/TrackMetrics.h>
+#include <dyslam/formats/KittiFiles.h>
 #include <dyslam/tracking/AdaptivePredictor.h>
 #include <dyslam/tracking/PolynomialTrajectory.h>
-#include <dyslam/tracking/Tracker.h>
 
 #include <memory>
 #include <optional>
@@ -23,9 +22,13 @@ struct KittiTarget
   PlanarTrack observations;  //!< the labels, or the detections nearest to them
 };
 
-/** \param detections PointRCNN csv, or empty to use the labels. Of the detections with a score of
- * at least 0, the one nearest to the label in the ground plane is used, if within 2 m. \throws
- * UserError for files that cannot be read or a track without boxes. */
+/** T_world_velo of each frame, from a file of oxts. World: x east, y north, z up, origin at the
+ * first position. \throws UserError. */
+[[nodiscard]] std::vector<Pose> kittiLidarPoses(const std::string& oxts, const KittiCalib& calib);
+
+/** \param detections in any layout of readDetections(), or empty to use the labels. Of the
+ * detections with a score of at least 0, the one nearest to the label in the ground plane is used,
+ * if within 2 m. \throws UserError for files that cannot be read or a track without boxes. */
 [[nodiscard]] KittiTarget readKittiTarget(const std::string& boxes,
                                           const std::string& oxts,
                                           const std::string& calib,
@@ -43,24 +46,4 @@ struct KittiTarget
 [[nodiscard]] std::unique_ptr<OneStepPredictor> constantVelocityPredictor();
 [[nodiscard]] std::unique_ptr<OneStepPredictor> adaptivePredictor(
     const AdaptiveOptions& options = {});
-
-/** Tracks of several sequences, in the protocol of AB3DMOT's benchmark. */
-struct KittiMotRun
-{
-  std::vector<TrackSequence> sequences;
-  int frames = 0;
-  double seconds = 0;  //!< spent in Tracker::update()
-};
-
-/** One class over the sequences `names` ("0001", ...); ego-motion by OXTS. \throws UserError for
- * files that cannot be read or a track without boxes. */
-[[nodiscard]] KittiMotRun runKittiMot(const std::string& folder,
-                                      const std::vector<std::string>& names,
-                                      const std::string& type,
-                                      const TrackerOptions& options);
-
-/** AB3DMOT's validation sequences. */
-[[nodiscard]] std::vector<std::string> kittiMotValidation();
-/** The other labelled sequences, for parameter selection. */
-[[nodiscard]] std::vector<std::string> kittiMotTraining();
 }  // namespace dyslam

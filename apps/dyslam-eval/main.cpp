@@ -10,6 +10,7 @@
 #include "PredictionCommand.h"
 #include "RunCommand.h"
 #include "SegmentationCommand.h"
+#include "SpeedsCommand.h"
 #include "TracksCommand.h"
 #include "TrajectoryCommand.h"
 
@@ -25,8 +26,9 @@ int main(int argc, char** argv)
         commands = {dyslam::trajectoryCommand(app), dyslam::segmentationCommand(app),
                     dyslam::mapCommand(app),        dyslam::tracksCommand(app),
                     dyslam::predictionCommand(app), dyslam::kittiMotCommand(app),
-                    dyslam::kittiSlamCommand(app),  dyslam::runCommand(app),
-                    dyslam::curvesCommand(app),     dyslam::maskCommand(app)};
+                    dyslam::kittiSlamCommand(app),  dyslam::speedsCommand(app),
+                    dyslam::runCommand(app),        dyslam::curvesCommand(app),
+                    dyslam::maskCommand(app)};
       },
       [&]
       {

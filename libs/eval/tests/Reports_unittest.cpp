@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/Error.h>
 #include <dyslam/eval/LearningCurves.h>
+#include <dyslam/eval/LinePlot.h>
 #include <dyslam/eval/MaskPicture.h>
 #include <dyslam/eval/TrajectoryPlot.h>
 #include <dyslam/eval/TrajectoryReports.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <opencv2/imgcodecs.hpp>
 
@@ -122,6 +124,39 @@ TEST(TrajectoryPlot, HandlesOnePoseStationaryAndEmptyInput)
   EXPECT_THROW((void)renderTrajectoryPlot({{"empty", PosePairs()}}), std::invalid_argument);
 }
 }  // namespace
+
+TEST(LinePlot, DrawsEverySeriesInItsColourWithinTheAxes)
+{
+  LineSeries rising{"rising", {}};
+  LineSeries peak{"with a peak", {}};
+  for (int i = 0; i <= 200; ++i)
+  {
+    rising.points.emplace_back(0.1 * i, 0.05 * i);
+    peak.points.emplace_back(0.1 * i, i == 100 ? 1000 : 5);
+  }
+  LinePlotOptions options;
+  options.quantile = 0.99;
+  const auto bytes = renderLinePlot({rising, peak}, options);
+  EXPECT_EQ(bytes, renderLinePlot({rising, peak}, options));
+  const cv::Mat picture = cv::imdecode(bytes, cv::IMREAD_COLOR);
+  ASSERT_EQ(picture.cols, 1000);
+  // Within the axes: the blue line rises through the page, as the peak does not set the scale.
+  int highest = picture.rows;
+  std::size_t red = 0;
+  for (int y = 52; y < 318; ++y)
+  {
+    for (int x = 95; x < 965; ++x)
+    {
+      const auto& c = picture.at<cv::Vec3b>(y, x);
+      highest = c[0] > 150 && c[2] < 60 ? std::min(highest, y) : highest;
+      red += c[2] > 180 && c[0] < 60 ? 1 : 0;
+    }
+  }
+  EXPECT_LT(highest, 110);
+  EXPECT_GT(red, 500U);
+  EXPECT_FALSE(renderLinePlot({{"one", {{1, 2}}}}).empty());
+  EXPECT_THROW((void)renderLinePlot({{"none", {}}}), std::invalid_argument);
+}
 
 TEST(LearningCurves, ReadsColumnsAndSeries)
 {

@@ -7,6 +7,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <type_traits>
 
 #include "SignificantMotion.h"
 
@@ -74,11 +75,16 @@ const ClassTracking& optionsFor(const TrackerOptions& options, ObjectClass objec
   }
 }
 
-Track::Motion Track::makeMotion(const TrackerOptions& options)
+Track::Motion Track::makeMotion(const TrackerOptions& options, ObjectClass object_class)
 {
   if (options.motion == TrackMotion::adaptive)
   {
     return AdaptivePredictor();
+  }
+  if (options.motion == TrackMotion::kalman)
+  {
+    const ClassTracking& class_options = optionsFor(options, object_class);
+    return KalmanMotion({class_options.speed_sigma, class_options.velocity_walk});
   }
   PolynomialOptions polynomial;
   polynomial.degree = options.degree;
@@ -92,7 +98,7 @@ Track::Track(int id, double stamp, const Observation& observation, const Tracker
     : options_(&options),
       id_(id),
       stamp_(stamp),
-      motion_(makeMotion(options)),
+      motion_(makeMotion(options, observation.object_class)),
       box_(observation.box)
 {
   position_covariance_ = observation.covariance.topLeftCorner<2, 2>();
@@ -118,7 +124,18 @@ void Track::addToHistory(const Observation& observation)
   const TimedPosition where{stamp_, box_.center.head<2>()};
   const TimedPosition raw{
       stamp_, observation.from_points ? where.position : observation.box.center.head<2>().eval()};
-  std::visit([&](auto& motion) { motion.add(raw); }, motion_);
+  const auto add = [&](auto& motion)
+  {
+    if constexpr (std::is_same_v<std::decay_t<decltype(motion)>, KalmanMotion>)
+    {
+      motion.add(raw, observation.covariance.topLeftCorner<2, 2>());
+    }
+    else
+    {
+      motion.add(raw);
+    }
+  };
+  std::visit(add, motion_);
   class_votes_[static_cast<std::size_t>(observation.object_class)] +=
       observation.object_class == ObjectClass::unknown ? 0.1 : 1.0;
   const auto most = std::max_element(class_votes_.begin(), class_votes_.end());
@@ -131,6 +148,8 @@ void Track::addToHistory(const Observation& observation)
                                 box_.size, dynamic_ ? velocity_.norm() : 0.0);
   }
   score_sum_ += observation.score;
+  recent_scores_ = classOptions().score_memory * recent_scores_ + observation.score;
+  score_weight_ = classOptions().score_memory * score_weight_ + 1;
   detection_ = observation.index;
 }
 
@@ -194,11 +213,13 @@ void Track::match(const Observation& observation)
       std::visit([&](const auto& motion) { return motion.predict(stamp_); }, motion_);
   velocity_ = now.velocity;
   velocity_covariance_ = now.velocity_covariance;
+  if (const auto* filter = std::get_if<KalmanMotion>(&motion_))
+  {
+    box_.center.head<2>() = now.position;
+    position_covariance_ = filter->positionCovariance();
+  }
   updateDynamicState();
-  has_moved_ =
-      has_moved_ || dynamic_ ||
-      hasSignificantMotion(std::visit(
-          [](const auto& motion) -> const PositionHistory& { return motion.history(); }, motion_));
+  has_moved_ = has_moved_ || dynamic_ || hasSignificantMotion(history());
   alignHeadingWithMotion(observation);
   confirm(observation);
   keepObservation(observation);
@@ -303,6 +324,12 @@ void Track::updateSize(const Observation& observation)
   }
 }
 
+const std::deque<TimedPosition>& Track::history() const
+{
+  return std::visit([](const auto& motion) -> const PositionHistory& { return motion.history(); },
+                    motion_);
+}
+
 void Track::updateDynamicState()
 {
   const double speed = velocity_.norm();
@@ -363,8 +390,8 @@ TrackedObject Track::object() const
   object.observation = observed_;
   object.observation_covariance = observed_covariance_;
   object.age = age_;
-  object.score =
-      score_sum_ / (hits_ + options_->score_prior + options_->miss_prior * total_misses_);
+  const double zeros = classOptions().score_prior + classOptions().miss_prior * total_misses_;
+  object.score = recent_scores_ * (hits_ / score_weight_) / (hits_ + zeros);
   return object;
 }
 }  // namespace dyslam

@@ -3,6 +3,7 @@
 
 #include <dyslam/core/Objects.h>
 #include <dyslam/tracking/AdaptivePredictor.h>
+#include <dyslam/tracking/KalmanMotion.h>
 #include <dyslam/tracking/Tracker.h>
 
 #include <array>
@@ -16,7 +17,8 @@ struct Observation
   int index = -1;  //!< among the scan's detections
   Box box;         //!< odometry frame
   Eigen::Matrix4d covariance;
-  Eigen::Vector2d sensor;  //!< position of the sensor, odometry frame
+  double noise_factor = 1;  //!< contained in the covariance of x and y
+  Eigen::Vector2d sensor;   //!< position of the sensor, odometry frame
   ObjectClass object_class = ObjectClass::unknown;
   double score = 0;
   bool from_points = false;  //!< a cluster: size and heading of the visible part only
@@ -51,12 +53,14 @@ class Track
   }
   [[nodiscard]] ObjectClass objectClass() const { return object_class_; }
   [[nodiscard]] int misses() const { return misses_; }
+  /** The last observations' positions [m]. */
+  [[nodiscard]] const std::deque<TimedPosition>& history() const;
   [[nodiscard]] bool dead() const;
   [[nodiscard]] TrackedObject object() const;
 
  private:
-  using Motion = std::variant<AdaptivePredictor, PolynomialTrajectory>;
-  [[nodiscard]] static Motion makeMotion(const TrackerOptions& options);
+  using Motion = std::variant<AdaptivePredictor, PolynomialTrajectory, KalmanMotion>;
+  [[nodiscard]] static Motion makeMotion(const TrackerOptions& options, ObjectClass object_class);
   void addToHistory(const Observation& observation);
   void confirm(const Observation& observation);
   void updatePosition(const Observation& observation, const Box& observed);
@@ -82,6 +86,8 @@ class Track
   std::array<double, 8> class_votes_{};
   ObjectClass object_class_ = ObjectClass::unknown;
   double score_sum_ = 0;
+  double recent_scores_ = 0;  //!< discounted sum
+  double score_weight_ = 0;   //!< discounted count
   int hits_ = 1;
   int misses_ = 0;  //!< in a row
   int total_misses_ = 0;

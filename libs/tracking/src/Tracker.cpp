@@ -7,8 +7,10 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <stdexcept>
 
+#include "NoiseScale.h"
 #include "Track.h"
 
 namespace dyslam
@@ -66,6 +68,7 @@ struct Tracker::Implementation
 
   const TrackerOptions options;
   std::vector<Track> tracks;
+  std::map<const ClassTracking*, NoiseScale> noise;  //!< of the boxes of each kind of objects
   int next_id = 0;
   bool started = false;
   double stamp = 0;
@@ -133,6 +136,32 @@ struct Tracker::Implementation
                        });
   }
 
+  /** A detection in the odometry frame, with the noise found for its kind. */
+  Observation observationOf(const Detection& detection, int index, const Pose& T_odom_vehicle)
+  {
+    Observation observation = toObservation(detection, index, T_odom_vehicle);
+    if (options.adapt_noise && !observation.from_points)
+    {
+      const double factor = noise[&optionsFor(options, detection.object_class)].factor();
+      observation.noise_factor = factor;
+      observation.covariance.topLeftCorner<2, 2>() *= factor * factor;
+    }
+    return observation;
+  }
+
+  void recordNoise(const Track& track, const Observation& observation)
+  {
+    if (!options.adapt_noise || observation.from_points)
+    {
+      return;
+    }
+    const auto found = whiteNoise(track.history(), observation.covariance.topLeftCorner<2, 2>());
+    if (found)
+    {
+      noise[&optionsFor(options, observation.object_class)].add(*found * observation.noise_factor);
+    }
+  }
+
   /** Associates the given tracks with the given observations; those without a partner remain. */
   void associate(const std::vector<Observation>& observations,
                  std::vector<std::size_t>& unmatched_tracks,
@@ -162,8 +191,11 @@ struct Tracker::Implementation
       const int j = assignment.column_of_row[i];
       if (j >= 0)
       {
-        tracks[unmatched_tracks[i]].match(
-            observations[unmatched_observations[static_cast<std::size_t>(j)]]);
+        const Observation& observation =
+            observations[unmatched_observations[static_cast<std::size_t>(j)]];
+        Track& track = tracks[unmatched_tracks[i]];
+        track.match(observation);
+        recordNoise(track, observation);
       }
       else
       {
@@ -219,7 +251,7 @@ std::vector<TrackedObject> Tracker::update(double stamp,
     }
     (detections[i].score >= class_options.birth_score ? strong : weak)
         .push_back(observations.size());
-    observations.push_back(toObservation(detections[i], static_cast<int>(i), T_odom_vehicle));
+    observations.push_back(self.observationOf(detections[i], static_cast<int>(i), T_odom_vehicle));
   }
 
   std::vector<std::size_t> unmatched_tracks(self.tracks.size());

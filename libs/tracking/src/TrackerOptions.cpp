@@ -1,48 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/tracking/Tracker.h>
 
+#include "PrefixedVisitor.h"
+
 namespace dyslam
 {
-namespace
-{
-/** Describes an options struct within another one: prepends a prefix to every key. */
-class PrefixedVisitor : public OptionsVisitor
-{
- public:
-  PrefixedVisitor(OptionsVisitor& visitor, std::string prefix)
-      : visitor_(visitor), prefix_(std::move(prefix))
-  {
-  }
-  void real(const char* key, double& value, double min, double max, const char* help) override
-  {
-    visitor_.real((prefix_ + key).c_str(), value, min, max, help);
-  }
-  void integer(const char* key, int& value, int min, int max, const char* help) override
-  {
-    visitor_.integer((prefix_ + key).c_str(), value, min, max, help);
-  }
-  void flag(const char* key, bool& value, const char* help) override
-  {
-    visitor_.flag((prefix_ + key).c_str(), value, help);
-  }
-  void text(const char* key, std::string& value, const char* help) override
-  {
-    visitor_.text((prefix_ + key).c_str(), value, help);
-  }
-  void word(const char* key,
-            std::string& value,
-            const std::vector<std::string>& words,
-            const char* help) override
-  {
-    visitor_.word((prefix_ + key).c_str(), value, words, help);
-  }
-
- private:
-  OptionsVisitor& visitor_;
-  std::string prefix_;
-};
-}  // namespace
-
 void ClassTracking::describe(OptionsVisitor& v)
 {
   v.real("birth_score", birth_score, -1e6, 1e6, "least score of a detection that starts a track");
@@ -66,6 +28,14 @@ void ClassTracking::describe(OptionsVisitor& v)
          "weight of the angle between the axes / 90 deg in the cost");
   v.real("max_cost", max_cost, 0.001, 1000, "largest cost of an associated pair");
   v.real("min_overlap", min_overlap, -1, 1, "least GIoU of an associated pair");
+  v.real("score_memory", score_memory, 0, 1,
+         "weight of earlier scores in the mean of a track's scores, per observation");
+  v.real("score_prior", score_prior, 0, 1000, "zero scores added to the mean of a track's scores");
+  v.real("miss_prior", miss_prior, 0, 1000, "zero scores added for each miss");
+  v.real("speed_sigma", speed_sigma, 0.01, 100,
+         "standard deviation of a new track's speed, for motion = kalman, m/s");
+  v.real("velocity_walk", velocity_walk, 0.01, 100,
+         "random walk of the velocity, for motion = kalman, m/s per square root of a second");
 }
 
 TrackerOptions::TrackerOptions()
@@ -79,7 +49,8 @@ void TrackerOptions::describe(OptionsVisitor& v)
   v.choice("motion", motion,
            {{"adaptive", TrackMotion::adaptive},
             {"polynomial", TrackMotion::polynomial},
-            {"constant_velocity", TrackMotion::constant_velocity}},
+            {"constant_velocity", TrackMotion::constant_velocity},
+            {"kalman", TrackMotion::kalman}},
            "motion model that predicts the next position");
   v.integer("degree", degree, 0, 5, "degree of the fit, for motion = polynomial");
   v.integer("window", window, 1, 1000, "observations in the fit, for motion = polynomial");
@@ -100,10 +71,10 @@ void TrackerOptions::describe(OptionsVisitor& v)
   v.real("class_mismatch_cost", class_mismatch_cost, 0, 1000,
          "cost added to a pair of different classes; above max_cost it forbids the pair");
   v.real("size_gain", size_gain, 0, 1, "filter gain of an observed size");
-  v.real("score_prior", score_prior, 0, 1000, "zero scores added to the mean of a track's scores");
-  v.real("miss_prior", miss_prior, 0, 1000, "zero scores added for each miss");
   v.degrees("yaw_rate_deg", yaw_rate, 0, 360,
             "standard deviation of a heading's rate of change, deg/s");
+  v.flag("adapt_noise", adapt_noise,
+         "covariances of boxes from files grow with the noise that is observed");
   PrefixedVisitor vehicles(v, "vehicle_");
   vehicle.describe(vehicles);
   PrefixedVisitor cyclists(v, "cyclist_");

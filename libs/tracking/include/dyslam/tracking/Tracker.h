@@ -27,6 +27,11 @@ struct ClassTracking : Options
   double heading_weight = 0.2;   //!< weight of the angle between the axes / 90 deg in the cost
   double max_cost = 1.2;         //!< largest cost of a pair
   double min_overlap = -1;       //!< least GIoU of a pair
+  double score_memory = 1;   //!< weight of earlier scores in a track's mean score, per observation
+  double score_prior = 3;    //!< zero scores added to the mean of a track's scores
+  double miss_prior = 1;     //!< zero scores added for each miss
+  double speed_sigma = 8;    //!< of a new track's speed, motion = kalman [m/s]
+  double velocity_walk = 2;  //!< random walk of the velocity, motion = kalman [m/s/sqrt(s)]
 
   void describe(OptionsVisitor& visitor) override;
 };
@@ -35,7 +40,8 @@ enum class TrackMotion
 {
   adaptive,
   polynomial,
-  constant_velocity
+  constant_velocity,
+  kalman
 };
 
 enum class AssociationMethod
@@ -59,9 +65,8 @@ struct TrackerOptions : Options
   bool complete_boxes = true;   //!< boxes of clusters are enlarged to the size observed so far
   double class_mismatch_cost = 0.5;  //!< cost added to a pair of different classes
   double size_gain = 0.2;            //!< filter gain of an observed size
-  double score_prior = 3;            //!< zero scores added to the mean of a track's scores
-  double miss_prior = 1;             //!< zero scores added for each miss
   double yaw_rate = 0.35;            //!< standard deviation of a heading's rate of change [rad/s]
+  bool adapt_noise = true;           //!< boxes from files: covariances grow with the noise observed
   ClassTracking vehicle;
   ClassTracking cyclist;
   ClassTracking pedestrian;

@@ -1,0 +1,286 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "KittiMot.h"
+
+#include <dyslam/core/BoxOverlap.h>
+#include <dyslam/core/Error.h>
+#include <dyslam/formats/KittiTracks.h>
+#include <dyslam/formats/TextFile.h>
+#include <dyslam/tracking/DetectionDeskew.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <filesystem>
+#include <random>
+#include <type_traits>
+#include <utility>
+
+#include "KittiTracking.h"
+
+namespace fs = std::filesystem;
+
+namespace dyslam
+{
+namespace
+{
+constexpr double sweep_period = 0.1036;  // of KITTI's lidar [s]
+
+/** Projection of a box in the lidar frame, clipped to the image [px]. */
+Eigen::Vector4d inImage(const Box& box, const KittiCalib& calib)
+{
+  constexpr double image_width = 1242;
+  constexpr double image_height = 375;
+  constexpr double nearest = 0.1;  // [m]
+  Eigen::Vector4d image(image_width, image_height, 0, 0);
+  for (int corner = 0; corner < 8; ++corner)
+  {
+    const Eigen::Vector3d half(corner & 1 ? 0.5 : -0.5, corner & 2 ? 0.5 : -0.5,
+                               corner & 4 ? 0.5 : -0.5);
+    Eigen::Vector3d p =
+        calib.T_cam_velo * (box.center + Eigen::AngleAxisd(box.yaw, Eigen::Vector3d::UnitZ()) *
+                                             half.cwiseProduct(box.size));
+    p.z() = std::max(p.z(), nearest);
+    const Eigen::Vector3d pixel = calib.P2 * p.homogeneous();
+    const double x = std::clamp(pixel.x() / pixel.z(), 0.0, image_width);
+    const double y = std::clamp(pixel.y() / pixel.z(), 0.0, image_height);
+    image << std::min(image[0], x), std::min(image[1], y), std::max(image[2], x),
+        std::max(image[3], y);
+  }
+  return image;
+}
+
+/** One sequence as the tracker sees it. */
+struct Recording
+{
+  KittiCalib calib;
+  std::vector<double> stamps;  // [s]
+  std::vector<Pose> poses;     // T_world_velo
+  std::vector<std::vector<Detection>> detections;
+  std::vector<std::vector<Eigen::Vector4d>> image_boxes;  // of the detections [px]
+};
+
+std::vector<double> frameTimes(const KittiMotSetup& setup, const std::string& name, std::size_t n)
+{
+  std::vector<double> stamps;
+  const std::string path = setup.data + "/times/" + name + ".txt";
+  if (!fs::exists(path))
+  {
+    for (std::size_t f = 0; f < n; ++f)
+    {
+      stamps.push_back(static_cast<double>(f) * setup.frame_time);
+    }
+    return stamps;
+  }
+  TextFile file(path);
+  while (file.next())
+  {
+    stamps.push_back(file.number(0));
+    if (stamps.size() > 1 && !(stamps.back() > stamps[stamps.size() - 2]))
+    {
+      file.fail("times must increase from line to line");
+    }
+  }
+  if (stamps.size() < n)
+  {
+    throw UserError(path + ": has " + std::to_string(stamps.size()) + " times; oxts has " +
+                    std::to_string(n) + " frames");
+  }
+  return stamps;
+}
+
+std::vector<LabelledBox> detectionsOf(const KittiMotSetup& setup,
+                                      const std::string& name,
+                                      const std::string& type,
+                                      const KittiCalib& calib)
+{
+  const fs::path folder(setup.detections);
+  const fs::path own = folder / type / (name + ".txt");
+  std::vector<LabelledBox> boxes =
+      readDetections((fs::exists(own) ? own : folder / (name + ".txt")).string(), calib.T_cam_velo);
+  boxes.erase(
+      std::remove_if(boxes.begin(), boxes.end(),
+                     [&](const LabelledBox& box) { return toString(box.object_class) != type; }),
+      boxes.end());
+  return boxes;
+}
+
+Recording readRecording(const KittiMotSetup& setup,
+                        const std::string& name,
+                        const std::string& type)
+{
+  Recording recording;
+  recording.calib = readKittiCalib(setup.data + "/calib/" + name + ".txt");
+  recording.poses = kittiLidarPoses(setup.data + "/oxts/" + name + ".txt", recording.calib);
+  const std::size_t frames = recording.poses.size();
+  recording.stamps = frameTimes(setup, name, frames);
+  recording.detections.resize(frames);
+  recording.image_boxes.resize(frames);
+  std::mt19937 generator(static_cast<unsigned>(setup.seed));
+  std::normal_distribution<double> normal;
+  for (LabelledBox& box : detectionsOf(setup, name, type, recording.calib))
+  {
+    const Eigen::Vector2d draw(normal(generator), normal(generator));
+    if (box.frame < 0 || static_cast<std::size_t>(box.frame) >= frames)
+    {
+      continue;
+    }
+    box.box.center.head<2>() += setup.added_noise * draw;
+    Detection detection;
+    detection.box = box.box;
+    detection.object_class = box.object_class;
+    detection.score = box.score;
+    detection.covariance = detectionCovariance(box.box, box.object_class, setup.noise);
+    recording.detections[static_cast<std::size_t>(box.frame)].push_back(detection);
+    recording.image_boxes[static_cast<std::size_t>(box.frame)].push_back(box.image_box);
+  }
+  return recording;
+}
+
+/** Keeps the frames 0, n, 2 n, ... and numbers them anew. */
+void keepEvery(int n, Recording& recording, std::vector<LabelledBox>& labels)
+{
+  const auto step = static_cast<std::size_t>(n);
+  const auto thin = [step](auto& frames)
+  {
+    std::decay_t<decltype(frames)> kept;
+    for (std::size_t f = 0; f < frames.size(); f += step)
+    {
+      kept.push_back(frames[f]);
+    }
+    frames = std::move(kept);
+  };
+  thin(recording.stamps);
+  thin(recording.poses);
+  thin(recording.detections);
+  thin(recording.image_boxes);
+  labels.erase(std::remove_if(labels.begin(), labels.end(),
+                              [n](const LabelledBox& box) { return box.frame % n != 0; }),
+               labels.end());
+  for (LabelledBox& box : labels)
+  {
+    box.frame /= n;
+  }
+}
+
+/** Reported tracks of a frame in the lidar frame. Predicted tracks that left the image are not
+ * reported because there are no labels there. */
+void collect(const std::vector<TrackedObject>& objects,
+             const Recording& recording,
+             std::size_t frame,
+             const Pose& motion,
+             double interval,
+             std::vector<LabelledBox>& estimate)
+{
+  const Pose T_velo_world = recording.poses[frame].inverse();
+  for (const TrackedObject& object : objects)
+  {
+    if (!object.reported)
+    {
+      continue;
+    }
+    LabelledBox box;
+    box.frame = static_cast<int>(frame);
+    box.id = object.id;
+    box.object_class = object.object_class;
+    box.type = toString(object.object_class);
+    box.box = transformed(object.box, T_velo_world);
+    if (interval > 0)
+    {
+      box.box = skewed(box.box, motion, interval, {sweep_period, true});
+    }
+    box.score = object.score;
+    box.image_box = object.detection >= 0
+                        ? recording.image_boxes[frame][static_cast<std::size_t>(object.detection)]
+                        : inImage(box.box, recording.calib);
+    const bool in_view = box.box.center.x() > 0.5 && box.image_box[2] - box.image_box[0] > 2;
+    if (object.detection >= 0 || in_view)
+    {
+      estimate.push_back(box);
+    }
+  }
+}
+
+void trackSequence(Recording& recording,
+                   const KittiMotSetup& setup,
+                   TrackSequence& sequence,
+                   double& seconds)
+{
+  Tracker tracker(setup.tracker);
+  for (std::size_t f = 0; f < recording.poses.size(); ++f)
+  {
+    Pose motion = Pose::Identity();
+    double interval = 0;
+    if (setup.deskew && f > 0)
+    {
+      // The motion since the previous frame goes on.
+      motion = recording.poses[f - 1].inverse() * recording.poses[f];
+      interval = recording.stamps[f] - recording.stamps[f - 1];
+      deskewDetections(recording.detections[f], motion, interval, {sweep_period, true});
+    }
+    const auto start = std::chrono::steady_clock::now();
+    const std::vector<TrackedObject> objects =
+        tracker.update(recording.stamps[f], recording.detections[f], recording.poses[f]);
+    seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    collect(objects, recording, f, motion, interval, sequence.estimate);
+  }
+}
+}  // namespace
+
+KittiMotRun runKittiMot(const KittiMotSetup& setup,
+                        const std::vector<std::string>& names,
+                        const std::string& type)
+{
+  KittiMotRun run;
+  for (const std::string& name : names)
+  {
+    Recording recording = readRecording(setup, name, type);
+    TrackSequence sequence;
+    sequence.reference = readKittiTracking(setup.data + "/label_02/" + name + ".txt",
+                                           recording.calib.T_cam_velo, true);
+    keepEvery(setup.every, recording, sequence.reference);
+    sequence.frames = static_cast<int>(recording.poses.size());
+    trackSequence(recording, setup, sequence, run.seconds);
+    run.frames += sequence.frames;
+    run.sequences.push_back(std::move(sequence));
+  }
+  return run;
+}
+
+void writeKittiMot(const std::string& folder,
+                   const std::string& data,
+                   const std::vector<std::string>& names,
+                   const std::vector<KittiMotRun>& runs)
+{
+  fs::create_directories(folder);
+  for (std::size_t i = 0; i < names.size(); ++i)
+  {
+    std::vector<LabelledBox> boxes;
+    int first_id = 0;
+    for (const KittiMotRun& run : runs)
+    {
+      int next_id = first_id;
+      for (LabelledBox box : run.sequences[i].estimate)
+      {
+        box.id += first_id;
+        next_id = std::max(next_id, box.id + 1);
+        boxes.push_back(std::move(box));
+      }
+      first_id = next_id;
+    }
+    std::stable_sort(boxes.begin(), boxes.end(),
+                     [](const LabelledBox& a, const LabelledBox& b) { return a.frame < b.frame; });
+    const KittiCalib calib = readKittiCalib(data + "/calib/" + names[i] + ".txt");
+    writeKittiTracks((fs::path(folder) / (names[i] + ".txt")).string(), boxes, calib.T_cam_velo);
+  }
+}
+
+std::vector<std::string> kittiMotValidation()
+{
+  return {"0001", "0006", "0008", "0010", "0012", "0013", "0014", "0015", "0016", "0018", "0019"};
+}
+
+std::vector<std::string> kittiMotTraining()
+{
+  return {"0000", "0002", "0003", "0004", "0005", "0007", "0009", "0011", "0017", "0020"};
+}
+}  // namespace dyslam

@@ -1,0 +1,145 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/BoxOverlap.h>
+#include <dyslam/core/PendingFile.h>
+#include <dyslam/formats/KittiTracks.h>
+#include <dyslam/formats/TextFile.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string_view>
+
+#include "TrackLines.h"
+
+namespace dyslam
+{
+namespace
+{
+enum class Layout
+{
+  csv,
+  with_id,
+  without_id
+};
+
+bool isWord(std::string_view field)
+{
+  return !field.empty() && field.find_first_of("0123456789") != 0 && field.front() != '-' &&
+         field.front() != '+' && field.front() != '.';
+}
+
+Layout layoutOf(const TextFile& file)
+{
+  const auto& fields = file.fields();
+  if (fields.size() == 15 && !isWord(fields[1]))
+  {
+    return Layout::csv;
+  }
+  if (fields.size() == 18 && isWord(fields[2]))
+  {
+    return Layout::with_id;
+  }
+  if (fields.size() == 17 && isWord(fields[1]))
+  {
+    return Layout::without_id;
+  }
+  if (fields.size() == 17 && isWord(fields[2]))
+  {
+    file.fail("has no score; detections need one in an 18th column");
+  }
+  file.fail("has " + std::to_string(fields.size()) +
+            " fields in no known order; give AB3DMOT's csv (15), or KITTI's tracking columns with "
+            "a score (18, or 17 without the id)");
+}
+
+LabelledBox readWithoutId(const TextFile& file, const Pose& T_cam_velo)
+{
+  file.requireFields(17,
+                     "frame type truncated occluded alpha left top right bottom height width "
+                     "length x y z ry score");
+  LabelledBox box;
+  box.frame = file.integer(0);
+  box.type = std::string(file.fields()[1]);
+  box.object_class = objectClassFromString(box.type);
+  box.image_box = {file.number(5), file.number(6), file.number(7), file.number(8)};
+  box.box = toLidar({{file.number(12), file.number(13), file.number(14)},
+                     file.number(9),
+                     file.number(10),
+                     file.number(11),
+                     file.number(15)},
+                    T_cam_velo);
+  box.score = file.number(16);
+  return box;
+}
+}  // namespace
+
+CameraBox toCamera(const Box& box, const Pose& T_cam_velo)
+{
+  CameraBox result;
+  result.length = box.size.x();
+  result.width = box.size.y();
+  result.height = box.size.z();
+  result.bottom = T_cam_velo * box.center + Eigen::Vector3d(0, box.size.z() / 2, 0);
+  // The direction of this yaw that lies in the camera's horizontal plane.
+  const Eigen::Matrix3d& R = T_cam_velo.linear();
+  Eigen::Vector3d heading(std::cos(box.yaw), std::sin(box.yaw), 0);
+  heading.z() = -R.row(1).head<2>().dot(heading.head<2>()) / R(1, 2);
+  const Eigen::Vector3d in_camera = R * heading;
+  result.ry = std::atan2(-in_camera.z(), in_camera.x());
+  return result;
+}
+
+std::vector<LabelledBox> readDetections(const std::string& path, const Pose& T_cam_velo)
+{
+  TextFile file(path);
+  if (!file.next())
+  {
+    return {};
+  }
+  std::vector<LabelledBox> boxes;
+  switch (layoutOf(file))
+  {
+    case Layout::csv:
+      return readDetectionsCsv(path, T_cam_velo);
+    case Layout::with_id:
+      (void)file.number(17);
+      boxes = readKittiTracking(path, T_cam_velo);
+      break;
+    case Layout::without_id:
+      do
+      {
+        boxes.push_back(readWithoutId(file, T_cam_velo));
+      } while (file.next());
+      break;
+  }
+  boxes.erase(std::remove_if(boxes.begin(), boxes.end(),
+                             [](const LabelledBox& box) { return box.type == "DontCare"; }),
+              boxes.end());
+  return boxes;
+}
+
+void writeKittiTracks(const std::string& path,
+                      const std::vector<LabelledBox>& boxes,
+                      const Pose& T_cam_velo)
+{
+  constexpr int digits = 12;
+  std::string text;
+  for (const LabelledBox& box : boxes)
+  {
+    const CameraBox camera = toCamera(box.box, T_cam_velo);
+    const double alpha = wrapAngle(camera.ry - std::atan2(camera.bottom.x(), camera.bottom.z()));
+    text += std::to_string(box.frame) + ' ' + std::to_string(box.id) + ' ' +
+            (box.type.empty() ? toString(box.object_class) : box.type) + ' ' +
+            std::to_string(box.truncated) + ' ' + std::to_string(box.occluded);
+    for (const double value :
+         {alpha, box.image_box[0], box.image_box[1], box.image_box[2], box.image_box[3],
+          camera.height, camera.width, camera.length, camera.bottom.x(), camera.bottom.y(),
+          camera.bottom.z(), camera.ry, box.score})
+    {
+      text += ' ';
+      appendNumber(text, value, digits);
+    }
+    text += '\n';
+  }
+  writeWhole(path, text);
+}
+}  // namespace dyslam

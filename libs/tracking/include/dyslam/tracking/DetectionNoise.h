@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <dyslam/core/Objects.h>
+#include <dyslam/core/Options.h>
+#include <dyslam/core/Pose.h>
+
+#include <Eigen/Core>
+
+namespace dyslam
+{
+/** Standard deviations of a detected box's errors, growing linearly with the range r from the
+ * sensor. */
+struct ClassNoise : Options
+{
+  double radial = 0.08;                  //!< along the line of sight at r = 0 [m]
+  double radial_per_range = 0.005;       //!< its increase [m/m]
+  double tangential = 0.05;              //!< across it, horizontally [m]
+  double tangential_per_range = 0.0015;  //!< its increase [m/m]
+  double height = 0.06;                  //!< of the centre's z [m]
+  double yaw = 0.035;                    //!< of the heading at r = 0 [rad]
+  double yaw_per_range = 0.0014;         //!< its increase [rad/m]
+
+  void describe(OptionsVisitor& visitor) override;
+};
+
+/** Noise of a detector of boxes by class. The defaults are PointRCNN's on KITTI. Its errors are not
+ * white, most of one is found again in the next scan: filters that take them for white need a
+ * `factor` of 2 to 4. */
+struct DetectionNoiseOptions : Options
+{
+  double factor = 1;  //!< on all standard deviations
+  ClassNoise vehicle;
+  ClassNoise cyclist;
+  ClassNoise pedestrian;
+
+  DetectionNoiseOptions();
+  void describe(OptionsVisitor& visitor) override;
+};
+
+/** Covariance of x, y, z [m^2], yaw [rad^2] of a box, in the box's frame.
+ * \param sensor position of the lidar in that frame [m]; radial and tangential are meant from it.
+ */
+[[nodiscard]] Eigen::Matrix4d detectionCovariance(
+    const Box& box,
+    ObjectClass object_class,
+    const DetectionNoiseOptions& options,
+    const Eigen::Vector2d& sensor = Eigen::Vector2d::Zero());
+}  // namespace dyslam

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+
+#include "SignificantMotion.h"
+
+namespace dyslam
+{
+/** Size of the last four observations' white noise relative to `covariance` [m^2], from their third
+ * difference, in which smooth motions cancel; 1 is expected of noise of that covariance. Nothing
+ * unless they are equally spaced in time. */
+[[nodiscard]] std::optional<double> whiteNoise(const PositionHistory& history,
+                                               const Eigen::Matrix2d& covariance);
+
+/** Running estimate of how much noisier detections are than their covariances say. */
+class NoiseScale
+{
+ public:
+  void add(double white_noise);
+  /** Factor on standard deviations, 1 to 10. Errors that are alike from scan to scan do not show
+   * in differences, therefore it is not below 1. */
+  [[nodiscard]] double factor() const;
+
+ private:
+  static constexpr double prior_weight = 20;
+  double sum_ = prior_weight;
+  double weight_ = prior_weight;
+};
+}  // namespace dyslam

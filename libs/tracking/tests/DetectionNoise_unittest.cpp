@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/BoxOverlap.h>
+#include <dyslam/tracking/DetectionDeskew.h>
+#include <dyslam/tracking/DetectionNoise.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+using namespace dyslam;
+
+namespace
+{
+Box boxAt(double range, double azimuth)
+{
+  Box box;
+  box.center = {range * std::cos(azimuth), range * std::sin(azimuth), -0.8};
+  box.yaw = 0.4;
+  return box;
+}
+}  // namespace
+
+TEST(DetectionNoise, AxesFollowTheBearing)
+{
+  const DetectionNoiseOptions options;
+  const double radial = std::pow(0.08 + 0.005 * 20, 2);
+  const double tangential = std::pow(0.05 + 0.0015 * 20, 2);
+  const Eigen::Matrix4d ahead = detectionCovariance(boxAt(20, 0), ObjectClass::car, options);
+  EXPECT_NEAR(ahead(0, 0), radial, 1e-12);
+  EXPECT_NEAR(ahead(1, 1), tangential, 1e-12);
+  EXPECT_NEAR(ahead(3, 3), std::pow((2 + 0.08 * 20) * M_PI / 180, 2), 1e-12);
+  const Eigen::Matrix4d left = detectionCovariance(boxAt(20, M_PI / 2), ObjectClass::car, options);
+  EXPECT_NEAR(left(0, 0), tangential, 1e-12);
+  EXPECT_NEAR(left(1, 1), radial, 1e-12);
+  const Eigen::Matrix4d oblique = detectionCovariance(boxAt(20, 0.7), ObjectClass::car, options);
+  const Eigen::Vector2d sight(std::cos(0.7), std::sin(0.7));
+  EXPECT_NEAR(sight.dot(oblique.topLeftCorner<2, 2>() * sight), radial, 1e-12);
+  EXPECT_NEAR(oblique.trace(), ahead.trace(), 1e-12);
+  EXPECT_GT(std::abs(oblique(0, 1)), 1e-3);
+}
+
+TEST(DetectionNoise, IsMeasuredFromTheSensorAndByClass)
+{
+  DetectionNoiseOptions options;
+  options.pedestrian.radial = 0.3;
+  options.factor = 2;
+  const Box box = boxAt(10, 0);
+  const Eigen::Matrix4d walker =
+      detectionCovariance(box, ObjectClass::pedestrian, options, {10, -5});
+  // Seen from the side at 5 m: radial is y.
+  EXPECT_NEAR(walker(1, 1), 4 * std::pow(0.3 + 0.001 * 5, 2), 1e-12);
+  EXPECT_NE(detectionCovariance(box, ObjectClass::cyclist, options)(0, 0),
+            detectionCovariance(box, ObjectClass::car, options)(0, 0));
+  EXPECT_TRUE(detectionCovariance(boxAt(0, 0), ObjectClass::car, options).allFinite());
+}
+
+TEST(DetectionNoise, OptionsRoundTripThroughText)
+{
+  DetectionNoiseOptions options;
+  options.cyclist.radial = 0.123;
+  options.vehicle.yaw_per_range = 0.01;
+  Config config;
+  save(options, config, "detection_noise");
+  DetectionNoiseOptions loaded;
+  load(loaded, Config::fromText(config.toIni(), "test"), "detection_noise");
+  EXPECT_DOUBLE_EQ(loaded.cyclist.radial, 0.123);
+  EXPECT_NEAR(loaded.vehicle.yaw_per_range, 0.01, 1e-10);
+  EXPECT_DOUBLE_EQ(loaded.pedestrian.tangential, options.pedestrian.tangential);
+}
+
+/** A standing box is observed from the moving, turning vehicle at the time of its sweep. */
+TEST(DetectionDeskew, RecoversAStandingBoxFromItsSkewedObservation)
+{
+  const Sweep sweep{0.1, true};
+  const double interval = 0.2;  // the ego-motion is of two revolutions
+  const Pose T_now_next = poseFromYpr(2.8, 0.1, 0.02, 0.06, 0, 0);
+  for (const double azimuth : {-2.5, -0.8, 0.0, 0.6, 1.5, 3.0})
+  {
+    const Box seen = boxAt(15, azimuth);
+    // The vehicle faces this azimuth at -azimuth / (2 pi) of a revolution.
+    const double time = -azimuth / (2 * M_PI) * 0.1;
+    EXPECT_NEAR(sweepTime(azimuth, sweep), time, 1e-15);
+    const Pose T_now_then = expSE3(time / interval * logSE3(T_now_next));
+    const Box expected = transformed(seen, T_now_then);
+    const Box found = deskewed(seen, T_now_next, interval, sweep);
+    EXPECT_NEAR((found.center - expected.center).norm(), 0, 1e-12);
+    EXPECT_NEAR(wrapAngle(found.yaw - expected.yaw), 0, 1e-12);
+    const Box again = skewed(found, T_now_next, interval, sweep);
+    EXPECT_NEAR((again.center - seen.center).norm(), 0, 0.002) << azimuth;
+  }
+  // The left is swept before the stamp on a clockwise sweep. Driving ahead, the box is nearer at
+  // the stamp than it was then.
+  EXPECT_LT(deskewed(boxAt(15, 0.8), T_now_next, interval, sweep).center.x(),
+            boxAt(15, 0.8).center.x());
+  EXPECT_GT(deskewed(boxAt(15, 0.8), T_now_next, interval, {0.1, false}).center.x(),
+            boxAt(15, 0.8).center.x());
+}
+
+TEST(DetectionDeskew, TurnsCovariancesAlongAndChecksTimes)
+{
+  std::vector<Detection> detections(1);
+  detections[0].box = boxAt(10, -M_PI / 2);
+  detections[0].covariance = Eigen::Vector4d(0.04, 0.01, 0.02, 0.03).asDiagonal();
+  const Pose turn = poseFromYpr(0, 0, 0, 0.4, 0, 0);
+  deskewDetections(detections, turn, 0.1, {0.1, true});
+  // A quarter of a revolution later: the vehicle had turned by 0.1 rad.
+  EXPECT_NEAR(detections[0].box.yaw, 0.5, 1e-12);
+  const Eigen::Vector2d x(std::cos(0.1), std::sin(0.1));
+  EXPECT_NEAR(x.dot(detections[0].covariance.topLeftCorner<2, 2>() * x), 0.04, 1e-12);
+  EXPECT_THROW(deskewDetections(detections, turn, 0, {0.1, true}), std::invalid_argument);
+  EXPECT_THROW(deskewDetections(detections, turn, 0.1, {-0.1, true}), std::invalid_argument);
+}
