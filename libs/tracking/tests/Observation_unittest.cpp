@@ -4,6 +4,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <random>
+#include <utility>
 
 using namespace dyslam;
 
@@ -97,4 +99,64 @@ TEST(TrackedObservation, ofAClusterIsCompletedToTheWholeObject)
   EXPECT_NEAR(seen.size.y(), 1.8, 0.1);
   // The front, the side that faces the sensor, stays where it was seen.
   EXPECT_NEAR(seen.center.x() - 0.5 * seen.size.x(), 30 - 0.6 * 39, 0.1);
+}
+
+/** Detections six times as noisy as their covariances say. */
+TEST(NoiseOfDetections, IsFoundAndFilteredAway)
+{
+  const auto run = [](bool adapt)
+  {
+    std::mt19937 generator(41);
+    std::normal_distribution<double> noise(0, 0.3);
+    TrackerOptions options;
+    options.motion = TrackMotion::kalman;
+    options.adapt_noise = adapt;
+    options.vehicle.gate_sigmas = 30;
+    Tracker tracker(options);
+    double squared_errors = 0;
+    double variance = 0;
+    for (int scan = 0; scan < 300; ++scan)
+    {
+      const Eigen::Vector2d truth(1.0 * scan, 3);
+      Detection detection = car({truth.x() + noise(generator), truth.y() + noise(generator), 0}, 0);
+      detection.covariance = Eigen::Vector4d(0.0025, 0.0025, 0.02, 0.03).asDiagonal();
+      const auto objects = tracker.update(dt * scan, {detection}, Pose::Identity());
+      if (scan >= 200)
+      {
+        EXPECT_EQ(objects.size(), 1u);
+        squared_errors += (objects[0].box.center.head<2>() - truth).squaredNorm() / 200;
+        variance = objects[0].observation_covariance(0, 0);
+      }
+    }
+    return std::make_pair(std::sqrt(squared_errors), std::sqrt(variance));
+  };
+  const auto [error, sigma] = run(true);
+  EXPECT_NEAR(sigma, 0.3, 0.04);
+  EXPECT_LT(error, 0.2);  // of one coordinate; 0.3 m unfiltered
+  const auto [plain_error, told_sigma] = run(false);
+  EXPECT_NEAR(told_sigma, 0.05, 1e-9);
+  EXPECT_GT(plain_error, 0.2);
+}
+
+/** With a short memory a track's score follows the last detections. */
+TEST(ScoreOfATrack, FollowsItsMemoryAndItsLength)
+{
+  const auto scoreAfter = [](double memory)
+  {
+    TrackerOptions options;
+    options.vehicle.score_memory = memory;
+    options.vehicle.score_prior = 2;
+    Tracker tracker(options);
+    double score = 0;
+    for (int scan = 0; scan < 8; ++scan)
+    {
+      Detection detection = car({0.5 * scan, 0, 0}, 0);
+      detection.score = scan < 4 ? 6 : 2;
+      score = tracker.update(dt * scan, {detection}, Pose::Identity()).at(0).score;
+    }
+    return score;
+  };
+  EXPECT_NEAR(scoreAfter(1), 4.0 * 8 / (8 + 2), 1e-12);  // mean of all, with two zeros
+  EXPECT_NEAR(scoreAfter(0), 2.0 * 8 / (8 + 2), 1e-12);  // the last one
+  EXPECT_LT(scoreAfter(0.5), scoreAfter(1));
 }

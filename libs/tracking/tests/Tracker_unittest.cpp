@@ -303,8 +303,8 @@ TEST(Tracker, everyMotionModelAndSolverFollowsACurve)
   const auto curve = [](double t) -> Vector2d {
     return {12 * std::sin(0.6 * t), 12 - 12 * std::cos(0.6 * t)};
   };
-  for (const TrackMotion motion :
-       {TrackMotion::adaptive, TrackMotion::polynomial, TrackMotion::constant_velocity})
+  for (const TrackMotion motion : {TrackMotion::adaptive, TrackMotion::polynomial,
+                                   TrackMotion::constant_velocity, TrackMotion::kalman})
   {
     for (const AssociationMethod method : {AssociationMethod::shortest_paths,
                                            AssociationMethod::hungarian, AssociationMethod::greedy})
