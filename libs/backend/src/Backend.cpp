@@ -115,6 +115,8 @@ struct Backend::State
   Matrix6 covariance = Matrix6::Zero();  //!< of T_keyframe_now, over its tangent
   Pose T_odom_previous = Pose::Identity();
   double path_length = 0;  //!< since the start [m]
+  double drift = 0;        //!< variance of the steps per axis, summed [m^2] ...
+  double drift_angle = 0;  //!< ... [rad^2]
 
   int waiting_loops = 0;      //!< accepted since the last optimisation
   double worst_residual = 0;  //!< of those, whitened
@@ -124,7 +126,10 @@ void Backend::State::accumulateOdometry(const Frame& frame)
 {
   const Pose step = T_odom_previous.inverse() * frame.T_odom_vehicle;
   const Matrix6 carry = adjointSE3(step.inverse());
-  covariance = carry * covariance * carry.transpose() + stepCovariance(frame.motion, options);
+  const Matrix6 own = stepCovariance(frame.motion, options);
+  covariance = carry * covariance * carry.transpose() + own;
+  drift += own.diagonal().head<3>().mean();
+  drift_angle += own.diagonal().tail<3>().mean();
   T_keyframe_now = orthonormalized(T_keyframe_now * step);
   path_length += step.translation().norm();
 }
@@ -278,7 +283,8 @@ bool Backend::addOdometry(Frame& frame)
   s.frames.push_back({frame.scan.stamp, s.keyframes.size() - 1, s.T_keyframe_now});
   if (s.hasObjects())
   {
-    s.objects.add(frame, {s.keyframes.size() - 1, s.T_keyframe_now, s.covariance});
+    s.objects.add(frame, {s.keyframes.size() - 1, s.T_keyframe_now, s.covariance, s.drift,
+                          s.drift_angle});
   }
   frame.T_map_odom = s.keyframes.back().T_map_vehicle * s.T_odom_keyframe.inverse();
   return frame.is_keyframe;

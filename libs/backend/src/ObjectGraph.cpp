@@ -75,6 +75,8 @@ void ObjectGraphOptions::describe(OptionsVisitor& v)
          "seen at one place for so long, an object stands [s]");
   v.real("standing_sigma_scale", standing_sigma_scale, 0.1, 100,
          "on the sigmas of observations of standing objects, whose errors are alike");
+  v.integer("standing_saturation", standing_saturation, 1, 1000000,
+            "keyframes after which further observations of a standing object add no information");
   v.degrees("standing_heading_sigma_deg", standing_heading_sigma, 0, 360,
             "added to the heading's uncertainty of standing objects");
   v.real("moving_sigma_scale", moving_sigma_scale, 0.1, 100, "the same for moving objects");
@@ -111,6 +113,8 @@ void ObjectGraph::add(const Frame& frame, const View& view)
     observation.stamp = frame.scan.stamp;
     observation.keyframe = view.keyframe;
     observation.T_keyframe_object = view.T_keyframe_vehicle * T_vehicle_object;
+    observation.drift = view.drift;
+    observation.drift_angle = view.drift_angle;
     const Matrix6 carry = adjointSE3(T_vehicle_object.inverse());
     observation.covariance = tangentCovariance(tracked.observation_covariance,
                                                tracked.observation.yaw, options_.tilt_sigma) +
@@ -182,6 +186,17 @@ std::vector<PlanarObservation> ObjectGraph::recent(const Object& object, double 
   return result;
 }
 
+/** How far a standing object may seem to move: noise, and the drift of the odometry. */
+double ObjectGraph::standingLimit(const Object& object) const
+{
+  const Observation& first = object.observations.front();
+  const Observation& last = object.observations.back();
+  const double range = first.T_keyframe_object.translation().norm();
+  const double variance = last.drift - first.drift +
+                          (last.drift_angle - first.drift_angle) * range * range;
+  return options_.max_standing_motion + 2 * std::sqrt(std::max(0.0, variance));
+}
+
 bool ObjectGraph::stands(const Object& object) const
 {
   const double duration = object.observations.back().stamp - object.observations.front().stamp;
@@ -193,7 +208,7 @@ bool ObjectGraph::stands(const Object& object) const
   const auto all = recent(object, duration);
   const SpeedEstimate speed = fitSpeed(all, 0, all.size());
   return speed.atMost() < options_.moving_speed &&
-         speed.velocity.norm() * duration < options_.max_standing_motion;
+         speed.velocity.norm() * duration < standingLimit(object);
 }
 
 void ObjectGraph::decide(const ObjectKey& key, Object& object) const
@@ -218,7 +233,7 @@ void ObjectGraph::decide(const ObjectKey& key, Object& object) const
     }
     // The landmark stands in the middle of its observations: half the motion shows.
     const double offset = (mean - graph_.pose(standingKey(key)).translation().head<2>()).norm();
-    object.away = 2 * offset > options_.max_standing_motion ? object.away + 1 : 0;
+    object.away = 2 * offset > standingLimit(object) ? object.away + 1 : 0;
   }
   if (object.fast >= moving_confirmations || object.away >= moving_confirmations)
   {
@@ -397,6 +412,31 @@ void ObjectGraph::finish()
       object.state = State::moving;
       insertNew(key, object);
     }
+    if (object.state == State::standing)
+    {
+      limitInformation(key);
+    }
+  }
+}
+
+/** Gives the observations of a standing object together no more information than those of
+ * `standing_saturation` keyframes have. */
+void ObjectGraph::limitInformation(const ObjectKey& key)
+{
+  const std::vector<FactorGraph::FactorId> factors = graph_.factorsOf(standingKey(key));
+  const double share = options_.standing_saturation / static_cast<double>(factors.size());
+  if (share >= 1)
+  {
+    return;
+  }
+  for (const FactorGraph::FactorId id : factors)
+  {
+    const Factor& factor = graph_.factor(id);
+    auto weaker = std::make_unique<ObservationFactor>(
+        static_cast<std::size_t>(factor.keys()[0].index), factor.keys()[1], factor.measurement(),
+        share * factor.information());
+    graph_.removeFactor(id);
+    graph_.add(std::move(weaker));
   }
 }
 

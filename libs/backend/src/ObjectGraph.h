@@ -38,6 +38,10 @@ class ObjectGraph
     std::size_t keyframe = 0;                  //!< the newest one
     Pose T_keyframe_vehicle = Pose::Identity();
     Matrix6 covariance = Matrix6::Zero();      //!< of it, over its tangent
+    /** Variances of the odometry per axis, summed since the start: how far it may have drifted
+     * between two views [m^2], [rad^2]. */
+    double drift = 0;
+    double drift_angle = 0;
   };
   /** Takes the observations of the frame's confirmed objects. */
   void add(const Frame& frame, const View& view);
@@ -70,6 +74,8 @@ class ObjectGraph
     std::size_t keyframe = 0;
     Pose T_keyframe_object = Pose::Identity();
     Matrix6 covariance = Matrix6::Identity();  //!< over the tangent of T_keyframe_object
+    double drift = 0;        //!< of its view
+    double drift_angle = 0;
   };
   /** Observations of a standing object from one keyframe, as one. */
   struct MeanObservation
@@ -104,6 +110,8 @@ class ObjectGraph
   }
   [[nodiscard]] std::vector<PlanarObservation> recent(const Object& object, double duration) const;
   [[nodiscard]] bool stands(const Object& object) const;
+  [[nodiscard]] double standingLimit(const Object& object) const;
+  void limitInformation(const ObjectKey& key);
   void insertNew(const ObjectKey& key, Object& object);
   void insertStanding(const ObjectKey& key, Object& object, const Observation& observation);
   void insertMoving(const ObjectKey& key, Object& object, std::size_t i);
