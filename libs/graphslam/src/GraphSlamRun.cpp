@@ -8,7 +8,6 @@
 #include <dyslam/io/RawlogStream.h>
 #include <dyslam/pipeline/Pipeline.h>
 
-#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <utility>
@@ -111,12 +110,6 @@ class Engine
   GraphSlamEngine engine_;
 };
 
-/** Of the scans asked for; 0 where all are. */
-double shareOf(std::size_t frames, int only_first_n)
-{
-  return only_first_n > 0 ? static_cast<double>(frames) / only_first_n : 0;
-}
-
 /** Every observation through the engine. */
 void replay(const SlamRunSettings& settings,
             const SlamRun& run,
@@ -137,7 +130,7 @@ void replay(const SlamRunSettings& settings,
     frames = run.frames();
     if (on_frame)
     {
-      on_frame(std::max(stream.progress(), shareOf(frames, run.input().only_first_n)), frames);
+      on_frame(run.progress(stream.progress()), frames);
     }
     if (settings.stop && settings.stop())
     {

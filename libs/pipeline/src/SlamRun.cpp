@@ -169,6 +169,12 @@ std::size_t SlamRun::frames() const
   return impl_->statistics.frames;
 }
 
+double SlamRun::progress(double read) const
+{
+  const int limit = impl_->input.only_first_n;
+  return limit > 0 ? std::max(read, static_cast<double>(frames()) / limit) : read;
+}
+
 SlamRunReport SlamRun::finish(const std::vector<std::string>& source_warnings,
                               const std::string& damage)
 {
@@ -185,12 +191,6 @@ SlamRunReport SlamRun::finish(const std::vector<std::string>& source_warnings,
 namespace
 {
 using OnFrame = std::function<void(double, std::size_t)>;
-
-/** Of the scans asked for; 0 where all are. */
-double shareOf(std::size_t frames, int only_first_n)
-{
-  return only_first_n > 0 ? static_cast<double>(frames) / only_first_n : 0;
-}
 
 /** Every frame through the pipeline and on to the outputs. */
 void replay(const SlamRunSettings& settings,
@@ -212,8 +212,7 @@ void replay(const SlamRunSettings& settings,
     run.add(std::move(*frame));
     if (on_frame)
     {
-      on_frame(std::max(read.load(), shareOf(run.frames(), run.input().only_first_n)),
-               run.frames());
+      on_frame(run.progress(read), run.frames());
     }
     if (settings.stop && settings.stop())
     {

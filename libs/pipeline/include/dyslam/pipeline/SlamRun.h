@@ -65,6 +65,8 @@ class SlamRun
   /** A frame that the pipeline has processed: counted, and handed to the outputs. */
   void add(Frame frame);
   [[nodiscard]] std::size_t frames() const;
+  /** Share of the work done, given the share of the file read. */
+  [[nodiscard]] double progress(double read) const;
   /** After Pipeline::finish(): writes all that is known at the end only.
    * \param source_warnings about the recording \param damage why it ended early; empty if it did
    * not. \throws UserError for damage, and if files could not be written: the others are. */
