@@ -67,7 +67,7 @@ double rmsError(const Trajectory& estimate, const std::vector<Pose>& truth)
 struct BackendRun
 {
   explicit BackendRun(const BackendOptions& options = {})
-      : backend(options, LoopCloserOptions{}, BackendSolverOptions{}, keyframes)
+      : backend(configOf(options), keyframes)
   {
   }
   BackendRun(Drive& drive, const BackendOptions& options = {}) : BackendRun(options)
@@ -77,6 +77,13 @@ struct BackendRun
       backend.addFrame(frame);
     }
     backend.finish();
+  }
+
+  static BackendConfig configOf(const BackendOptions& options)
+  {
+    BackendConfig config;
+    config.backend = options;
+    return config;
   }
 
   KeyframeStore keyframes;

@@ -174,27 +174,6 @@ TEST(PoseGraphSolver, ThreadsChangeTheRoundingAlone)
   }
 }
 
-TEST(PoseGraphSolver, OneWrongLoopDoesNotBendTheMap)
-{
-  World clean = twoRounds(4);
-  const World drifted = clean;
-  (void)PoseGraphSolver(optionsFor(GraphStart::file)).solve(clean.graph);
-  for (const RobustLoss loss : {RobustLoss::dcs, RobustLoss::cauchy})
-  {
-    World world = drifted;
-    addEdge(world.graph, 10, 95, poseFromYpr(3, -4, 1, 1.0, 0, 0),
-            diagonalInformation(0.02, 0.005));
-    World bent = world;
-    (void)PoseGraphSolver(optionsFor(GraphStart::file)).solve(bent.graph);
-    PoseGraphSolverOptions options = optionsFor(GraphStart::file);
-    options.loop_loss = loss;
-    const PoseGraphResult result = PoseGraphSolver(options).solve(world.graph);
-    EXPECT_TRUE(result.converged) << result.reason;
-    EXPECT_GT(rmsError(bent), 5 * rmsError(clean));
-    EXPECT_LT(rmsError(world), 1.25 * rmsError(clean) + 0.02) << static_cast<int>(loss);
-  }
-}
-
 TEST(PoseGraphSolver, EmptyAndSingleNodeGraphsConverge)
 {
   PoseGraph graph;
