@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "LoopCandidates.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace dyslam
+{
+namespace
+{
+constexpr std::size_t near_shortlist = 12;   // compared in full per keyframe
+constexpr std::size_t alike_shortlist = 40;  // ... for each viewpoint
+/** Viewpoints beside the vehicle that a place may have been seen from: another lane [m]. */
+constexpr float viewpoints[] = {0, 3, -3};
+}  // namespace
+
+double searchRadius(const LoopCloserOptions& options, double path)
+{
+  return std::min(options.max_search_radius,
+                  options.search_radius + options.drift_per_metre * path);
+}
+
+void LoopCandidates::add(const std::vector<Eigen::Vector3f>& points)
+{
+  views_.clear();
+  for (const float y : viewpoints)
+  {
+    if (y == 0 || options_.appearance)
+    {
+      views_.emplace_back(points, options_.descriptor_range, Eigen::Vector2f(0, y));
+    }
+  }
+  descriptors_.push_back(views_.front());
+}
+
+void LoopCandidates::shortlist(std::vector<Ranked>& ranked, std::size_t limit)
+{
+  const auto keep = static_cast<std::ptrdiff_t>(std::min(ranked.size(), limit));
+  std::partial_sort(
+      ranked.begin(), ranked.begin() + keep, ranked.end(),
+      [](const Ranked& a, const Ranked& b)
+      { return std::make_pair(a.difference, a.id) < std::make_pair(b.difference, b.id); });
+  ranked.resize(static_cast<std::size_t>(keep));
+}
+
+std::vector<LoopCandidate> LoopCandidates::near(const KeyframeStore& keyframes) const
+{
+  const std::size_t newest = descriptors_.size() - 1;
+  const Keyframe& now = keyframes[newest];
+  std::vector<Ranked> ranked;
+  for (std::size_t i = 0; i < newest; ++i)
+  {
+    const double path = now.path_length - keyframes[i].path_length;
+    if (path < options_.min_path)
+    {
+      break;
+    }
+    const double distance =
+        (keyframes[i].T_map_vehicle.translation() - now.T_map_vehicle.translation()).norm();
+    if (distance < searchRadius(options_, path))
+    {
+      ranked.push_back({i, descriptors_[i].ringDifference(descriptors_[newest])});
+    }
+  }
+  shortlist(ranked, near_shortlist);
+  const PolarDescriptor::Columns ours = descriptors_[newest].columns();
+  std::vector<LoopCandidate> candidates;
+  for (const Ranked& one : ranked)
+  {
+    const auto match = PolarDescriptor::match(descriptors_[one.id].columns(), ours);
+    candidates.push_back({one.id, match.distance, poseFromYpr(0, 0, 0, match.heading, 0, 0)});
+  }
+  std::sort(candidates.begin(), candidates.end(),
+            [](const LoopCandidate& a, const LoopCandidate& b)
+            {
+              return std::make_pair(a.descriptor_distance, a.id) <
+                     std::make_pair(b.descriptor_distance, b.id);
+            });
+  candidates.resize(std::min(candidates.size(), static_cast<std::size_t>(options_.candidates)));
+  return candidates;
+}
+
+std::vector<LoopCandidate> LoopCandidates::alike(const KeyframeStore& keyframes) const
+{
+  const std::size_t newest = descriptors_.size() - 1;
+  const Keyframe& now = keyframes[newest];
+  const auto positionOf = [&](std::size_t i) { return keyframes[i].T_map_vehicle.translation(); };
+  const auto isAhead = [](const LoopCandidate& a, const LoopCandidate& b)
+  {
+    return std::make_pair(a.descriptor_distance, a.id) <
+           std::make_pair(b.descriptor_distance, b.id);
+  };
+  std::vector<LoopCandidate> found;
+  for (std::size_t v = 0; v < views_.size(); ++v)
+  {
+    std::vector<Ranked> ranked;
+    for (std::size_t i = 0; i < newest; ++i)
+    {
+      const double path = now.path_length - keyframes[i].path_length;
+      if (path < options_.min_path)
+      {
+        break;
+      }
+      if ((positionOf(i) - positionOf(newest)).norm() >= searchRadius(options_, path))
+      {
+        ranked.push_back({i, descriptors_[i].ringDifference(views_[v])});
+      }
+    }
+    shortlist(ranked, alike_shortlist);
+    const PolarDescriptor::Columns ours = views_[v].columns();
+    for (const Ranked& one : ranked)
+    {
+      const auto match = PolarDescriptor::match(descriptors_[one.id].columns(), ours);
+      if (match.distance <= options_.appearance_descriptor_distance)
+      {
+        // The vehicle stands beside the viewpoint that its heading was found for.
+        found.push_back({one.id, match.distance,
+                         poseFromYpr(0, 0, 0, match.heading, 0, 0) *
+                             poseFromYpr(0, -static_cast<double>(viewpoints[v]), 0, 0, 0, 0)});
+      }
+    }
+  }
+  std::sort(found.begin(), found.end(), isAhead);
+  std::vector<LoopCandidate> places;
+  for (const LoopCandidate& one : found)
+  {
+    const bool is_new = std::none_of(
+        places.begin(), places.end(),
+        [&](const LoopCandidate& place)
+        { return (positionOf(place.id) - positionOf(one.id)).norm() < options_.place_distance; });
+    if (is_new && places.size() < static_cast<std::size_t>(options_.appearance_candidates))
+    {
+      places.push_back(one);
+    }
+  }
+  return places;
+}
+}  // namespace dyslam
