@@ -9,9 +9,15 @@ namespace dyslam
 namespace
 {
 constexpr std::size_t near_shortlist = 12;   // compared in full per keyframe
-constexpr std::size_t alike_shortlist = 40;  // ... for each viewpoint
+constexpr std::size_t alike_shortlist = 16;  // ... for each viewpoint
 /** Viewpoints beside the vehicle that a place may have been seen from: another lane [m]. */
-constexpr float viewpoints[] = {0, 3, -3};
+constexpr float viewpoints[] = {0, 2, -2, 4, -4};
+
+float difference(const PolarDescriptor::RingMeans& a, const PolarDescriptor::RingMeans& b)
+{
+  using Rings = Eigen::Map<const Eigen::Array<float, PolarDescriptor::rings, 1>>;
+  return (Rings(a.data()) - Rings(b.data())).abs().sum();
+}
 }  // namespace
 
 double searchRadius(const LoopCloserOptions& options, double path)
@@ -31,6 +37,7 @@ void LoopCandidates::add(const std::vector<Eigen::Vector3f>& points)
     }
   }
   descriptors_.push_back(views_.front());
+  ring_means_.push_back(descriptors_.back().ringMeans());
 }
 
 void LoopCandidates::shortlist(std::vector<Ranked>& ranked, std::size_t limit)
@@ -103,7 +110,8 @@ std::vector<LoopCandidate> LoopCandidates::alike(const KeyframeStore& keyframes)
       }
       if ((positionOf(i) - positionOf(newest)).norm() >= searchRadius(options_, path))
       {
-        ranked.push_back({i, descriptors_[i].ringDifference(views_[v])});
+        ranked.push_back(
+            {i, static_cast<double>(difference(ring_means_[i], views_[v].ringMeans()))});
       }
     }
     shortlist(ranked, alike_shortlist);

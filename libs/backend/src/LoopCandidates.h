@@ -46,7 +46,8 @@ class LoopCandidates
   static void shortlist(std::vector<Ranked>& ranked, std::size_t limit);
 
   LoopCloserOptions options_;
-  std::vector<PolarDescriptor> descriptors_;  //!< of keyframes
-  std::vector<PolarDescriptor> views_;        //!< the newest place from beside the vehicle
+  std::vector<PolarDescriptor> descriptors_;            //!< of keyframes
+  std::vector<PolarDescriptor::RingMeans> ring_means_;  //!< theirs, side by side in memory
+  std::vector<PolarDescriptor> views_;  //!< the newest place from beside the vehicle
 };
 }  // namespace dyslam

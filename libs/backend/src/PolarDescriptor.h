@@ -30,6 +30,7 @@ class PolarDescriptor
     double distance = 1;  //!< 0 same, 1 nothing in common
     double heading = 0;   //!< of the other's vehicle in this one's frame [rad]
   };
+  using RingMeans = std::array<float, rings>;
   using Column = Eigen::Matrix<float, rings, 1>;
   /** A descriptor unpacked, for comparison with many others. */
   struct Columns
@@ -45,9 +46,10 @@ class PolarDescriptor
 
   /** Mean height per ring does not change with heading; this is how much it differs. */
   [[nodiscard]] double ringDifference(const PolarDescriptor& other) const;
+  [[nodiscard]] const RingMeans& ringMeans() const { return ring_means_; }
 
  private:
   std::array<std::uint8_t, rings * sectors> heights_{};  //!< 1/16 m, sector by sector
-  std::array<float, rings> ring_means_{};
+  RingMeans ring_means_{};
 };
 }  // namespace dyslam

@@ -151,7 +151,7 @@ TEST(LoopCloser, FindsByAppearanceWhatDriftHasTakenOutOfReach)
 {
   const BoxWorld world(11, 30, 20);
   const std::vector<Pose> truth = driveAround(30, 20, 240, 1.5);
-  const std::vector<Pose> estimate = drifted(truth, 0.004, 0.02);
+  const std::vector<Pose> estimate = drifted(truth, 0.006, 0.02);
   LoopCloserOptions options;
   options.appearance = false;
   Accepted accepted = acceptedOf(runThrough(world, truth, estimate, options), truth);
@@ -171,9 +171,7 @@ TEST(LoopCloser, FindsByAppearanceTheOtherLaneAndTheOtherDirection)
   {
     truth.push_back(truth[i] * poseFromYpr(0.3, -3, 0, M_PI, 0, 0));
   }
-  // A turn on the spot that the odometry has lost a part of.
-  std::vector<Pose> estimate = drifted(truth, 0, 0.3);
-  const std::vector<Loop> loops = runThrough(world, truth, estimate);
+  const std::vector<Loop> loops = runThrough(world, truth, drifted(truth, 0.006, 0));
   const Accepted accepted = acceptedOf(loops, truth);
   EXPECT_GT(accepted.by_appearance, 3) << textOf(loops);
 }

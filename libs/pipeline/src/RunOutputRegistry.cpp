@@ -5,8 +5,9 @@ namespace dyslam
 {
 // Each is defined in outputs/, in the file of its name.
 RunOutputFactory makeSettingsOutput, makeTrajectoryOutput, makeGraphOutput, makeScanTableOutput,
-    makeMotionOutput, makeTrackOutput, makeLabelOutput, makeStaticScanOutput, makeReplayOutput, makeSimplemapOutput,
-    makePcdOutput, makePlyOutput, makeSceneOutput, makePlotOutput, makeReportOutput;
+    makeMotionOutput, makeTrackOutput, makeLabelOutput, makeStaticScanOutput, makeReplayOutput,
+    makeSimplemapOutput, makePcdOutput, makePlyOutput, makeSceneOutput, makePlotOutput,
+    makeReportOutput;
 
 std::vector<RunOutputKind> runOutputKinds()
 {
