@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
+#include <ctime>
 #include <iostream>
 #include <string>
 
@@ -37,14 +38,19 @@ void preparePoints(Frame& frame)
   }
 }
 
-void report(const dyslam::Backend& backend, const std::vector<Pose>& truth, bool appearance)
+void report(const dyslam::Backend& backend,
+            const std::vector<Pose>& truth,
+            bool appearance,
+            double cpu_ms)
 {
+  int tried = 0;
   int accepted = 0;
   int by_appearance = 0;
   int wrong = 0;
   int ambiguous = 0;
   for (const dyslam::Loop& loop : backend.loops())
   {
+    tried += loop.by_appearance ? 1 : 0;
     ambiguous += loop.verdict == dyslam::LoopVerdict::ambiguous ? 1 : 0;
     if (loop.verdict == dyslam::LoopVerdict::accepted)
     {
@@ -60,16 +66,19 @@ void report(const dyslam::Backend& backend, const std::vector<Pose>& truth, bool
   const Pose off = (truth.front().inverse() * truth.back()).inverse() *
                    backend.optimizedTrajectory()[0].pose.inverse() * estimated;
   std::printf(
-      "appearance %-3s  loops %3d (by appearance %3d, false %d), ambiguous %3d, error at "
-      "the end %.2f m\n",
-      appearance ? "on" : "off", accepted, by_appearance, wrong, ambiguous,
-      off.translation().norm());
+      "appearance %-3s  loops %3d (by appearance %3d, false %d), beyond the radius tried %3d, "
+      "ambiguous %3d, error at the end %.2f m, %.1f ms a keyframe\n",
+      appearance ? "on" : "off", accepted, by_appearance, wrong, tried, ambiguous,
+      off.translation().norm(), cpu_ms / static_cast<double>(backend.keyframes().size()));
 }
 
-void runThrough(const std::string& rawlog, const Drift& drift, bool appearance)
+void runThrough(const std::string& rawlog,
+                const Drift& drift,
+                dyslam::LoopCloserOptions loops,
+                bool appearance)
 {
-  dyslam::LoopCloserOptions loops;
   loops.appearance = appearance;
+  double cpu_ms = 0;
   dyslam::KeyframeStore keyframes;
   dyslam::Backend backend({}, loops, {}, keyframes);
   dyslam::RawlogSource source(rawlog);
@@ -96,18 +105,21 @@ void runThrough(const std::string& rawlog, const Drift& drift, bool appearance)
     frame->motion.information =
         dyslam::informationFromSigmas(std::max(1e-3, std::abs(drift.stretch) * length),
                                       std::max(1e-4, std::abs(drift.turn) * length));
+    const std::clock_t start = std::clock();
     backend.addFrame(*frame);
+    cpu_ms += 1e3 * static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
   }
   backend.finish();
-  report(backend, truth, appearance);
+  report(backend, truth, appearance, cpu_ms);
 }
 }  // namespace
 
 int main(int argc, char** argv)
 {
-  if (argc != 4)
+  if (argc != 4 && argc != 5)
   {
-    std::cerr << "usage: loop_drift_benchmark RAWLOG TURN_DEG_PER_100M STRETCH_PERCENT\n";
+    std::cerr << "usage: loop_drift_benchmark RAWLOG TURN_DEG_PER_100M STRETCH_PERCENT "
+                 "[APPEARANCE_DESCRIPTOR_DISTANCE]\n";
     return 1;
   }
   try
@@ -115,8 +127,14 @@ int main(int argc, char** argv)
     Drift drift;
     drift.turn = std::atof(argv[2]) * M_PI / 180 / 100;
     drift.stretch = std::atof(argv[3]) / 100;
-    runThrough(argv[1], drift, false);
-    runThrough(argv[1], drift, true);
+    dyslam::LoopCloserOptions loops;
+    if (argc == 5)
+    {
+      loops.appearance_descriptor_distance = std::atof(argv[4]);
+      loops.max_descriptor_distance = loops.appearance_descriptor_distance;
+    }
+    runThrough(argv[1], drift, loops, false);
+    runThrough(argv[1], drift, loops, true);
   }
   catch (const std::exception& error)
   {
