@@ -11,12 +11,17 @@ namespace
 constexpr std::size_t near_shortlist = 12;   // compared in full per keyframe
 constexpr std::size_t alike_shortlist = 16;  // ... for each viewpoint
 /** Viewpoints beside the vehicle that a place may have been seen from: another lane [m]. */
-constexpr float viewpoints[] = {0, 2, -2, 4, -4};
+constexpr float viewpoints[] = {2, -2, 4, -4};
 
 float difference(const PolarDescriptor::RingMeans& a, const PolarDescriptor::RingMeans& b)
 {
   using Rings = Eigen::Map<const Eigen::Array<float, PolarDescriptor::rings, 1>>;
   return (Rings(a.data()) - Rings(b.data())).abs().sum();
+}
+
+bool isMoreSimilar(const LoopCandidate& a, const LoopCandidate& b)
+{
+  return std::make_pair(a.descriptor_distance, a.id) < std::make_pair(b.descriptor_distance, b.id);
 }
 }  // namespace
 
@@ -28,15 +33,7 @@ double searchRadius(const LoopCloserOptions& options, double path)
 
 void LoopCandidates::add(const std::vector<Eigen::Vector3f>& points)
 {
-  views_.clear();
-  for (const float y : viewpoints)
-  {
-    if (y == 0 || options_.appearance)
-    {
-      views_.emplace_back(points, options_.descriptor_range, Eigen::Vector2f(0, y));
-    }
-  }
-  descriptors_.push_back(views_.front());
+  descriptors_.emplace_back(points, options_.descriptor_range);
   ring_means_.push_back(descriptors_.back().ringMeans());
 }
 
@@ -77,65 +74,70 @@ std::vector<LoopCandidate> LoopCandidates::near(const KeyframeStore& keyframes) 
     const auto match = PolarDescriptor::match(descriptors_[one.id].columns(), ours);
     candidates.push_back({one.id, match.distance, poseFromYpr(0, 0, 0, match.heading, 0, 0)});
   }
-  std::sort(candidates.begin(), candidates.end(),
-            [](const LoopCandidate& a, const LoopCandidate& b)
-            {
-              return std::make_pair(a.descriptor_distance, a.id) <
-                     std::make_pair(b.descriptor_distance, b.id);
-            });
+  std::sort(candidates.begin(), candidates.end(), isMoreSimilar);
   candidates.resize(std::min(candidates.size(), static_cast<std::size_t>(options_.candidates)));
   return candidates;
 }
 
-std::vector<LoopCandidate> LoopCandidates::alike(const KeyframeStore& keyframes) const
+void LoopCandidates::addAlike(const KeyframeStore& keyframes,
+                              const PolarDescriptor& view,
+                              double y,
+                              std::vector<LoopCandidate>& found) const
 {
   const std::size_t newest = descriptors_.size() - 1;
   const Keyframe& now = keyframes[newest];
-  const auto positionOf = [&](std::size_t i) { return keyframes[i].T_map_vehicle.translation(); };
-  const auto isAhead = [](const LoopCandidate& a, const LoopCandidate& b)
+  std::vector<Ranked> ranked;
+  for (std::size_t i = 0; i < newest; ++i)
   {
-    return std::make_pair(a.descriptor_distance, a.id) <
-           std::make_pair(b.descriptor_distance, b.id);
-  };
-  std::vector<LoopCandidate> found;
-  for (std::size_t v = 0; v < views_.size(); ++v)
-  {
-    std::vector<Ranked> ranked;
-    for (std::size_t i = 0; i < newest; ++i)
+    const double path = now.path_length - keyframes[i].path_length;
+    if (path < options_.min_path)
     {
-      const double path = now.path_length - keyframes[i].path_length;
-      if (path < options_.min_path)
-      {
-        break;
-      }
-      if ((positionOf(i) - positionOf(newest)).norm() >= searchRadius(options_, path))
-      {
-        ranked.push_back(
-            {i, static_cast<double>(difference(ring_means_[i], views_[v].ringMeans()))});
-      }
+      break;
     }
-    shortlist(ranked, alike_shortlist);
-    const PolarDescriptor::Columns ours = views_[v].columns();
-    for (const Ranked& one : ranked)
+    const double distance =
+        (keyframes[i].T_map_vehicle.translation() - now.T_map_vehicle.translation()).norm();
+    if (distance >= searchRadius(options_, path))
     {
-      const auto match = PolarDescriptor::match(descriptors_[one.id].columns(), ours);
-      if (match.distance <= options_.appearance_descriptor_distance)
-      {
-        // The vehicle stands beside the viewpoint that its heading was found for.
-        found.push_back({one.id, match.distance,
-                         poseFromYpr(0, 0, 0, match.heading, 0, 0) *
-                             poseFromYpr(0, -static_cast<double>(viewpoints[v]), 0, 0, 0, 0)});
-      }
+      ranked.push_back({i, static_cast<double>(difference(ring_means_[i], view.ringMeans()))});
     }
   }
-  std::sort(found.begin(), found.end(), isAhead);
+  shortlist(ranked, alike_shortlist);
+  const PolarDescriptor::Columns ours = view.columns();
+  for (const Ranked& one : ranked)
+  {
+    const auto match = PolarDescriptor::match(descriptors_[one.id].columns(), ours);
+    if (match.distance <= options_.appearance_descriptor_distance)
+    {
+      // The heading is that of the viewpoint; the vehicle stands beside it.
+      found.push_back({one.id, match.distance,
+                       poseFromYpr(0, 0, 0, match.heading, 0, 0) * poseFromYpr(0, -y, 0, 0, 0, 0)});
+    }
+  }
+}
+
+std::vector<LoopCandidate> LoopCandidates::alike(const KeyframeStore& keyframes,
+                                                 const std::vector<Eigen::Vector3f>& points) const
+{
+  std::vector<LoopCandidate> found;
+  addAlike(keyframes, descriptors_.back(), 0, found);
+  for (const float y : viewpoints)
+  {
+    const PolarDescriptor view(points, options_.descriptor_range, Eigen::Vector2f(0, y));
+    addAlike(keyframes, view, static_cast<double>(y), found);
+  }
+  std::sort(found.begin(), found.end(), isMoreSimilar);
+  const auto distance = [&](const LoopCandidate& a, const LoopCandidate& b)
+  {
+    return (keyframes[a.id].T_map_vehicle.translation() -
+            keyframes[b.id].T_map_vehicle.translation())
+        .norm();
+  };
   std::vector<LoopCandidate> places;
   for (const LoopCandidate& one : found)
   {
-    const bool is_new = std::none_of(
-        places.begin(), places.end(),
-        [&](const LoopCandidate& place)
-        { return (positionOf(place.id) - positionOf(one.id)).norm() < options_.place_distance; });
+    const bool is_new = std::none_of(places.begin(), places.end(),
+                                     [&](const LoopCandidate& place)
+                                     { return distance(place, one) < options_.place_distance; });
     if (is_new && places.size() < static_cast<std::size_t>(options_.appearance_candidates))
     {
       places.push_back(one);

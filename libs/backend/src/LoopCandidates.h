@@ -33,8 +33,9 @@ class LoopCandidates
   /** Keyframes near the newest one, the most similar first. */
   [[nodiscard]] std::vector<LoopCandidate> near(const KeyframeStore& keyframes) const;
   /** Keyframes anywhere else that look like the newest one, the most similar first, one of each
-   * place. */
-  [[nodiscard]] std::vector<LoopCandidate> alike(const KeyframeStore& keyframes) const;
+   * place. \param points of the newest, thinned, vehicle frame [m] */
+  [[nodiscard]] std::vector<LoopCandidate> alike(const KeyframeStore& keyframes,
+                                                 const std::vector<Eigen::Vector3f>& points) const;
 
  private:
   struct Ranked
@@ -42,12 +43,16 @@ class LoopCandidates
     std::size_t id = 0;
     double difference = 0;  //!< of the mean heights per ring
   };
+  /** Adds what looks like the newest keyframe seen from `y` metres beside it. */
+  void addAlike(const KeyframeStore& keyframes,
+                const PolarDescriptor& view,
+                double y,
+                std::vector<LoopCandidate>& found) const;
   /** The `limit` smallest differences, by rising difference. */
   static void shortlist(std::vector<Ranked>& ranked, std::size_t limit);
 
   LoopCloserOptions options_;
   std::vector<PolarDescriptor> descriptors_;            //!< of keyframes
   std::vector<PolarDescriptor::RingMeans> ring_means_;  //!< theirs, side by side in memory
-  std::vector<PolarDescriptor> views_;  //!< the newest place from beside the vehicle
 };
 }  // namespace dyslam

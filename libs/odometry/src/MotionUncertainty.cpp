@@ -61,6 +61,29 @@ void MotionUncertainty::measureJitter(double dt, const MotionEstimate& motion)
   velocity_ = velocity;
 }
 
+double MotionUncertainty::share(double calibrated, const MotionEstimate& motion) const
+{
+  return motion.converged && samples_ >= min_samples ? calibrated : 1;
+}
+
+void MotionUncertainty::state(const Matrix6& of_points,
+                              const Matrix6& drift,
+                              MotionEstimate& motion)
+{
+  Vector6 jitter = jitter_;
+  jitter.head<3>() *= options_.jitter_translation;
+  jitter.tail<3>() *= options_.jitter_rotation;
+  motion.pose_noise = of_points;
+  motion.pose_noise.diagonal() += jitter;
+  motion.pose_noise.diagonal().head<3>().array() += min_sigma * min_sigma;
+  motion.pose_noise.diagonal().tail<3>().array() += min_sigma_angle * min_sigma_angle;
+  const Matrix6 back = adjointSE3(motion.T_previous_current.inverse());
+  Matrix6 covariance = motion.pose_noise + back * noise_before_ * back.transpose() + drift;
+  covariance.diagonal() += options_.jitter_drift * jitter;
+  noise_before_ = motion.pose_noise;
+  motion.information = symmetric(covariance.llt().solve(Matrix6::Identity()));
+}
+
 void MotionUncertainty::calibrate(double dt, const Matrix6& in_map, MotionEstimate& motion)
 {
   if (dt <= 0)
@@ -70,21 +93,25 @@ void MotionUncertainty::calibrate(double dt, const Matrix6& in_map, MotionEstima
   measureJitter(dt, motion);
   const Matrix6 own = symmetric(motion.information.llt().solve(Matrix6::Identity()));
   // The estimate weighs points and prior by their information: its covariance has a part of each.
-  const Matrix6 of_points = motion.converged ? symmetric(own * in_map * own) : Matrix6::Zero();
-  const bool calibrated = motion.converged && samples_ >= min_samples;
-  Vector6 jitter = jitter_;
-  jitter.head<3>() *= options_.jitter_translation;
-  jitter.tail<3>() *= options_.jitter_rotation;
+  const Matrix6 of_points =
+      motion.converged ? symmetric(own * in_map * own) : Matrix6(Matrix6::Zero());
+  state(share(options_.registration_share, motion) * of_points,
+        share(options_.motion_share, motion) * (own - of_points), motion);
+}
 
-  motion.pose_noise = (calibrated ? options_.registration_share : 1) * of_points;
-  motion.pose_noise.diagonal() += jitter;
-  motion.pose_noise.diagonal().head<3>().array() += min_sigma * min_sigma;
-  motion.pose_noise.diagonal().tail<3>().array() += min_sigma_angle * min_sigma_angle;
-  Matrix6 drift = (calibrated ? options_.motion_share : 1) * (own - of_points);
-  drift.diagonal() += options_.jitter_drift * jitter;
-  const Matrix6 back = adjointSE3(motion.T_previous_current.inverse());
-  const Matrix6 covariance = motion.pose_noise + back * noise_before_ * back.transpose() + drift;
-  noise_before_ = motion.pose_noise;
-  motion.information = symmetric(covariance.llt().solve(Matrix6::Identity()));
+void MotionUncertainty::calibrateMatch(double dt, const Matrix6& prior, MotionEstimate& motion)
+{
+  if (dt <= 0)
+  {
+    return;
+  }
+  measureJitter(dt, motion);
+  const double own_share = std::max(share(options_.motion_share, motion), 1e-6);
+  Matrix6 information = prior;
+  if (motion.converged && motion.information.allFinite())
+  {
+    information += motion.information / own_share;
+  }
+  state(Matrix6::Zero(), symmetric(information.llt().solve(Matrix6::Identity())), motion);
 }
 }  // namespace dyslam

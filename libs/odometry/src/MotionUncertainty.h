@@ -17,7 +17,8 @@ struct UncertaintyOptions : Options
   double jitter_drift = 0.2;
   /** Of the registration's own covariance of a pose: most of what it states shows as jitter. */
   double registration_share = 0.003;
-  /** Of the covariance that the prior or a scan matcher leaves to a motion: it adds up. */
+  /** Of the covariance that the prior leaves to a registration, and of a scan matcher's own: it
+   * adds up. */
   double motion_share = 0.05;
 
   void describe(OptionsVisitor& visitor) override;
@@ -42,13 +43,24 @@ class MotionUncertainty
 
   /** Replaces motion.information by the calibrated one and sets motion.pose_noise.
    *
-   * Before, motion.information is that of the estimate, prior included, and positive definite.
+   * For a registration to a map. Before, motion.information is that of the estimate, prior
+   * included, and positive definite.
    * \param dt since the previous scan [s]; up to 0: there is no motion, nothing is done
-   * \param in_map information of the points about the pose in a local map, zero without a map */
+   * \param in_map information of the points about the pose in the local map */
   void calibrate(double dt, const Matrix6& in_map, MotionEstimate& motion);
+
+  /** The same for a scan matcher alone; motion.information is the matcher's own.
+   * \param prior its information, positive definite: a direction that no point fixes stays as the
+   * prior has it */
+  void calibrateMatch(double dt, const Matrix6& prior, MotionEstimate& motion);
 
  private:
   void measureJitter(double dt, const MotionEstimate& motion);
+  /** Few motions have been seen, or this one failed: what the estimate states counts in full. */
+  [[nodiscard]] double share(double calibrated, const MotionEstimate& motion) const;
+  /** \param of_points covariance of the pose in the map \param drift of the motion, both but for
+   * the jitter */
+  void state(const Matrix6& of_points, const Matrix6& drift, MotionEstimate& motion);
 
   UncertaintyOptions options_;
   Vector6 velocity_ = Vector6::Zero();      //!< of the last motion [m/s, rad/s]

@@ -249,9 +249,7 @@ void Odometry::State::registerToMap(Frame& frame, const Pose& T_guess)
 void Odometry::State::takeMatcherMotion(Frame& frame, const Pose& T_guess)
 {
   frame.motion = frame.odometry;
-  // A direction that no point fixes stays as the prior has it.
-  frame.motion.information += frame.prior.information;
-  uncertainty.calibrate(frame.dt, Matrix6::Zero(), frame.motion);
+  uncertainty.calibrateMatch(frame.dt, frame.prior.information, frame.motion);
   frame.T_odom_vehicle = orthonormalized(T_odom_previous * T_guess);
   if (!matcher->usesPrior())
   {

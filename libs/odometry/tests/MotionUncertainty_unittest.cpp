@@ -139,6 +139,22 @@ TEST(MotionUncertainty, ADirectionLeftOpenStaysWide)
   EXPECT_GT(sigma(motion, 0), 0.02);
 }
 
+TEST(MotionUncertainty, AMatchersOpenDirectionIsAsUncertainAsItsPrior)
+{
+  MotionUncertainty uncertainty(UncertaintyOptions{});
+  MotionEstimate motion;
+  for (int i = 0; i < 30; ++i)
+  {
+    motion = estimateOf(poseFromYpr(1, 0, 0, 0, 0, 0));
+    motion.information = informationFromSigmas(0.02, 0.002);
+    motion.information.row(0).setZero();
+    motion.information.col(0).setZero();
+    uncertainty.calibrateMatch(period, informationFromSigmas(0.2, 0.01), motion);
+  }
+  EXPECT_NEAR(sigma(motion, 0), 0.2, 0.01);
+  EXPECT_NEAR(sigma(motion, 1), std::sqrt(UncertaintyOptions().motion_share) * 0.02, 1e-3);
+}
+
 TEST(MotionUncertainty, AFailedMotionIsAsUncertainAsItsPriorAndNotJitter)
 {
   MotionUncertainty uncertainty(UncertaintyOptions{});
