@@ -2,8 +2,10 @@
 #include "RunCommand.h"
 
 #include <dyslam/core/Error.h>
+#include <dyslam/eval/Consistency.h>
 #include <dyslam/eval/TrajectoryReports.h>
 #include <dyslam/formats/GroundTruth.h>
+#include <dyslam/formats/MotionFiles.h>
 #include <dyslam/formats/TrajectoryFiles.h>
 
 #include <filesystem>
@@ -43,8 +45,11 @@ struct RunScores
   Json report;
   std::optional<TrajectoryReport> trajectory;
   std::optional<TrajectoryReport> odometry;
+  std::optional<OdometryConsistency> consistency;
   std::optional<LabelComparison> labels;
 };
+
+constexpr double tolerance = 1e-3;  // all files of a run contain the scans' stamps [s]
 
 Json readReport(const fs::path& folder)
 {
@@ -67,7 +72,6 @@ std::optional<TrajectoryReport> evaluate(const fs::path& folder,
   {
     return std::nullopt;
   }
-  constexpr double tolerance = 1e-3;  // both files contain the scans' stamps
   const PosePairs pairs =
       associateByTime(readTum(reference.string()), readTum(estimate.string()), tolerance);
   if (pairs.size() < 2)
@@ -78,6 +82,20 @@ std::optional<TrajectoryReport> evaluate(const fs::path& folder,
     return std::nullopt;
   }
   return evaluateTrajectory(estimate.string(), pairs, metrics);
+}
+
+/** Nothing if the run does not state its covariances. */
+std::optional<OdometryConsistency> evaluateConsistency(const fs::path& folder)
+{
+  const fs::path motions = folder / "motions.csv";
+  const fs::path odometry = folder / "odometry_tum.txt";
+  if (!fs::exists(motions) || !fs::exists(odometry))
+  {
+    return std::nullopt;
+  }
+  const PosePairs pairs = associateByTime(readTum((folder / "reference_tum.txt").string()),
+                                          readTum(odometry.string()), tolerance);
+  return odometryConsistency(pairs, readMotionFile(motions.string()), tolerance);
 }
 
 /** Ground-truth folder: as given, or next to the rawlog named in the report. */
@@ -111,6 +129,7 @@ RunScores scoresOf(const std::string& folder, const Arguments& a)
   if (scores.trajectory)
   {
     scores.odometry = evaluate(folder, "odometry_tum.txt", a.metrics.options());
+    scores.consistency = evaluateConsistency(folder);
   }
   const std::string truth = truthFolder(a, scores.report);
   if (fs::is_directory(fs::path(folder) / "labels"))
@@ -221,6 +240,15 @@ Table stageTable(const std::vector<RunScores>& runs)
   return table;
 }
 
+Json neesJson(const NormalisedErrors& errors)
+{
+  return Json{{"count", errors.all.count},
+              {"mean", errors.all.mean},
+              {"median", errors.all.median},
+              {"translation_mean", errors.translation.mean},
+              {"rotation_mean", errors.rotation.mean}};
+}
+
 std::string runJson(const std::vector<RunScores>& runs)
 {
   Json json;
@@ -235,6 +263,11 @@ std::string runJson(const std::vector<RunScores>& runs)
     if (run.odometry)
     {
       entry["odometry"] = Json::parse(trajectoryJson({*run.odometry}))["trajectories"][0];
+    }
+    if (run.consistency)
+    {
+      entry["odometry_nees"] = {{"steps", neesJson(run.consistency->steps)},
+                                {"keyframes", neesJson(run.consistency->keyframes)}};
     }
     if (run.labels)
     {
@@ -265,6 +298,19 @@ void run(const Arguments& a)
     }
   }
   a.output.write(runTable(runs), runJson(runs));
+  std::vector<OdometryConsistency> consistencies;
+  for (RunScores& one : runs)
+  {
+    if (one.consistency)
+    {
+      one.consistency->name = one.name;
+      consistencies.push_back(*one.consistency);
+    }
+  }
+  if (!consistencies.empty())
+  {
+    std::cout << '\n' << consistencyTable(consistencies).toText();
+  }
   const Table stages = stageTable(runs);
   if (stages.rows() > 0)
   {

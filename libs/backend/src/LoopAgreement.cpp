@@ -35,8 +35,9 @@ void LoopAgreement::add(const Loop& loop, const KeyframeStore& keyframes)
         gap <= window && loop.to - other.loop.to <= window && other.loop.to != loop.to;
     if (nearby && agree(loop, other.loop, keyframes))
     {
-      ++other.support;
-      ++added.support;
+      // A loop by appearance is no evidence for one nearby, but the other way round it is.
+      other.support += !loop.by_appearance || other.loop.by_appearance ? 1 : 0;
+      added.support += !other.loop.by_appearance || loop.by_appearance ? 1 : 0;
     }
   }
   entries_.push_back(std::move(added));
@@ -48,7 +49,8 @@ std::vector<Loop> LoopAgreement::decide(std::size_t newest_keyframe)
   std::vector<Entry> left;
   for (Entry& entry : entries_)
   {
-    if (!entry.accepted && entry.support >= min_support_)
+    const int needed = entry.loop.by_appearance ? appearance_support_ : min_support_;
+    if (!entry.accepted && entry.support >= needed)
     {
       decided.push_back(entry.loop);
       entry.accepted = true;

@@ -13,8 +13,12 @@ namespace dyslam
 class LoopAgreement
 {
  public:
-  /** \param window "nearby", in keyframes */
-  LoopAgreement(int min_support, int window) : min_support_(min_support), window_(window) {}
+  /** \param min_support other loops that must agree \param appearance_support the same for loops
+   * by appearance \param window "nearby", in keyframes */
+  LoopAgreement(int min_support, int appearance_support, int window)
+      : min_support_(min_support), appearance_support_(appearance_support), window_(window)
+  {
+  }
 
   /** A loop that passed its registration. \param keyframes whose poses make the odometry between
    * this loop and others */
@@ -33,6 +37,7 @@ class LoopAgreement
   };
 
   int min_support_;
+  int appearance_support_;
   int window_;
   std::vector<Entry> entries_;
 };

@@ -3,12 +3,13 @@
 #include <dyslam/core/VoxelGrid.h>
 
 #include <algorithm>
+#include <cmath>
 #include <stdexcept>
 #include <utility>
 
 #include "KeyframeRegistration.h"
 #include "LoopAgreement.h"
-#include "PolarDescriptor.h"
+#include "LoopCandidates.h"
 
 namespace dyslam
 {
@@ -17,7 +18,6 @@ namespace
 constexpr double range_limit = 131.068;      // of stored coordinates: steps of 4 mm [m]
 constexpr double correlation_range = 5;      // around the initial guess [m]
 constexpr double correlation_heading = 0.1;  // nearly a sector of the descriptor [rad]
-constexpr std::size_t shortlist = 12;        // compared in full per keyframe
 
 /** Adds a stored cloud, moved to another frame. */
 void append(const PackedCloud& cloud,
@@ -31,27 +31,21 @@ void append(const PackedCloud& cloud,
   }
 }
 
-struct Candidate
+double tiltOf(const Pose& T)
 {
-  std::size_t id = 0;
-  double ring_difference = 0;
-  PolarDescriptor::Match match;
-};
+  return std::acos(std::clamp(T.linear()(2, 2), -1.0, 1.0));
+}
 }  // namespace
 
 struct LoopCloser::State
 {
   State(const LoopCloserOptions& given, KeyframeStore& store)
-      : options(given), keyframes(store), agreement(given.min_support, given.support_window)
+      : options(given),
+        keyframes(store),
+        candidates(given),
+        agreement(given.min_support, given.appearance_support, given.support_window)
   {
     validate(options, "loop");
-  }
-
-  /** How far the estimate of a keyframe `path` metres back may be off [m]. */
-  [[nodiscard]] double radiusAfter(double path) const
-  {
-    return std::min(options.max_search_radius,
-                    options.search_radius + options.drift_per_metre * path);
   }
 
   /** Present estimate of one keyframe in the frame of another. */
@@ -60,9 +54,12 @@ struct LoopCloser::State
     return keyframes[from].T_map_vehicle.inverse() * keyframes[to].T_map_vehicle;
   }
 
-  [[nodiscard]] std::vector<Candidate> candidatesForNewest() const;
-  [[nodiscard]] Loop verify(const Candidate& candidate,
-                            const std::vector<Eigen::Vector3f>& source) const;
+  [[nodiscard]] bool searchNear(const std::vector<Eigen::Vector3f>& source,
+                                std::vector<Loop>& rejected);
+  void searchAlike(const std::vector<Eigen::Vector3f>& source, std::vector<Loop>& rejected);
+  [[nodiscard]] Loop verify(const LoopCandidate& candidate,
+                            const std::vector<Eigen::Vector3f>& source,
+                            bool by_appearance) const;
   [[nodiscard]] RegistrationTarget submapAround(std::size_t id) const;
   [[nodiscard]] LoopVerdict judge(const Loop& loop,
                                   const KeyframeRegistrationResult& registration,
@@ -70,47 +67,9 @@ struct LoopCloser::State
 
   LoopCloserOptions options;
   KeyframeStore& keyframes;
-  std::vector<PolarDescriptor> descriptors;  //!< of keyframes
+  LoopCandidates candidates;
   LoopAgreement agreement;
 };
-
-std::vector<Candidate> LoopCloser::State::candidatesForNewest() const
-{
-  const std::size_t newest = keyframes.size() - 1;
-  const Keyframe& now = keyframes[newest];
-  std::vector<Candidate> near;
-  for (std::size_t i = 0; i < newest; ++i)
-  {
-    const double path = now.path_length - keyframes[i].path_length;
-    if (path < options.min_path)
-    {
-      break;
-    }
-    const double distance =
-        (keyframes[i].T_map_vehicle.translation() - now.T_map_vehicle.translation()).norm();
-    if (distance < radiusAfter(path))
-    {
-      near.push_back({i, descriptors[i].ringDifference(descriptors[newest]), {}});
-    }
-  }
-  const auto keep = std::min(near.size(), shortlist);
-  std::partial_sort(near.begin(), near.begin() + static_cast<std::ptrdiff_t>(keep), near.end(),
-                    [](const Candidate& a, const Candidate& b) {
-                      return std::make_pair(a.ring_difference, a.id) <
-                             std::make_pair(b.ring_difference, b.id);
-                    });
-  near.resize(keep);
-  for (Candidate& candidate : near)
-  {
-    candidate.match = descriptors[candidate.id].match(descriptors[newest]);
-  }
-  std::sort(
-      near.begin(), near.end(),
-      [](const Candidate& a, const Candidate& b)
-      { return std::make_pair(a.match.distance, a.id) < std::make_pair(b.match.distance, b.id); });
-  near.resize(std::min(near.size(), static_cast<std::size_t>(options.candidates)));
-  return near;
-}
 
 RegistrationTarget LoopCloser::State::submapAround(std::size_t id) const
 {
@@ -130,56 +89,61 @@ LoopVerdict LoopCloser::State::judge(const Loop& loop,
                                      const KeyframeRegistrationResult& registration,
                                      const Pose& T_from_to_estimate) const
 {
+  const bool alike = loop.by_appearance;
   if (!registration.converged)
   {
     return LoopVerdict::not_converged;
   }
-  if (registration.overlap < options.min_overlap)
+  if (registration.overlap < (alike ? options.appearance_overlap : options.min_overlap))
   {
     return LoopVerdict::no_overlap;
   }
-  if (registration.rmse > options.max_rmse)
+  if (registration.rmse > (alike ? options.appearance_rmse : options.max_rmse))
   {
     return LoopVerdict::bad_fit;
   }
-  if (registration.observability < options.min_observability)
+  if (registration.observability <
+      (alike ? options.appearance_observability : options.min_observability))
   {
     return LoopVerdict::degenerate;
   }
   const Pose correction = T_from_to_estimate.inverse() * loop.T_from_to;
   const double path = keyframes[loop.to].path_length - keyframes[loop.from].path_length;
-  if (correction.translation().norm() > radiusAfter(path) ||
-      rotationAngle(correction) > options.max_correction_angle)
+  const double farthest =
+      alike ? options.search_radius + options.appearance_drift * path : searchRadius(options, path);
+  const double turn = alike ? tiltOf(correction) : rotationAngle(correction);
+  if (correction.translation().norm() > farthest || turn > options.max_correction_angle)
   {
     return LoopVerdict::inconsistent;
   }
   return LoopVerdict::accepted;
 }
 
-Loop LoopCloser::State::verify(const Candidate& candidate,
-                               const std::vector<Eigen::Vector3f>& source) const
+Loop LoopCloser::State::verify(const LoopCandidate& candidate,
+                               const std::vector<Eigen::Vector3f>& source,
+                               bool by_appearance) const
 {
   Loop loop;
   loop.from = candidate.id;
   loop.to = keyframes.size() - 1;
-  loop.descriptor_distance = candidate.match.distance;
+  loop.by_appearance = by_appearance;
+  loop.descriptor_distance = candidate.descriptor_distance;
   const Pose estimate = between(loop.from, loop.to);
   loop.T_from_to = estimate;
-  if (candidate.match.distance > options.max_descriptor_distance)
+  if (candidate.descriptor_distance > options.max_descriptor_distance)
   {
     loop.verdict = LoopVerdict::appearance;
     return loop;
   }
   RegistrationTarget target = submapAround(candidate.id);
-  const Pose turned = poseFromYpr(0, 0, 0, candidate.match.heading, 0, 0);
   const auto alignFrom = [&](const Pose& start)
   {
     return target.align(source, correlateFromAbove(source, target.points(), start,
                                                    correlation_range, correlation_heading)
                                     .value_or(start));
   };
-  KeyframeRegistrationResult registration = alignFrom(turned);
-  if (!registration.converged || registration.overlap < options.min_overlap)
+  KeyframeRegistrationResult registration = alignFrom(candidate.T_from_to);
+  if (!by_appearance && (!registration.converged || registration.overlap < options.min_overlap))
   {
     const KeyframeRegistrationResult other = alignFrom(estimate);
     if (other.converged && other.overlap > registration.overlap)
@@ -193,6 +157,47 @@ Loop LoopCloser::State::verify(const Candidate& candidate,
   loop.rmse = registration.rmse;
   loop.verdict = judge(loop, registration, estimate);
   return loop;
+}
+
+/** \return a loop was found: one per keyframe is enough */
+bool LoopCloser::State::searchNear(const std::vector<Eigen::Vector3f>& source,
+                                   std::vector<Loop>& rejected)
+{
+  for (const LoopCandidate& candidate : candidates.near(keyframes))
+  {
+    const Loop loop = verify(candidate, source, false);
+    if (loop.verdict == LoopVerdict::accepted)
+    {
+      agreement.add(loop, keyframes);
+      return true;
+    }
+    rejected.push_back(loop);
+  }
+  return false;
+}
+
+/** Streets repeat themselves. Of several places that the newest keyframe fits, none is believed. */
+void LoopCloser::State::searchAlike(const std::vector<Eigen::Vector3f>& source,
+                                    std::vector<Loop>& rejected)
+{
+  std::vector<Loop> fitting;
+  for (const LoopCandidate& candidate : candidates.alike(keyframes, source))
+  {
+    const Loop loop = verify(candidate, source, true);
+    const bool fits =
+        loop.verdict == LoopVerdict::accepted || loop.verdict == LoopVerdict::inconsistent;
+    (fits ? fitting : rejected).push_back(loop);
+  }
+  for (Loop& loop : fitting)
+  {
+    if (fitting.size() == 1 && loop.verdict == LoopVerdict::accepted)
+    {
+      agreement.add(loop, keyframes);
+      continue;
+    }
+    loop.verdict = fitting.size() > 1 ? LoopVerdict::ambiguous : loop.verdict;
+    rejected.push_back(loop);
+  }
 }
 
 std::string toString(LoopVerdict verdict)
@@ -213,6 +218,8 @@ std::string toString(LoopVerdict verdict)
       return "degenerate";
     case LoopVerdict::inconsistent:
       return "inconsistent";
+    case LoopVerdict::ambiguous:
+      return "ambiguous";
     case LoopVerdict::unsupported:
       return "unsupported";
   }
@@ -241,6 +248,21 @@ void LoopCloserOptions::describe(OptionsVisitor& visitor)
                "weakest against strongest direction of translation");
   visitor.integer("min_support", min_support, 0, 100, "loops of nearby keyframes that must agree");
   visitor.integer("support_window", support_window, 1, 1000, "nearby, in keyframes");
+  visitor.flag("appearance", appearance,
+               "look for loops beyond the search radius, by appearance alone");
+  visitor.integer("appearance_candidates", appearance_candidates, 1, 100,
+                  "places registered per keyframe, at most");
+  visitor.real("appearance_descriptor_distance", appearance_descriptor_distance, 0, 1,
+               "max_descriptor_distance of loops by appearance");
+  visitor.real("appearance_overlap", appearance_overlap, 0, 1, "their min_overlap");
+  visitor.real("appearance_rmse", appearance_rmse, 0, 10, "their max_rmse [m]");
+  visitor.real("appearance_observability", appearance_observability, 0, 1,
+               "their min_observability");
+  visitor.integer("appearance_support", appearance_support, 0, 100, "their min_support");
+  visitor.real("appearance_drift", appearance_drift, 0, 10,
+               "share of the path that the odometry may be off by");
+  visitor.real("place_distance", place_distance, 0, 1000,
+               "keyframes farther apart show different places [m]");
 }
 
 LoopCloser::LoopCloser(const LoopCloserOptions& options, KeyframeStore& keyframes)
@@ -254,7 +276,7 @@ LoopCloser& LoopCloser::operator=(LoopCloser&&) noexcept = default;
 void LoopCloser::add(const std::vector<Eigen::Vector3f>& static_points)
 {
   State& s = *state_;
-  const std::size_t next = s.descriptors.size();
+  const std::size_t next = s.candidates.size();
   if (s.keyframes.size() != next + 1)
   {
     throw std::invalid_argument("LoopCloser: keyframe " + std::to_string(next) +
@@ -263,31 +285,24 @@ void LoopCloser::add(const std::vector<Eigen::Vector3f>& static_points)
   KeyframeCloud sampled;
   sampled.points = voxelDownsample(static_points, s.options.voxel_size, VoxelPick::centroid).points;
   s.keyframes[next].loop_cloud = PackedCloud(sampled, range_limit);
-  s.descriptors.emplace_back(static_points, s.options.descriptor_range);
+  s.candidates.add(static_points);
 }
 
 std::vector<Loop> LoopCloser::search()
 {
   State& s = *state_;
-  if (s.descriptors.empty())
+  if (s.candidates.size() == 0)
   {
     return {};
   }
   std::vector<Loop> result;
-  const std::size_t newest = s.descriptors.size() - 1;
+  const std::size_t newest = s.candidates.size() - 1;
   if (newest % static_cast<std::size_t>(s.options.interval) == 0)
   {
     const std::vector<Eigen::Vector3f> source = s.keyframes[newest].loop_cloud.unpacked().points;
-    for (const Candidate& candidate : s.candidatesForNewest())
+    if (!s.searchNear(source, result) && s.options.appearance)
     {
-      const Loop loop = s.verify(candidate, source);
-      if (loop.verdict == LoopVerdict::accepted)
-      {
-        // One loop per keyframe is enough.
-        s.agreement.add(loop, s.keyframes);
-        break;
-      }
-      result.push_back(loop);
+      s.searchAlike(source, result);
     }
   }
   for (Loop& loop : s.agreement.decide(newest))

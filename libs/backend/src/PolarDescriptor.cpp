@@ -2,6 +2,7 @@
 #include "PolarDescriptor.h"
 
 #include <algorithm>
+#include <bitset>
 #include <cmath>
 
 #include "GroundHeight.h"
@@ -12,22 +13,30 @@ namespace
 {
 constexpr float height_step = 1.0F / 16;
 
-using Column = Eigen::Matrix<float, PolarDescriptor::rings, 1>;
+/** Bit i of the result is bit i + shift of `bits`, cyclic over the sectors. */
+std::uint64_t rotated(std::uint64_t bits, std::size_t shift)
+{
+  constexpr std::uint64_t all = (std::uint64_t{1} << PolarDescriptor::sectors) - 1;
+  return shift == 0 ? bits : ((bits >> shift) | (bits << (PolarDescriptor::sectors - shift))) & all;
+}
 }  // namespace
 
-PolarDescriptor::PolarDescriptor(const std::vector<Eigen::Vector3f>& points, double max_range)
+PolarDescriptor::PolarDescriptor(const std::vector<Eigen::Vector3f>& points,
+                                 double max_range,
+                                 const Eigen::Vector2f& viewpoint)
 {
   const float ground = groundHeight(points, 20);
   const auto ring_width = static_cast<float>(max_range / static_cast<double>(rings));
   for (const Eigen::Vector3f& p : points)
   {
-    const float range = p.head<2>().norm();
+    const Eigen::Vector2f flat = p.head<2>() - viewpoint;
+    const float range = flat.norm();
     if (!p.allFinite() || range >= static_cast<float>(max_range) || range < 1e-3F)
     {
       continue;
     }
     const auto ring = std::min(rings - 1, static_cast<std::size_t>(range / ring_width));
-    const double turn = std::atan2(p.y(), p.x()) / (2 * M_PI);
+    const double turn = std::atan2(flat.y(), flat.x()) / (2 * M_PI);
     const auto sector =
         static_cast<std::size_t>((turn < 0 ? turn + 1 : turn) * static_cast<double>(sectors)) %
         sectors;
@@ -41,40 +50,45 @@ PolarDescriptor::PolarDescriptor(const std::vector<Eigen::Vector3f>& points, dou
   }
 }
 
+PolarDescriptor::Columns PolarDescriptor::columns() const
+{
+  Columns result;
+  for (std::size_t s = 0; s < sectors; ++s)
+  {
+    Column& column = result.column[s];
+    for (std::size_t r = 0; r < rings; ++r)
+    {
+      column[static_cast<Eigen::Index>(r)] = static_cast<float>(heights_[s * rings + r]);
+    }
+    const float norm = column.norm();
+    if (norm > 0)
+    {
+      column /= norm;
+      result.seen |= std::uint64_t{1} << s;
+    }
+  }
+  return result;
+}
+
 PolarDescriptor::Match PolarDescriptor::match(const PolarDescriptor& other) const
 {
-  std::array<Column, sectors> a;
-  std::array<Column, sectors> b;
-  const auto normalise = [](const PolarDescriptor& d, std::array<Column, sectors>& columns)
-  {
-    for (std::size_t s = 0; s < sectors; ++s)
-    {
-      for (std::size_t r = 0; r < rings; ++r)
-      {
-        columns[s][static_cast<Eigen::Index>(r)] = static_cast<float>(d.heights_[s * rings + r]);
-      }
-      const float norm = columns[s].norm();
-      if (norm > 0)
-      {
-        columns[s] /= norm;
-      }
-    }
-  };
-  normalise(*this, a);
-  normalise(other, b);
+  return match(columns(), other.columns());
+}
+
+PolarDescriptor::Match PolarDescriptor::match(const Columns& ours, const Columns& other)
+{
   Match best;
   for (std::size_t shift = 0; shift < sectors; ++shift)
   {
+    // Other's vehicle turned by `shift` sectors: what it sees in sector s, we see in s + shift.
     double sum = 0;
-    int used = 0;
     for (std::size_t s = 0; s < sectors; ++s)
     {
-      // Other's vehicle turned by `shift` sectors: what it sees in sector s, we see in s + shift.
-      const Column& ours = a[(s + shift) % sectors];
-      const bool seen = !ours.isZero(0) || !b[s].isZero(0);
-      used += seen ? 1 : 0;
-      sum += static_cast<double>(ours.dot(b[s]));
+      const std::size_t turned = s + shift < sectors ? s + shift : s + shift - sectors;
+      sum += static_cast<double>(ours.column[turned].dot(other.column[s]));
     }
+    const std::uint64_t seen = rotated(ours.seen, shift) | other.seen;
+    const auto used = static_cast<double>(std::bitset<sectors>(seen).count());
     const double distance = used > 0 ? 1 - sum / used : 1;
     if (distance < best.distance)
     {

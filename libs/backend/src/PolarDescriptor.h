@@ -18,22 +18,38 @@ class PolarDescriptor
   static constexpr std::size_t sectors = 60;
 
   PolarDescriptor() = default;
-  /** \param points vehicle frame [m] \param max_range of the outermost ring [m] */
-  PolarDescriptor(const std::vector<Eigen::Vector3f>& points, double max_range);
+  /** \param points vehicle frame [m] \param max_range of the outermost ring [m]
+   * \param viewpoint about which the grid lies, in the vehicle frame: what the place would look
+   * like from there, but for what only the vehicle's own place shows [m] */
+  PolarDescriptor(const std::vector<Eigen::Vector3f>& points,
+                  double max_range,
+                  const Eigen::Vector2f& viewpoint = Eigen::Vector2f::Zero());
 
   struct Match
   {
     double distance = 1;  //!< 0 same, 1 nothing in common
     double heading = 0;   //!< of the other's vehicle in this one's frame [rad]
   };
+  using RingMeans = std::array<float, rings>;
+  using Column = Eigen::Matrix<float, rings, 1>;
+  /** A descriptor unpacked, for comparison with many others. */
+  struct Columns
+  {
+    std::array<Column, sectors> column;  //!< of unit length, or zero
+    std::uint64_t seen = 0;              //!< bit s: something is in sector s
+  };
+  [[nodiscard]] Columns columns() const;
+
   /** Best over all headings. */
   [[nodiscard]] Match match(const PolarDescriptor& other) const;
+  [[nodiscard]] static Match match(const Columns& ours, const Columns& other);
 
   /** Mean height per ring does not change with heading; this is how much it differs. */
   [[nodiscard]] double ringDifference(const PolarDescriptor& other) const;
+  [[nodiscard]] const RingMeans& ringMeans() const { return ring_means_; }
 
  private:
   std::array<std::uint8_t, rings * sectors> heights_{};  //!< 1/16 m, sector by sector
-  std::array<float, rings> ring_means_{};
+  RingMeans ring_means_{};
 };
 }  // namespace dyslam

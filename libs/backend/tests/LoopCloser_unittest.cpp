@@ -125,6 +125,70 @@ TEST(LoopCloser, SeesTheSameStreetDrivenTheOtherWay)
   EXPECT_GT(accepted, 5) << textOf(loops);
 }
 
+struct Accepted
+{
+  int nearby = 0;
+  int by_appearance = 0;
+};
+
+/** Counts accepted loops; each must be right. */
+Accepted acceptedOf(const std::vector<Loop>& loops, const std::vector<Pose>& truth)
+{
+  Accepted accepted;
+  for (const Loop& loop : loops)
+  {
+    if (loop.verdict == LoopVerdict::accepted)
+    {
+      const Pose error = (truth[loop.from].inverse() * truth[loop.to]).inverse() * loop.T_from_to;
+      EXPECT_LT(error.translation().norm(), 0.15) << loop.from << " " << loop.to;
+      ++(loop.by_appearance ? accepted.by_appearance : accepted.nearby);
+    }
+  }
+  return accepted;
+}
+
+TEST(LoopCloser, FindsByAppearanceWhatDriftHasTakenOutOfReach)
+{
+  const BoxWorld world(11, 30, 20);
+  const std::vector<Pose> truth = driveAround(30, 20, 240, 1.5);
+  const std::vector<Pose> estimate = drifted(truth, 0.006, 0.02);
+  LoopCloserOptions options;
+  options.appearance = false;
+  Accepted accepted = acceptedOf(runThrough(world, truth, estimate, options), truth);
+  EXPECT_EQ(accepted.nearby + accepted.by_appearance, 0);
+  options.appearance = true;
+  const std::vector<Loop> loops = runThrough(world, truth, estimate, options);
+  accepted = acceptedOf(loops, truth);
+  EXPECT_EQ(accepted.nearby, 0);
+  EXPECT_GT(accepted.by_appearance, 6) << textOf(loops);
+}
+
+TEST(LoopCloser, FindsByAppearanceTheOtherLaneAndTheOtherDirection)
+{
+  const BoxWorld world(12, 30, 20);
+  std::vector<Pose> truth = driveAround(30, 20, 80, 1.5);
+  for (std::size_t i = truth.size(); i-- > 0;)
+  {
+    truth.push_back(truth[i] * poseFromYpr(0.3, -3, 0, M_PI, 0, 0));
+  }
+  const std::vector<Loop> loops = runThrough(world, truth, drifted(truth, 0.006, 0));
+  const Accepted accepted = acceptedOf(loops, truth);
+  EXPECT_GT(accepted.by_appearance, 3) << textOf(loops);
+}
+
+TEST(LoopCloser, OfPlacesThatLookAlikeNoneIsAccepted)
+{
+  const BoxWorld world = BoxWorld::square(14, 30);
+  const std::vector<Pose> truth = driveAround(30, 30, 215, 1.5);  // not quite round
+  LoopCloserOptions options;
+  const std::vector<Loop> loops = runThrough(world, truth, drifted(truth, 0.001, 0.02), options);
+  std::map<std::string, int> counts = countsOf(loops);
+  EXPECT_EQ(counts["accepted"], 0) << textOf(loops);
+  // It is the verification that rejects them, not a lack of candidates.
+  EXPECT_GT(counts["ambiguous"] + counts["inconsistent"], 10) << textOf(loops);
+  EXPECT_GT(counts["ambiguous"], 5) << textOf(loops);
+}
+
 TEST(LoopCloser, AcceptsNothingWhereNothingIsSeenAgain)
 {
   // A straight street whose estimate is bent into a circle: every place seems to come again.

@@ -33,6 +33,31 @@ class BoxWorld
     }
   }
 
+  /** A square street of the given half extent whose four sides look alike. */
+  [[nodiscard]] static BoxWorld square(unsigned seed, double half)
+  {
+    BoxWorld world(seed);
+    for (double x = -half - 5; x < half + 5; x += world.uniform(5, 11))
+    {
+      world.addHouse(x, -half - world.uniform(6, 12));
+      world.addHouse(x, -half + world.uniform(6, 12));
+    }
+    const std::vector<Block> side = world.blocks_;
+    for (int turns = 1; turns < 4; ++turns)
+    {
+      for (Block block : side)
+      {
+        for (int i = 0; i < turns; ++i)
+        {
+          block = {{-block.high.y(), block.low.x(), block.low.z()},
+                   {-block.low.y(), block.high.x(), block.high.z()}};
+        }
+        world.blocks_.push_back(block);
+      }
+    }
+    return world;
+  }
+
   /** 32 beams, one ray per degree, in the vehicle frame; the sensor sits at its origin. */
   [[nodiscard]] std::vector<Eigen::Vector3f> scan(const Pose& T_world_vehicle, unsigned seed) const
   {
@@ -65,6 +90,8 @@ class BoxWorld
     Eigen::Vector3d low;
     Eigen::Vector3d high;
   };
+
+  explicit BoxWorld(unsigned seed) : rng_(seed) {}
 
   double uniform(double low, double high)
   {

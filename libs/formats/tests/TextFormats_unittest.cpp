@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/Error.h>
 #include <dyslam/formats/GroundTruth.h>
+#include <dyslam/formats/MotionFiles.h>
 #include <dyslam/formats/TrajectoryFiles.h>
 
 #include <cmath>
@@ -54,6 +55,36 @@ TEST(TrajectoryFiles, TumIsXyzwAndWellWritten)
   trajectory.push_back(0.5, poseFromYpr(1, 2, 3, M_PI / 2, 0, 0));
   writeTum(folder.file("a.txt"), trajectory);
   EXPECT_EQ("0.500000000 1 2 3 0 0 0.707106781187 0.707106781187\n", folder.read("a.txt"));
+}
+
+TEST(MotionFiles, RoundTripAndErrorsWithTheirLine)
+{
+  const TestFolder folder;
+  MotionCovariance motion{1317384506.123456, true};
+  for (int i = 0; i < 6; ++i)
+  {
+    for (int j = 0; j < 6; ++j)
+    {
+      motion.covariance(i, j) = 1e-4 / (1 + i + j) + (i == j ? 1 : 0);
+      motion.pose_noise(i, j) = -1e-9 * (i + j);
+    }
+  }
+  const std::string text =
+      motionFileHeader() + motionFileRow(MotionCovariance{}) + motionFileRow(motion);
+  folder.write("motions.csv", text);
+  const std::vector<MotionCovariance> read = readMotionFile(folder.file("motions.csv"));
+  ASSERT_EQ(read.size(), 2U);
+  EXPECT_EQ(read[1].stamp, motion.stamp);
+  EXPECT_FALSE(read[0].is_keyframe);
+  EXPECT_TRUE(read[1].is_keyframe);
+  EXPECT_TRUE(read[1].covariance.isApprox(motion.covariance, 1e-6));
+  EXPECT_TRUE(read[1].pose_noise.isApprox(motion.pose_noise, 1e-6));
+  EXPECT_TRUE(read[0].covariance.isZero(0));
+
+  folder.write("short.csv", motionFileHeader() + "1.5,0,3\n");
+  expectError([&] { (void)readMotionFile(folder.file("short.csv")); }, "short.csv:2: has 3 fields");
+  folder.write("headless.csv", motionFileRow(motion));
+  expectError([&] { (void)readMotionFile(folder.file("headless.csv")); }, "header");
 }
 
 TEST(TrajectoryFiles, KittiRoundTrip)

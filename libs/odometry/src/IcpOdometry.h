@@ -27,7 +27,7 @@ struct IcpOptions : Options
 /** Point-to-point residuals also measure how far apart the samples lie: they say less each. */
 struct IcpPointToPointOptions : IcpOptions
 {
-  IcpPointToPointOptions() { points_per_measurement = 250; }
+  IcpPointToPointOptions() { points_per_measurement = 5000; }
 };
 
 /** Scan-to-scan ICP, point to point or point to plane, with exact nearest neighbours. */

@@ -9,6 +9,8 @@
 #include <cstdio>
 #include <utility>
 
+#include "MotionUncertainty.h"
+
 namespace dyslam
 {
 using mrpt::system::CTimeLoggerEntry;
@@ -54,7 +56,8 @@ struct Odometry::State
         refine(config.get<RefineOptions>("refine")),
         filter(motion_options),
         matcher(given ? std::move(given) : makeScanMatcher(options.method, config, pool)),
-        registration(refine, pool)
+        registration(refine, pool),
+        uncertainty(config.get<UncertaintyOptions>("uncertainty"))
   {
     Vector6 velocity = Vector6::Zero();
     velocity.x() = options.start_speed;
@@ -87,6 +90,7 @@ struct Odometry::State
   MotionFilter filter;
   std::unique_ptr<ScanMatcher> matcher;
   LocalMapRegistration registration;
+  MotionUncertainty uncertainty;
 
   bool started = false;     //!< a scan has been seen
   bool registered = false;  //!< a scan has been registered to the map
@@ -239,11 +243,13 @@ void Odometry::State::registerToMap(Frame& frame, const Pose& T_guess)
   frame.T_odom_vehicle = result.T_odom_vehicle;
   filter.update(frame.dt, result.motion.T_previous_current,
                 result.measured_information + segmenter_information, result.prior_weight);
+  uncertainty.calibrate(frame.dt, result.measured_information, frame.motion);
 }
 
 void Odometry::State::takeMatcherMotion(Frame& frame, const Pose& T_guess)
 {
   frame.motion = frame.odometry;
+  uncertainty.calibrateMatch(frame.dt, frame.prior.information, frame.motion);
   frame.T_odom_vehicle = orthonormalized(T_odom_previous * T_guess);
   if (!matcher->usesPrior())
   {

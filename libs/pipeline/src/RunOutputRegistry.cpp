@@ -5,8 +5,9 @@ namespace dyslam
 {
 // Each is defined in outputs/, in the file of its name.
 RunOutputFactory makeSettingsOutput, makeTrajectoryOutput, makeGraphOutput, makeScanTableOutput,
-    makeTrackOutput, makeLabelOutput, makeStaticScanOutput, makeReplayOutput, makeSimplemapOutput,
-    makePcdOutput, makePlyOutput, makeSceneOutput, makePlotOutput, makeReportOutput;
+    makeMotionOutput, makeTrackOutput, makeLabelOutput, makeStaticScanOutput, makeReplayOutput,
+    makeSimplemapOutput, makePcdOutput, makePlyOutput, makeSceneOutput, makePlotOutput,
+    makeReportOutput;
 
 std::vector<RunOutputKind> runOutputKinds()
 {
@@ -17,6 +18,7 @@ std::vector<RunOutputKind> runOutputKinds()
       {makeTrajectoryOutput},
       {makeGraphOutput},
       {makeScanTableOutput},
+      {makeMotionOutput},
       {makeTrackOutput},
       {makeLabelOutput, nullptr, nullptr, &SlamRunSettings::labels},
       {makeStaticScanOutput, nullptr, nullptr, &SlamRunSettings::static_scans},

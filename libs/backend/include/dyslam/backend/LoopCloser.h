@@ -31,6 +31,18 @@ struct LoopCloserOptions : Options
   int min_support = 1;              //!< other loops of nearby keyframes that must agree
   int support_window = 6;           //!< "nearby", in keyframes
 
+  // Places that look alike but lie beyond the search radius: position gives no evidence for them.
+  bool appearance = true;                       //!< look for loops beyond the search radius
+  int appearance_candidates = 2;                //!< places registered per keyframe, at most
+  double appearance_descriptor_distance = 0.3;  //!< as max_descriptor_distance
+  double appearance_overlap = 0.75;             //!< as min_overlap
+  double appearance_rmse = 0.15;                //!< as max_rmse [m]
+  double appearance_observability = 0.05;       //!< as min_observability
+  int appearance_support = 3;                   //!< as min_support
+  /** The odometry is off by this share of the path at most: a loop that says more is false. */
+  double appearance_drift = 0.3;
+  double place_distance = 10;  //!< keyframes farther apart show different places [m]
+
   void describe(OptionsVisitor& visitor) override;
 };
 
@@ -44,6 +56,7 @@ enum class LoopVerdict
   bad_fit,        //!< registered, but the surfaces do not coincide
   degenerate,     //!< the surfaces leave a direction open
   inconsistent,   //!< farther from the estimate than odometry could have drifted
+  ambiguous,      //!< several places fit equally well
   unsupported,    //!< no loop of a nearby keyframe agrees
 };
 [[nodiscard]] std::string toString(LoopVerdict verdict);
@@ -59,13 +72,15 @@ struct Loop
   double overlap = 0;
   double rmse = 0;  //!< [m]
   LoopVerdict verdict = LoopVerdict::accepted;
+  bool by_appearance = false;  //!< from beyond the search radius
 };
 
 /** Finds places seen before: candidates by distance and appearance, verified by registration and by
- * agreement with one another.
+ * agreement with one another. Where none is found nearby, places that look alike are tried wherever
+ * they are, under stricter limits: only one of them may fit, and more loops must agree.
  *
  * Deterministic. The time per keyframe is bounded by the number of candidates, but for a comparison
- * of positions with all older ones. Not thread-safe.
+ * of positions and of 20 heights with all older ones. Not thread-safe.
  */
 class LoopCloser
 {

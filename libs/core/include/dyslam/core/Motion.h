@@ -15,6 +15,10 @@ struct MotionEstimate
       Pose::Identity();  //!< takes this scan's vehicle frame to the previous one's
   /** Of r = log(T_measured^-1 T), [translation, rotation]; units 1/m^2, 1/rad^2. */
   Matrix6 information = Matrix6::Identity();
+  /** Covariance of the error of this scan's pose that the next motion takes back: a pose found in a
+   * map errs anew at each scan. Over the tangent of the pose; zero where errors add up from motion
+   * to motion. `information` contains it, and that of the scan before. */
+  Matrix6 pose_noise = Matrix6::Zero();
   bool converged = false;
   int iterations = 0;
   std::size_t inliers = 0;

@@ -64,7 +64,8 @@ struct FusionOptions : Options
 class Odometry
 {
  public:
-  /** Loads [odometry], [fusion], [motion], [refine] and the sections of all scan matchers.
+  /** Loads [odometry], [fusion], [motion], [refine], [uncertainty] and the sections of all scan
+   * matchers.
    * \param pool must outlive the object \param times gets the times of `odometry` (the matcher) and
    * `refine` (the registration). \throws UserError for bad options. */
   Odometry(ConfigLoader& config, ThreadPool& pool, mrpt::system::CTimeLogger& times);
@@ -79,7 +80,9 @@ class Odometry
   /** Fills Frame::dt and Frame::prior from scan.stamp and the motions before. */
   void predict(Frame& frame);
   /** Reads cloud, prior, moving_probability, segmenter_motion and static_prior; fills odometry,
-   * odometry_accepted, odometry_rejection, static_confidence, motion and T_odom_vehicle. */
+   * odometry_accepted, odometry_rejection, static_confidence, motion and T_odom_vehicle. The
+   * information of `motion` is calibrated and positive definite, that of `odometry` the matcher's
+   * own. */
   void estimate(Frame& frame);
   /** Adds the frame of the last estimate() to the local map, weighted by what it knows now of what
    * moves. */

@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "LoopCandidates.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace dyslam
+{
+namespace
+{
+constexpr std::size_t near_shortlist = 12;   // compared in full per keyframe
+constexpr std::size_t alike_shortlist = 16;  // ... for each viewpoint
+/** Viewpoints beside the vehicle that a place may have been seen from: another lane [m]. */
+constexpr float viewpoints[] = {2, -2, 4, -4};
+
+float difference(const PolarDescriptor::RingMeans& a, const PolarDescriptor::RingMeans& b)
+{
+  using Rings = Eigen::Map<const Eigen::Array<float, PolarDescriptor::rings, 1>>;
+  return (Rings(a.data()) - Rings(b.data())).abs().sum();
+}
+
+bool isMoreSimilar(const LoopCandidate& a, const LoopCandidate& b)
+{
+  return std::make_pair(a.descriptor_distance, a.id) < std::make_pair(b.descriptor_distance, b.id);
+}
+}  // namespace
+
+double searchRadius(const LoopCloserOptions& options, double path)
+{
+  return std::min(options.max_search_radius,
+                  options.search_radius + options.drift_per_metre * path);
+}
+
+void LoopCandidates::add(const std::vector<Eigen::Vector3f>& points)
+{
+  descriptors_.emplace_back(points, options_.descriptor_range);
+  ring_means_.push_back(descriptors_.back().ringMeans());
+}
+
+void LoopCandidates::shortlist(std::vector<Ranked>& ranked, std::size_t limit)
+{
+  const auto keep = static_cast<std::ptrdiff_t>(std::min(ranked.size(), limit));
+  std::partial_sort(
+      ranked.begin(), ranked.begin() + keep, ranked.end(),
+      [](const Ranked& a, const Ranked& b)
+      { return std::make_pair(a.difference, a.id) < std::make_pair(b.difference, b.id); });
+  ranked.resize(static_cast<std::size_t>(keep));
+}
+
+std::vector<LoopCandidate> LoopCandidates::near(const KeyframeStore& keyframes) const
+{
+  const std::size_t newest = descriptors_.size() - 1;
+  const Keyframe& now = keyframes[newest];
+  std::vector<Ranked> ranked;
+  for (std::size_t i = 0; i < newest; ++i)
+  {
+    const double path = now.path_length - keyframes[i].path_length;
+    if (path < options_.min_path)
+    {
+      break;
+    }
+    const double distance =
+        (keyframes[i].T_map_vehicle.translation() - now.T_map_vehicle.translation()).norm();
+    if (distance < searchRadius(options_, path))
+    {
+      ranked.push_back({i, descriptors_[i].ringDifference(descriptors_[newest])});
+    }
+  }
+  shortlist(ranked, near_shortlist);
+  const PolarDescriptor::Columns ours = descriptors_[newest].columns();
+  std::vector<LoopCandidate> candidates;
+  for (const Ranked& one : ranked)
+  {
+    const auto match = PolarDescriptor::match(descriptors_[one.id].columns(), ours);
+    candidates.push_back({one.id, match.distance, poseFromYpr(0, 0, 0, match.heading, 0, 0)});
+  }
+  std::sort(candidates.begin(), candidates.end(), isMoreSimilar);
+  candidates.resize(std::min(candidates.size(), static_cast<std::size_t>(options_.candidates)));
+  return candidates;
+}
+
+void LoopCandidates::addAlike(const KeyframeStore& keyframes,
+                              const PolarDescriptor& view,
+                              double y,
+                              std::vector<LoopCandidate>& found) const
+{
+  const std::size_t newest = descriptors_.size() - 1;
+  const Keyframe& now = keyframes[newest];
+  std::vector<Ranked> ranked;
+  for (std::size_t i = 0; i < newest; ++i)
+  {
+    const double path = now.path_length - keyframes[i].path_length;
+    if (path < options_.min_path)
+    {
+      break;
+    }
+    const double distance =
+        (keyframes[i].T_map_vehicle.translation() - now.T_map_vehicle.translation()).norm();
+    if (distance >= searchRadius(options_, path))
+    {
+      ranked.push_back({i, static_cast<double>(difference(ring_means_[i], view.ringMeans()))});
+    }
+  }
+  shortlist(ranked, alike_shortlist);
+  const PolarDescriptor::Columns ours = view.columns();
+  for (const Ranked& one : ranked)
+  {
+    const auto match = PolarDescriptor::match(descriptors_[one.id].columns(), ours);
+    if (match.distance <= options_.appearance_descriptor_distance)
+    {
+      // The heading is that of the viewpoint; the vehicle stands beside it.
+      found.push_back({one.id, match.distance,
+                       poseFromYpr(0, 0, 0, match.heading, 0, 0) * poseFromYpr(0, -y, 0, 0, 0, 0)});
+    }
+  }
+}
+
+std::vector<LoopCandidate> LoopCandidates::alike(const KeyframeStore& keyframes,
+                                                 const std::vector<Eigen::Vector3f>& points) const
+{
+  std::vector<LoopCandidate> found;
+  addAlike(keyframes, descriptors_.back(), 0, found);
+  for (const float y : viewpoints)
+  {
+    const PolarDescriptor view(points, options_.descriptor_range, Eigen::Vector2f(0, y));
+    addAlike(keyframes, view, static_cast<double>(y), found);
+  }
+  std::sort(found.begin(), found.end(), isMoreSimilar);
+  const auto distance = [&](const LoopCandidate& a, const LoopCandidate& b)
+  {
+    return (keyframes[a.id].T_map_vehicle.translation() -
+            keyframes[b.id].T_map_vehicle.translation())
+        .norm();
+  };
+  std::vector<LoopCandidate> places;
+  for (const LoopCandidate& one : found)
+  {
+    const bool is_new = std::none_of(places.begin(), places.end(),
+                                     [&](const LoopCandidate& place)
+                                     { return distance(place, one) < options_.place_distance; });
+    if (is_new && places.size() < static_cast<std::size_t>(options_.appearance_candidates))
+    {
+      places.push_back(one);
+    }
+  }
+  return places;
+}
+}  // namespace dyslam

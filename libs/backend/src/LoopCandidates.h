@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <dyslam/backend/LoopCloser.h>
+
+#include <cstddef>
+#include <vector>
+
+#include "PolarDescriptor.h"
+
+namespace dyslam
+{
+/** How far the estimate may be off after `path` metres [m]. */
+[[nodiscard]] double searchRadius(const LoopCloserOptions& options, double path);
+
+struct LoopCandidate
+{
+  std::size_t id = 0;  //!< of the older keyframe
+  double descriptor_distance = 1;
+  Pose T_from_to = Pose::Identity();  //!< as the descriptors suggest
+};
+
+/** The appearance of all keyframes, and which older ones the newest may have come back to. */
+class LoopCandidates
+{
+ public:
+  explicit LoopCandidates(const LoopCloserOptions& options) : options_(options) {}
+
+  /** The next keyframe's static points, vehicle frame [m]. */
+  void add(const std::vector<Eigen::Vector3f>& points);
+  [[nodiscard]] std::size_t size() const { return descriptors_.size(); }
+
+  /** Keyframes near the newest one, the most similar first. */
+  [[nodiscard]] std::vector<LoopCandidate> near(const KeyframeStore& keyframes) const;
+  /** Keyframes anywhere else that look like the newest one, the most similar first, one of each
+   * place. \param points of the newest, thinned, vehicle frame [m] */
+  [[nodiscard]] std::vector<LoopCandidate> alike(const KeyframeStore& keyframes,
+                                                 const std::vector<Eigen::Vector3f>& points) const;
+
+ private:
+  struct Ranked
+  {
+    std::size_t id = 0;
+    double difference = 0;  //!< of the mean heights per ring
+  };
+  /** Adds what looks like the newest keyframe seen from `y` metres beside it. */
+  void addAlike(const KeyframeStore& keyframes,
+                const PolarDescriptor& view,
+                double y,
+                std::vector<LoopCandidate>& found) const;
+  /** The `limit` smallest differences, by rising difference. */
+  static void shortlist(std::vector<Ranked>& ranked, std::size_t limit);
+
+  LoopCloserOptions options_;
+  std::vector<PolarDescriptor> descriptors_;            //!< of keyframes
+  std::vector<PolarDescriptor::RingMeans> ring_means_;  //!< theirs, side by side in memory
+};
+}  // namespace dyslam
