@@ -2,6 +2,7 @@
 #include <dyslam/core/Error.h>
 #include <dyslam/formats/KittiFiles.h>
 #include <dyslam/formats/TextFile.h>
+#include <dyslam/formats/TrajectoryFiles.h>
 
 #include <algorithm>
 #include <cmath>
@@ -211,6 +212,13 @@ std::vector<double> readKittiTimestamps(const std::string& path)
                     file.number(5));
   }
   return times;
+}
+
+std::vector<double> readTimesOrTimestamps(const std::string& path)
+{
+  TextFile first(path, " ");
+  return first.next() && first.line().find(':') != std::string::npos ? readKittiTimestamps(path)
+                                                                     : readTimes(path);
 }
 
 std::vector<OxtsReading> readOxts(const std::string& file_or_folder)

@@ -109,10 +109,7 @@ ConversionResult convertKitti(const std::string& input,
     }
     const auto range = boxes.equal_range(static_cast<int>(entry.number));
     std::for_each(range.first, range.second, [&out](const auto& box) { out.addBox(*box.second); });
-    if (progress)
-    {
-      progress(static_cast<double>(i + 1 - begin) / static_cast<double>(count), i + 1 - begin);
-    }
+    out.tell(progress, static_cast<double>(i + 1 - begin) / static_cast<double>(count));
   }
   ConversionResult result = out.close();
   result.warnings = layout.warnings;

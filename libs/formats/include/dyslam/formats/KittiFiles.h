@@ -33,6 +33,9 @@ struct KittiCalib
  * each scan [s since 1970]. \throws UserError. */
 [[nodiscard]] std::vector<double> readKittiTimestamps(const std::string& path);
 
+/** Either that or a number a line [s], whichever the first line is. \throws UserError. */
+[[nodiscard]] std::vector<double> readTimesOrTimestamps(const std::string& path);
+
 /** One GNSS/INS reading: the 30 numbers of KITTI's oxts, those that we use. */
 struct OxtsReading
 {

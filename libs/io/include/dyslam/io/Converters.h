@@ -10,7 +10,8 @@
 
 namespace dyslam
 {
-/** Called after every scan: fraction of the work done (0 to 1) and scans so far. */
+/** Called after every scan: fraction of the work done (0 to 1) and scans so far. What it throws ends
+ * the conversion and removes all that was written. */
 using ConversionProgress = std::function<void(double, std::size_t)>;
 
 struct ConversionResult
@@ -22,6 +23,7 @@ struct ConversionResult
   std::size_t label_files = 0;  //!< scans with labels per point
   std::size_t boxes = 0;        //!< true boxes of all scans
   std::string ground_truth;     //!< sidecar folder; empty if there is no truth
+  std::vector<std::string> notes;  //!< what was found in the input and used, a line each
   std::vector<std::string> warnings;
 };
 
@@ -84,7 +86,12 @@ struct ScanConverterOptions : Options
   std::string sensor;         //!< VLP16, HDL32E or HDL64E for a pcap; label of the scans otherwise
   std::string calibration;    //!< Velodyne XML or YAML for a pcap
   std::string poses;          //!< TUM or KITTI file of the lidar, for folders
-  double dt = 0;              //!< seconds between scans; 0: the pcap's times, 0.1 for folders
+  std::string times;  //!< file of times [s] or KITTI time stamps for a folder, a line for each scan
+  std::string topic;  //!< of a bag's scans; empty: the one with the most
+  std::string truth_topic;  //!< of a bag's true poses of the vehicle; empty: none
+  std::string truth_frame;  //!< child frame of truth_topic, where that has several
+  std::string sensor_pose;  //!< T_vehicle_lidar: x y z yaw pitch roll [m, deg]; empty: identity
+  double dt = 0;              //!< seconds between scans; 0: the recording's times, else 0.1
   bool keep_partial = false;  //!< broken first and last revolutions of a pcap, too
   int skip_first_n = 0;
   int only_first_n = 0;  //!< 0: all
@@ -94,9 +101,9 @@ struct ScanConverterOptions : Options
   void describe(OptionsVisitor& visitor) override;
 };
 
-/** Writes a folder of .bin, .pcd or .ply scans, or a Velodyne .pcap, as a rawlog. \throws
- * UserError.
- */
+/** Writes a folder of .bin, .pcd or .ply scans, a Velodyne .pcap or a ROS bag (see openBag()) as a
+ * rawlog. Scans of a folder get the times of the file, of their names where those are times since
+ * 1970, or of their points. \throws UserError. */
 ConversionResult convertScans(const std::string& input,
                               const std::string& output,
                               const ScanConverterOptions& options,
