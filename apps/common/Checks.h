@@ -3,7 +3,6 @@
 
 #include <dyslam/core/Error.h>
 #include <dyslam/formats/RecordingKind.h>
-
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>

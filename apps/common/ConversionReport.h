@@ -39,7 +39,8 @@ inline void report(const ConversionResult& result, const std::string& output)
 inline std::atomic<bool> conversion_stop_asked{false};
 static_assert(std::atomic<bool>::is_always_lock_free, "a signal handler may set it");
 
-/** Ctrl-C and kill end the conversion after the scan at hand; the second time they kill as usual. */
+/** Ctrl-C and kill end the conversion after the scan at hand; the second time they kill as usual.
+ */
 inline void stopConversionOnSignals()
 {
   struct sigaction action = {};
@@ -50,9 +51,9 @@ inline void stopConversionOnSignals()
   sigaction(SIGTERM, &action, nullptr);
 }
 
-/** Converts with a line of progress, and says what came of it. A signal ends it and removes what was
- * written so far.
- * \param program its name \param convert does it, reporting how far it is. \throws UserError. */
+/** Converts with a line of progress, and says what came of it. A signal ends it and removes what
+ * was written so far. \param program its name \param convert does it, reporting how far it is.
+ * \throws UserError. */
 inline void runConversion(const std::string& program,
                           const std::string& output,
                           bool quiet,

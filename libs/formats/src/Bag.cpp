@@ -164,8 +164,9 @@ std::unique_ptr<Bag> openBag(const std::string& path)
     throw UserError(path + ": is compressed as a whole; unpack it first: zstd -d " + path);
   }
   const std::string ending = lowerExtension(path);
-  return ending == ".bag" ? openRos1Bag(path) : ending == ".db3" ? openSqliteBag(path)
-                                                                 : openMcap(path);
+  return ending == ".bag"   ? openRos1Bag(path)
+         : ending == ".db3" ? openSqliteBag(path)
+                            : openMcap(path);
 }
 
 std::string listingOf(const Bag& bag)

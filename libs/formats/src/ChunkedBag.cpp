@@ -64,14 +64,20 @@ void ChunkedBag::beginChunk(Chunk chunk)
   chunks_.push_back(std::move(chunk));
 }
 
-void ChunkedBag::addIndex(std::uint32_t connection,
-                          std::size_t messages,
-                          double first,
-                          double last)
+void ChunkedBag::addIndex(std::uint32_t connection, std::size_t messages, double first, double last)
 {
   if (!chunks_.empty() && messages > 0)
   {
     chunks_.back().index[connection] = Span{messages, first, last};
+  }
+}
+
+void ChunkedBag::warnCutShort(std::uint64_t offset)
+{
+  warn("is cut short at byte " + std::to_string(offset) + "; what is whole is read");
+  if (!chunks_.empty())
+  {
+    chunks_.back().index.clear();
   }
 }
 
@@ -134,7 +140,8 @@ void ChunkedBag::select(const std::vector<std::size_t>& topics)
 
 bool ChunkedBag::holdsSelected(const Chunk& chunk) const
 {
-  return std::any_of(chunk.index.begin(), chunk.index.end(), [this](const auto& entry)
+  return std::any_of(chunk.index.begin(), chunk.index.end(),
+                     [this](const auto& entry)
                      { return selected_.count(topic_of_.at(entry.first)) > 0; });
 }
 

@@ -66,6 +66,8 @@ class ChunkedBag : public Bag
   [[nodiscard]] const std::string& path() const { return path_; }
   [[nodiscard]] std::string place(std::uint64_t offset, const char* what = "record") const;
   void warn(const std::string& what) { warnings_.push_back(path_ + ": " + what); }
+  /** The file ends too early: the newest chunk's index may lack entries. */
+  void warnCutShort(std::uint64_t offset);
 
  private:
   [[nodiscard]] bool openNextChunk();

@@ -11,7 +11,8 @@ namespace dyslam
  *
  * The result grows with the data, so that a damaged size allocates nothing.
  * \param size that the result must have; 0: whatever it has.
- * \param place for messages. \throws UserError for damaged data, or a name that is none of these. */
+ * \param place for messages. \throws UserError for damaged data, or a name that is none of these.
+ */
 [[nodiscard]] std::string decompressed(const std::string& compression,
                                        std::string_view data,
                                        std::uint64_t size,

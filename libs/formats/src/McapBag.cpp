@@ -6,8 +6,8 @@ namespace dyslam
 namespace
 {
 constexpr std::string_view magic = "\x89MCAP0\r\n";
-constexpr std::uint64_t record_head = 9;           // opcode, length
-constexpr std::uint64_t largest_run = 4U << 20U;   // of messages outside of chunks [bytes]
+constexpr std::uint64_t record_head = 9;          // opcode, length
+constexpr std::uint64_t largest_run = 4U << 20U;  // of messages outside of chunks [bytes]
 
 enum Op : std::uint8_t
 {
@@ -53,7 +53,7 @@ class McapBag : public ChunkedBag
     endRun();
     if (!whole)
     {
-      warn("is cut short at byte " + std::to_string(at) + "; what is whole is read");
+      warnCutShort(at);
     }
     finishIndex();
   }

@@ -15,8 +15,9 @@ bool hasFile(const fs::path& folder, bool (*wanted)(const std::string&))
 {
   std::error_code unreadable;
   const auto files = fs::directory_iterator(folder, unreadable);
-  return !unreadable && std::any_of(begin(files), end(files), [wanted](const auto& entry)
-                                    { return wanted(entry.path().string()); });
+  return !unreadable &&
+         std::any_of(begin(files), end(files),
+                     [wanted](const auto& entry) { return wanted(entry.path().string()); });
 }
 
 bool isKittiFolder(const fs::path& folder)

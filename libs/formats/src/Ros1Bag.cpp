@@ -83,7 +83,7 @@ class Ros1Bag : public ChunkedBag
     }
     catch (const CutShort& end)
     {
-      warn("is cut short at byte " + std::to_string(end.offset) + "; what is whole is read");
+      warnCutShort(end.offset);
     }
     finishIndex();
   }
@@ -140,7 +140,8 @@ class Ros1Bag : public ChunkedBag
       case bag_header:
         if (fields.has("encryptor") && !fields.text("encryptor").empty())
         {
-          throw UserError(path() + ": is encrypted; write it anew without encryption, with ROS's rosbag");
+          throw UserError(path() +
+                          ": is encrypted; write it anew without encryption, with ROS's rosbag");
         }
         if (fields.number<std::uint64_t>("index_pos") == 0)
         {

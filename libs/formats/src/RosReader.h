@@ -21,7 +21,8 @@ inline ByteReader rosReader(const BagTopic& topic, const BagMessage& message)
   {
     const auto head = reader.take(4);
     const auto kind = static_cast<unsigned char>(head[1]);
-    const bool second = kind == 6 || kind == 7;  // XCDR2: numbers of 8 bytes stand at multiples of 4
+    const bool second =
+        kind == 6 || kind == 7;  // XCDR2: numbers of 8 bytes stand at multiples of 4
     if (head[0] != 0 || (kind > 1 && !second))
     {
       reader.fail("is not in plain CDR (kind " + std::to_string(kind) + ")");

@@ -76,8 +76,8 @@ struct RosScanDecoder::Cloud2
 
   [[nodiscard]] double value(const PointField& field, std::size_t point) const
   {
-    const char* at = data.data() + point / width * row_step + point % width * point_step +
-                     field.offset;
+    const char* at =
+        data.data() + point / width * row_step + point % width * point_step + field.offset;
     switch (field.type)
     {
       case 1:
@@ -159,8 +159,8 @@ bool RosScanDecoder::reads(const BagTopic& topic)
 
 Scan RosScanDecoder::decode(const BagTopic& topic, const BagMessage& message)
 {
-  Scan scan = isLivoxMessage(topic.type) ? decodeLivox(topic, message)
-                                         : decodeCloud(topic, message);
+  Scan scan =
+      isLivoxMessage(topic.type) ? decodeLivox(topic, message) : decodeCloud(topic, message);
   if (scan.stamp == 0)
   {
     if (first_)
@@ -370,8 +370,8 @@ void RosScanDecoder::fillRings(const Cloud2& cloud, Scan& scan)
   scan.ring.reserve(scan.size());
   for (std::size_t i = 0; i < scan.size(); ++i)
   {
-    const double ring = field != nullptr ? cloud.value(*field, i)
-                                         : static_cast<double>(i / cloud.width);
+    const double ring =
+        field != nullptr ? cloud.value(*field, i) : static_cast<double>(i / cloud.width);
     scan.ring.push_back(static_cast<std::uint16_t>(std::clamp(ring, 0.0, 65535.0)));
   }
   orderRings(field != nullptr ? "field " + field->name : "rows of the cloud", scan);
@@ -397,8 +397,7 @@ void RosScanDecoder::orderRings(const std::string& source, Scan& scan)
       return;
     }
     const double covariance = sum_re - sum_r * sum_e / n;
-    const double spread =
-        std::sqrt((sum_rr - sum_r * sum_r / n) * (sum_ee - sum_e * sum_e / n));
+    const double spread = std::sqrt((sum_rr - sum_r * sum_r / n) * (sum_ee - sum_e * sum_e / n));
     constexpr double clear = 0.5;  // a Livox's lines have no order by height
     ring_order_ = covariance < -clear * spread ? Order::from_highest : Order::from_lowest;
     notes_.push_back("ring: " + source +

@@ -13,8 +13,8 @@ namespace dyslam
 {
 namespace
 {
-constexpr double truth_max_gap = 0.2;    //!< [s] as RawlogSourceOptions::ground_truth_max_gap
-constexpr double same_instant = 1e-6;    //!< [s]
+constexpr double truth_max_gap = 0.2;  //!< [s] as RawlogSourceOptions::ground_truth_max_gap
+constexpr double same_instant = 1e-6;  //!< [s]
 
 std::string namesOf(const Bag& bag, const std::function<bool(const BagTopic&)>& wanted)
 {
@@ -72,13 +72,12 @@ std::size_t scanTopic(const std::string& input, const Bag& bag, const std::strin
   {
     return *best;
   }
-  const std::string packets =
-      namesOf(bag,
-              [](const BagTopic& topic)
-              {
-                return topic.type.find("Packet") != std::string::npos ||
-                       topic.type == "velodyne_msgs/VelodyneScan";
-              });
+  const std::string packets = namesOf(bag,
+                                      [](const BagTopic& topic)
+                                      {
+                                        return topic.type.find("Packet") != std::string::npos ||
+                                               topic.type == "velodyne_msgs/VelodyneScan";
+                                      });
   throw UserError(input + ": has no sensor_msgs/PointCloud2" +
                   (packets.empty() ? "; --list shows the topics"
                                    : ", but packets (" + packets +
@@ -89,8 +88,7 @@ std::size_t scanTopic(const std::string& input, const Bag& bag, const std::strin
 /** Poses of one body from a topic of the bag. */
 Trajectory readTruth(const std::string& input, Bag& bag, const ScanConverterOptions& options)
 {
-  const std::size_t topic =
-      topicNamed(input, bag, "--truth-topic", options.truth_topic, isRosPose);
+  const std::size_t topic = topicNamed(input, bag, "--truth-topic", options.truth_topic, isRosPose);
   bag.select({topic});
   std::map<std::string, std::map<double, Pose>> bodies;  // by child frame, in order of time
   BagMessage message;
@@ -112,12 +110,11 @@ Trajectory readTruth(const std::string& input, Bag& bag, const ScanConverterOpti
       names += (names.empty() ? "" : ", ") + name;
     }
     throw UserError(input + ": " + options.truth_topic +
-                    (bodies.empty() ? " has no poses" +
-                                          (options.truth_frame.empty()
-                                               ? std::string()
-                                               : " of --truth-frame " + options.truth_frame)
-                                    : " has poses of " + names +
-                                          "; choose one with --truth-frame"));
+                    (bodies.empty()
+                         ? " has no poses" + (options.truth_frame.empty()
+                                                  ? std::string()
+                                                  : " of --truth-frame " + options.truth_frame)
+                         : " has poses of " + names + "; choose one with --truth-frame"));
   }
   Trajectory trajectory;
   for (const auto& [stamp, pose] : bodies.begin()->second)
@@ -142,7 +139,8 @@ void convertBag(const std::string& input, ScanSink& sink, const ScanConverterOpt
   const std::unique_ptr<Bag> bag = openBag(input);
   const std::size_t at = scanTopic(input, *bag, options.topic);
   const BagTopic topic = bag->topics()[at];
-  const Trajectory truth = options.truth_topic.empty() ? Trajectory() : readTruth(input, *bag, options);
+  const Trajectory truth =
+      options.truth_topic.empty() ? Trajectory() : readTruth(input, *bag, options);
   for (const std::string& warning : bag->warnings())
   {
     sink.warn(warning);

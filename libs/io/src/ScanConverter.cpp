@@ -194,13 +194,14 @@ void requireFitting(InputKind kind, const ScanConverterOptions& options)
     InputKind kind;
     const char* with;
   };
-  for (const Use& use : {Use{"--poses", !options.poses.empty(), InputKind::folder, "a folder of scans"},
-                         Use{"--times", !options.times.empty(), InputKind::folder, "a folder of scans"},
-                         Use{"--calibration", !options.calibration.empty(), InputKind::pcap, "a .pcap"},
-                         Use{"--keep-partial", options.keep_partial, InputKind::pcap, "a .pcap"},
-                         Use{"--topic", !options.topic.empty(), InputKind::bag, "a bag"},
-                         Use{"--truth-topic", !options.truth_topic.empty(), InputKind::bag, "a bag"},
-                         Use{"--truth-frame", !options.truth_frame.empty(), InputKind::bag, "a bag"}})
+  for (const Use& use :
+       {Use{"--poses", !options.poses.empty(), InputKind::folder, "a folder of scans"},
+        Use{"--times", !options.times.empty(), InputKind::folder, "a folder of scans"},
+        Use{"--calibration", !options.calibration.empty(), InputKind::pcap, "a .pcap"},
+        Use{"--keep-partial", options.keep_partial, InputKind::pcap, "a .pcap"},
+        Use{"--topic", !options.topic.empty(), InputKind::bag, "a bag"},
+        Use{"--truth-topic", !options.truth_topic.empty(), InputKind::bag, "a bag"},
+        Use{"--truth-frame", !options.truth_frame.empty(), InputKind::bag, "a bag"}})
   {
     if (use.given && use.kind != kind)
     {
@@ -246,7 +247,7 @@ ConversionResult convertScans(const std::string& input,
   {
     throw UserError(input + ": no such file or folder");
   }
-  const InputKind kind = isBag(input)               ? InputKind::bag
+  const InputKind kind = isBag(input)              ? InputKind::bag
                          : fs::is_directory(input) ? InputKind::folder
                                                    : InputKind::pcap;
   requireFitting(kind, options);

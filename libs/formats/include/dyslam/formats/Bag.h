@@ -62,9 +62,10 @@ class Bag
   [[nodiscard]] virtual std::vector<std::string> warnings() const = 0;
 };
 
-/** Opens a ROS 1 bag (v2.0; plain, bz2 or lz4 chunks), a ROS 2 bag of sqlite3 (`.db3`), an mcap file
- * (plain, lz4 or zstd chunks), or a folder of such files, the parts of one recording in the order of
- * their names. Finds topics and counts by the index, or by reading all where there is none.
+/** Opens a ROS 1 bag (v2.0; plain, bz2 or lz4 chunks), a ROS 2 bag of sqlite3 (`.db3`), an mcap
+ * file (plain, lz4 or zstd chunks), or a folder of such files, the parts of one recording in the
+ * order of their names. Finds topics and counts by the index, or by reading all where there is
+ * none.
  *
  * Formats: http://wiki.ros.org/Bags/Format/2.0, https://mcap.dev/spec,
  * https://github.com/ros2/rosbag2 (storage sqlite3).

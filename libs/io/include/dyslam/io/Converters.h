@@ -10,19 +10,19 @@
 
 namespace dyslam
 {
-/** Called after every scan: fraction of the work done (0 to 1) and scans so far. What it throws ends
- * the conversion and removes all that was written. */
+/** Called after every scan: fraction of the work done (0 to 1) and scans so far. What it throws
+ * ends the conversion and removes all that was written. */
 using ConversionProgress = std::function<void(double, std::size_t)>;
 
 struct ConversionResult
 {
   std::size_t scans = 0;
   std::size_t points = 0;
-  std::size_t poses = 0;        //!< scans with a true pose
-  std::string pose_source;      //!< the file they are from; empty without
-  std::size_t label_files = 0;  //!< scans with labels per point
-  std::size_t boxes = 0;        //!< true boxes of all scans
-  std::string ground_truth;     //!< sidecar folder; empty if there is no truth
+  std::size_t poses = 0;           //!< scans with a true pose
+  std::string pose_source;         //!< the file they are from; empty without
+  std::size_t label_files = 0;     //!< scans with labels per point
+  std::size_t boxes = 0;           //!< true boxes of all scans
+  std::string ground_truth;        //!< sidecar folder; empty if there is no truth
   std::vector<std::string> notes;  //!< what was found in the input and used, a line each
   std::vector<std::string> warnings;
 };
@@ -83,14 +83,14 @@ ConversionResult convertKitti(const std::string& input,
 
 struct ScanConverterOptions : Options
 {
-  std::string sensor;         //!< VLP16, HDL32E or HDL64E for a pcap; label of the scans otherwise
-  std::string calibration;    //!< Velodyne XML or YAML for a pcap
-  std::string poses;          //!< TUM or KITTI file of the lidar, for folders
+  std::string sensor;       //!< VLP16, HDL32E or HDL64E for a pcap; label of the scans otherwise
+  std::string calibration;  //!< Velodyne XML or YAML for a pcap
+  std::string poses;        //!< TUM or KITTI file of the lidar, for folders
   std::string times;  //!< file of times [s] or KITTI time stamps for a folder, a line for each scan
   std::string topic;  //!< of a bag's scans; empty: the one with the most
-  std::string truth_topic;  //!< of a bag's true poses of the vehicle; empty: none
-  std::string truth_frame;  //!< child frame of truth_topic, where that has several
-  std::string sensor_pose;  //!< T_vehicle_lidar: x y z yaw pitch roll [m, deg]; empty: identity
+  std::string truth_topic;    //!< of a bag's true poses of the vehicle; empty: none
+  std::string truth_frame;    //!< child frame of truth_topic, where that has several
+  std::string sensor_pose;    //!< T_vehicle_lidar: x y z yaw pitch roll [m, deg]; empty: identity
   double dt = 0;              //!< seconds between scans; 0: the recording's times, else 0.1
   bool keep_partial = false;  //!< broken first and last revolutions of a pcap, too
   int skip_first_n = 0;
