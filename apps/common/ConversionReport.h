@@ -26,9 +26,10 @@ inline void report(const ConversionResult& result, const std::string& output)
     std::cerr << "warning: " << warning << '\n';
   }
   std::cout << output << ": " << result.scans << " scans, " << result.points << " points";
-  if (!result.ground_truth.empty())
+  if (result.poses + result.label_files + result.boxes > 0)
   {
-    std::cout << "; truth in " << result.ground_truth << ": " << result.poses << " poses"
+    std::cout << "; truth" << (result.ground_truth.empty() ? "" : " in " + result.ground_truth)
+              << ": " << result.poses << " poses"
               << (result.pose_source.empty() ? "" : " (from " + result.pose_source + ")") << ", "
               << result.label_files << " label files, " << result.boxes << " boxes";
   }
@@ -51,9 +52,31 @@ inline void stopConversionOnSignals()
   sigaction(SIGTERM, &action, nullptr);
 }
 
-/** Converts with a line of progress, and says what came of it. A signal ends it and removes what
- * was written so far. \param program its name \param convert does it, reporting how far it is.
- * \throws UserError. */
+/** Converts with a line of progress. A signal ends it and removes what was written so far.
+ * \param program its name \param convert does it, reporting how far it is. \throws UserError. */
+inline ConversionResult convertWithProgress(
+    const std::string& program,
+    const std::string& output,
+    bool quiet,
+    const std::function<ConversionResult(const ConversionProgress&)>& convert)
+{
+  stopConversionOnSignals();
+  Progress progress(program, "scans", quiet);
+  ConversionResult result = convert(
+      [&progress, &output](double fraction, std::size_t scans)
+      {
+        progress.update(fraction, scans);
+        if (conversion_stop_asked)
+        {
+          throw UserError("stopped after " + std::to_string(scans) + " scans; " + output +
+                          " was not written");
+        }
+      });
+  progress.finish(result.scans);
+  return result;
+}
+
+/** Writes a rawlog with a line of progress, and says what came of it. \throws UserError. */
 inline void runConversion(const std::string& program,
                           const std::string& output,
                           bool quiet,
@@ -61,22 +84,6 @@ inline void runConversion(const std::string& program,
 {
   requireFolderOf(output);
   requireWritable(output);
-  stopConversionOnSignals();
-  ConversionResult result;
-  {
-    Progress progress(program, "scans", quiet);
-    result = convert(
-        [&progress, &output](double fraction, std::size_t scans)
-        {
-          progress.update(fraction, scans);
-          if (conversion_stop_asked)
-          {
-            throw UserError("stopped after " + std::to_string(scans) + " scans; " + output +
-                            " was not written");
-          }
-        });
-    progress.finish(result.scans);
-  }
-  report(result, output);
+  report(convertWithProgress(program, output, quiet, convert), output);
 }
 }  // namespace dyslam

@@ -301,11 +301,6 @@ void RosScanDecoder::fillTimes(const Cloud2& cloud, Scan& scan)
       cloud.find({"t", "time", "timestamp", "offset_time", "time_offset", "time_stamp"});
   if (field == nullptr || times_unusable_ || scan.points.empty())
   {
-    if (field == nullptr && first_)
-    {
-      warnings_.emplace_back(
-          "the points have no time; scans are deskewed by azimuth, if the settings say so");
-    }
     return;
   }
   std::vector<double> values(scan.size());

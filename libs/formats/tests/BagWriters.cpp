@@ -57,7 +57,8 @@ std::string compressed(const std::string& name, const std::string& data)
   }
   else if (name == "lz4")
   {
-    result.resize(LZ4F_compressFrame(result.data(), result.size(), data.data(), data.size(), nullptr));
+    result.resize(
+        LZ4F_compressFrame(result.data(), result.size(), data.data(), data.size(), nullptr));
   }
   else
   {
@@ -115,8 +116,8 @@ std::string record(std::uint8_t op, const std::string& fields, const std::string
 std::string connectionRecord(std::uint32_t id, const TestMessage& message)
 {
   return record(7, number("conn", id) + field("topic", message.topic),
-                field("topic", message.topic) + field("type", message.type) +
-                    field("md5sum", "*") + field("message_definition", ""));
+                field("topic", message.topic) + field("type", message.type) + field("md5sum", "*") +
+                    field("message_definition", ""));
 }
 
 // ---- mcap
@@ -133,7 +134,9 @@ std::string ros2Type(const std::string& type)
   return type.substr(0, slash) + "/msg" + type.substr(slash);
 }
 
-std::string mcapDefinition(std::uint16_t id, const TestMessage& message, const std::string& encoding)
+std::string mcapDefinition(std::uint16_t id,
+                           const TestMessage& message,
+                           const std::string& encoding)
 {
   std::string schema;
   append(schema, static_cast<std::uint16_t>(id + 1));
@@ -202,8 +205,9 @@ std::string pointCloud2(bool cdr,
                         const std::vector<CloudField>& fields,
                         std::uint32_t rows)
 {
-  const auto sizeOf = [](std::uint8_t type) -> std::uint32_t
-  { return type == 2 ? 1 : type == 4 ? 2 : type == 8 ? 8 : 4; };
+  const auto sizeOf = [](std::uint8_t type) -> std::uint32_t {
+    return type == 2 ? 1 : type == 4 ? 2 : type == 8 ? 8 : 4;
+  };
   MessageBytes message(cdr);
   const auto points = static_cast<std::uint32_t>(fields.front().values.size());
   message.header(stamp, "lidar").put(rows).put(points / rows);
@@ -436,8 +440,8 @@ void writeSqliteBag(const std::string& path, const std::vector<TestMessage>& mes
     const auto [id, added] = ids.try_emplace(m.topic, static_cast<int>(ids.size()) + 1);
     if (added)
     {
-      execute(database, "INSERT INTO topics VALUES(" + std::to_string(id->second) + ",'" +
-                            m.topic + "','" + ros2Type(m.type) + "','cdr','')");
+      execute(database, "INSERT INTO topics VALUES(" + std::to_string(id->second) + ",'" + m.topic +
+                            "','" + ros2Type(m.type) + "','cdr','')");
     }
     const std::string data = packed ? compressed("zstd", m.data) : m.data;
     sqlite3_stmt* insert = nullptr;

@@ -80,9 +80,9 @@ struct BagStyle
 {
   std::string compression = "none";  //!< of chunks: none, bz2, lz4 or zstd
   std::size_t messages_per_chunk = 3;
-  bool index = true;    //!< message indexes, and definitions at the end
-  bool chunks = true;   //!< mcap: false puts messages outside of chunks
-  bool closed = true;   //!< false: as a recorder that was killed leaves it
+  bool index = true;   //!< message indexes, and definitions at the end
+  bool chunks = true;  //!< mcap: false puts messages outside of chunks
+  bool closed = true;  //!< false: as a recorder that was killed leaves it
 };
 
 void writeRos1Bag(const std::string& path,

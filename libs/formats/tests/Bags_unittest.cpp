@@ -282,7 +282,8 @@ TEST(Bags, Errors)
   const auto bag = openBag(folder.file("c.mcap"));
   bag->select({0});
   BagMessage first;
-  EXPECT_TRUE(contains(messageOfError<UserError>([&] { (void)bag->next(first); }), "c.mcap: chunk"));
+  EXPECT_TRUE(
+      contains(messageOfError<UserError>([&] { (void)bag->next(first); }), "c.mcap: chunk"));
 }
 
 TEST(Bags, AdviceForRecordings)

@@ -36,11 +36,11 @@ std::vector<test::TestMessage> messagesOf(bool cdr)
   {
     const Scan scan = scanWithTimes(i);
     const double recorded = scan.stamp + 0.01;
-    messages.push_back({"/odom", "nav_msgs/Odometry", recorded,
-                        test::odometry(cdr, scan.stamp, somePose(i))});
-    messages.push_back({"/tf", "tf2_msgs/TFMessage", recorded,
-                        test::transforms(cdr, scan.stamp,
-                                         {{"base", somePose(i)}, {"wheel", Pose::Identity()}})});
+    messages.push_back(
+        {"/odom", "nav_msgs/Odometry", recorded, test::odometry(cdr, scan.stamp, somePose(i))});
+    messages.push_back(
+        {"/tf", "tf2_msgs/TFMessage", recorded,
+         test::transforms(cdr, scan.stamp, {{"base", somePose(i)}, {"wheel", Pose::Identity()}})});
     messages.push_back({"/points", "sensor_msgs/PointCloud2", recorded,
                         test::pointCloud2(cdr, scan.stamp, test::velodyneFields(scan))});
     if (i % 2 == 0)
@@ -87,8 +87,7 @@ TEST(BagConverter, TheSameRecordingGivesTheSameBytesWhateverItCameIn)
   for (const std::string ending : {".bag", ".db3", ".mcap"})
   {
     write(folder.file("x" + ending));
-    const auto result =
-        convertScans(folder.file("x" + ending), folder.file("x.rawlog"), options);
+    const auto result = convertScans(folder.file("x" + ending), folder.file("x.rawlog"), options);
     EXPECT_EQ(scan_count, result.scans);
     EXPECT_TRUE(result.warnings.empty());
     EXPECT_EQ(bytes, folder.read("x.rawlog")) << ending;
@@ -119,8 +118,7 @@ TEST(BagConverter, TruthOfATopic)
     {
       options.truth_topic = topic;
       options.truth_frame = topic == "/tf" ? "base" : "";
-      const auto result =
-          convertScans(folder.file("x" + ending), folder.file("x.rawlog"), options);
+      const auto result = convertScans(folder.file("x" + ending), folder.file("x.rawlog"), options);
       EXPECT_EQ(scan_count, result.poses);
       const auto frames = readAll(folder.file("x.rawlog"));
       ASSERT_EQ(scan_count, frames.size());
