@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "ConversionOutput.h"
 
+#include <dyslam/core/Error.h>
+
+#include <cmath>
 #include <filesystem>
+#include <sstream>
 
 namespace dyslam
 {
@@ -18,6 +22,30 @@ RawlogWriterOptions writerOptions(bool external_storage, int compression_level)
 }
 }  // namespace
 
+Pose sensorPoseFrom(std::string text)
+{
+  if (text.empty())
+  {
+    return Pose::Identity();
+  }
+  for (char& c : text)
+  {
+    c = c == ',' ? ' ' : c;
+  }
+  std::istringstream words(text);
+  std::vector<double> v;
+  for (double value = 0; words >> value;)
+  {
+    v.push_back(value);
+  }
+  if (!words.eof() || v.size() != 6)
+  {
+    throw UserError("--sensor-pose '" + text +
+                    "': six numbers are needed: x y z [m] yaw pitch roll [deg]");
+  }
+  const double rad = M_PI / 180;
+  return poseFromYpr(v[0], v[1], v[2], rad * v[3], rad * v[4], rad * v[5]);
+}
 ConversionOutput::ConversionOutput(const std::string& path,
                                    bool external_storage,
                                    int compression_level)

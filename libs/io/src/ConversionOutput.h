@@ -11,6 +11,10 @@
 
 namespace dyslam
 {
+/** T_vehicle_lidar of "x y z yaw pitch roll" [m, deg], parted by spaces or commas; identity if empty.
+ * \throws UserError. */
+[[nodiscard]] Pose sensorPoseFrom(std::string text);
+
 /** A rawlog and, once there is truth for it, its sidecar; counts what it writes.
  *
  * Both get their names by close(), or by the destructor when an error ends the work after the first

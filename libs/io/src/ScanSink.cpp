@@ -1,47 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "ScanSink.h"
 
-#include <dyslam/core/Error.h>
-
-#include <cmath>
-#include <sstream>
-
 namespace dyslam
 {
 namespace
 {
 constexpr double default_dt = 0.1;  //!< [s]
-
-/** "x y z yaw pitch roll" [m, deg], parted by spaces or commas; identity if empty. */
-Pose poseFrom(std::string text)
-{
-  if (text.empty())
-  {
-    return Pose::Identity();
-  }
-  for (char& c : text)
-  {
-    c = c == ',' ? ' ' : c;
-  }
-  std::istringstream words(text);
-  std::vector<double> v;
-  for (double value = 0; words >> value;)
-  {
-    v.push_back(value);
-  }
-  if (!words.eof() || v.size() != 6)
-  {
-    throw UserError("--sensor-pose '" + text +
-                    "': six numbers are needed: x y z [m] yaw pitch roll [deg]");
-  }
-  const double rad = M_PI / 180;
-  return poseFromYpr(v[0], v[1], v[2], rad * v[3], rad * v[4], rad * v[5]);
-}
 }  // namespace
 
 ScanSink::ScanSink(const std::string& output, const ScanConverterOptions& options)
     : options_(options),
-      T_vehicle_lidar_(poseFrom(options.sensor_pose)),
+      T_vehicle_lidar_(sensorPoseFrom(options.sensor_pose)),
       out_(output, options.external_storage, options.compression_level)
 {
 }

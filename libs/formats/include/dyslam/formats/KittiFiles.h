@@ -20,12 +20,14 @@ struct KittiCalib
   Pose T_cam_velo = Pose::Identity();  //!< lidar points to the rectified camera 0
   Pose T_velo_imu = Pose::Identity();  //!< GNSS/INS frame to the lidar
   bool has_imu = false;
+  bool has_camera = true;
   Eigen::Matrix<double, 3, 4> P2 = Eigen::Matrix<double, 3, 4>::Zero();  //!< colour camera's
 };
 
 /** Reads an odometry (`Tr`), tracking or object (`R_rect`/`R0_rect`, `Tr_velo_cam`/
  * `Tr_velo_to_cam`, `Tr_imu_velo`/...) calib file, or a raw day's folder with
- * `calib_velo_to_cam.txt`, `calib_cam_to_cam.txt` and `calib_imu_to_velo.txt`. \throws UserError.
+ * `calib_velo_to_cam.txt` and `calib_cam_to_cam.txt`, `calib_imu_to_velo.txt`, or all three (or one
+ * of them, for its folder). \throws UserError.
  */
 [[nodiscard]] KittiCalib readKittiCalib(const std::string& file_or_folder);
 

@@ -59,6 +59,9 @@ struct KittiConverterOptions : Options
   std::string labels;    //!< folder of .label files
   std::string boxes;     //!< label_02 file, or folder of SUSTechPOINTS json
   std::string sequence;  //!< of tracking's official layout: "0000"; empty: the only one
+  std::string times;     //!< file of times [s] or KITTI time stamps, a line for each frame number
+  std::string sensor_pose;  //!< T_vehicle_lidar: x y z yaw pitch roll [m, deg]; empty: identity
+  bool no_truth = false;    //!< scans only: no poses, labels or boxes
   PoseFrame pose_frame = PoseFrame::automatic;
   ScansDeskewed deskewed = ScansDeskewed::automatic;
   double dt = 0;  //!< seconds between scans; 0: the layout's own times, else 0.1034
@@ -74,7 +77,11 @@ struct KittiConverterOptions : Options
 /** Writes a KITTI folder, official or plain (`velodyne/NNNNNN.bin` and whatever files the options
  * name), as a rawlog with its ground-truth sidecar. Every point is kept in its order.
  *
- * The vehicle frame is the lidar's, the world that of the pose file. Boxes and labels keep their
+ * Truth that lies in the folder but cannot be read, because the calibration is missing for example,
+ * is left out with a warning; truth that the options name must be readable.
+ *
+ * The vehicle frame is the lidar's unless sensor_pose says otherwise, the world that of the pose
+ * file. Boxes and labels keep their
  * meaning, frames are counted from 0 as in the rawlog. \throws UserError. */
 ConversionResult convertKitti(const std::string& input,
                               const std::string& output,
