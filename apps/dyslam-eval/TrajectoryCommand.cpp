@@ -59,7 +59,9 @@ TrajectoryFile readPoses(const std::string& path, bool camera, const std::string
   return file;
 }
 
-void warnAboutAxes(const std::string& reference, const std::string& estimate, const PosePairs& pairs)
+void warnAboutAxes(const std::string& reference,
+                   const std::string& estimate,
+                   const PosePairs& pairs)
 {
   const BodyAxes axes = compareBodyAxes(pairs);
   if (axes == BodyAxes::differ)
@@ -218,8 +220,9 @@ Subcommand trajectoryCommand(CLI::App& app)
                   "which poses are a camera's (z ahead), to be taken to the lidar's: estimate or "
                   "reference")
       ->check(CLI::IsMember({"estimate", "reference"}));
-  sub->add_option("--calib", a->calib,
-                  "calib.txt with the camera's mounting, for --camera (default: only the axes turn)");
+  sub->add_option(
+      "--calib", a->calib,
+      "calib.txt with the camera's mounting, for --camera (default: only the axes turn)");
   sub->add_flag("--statistics", a->statistics, "also max, mean, median, min, RMSE and std");
   sub->add_flag("--per-length", a->per_length, "also t_rel and r_rel of each segment length");
   sub->add_option("--paper", a->paper,

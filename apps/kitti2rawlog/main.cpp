@@ -37,7 +37,8 @@ void declare(CLI::App& app, Arguments& arguments)
       ->transform(wordFor(kinds));
   app.add_option("-i,--input", arguments.input, "folder of the recording")->required();
   app.add_option("-o,--output", arguments.output, "rawlog to write")->required();
-  app.add_option("--calib", o.calib, "calib.txt, or folder with calib_cam_to_cam.txt, calib_velo_to_cam.txt and "
+  app.add_option("--calib", o.calib,
+                 "calib.txt, or folder with calib_cam_to_cam.txt, calib_velo_to_cam.txt and "
                  "calib_imu_to_velo.txt");
   app.add_option("--poses", o.poses, "true poses, TUM or KITTI");
   app.add_option("--pose-frame", o.pose_frame, "whose poses those are: auto, lidar or camera")

@@ -177,8 +177,8 @@ TEST_F(Inputs, Ros1Ros2AndMcapGiveTheTrajectoryOfTheRawlog)
 TEST_F(Inputs, AFolderOfARos2Recording)
 {
   write("recording/metadata.yaml", "rosbag2_bagfile_information:\n");
-  expectOriginal((bag("recording/recording_0.db3"),
-                  converted("scans2rawlog", "-i " + at("recording"))));
+  expectOriginal(
+      (bag("recording/recording_0.db3"), converted("scans2rawlog", "-i " + at("recording"))));
 }
 
 TEST_F(Inputs, LivoxMessagesInABag)
@@ -240,11 +240,12 @@ TEST_F(Inputs, EveryProgramSaysWhatToDoWithABag)
 TEST_F(Inputs, FoldersOfScans)
 {
   bins("counted", counted);
-  expectOriginal(converted("scans2rawlog", "-i " + at("counted"),
-                           {"not taken as time stamps", "0.1 s between scans is assumed",
-                            "points have no times"}));
+  expectOriginal(converted(
+      "scans2rawlog", "-i " + at("counted"),
+      {"not taken as time stamps", "0.1 s between scans is assumed", "points have no times"}));
   bins("named", [](std::size_t i) { return "160000000" + std::to_string(i) + "250000000"; });
-  const auto named = converted("scans2rawlog", "-i " + at("named"), {"time stamps: the file names"});
+  const auto named =
+      converted("scans2rawlog", "-i " + at("named"), {"time stamps: the file names"});
   expectOriginal(named);
   EXPECT_NEAR(1600000003.25, named.at(3).scan.stamp, 1e-6);
   for (const std::string ending : {".pcd", ".ply"})
@@ -286,8 +287,7 @@ TEST_F(Inputs, KittiRaw)
 TEST_F(Inputs, KittiTracking)
 {
   bins("tracking/training/velodyne/0003", counted);
-  write("tracking/training/label_02/0003.txt",
-        "0 5 Car 0 0 0 1 2 3 4 1.5 1.8 4 0 1 20 -1.57\n");
+  write("tracking/training/label_02/0003.txt", "0 5 Car 0 0 0 1 2 3 4 1.5 1.8 4 0 1 20 -1.57\n");
   write("tracking/training/calib/0003.txt",
         "R_rect 1 0 0 0 1 0 0 0 1\nTr_velo_cam 0 -1 0 0 0 0 -1 0 1 0 0 0\n"
         "Tr_imu_velo 1 0 0 0 0 1 0 0 0 0 1 0\n");
@@ -343,8 +343,7 @@ TEST_F(Inputs, OutputsAreCheckedBeforeTheWork)
 {
   bins("counted", counted);
   makeFolder("taken.rawlog");
-  const Outcome outcome =
-      run("scans2rawlog", "-i " + at("counted") + " -o " + at("taken.rawlog"));
+  const Outcome outcome = run("scans2rawlog", "-i " + at("counted") + " -o " + at("taken.rawlog"));
   EXPECT_EQ(1, outcome.code);
   EXPECT_NE(outcome.err.find("taken.rawlog: is a folder"), std::string::npos) << outcome.err;
 }

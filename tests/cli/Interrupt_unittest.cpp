@@ -25,7 +25,9 @@ namespace dyslam
 namespace
 {
 /** Starts the program with its stderr in a file, interrupts it once `begun` exists. */
-int interrupted(const std::vector<std::string>& words, const std::string& err, const fs::path& begun)
+int interrupted(const std::vector<std::string>& words,
+                const std::string& err,
+                const fs::path& begun)
 {
   const pid_t child = ::fork();
   if (child == 0)
@@ -61,7 +63,8 @@ TEST(Interrupt, AConversionSaysAWordAndLeavesNothing)
   std::vector<Eigen::Vector3f> points;
   for (int i = 0; i < 20000; ++i)
   {
-    points.emplace_back(std::sin(0.37F * static_cast<float>(i)) * 40, static_cast<float>(i % 91), 1);
+    points.emplace_back(std::sin(0.37F * static_cast<float>(i)) * 40, static_cast<float>(i % 91),
+                        1);
   }
   writeBin(folder.file("scan.bin"), points);
   for (int i = 0; i < 20000; ++i)
@@ -70,9 +73,9 @@ TEST(Interrupt, AConversionSaysAWordAndLeavesNothing)
   }
   folder.write("x.rawlog", "an earlier one");
   const std::string bin = DYSLAM_BIN_DIR;
-  const int code =
-      interrupted({bin + "/scans2rawlog", "-q", "-i", folder.file("in"), "-o", folder.file("x.rawlog")},
-                  folder.file("err.txt"), folder.file("x.rawlog.tmp"));
+  const int code = interrupted(
+      {bin + "/scans2rawlog", "-q", "-i", folder.file("in"), "-o", folder.file("x.rawlog")},
+      folder.file("err.txt"), folder.file("x.rawlog.tmp"));
   const std::string said = folder.read("err.txt");
   EXPECT_EQ(1, code) << said;
   EXPECT_TRUE(contains(said, "scans2rawlog: stopped after")) << said;

@@ -34,9 +34,9 @@ inline Outcome runProgram(const std::string& program,
 {
   const std::string out = folder + "/stdout.txt";
   const std::string err = folder + "/stderr.txt";
-  const int status = std::system((std::string(DYSLAM_BIN_DIR) + "/" + program + " " + arguments +
-                                  " > " + out + " 2> " + err)
-                                     .c_str());
+  const int status = std::system(
+      (std::string(DYSLAM_BIN_DIR) + "/" + program + " " + arguments + " > " + out + " 2> " + err)
+          .c_str());
   Outcome outcome;
   outcome.code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
   outcome.out = contentOf(out);

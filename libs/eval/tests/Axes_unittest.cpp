@@ -9,7 +9,8 @@ namespace dyslam
 namespace
 {
 /** An S of 60 m, and the same with drift of a degree a metre, seen by a body turned by `turn`. */
-PosePairs pathAndEstimate(const Eigen::Matrix3d& turn_reference, const Eigen::Matrix3d& turn_estimate)
+PosePairs pathAndEstimate(const Eigen::Matrix3d& turn_reference,
+                          const Eigen::Matrix3d& turn_estimate)
 {
   PosePairs pairs;
   Pose truth = Pose::Identity();

@@ -11,8 +11,8 @@
 
 namespace dyslam
 {
-/** T_vehicle_lidar of "x y z yaw pitch roll" [m, deg], parted by spaces or commas; identity if empty.
- * \throws UserError. */
+/** T_vehicle_lidar of "x y z yaw pitch roll" [m, deg], parted by spaces or commas; identity if
+ * empty. \throws UserError. */
 [[nodiscard]] Pose sensorPoseFrom(std::string text);
 
 /** A rawlog and, once there is truth for it, its sidecar; counts what it writes.

@@ -56,7 +56,8 @@ class LayoutReader
     if (!options_.no_truth)
     {
       findLabels();
-      orWithout("poses", !options_.poses.empty() || !options_.oxts.empty(), [this] { readPoses(); });
+      orWithout("poses", !options_.poses.empty() || !options_.oxts.empty(),
+                [this] { readPoses(); });
       orWithout("boxes", !options_.boxes.empty(), [this] { readBoxes(); });
     }
     return std::move(layout_);
@@ -166,8 +167,9 @@ class LayoutReader
   {
     if (!requireCalib(for_what).has_camera)
     {
-      throw UserError(calib_path_ + ": has no calib_cam_to_cam.txt and calib_velo_to_cam.txt, "
-                                    "needed for " +
+      throw UserError(calib_path_ +
+                      ": has no calib_cam_to_cam.txt and calib_velo_to_cam.txt, "
+                      "needed for " +
                       for_what);
     }
     return calib_;
@@ -213,9 +215,8 @@ class LayoutReader
     std::string source;
     if (options_.dt == 0)
     {
-      source =
-          firstExisting(options_.times,
-                        {input_ / "times.txt", input_ / "velodyne_points" / "timestamps.txt"});
+      source = firstExisting(options_.times,
+                             {input_ / "times.txt", input_ / "velodyne_points" / "timestamps.txt"});
       if (!source.empty())
       {
         times = readTimesOrTimestamps(source);

@@ -75,7 +75,8 @@ void requireKind(const fs::path& input, KittiKind kind)
   const std::string found = kindOf(input);
   if (!found.empty() && found != nameOf(kind))
   {
-    throw UserError(input.string() + ": has the layout of KITTI " + found + "; use --kind " + found);
+    throw UserError(input.string() + ": has the layout of KITTI " + found + "; use --kind " +
+                    found);
   }
 }
 
@@ -84,17 +85,16 @@ std::string nearbyRecording(const fs::path& input)
 {
   for (const fs::path& root : {input / "sequences", input / "dataset" / "sequences"})
   {
-    const auto sequences =
-        foldersIn(root, [&root](const std::string& name) { return hasScans(root / name / "velodyne"); });
+    const auto sequences = foldersIn(
+        root, [&root](const std::string& name) { return hasScans(root / name / "velodyne"); });
     if (!sequences.empty())
     {
       return "; give one of its sequences, such as --kind odometry -i " +
              (root / sequences.front()).string();
     }
   }
-  const auto drives =
-      foldersIn(input, [&input](const std::string& name)
-                { return hasScans(input / name / "velodyne_points" / "data"); });
+  const auto drives = foldersIn(input, [&input](const std::string& name)
+                                { return hasScans(input / name / "velodyne_points" / "data"); });
   if (!drives.empty())
   {
     return "; give one of its drives, such as --kind raw -i " + (input / drives.front()).string();

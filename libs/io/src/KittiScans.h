@@ -13,7 +13,7 @@ namespace dyslam
 {
 struct KittiScans
 {
-  std::string sequence;  //!< of tracking's official layout; empty in all others
+  std::string sequence;                     //!< of tracking's official layout; empty in all others
   std::vector<KittiLayout::Entry> entries;  //!< scan and number
 };
 

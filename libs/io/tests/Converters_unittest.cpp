@@ -327,8 +327,7 @@ TEST(KittiConverter, BoxesWithoutANumberGetOne)
   };
   folder.write("in/label_json/000000.json",
                "[" + box(R"("obj_id": "7",)") + "," + box(R"("obj_id": "",)") + "]");
-  folder.write("in/label_json/000001.json",
-               "[" + box(R"("obj_id": "7",)") + "," + box("") + "]");
+  folder.write("in/label_json/000001.json", "[" + box(R"("obj_id": "7",)") + "," + box("") + "]");
   const auto result =
       convertKitti(folder.file("in"), folder.file("x.rawlog"), KittiConverterOptions{});
   EXPECT_EQ(4U, result.boxes);
@@ -353,7 +352,8 @@ TEST(KittiConverter, TimesAndSensorPose)
   EXPECT_TRUE(result.warnings.empty());
   const auto frames = readAll(folder.file("x.rawlog"));
   EXPECT_NEAR(10.5, frames.at(1).scan.stamp, 1e-9);
-  EXPECT_TRUE(frames[0].scan.T_vehicle_lidar.isApprox(poseFromYpr(0, 0, 1.73, M_PI / 2, 0, 0), 1e-9));
+  EXPECT_TRUE(
+      frames[0].scan.T_vehicle_lidar.isApprox(poseFromYpr(0, 0, 1.73, M_PI / 2, 0, 0), 1e-9));
   options.times = "";
   EXPECT_TRUE(contains(
       convertKitti(folder.file("in"), folder.file("x.rawlog"), options).warnings.at(0), "0.1034"));
@@ -427,9 +427,9 @@ TEST(ScanConverter, CountedNamesAndTimesOfAFile)
   EXPECT_TRUE(contains(counted.notes.at(0), "not taken as time stamps"));
   EXPECT_TRUE(contains(counted.warnings.at(0), "0.1 s between scans is assumed"));
   EXPECT_TRUE(contains(counted.warnings.at(1), "points have no times"));
-  for (const std::string text : {"5\n5.25\n", "1600000005\n1600000005.25\n",
-                                 "1600000005000000000\n1600000005250000000\n",
-                                 "2011-09-26 13:02:25.5\n2011-09-26 13:02:25.75\n"})
+  for (const std::string text :
+       {"5\n5.25\n", "1600000005\n1600000005.25\n", "1600000005000000000\n1600000005250000000\n",
+        "2011-09-26 13:02:25.5\n2011-09-26 13:02:25.75\n"})
   {
     options.times = folder.write("t.txt", text);
     (void)convertScans(folder.file("in"), folder.file("x.rawlog"), options);

@@ -9,7 +9,8 @@ namespace dyslam
 enum class BodyAxes
 {
   same,              //!< or there is too little motion to say
-  estimate_camera,   //!< the estimate's are a camera's (z ahead), the reference's a lidar's (x ahead)
+  estimate_camera,   //!< the estimate's are a camera's (z ahead), the reference's a lidar's (x
+                     //!< ahead)
   reference_camera,  //!< the other way round
   differ             //!< the motions are equally long, but in other directions
 };
