@@ -18,6 +18,7 @@
 
 #include "BagWriters.h"
 #include "RunProgram.h"
+#include "SyntheticCapture.h"
 
 namespace fs = std::filesystem;
 
@@ -259,6 +260,16 @@ TEST_F(Inputs, FoldersOfScans)
     EXPECT_NEAR(2.5, frames.at(3).scan.stamp, 1e-6);
     EXPECT_NEAR(1.7, frames[3].scan.T_vehicle_lidar.translation().z(), 1e-9);
   }
+}
+
+TEST_F(Inputs, VelodyneCaptures)
+{
+  write("drive.pcap", captured(400));
+  const auto frames = converted("scans2rawlog", "-i " + at("drive.pcap"));
+  ASSERT_GE(frames.size(), 3U);
+  EXPECT_NEAR(0.1, frames[1].scan.stamp - frames[0].scan.stamp, 0.002);
+  EXPECT_EQ(frames[0].scan.size(), frames[0].scan.time.size());
+  EXPECT_EQ(frames[0].scan.size(), frames[0].scan.ring.size());
 }
 
 TEST_F(Inputs, KittiRaw)

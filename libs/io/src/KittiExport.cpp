@@ -103,13 +103,17 @@ class Sequence
     if (poses)
     {
       makeFolder((folder_ / "poses").string());
-      fs::copy_file(target_ / "poses.txt", folder_ / "poses" / (options_.sequence + ".txt"),
-                    fs::copy_options::overwrite_existing);
+      fs::copy_file(target_ / "poses.txt", posesFile());
     }
     return result_;
   }
 
  private:
+  [[nodiscard]] fs::path posesFile() const
+  {
+    return folder_ / "poses" / (options_.sequence + ".txt");
+  }
+
   void writeScan(const Frame& frame)
   {
     const Scan& scan = frame.scan;

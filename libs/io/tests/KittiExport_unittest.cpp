@@ -133,6 +133,11 @@ TEST(KittiExport, NothingOfOthersIsTouchedAndNothingHalfStays)
       [&] { (void)exportKitti(folder.file("x.rawlog"), folder.file("kitti"), options); });
   EXPECT_TRUE(contains(message, "is there already")) << message;
   EXPECT_EQ("someone's", folder.read("kitti/sequences/00/velodyne/000000.bin"));
+  options.sequence = "02";
+  folder.write("kitti/poses/02.txt", "someone's");
+  EXPECT_THROW((void)exportKitti(folder.file("x.rawlog"), folder.file("kitti"), options),
+               UserError);
+  EXPECT_EQ("someone's", folder.read("kitti/poses/02.txt"));
   options.sequence = "01";
   const auto stop = [](double, std::size_t scans)
   {
