@@ -40,8 +40,8 @@ void declare(CLI::App& app, Arguments& arguments)
   app.add_option("--truth-frame", o.truth_frame,
                  "child frame of --truth-topic, where that has several");
   app.add_option("--sensor", o.sensor,
-                 "a pcap's lidar: VLP16, HDL32E or HDL64E (default: from the packets); for "
-                 "folders, the scans' sensor label");
+                 "a pcap's lidar: VLP16, HDL32E or HDL64E (default: from the packets); "
+                 "otherwise the scans' sensor label");
   app.add_option("--calibration", o.calibration, "Velodyne's XML or YAML, for a pcap");
   app.add_option("--poses", o.poses, "true poses of the lidar, TUM or KITTI, a line for each scan");
   app.add_option("--times", o.times,

@@ -97,7 +97,7 @@ void RosScanDecoder::learnTimes(const std::string& field,
   {
     times_unusable_ = true;
     warnings_.push_back("field " + field +
-                        " is the same for all points: there is no per-point time");
+                        " is the same for all points and not taken for their times");
     return;
   }
   // A float32 resolves one part in 2^24.
@@ -105,7 +105,7 @@ void RosScanDecoder::learnTimes(const std::string& field,
   {
     times_unusable_ = true;
     warnings_.push_back("field " + field +
-                        " is too coarse (absolute times as float32): there is no per-point time");
+                        " is too coarse for the times of points (absolute, as float32)");
     return;
   }
   const double unit = unitOf(most - least, whole);
@@ -185,7 +185,7 @@ void RosScanDecoder::fillRings(const Cloud2& cloud, Scan& scan)
   {
     const double ring =
         field != nullptr ? cloud.value(*field, i) : static_cast<double>(i / cloud.width);
-    scan.ring.push_back(static_cast<std::uint16_t>(std::clamp(ring, 0.0, 65535.0)));
+    scan.ring.push_back(static_cast<std::uint16_t>(ring > 0 ? std::min(ring, 65535.0) : 0.0));
   }
   orderRings(field != nullptr ? "field " + field->name : "rows of the cloud", scan);
 }

@@ -49,6 +49,11 @@ void RosScanDecoder::Cloud2::check(const ByteReader& reader) const
       reader.fail("damaged: field " + field.name + " lies outside of a point");
     }
   }
+  if (height > 1 && row_step < static_cast<std::uint64_t>(width) * point_step)
+  {
+    reader.fail("damaged: rows of " + std::to_string(row_step) + " bytes do not hold " +
+                std::to_string(width) + " points of " + std::to_string(point_step));
+  }
   if (size() > 0 && static_cast<std::uint64_t>(height - 1) * row_step +
                             static_cast<std::uint64_t>(width) * point_step >
                         data.size())

@@ -210,7 +210,7 @@ TEST(RosScans, TimesThatAreNone)
   fields[5].values.assign(scan.size(), 0);
   RosScanDecoder zero;
   EXPECT_TRUE(decoded(zero, fields).time.empty());
-  EXPECT_TRUE(contains(zero.warnings().at(0), "no per-point time"));
+  EXPECT_TRUE(contains(zero.warnings().at(0), "the same for all points"));
   fields[5].values = mapped(scan, [&](std::size_t i) { return stamp + 128.0 * double(i % 2); });
   RosScanDecoder coarse;
   EXPECT_TRUE(decoded(coarse, fields).time.empty());
@@ -267,6 +267,17 @@ TEST(RosScans, DamagedMessagesAreRefused)
       }
     }
   }
+  // Rows without length would make any number of points fit.
+  std::string rows = test::pointCloud2(false, stamp, test::velodyneFields(scan), 2);
+  const std::size_t height = 4 + 8 + 4 + 5;
+  rows[height + 3] = '\x7F';
+  const std::size_t row_step = rows.size() - 1 - 4 - 4 - 10 * 2 * (3 + 4 * 5 + 2);
+  rows.replace(row_step, 4, std::string(4, '\0'));
+  RosScanDecoder other;
+  EXPECT_TRUE(contains(
+      messageOfError<UserError>(
+          [&] { (void)other.decode(topicOf(false, "sensor_msgs/PointCloud2"), messageOf(rows)); }),
+      "do not hold"));
   RosScanDecoder decoder;
   auto fields = test::velodyneFields(scan);
   fields[0].name = "X";

@@ -158,14 +158,17 @@ void convertBag(const std::string& input, ScanSink& sink, const ScanConverterOpt
   }
   bag->select({at});
   RosScanDecoder decoder;
+  std::size_t without_pose = 0;
   BagMessage message;
   while (bag->next(message))
   {
     Scan scan = decoder.decode(topic, message);
     std::optional<Pose> T_world_lidar;
+    ++without_pose;
     if (const auto T_world_vehicle = poseAt(truth, scan.stamp))
     {
       T_world_lidar = *T_world_vehicle * sink.T_vehicle_lidar();
+      --without_pose;
     }
     if (!sink.put(std::move(scan), true, T_world_lidar, bag->progress()))
     {
@@ -176,6 +179,11 @@ void convertBag(const std::string& input, ScanSink& sink, const ScanConverterOpt
   {
     throw UserError(input + ": " + topic.name + " has " + std::to_string(topic.messages) +
                     " scans; --skip-first-n leaves none");
+  }
+  if (!truth.empty() && without_pose > 0)
+  {
+    sink.warn(options.truth_topic + ": has no pose within 0.2 s of " +
+              std::to_string(without_pose) + " scans");
   }
   for (const std::string& note : decoder.notes())
   {

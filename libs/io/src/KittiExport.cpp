@@ -31,11 +31,13 @@ class Sequence
         target_(folder_ / "sequences" / options.sequence),
         pending_(target_.string() + ".tmp")
   {
-    if (fs::exists(target_))
+    for (const fs::path& path : {target_, posesFile()})
     {
-      throw UserError(target_.string() +
-                      ": is there already; remove it, or name another with "
-                      "--sequence");
+      if (fs::exists(path))
+      {
+        throw UserError(path.string() +
+                        ": is there already; remove it, or name another with --sequence");
+      }
     }
     if (!options.trajectory.empty())
     {

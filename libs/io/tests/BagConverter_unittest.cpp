@@ -133,6 +133,33 @@ TEST(BagConverter, TruthOfATopic)
   }
 }
 
+TEST(BagConverter, PosesAreInterpolatedAndMissingOnesCounted)
+{
+  const TestFolder folder;
+  std::vector<test::TestMessage> messages;
+  for (std::size_t i = 0; i < scan_count; ++i)
+  {
+    const Scan scan = scanWithTimes(i);
+    messages.push_back({"/points", "sensor_msgs/PointCloud2", scan.stamp,
+                        test::pointCloud2(false, scan.stamp, test::velodyneFields(scan))});
+    if (i < 3)
+    {
+      const double between = scan.stamp + 0.0625;
+      messages.push_back(
+          {"/pose", "geometry_msgs/PoseStamped", between,
+           test::poseStamped(false, between, poseFromYpr(2.0 * double(i), 0, 0, 0, 0, 0))});
+    }
+  }
+  test::writeBag(folder.file("x.bag"), messages);
+  ScanConverterOptions options;
+  options.truth_topic = "/pose";
+  const auto result = convertScans(folder.file("x.bag"), folder.file("x.rawlog"), options);
+  EXPECT_EQ(2U, result.poses);  // those between two poses
+  EXPECT_TRUE(contains(result.warnings.at(0), "no pose within 0.2 s of 5 scans"));
+  const auto frames = readAll(folder.file("x.rawlog"));
+  EXPECT_NEAR(3, frames.at(2).T_world_vehicle_truth->translation().x(), 1e-5);
+}
+
 TEST(BagConverter, ChoosesTheTopicWithTheMostScans)
 {
   const TestFolder folder;

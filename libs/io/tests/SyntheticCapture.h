@@ -14,7 +14,9 @@ void appendBytes(std::string& bytes, T value)
 }
 
 /** A VLP-16 at 10 Hz inside a sphere of 10 m, as a capture file. Laser 3 sees nothing. */
-inline std::string captured(std::size_t packets, std::uint8_t model_byte = 0x22, double first_azimuth = 0)
+inline std::string captured(std::size_t packets,
+                            std::uint8_t model_byte = 0x22,
+                            double first_azimuth = 0)
 {
   std::string file;
   appendBytes<std::uint32_t>(file, 0xa1b2c3d4);
@@ -32,8 +34,8 @@ inline std::string captured(std::size_t packets, std::uint8_t model_byte = 0x22,
       const double seconds =
           (static_cast<double>(n) + static_cast<double>(block) / 12) * packet_time;
       appendBytes<std::uint16_t>(udp, 0xeeff);
-      appendBytes(udp,
-             static_cast<std::uint16_t>(std::fmod(first_azimuth + seconds * 3600.0, 360.0) * 100));
+      appendBytes(udp, static_cast<std::uint16_t>(
+                           std::fmod(first_azimuth + seconds * 3600.0, 360.0) * 100));
       for (std::size_t k = 0; k < 32; ++k)
       {
         appendBytes<std::uint16_t>(udp, k % 16 == 3 ? 0 : 5000);  // laser 3 sees nothing
