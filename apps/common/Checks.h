@@ -2,10 +2,10 @@
 #pragma once
 
 #include <dyslam/core/Error.h>
+#include <dyslam/formats/RecordingKind.h>
+#include <unistd.h>
 
 #include <CLI/CLI.hpp>
-#include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <filesystem>
 #include <map>
@@ -72,21 +72,27 @@ inline void requireFolderOf(const std::string& file)
   }
 }
 
+/** \throws UserError unless a file of that name could be written, as far as its folder shows. */
+inline void requireWritable(const std::string& file)
+{
+  const auto folder = std::filesystem::path(file).parent_path();
+  if (std::filesystem::is_directory(file))
+  {
+    throw UserError(file + ": is a folder; name the file to write");
+  }
+  if (::access(folder.empty() ? "." : folder.c_str(), W_OK) != 0)
+  {
+    throw UserError(file + ": the folder may not be written to; choose another");
+  }
+}
+
 /** \throws UserError for a recording that the converters would make a rawlog of. */
 inline void requireConverted(const std::string& input)
 {
-  std::string extension = std::filesystem::path(input).extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  if (std::filesystem::is_directory(input))
+  const std::string advice = conversionAdvice(input);
+  if (!advice.empty())
   {
-    throw UserError(input +
-                    ": is a folder, a file is needed: make a rawlog of a KITTI recording with "
-                    "kitti2rawlog, of a folder of scans with scans2rawlog");
-  }
-  if (extension == ".pcap")
-  {
-    throw UserError(input + ": is not a rawlog; make one of it with scans2rawlog");
+    throw UserError(input + ": " + advice);
   }
 }
 }  // namespace dyslam

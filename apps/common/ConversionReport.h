@@ -3,6 +3,8 @@
 
 #include <dyslam/io/Converters.h>
 
+#include <atomic>
+#include <csignal>
 #include <functional>
 #include <iostream>
 #include <string>
@@ -12,38 +14,76 @@
 
 namespace dyslam
 {
-/** What a converter says in the end: warnings on stderr, one line of counts on stdout. */
+/** What a converter says in the end: notes and warnings on stderr, one line of counts on stdout. */
 inline void report(const ConversionResult& result, const std::string& output)
 {
+  for (const std::string& note : result.notes)
+  {
+    std::cerr << note << '\n';
+  }
   for (const std::string& warning : result.warnings)
   {
     std::cerr << "warning: " << warning << '\n';
   }
   std::cout << output << ": " << result.scans << " scans, " << result.points << " points";
-  if (!result.ground_truth.empty())
+  if (result.poses + result.label_files + result.boxes > 0)
   {
-    std::cout << "; truth in " << result.ground_truth << ": " << result.poses << " poses"
+    std::cout << "; truth" << (result.ground_truth.empty() ? "" : " in " + result.ground_truth)
+              << ": " << result.poses << " poses"
               << (result.pose_source.empty() ? "" : " (from " + result.pose_source + ")") << ", "
               << result.label_files << " label files, " << result.boxes << " boxes";
   }
   std::cout << '\n';
 }
 
-/** Converts with a line of progress, and says what came of it.
+// The only thing a signal can reach.
+inline std::atomic<bool> conversion_stop_asked{false};
+static_assert(std::atomic<bool>::is_always_lock_free, "a signal handler may set it");
+
+/** Ctrl-C and kill end the conversion after the scan at hand; the second time they kill as usual.
+ */
+inline void stopConversionOnSignals()
+{
+  struct sigaction action = {};
+  action.sa_handler = [](int) { conversion_stop_asked = true; };
+  action.sa_flags = static_cast<int>(SA_RESETHAND) | SA_RESTART;
+  sigemptyset(&action.sa_mask);
+  sigaction(SIGINT, &action, nullptr);
+  sigaction(SIGTERM, &action, nullptr);
+}
+
+/** Converts with a line of progress. A signal ends it and removes what was written so far.
  * \param program its name \param convert does it, reporting how far it is. \throws UserError. */
+inline ConversionResult convertWithProgress(
+    const std::string& program,
+    const std::string& output,
+    bool quiet,
+    const std::function<ConversionResult(const ConversionProgress&)>& convert)
+{
+  stopConversionOnSignals();
+  Progress progress(program, "scans", quiet);
+  ConversionResult result = convert(
+      [&progress, &output](double fraction, std::size_t scans)
+      {
+        progress.update(fraction, scans);
+        if (conversion_stop_asked)
+        {
+          throw UserError("stopped after " + std::to_string(scans) + " scans; " + output +
+                          " was not written");
+        }
+      });
+  progress.finish(result.scans);
+  return result;
+}
+
+/** Writes a rawlog with a line of progress, and says what came of it. \throws UserError. */
 inline void runConversion(const std::string& program,
                           const std::string& output,
                           bool quiet,
                           const std::function<ConversionResult(const ConversionProgress&)>& convert)
 {
   requireFolderOf(output);
-  ConversionResult result;
-  {
-    Progress progress(program, "scans", quiet);
-    result = convert([&progress](double fraction, std::size_t scans)
-                     { progress.update(fraction, scans); });
-    progress.finish(result.scans);
-  }
-  report(result, output);
+  requireWritable(output);
+  report(convertWithProgress(program, output, quiet, convert), output);
 }
 }  // namespace dyslam

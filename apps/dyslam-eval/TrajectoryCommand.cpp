@@ -3,8 +3,10 @@
 
 #include <dyslam/core/Error.h>
 #include <dyslam/core/PendingFile.h>
+#include <dyslam/eval/Axes.h>
 #include <dyslam/eval/TrajectoryPlot.h>
 #include <dyslam/eval/TrajectoryReports.h>
+#include <dyslam/formats/KittiFiles.h>
 #include <dyslam/formats/TrajectoryFiles.h>
 
 #include <filesystem>
@@ -27,6 +29,8 @@ struct Arguments
   std::vector<std::string> estimates;
   MetricFlags metrics;
   double tolerance = 0.01;
+  std::string camera;
+  std::string calib;
   std::string plot;
   std::string paper;
   bool statistics = false;
@@ -34,12 +38,56 @@ struct Arguments
   OutputFlags output;
 };
 
+/** A file's poses; those of a camera are taken to the lidar. */
+TrajectoryFile readPoses(const std::string& path, bool camera, const std::string& calib)
+{
+  TrajectoryFile file = readTrajectory(path);
+  if (camera)
+  {
+    const Pose T_cam_velo = calib.empty() ? cameraAxes() : readKittiCalib(calib).T_cam_velo;
+    std::vector<Pose> poses;
+    for (const StampedPose& pose : file.trajectory)
+    {
+      poses.push_back(pose.pose);
+    }
+    poses = cameraToLidarPoses(poses, T_cam_velo);
+    for (std::size_t i = 0; i < poses.size(); ++i)
+    {
+      file.trajectory[i].pose = poses[i];
+    }
+  }
+  return file;
+}
+
+void warnAboutAxes(const std::string& reference,
+                   const std::string& estimate,
+                   const PosePairs& pairs)
+{
+  const BodyAxes axes = compareBodyAxes(pairs);
+  if (axes == BodyAxes::differ)
+  {
+    std::cerr << "warning: " << estimate << " and " << reference
+              << " move in different directions of their bodies: their axes differ; give both in "
+                 "the same frame\n";
+  }
+  else if (axes != BodyAxes::same)
+  {
+    const bool is_estimate = axes == BodyAxes::estimate_camera;
+    std::cerr << "warning: the poses of " << (is_estimate ? estimate : reference)
+              << " have the axes of a camera (z ahead), those of "
+              << (is_estimate ? reference : estimate)
+              << " the axes of a lidar (x ahead); compare them with --camera "
+              << (is_estimate ? "estimate" : "reference") << " (and --calib calib.txt)\n";
+  }
+}
+
 PosePairs associate(const std::string& reference_path,
                     const std::string& estimate_path,
-                    double tolerance)
+                    const Arguments& a)
 {
-  const TrajectoryFile reference = readTrajectory(reference_path);
-  const TrajectoryFile estimate = readTrajectory(estimate_path);
+  const double tolerance = a.tolerance;
+  const TrajectoryFile reference = readPoses(reference_path, a.camera == "reference", a.calib);
+  const TrajectoryFile estimate = readPoses(estimate_path, a.camera == "estimate", a.calib);
   if (reference.trajectory.empty() || estimate.trajectory.empty())
   {
     throw UserError((reference.trajectory.empty() ? reference_path : estimate_path) +
@@ -112,6 +160,10 @@ void run(const Arguments& a)
                     std::to_string(a.references.size()) + " and " +
                     std::to_string(a.estimates.size()) + " given)");
   }
+  if (!a.calib.empty() && a.camera.empty())
+  {
+    throw UserError("--calib goes with --camera, which says whose poses are the camera's");
+  }
   const TrajectoryMetricsOptions metrics = a.metrics.options();
   const std::vector<std::string> names = shortNames(a.estimates);
   std::vector<TrajectoryReport> reports;
@@ -119,7 +171,8 @@ void run(const Arguments& a)
   for (std::size_t i = 0; i < a.estimates.size(); ++i)
   {
     const std::string& reference = a.references[a.references.size() == 1 ? 0 : i];
-    const PosePairs pairs = associate(reference, a.estimates[i], a.tolerance);
+    const PosePairs pairs = associate(reference, a.estimates[i], a);
+    warnAboutAxes(reference, a.estimates[i], pairs);
     reports.push_back(evaluateTrajectory(a.estimates[i], pairs, metrics));
     reports.back().name = names[i];
     plots.push_back({names[i], pairs});
@@ -163,6 +216,13 @@ Subcommand trajectoryCommand(CLI::App& app)
   sub->add_option("--tolerance", a->tolerance, "largest difference of time stamps [s]")
       ->check(notNegative())
       ->capture_default_str();
+  sub->add_option("--camera", a->camera,
+                  "which poses are a camera's (z ahead), to be taken to the lidar's: estimate or "
+                  "reference")
+      ->check(CLI::IsMember({"estimate", "reference"}));
+  sub->add_option(
+      "--calib", a->calib,
+      "calib.txt with the camera's mounting, for --camera (default: only the axes turn)");
   sub->add_flag("--statistics", a->statistics, "also max, mean, median, min, RMSE and std");
   sub->add_flag("--per-length", a->per_length, "also t_rel and r_rel of each segment length");
   sub->add_option("--paper", a->paper,

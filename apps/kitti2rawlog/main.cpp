@@ -37,7 +37,9 @@ void declare(CLI::App& app, Arguments& arguments)
       ->transform(wordFor(kinds));
   app.add_option("-i,--input", arguments.input, "folder of the recording")->required();
   app.add_option("-o,--output", arguments.output, "rawlog to write")->required();
-  app.add_option("--calib", o.calib, "calibration file, or folder with raw's three files");
+  app.add_option("--calib", o.calib,
+                 "calib.txt, or folder with calib_cam_to_cam.txt, calib_velo_to_cam.txt and "
+                 "calib_imu_to_velo.txt");
   app.add_option("--poses", o.poses, "true poses, TUM or KITTI");
   app.add_option("--pose-frame", o.pose_frame, "whose poses those are: auto, lidar or camera")
       ->transform(wordFor(pose_frames));
@@ -48,6 +50,11 @@ void declare(CLI::App& app, Arguments& arguments)
   app.add_option("--labels", o.labels, "folder of .label files, one label per point");
   app.add_option("--boxes", o.boxes, "label_02 file, or folder of SUSTechPOINTS json");
   app.add_option("--sequence", o.sequence, "of tracking's official layout, such as 0000");
+  app.add_flag("--no-truth", o.no_truth, "scans only: no poses, labels or boxes");
+  app.add_option("--times", o.times,
+                 "times, a line for each frame number: seconds, or KITTI's timestamps.txt");
+  app.add_option("--sensor-pose", o.sensor_pose,
+                 "of the lidar on the vehicle: 'x y z yaw pitch roll' [m, deg]");
   app.add_option("--dt", o.dt, "seconds between scans; default: the layout's times, else 0.1034");
   app.add_flag("--kitti-vertical-angle-correction", o.vertical_angle_correction,
                "turn points up by 0.205 deg, as odometry's scans need");

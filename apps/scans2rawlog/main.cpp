@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/formats/Bag.h>
+#include <dyslam/formats/RecordingKind.h>
 #include <dyslam/io/Converters.h>
 
+#include <iostream>
 #include <string>
 
 #include "../common/AppMain.h"
@@ -15,6 +18,7 @@ struct Arguments
   std::string input;
   std::string output;
   ScanConverterOptions options;
+  bool list = false;
   bool quiet = false;
 };
 
@@ -22,14 +26,28 @@ void declare(CLI::App& app, Arguments& arguments)
 {
   ScanConverterOptions& o = arguments.options;
   app.description(
-      "Converts a folder of .bin, .pcd or .ply scans, or a Velodyne .pcap, to an MRPT rawlog");
-  app.add_option("-i,--input", arguments.input, "folder of scans, or .pcap file")->required();
-  app.add_option("-o,--output", arguments.output, "rawlog to write")->required();
+      "Converts a folder of .bin, .pcd or .ply scans, a Velodyne .pcap, or a ROS bag (.bag, .db3, "
+      ".mcap) to an MRPT rawlog");
+  app.add_option("-i,--input", arguments.input, "folder of scans or of a bag's parts, or file")
+      ->required();
+  CLI::Option* output = app.add_option("-o,--output", arguments.output, "rawlog to write");
+  CLI::Option* list = app.add_flag("--list", arguments.list, "print a bag's topics and stop");
+  list->excludes(output);
+  app.add_option("--topic", o.topic,
+                 "a bag's PointCloud2 or Livox topic (default: the one with the most scans)");
+  app.add_option("--truth-topic", o.truth_topic,
+                 "a bag's true poses of the vehicle: PoseStamped, Odometry, TransformStamped, /tf");
+  app.add_option("--truth-frame", o.truth_frame,
+                 "child frame of --truth-topic, where that has several");
   app.add_option("--sensor", o.sensor,
-                 "a pcap's lidar: VLP16, HDL32E or HDL64E (default: from the packets); for "
-                 "folders, the scans' sensor label");
+                 "a pcap's lidar: VLP16, HDL32E or HDL64E (default: from the packets); "
+                 "otherwise the scans' sensor label");
   app.add_option("--calibration", o.calibration, "Velodyne's XML or YAML, for a pcap");
   app.add_option("--poses", o.poses, "true poses of the lidar, TUM or KITTI, a line for each scan");
+  app.add_option("--times", o.times,
+                 "times of a folder's scans, a line each: seconds, or KITTI's timestamps.txt");
+  app.add_option("--sensor-pose", o.sensor_pose,
+                 "of the lidar on the vehicle: 'x y z yaw pitch roll' [m, deg]");
   app.add_option("--dt", o.dt, "seconds between scans; default: their own times, else 0.1");
   app.add_flag("--keep-partial", o.keep_partial, "a pcap's broken first and last revolutions, too");
   app.add_option("--skip-first-n", o.skip_first_n, "scans to skip");
@@ -40,6 +58,24 @@ void declare(CLI::App& app, Arguments& arguments)
 
 void run(const Arguments& arguments)
 {
+  if (arguments.list)
+  {
+    if (!isBag(arguments.input))
+    {
+      throw UserError(arguments.input + ": is no bag; --list prints the topics of one");
+    }
+    const auto bag = openBag(arguments.input);
+    for (const std::string& warning : bag->warnings())
+    {
+      std::cerr << "warning: " << warning << '\n';
+    }
+    std::cout << listingOf(*bag);
+    return;
+  }
+  if (arguments.output.empty())
+  {
+    throw UserError("--output: name the rawlog to write (-o x.rawlog)");
+  }
   runConversion(
       "scans2rawlog", arguments.output, arguments.quiet,
       [&](const ConversionProgress& progress)

@@ -11,7 +11,6 @@
 #include <mrpt/maps/CSimpleMap.h>
 #include <mrpt/obs/CObservation2DRangeScan.h>
 #include <mrpt/serialization/CArchive.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -24,6 +23,8 @@
 #include <string>
 #include <vector>
 
+#include "RunProgram.h"
+
 namespace fs = std::filesystem;
 
 namespace dyslam
@@ -31,21 +32,6 @@ namespace dyslam
 namespace
 {
 constexpr std::size_t scan_count = 12;
-
-std::string contentOf(const fs::path& path)
-{
-  std::ostringstream text;
-  text << std::ifstream(path, std::ios::binary).rdbuf();
-  return text.str();
-}
-
-/** What a program said and how it ended; 128 + n where signal n ended it. */
-struct Outcome
-{
-  int code = -1;
-  std::string out;
-  std::string err;
-};
 
 class BadInput : public ::testing::Test
 {
@@ -100,16 +86,7 @@ class BadInput : public ::testing::Test
   /** \param arguments words without blanks or quotes. */
   static Outcome run(const std::string& program, const std::string& arguments)
   {
-    const std::string out = at("stdout.txt");
-    const std::string err = at("stderr.txt");
-    const int status = std::system(
-        (std::string(DYSLAM_BIN_DIR) + "/" + program + " " + arguments + " > " + out + " 2> " + err)
-            .c_str());
-    Outcome outcome;
-    outcome.code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
-    outcome.out = contentOf(out);
-    outcome.err = contentOf(err);
-    return outcome;
+    return runProgram(program, arguments, folder_.string());
   }
 
   /** Fails unless the program ends with 1 and its only line on stderr has all of `parts`. */

@@ -2,6 +2,7 @@
 #include <dyslam/core/Error.h>
 #include <dyslam/formats/KittiFiles.h>
 #include <dyslam/formats/TextFile.h>
+#include <dyslam/formats/TrajectoryFiles.h>
 
 #include <algorithm>
 #include <cmath>
@@ -113,14 +114,19 @@ KittiCalib readRawFolder(const fs::path& folder)
 {
   KittiCalib calib;
   const std::string camera = (folder / "calib_cam_to_cam.txt").string();
-  const auto entries = readEntries(camera);
-  calib.T_cam_velo = rotationFrom33(require(entries, {"R_rect_00"}, 9, camera)) *
-                     poseFromRT((folder / "calib_velo_to_cam.txt").string());
-  if (const auto* P2 = find(entries, {"P_rect_02"}, 12, camera))
-  {
-    setP2(*P2, calib);
-  }
+  const std::string lidar = (folder / "calib_velo_to_cam.txt").string();
   const fs::path imu = folder / "calib_imu_to_velo.txt";
+  calib.has_camera = fs::exists(camera) || fs::exists(lidar) || !fs::exists(imu);
+  if (calib.has_camera)
+  {
+    const auto entries = readEntries(camera);
+    calib.T_cam_velo =
+        rotationFrom33(require(entries, {"R_rect_00"}, 9, camera)) * poseFromRT(lidar);
+    if (const auto* P2 = find(entries, {"P_rect_02"}, 12, camera))
+    {
+      setP2(*P2, calib);
+    }
+  }
   if (fs::exists(imu))
   {
     calib.T_velo_imu = poseFromRT(imu.string());
@@ -171,6 +177,13 @@ KittiCalib readKittiCalib(const std::string& file_or_folder)
     return readRawFolder(file_or_folder);
   }
   const std::string& path = file_or_folder;
+  const std::string name = fs::path(path).filename().string();
+  if (name == "calib_cam_to_cam.txt" || name == "calib_velo_to_cam.txt" ||
+      name == "calib_imu_to_velo.txt")
+  {
+    const fs::path folder = fs::path(path).parent_path();
+    return readRawFolder(folder.empty() ? fs::path(".") : folder);
+  }
   const auto entries = readEntries(path);
   KittiCalib calib;
   if (const auto* Tr = find(entries, {"Tr"}, 12, path))
@@ -211,6 +224,13 @@ std::vector<double> readKittiTimestamps(const std::string& path)
                     file.number(5));
   }
   return times;
+}
+
+std::vector<double> readTimesOrTimestamps(const std::string& path)
+{
+  TextFile first(path, " ");
+  return first.next() && first.line().find(':') != std::string::npos ? readKittiTimestamps(path)
+                                                                     : readTimes(path);
 }
 
 std::vector<OxtsReading> readOxts(const std::string& file_or_folder)

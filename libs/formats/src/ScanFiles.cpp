@@ -62,26 +62,6 @@ bool naturalLess(const std::string& a, const std::string& b)
   }
   return a.size() - i < b.size() - j || (a.size() - i == b.size() - j && a < b);
 }
-/** Files of a folder that `wanted` takes, numbers in their names by value. */
-template <typename Wanted>
-std::vector<std::string> listFiles(const std::string& folder, const Wanted& wanted)
-{
-  if (!fs::is_directory(folder))
-  {
-    throw UserError(folder + ": no such folder");
-  }
-  std::vector<std::string> files;
-  for (const auto& entry : fs::directory_iterator(folder))
-  {
-    if (entry.is_regular_file() && wanted(entry.path().string()))
-    {
-      files.push_back(entry.path().string());
-    }
-  }
-  std::sort(files.begin(), files.end(), naturalLess);
-  return files;
-}
-
 void requireSameLength(const std::vector<Eigen::Vector3f>& points,
                        const std::vector<float>& intensity)
 {
@@ -108,6 +88,25 @@ std::string packed(const std::vector<Eigen::Vector3f>& points,
 }
 
 }  // namespace
+
+std::vector<std::string> listFiles(const std::string& folder,
+                                   const std::function<bool(const std::string&)>& wanted)
+{
+  if (!fs::is_directory(folder))
+  {
+    throw UserError(folder + ": no such folder");
+  }
+  std::vector<std::string> files;
+  for (const auto& entry : fs::directory_iterator(folder))
+  {
+    if (entry.is_regular_file() && wanted(entry.path().string()))
+    {
+      files.push_back(entry.path().string());
+    }
+  }
+  std::sort(files.begin(), files.end(), naturalLess);
+  return files;
+}
 
 std::string lowerExtension(const std::string& path)
 {

@@ -28,24 +28,27 @@ Eigen::Vector3d vectorFrom(const json& object)
   return {object.at("x").get<double>(), object.at("y").get<double>(), object.at("z").get<double>()};
 }
 
-/** The tool writes the number of an object as text. */
-int numberFrom(const json& value)
+/** The tool writes the number of an object as text, and nothing where nobody gave it one.
+ * \return -1 for what is no number. */
+int numberFrom(const json& object)
 {
-  const std::string text = value.is_string() ? value.get<std::string>() : value.dump();
+  const auto value = object.find("obj_id");
+  if (value == object.end())
+  {
+    return -1;
+  }
+  const std::string text = value->is_string() ? value->get<std::string>() : value->dump();
   int number = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
-  if (error != std::errc() || end != text.data() + text.size())
-  {
-    throw std::invalid_argument("obj_id " + value.dump() + " is not a whole number");
-  }
-  return number;
+  const bool whole = error == std::errc() && end == text.data() + text.size() && number >= 0;
+  return whole ? number : -1;
 }
 
 LabelledBox boxFrom(const json& object, int frame)
 {
   LabelledBox box;
   box.frame = frame;
-  box.id = numberFrom(object.at("obj_id"));
+  box.id = numberFrom(object);
   box.type = object.at("obj_type").get<std::string>();
   box.object_class = objectClassFromString(box.type);
   const json& psr = object.at("psr");

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/Error.h>
+#include <dyslam/formats/RecordingKind.h>
 #include <dyslam/formats/TextFile.h>
 
 #include <array>
@@ -15,8 +16,13 @@ namespace dyslam
 namespace fs = std::filesystem;
 
 TextFile::TextFile(const std::string& path, std::string separators)
-    : path_(path), separators_(std::move(separators)), file_(openBinary(path))
+    : path_(path), separators_(std::move(separators))
 {
+  if (isBag(path))
+  {
+    throw UserError(path + ": " + conversionAdvice(path));
+  }
+  file_ = openBinary(path);
 }
 
 bool TextFile::next()

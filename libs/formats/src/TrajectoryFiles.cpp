@@ -185,6 +185,13 @@ TrajectoryFile readTrajectory(const std::string& path)
   return result;
 }
 
+Pose cameraAxes()
+{
+  Pose T_cam_velo = Pose::Identity();
+  T_cam_velo.linear() << 0, -1, 0, 0, 0, -1, 1, 0, 0;
+  return T_cam_velo;
+}
+
 std::vector<Pose> cameraToLidarPoses(const std::vector<Pose>& poses, const Pose& T_cam_velo)
 {
   std::vector<Pose> result;

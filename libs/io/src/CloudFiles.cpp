@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/Error.h>
 #include <dyslam/core/Files.h>
+#include <dyslam/formats/RecordingKind.h>
 #include <dyslam/io/CloudFiles.h>
 #include <pcl/PCLPointCloud2.h>
 #include <pcl/console/print.h>
@@ -266,7 +267,9 @@ Scan readCloud(const std::string& path)
   {
     return readWithPcl(path, extension == ".ply");
   }
-  throw UserError(path + ": unknown kind of cloud; use .bin, .pcd or .ply");
+  const std::string advice = conversionAdvice(path);
+  throw UserError(path + ": " +
+                  (advice.empty() ? "unknown kind of cloud; use .bin, .pcd or .ply" : advice));
 }
 
 }  // namespace dyslam

@@ -1,10 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "ConversionOutput.h"
 
+#include <dyslam/core/Error.h>
+
+#include <cmath>
 #include <filesystem>
+#include <sstream>
 
 namespace dyslam
 {
+namespace fs = std::filesystem;
+
 namespace
 {
 RawlogWriterOptions writerOptions(bool external_storage, int compression_level)
@@ -16,26 +22,107 @@ RawlogWriterOptions writerOptions(bool external_storage, int compression_level)
 }
 }  // namespace
 
+Pose sensorPoseFrom(std::string text)
+{
+  if (text.empty())
+  {
+    return Pose::Identity();
+  }
+  for (char& c : text)
+  {
+    c = c == ',' ? ' ' : c;
+  }
+  std::istringstream words(text);
+  std::vector<double> v;
+  for (double value = 0; words >> value;)
+  {
+    v.push_back(value);
+  }
+  if (!words.eof() || v.size() != 6)
+  {
+    throw UserError("--sensor-pose '" + text +
+                    "': six numbers are needed: x y z [m] yaw pitch roll [deg]");
+  }
+  const double rad = M_PI / 180;
+  return poseFromYpr(v[0], v[1], v[2], rad * v[3], rad * v[4], rad * v[5]);
+}
 ConversionOutput::ConversionOutput(const std::string& path,
                                    bool external_storage,
                                    int compression_level)
     : folder_(groundTruthFolder(path)),
+      pending_(folder_ + ".tmp"),
       writer_(path, writerOptions(external_storage, compression_level))
 {
-  // The truth of an earlier file of this name must not be taken for this one's.
-  if (std::filesystem::is_directory(folder_))
+  fs::remove_all(pending_);  // of a killed program
+}
+
+ConversionOutput::~ConversionOutput()
+{
+  try
   {
-    truth();
+    if (!closed_ && result_.scans > 0)
+    {
+      close();
+    }
   }
+  catch (const std::exception&)
+  {
+    // close() is there for callers who want to know.
+  }
+  std::error_code ignored;
+  fs::remove_all(pending_, ignored);
 }
 
 GroundTruthWriter& ConversionOutput::truth()
 {
   if (!truth_)
   {
-    truth_ = std::make_unique<GroundTruthWriter>(folder_);
+    truth_ = std::make_unique<GroundTruthWriter>(pending_);
   }
   return *truth_;
+}
+
+void ConversionOutput::tell(const ConversionProgress& progress, double fraction)
+{
+  if (!progress)
+  {
+    return;
+  }
+  try
+  {
+    progress(fraction, result_.scans);
+  }
+  catch (...)
+  {
+    closed_ = true;
+    writer_.abandon();
+    throw;
+  }
+}
+
+/** Moves the truth to its folder; that of an earlier file of this name must not be taken for it. */
+void ConversionOutput::installTruth() const
+{
+  if (truth_ || fs::is_directory(folder_))
+  {
+    GroundTruthWriter(folder_).close();
+  }
+  if (!truth_)
+  {
+    return;
+  }
+  for (const auto& entry : fs::recursive_directory_iterator(pending_))
+  {
+    const fs::path to = fs::path(folder_) / entry.path().lexically_relative(pending_);
+    if (entry.is_directory())
+    {
+      fs::create_directories(to);
+    }
+    else
+    {
+      fs::rename(entry.path(), to);
+    }
+  }
 }
 
 void ConversionOutput::write(const Scan& scan, const std::optional<Pose>& T_world_lidar)
@@ -70,6 +157,7 @@ void ConversionOutput::addBox(LabelledBox box)
 
 ConversionResult ConversionOutput::close()
 {
+  closed_ = true;
   writer_.close();
   if (truth_)
   {
@@ -77,6 +165,7 @@ ConversionResult ConversionOutput::close()
     const bool any = result_.poses + result_.label_files + result_.boxes > 0;
     result_.ground_truth = any ? folder_ : "";
   }
+  installTruth();
   return result_;
 }
 }  // namespace dyslam

@@ -11,16 +11,29 @@
 
 namespace dyslam
 {
-/** A rawlog and, once there is truth for it, its sidecar; counts what it writes. */
+/** T_vehicle_lidar of "x y z yaw pitch roll" [m, deg], parted by spaces or commas; identity if
+ * empty. \throws UserError. */
+[[nodiscard]] Pose sensorPoseFrom(std::string text);
+
+/** A rawlog and, once there is truth for it, its sidecar; counts what it writes.
+ *
+ * Both get their names by close(), or by the destructor when an error ends the work after the first
+ * scan. Until then files of an earlier conversion stay as they are.
+ */
 class ConversionOutput
 {
  public:
   ConversionOutput(const std::string& path, bool external_storage, int compression_level);
+  ~ConversionOutput();
+  ConversionOutput(const ConversionOutput&) = delete;
+  ConversionOutput& operator=(const ConversionOutput&) = delete;
 
   void write(const Scan& scan, const std::optional<Pose>& T_world_lidar);
   /** For the scan written last. */
   void addLabels(const std::vector<Label>& labels);
   void addBox(LabelledBox box);
+  /** Reports the scan written last. If `progress` throws, all that was written is removed. */
+  void tell(const ConversionProgress& progress, double fraction);
   ConversionResult close();
 
   /** Number of the scan written last. */
@@ -28,10 +41,13 @@ class ConversionOutput
 
  private:
   GroundTruthWriter& truth();
+  void installTruth() const;
 
-  std::string folder_;
+  std::string folder_;   //!< of the truth
+  std::string pending_;  //!< where it grows
   RawlogWriter writer_;
   std::unique_ptr<GroundTruthWriter> truth_;
   ConversionResult result_;
+  bool closed_ = false;
 };
 }  // namespace dyslam

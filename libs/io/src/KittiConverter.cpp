@@ -45,6 +45,9 @@ void KittiConverterOptions::describe(OptionsVisitor& visitor)
   visitor.text("labels", labels, "folder of .label files");
   visitor.text("boxes", boxes, "label_02 file, or folder of SUSTechPOINTS json");
   visitor.text("sequence", sequence, "of tracking's official layout, such as 0000");
+  visitor.text("times", times, "file of times, a line for each frame number");
+  visitor.text("sensor_pose", sensor_pose, "x y z yaw pitch roll of the lidar [m, deg]");
+  visitor.flag("no_truth", no_truth, "scans only: no poses, labels or boxes");
   visitor.choice(
       "pose_frame", pose_frame,
       {{"auto", PoseFrame::automatic}, {"lidar", PoseFrame::lidar}, {"camera", PoseFrame::camera}},
@@ -67,6 +70,7 @@ ConversionResult convertKitti(const std::string& input,
                               const ConversionProgress& progress)
 {
   validate(options, "kitti2rawlog");
+  const Pose T_vehicle_lidar = sensorPoseFrom(options.sensor_pose);
   const KittiLayout layout = readKittiLayout(input, options);
   std::multimap<int, const LabelledBox*> boxes;
   for (const LabelledBox& box : layout.boxes)
@@ -94,6 +98,7 @@ ConversionResult convertKitti(const std::string& input,
     Scan scan = readBin(entry.scan);
     scan.stamp = entry.stamp;
     scan.sensor_label = "velodyne";
+    scan.T_vehicle_lidar = T_vehicle_lidar;
     if (options.vertical_angle_correction)
     {
       correctVerticalAngles(scan);
@@ -109,13 +114,13 @@ ConversionResult convertKitti(const std::string& input,
     }
     const auto range = boxes.equal_range(static_cast<int>(entry.number));
     std::for_each(range.first, range.second, [&out](const auto& box) { out.addBox(*box.second); });
-    if (progress)
-    {
-      progress(static_cast<double>(i + 1 - begin) / static_cast<double>(count), i + 1 - begin);
-    }
+    out.tell(progress, static_cast<double>(i + 1 - begin) / static_cast<double>(count));
   }
   ConversionResult result = out.close();
   result.warnings = layout.warnings;
+  result.notes.emplace_back(
+      deskewed ? "the scans count as deskewed (--deskewed no: as they were recorded)"
+               : "the points have no times: deskewing derives them from the azimuth");
   result.pose_source = layout.pose_file;
   return result;
 }

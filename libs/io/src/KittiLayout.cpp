@@ -2,6 +2,7 @@
 #include "KittiLayout.h"
 
 #include <dyslam/core/Error.h>
+#include <dyslam/formats/RecordingKind.h>
 #include <dyslam/formats/SustechFiles.h>
 #include <dyslam/formats/TrajectoryFiles.h>
 #include <dyslam/io/CloudFiles.h>
@@ -9,6 +10,9 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <functional>
+
+#include "KittiScans.h"
 
 namespace dyslam
 {
@@ -18,23 +22,6 @@ namespace
 {
 constexpr double kitti_dt = 0.1034;  //!< [s] HDL-64E at about 9.67 Hz
 
-bool allDigits(const std::string& text)
-{
-  return !text.empty() && text.size() < 12 &&
-         text.find_first_not_of("0123456789") == std::string::npos;
-}
-
-bool hasScans(const fs::path& folder)
-{
-  if (!fs::is_directory(folder))
-  {
-    return false;
-  }
-  const auto files = fs::directory_iterator(folder);
-  return std::any_of(begin(files), end(files),
-                     [](const auto& entry) { return entry.path().extension() == ".bin"; });
-}
-
 /** Gathers one layout; each method finds one kind of file. */
 class LayoutReader
 {
@@ -42,6 +29,10 @@ class LayoutReader
   LayoutReader(const std::string& input, const KittiConverterOptions& options)
       : input_(fs::path(input).lexically_normal()), options_(options)
   {
+    if (isBag(input))
+    {
+      throw UserError(input + ": " + conversionAdvice(input));
+    }
     if (!fs::is_directory(input))
     {
       throw UserError(input + ": no such folder");
@@ -54,84 +45,40 @@ class LayoutReader
 
   KittiLayout read()
   {
-    findScans();
-    readCalib();
-    findLabels();
+    KittiScans scans = findKittiScans(input_, options_);
+    layout_.entries = std::move(scans.entries);
+    sequence_ = scans.sequence;
     readStamps();
-    readPoses();
-    readBoxes();
+    if (!options_.calib.empty())
+    {
+      readCalib();
+    }
+    if (!options_.no_truth)
+    {
+      findLabels();
+      orWithout("poses", !options_.poses.empty() || !options_.oxts.empty(),
+                [this] { readPoses(); });
+      orWithout("boxes", !options_.boxes.empty(), [this] { readBoxes(); });
+    }
     return std::move(layout_);
   }
 
  private:
-  void findScans()
+  /** Truth that was found and not asked for is not worth the conversion. */
+  void orWithout(const char* what, bool asked, const std::function<void()>& read)
   {
-    std::vector<fs::path> candidates;
-    if (options_.kind == KittiKind::raw)
+    try
     {
-      candidates.push_back(input_ / "velodyne_points" / "data");
+      read();
     }
-    if (options_.kind == KittiKind::tracking && fs::is_directory(input_ / "velodyne"))
+    catch (const UserError& error)
     {
-      findSequence();
-      candidates.push_back(input_ / "velodyne" / sequence_);
-    }
-    candidates.push_back(input_ / "velodyne");
-    candidates.push_back(input_);
-    const auto found = std::find_if(candidates.begin(), candidates.end(), hasScans);
-    if (found == candidates.end())
-    {
-      throw UserError(input_.string() + ": has no scans (looked for .bin files in " +
-                      candidates.front().string() + ")");
-    }
-    for (const std::string& file : listCloudFiles(found->string()))
-    {
-      KittiLayout::Entry entry;
-      entry.scan = file;
-      layout_.entries.push_back(entry);
-    }
-    numberScans();
-  }
-
-  /** Tracking's official layout holds many sequences beside each other. */
-  void findSequence()
-  {
-    sequence_ = options_.sequence;
-    if (!sequence_.empty() || hasScans(input_ / "velodyne"))
-    {
-      return;
-    }
-    std::vector<std::string> names;
-    for (const auto& entry : fs::directory_iterator(input_ / "velodyne"))
-    {
-      if (entry.is_directory() && allDigits(entry.path().filename().string()))
+      if (asked || !options_.calib.empty())
       {
-        names.push_back(entry.path().filename().string());
+        throw;
       }
-    }
-    if (names.size() > 1)
-    {
-      throw UserError(input_.string() + ": holds " + std::to_string(names.size()) +
-                      " sequences; choose one with --sequence");
-    }
-    sequence_ = names.empty() ? "" : names.front();
-  }
-
-  /** File names are frame numbers, with gaps where KITTI lost a scan; else they are just counted.
-   */
-  void numberScans()
-  {
-    auto& entries = layout_.entries;
-    const bool named =
-        std::all_of(entries.begin(), entries.end(),
-                    [](const auto& entry) { return allDigits(fs::path(entry.scan).stem()); });
-    for (std::size_t i = 0; i < entries.size(); ++i)
-    {
-      entries[i].number = named ? std::stoull(fs::path(entries[i].scan).stem().string()) : i;
-      if (i > 0 && entries[i].number <= entries[i - 1].number)
-      {
-        throw UserError(entries[i].scan + ": has the same number as " + entries[i - 1].scan);
-      }
+      layout_.warnings.push_back("converted without true " + std::string(what) + ": " +
+                                 error.what());
     }
   }
 
@@ -156,6 +103,15 @@ class LayoutReader
     return {};
   }
 
+  /** Folders that raw's three calibration files may lie in: the day's, or the drive's. */
+  [[nodiscard]] std::vector<fs::path> rawCalibFolders() const
+  {
+    const std::string day = input_.filename().string().substr(0, 10);  // of 2011_09_26_drive_0001
+    return {input_, input_.parent_path(), input_.parent_path() / day,
+            input_.parent_path().parent_path() / day};
+  }
+
+  /** \throws UserError for a file or folder that was named and is not there or is damaged. */
   void readCalib()
   {
     std::vector<fs::path> candidates{input_ / "calib.txt"};
@@ -165,9 +121,10 @@ class LayoutReader
     }
     if (options_.kind == KittiKind::raw)
     {
-      for (const fs::path& folder : {input_, input_.parent_path()})
+      for (const fs::path& folder : rawCalibFolders())
       {
-        if (fs::exists(folder / "calib_velo_to_cam.txt"))
+        if (fs::exists(folder / "calib_velo_to_cam.txt") ||
+            fs::exists(folder / "calib_imu_to_velo.txt"))
         {
           candidates.push_back(folder);
         }
@@ -180,12 +137,40 @@ class LayoutReader
     }
   }
 
-  const KittiCalib& requireCalib(const std::string& for_what) const
+  [[nodiscard]] std::string missingCalib(const std::string& for_what) const
+  {
+    if (options_.kind == KittiKind::raw)
+    {
+      return input_.string() + ": neither " + input_.parent_path().string() +
+             " nor the drive's folder has calib_cam_to_cam.txt, calib_velo_to_cam.txt and "
+             "calib_imu_to_velo.txt, needed for " +
+             for_what + "; put them there, or name their folder with --calib";
+    }
+    return input_.string() + ": has no calib.txt, which is needed for " + for_what +
+           "; name it with --calib";
+  }
+
+  const KittiCalib& requireCalib(const std::string& for_what)
   {
     if (calib_path_.empty())
     {
-      throw UserError(input_.string() + ": has no calib.txt, which is needed for " + for_what +
-                      "; name it with --calib");
+      readCalib();
+    }
+    if (calib_path_.empty())
+    {
+      throw UserError(missingCalib(for_what));
+    }
+    return calib_;
+  }
+
+  const KittiCalib& requireCamera(const std::string& for_what)
+  {
+    if (!requireCalib(for_what).has_camera)
+    {
+      throw UserError(calib_path_ +
+                      ": has no calib_cam_to_cam.txt and calib_velo_to_cam.txt, "
+                      "needed for " +
+                      for_what);
     }
     return calib_;
   }
@@ -230,12 +215,16 @@ class LayoutReader
     std::string source;
     if (options_.dt == 0)
     {
-      source =
-          firstExisting("", {input_ / "times.txt", input_ / "velodyne_points" / "timestamps.txt"});
+      source = firstExisting(options_.times,
+                             {input_ / "times.txt", input_ / "velodyne_points" / "timestamps.txt"});
       if (!source.empty())
       {
-        times = fs::path(source).filename() == "timestamps.txt" ? readKittiTimestamps(source)
-                                                                : readTimes(source);
+        times = readTimesOrTimestamps(source);
+      }
+      else
+      {
+        layout_.warnings.emplace_back(
+            "no times.txt: 0.1034 s between scans is assumed (give --times or --dt)");
       }
     }
     has_times_ = !times.empty();
@@ -288,7 +277,7 @@ class LayoutReader
       }
       if (isCameraFrame(path, file.format))
       {
-        poses = cameraToLidarPoses(poses, requireCalib("poses of the camera").T_cam_velo);
+        poses = cameraToLidarPoses(poses, requireCamera("poses of the camera").T_cam_velo);
       }
       assign(poses);
     }
@@ -325,7 +314,9 @@ class LayoutReader
     }
     if (!requireCalib("poses of oxts").has_imu)
     {
-      throw UserError(calib_path_ + ": has no IMU mounting (Tr_imu_velo), needed for oxts");
+      throw UserError(calib_path_ + ": has no IMU mounting (" +
+                      (fs::is_directory(calib_path_) ? "calib_imu_to_velo.txt" : "Tr_imu_velo") +
+                      "), needed for oxts");
     }
     assign(imuToLidarPoses(oxtsPoses(readOxts(path)), calib_.T_velo_imu));
     layout_.pose_file = path;
@@ -373,7 +364,7 @@ class LayoutReader
     }
     if (!fs::is_directory(path))
     {
-      layout_.boxes = readKittiTracking(path, requireCalib("boxes of the camera").T_cam_velo);
+      layout_.boxes = readKittiTracking(path, requireCamera("boxes of the camera").T_cam_velo);
       return;
     }
     for (auto& entry : layout_.entries)
@@ -388,6 +379,31 @@ class LayoutReader
     if (layout_.boxes.empty() && !options_.boxes.empty())
     {
       throw UserError(path + ": has no .json boxes named as a scan");
+    }
+    nameBoxes(path);
+  }
+
+  /** Boxes without a usable id become objects of their own, each of one scan. */
+  void nameBoxes(const std::string& path)
+  {
+    int last = -1;
+    std::size_t nameless = 0;
+    for (const LabelledBox& box : layout_.boxes)
+    {
+      last = std::max(last, box.id);
+      nameless += box.id < 0 ? 1 : 0;
+    }
+    if (nameless == 0)
+    {
+      return;
+    }
+    layout_.warnings.push_back(path + ": " + std::to_string(nameless) + " of " +
+                               std::to_string(layout_.boxes.size()) +
+                               " boxes have no usable obj_id; each gets one of its own, from " +
+                               std::to_string(last + 1) + " on");
+    for (LabelledBox& box : layout_.boxes)
+    {
+      box.id = box.id < 0 ? ++last : box.id;
     }
   }
 

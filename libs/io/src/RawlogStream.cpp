@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/Error.h>
+#include <dyslam/formats/RecordingKind.h>
 #include <dyslam/io/RawlogStream.h>
 #include <mrpt/maps/registerAllClasses.h>
 #include <mrpt/obs/CActionCollection.h>
@@ -35,10 +36,21 @@ std::string findExternalFolder(const std::string& path)
   const fs::path parent = rawlog.parent_path();
   return parent.empty() ? "." : parent.string();
 }
+
+/** The path, unless it is that of a recording that the converters read. */
+const std::string& checked(const std::string& path)
+{
+  const std::string other = conversionAdvice(path);
+  if (!other.empty())
+  {
+    throw UserError(path + ": " + other);
+  }
+  return path;
+}
 }  // namespace
 
 RawlogStream::RawlogStream(const std::string& path)
-    : path_(path),
+    : path_(checked(path)),
       external_folder_(findExternalFolder(path)),
       file_(std::make_unique<GzInput>(path))
 {

@@ -14,6 +14,7 @@
 #include <filesystem>
 #include <limits>
 #include <stdexcept>
+#include <vector>
 
 #include "MrptConversions.h"
 #include "ObservationScans.h"
@@ -93,6 +94,7 @@ struct RawlogWriter::Impl
   GzOutput file;
   std::size_t frames = 0;
   bool closed = false;
+  std::vector<std::string> external;  //!< files of clouds
 
   Impl(const std::string& path_in, const RawlogWriterOptions& options_in)
       : path(path_in), options(options_in), file(path_in, options_in.compression_level)
@@ -130,11 +132,12 @@ struct RawlogWriter::Impl
     put(observation);
   }
 
-  void putExternally(CObservationPointCloud& observation, const std::string& label) const
+  void putExternally(CObservationPointCloud& observation, const std::string& label)
   {
     std::string name = label + "_" + numberedName(frames, ".gz");
     std::replace(name.begin(), name.end(), '/', '_');
-    GzOutput out((fs::path(externalFolder()) / name).string(), options.compression_level);
+    external.push_back((fs::path(externalFolder()) / name).string());
+    GzOutput out(external.back(), options.compression_level);
     auto archive = mrpt::serialization::archiveFrom(out);
     archive << *observation.pointcloud;
     out.close();
@@ -213,6 +216,20 @@ void RawlogWriter::close()
   }
   impl_->closed = true;
   impl_->file.close();
+}
+
+void RawlogWriter::abandon()
+{
+  impl_->closed = true;  // without a commit the file goes with the writer
+  std::error_code ignored;
+  for (const std::string& file : impl_->external)
+  {
+    fs::remove(file, ignored);
+  }
+  if (impl_->options.external_storage)
+  {
+    fs::remove(impl_->externalFolder(), ignored);  // only if it is empty
+  }
 }
 
 std::size_t RawlogWriter::framesWritten() const

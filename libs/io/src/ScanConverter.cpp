@@ -1,15 +1,18 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/Error.h>
+#include <dyslam/formats/KittiFiles.h>
+#include <dyslam/formats/RecordingKind.h>
 #include <dyslam/formats/TrajectoryFiles.h>
 #include <dyslam/io/CloudFiles.h>
 #include <dyslam/io/Converters.h>
 #include <dyslam/io/PcapSource.h>
 
+#include <algorithm>
 #include <array>
+#include <charconv>
 #include <filesystem>
 
-#include "ConversionOutput.h"
-#include "IntensityScaler.h"
+#include "ScanSink.h"
 
 namespace dyslam
 {
@@ -17,51 +20,6 @@ namespace fs = std::filesystem;
 
 namespace
 {
-constexpr double default_dt = 0.1;  //!< [s]
-
-/** Skips, limits and re-times scans on their way into the rawlog. */
-class ScanSink
-{
- public:
-  ScanSink(const std::string& output, const ScanConverterOptions& options)
-      : options_(options), out_(output, options.external_storage, options.compression_level)
-  {
-  }
-
-  /** False once enough scans were written. */
-  bool put(Scan scan, bool has_stamp, const std::optional<Pose>& pose)
-  {
-    const std::size_t number = seen_++;
-    if (number < static_cast<std::size_t>(options_.skip_first_n))
-    {
-      return true;
-    }
-    scaler_(scan);
-    if (options_.dt > 0 || !has_stamp)
-    {
-      const double dt = options_.dt > 0 ? options_.dt : default_dt;
-      scan.stamp = static_cast<double>(written_) * dt;
-    }
-    if (scan.sensor_label.empty())
-    {
-      scan.sensor_label = options_.sensor.empty() ? "lidar" : options_.sensor;
-    }
-    out_.write(scan, pose);
-    ++written_;
-    return options_.only_first_n == 0 || written_ < static_cast<std::size_t>(options_.only_first_n);
-  }
-
-  [[nodiscard]] std::size_t written() const { return written_; }
-  ConversionResult close() { return out_.close(); }
-
- private:
-  const ScanConverterOptions& options_;
-  ConversionOutput out_;
-  IntensityScaler scaler_;
-  std::size_t seen_ = 0;
-  std::size_t written_ = 0;
-};
-
 std::vector<Pose> readPosesFor(const std::string& path, std::size_t scans)
 {
   std::vector<Pose> poses;
@@ -81,23 +39,83 @@ std::vector<Pose> readPosesFor(const std::string& path, std::size_t scans)
   return poses;
 }
 
+/** A time since 1970 in seconds, whether it is in seconds, milli-, micro- or nanoseconds. */
+double secondsOf(double time)
+{
+  return time * (time < 1e11 ? 1 : time < 1e14 ? 1e-3 : time < 1e17 ? 1e-6 : 1e-9);
+}
+
+/** Times since 1970 out of file names such as 1317042145951199337.bin, in nano-, micro-,
+ * milliseconds or seconds by their size; nothing unless all names are such. */
+std::vector<double> stampsFromNames(const std::vector<std::string>& files)
+{
+  std::vector<double> stamps;
+  for (const std::string& file : files)
+  {
+    std::string stem = fs::path(file).stem().string();
+    const auto part = stem.find('_');
+    if (part != std::string::npos)
+    {
+      stem[part] = '.';  // seconds_fraction
+    }
+    double value = 0;
+    const auto [end, error] = std::from_chars(stem.data(), stem.data() + stem.size(), value);
+    if (error != std::errc() || end != stem.data() + stem.size() || value < 1e8 || value > 1e20 ||
+        (!stamps.empty() && !(secondsOf(value) > stamps.back())))
+    {
+      return {};
+    }
+    stamps.push_back(secondsOf(value));
+  }
+  return stamps;
+}
+
+/** A time for each scan of a folder; empty if nothing but the scans themselves can tell. */
+std::vector<double> stampsFor(const std::vector<std::string>& files,
+                              const ScanConverterOptions& options,
+                              ScanSink& sink)
+{
+  if (!options.times.empty())
+  {
+    std::vector<double> stamps = readTimesOrTimestamps(options.times);
+    std::transform(stamps.begin(), stamps.end(), stamps.begin(), secondsOf);
+    if (stamps.size() != files.size())
+    {
+      throw UserError(options.times + ": has " + std::to_string(stamps.size()) +
+                      " times, but there are " + std::to_string(files.size()) + " scans");
+    }
+    sink.note("time stamps: " + options.times);
+    return stamps;
+  }
+  if (options.dt > 0)
+  {
+    return {};
+  }
+  const std::vector<double> stamps = stampsFromNames(files);
+  const std::string example = fs::path(files.front()).filename().string();
+  sink.note(stamps.empty() ? "the file names (" + example + ") are not taken as time stamps"
+                           : "time stamps: the file names (" + example + ")");
+  return stamps;
+}
+
 void convertFolder(const std::string& input,
                    ScanSink& sink,
                    const std::vector<std::string>& files,
                    const std::vector<Pose>& poses,
-                   const ConversionProgress& progress)
+                   const ScanConverterOptions& options)
 {
+  const std::vector<double> stamps = stampsFor(files, options, sink);
   for (std::size_t i = 0; i < files.size(); ++i)
   {
     Scan scan = readCloud(files[i]);
-    const bool has_stamp = scan.stamp != 0;
-    const bool more = sink.put(std::move(scan), has_stamp,
-                               i < poses.size() ? std::optional<Pose>(poses[i]) : std::nullopt);
-    if (progress)
+    if (!stamps.empty())
     {
-      progress(static_cast<double>(i + 1) / static_cast<double>(files.size()), sink.written());
+      scan.stamp = stamps[i];
     }
-    if (!more)
+    const bool has_stamp = !stamps.empty() || scan.stamp != 0;
+    if (!sink.put(std::move(scan), has_stamp,
+                  i < poses.size() ? std::optional<Pose>(poses[i]) : std::nullopt,
+                  static_cast<double>(i + 1) / static_cast<double>(files.size())))
     {
       break;
     }
@@ -135,15 +153,8 @@ VelodyneModel modelOf(const std::string& sensor)
                   "HDL32E or HDL64E");
 }
 
-std::vector<std::string> convertPcap(const std::string& input,
-                                     ScanSink& sink,
-                                     const ScanConverterOptions& options,
-                                     const ConversionProgress& progress)
+void convertPcap(const std::string& input, ScanSink& sink, const ScanConverterOptions& options)
 {
-  if (!options.poses.empty())
-  {
-    throw UserError("--poses works with folders of scans only");
-  }
   PcapSourceOptions source_options;
   source_options.model = modelOf(options.sensor);
   source_options.calibration_file = options.calibration;
@@ -151,12 +162,7 @@ std::vector<std::string> convertPcap(const std::string& input,
   PcapSource source(input, source_options);
   while (auto scan = source.next())
   {
-    const bool more = sink.put(std::move(*scan), true, std::nullopt);
-    if (progress)
-    {
-      progress(source.progress(), sink.written());
-    }
-    if (!more)
+    if (!sink.put(std::move(*scan), true, std::nullopt, source.progress()))
     {
       break;
     }
@@ -165,7 +171,51 @@ std::vector<std::string> convertPcap(const std::string& input,
   {
     throw UserError(input + ": holds no whole revolution; try --keep-partial");
   }
-  return source.warnings();
+  for (const std::string& warning : source.warnings())
+  {
+    sink.warn(warning);
+  }
+}
+
+enum class InputKind
+{
+  folder,
+  pcap,
+  bag
+};
+
+/** \throws UserError for an option that this kind of input has no use for. */
+void requireFitting(InputKind kind, const ScanConverterOptions& options)
+{
+  struct Use
+  {
+    const char* flag;
+    bool given;
+    InputKind kind;
+    const char* with;
+  };
+  for (const Use& use :
+       {Use{"--poses", !options.poses.empty(), InputKind::folder, "a folder of scans"},
+        Use{"--times", !options.times.empty(), InputKind::folder, "a folder of scans"},
+        Use{"--calibration", !options.calibration.empty(), InputKind::pcap, "a .pcap"},
+        Use{"--keep-partial", options.keep_partial, InputKind::pcap, "a .pcap"},
+        Use{"--topic", !options.topic.empty(), InputKind::bag, "a bag"},
+        Use{"--truth-topic", !options.truth_topic.empty(), InputKind::bag, "a bag"},
+        Use{"--truth-frame", !options.truth_frame.empty(), InputKind::bag, "a bag"}})
+  {
+    if (use.given && use.kind != kind)
+    {
+      throw UserError(std::string(use.flag) + " works with " + use.with + " only");
+    }
+  }
+  if (!options.times.empty() && options.dt > 0)
+  {
+    throw UserError("--times and --dt exclude each other");
+  }
+  if (!options.truth_frame.empty() && options.truth_topic.empty())
+  {
+    throw UserError("--truth-frame chooses one of the bodies of --truth-topic; give that, too");
+  }
 }
 }  // namespace
 
@@ -174,6 +224,11 @@ void ScanConverterOptions::describe(OptionsVisitor& visitor)
   visitor.text("sensor", sensor, "VLP16, HDL32E, HDL64E for a pcap; else the scans' label");
   visitor.text("calibration", calibration, "Velodyne XML or YAML for a pcap");
   visitor.text("poses", poses, "TUM or KITTI poses of the lidar, a line for each scan");
+  visitor.text("times", times, "file of times, a line for each scan of a folder");
+  visitor.text("topic", topic, "of a bag's scans; empty: the one with the most");
+  visitor.text("truth_topic", truth_topic, "of a bag's true poses of the vehicle");
+  visitor.text("truth_frame", truth_frame, "child frame whose poses of truth_topic are meant");
+  visitor.text("sensor_pose", sensor_pose, "x y z yaw pitch roll of the lidar [m, deg]");
   visitor.real("dt", dt, 0, 3600, "seconds between scans; 0: the scans' own times, else 0.1");
   visitor.flag("keep_partial", keep_partial, "broken first and last revolutions, too");
   visitor.integer("skip_first_n", skip_first_n, 0, 1000000000, "scans to skip");
@@ -192,26 +247,32 @@ ConversionResult convertScans(const std::string& input,
   {
     throw UserError(input + ": no such file or folder");
   }
-  const bool folder = fs::is_directory(input);
+  const InputKind kind = isBag(input)              ? InputKind::bag
+                         : fs::is_directory(input) ? InputKind::folder
+                                                   : InputKind::pcap;
+  requireFitting(kind, options);
+  const bool folder = kind == InputKind::folder;
   const auto files = folder ? listCloudFiles(input) : std::vector<std::string>{};
   const auto poses = folder ? readPosesFor(options.poses, files.size()) : std::vector<Pose>{};
-  if (!folder && isCloudFile(input))
+  if (kind == InputKind::pcap && isCloudFile(input))
   {
     throw UserError(input + ": is a single scan; give the folder of the scans");
   }
   // Made last: bad input must not touch an earlier output.
   ScanSink sink(output, options);
-  std::vector<std::string> warnings;
-  if (folder)
+  sink.setProgress(progress);
+  switch (kind)
   {
-    convertFolder(input, sink, files, poses, progress);
+    case InputKind::folder:
+      convertFolder(input, sink, files, poses, options);
+      break;
+    case InputKind::pcap:
+      convertPcap(input, sink, options);
+      break;
+    case InputKind::bag:
+      convertBag(input, sink, options);
+      break;
   }
-  else
-  {
-    warnings = convertPcap(input, sink, options, progress);
-  }
-  ConversionResult result = sink.close();
-  result.warnings = warnings;
-  return result;
+  return sink.close();
 }
 }  // namespace dyslam

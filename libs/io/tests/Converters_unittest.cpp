@@ -7,6 +7,7 @@
 #include <dyslam/io/RawlogSource.h>
 
 #include <cmath>
+#include <stdexcept>
 
 #include "SyntheticScans.h"
 #include "TestFolder.h"
@@ -253,6 +254,193 @@ TEST(KittiConverter, Errors)
   EXPECT_TRUE(contains(message(), "000001.bin"));
   // The scan before the bad one is kept in a file that is whole.
   EXPECT_EQ(1U, readAll(folder.file("x.rawlog")).size());
+}
+
+TEST(KittiConverter, MissingCalibrationCostsTheTruthOnly)
+{
+  const TestFolder folder;
+  const std::string drive = "2011_09_26/2011_09_26_drive_0001_sync/";
+  writeBins(folder, drive + "velodyne_points/data", 2, 10);
+  folder.write(drive + "velodyne_points/timestamps.txt",
+               "2011-09-26 13:02:25.951199337\n2011-09-26 13:02:26.055098\n");
+  folder.write(drive + "oxts/data/0000000000.txt", oxtsLine(0));
+  folder.write(drive + "oxts/data/0000000001.txt", oxtsLine(1));
+  KittiConverterOptions options;
+  options.kind = KittiKind::raw;
+  const auto convert = [&]
+  { return convertKitti(folder.file(drive), folder.file("x.rawlog"), options); };
+  const auto without = convert();
+  EXPECT_EQ(2U, without.scans);
+  EXPECT_EQ(0U, without.poses);
+  ASSERT_EQ(1U, without.warnings.size());
+  EXPECT_TRUE(contains(without.warnings[0], "calib_imu_to_velo.txt")) << without.warnings[0];
+  EXPECT_TRUE(contains(without.warnings[0], "without true poses"));
+  // GNSS needs no camera.
+  folder.write("2011_09_26/calib_imu_to_velo.txt", "R: 1 0 0 0 1 0 0 0 1\nT: 0 0 0\n");
+  EXPECT_EQ(2U, convert().poses);
+  std::filesystem::rename(folder.file("2011_09_26/calib_imu_to_velo.txt"),
+                          folder.file("calib_imu_to_velo.txt"));
+  EXPECT_EQ(0U, convert().poses);
+  options.calib = folder.file("calib_imu_to_velo.txt");
+  EXPECT_EQ(2U, convert().poses);
+  options.no_truth = true;
+  EXPECT_EQ(0U, convert().poses);
+  EXPECT_TRUE(convert().warnings.empty());
+  // What was asked for must be there.
+  options = {};
+  options.kind = KittiKind::raw;
+  options.oxts = folder.file(drive + "oxts");
+  EXPECT_TRUE(contains(messageOfError<UserError>([&] { (void)convert(); }), "--calib"));
+}
+
+TEST(KittiConverter, AWrongKindIsNoticedAndTheRightOneNamed)
+{
+  const TestFolder folder;
+  writeBins(folder, "day/day_drive_0001_sync/velodyne_points/data", 1);
+  writeBins(folder, "object/training/velodyne/0003", 1);
+  writeBins(folder, "dataset/sequences/07/velodyne", 1);
+  const auto message = [&](const std::string& input, KittiKind kind)
+  {
+    KittiConverterOptions options;
+    options.kind = kind;
+    return messageOfError<UserError>(
+        [&] { (void)convertKitti(folder.file(input), folder.file("x.rawlog"), options); });
+  };
+  const std::string drive = "day/day_drive_0001_sync";
+  EXPECT_TRUE(contains(message(drive, KittiKind::odometry), "use --kind raw"));
+  EXPECT_TRUE(contains(message("object/training", KittiKind::raw), "use --kind tracking"));
+  EXPECT_TRUE(contains(message("dataset/sequences/07", KittiKind::raw), "use --kind odometry"));
+  EXPECT_TRUE(contains(message("dataset", KittiKind::odometry), "dataset/sequences/07"));
+  EXPECT_TRUE(contains(message("day", KittiKind::raw), drive));
+  EXPECT_TRUE(contains(message("object", KittiKind::tracking), "object/training"));
+}
+
+TEST(KittiConverter, BoxesWithoutANumberGetOne)
+{
+  const TestFolder folder;
+  writeBins(folder, "in/velodyne", 2);
+  const auto box = [](const std::string& id)
+  {
+    return "{" + id +
+           R"("obj_type": "Car", "psr": {"position": {"x": 1, "y": 2, "z": 0},)"
+           R"("scale": {"x": 4, "y": 2, "z": 1.5}, "rotation": {"x": 0, "y": 0, "z": 0}}})";
+  };
+  folder.write("in/label_json/000000.json",
+               "[" + box(R"("obj_id": "7",)") + "," + box(R"("obj_id": "",)") + "]");
+  folder.write("in/label_json/000001.json", "[" + box(R"("obj_id": "7",)") + "," + box("") + "]");
+  const auto result =
+      convertKitti(folder.file("in"), folder.file("x.rawlog"), KittiConverterOptions{});
+  EXPECT_EQ(4U, result.boxes);
+  EXPECT_TRUE(contains(result.warnings.back(), "2 of 4 boxes")) << result.warnings.back();
+  const auto boxes = GroundTruthReader(folder.file("x.gt")).tracks();
+  std::vector<int> ids;
+  for (const auto& one : boxes)
+  {
+    ids.push_back(one.id);
+  }
+  EXPECT_EQ((std::vector<int>{7, 8, 7, 9}), ids);
+}
+
+TEST(KittiConverter, TimesAndSensorPose)
+{
+  const TestFolder folder;
+  writeBins(folder, "in/velodyne", 2);
+  KittiConverterOptions options;
+  options.times = folder.write("t.txt", "10\n10.5\n");
+  options.sensor_pose = "0 0 1.73 90 0 0";
+  const auto result = convertKitti(folder.file("in"), folder.file("x.rawlog"), options);
+  EXPECT_TRUE(result.warnings.empty());
+  const auto frames = readAll(folder.file("x.rawlog"));
+  EXPECT_NEAR(10.5, frames.at(1).scan.stamp, 1e-9);
+  EXPECT_TRUE(
+      frames[0].scan.T_vehicle_lidar.isApprox(poseFromYpr(0, 0, 1.73, M_PI / 2, 0, 0), 1e-9));
+  options.times = "";
+  EXPECT_TRUE(contains(
+      convertKitti(folder.file("in"), folder.file("x.rawlog"), options).warnings.at(0), "0.1034"));
+}
+
+TEST(Conversions, AnInterruptedOneLeavesWhatWasThere)
+{
+  const TestFolder folder;
+  writeBins(folder, "in/velodyne", 4);
+  folder.write("in/calib.txt", "Tr: 0 -1 0 0 0 0 -1 0 1 0 0 0\n");
+  folder.write("in/poses.txt", "1 0 0 0 0 1 0 0 0 0 1 0\n1 0 0 0 0 1 0 0 0 0 1 1\n");
+  KittiConverterOptions options;
+  (void)convertKitti(folder.file("in"), folder.file("x.rawlog"), options);
+  const std::string rawlog = folder.read("x.rawlog");
+  const std::string poses = folder.read("x.gt/poses_tum.txt");
+  ASSERT_FALSE(poses.empty());
+  options.dt = 5;
+  options.external_storage = true;
+  const auto stop = [](double, std::size_t scans)
+  {
+    if (scans == 2)
+    {
+      throw std::runtime_error("stop");
+    }
+  };
+  EXPECT_THROW((void)convertKitti(folder.file("in"), folder.file("x.rawlog"), options, stop),
+               std::runtime_error);
+  EXPECT_EQ(rawlog, folder.read("x.rawlog"));
+  EXPECT_EQ(poses, folder.read("x.gt/poses_tum.txt"));
+  for (const char* leftover : {"x.rawlog.tmp", "x.gt.tmp", "x_Images"})
+  {
+    EXPECT_FALSE(std::filesystem::exists(folder.file(leftover))) << leftover;
+  }
+}
+
+TEST(ScanConverter, StampsFromNames)
+{
+  const TestFolder folder;
+  struct Case
+  {
+    const char* folder;
+    const char* first;
+    const char* second;
+  };
+  for (const Case& names : {Case{"s", "1600000000.250", "1600000000.500"},
+                            Case{"split", "1600000000_250", "1600000000_500"},
+                            Case{"ms", "1600000000250", "1600000000500"},
+                            Case{"us", "1600000000250000", "1600000000500000"},
+                            Case{"ns", "1600000000250000000", "1600000000500000000"}})
+  {
+    makeFolderOf(folder, names.folder);
+    const std::string base = std::string(names.folder) + "/";
+    const Scan scan = someScan(0, 5);
+    writeBin(folder.file(base + names.first + ".bin"), scan.points, scan.intensity);
+    writeBin(folder.file(base + names.second + ".bin"), scan.points, scan.intensity);
+    const auto result =
+        convertScans(folder.file(names.folder), folder.file("x.rawlog"), ScanConverterOptions{});
+    const auto frames = readAll(folder.file("x.rawlog"));
+    EXPECT_NEAR(1600000000.25, frames.at(0).scan.stamp, 1e-6) << names.folder;
+    EXPECT_NEAR(1600000000.5, frames.at(1).scan.stamp, 1e-6) << names.folder;
+    EXPECT_TRUE(contains(result.notes.at(0), "time stamps: the file names")) << names.folder;
+  }
+}
+
+TEST(ScanConverter, CountedNamesAndTimesOfAFile)
+{
+  const TestFolder folder;
+  writeBins(folder, "in", 2);
+  ScanConverterOptions options;
+  const auto counted = convertScans(folder.file("in"), folder.file("x.rawlog"), options);
+  EXPECT_TRUE(contains(counted.notes.at(0), "not taken as time stamps"));
+  EXPECT_TRUE(contains(counted.warnings.at(0), "0.1 s between scans is assumed"));
+  EXPECT_TRUE(contains(counted.warnings.at(1), "points have no times"));
+  for (const std::string text :
+       {"5\n5.25\n", "1600000005\n1600000005.25\n", "1600000005000000000\n1600000005250000000\n",
+        "2011-09-26 13:02:25.5\n2011-09-26 13:02:25.75\n"})
+  {
+    options.times = folder.write("t.txt", text);
+    (void)convertScans(folder.file("in"), folder.file("x.rawlog"), options);
+    const auto frames = readAll(folder.file("x.rawlog"));
+    EXPECT_NEAR(0.25, frames.at(1).scan.stamp - frames[0].scan.stamp, 1e-6) << text;
+  }
+  options.times = folder.write("t.txt", "1\n");
+  EXPECT_TRUE(contains(
+      messageOfError<UserError>(
+          [&] { (void)convertScans(folder.file("in"), folder.file("x.rawlog"), options); }),
+      "has 1 times, but there are 2 scans"));
 }
 
 TEST(ScanConverter, FoldersOfEachKind)

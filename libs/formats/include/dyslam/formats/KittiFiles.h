@@ -20,18 +20,23 @@ struct KittiCalib
   Pose T_cam_velo = Pose::Identity();  //!< lidar points to the rectified camera 0
   Pose T_velo_imu = Pose::Identity();  //!< GNSS/INS frame to the lidar
   bool has_imu = false;
+  bool has_camera = true;
   Eigen::Matrix<double, 3, 4> P2 = Eigen::Matrix<double, 3, 4>::Zero();  //!< colour camera's
 };
 
 /** Reads an odometry (`Tr`), tracking or object (`R_rect`/`R0_rect`, `Tr_velo_cam`/
  * `Tr_velo_to_cam`, `Tr_imu_velo`/...) calib file, or a raw day's folder with
- * `calib_velo_to_cam.txt`, `calib_cam_to_cam.txt` and `calib_imu_to_velo.txt`. \throws UserError.
+ * `calib_velo_to_cam.txt` and `calib_cam_to_cam.txt`, `calib_imu_to_velo.txt`, or all three (or one
+ * of them, for its folder). \throws UserError.
  */
 [[nodiscard]] KittiCalib readKittiCalib(const std::string& file_or_folder);
 
 /** timestamps.txt of a raw drive: a line such as `2011-09-26 13:02:25.951199337`, taken as UTC, for
  * each scan [s since 1970]. \throws UserError. */
 [[nodiscard]] std::vector<double> readKittiTimestamps(const std::string& path);
+
+/** Either that or a number a line [s], whichever the first line is. \throws UserError. */
+[[nodiscard]] std::vector<double> readTimesOrTimestamps(const std::string& path);
 
 /** One GNSS/INS reading: the 30 numbers of KITTI's oxts, those that we use. */
 struct OxtsReading

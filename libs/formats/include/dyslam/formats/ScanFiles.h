@@ -3,6 +3,7 @@
 
 #include <dyslam/core/Scan.h>
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -34,6 +35,10 @@ void writeCloud(const std::string& path,
 /** True for the endings of point clouds: .bin, .pcd, .ply. */
 [[nodiscard]] bool isCloudFile(const std::string& path);
 
+/** Files of a folder that `wanted` takes, sorted by name (numbers by value). \throws UserError if
+ * there is no such folder. */
+[[nodiscard]] std::vector<std::string> listFiles(
+    const std::string& folder, const std::function<bool(const std::string&)>& wanted);
 /** Point clouds of a folder, sorted by name (numbers by value). Only one ending may occur.
  * \throws UserError if there is none. */
 [[nodiscard]] std::vector<std::string> listCloudFiles(const std::string& folder);

@@ -9,6 +9,6 @@
 namespace dyslam
 {
 /** SUSTechPOINTS boxes of one scan (`label_json/NNNNNN.json`): lidar frame, yaw in [-pi, pi].
- * \throws UserError. */
+ * The id is -1 where `obj_id` is missing, empty or no number. \throws UserError. */
 [[nodiscard]] std::vector<LabelledBox> readSustechJson(const std::string& path, int frame);
 }  // namespace dyslam

@@ -48,6 +48,9 @@ struct TrajectoryFile
 /** Reads either kind. A KITTI file's stamps are the line numbers 0, 1, 2, ... */
 [[nodiscard]] TrajectoryFile readTrajectory(const std::string& path);
 
+/** T_cam_velo of a camera at the lidar's place that looks ahead: its x is right, y down, z ahead.
+ */
+[[nodiscard]] Pose cameraAxes();
 /** Poses of the camera (in the first camera's frame) to those of the lidar (in the first lidar's
  * frame); `T_cam_velo` is `Tr` of KITTI's calib.txt. Its inverse takes them back. */
 [[nodiscard]] std::vector<Pose> cameraToLidarPoses(const std::vector<Pose>& poses,

@@ -10,18 +10,20 @@
 
 namespace dyslam
 {
-/** Called after every scan: fraction of the work done (0 to 1) and scans so far. */
+/** Called after every scan: fraction of the work done (0 to 1) and scans so far. What it throws
+ * ends the conversion and removes all that was written. */
 using ConversionProgress = std::function<void(double, std::size_t)>;
 
 struct ConversionResult
 {
   std::size_t scans = 0;
   std::size_t points = 0;
-  std::size_t poses = 0;        //!< scans with a true pose
-  std::string pose_source;      //!< the file they are from; empty without
-  std::size_t label_files = 0;  //!< scans with labels per point
-  std::size_t boxes = 0;        //!< true boxes of all scans
-  std::string ground_truth;     //!< sidecar folder; empty if there is no truth
+  std::size_t poses = 0;           //!< scans with a true pose
+  std::string pose_source;         //!< the file they are from; empty without
+  std::size_t label_files = 0;     //!< scans with labels per point
+  std::size_t boxes = 0;           //!< true boxes of all scans
+  std::string ground_truth;        //!< sidecar folder; empty if there is no truth
+  std::vector<std::string> notes;  //!< what was found in the input and used, a line each
   std::vector<std::string> warnings;
 };
 
@@ -57,6 +59,9 @@ struct KittiConverterOptions : Options
   std::string labels;    //!< folder of .label files
   std::string boxes;     //!< label_02 file, or folder of SUSTechPOINTS json
   std::string sequence;  //!< of tracking's official layout: "0000"; empty: the only one
+  std::string times;     //!< file of times [s] or KITTI time stamps, a line for each frame number
+  std::string sensor_pose;  //!< T_vehicle_lidar: x y z yaw pitch roll [m, deg]; empty: identity
+  bool no_truth = false;    //!< scans only: no poses, labels or boxes
   PoseFrame pose_frame = PoseFrame::automatic;
   ScansDeskewed deskewed = ScansDeskewed::automatic;
   double dt = 0;  //!< seconds between scans; 0: the layout's own times, else 0.1034
@@ -72,7 +77,11 @@ struct KittiConverterOptions : Options
 /** Writes a KITTI folder, official or plain (`velodyne/NNNNNN.bin` and whatever files the options
  * name), as a rawlog with its ground-truth sidecar. Every point is kept in its order.
  *
- * The vehicle frame is the lidar's, the world that of the pose file. Boxes and labels keep their
+ * Truth that lies in the folder but cannot be read, because the calibration is missing for example,
+ * is left out with a warning; truth that the options name must be readable.
+ *
+ * The vehicle frame is the lidar's unless sensor_pose says otherwise, the world that of the pose
+ * file. Boxes and labels keep their
  * meaning, frames are counted from 0 as in the rawlog. \throws UserError. */
 ConversionResult convertKitti(const std::string& input,
                               const std::string& output,
@@ -81,10 +90,15 @@ ConversionResult convertKitti(const std::string& input,
 
 struct ScanConverterOptions : Options
 {
-  std::string sensor;         //!< VLP16, HDL32E or HDL64E for a pcap; label of the scans otherwise
-  std::string calibration;    //!< Velodyne XML or YAML for a pcap
-  std::string poses;          //!< TUM or KITTI file of the lidar, for folders
-  double dt = 0;              //!< seconds between scans; 0: the pcap's times, 0.1 for folders
+  std::string sensor;       //!< VLP16, HDL32E or HDL64E for a pcap; label of the scans otherwise
+  std::string calibration;  //!< Velodyne XML or YAML for a pcap
+  std::string poses;        //!< TUM or KITTI file of the lidar, for folders
+  std::string times;  //!< file of times [s] or KITTI time stamps for a folder, a line for each scan
+  std::string topic;  //!< of a bag's scans; empty: the one with the most
+  std::string truth_topic;    //!< of a bag's true poses of the vehicle; empty: none
+  std::string truth_frame;    //!< child frame of truth_topic, where that has several
+  std::string sensor_pose;    //!< T_vehicle_lidar: x y z yaw pitch roll [m, deg]; empty: identity
+  double dt = 0;              //!< seconds between scans; 0: the recording's times, else 0.1
   bool keep_partial = false;  //!< broken first and last revolutions of a pcap, too
   int skip_first_n = 0;
   int only_first_n = 0;  //!< 0: all
@@ -94,9 +108,9 @@ struct ScanConverterOptions : Options
   void describe(OptionsVisitor& visitor) override;
 };
 
-/** Writes a folder of .bin, .pcd or .ply scans, or a Velodyne .pcap, as a rawlog. \throws
- * UserError.
- */
+/** Writes a folder of .bin, .pcd or .ply scans, a Velodyne .pcap or a ROS bag (see openBag()) as a
+ * rawlog. Scans of a folder get the times of the file, of their names where those are times since
+ * 1970, or of their points. \throws UserError. */
 ConversionResult convertScans(const std::string& input,
                               const std::string& output,
                               const ScanConverterOptions& options,

@@ -48,6 +48,9 @@ class RawlogWriter
   /** Finishes the file. \throws UserError if that fails. Later calls do nothing. */
   void close();
 
+  /** Removes all that was written, instead of close(). An earlier file of the name stays. */
+  void abandon();
+
   [[nodiscard]] std::size_t framesWritten() const;
 
  private:

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/io/KittiExport.h>
+
+#include <string>
+
+#include "../common/AppMain.h"
+#include "../common/ConversionReport.h"
+
+namespace
+{
+using namespace dyslam;
+
+struct Arguments
+{
+  std::string input;
+  std::string output;
+  KittiExportOptions options;
+  bool quiet = false;
+};
+
+void declare(CLI::App& app, Arguments& arguments)
+{
+  KittiExportOptions& o = arguments.options;
+  app.description(
+      "Writes a rawlog as a sequence of KITTI odometry and SemanticKITTI: scans, times, poses, "
+      "labels");
+  app.add_option("-i,--input", arguments.input, "rawlog")->required();
+  app.add_option("-o,--output", arguments.output, "folder that gets sequences/NN and poses/NN.txt")
+      ->required();
+  app.add_option("--sequence", o.sequence, "name of the sequence")->capture_default_str();
+  app.add_option(
+      "--trajectory", o.trajectory,
+      "poses of the vehicle, TUM or KITTI (default: the rawlog's truth); they are written "
+      "in the camera's frame, as KITTI's tools read them");
+  app.add_option("--calib", o.calib,
+                 "calib.txt to go with (default: the lidar's place and a camera's axes)");
+  app.add_flag("--no-scans", o.no_scans, "only times, calibration and poses");
+  app.add_flag("--rings", o.rings, "NNNNNN.ring beside each scan, a byte for each point");
+  app.add_option("--skip-first-n", o.skip_first_n, "scans to skip");
+  app.add_option("--only-first-n", o.only_first_n, "scans to write after those");
+  app.add_flag("-q,--quiet", arguments.quiet, "no progress");
+}
+
+void run(const Arguments& arguments)
+{
+  requireFolderOf(arguments.output);
+  const ConversionResult result = convertWithProgress(
+      "rawlog2kitti", arguments.output, arguments.quiet,
+      [&](const ConversionProgress& progress)
+      { return exportKitti(arguments.input, arguments.output, arguments.options, progress); });
+  const std::string folder = arguments.output + "/sequences/" + arguments.options.sequence;
+  report(result, folder);
+}
+}  // namespace
+
+int main(int argc, char** argv)
+{
+  Arguments arguments;
+  return dyslam::runApp(
+      argc, argv, [&](CLI::App& app) { declare(app, arguments); }, [&] { run(arguments); });
+}

@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+
+namespace dyslam
+{
+/** True for a `.bag`, `.db3` or `.mcap` file, compressed as a whole (`.zstd`) or not. By name. */
+[[nodiscard]] bool isBagFile(const std::string& path);
+/** True for the same compressed as a whole: `drive.db3.zstd`. By name. */
+[[nodiscard]] bool isPackedBag(const std::string& path);
+/** True for such a file, and for a folder that has such files and no point clouds. */
+[[nodiscard]] bool isBag(const std::string& path);
+
+/** What to do with a recording that is no rawlog: "is a ROS bag; make a rawlog of it first:
+ * scans2rawlog -i drive.bag -o drive.rawlog". Empty for everything else. By name, and by what a
+ * folder holds. */
+[[nodiscard]] std::string conversionAdvice(const std::string& path);
+}  // namespace dyslam

@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <dyslam/core/Pose.h>
+#include <dyslam/core/Scan.h>
+#include <dyslam/formats/Bag.h>
+
+#include <array>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace dyslam
+{
+/** Makes scans of `sensor_msgs/PointCloud2` and Livox's `CustomMsg`, ROS 1 or ROS 2.
+ *
+ * The stamp is the header's. Every point is kept in its order. What the fields of the drivers are
+ * called and count in is found in the first scan:
+ *
+ * | driver | time | ring |
+ * |---|---|---|
+ * | Velodyne | `time`, float32 seconds from the stamp | `ring` |
+ * | Ouster | `t`, uint32 nanoseconds from the stamp | `ring`, 0 the highest |
+ * | Hesai, RoboSense | `timestamp`, float64 seconds since 1970 | `ring` |
+ * | Livox | `timestamp`, float64 nanoseconds since 1970, or `offset_time` | `line` |
+ *
+ * Rings are renumbered so that 0 is the lowest. Without such a field, the rows of an ordered cloud
+ * of 2 to 256 rows are the rings. One recording of one lidar for each decoder.
+ */
+class RosScanDecoder
+{
+ public:
+  /** True for the types that decode() takes. */
+  [[nodiscard]] static bool reads(const BagTopic& topic);
+
+  /** \throws UserError naming the message and what is wrong with it. */
+  [[nodiscard]] Scan decode(const BagTopic& topic, const BagMessage& message);
+
+  /** What was taken for what, a line each: "per-point time: field t, nanoseconds". */
+  [[nodiscard]] const std::vector<std::string>& notes() const { return notes_; }
+  /** What the recording lacks, a line each. */
+  [[nodiscard]] const std::vector<std::string>& warnings() const { return warnings_; }
+
+ private:
+  struct Cloud2;
+  enum class Order
+  {
+    unknown,
+    from_lowest,
+    from_highest
+  };
+  Scan decodeCloud(const BagTopic& topic, const BagMessage& message);
+  Scan decodeLivox(const BagTopic& topic, const BagMessage& message);
+  void fillIntensity(const Cloud2& cloud, Scan& scan);
+  void fillTimes(const Cloud2& cloud, Scan& scan);
+  void learnTimes(const std::string& field,
+                  bool whole,
+                  bool coarse,
+                  const std::vector<double>& values);
+  double zeroOf(const std::vector<double>& values, double stamp);
+  void fillRings(const Cloud2& cloud, Scan& scan);
+  void orderRings(const std::string& source, Scan& scan);
+  static double unitOf(double span, bool whole);
+  void noteTimes(const std::string& field, double seconds_per_unit, bool absolute);
+
+  std::vector<std::string> notes_;
+  std::vector<std::string> warnings_;
+  std::string intensity_field_;
+  double seconds_per_unit_ = 0;  //!< of the time field; 0: not found yet
+  bool times_absolute_ = false;
+  bool times_unusable_ = false;
+  bool clocks_differ_ = false;
+  Order ring_order_ = Order::unknown;
+  std::uint16_t last_ring_ = 0;
+  bool first_ = true;
+};
+
+struct RosPose
+{
+  double stamp = 0;    //!< of the header [s]
+  std::string parent;  //!< frame that the pose is in
+  std::string child;   //!< whose pose it is; empty where the message does not say
+  Pose pose = Pose::Identity();
+};
+
+/** True for `geometry_msgs/PoseStamped`, `PoseWithCovarianceStamped`, `TransformStamped`,
+ * `nav_msgs/Odometry` and `tf2_msgs/TFMessage` (`tf/tfMessage`). */
+[[nodiscard]] bool isRosPose(const BagTopic& topic);
+/** The pose of such a message, or the transforms of a TFMessage.
+ * \throws UserError naming the message and what is wrong with it. */
+[[nodiscard]] std::vector<RosPose> decodeRosPoses(const BagTopic& topic, const BagMessage& message);
+}  // namespace dyslam

@@ -1,0 +1,208 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/Error.h>
+#include <dyslam/formats/Bag.h>
+#include <dyslam/formats/RecordingKind.h>
+#include <dyslam/formats/ScanFiles.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+
+#include "ChunkedBag.h"
+
+namespace dyslam
+{
+namespace fs = std::filesystem;
+
+namespace
+{
+/** The parts of one recording behind each other. */
+class BagSequence : public Bag
+{
+ public:
+  explicit BagSequence(const std::vector<std::string>& paths)
+  {
+    for (const std::string& path : paths)
+    {
+      parts_.push_back(openBag(path));
+      std::vector<std::size_t> common;
+      for (const BagTopic& topic : parts_.back()->topics())
+      {
+        common.push_back(include(topic));
+      }
+      common_.push_back(std::move(common));
+    }
+  }
+
+  [[nodiscard]] const std::vector<BagTopic>& topics() const override { return topics_; }
+
+  void select(const std::vector<std::size_t>& topics) override
+  {
+    current_ = 0;
+    for (std::size_t i = 0; i < parts_.size(); ++i)
+    {
+      std::vector<std::size_t> own;
+      for (std::size_t j = 0; j < common_[i].size(); ++j)
+      {
+        if (std::find(topics.begin(), topics.end(), common_[i][j]) != topics.end())
+        {
+          own.push_back(j);
+        }
+      }
+      parts_[i]->select(own);
+    }
+  }
+
+  [[nodiscard]] bool next(BagMessage& message) override
+  {
+    for (; current_ < parts_.size(); ++current_)
+    {
+      if (parts_[current_]->next(message))
+      {
+        message.topic = common_[current_][message.topic];
+        return true;
+      }
+    }
+    return false;
+  }
+
+  [[nodiscard]] double progress() const override
+  {
+    const double part = current_ < parts_.size() ? parts_[current_]->progress() : 0;
+    return (static_cast<double>(current_) + part) / static_cast<double>(parts_.size());
+  }
+
+  [[nodiscard]] std::vector<std::string> warnings() const override
+  {
+    std::vector<std::string> all;
+    for (const auto& part : parts_)
+    {
+      const auto own = part->warnings();
+      all.insert(all.end(), own.begin(), own.end());
+    }
+    return all;
+  }
+
+ private:
+  /** \return the topic's position among those of all parts. */
+  std::size_t include(const BagTopic& topic)
+  {
+    const auto found = std::find_if(topics_.begin(), topics_.end(),
+                                    [&topic](const BagTopic& other)
+                                    {
+                                      return other.name == topic.name && other.type == topic.type &&
+                                             other.encoding == topic.encoding;
+                                    });
+    if (found == topics_.end())
+    {
+      topics_.push_back(topic);
+      return topics_.size() - 1;
+    }
+    if (topic.messages > 0)
+    {
+      found->first = found->messages == 0 ? topic.first : std::min(found->first, topic.first);
+      found->last = found->messages == 0 ? topic.last : std::max(found->last, topic.last);
+    }
+    found->messages += topic.messages;
+    return static_cast<std::size_t>(found - topics_.begin());
+  }
+
+  std::vector<std::unique_ptr<Bag>> parts_;
+  std::vector<BagTopic> topics_;
+  std::vector<std::vector<std::size_t>> common_;  //!< positions in topics_, by part and its topic
+  std::size_t current_ = 0;
+};
+
+std::vector<std::string> partsIn(const std::string& folder)
+{
+  const auto parts = listFiles(folder, isBagFile);
+  for (const std::string& part : parts)
+  {
+    if (lowerExtension(part) != lowerExtension(parts.front()))
+    {
+      throw UserError(folder + ": holds bags of two kinds (" + lowerExtension(parts.front()) +
+                      " and " + lowerExtension(part) + "); give the one that is meant");
+    }
+  }
+  return parts;
+}
+
+std::string row(const std::vector<std::string>& cells, const std::vector<std::size_t>& widths)
+{
+  std::string line;
+  for (std::size_t i = 0; i < cells.size(); ++i)
+  {
+    const std::string space(widths[i] - cells[i].size(), ' ');
+    // Names are set left, numbers right.
+    line += (i < 2 ? cells[i] + space : space + cells[i]) + (i + 1 < cells.size() ? "  " : "\n");
+  }
+  return line;
+}
+
+std::string fixed(double value, const char* format)
+{
+  char text[64];
+  std::snprintf(text, sizeof text, format, value);
+  return text;
+}
+}  // namespace
+
+std::string plainRosType(std::string type)
+{
+  const auto at = type.find("/msg/");
+  return at == std::string::npos ? type : type.erase(at, 4);
+}
+
+std::unique_ptr<Bag> openBag(const std::string& path)
+{
+  if (fs::is_directory(path))
+  {
+    return std::make_unique<BagSequence>(partsIn(path));
+  }
+  if (isPackedBag(path))
+  {
+    throw UserError(path + ": is compressed as a whole; unpack it first: zstd -d " + path);
+  }
+  const std::string ending = lowerExtension(path);
+  return ending == ".bag"   ? openRos1Bag(path)
+         : ending == ".db3" ? openSqliteBag(path)
+                            : openMcap(path);
+}
+
+std::string listingOf(const Bag& bag)
+{
+  std::vector<std::vector<std::string>> rows{{"topic", "type", "messages", "rate [1/s]"}};
+  double first = 0;
+  double last = 0;
+  bool any = false;
+  for (const BagTopic& topic : bag.topics())
+  {
+    const double span = topic.last - topic.first;
+    rows.push_back({topic.name, topic.type + (topic.encoding == RosEncoding::other ? " (?)" : ""),
+                    std::to_string(topic.messages),
+                    topic.messages > 1 && span > 0
+                        ? fixed(static_cast<double>(topic.messages - 1) / span, "%.2f")
+                        : "-"});
+    if (topic.messages > 0)
+    {
+      first = any ? std::min(first, topic.first) : topic.first;
+      last = any ? std::max(last, topic.last) : topic.last;
+      any = true;
+    }
+  }
+  std::vector<std::size_t> widths(rows.front().size(), 0);
+  for (const auto& cells : rows)
+  {
+    for (std::size_t i = 0; i < cells.size(); ++i)
+    {
+      widths[i] = std::max(widths[i], cells[i].size());
+    }
+  }
+  std::string text;
+  for (const auto& cells : rows)
+  {
+    text += row(cells, widths);
+  }
+  return text + fixed(last - first, "duration %.2f s") + fixed(first, ", from %.3f s since 1970\n");
+}
+}  // namespace dyslam

@@ -1,0 +1,197 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "ChunkedBag.h"
+
+#include <dyslam/core/Files.h>
+
+#include <filesystem>
+
+#include "Decompression.h"
+
+namespace dyslam
+{
+ChunkedBag::ChunkedBag(const std::string& path) : path_(path), file_(openBinary(path))
+{
+  size_ = std::filesystem::file_size(path);
+}
+
+std::string ChunkedBag::place(std::uint64_t offset, const char* what) const
+{
+  return path_ + ": " + what + " at byte " + std::to_string(offset);
+}
+
+std::string ChunkedBag::bytesAt(std::uint64_t offset, std::uint64_t count)
+{
+  if (offset > size_ || count > size_ - offset)
+  {
+    throw UserError(place(offset) + ": the file ends before its end");
+  }
+  std::string bytes(count, '\0');
+  file_.clear();
+  file_.seekg(static_cast<std::streamoff>(offset));
+  file_.read(bytes.data(), static_cast<std::streamsize>(count));
+  requireReadable(file_, path_);
+  if (static_cast<std::uint64_t>(file_.gcount()) != count)
+  {
+    throw UserError(place(offset) + ": cannot be read");
+  }
+  return bytes;
+}
+
+void ChunkedBag::define(std::uint32_t connection, const BagTopic& topic)
+{
+  if (topic_of_.count(connection) > 0)
+  {
+    return;
+  }
+  std::size_t at = 0;
+  for (; at < topics_.size(); ++at)
+  {
+    if (topics_[at].name == topic.name && topics_[at].type == topic.type &&
+        topics_[at].encoding == topic.encoding)
+    {
+      break;
+    }
+  }
+  if (at == topics_.size())
+  {
+    topics_.push_back(topic);
+  }
+  topic_of_[connection] = at;
+}
+
+void ChunkedBag::beginChunk(Chunk chunk)
+{
+  chunks_.push_back(std::move(chunk));
+}
+
+void ChunkedBag::addIndex(std::uint32_t connection, std::size_t messages, double first, double last)
+{
+  if (!chunks_.empty() && messages > 0)
+  {
+    chunks_.back().index[connection] = Span{messages, first, last};
+  }
+}
+
+void ChunkedBag::warnCutShort(std::uint64_t offset)
+{
+  warn("is cut short at byte " + std::to_string(offset) + "; what is whole is read");
+  if (!chunks_.empty())
+  {
+    chunks_.back().index.clear();
+  }
+}
+
+void ChunkedBag::finishIndex()
+{
+  for (Chunk& chunk : chunks_)
+  {
+    const auto known = [this](const auto& entry) { return topic_of_.count(entry.first) > 0; };
+    if (chunk.index.empty() || !std::all_of(chunk.index.begin(), chunk.index.end(), known))
+    {
+      countByReading(chunk);
+    }
+  }
+  for (const Chunk& chunk : chunks_)
+  {
+    for (const auto& [connection, span] : chunk.index)
+    {
+      BagTopic& topic = topics_[topic_of_.at(connection)];
+      topic.first = topic.messages == 0 ? span.first : std::min(topic.first, span.first);
+      topic.last = topic.messages == 0 ? span.last : std::max(topic.last, span.last);
+      topic.messages += span.messages;
+    }
+  }
+  select({});
+}
+
+void ChunkedBag::countByReading(Chunk& chunk)
+{
+  const std::string content = contentOf(chunk);
+  ByteReader reader(content, place(chunk.offset, "chunk"));
+  chunk.index.clear();
+  while (reader.left() > 0)
+  {
+    const auto record = readRecord(reader);
+    if (!record || topic_of_.count(record->connection) == 0)
+    {
+      continue;
+    }
+    auto [found, added] =
+        chunk.index.try_emplace(record->connection, Span{0, record->stamp, record->stamp});
+    Span& span = found->second;
+    ++span.messages;
+    span.first = std::min(span.first, record->stamp);
+    span.last = std::max(span.last, record->stamp);
+  }
+}
+
+std::string ChunkedBag::contentOf(const Chunk& chunk)
+{
+  return decompressed(chunk.compression, bytesAt(chunk.offset, chunk.size), chunk.unpacked,
+                      place(chunk.offset, "chunk"));
+}
+
+void ChunkedBag::select(const std::vector<std::size_t>& topics)
+{
+  selected_ = {topics.begin(), topics.end()};
+  next_chunk_ = 0;
+  reader_.reset();
+}
+
+bool ChunkedBag::holdsSelected(const Chunk& chunk) const
+{
+  return std::any_of(chunk.index.begin(), chunk.index.end(),
+                     [this](const auto& entry)
+                     { return selected_.count(topic_of_.at(entry.first)) > 0; });
+}
+
+bool ChunkedBag::openNextChunk()
+{
+  while (next_chunk_ < chunks_.size())
+  {
+    const Chunk& chunk = chunks_[next_chunk_++];
+    if (holdsSelected(chunk))
+    {
+      content_ = contentOf(chunk);
+      reader_.emplace(content_, place(chunk.offset, "chunk"));
+      return true;
+    }
+  }
+  return false;
+}
+
+bool ChunkedBag::next(BagMessage& message)
+{
+  while (true)
+  {
+    while (!reader_ || reader_->left() == 0)
+    {
+      if (!openNextChunk())
+      {
+        return false;
+      }
+    }
+    const std::size_t at = reader_->at();
+    const auto record = readRecord(*reader_);
+    const auto topic = record ? topic_of_.find(record->connection) : topic_of_.end();
+    if (topic == topic_of_.end() || selected_.count(topic->second) == 0)
+    {
+      continue;
+    }
+    message.topic = topic->second;
+    message.recorded = record->stamp;
+    message.data = record->data;
+    const Chunk& chunk = chunks_[next_chunk_ - 1];
+    const bool plain = chunk.compression.empty() || chunk.compression == "none";
+    message.place = plain ? place(chunk.offset + at, "message")
+                          : reader_->place() + ": message at its byte " + std::to_string(at);
+    return true;
+  }
+}
+
+double ChunkedBag::progress() const
+{
+  return chunks_.empty() ? 1.0
+                         : static_cast<double>(next_chunk_) / static_cast<double>(chunks_.size());
+}
+}  // namespace dyslam

@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <dyslam/formats/Bag.h>
+
+#include <fstream>
+#include <map>
+#include <optional>
+#include <set>
+
+#include "ByteReader.h"
+
+namespace dyslam
+{
+/** What ROS 1 bags and mcap files have in common: messages in chunks that may be compressed, an
+ * index behind each chunk, and definitions of the topics in the chunks and again at the end. */
+class ChunkedBag : public Bag
+{
+ public:
+  [[nodiscard]] const std::vector<BagTopic>& topics() const override { return topics_; }
+  void select(const std::vector<std::size_t>& topics) override;
+  [[nodiscard]] bool next(BagMessage& message) override;
+  [[nodiscard]] double progress() const override;
+  [[nodiscard]] std::vector<std::string> warnings() const override { return warnings_; }
+
+ protected:
+  /** Messages of one connection in a chunk. */
+  struct Span
+  {
+    std::size_t messages = 0;
+    double first = 0;  //!< [s]
+    double last = 0;   //!< [s]
+  };
+  /** A stretch of the file that holds messages. */
+  struct Chunk
+  {
+    std::uint64_t offset = 0;  //!< of the data, which may be compressed
+    std::uint64_t size = 0;
+    std::string compression = "none";
+    std::uint64_t unpacked = 0;           //!< size of the data without compression; 0: unknown
+    std::map<std::uint32_t, Span> index;  //!< of each connection's messages in it
+  };
+
+  explicit ChunkedBag(const std::string& path);
+
+  /** One record of a chunk; nothing unless it is a message. Definitions are noted by define(). */
+  struct Record
+  {
+    std::uint32_t connection = 0;
+    double stamp = 0;  //!< [s]
+    std::string_view data;
+  };
+  virtual std::optional<Record> readRecord(ByteReader& chunk) = 0;
+
+  /** Notes the topic of a connection (ROS 1) or channel (mcap); once is enough. */
+  void define(std::uint32_t connection, const BagTopic& topic);
+  void beginChunk(Chunk chunk);
+  /** The newest chunk has `messages` of a connection, from `first` to `last` [s]. */
+  void addIndex(std::uint32_t connection, std::size_t messages, double first, double last);
+  /** Counts the messages; chunks without an index are read for that. Call it once, at last. */
+  void finishIndex();
+
+  /** `count` bytes from there. \throws UserError where the file ends before. */
+  [[nodiscard]] std::string bytesAt(std::uint64_t offset, std::uint64_t count);
+  [[nodiscard]] std::uint64_t size() const { return size_; }
+  [[nodiscard]] const std::string& path() const { return path_; }
+  [[nodiscard]] std::string place(std::uint64_t offset, const char* what = "record") const;
+  void warn(const std::string& what) { warnings_.push_back(path_ + ": " + what); }
+  /** The file ends too early: the newest chunk's index may lack entries. */
+  void warnCutShort(std::uint64_t offset);
+
+ private:
+  [[nodiscard]] bool openNextChunk();
+  [[nodiscard]] std::string contentOf(const Chunk& chunk);
+  void countByReading(Chunk& chunk);
+  [[nodiscard]] bool holdsSelected(const Chunk& chunk) const;
+
+  std::string path_;
+  std::ifstream file_;
+  std::uint64_t size_ = 0;
+  std::vector<BagTopic> topics_;
+  std::map<std::uint32_t, std::size_t> topic_of_;  //!< by connection
+  std::vector<Chunk> chunks_;
+  std::set<std::size_t> selected_;
+  std::vector<std::string> warnings_;
+
+  std::size_t next_chunk_ = 0;
+  std::string content_;  //!< of the chunk at hand
+  std::optional<ByteReader> reader_;
+};
+
+/** "sensor_msgs/PointCloud2" for ROS 2's "sensor_msgs/msg/PointCloud2". */
+[[nodiscard]] std::string plainRosType(std::string type);
+
+[[nodiscard]] std::unique_ptr<Bag> openRos1Bag(const std::string& path);
+[[nodiscard]] std::unique_ptr<Bag> openMcap(const std::string& path);
+[[nodiscard]] std::unique_ptr<Bag> openSqliteBag(const std::string& path);
+}  // namespace dyslam

@@ -1,0 +1,190 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "ChunkedBag.h"
+
+namespace dyslam
+{
+namespace
+{
+constexpr std::string_view magic = "\x89MCAP0\r\n";
+constexpr std::uint64_t record_head = 9;          // opcode, length
+constexpr std::uint64_t largest_run = 4U << 20U;  // of messages outside of chunks [bytes]
+
+enum Op : std::uint8_t
+{
+  footer = 0x02,
+  schema = 0x03,
+  channel = 0x04,
+  message_data = 0x05,
+  chunk_data = 0x06,
+  message_index = 0x07,
+};
+
+double seconds(std::uint64_t nanoseconds)
+{
+  return static_cast<double>(nanoseconds / 1000000000U) +
+         1e-9 * static_cast<double>(nanoseconds % 1000000000U);
+}
+
+class McapBag : public ChunkedBag
+{
+ public:
+  explicit McapBag(const std::string& path) : ChunkedBag(path)
+  {
+    if (bytesAt(0, std::min<std::uint64_t>(size(), magic.size())) != magic)
+    {
+      throw UserError(path + ": is not an mcap file (its first bytes are not those of one)");
+    }
+    std::uint64_t at = magic.size();
+    bool whole = false;
+    while (!whole && size() - at >= record_head)
+    {
+      const std::string head = bytesAt(at, record_head);
+      ByteReader reader(head, place(at));
+      const std::uint8_t op = reader.u8();
+      const std::uint64_t length = reader.u64();
+      if (length > size() - at - record_head)
+      {
+        break;
+      }
+      readTopLevel(op, at, length);
+      whole = op == footer;
+      at += record_head + length;
+    }
+    endRun();
+    if (!whole)
+    {
+      warnCutShort(at);
+    }
+    finishIndex();
+  }
+
+ protected:
+  std::optional<Record> readRecord(ByteReader& chunk) override
+  {
+    const std::uint8_t op = chunk.u8();
+    const std::string_view content = chunk.take(chunk.u64());
+    if (op == schema || op == channel)
+    {
+      defineBy(op, content, chunk.place());
+    }
+    if (op != message_data)
+    {
+      return std::nullopt;
+    }
+    ByteReader reader(content, chunk.place());
+    Record record;
+    record.connection = reader.u16();
+    (void)reader.u32();  // sequence
+    record.stamp = seconds(reader.u64());
+    (void)reader.u64();  // published
+    record.data = reader.take(reader.left());
+    return record;
+  }
+
+ private:
+  void readTopLevel(std::uint8_t op, std::uint64_t at, std::uint64_t length)
+  {
+    const std::uint64_t content = at + record_head;
+    if (op == message_data)
+    {
+      if (run_.size > 0 && run_.size + record_head + length > largest_run)
+      {
+        endRun();
+      }
+      run_.offset = run_.size == 0 ? at : run_.offset;
+      run_.size += record_head + length;
+      return;
+    }
+    endRun();
+    if (op == schema || op == channel)
+    {
+      defineBy(op, bytesAt(content, length), place(at));
+    }
+    else if (op == chunk_data)
+    {
+      readChunk(at, length);
+    }
+    else if (op == message_index)
+    {
+      readIndex(bytesAt(content, length), place(at));
+    }
+  }
+
+  /** Messages outside of chunks are read as chunks without compression. */
+  void endRun()
+  {
+    if (run_.size > 0)
+    {
+      beginChunk(run_);
+    }
+    run_ = Chunk();
+  }
+
+  void readChunk(std::uint64_t at, std::uint64_t length)
+  {
+    constexpr std::uint64_t longest_head = 256;  // five numbers and the name of a compression
+    const std::string head = bytesAt(at + record_head, std::min(length, longest_head));
+    ByteReader reader(head, place(at, "chunk"));
+    (void)reader.u64();  // first time
+    (void)reader.u64();  // last time
+    Chunk chunk;
+    chunk.unpacked = reader.u64();
+    (void)reader.u32();  // CRC
+    chunk.compression = reader.block();
+    chunk.size = reader.u64();
+    chunk.offset = at + record_head + reader.at();
+    if (chunk.size != length - reader.at())
+    {
+      reader.fail("damaged: its length and that of its data do not agree");
+    }
+    beginChunk(chunk);
+  }
+
+  void readIndex(const std::string& content, const std::string& where)
+  {
+    ByteReader reader(content, where);
+    const std::uint32_t connection = reader.u16();
+    ByteReader entries(reader.block(), where);
+    std::size_t count = 0;
+    double first = 0;
+    double last = 0;
+    for (; entries.left() > 0; ++count)
+    {
+      const double time = seconds(entries.u64());
+      (void)entries.u64();  // offset in the chunk
+      first = count == 0 ? time : std::min(first, time);
+      last = count == 0 ? time : std::max(last, time);
+    }
+    addIndex(connection, count, first, last);
+  }
+
+  void defineBy(std::uint8_t op, std::string_view content, const std::string& where)
+  {
+    ByteReader reader(content, where);
+    const std::uint32_t id = reader.u16();
+    if (op == schema)
+    {
+      types_[id] = plainRosType(std::string(reader.block()));
+      return;
+    }
+    const auto type = types_.find(reader.u16());
+    BagTopic topic;
+    topic.name = reader.block();
+    topic.type = type == types_.end() ? "" : type->second;
+    const std::string_view encoding = reader.block();
+    topic.encoding = encoding == "cdr"    ? RosEncoding::cdr
+                     : encoding == "ros1" ? RosEncoding::ros1
+                                          : RosEncoding::other;
+    define(id, topic);
+  }
+
+  Chunk run_;
+  std::map<std::uint32_t, std::string> types_;  //!< by number of the schema
+};
+}  // namespace
+
+std::unique_ptr<Bag> openMcap(const std::string& path)
+{
+  return std::make_unique<McapBag>(path);
+}
+}  // namespace dyslam

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <dyslam/formats/Bag.h>
+
+#include "ByteReader.h"
+
+namespace dyslam
+{
+struct RosHeader
+{
+  double stamp = 0;  //!< UNIX time [s]
+  std::string frame;
+};
+
+/** A reader that stands at the first field of a message, whichever way it is serialised. */
+inline ByteReader rosReader(const BagTopic& topic, const BagMessage& message)
+{
+  ByteReader reader(message.data, message.place + " of " + topic.name);
+  if (topic.encoding == RosEncoding::cdr)
+  {
+    const auto head = reader.take(4);
+    const auto kind = static_cast<unsigned char>(head[1]);
+    const bool second =
+        kind == 6 || kind == 7;  // XCDR2: numbers of 8 bytes stand at multiples of 4
+    if (head[0] != 0 || (kind > 1 && !second))
+    {
+      reader.fail("is not in plain CDR (kind " + std::to_string(kind) + ")");
+    }
+    reader.setBigEndian(kind % 2 == 0);
+    reader.alignFromHere(second ? 4 : 8);
+  }
+  return reader;
+}
+
+inline std::string rosString(ByteReader& reader)
+{
+  std::string text(reader.block());
+  while (!text.empty() && text.back() == '\0')
+  {
+    text.pop_back();  // CDR counts the final zero
+  }
+  return text;
+}
+
+inline RosHeader rosHeader(ByteReader& reader, RosEncoding encoding)
+{
+  if (encoding == RosEncoding::ros1)
+  {
+    (void)reader.u32();  // sequence number
+  }
+  RosHeader header;
+  const auto seconds = reader.u32();
+  header.stamp = static_cast<double>(seconds) + 1e-9 * static_cast<double>(reader.u32());
+  header.frame = rosString(reader);
+  return header;
+}
+}  // namespace dyslam

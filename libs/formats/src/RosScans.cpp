@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "RosCloud2.h"
+
+namespace dyslam
+{
+namespace
+{
+bool isLivoxMessage(const std::string& type)
+{
+  return type == "livox_ros_driver/CustomMsg" || type == "livox_ros_driver2/CustomMsg";
+}
+}  // namespace
+
+RosScanDecoder::Cloud2 RosScanDecoder::Cloud2::read(ByteReader reader, RosEncoding encoding)
+{
+  Cloud2 cloud;
+  cloud.place = reader.place();
+  cloud.header = rosHeader(reader, encoding);
+  cloud.height = reader.u32();
+  cloud.width = reader.u32();
+  const std::uint32_t fields = reader.u32();
+  for (std::uint32_t i = 0; i < fields; ++i)  // each takes bytes: no count outruns the message
+  {
+    PointField field;
+    field.name = rosString(reader);
+    field.offset = reader.u32();
+    field.type = reader.u8();
+    (void)reader.u32();  // count
+    cloud.fields.push_back(field);
+  }
+  const bool big_endian = reader.u8() != 0;
+  cloud.point_step = reader.u32();
+  cloud.row_step = reader.u32();
+  cloud.data = reader.block();
+  if (big_endian)
+  {
+    reader.fail("has big-endian points, which are not read");
+  }
+  cloud.check(reader);
+  return cloud;
+}
+
+void RosScanDecoder::Cloud2::check(const ByteReader& reader) const
+{
+  for (const PointField& field : fields)
+  {
+    if (static_cast<std::uint64_t>(field.offset) + field.size() > point_step)
+    {
+      reader.fail("damaged: field " + field.name + " lies outside of a point");
+    }
+  }
+  if (height > 1 && row_step < static_cast<std::uint64_t>(width) * point_step)
+  {
+    reader.fail("damaged: rows of " + std::to_string(row_step) + " bytes do not hold " +
+                std::to_string(width) + " points of " + std::to_string(point_step));
+  }
+  if (size() > 0 && static_cast<std::uint64_t>(height - 1) * row_step +
+                            static_cast<std::uint64_t>(width) * point_step >
+                        data.size())
+  {
+    reader.fail("damaged: announces " + std::to_string(width) + " x " + std::to_string(height) +
+                " points of " + std::to_string(point_step) + " bytes, but has " +
+                std::to_string(data.size()) + " bytes");
+  }
+}
+
+bool RosScanDecoder::reads(const BagTopic& topic)
+{
+  return topic.encoding != RosEncoding::other &&
+         (topic.type == "sensor_msgs/PointCloud2" || isLivoxMessage(topic.type));
+}
+
+Scan RosScanDecoder::decode(const BagTopic& topic, const BagMessage& message)
+{
+  Scan scan =
+      isLivoxMessage(topic.type) ? decodeLivox(topic, message) : decodeCloud(topic, message);
+  if (scan.stamp == 0)
+  {
+    if (first_)
+    {
+      warnings_.push_back(topic.name +
+                          ": its headers have no time stamp; the times of recording are used");
+    }
+    scan.stamp = message.recorded;
+  }
+  first_ = first_ && scan.points.empty();
+  return scan;
+}
+
+Scan RosScanDecoder::decodeCloud(const BagTopic& topic, const BagMessage& message)
+{
+  const Cloud2 cloud = Cloud2::read(rosReader(topic, message), topic.encoding);
+  const PointField* x = cloud.find({"x"});
+  const PointField* y = cloud.find({"y"});
+  const PointField* z = cloud.find({"z"});
+  if (x == nullptr || y == nullptr || z == nullptr)
+  {
+    throw UserError(cloud.place + ": has no fields x, y and z");
+  }
+  Scan scan;
+  scan.stamp = cloud.header.stamp;
+  scan.points.reserve(cloud.size());
+  for (std::size_t i = 0; i < cloud.size(); ++i)
+  {
+    scan.points.emplace_back(static_cast<float>(cloud.value(*x, i)),
+                             static_cast<float>(cloud.value(*y, i)),
+                             static_cast<float>(cloud.value(*z, i)));
+  }
+  fillIntensity(cloud, scan);
+  fillTimes(cloud, scan);
+  fillRings(cloud, scan);
+  return scan;
+}
+
+Scan RosScanDecoder::decodeLivox(const BagTopic& topic, const BagMessage& message)
+{
+  ByteReader reader = rosReader(topic, message);
+  Scan scan;
+  scan.stamp = rosHeader(reader, topic.encoding).stamp;
+  (void)reader.u64();  // time base: the stamp in nanoseconds
+  (void)reader.u32();  // number of points, given again below
+  (void)reader.u32();  // number of the lidar, and three reserved bytes
+  const std::uint32_t count = reader.u32();
+  constexpr std::size_t smallest_point = 19;
+  if (count > (reader.left() + smallest_point - 1) / smallest_point)
+  {
+    reader.fail("damaged: announces " + std::to_string(count) + " points, but has " +
+                std::to_string(reader.left()) + " bytes for them");
+  }
+  for (std::uint32_t i = 0; i < count; ++i)
+  {
+    scan.time.push_back(1e-9F * static_cast<float>(reader.u32()));
+    const auto x = reader.number<float>();
+    const auto y = reader.number<float>();
+    scan.points.emplace_back(x, y, reader.number<float>());
+    scan.intensity.push_back(reader.u8());
+    (void)reader.u8();  // tag: what the driver thinks of the return
+    scan.ring.push_back(reader.u8());
+  }
+  if (first_ && count > 0)
+  {
+    noteTimes("offset_time", 1e-9, false);
+    notes_.emplace_back("ring: field line");
+  }
+  return scan;
+}
+}  // namespace dyslam

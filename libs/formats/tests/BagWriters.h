@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Writers of small ROS bags and of their messages, for tests. They know nothing of the readers.
+#pragma once
+
+#include <dyslam/core/Pose.h>
+#include <dyslam/core/Scan.h>
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace dyslam::test
+{
+/** Puts numbers behind each other as ROS 1 (packed) or CDR (aligned, little-endian) does. */
+class MessageBytes
+{
+ public:
+  explicit MessageBytes(bool cdr) : cdr_(cdr), bytes_(cdr ? std::string("\0\1\0\0", 4) : "") {}
+
+  template <typename T>
+  MessageBytes& put(T value)
+  {
+    while (cdr_ && (bytes_.size() - 4) % sizeof(T) != 0)
+    {
+      bytes_ += '\0';
+    }
+    bytes_.append(reinterpret_cast<const char*>(&value), sizeof(T));
+    return *this;
+  }
+  /** Length and bytes; a string of CDR ends with a zero that is counted. */
+  MessageBytes& text(const std::string& value);
+  MessageBytes& block(const std::string& value);
+  /** Sequence number (ROS 1 only), stamp [s, ns] and frame. */
+  MessageBytes& header(double stamp, const std::string& frame);
+
+  [[nodiscard]] const std::string& bytes() const { return bytes_; }
+
+ private:
+  bool cdr_;
+  std::string bytes_;
+};
+
+/** A field of PointCloud2 by its name and type number (2 uint8, 4 uint16, 6 uint32, 7 float32,
+ * 8 float64), with a value for each point. */
+struct CloudField
+{
+  std::string name;
+  std::uint8_t type = 7;
+  std::vector<double> values;
+};
+
+/** The fields as a sensor_msgs/PointCloud2 of `rows` rows. */
+[[nodiscard]] std::string pointCloud2(bool cdr,
+                                      double stamp,
+                                      const std::vector<CloudField>& fields,
+                                      std::uint32_t rows = 1);
+/** x y z, `intensity`, `ring` (uint16) and `time` (float32, seconds from the stamp): as Velodyne's
+ * driver. */
+[[nodiscard]] std::vector<CloudField> velodyneFields(const Scan& scan);
+/** geometry_msgs/PoseStamped. */
+[[nodiscard]] std::string poseStamped(bool cdr, double stamp, const Pose& pose);
+/** nav_msgs/Odometry. */
+[[nodiscard]] std::string odometry(bool cdr, double stamp, const Pose& pose);
+/** tf2_msgs/TFMessage of one transform for each child. */
+[[nodiscard]] std::string transforms(bool cdr,
+                                     double stamp,
+                                     const std::vector<std::pair<std::string, Pose>>& children);
+/** livox_ros_driver2/CustomMsg of a scan with times, rings (lines) and intensities of 0..255. */
+[[nodiscard]] std::string livoxMessage(bool cdr, const Scan& scan);
+
+struct TestMessage
+{
+  std::string topic;
+  std::string type;  //!< as ROS 1 writes it
+  double stamp = 0;  //!< of the recording [s]
+  std::string data;
+};
+
+struct BagStyle
+{
+  std::string compression = "none";  //!< of chunks: none, bz2, lz4 or zstd
+  std::size_t messages_per_chunk = 3;
+  bool index = true;   //!< message indexes, and definitions at the end
+  bool chunks = true;  //!< mcap: false puts messages outside of chunks
+  bool closed = true;  //!< false: as a recorder that was killed leaves it
+};
+
+void writeRos1Bag(const std::string& path,
+                  const std::vector<TestMessage>& messages,
+                  const BagStyle& style = {});
+/** \param encoding of the messages: cdr or ros1. */
+void writeMcap(const std::string& path,
+               const std::vector<TestMessage>& messages,
+               const BagStyle& style = {},
+               const std::string& encoding = "cdr");
+/** \param packed messages are compressed one by one with zstd. */
+void writeSqliteBag(const std::string& path,
+                    const std::vector<TestMessage>& messages,
+                    bool packed = false);
+/** By the ending of the path; CDR for .db3 and .mcap. */
+void writeBag(const std::string& path, const std::vector<TestMessage>& messages);
+/** True for the files whose messages are CDR. */
+[[nodiscard]] bool holdsCdr(const std::string& path);
+}  // namespace dyslam::test

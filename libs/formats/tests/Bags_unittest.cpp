@@ -1,0 +1,303 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/Error.h>
+#include <dyslam/formats/Bag.h>
+#include <dyslam/formats/RecordingKind.h>
+#include <gtest/gtest.h>
+
+#include <functional>
+
+#include "BagWriters.h"
+#include "TestFolder.h"
+
+namespace dyslam
+{
+namespace
+{
+using test::BagStyle;
+using test::TestMessage;
+
+/** Two topics that alternate, and one at the end. */
+std::vector<TestMessage> someMessages(std::size_t count)
+{
+  std::vector<TestMessage> messages;
+  for (std::size_t i = 0; i < count; ++i)
+  {
+    const double stamp = 1.6e9 + 0.5 * static_cast<double>(i);
+    const std::string data = "message " + std::to_string(i) + std::string(100 + i, 'x');
+    messages.push_back({i % 2 == 0 ? "/points" : "/imu",
+                        i % 2 == 0 ? "sensor_msgs/PointCloud2" : "sensor_msgs/Imu", stamp, data});
+  }
+  messages.push_back({"/late", "std_msgs/String", 1.6e9 + 100, "late"});
+  return messages;
+}
+
+std::size_t topicAt(const Bag& bag, const std::string& name)
+{
+  for (std::size_t i = 0; i < bag.topics().size(); ++i)
+  {
+    if (bag.topics()[i].name == name)
+    {
+      return i;
+    }
+  }
+  ADD_FAILURE() << "no topic " << name;
+  return 0;
+}
+
+std::vector<std::string> dataOf(Bag& bag, const std::string& topic)
+{
+  bag.select({topicAt(bag, topic)});
+  std::vector<std::string> data;
+  BagMessage message;
+  while (bag.next(message))
+  {
+    data.emplace_back(message.data);
+  }
+  return data;
+}
+
+void expectAll(const std::string& path, const std::vector<TestMessage>& messages)
+{
+  const auto bag = openBag(path);
+  ASSERT_EQ(3U, bag->topics().size()) << path;
+  const BagTopic topic = bag->topics()[topicAt(*bag, "/points")];
+  EXPECT_EQ("sensor_msgs/PointCloud2", topic.type);
+  EXPECT_EQ(5U, topic.messages);
+  EXPECT_NEAR(1.6e9, topic.first, 1e-6);
+  EXPECT_NEAR(1.6e9 + 4, topic.last, 1e-6);
+  EXPECT_EQ(1U, bag->topics()[topicAt(*bag, "/late")].messages);
+  std::vector<std::string> expected;
+  for (const TestMessage& message : messages)
+  {
+    if (message.topic == "/points")
+    {
+      expected.push_back(message.data);
+    }
+  }
+  EXPECT_EQ(expected, dataOf(*bag, "/points")) << path;
+  EXPECT_EQ(expected, dataOf(*bag, "/points")) << "a second time: " << path;
+  EXPECT_EQ(std::vector<std::string>{"late"}, dataOf(*bag, "/late")) << path;
+  EXPECT_TRUE(bag->warnings().empty());
+}
+}  // namespace
+
+TEST(Bags, Ros1OfEachCompression)
+{
+  const TestFolder folder;
+  const auto messages = someMessages(10);
+  for (const std::string compression : {"none", "bz2", "lz4"})
+  {
+    for (const bool index : {true, false})
+    {
+      test::writeRos1Bag(folder.file("x.bag"), messages, {compression, 3, index});
+      expectAll(folder.file("x.bag"), messages);
+      EXPECT_EQ(RosEncoding::ros1, openBag(folder.file("x.bag"))->topics().front().encoding);
+    }
+  }
+}
+
+TEST(Bags, McapOfEachCompressionWithAndWithoutIndexOrChunks)
+{
+  const TestFolder folder;
+  const auto messages = someMessages(10);
+  for (const std::string compression : {"none", "lz4", "zstd"})
+  {
+    for (const bool index : {true, false})
+    {
+      test::writeMcap(folder.file("x.mcap"), messages, {compression, 3, index});
+      expectAll(folder.file("x.mcap"), messages);
+    }
+  }
+  test::writeMcap(folder.file("x.mcap"), messages, {"none", 3, false, false});
+  expectAll(folder.file("x.mcap"), messages);
+  EXPECT_EQ(RosEncoding::cdr, openBag(folder.file("x.mcap"))->topics().front().encoding);
+  test::writeMcap(folder.file("x.mcap"), messages, {}, "ros1");
+  expectAll(folder.file("x.mcap"), messages);
+  EXPECT_EQ(RosEncoding::ros1, openBag(folder.file("x.mcap"))->topics().front().encoding);
+  test::writeMcap(folder.file("x.mcap"), messages, {}, "protobuf");
+  EXPECT_EQ(RosEncoding::other, openBag(folder.file("x.mcap"))->topics().front().encoding);
+}
+
+TEST(Bags, SqlitePlainAndCompressed)
+{
+  const TestFolder folder;
+  const auto messages = someMessages(10);
+  for (const bool packed : {false, true})
+  {
+    test::writeSqliteBag(folder.file("x.db3"), messages, packed);
+    expectAll(folder.file("x.db3"), messages);
+  }
+}
+
+TEST(Bags, AFolderIsOneRecording)
+{
+  const TestFolder folder;
+  auto messages = someMessages(10);
+  const std::vector<TestMessage> first(messages.begin(), messages.begin() + 4);
+  const std::vector<TestMessage> second(messages.begin() + 4, messages.end());
+  for (const std::string ending : {".bag", ".db3", ".mcap"})
+  {
+    std::filesystem::create_directories(folder.file(ending));
+    folder.write(ending + "/metadata.yaml", "");
+    test::writeBag(folder.file(ending + "/x_10" + ending), second);
+    test::writeBag(folder.file(ending + "/x_9" + ending), first);
+    EXPECT_TRUE(isBag(folder.file(ending)));
+    expectAll(folder.file(ending), messages);
+  }
+  test::writeBag(folder.file(".bag/x_9.mcap"), first);
+  EXPECT_TRUE(contains(messageOfError<UserError>([&] { (void)openBag(folder.file(".bag")); }),
+                       "two kinds"));
+}
+
+TEST(Bags, Listing)
+{
+  const TestFolder folder;
+  test::writeRos1Bag(folder.file("x.bag"), someMessages(10));
+  EXPECT_EQ(
+      "topic    type                     messages  rate [1/s]\n"
+      "/points  sensor_msgs/PointCloud2         5        1.00\n"
+      "/imu     sensor_msgs/Imu                 5        1.00\n"
+      "/late    std_msgs/String                 1           -\n"
+      "duration 100.00 s, from 1600000000.000 s since 1970\n",
+      listingOf(*openBag(folder.file("x.bag"))));
+}
+
+/** A recorder that was killed leaves whole chunks and then whatever. */
+TEST(Bags, CutShortAnywhereGivesWholeChunksOrOneError)
+{
+  const TestFolder folder;
+  const auto messages = someMessages(10);
+  for (const std::string ending : {".bag", ".mcap"})
+  {
+    for (const std::string compression : {"none", "lz4"})
+    {
+      const BagStyle style{compression, 3, true, true, false};
+      const std::string path = folder.file("x" + ending);
+      ending == ".bag" ? test::writeRos1Bag(path, messages, style)
+                       : test::writeMcap(path, messages, style);
+      const std::string whole = folder.read("x" + ending);
+      const std::size_t begin = ending == ".bag" ? 4096 : 0;  // before that there is only padding
+      std::size_t most = 0;
+      for (std::size_t size = begin; size < whole.size(); size += 13)
+      {
+        const std::string cut = folder.write("cut" + ending, whole.substr(0, size));
+        try
+        {
+          const auto bag = openBag(cut);
+          std::vector<std::size_t> all(bag->topics().size());
+          for (std::size_t i = 0; i < all.size(); ++i)
+          {
+            all[i] = i;
+          }
+          bag->select(all);
+          std::size_t count = 0;
+          for (BagMessage message; bag->next(message); ++count)
+          {
+            EXPECT_EQ(messages[count].data, message.data);
+          }
+          EXPECT_GE(count, most);  // the more there is, the more is read
+          most = count;
+          EXPECT_FALSE(bag->warnings().empty()) << size;
+        }
+        catch (const UserError& error)
+        {
+          EXPECT_TRUE(contains(error.what(), "cut" + ending)) << error.what();
+        }
+      }
+      EXPECT_GE(most, 9U) << ending << compression;
+    }
+  }
+}
+
+/** Whatever bytes are damaged: an error that names the file, or what could be read; never more. */
+TEST(Bags, DamagedBytes)
+{
+  const TestFolder folder;
+  const auto messages = someMessages(10);
+  for (const std::string name : {"x.bag", "y.bag", "x.mcap", "y.mcap", "x.db3"})
+  {
+    const std::string compression = name[0] == 'x' ? "none" : "lz4";
+    if (contains(name, ".db3"))
+    {
+      test::writeBag(folder.file(name), messages);
+    }
+    else
+    {
+      contains(name, ".bag") ? test::writeRos1Bag(folder.file(name), messages, {compression})
+                             : test::writeMcap(folder.file(name), messages, {compression});
+    }
+    const std::string whole = folder.read(name);
+    std::size_t refused = 0;
+    for (std::size_t at = 0; at < whole.size(); at += contains(name, ".db3") ? 97 : 11)
+    {
+      std::string damaged = whole;
+      damaged[at] = static_cast<char>(damaged[at] ^ 0xFF);
+      const std::string path = folder.write("damaged_" + name, damaged);
+      try
+      {
+        const auto bag = openBag(path);
+        std::vector<std::size_t> all(bag->topics().size());
+        for (std::size_t i = 0; i < all.size(); ++i)
+        {
+          all[i] = i;
+        }
+        bag->select(all);
+        std::size_t count = 0;
+        for (BagMessage message; bag->next(message);)
+        {
+          ++count;
+        }
+        EXPECT_LE(count, messages.size());
+      }
+      catch (const UserError& error)
+      {
+        ++refused;
+        EXPECT_TRUE(contains(error.what(), "damaged_" + name)) << error.what();
+      }
+    }
+    EXPECT_GT(refused, 0U) << name;
+  }
+}
+
+TEST(Bags, Errors)
+{
+  const TestFolder folder;
+  const auto message = [](const std::string& path)
+  { return messageOfError<UserError>([&path] { (void)openBag(path); }); };
+  EXPECT_TRUE(contains(message(folder.file("none.bag")), "none.bag"));
+  EXPECT_TRUE(contains(message(folder.write("a.bag", "hello")), "not a ROS 1 bag"));
+  EXPECT_TRUE(contains(message(folder.write("b.bag", "#ROSBAG V1.2\nxxxxxxxx")), "migrate"));
+  EXPECT_TRUE(contains(message(folder.write("a.mcap", "hello")), "not an mcap file"));
+  EXPECT_TRUE(contains(message(folder.write("a.db3", "hello, this is no database")), "a.db3"));
+  EXPECT_TRUE(contains(message(folder.write("a.db3.zstd", "")), "zstd -d"));
+  // A chunk that announces more than there is allocates nothing for it.
+  test::writeMcap(folder.file("c.mcap"), someMessages(4), {"zstd"});
+  std::string bytes = folder.read("c.mcap");
+  const std::size_t chunk = bytes.find('\x06', 8 + 9 + 16);
+  for (std::size_t i = 0; i < 7; ++i)
+  {
+    bytes[chunk + 9 + 16 + i] = '\x7F';  // the size without compression
+  }
+  folder.write("c.mcap", bytes);
+  const auto bag = openBag(folder.file("c.mcap"));
+  bag->select({0});
+  BagMessage first;
+  EXPECT_TRUE(
+      contains(messageOfError<UserError>([&] { (void)bag->next(first); }), "c.mcap: chunk"));
+}
+
+TEST(Bags, AdviceForRecordings)
+{
+  const TestFolder folder;
+  EXPECT_EQ("is a ROS bag; make a rawlog of it first: scans2rawlog -i a/b.mcap -o b.rawlog",
+            conversionAdvice("a/b.mcap"));
+  EXPECT_EQ("is a network capture; make a rawlog of it first: scans2rawlog -i b.pcap -o b.rawlog",
+            conversionAdvice("b.pcap"));
+  EXPECT_EQ("", conversionAdvice("b.rawlog"));
+  EXPECT_EQ("", conversionAdvice("none"));
+  folder.write("scans/1.bin", "");
+  EXPECT_TRUE(contains(conversionAdvice(folder.file("scans")), "scans2rawlog"));
+  folder.write("kitti/velodyne/1.bin", "");
+  EXPECT_TRUE(contains(conversionAdvice(folder.file("kitti")), "kitti2rawlog"));
+}
+}  // namespace dyslam

@@ -1,0 +1,325 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/Error.h>
+#include <dyslam/formats/RosMessages.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+#include <limits>
+
+#include "BagWriters.h"
+#include "TestFolder.h"
+
+namespace dyslam
+{
+namespace
+{
+constexpr double stamp = 1600000000.25;
+
+/** Four rings of points that get farther and higher with the ring; a tenth of a second. */
+Scan someScan(std::size_t columns)
+{
+  Scan scan;
+  scan.stamp = stamp;
+  for (std::size_t i = 0; i < columns; ++i)
+  {
+    for (std::uint16_t ring = 0; ring < 4; ++ring)
+    {
+      const auto angle = static_cast<float>(i) * 0.1F;
+      scan.points.emplace_back(10 * std::cos(angle), 10 * std::sin(angle), ring - 1.5F);
+      scan.intensity.push_back(static_cast<float>(i % 256));
+      scan.time.push_back(0.1F * static_cast<float>(i) / static_cast<float>(columns));
+      scan.ring.push_back(ring);
+    }
+  }
+  return scan;
+}
+
+std::vector<double> mapped(const Scan& scan, const std::function<double(std::size_t)>& value)
+{
+  std::vector<double> values;
+  for (std::size_t i = 0; i < scan.size(); ++i)
+  {
+    values.push_back(value(i));
+  }
+  return values;
+}
+
+std::vector<test::CloudField> coordinates(const Scan& scan)
+{
+  std::vector<test::CloudField> fields;
+  for (const int axis : {0, 1, 2})
+  {
+    fields.push_back({std::string(1, "xyz"[axis]), 7,
+                      mapped(scan, [&](std::size_t i) { return scan.points[i][axis]; })});
+  }
+  return fields;
+}
+
+BagTopic topicOf(bool cdr, const std::string& type)
+{
+  BagTopic topic;
+  topic.name = "/topic";
+  topic.type = type;
+  topic.encoding = cdr ? RosEncoding::cdr : RosEncoding::ros1;
+  return topic;
+}
+
+BagMessage messageOf(const std::string& data)
+{
+  BagMessage message;
+  message.data = data;
+  message.recorded = 12;
+  message.place = "x.bag: message at byte 99";
+  return message;
+}
+
+Scan decoded(RosScanDecoder& decoder,
+             const std::vector<test::CloudField>& fields,
+             bool cdr = true,
+             std::uint32_t rows = 1)
+{
+  const std::string data = test::pointCloud2(cdr, stamp, fields, rows);
+  return decoder.decode(topicOf(cdr, "sensor_msgs/PointCloud2"), messageOf(data));
+}
+
+void expectSame(const Scan& expected, const Scan& scan, double time_tolerance)
+{
+  EXPECT_NEAR(expected.stamp, scan.stamp, 1e-6);
+  EXPECT_EQ(expected.points, scan.points);
+  EXPECT_EQ(expected.intensity, scan.intensity);
+  EXPECT_EQ(expected.ring, scan.ring);
+  ASSERT_EQ(expected.time.size(), scan.time.size());
+  for (std::size_t i = 0; i < scan.time.size(); ++i)
+  {
+    EXPECT_NEAR(expected.time[i], scan.time[i], time_tolerance);
+  }
+}
+}  // namespace
+
+TEST(RosScans, VelodyneInBothSerialisations)
+{
+  const Scan scan = someScan(50);
+  for (const bool cdr : {false, true})
+  {
+    RosScanDecoder decoder;
+    const Scan read = decoded(decoder, test::velodyneFields(scan), cdr);
+    expectSame(scan, read, 0);
+    EXPECT_TRUE(decoder.warnings().empty());
+    ASSERT_EQ(3U, decoder.notes().size());
+    EXPECT_EQ("per-point time: field time, seconds from the time stamp", decoder.notes()[1]);
+  }
+}
+
+TEST(RosScans, OusterCountsRingsFromTheHighest)
+{
+  const Scan scan = someScan(50);
+  auto fields = coordinates(scan);
+  fields.push_back({"intensity", 7, mapped(scan, [](std::size_t i) { return 100.0 * double(i); })});
+  fields.push_back(
+      {"t", 6, mapped(scan, [&](std::size_t i) { return std::round(scan.time[i] * 1e9); })});
+  fields.push_back(
+      {"reflectivity", 4, mapped(scan, [&](std::size_t i) { return scan.intensity[i]; })});
+  fields.push_back({"ring", 2, mapped(scan, [&](std::size_t i) { return 3 - scan.ring[i]; })});
+  RosScanDecoder decoder;
+  expectSame(scan, decoded(decoder, fields), 1e-8);
+  EXPECT_TRUE(contains(decoder.notes()[0], "reflectivity"));
+  EXPECT_TRUE(contains(decoder.notes()[1], "field t, nanoseconds"));
+  EXPECT_TRUE(contains(decoder.notes()[2], "turned over"));
+}
+
+TEST(RosScans, HesaiAndRoboSenseHaveAbsoluteSeconds)
+{
+  const Scan scan = someScan(50);
+  auto fields = test::velodyneFields(scan);
+  fields[5] = {"timestamp", 8, mapped(scan, [&](std::size_t i) { return stamp + scan.time[i]; })};
+  RosScanDecoder decoder;
+  expectSame(scan, decoded(decoder, fields), 1e-6);
+  // The lidar's clock is that of its start-up: the first point gets the header's time.
+  fields[5].values = mapped(scan, [&](std::size_t i) { return 5000.0 + scan.time[i]; });
+  RosScanDecoder other;
+  expectSame(scan, decoded(other, fields), 1e-6);
+  ASSERT_EQ(1U, other.warnings().size());
+  EXPECT_TRUE(contains(other.warnings()[0], "clock"));
+}
+
+TEST(RosScans, LivoxCloudHasAbsoluteNanosecondsAndLines)
+{
+  Scan scan = someScan(50);
+  auto fields = coordinates(scan);
+  fields.push_back(
+      {"intensity", 7, mapped(scan, [&](std::size_t i) { return scan.intensity[i]; })});
+  // Lines cross each other: their numbers do not tell heights.
+  for (std::size_t i = 0; i < scan.size(); ++i)
+  {
+    scan.ring[i] = static_cast<std::uint16_t>(i / 4 % 6);
+  }
+  fields.push_back({"line", 2, mapped(scan, [&](std::size_t i) { return scan.ring[i]; })});
+  fields.push_back(
+      {"timestamp", 8, mapped(scan, [&](std::size_t i) { return (stamp + scan.time[i]) * 1e9; })});
+  RosScanDecoder decoder;
+  expectSame(scan, decoded(decoder, fields), 2e-6);
+}
+
+TEST(RosScans, LivoxMessage)
+{
+  const Scan scan = someScan(50);
+  for (const bool cdr : {false, true})
+  {
+    for (const std::string type : {"livox_ros_driver/CustomMsg", "livox_ros_driver2/CustomMsg"})
+    {
+      RosScanDecoder decoder;
+      const std::string data = test::livoxMessage(cdr, scan);
+      expectSame(scan, decoder.decode(topicOf(cdr, type), messageOf(data)), 1e-8);
+    }
+  }
+}
+
+TEST(RosScans, MicrosecondsAsFloats)
+{
+  const Scan scan = someScan(50);
+  auto fields = test::velodyneFields(scan);
+  fields[5].values = mapped(scan, [&](std::size_t i) { return 1e6 * scan.time[i]; });
+  RosScanDecoder decoder;
+  expectSame(scan, decoded(decoder, fields), 1e-7);
+}
+
+TEST(RosScans, RowsOfAnOrderedCloudAreRings)
+{
+  Scan scan;
+  scan.stamp = stamp;
+  for (int row = 0; row < 3; ++row)
+  {
+    for (int column = 0; column < 20; ++column)
+    {
+      scan.points.emplace_back(5, column, 1.F - static_cast<float>(row));
+      scan.ring.push_back(static_cast<std::uint16_t>(2 - row));
+    }
+  }
+  RosScanDecoder decoder;
+  const Scan read = decoded(decoder, coordinates(scan), true, 3);
+  expectSame(scan, read, 0);
+  EXPECT_TRUE(decoder.warnings().empty());
+  EXPECT_EQ("ring: rows of the cloud, turned over: 0 is the lowest", decoder.notes().back());
+}
+
+TEST(RosScans, TimesThatAreNone)
+{
+  const Scan scan = someScan(50);
+  auto fields = test::velodyneFields(scan);
+  fields[5].values.assign(scan.size(), 0);
+  RosScanDecoder zero;
+  EXPECT_TRUE(decoded(zero, fields).time.empty());
+  EXPECT_TRUE(contains(zero.warnings().at(0), "the same for all points"));
+  fields[5].values = mapped(scan, [&](std::size_t i) { return stamp + 128.0 * double(i % 2); });
+  RosScanDecoder coarse;
+  EXPECT_TRUE(decoded(coarse, fields).time.empty());
+  EXPECT_TRUE(contains(coarse.warnings().at(0), "too coarse"));
+}
+
+TEST(RosScans, InvalidPointsKeepTheirPlaces)
+{
+  Scan scan = someScan(50);
+  scan.points[3] = Eigen::Vector3f::Constant(std::numeric_limits<float>::quiet_NaN());
+  scan.points[4] = Eigen::Vector3f::Zero();
+  auto fields = test::velodyneFields(scan);
+  fields[5] = {"timestamp", 8, mapped(scan, [&](std::size_t i) { return stamp + scan.time[i]; })};
+  fields[5].values[3] = 0;
+  RosScanDecoder decoder;
+  const Scan read = decoded(decoder, fields);
+  ASSERT_EQ(scan.size(), read.size());
+  EXPECT_TRUE(std::isnan(read.points[3].x()));
+  EXPECT_TRUE(std::isnan(read.time[3]));
+  EXPECT_EQ(scan.points[5], read.points[5]);
+  EXPECT_NEAR(scan.time[5], read.time[5], 1e-6);
+}
+
+TEST(RosScans, EmptyScansAndStampsOfZero)
+{
+  RosScanDecoder decoder;
+  const auto fields = test::velodyneFields(Scan());
+  const std::string data = test::pointCloud2(false, 0, fields);
+  const Scan scan = decoder.decode(topicOf(false, "sensor_msgs/PointCloud2"), messageOf(data));
+  EXPECT_EQ(0U, scan.size());
+  EXPECT_EQ(12, scan.stamp);  // when it was recorded
+  EXPECT_EQ(1U, decoder.warnings().size());
+  expectSame(someScan(50), decoded(decoder, test::velodyneFields(someScan(50))), 0);
+}
+
+TEST(RosScans, DamagedMessagesAreRefused)
+{
+  const Scan scan = someScan(5);
+  for (const bool cdr : {false, true})
+  {
+    const std::string cloud = test::pointCloud2(cdr, stamp, test::velodyneFields(scan));
+    const std::string livox = test::livoxMessage(cdr, scan);
+    for (const auto& [type, data] :
+         {std::pair<std::string, std::string>{"sensor_msgs/PointCloud2", cloud},
+          {"livox_ros_driver2/CustomMsg", livox}})
+    {
+      for (std::size_t size = 0; size + 1 < data.size(); ++size)
+      {
+        RosScanDecoder decoder;
+        const auto message = messageOfError<UserError>(
+            [&, &type = type, &data = data]
+            { (void)decoder.decode(topicOf(cdr, type), messageOf(data.substr(0, size))); });
+        EXPECT_TRUE(contains(message, "x.bag: message at byte 99")) << message;
+      }
+    }
+  }
+  // Rows without length would make any number of points fit.
+  std::string rows = test::pointCloud2(false, stamp, test::velodyneFields(scan), 2);
+  const std::size_t height = 4 + 8 + 4 + 5;
+  rows[height + 3] = '\x7F';
+  const std::size_t row_step = rows.size() - 1 - 4 - 4 - 10 * 2 * (3 + 4 * 5 + 2);
+  rows.replace(row_step, 4, std::string(4, '\0'));
+  RosScanDecoder other;
+  EXPECT_TRUE(contains(
+      messageOfError<UserError>(
+          [&] { (void)other.decode(topicOf(false, "sensor_msgs/PointCloud2"), messageOf(rows)); }),
+      "do not hold"));
+  RosScanDecoder decoder;
+  auto fields = test::velodyneFields(scan);
+  fields[0].name = "X";
+  EXPECT_TRUE(contains(messageOfError<UserError>([&] { (void)decoded(decoder, fields); }), "x, y"));
+}
+
+TEST(RosPoses, EveryTypeInBothSerialisations)
+{
+  const Pose pose = poseFromYpr(1, 2, 3, 0.5, -0.2, 0.1);
+  for (const bool cdr : {false, true})
+  {
+    const auto check = [&](const std::string& type, const std::string& data, const char* child)
+    {
+      ASSERT_TRUE(isRosPose(topicOf(cdr, type)));
+      const auto poses = decodeRosPoses(topicOf(cdr, type), messageOf(data));
+      ASSERT_FALSE(poses.empty());
+      EXPECT_NEAR(stamp, poses.back().stamp, 1e-6);
+      EXPECT_EQ(child, poses.back().child);
+      EXPECT_TRUE(poses.back().pose.isApprox(pose, 1e-12));
+    };
+    check("geometry_msgs/PoseStamped", test::poseStamped(cdr, stamp, pose), "");
+    check("nav_msgs/Odometry", test::odometry(cdr, stamp, pose), "base_link");
+    const std::string tf =
+        test::transforms(cdr, stamp, {{"other", Pose::Identity()}, {"base_link", pose}});
+    check("tf2_msgs/TFMessage", tf, "base_link");
+    check("tf/tfMessage", tf, "base_link");
+    EXPECT_EQ(2U, decodeRosPoses(topicOf(cdr, "tf2_msgs/TFMessage"), messageOf(tf)).size());
+    EXPECT_FALSE(isRosPose(topicOf(cdr, "sensor_msgs/Imu")));
+
+    const std::string data = test::odometry(cdr, stamp, pose);
+    const auto message = messageOfError<UserError>(
+        [&] {
+          (void)decodeRosPoses(topicOf(cdr, "nav_msgs/Odometry"), messageOf(data.substr(0, 60)));
+        });
+    EXPECT_TRUE(contains(message, "short")) << message;
+  }
+  std::string zero = test::poseStamped(false, stamp, pose);
+  std::fill(zero.end() - 32, zero.end(), '\0');
+  EXPECT_TRUE(contains(
+      messageOfError<UserError>(
+          [&]
+          { (void)decodeRosPoses(topicOf(false, "geometry_msgs/PoseStamped"), messageOf(zero)); }),
+      "quaternion"));
+}
+}  // namespace dyslam

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <dyslam/io/Converters.h>
+
+#include <string>
+
+namespace dyslam
+{
+struct KittiExportOptions : Options
+{
+  std::string sequence = "00";  //!< name of the sequence's folder
+  std::string trajectory;       //!< TUM or KITTI poses of the vehicle; empty: the recording's truth
+  std::string calib;      //!< calib.txt to go with; empty: the lidar's axes turned to a camera's
+  bool no_scans = false;  //!< only times, calibration and poses
+  bool rings = false;     //!< NNNNNN.ring beside the scans, a byte a point
+  int skip_first_n = 0;
+  int only_first_n = 0;  //!< 0: all
+
+  void describe(OptionsVisitor& visitor) override;
+};
+
+/** Writes a rawlog in the layout of KITTI odometry and SemanticKITTI.
+ *
+ * `<folder>/sequences/NN/` gets `velodyne/NNNNNN.bin` (every point in its order, lidar frame),
+ * `times.txt` (seconds since the first scan), `calib.txt`, `labels/NNNNNN.label` of the rawlog's
+ * ground truth and `poses.txt`; `<folder>/poses/NN.txt` is the same. Poses are those of camera 0 in
+ * the frame of the first, as KITTI's are; without a calibration that is the lidar with a camera's
+ * axes (x right, y down, z ahead). Poses are left out, with a warning, unless every scan has one.
+ *
+ * The sequence grows under a temporary name. If `progress` throws, all is removed.
+ * \throws UserError, also if there is such a sequence already. */
+ConversionResult exportKitti(const std::string& rawlog,
+                             const std::string& folder,
+                             const KittiExportOptions& options,
+                             const ConversionProgress& progress = {});
+}  // namespace dyslam

@@ -1,0 +1,197 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/Error.h>
+#include <dyslam/core/Trajectory.h>
+#include <dyslam/formats/Bag.h>
+#include <dyslam/formats/RosMessages.h>
+
+#include <algorithm>
+#include <map>
+
+#include "ScanSink.h"
+
+namespace dyslam
+{
+namespace
+{
+constexpr double truth_max_gap = 0.2;  //!< [s] as RawlogSourceOptions::ground_truth_max_gap
+constexpr double same_instant = 1e-6;  //!< [s]
+
+std::string namesOf(const Bag& bag, const std::function<bool(const BagTopic&)>& wanted)
+{
+  std::string names;
+  for (const BagTopic& topic : bag.topics())
+  {
+    if (wanted(topic))
+    {
+      names += (names.empty() ? "" : ", ") + topic.name;
+    }
+  }
+  return names;
+}
+
+std::size_t topicNamed(const std::string& input,
+                       const Bag& bag,
+                       const std::string& option,
+                       const std::string& name,
+                       const std::function<bool(const BagTopic&)>& wanted)
+{
+  const auto& topics = bag.topics();
+  for (std::size_t i = 0; i < topics.size(); ++i)
+  {
+    if (topics[i].name == name && wanted(topics[i]))
+    {
+      return i;
+    }
+  }
+  const auto found = std::find_if(topics.begin(), topics.end(),
+                                  [&name](const BagTopic& topic) { return topic.name == name; });
+  const std::string usable = namesOf(bag, wanted);
+  throw UserError(input + ": " + option + " " + name +
+                  (found == topics.end() ? " is not in it" : ": " + found->type + " is not read") +
+                  (usable.empty() ? "; --list shows the topics" : "; use " + usable));
+}
+
+/** The scans' topic: the one that was asked for, or that with the most scans. */
+std::size_t scanTopic(const std::string& input, const Bag& bag, const std::string& asked)
+{
+  if (!asked.empty())
+  {
+    return topicNamed(input, bag, "--topic", asked, RosScanDecoder::reads);
+  }
+  const auto& topics = bag.topics();
+  std::optional<std::size_t> best;
+  for (std::size_t i = 0; i < topics.size(); ++i)
+  {
+    if (RosScanDecoder::reads(topics[i]) && topics[i].messages > 0 &&
+        (!best || topics[i].messages > topics[*best].messages))
+    {
+      best = i;
+    }
+  }
+  if (best)
+  {
+    return *best;
+  }
+  const std::string packets = namesOf(bag,
+                                      [](const BagTopic& topic)
+                                      {
+                                        return topic.type.find("Packet") != std::string::npos ||
+                                               topic.type == "velodyne_msgs/VelodyneScan";
+                                      });
+  throw UserError(input + ": has no sensor_msgs/PointCloud2" +
+                  (packets.empty() ? "; --list shows the topics"
+                                   : ", but packets (" + packets +
+                                         "): play it to the lidar's driver and record its "
+                                         "PointCloud2"));
+}
+
+/** Poses of one body from a topic of the bag. */
+Trajectory readTruth(const std::string& input, Bag& bag, const ScanConverterOptions& options)
+{
+  const std::size_t topic = topicNamed(input, bag, "--truth-topic", options.truth_topic, isRosPose);
+  bag.select({topic});
+  std::map<std::string, std::map<double, Pose>> bodies;  // by child frame, in order of time
+  BagMessage message;
+  while (bag.next(message))
+  {
+    for (const RosPose& pose : decodeRosPoses(bag.topics()[topic], message))
+    {
+      if (options.truth_frame.empty() || pose.child == options.truth_frame)
+      {
+        bodies[pose.child].emplace(pose.stamp != 0 ? pose.stamp : message.recorded, pose.pose);
+      }
+    }
+  }
+  if (bodies.size() != 1)
+  {
+    std::string names;
+    for (const auto& [name, poses] : bodies)
+    {
+      names += (names.empty() ? "" : ", ") + name;
+    }
+    throw UserError(input + ": " + options.truth_topic +
+                    (bodies.empty()
+                         ? " has no poses" + (options.truth_frame.empty()
+                                                  ? std::string()
+                                                  : " of --truth-frame " + options.truth_frame)
+                         : " has poses of " + names + "; choose one with --truth-frame"));
+  }
+  Trajectory trajectory;
+  for (const auto& [stamp, pose] : bodies.begin()->second)
+  {
+    trajectory.push_back(stamp, pose);
+  }
+  return trajectory;
+}
+
+std::optional<Pose> poseAt(const Trajectory& truth, double stamp)
+{
+  if (const auto same = truth.nearest(stamp, same_instant))
+  {
+    return truth[*same].pose;
+  }
+  return truth.nearest(stamp, truth_max_gap) ? truth.at(stamp) : std::nullopt;
+}
+}  // namespace
+
+void convertBag(const std::string& input, ScanSink& sink, const ScanConverterOptions& options)
+{
+  const std::unique_ptr<Bag> bag = openBag(input);
+  const std::size_t at = scanTopic(input, *bag, options.topic);
+  const BagTopic topic = bag->topics()[at];
+  const Trajectory truth =
+      options.truth_topic.empty() ? Trajectory() : readTruth(input, *bag, options);
+  for (const std::string& warning : bag->warnings())
+  {
+    sink.warn(warning);
+  }
+  sink.note("scans: " + topic.name + " (" + topic.type + ")");
+  if (options.topic.empty())
+  {
+    const std::string others =
+        namesOf(*bag, [&topic](const BagTopic& other)
+                { return RosScanDecoder::reads(other) && other.name != topic.name; });
+    if (!others.empty())
+    {
+      sink.note("--topic chooses other scans: " + others);
+    }
+  }
+  bag->select({at});
+  RosScanDecoder decoder;
+  std::size_t without_pose = 0;
+  BagMessage message;
+  while (bag->next(message))
+  {
+    Scan scan = decoder.decode(topic, message);
+    std::optional<Pose> T_world_lidar;
+    ++without_pose;
+    if (const auto T_world_vehicle = poseAt(truth, scan.stamp))
+    {
+      T_world_lidar = *T_world_vehicle * sink.T_vehicle_lidar();
+      --without_pose;
+    }
+    if (!sink.put(std::move(scan), true, T_world_lidar, bag->progress()))
+    {
+      break;
+    }
+  }
+  if (sink.written() == 0)
+  {
+    throw UserError(input + ": " + topic.name + " has " + std::to_string(topic.messages) +
+                    " scans; --skip-first-n leaves none");
+  }
+  if (!truth.empty() && without_pose > 0)
+  {
+    sink.warn(options.truth_topic + ": has no pose within 0.2 s of " +
+              std::to_string(without_pose) + " scans");
+  }
+  for (const std::string& note : decoder.notes())
+  {
+    sink.note(note);
+  }
+  for (const std::string& warning : decoder.warnings())
+  {
+    sink.warn(warning);
+  }
+}
+}  // namespace dyslam

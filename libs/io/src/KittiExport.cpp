@@ -1,0 +1,254 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/Error.h>
+#include <dyslam/core/Files.h>
+#include <dyslam/core/PendingFile.h>
+#include <dyslam/formats/GroundTruth.h>
+#include <dyslam/formats/KittiFiles.h>
+#include <dyslam/formats/ScanFiles.h>
+#include <dyslam/formats/TextFile.h>
+#include <dyslam/formats/TrajectoryFiles.h>
+#include <dyslam/io/KittiExport.h>
+#include <dyslam/io/RawlogSource.h>
+
+#include <cmath>
+#include <filesystem>
+
+namespace dyslam
+{
+namespace fs = std::filesystem;
+
+namespace
+{
+constexpr double same_instant = 1e-3;  //!< [s] between a scan and its pose in a TUM file
+
+/** One sequence on its way; what there is goes with the object unless finish() was called. */
+class Sequence
+{
+ public:
+  Sequence(const std::string& rawlog, const std::string& folder, const KittiExportOptions& options)
+      : options_(options),
+        folder_(folder),
+        target_(folder_ / "sequences" / options.sequence),
+        pending_(target_.string() + ".tmp")
+  {
+    for (const fs::path& path : {target_, posesFile()})
+    {
+      if (fs::exists(path))
+      {
+        throw UserError(path.string() +
+                        ": is there already; remove it, or name another with --sequence");
+      }
+    }
+    if (!options.trajectory.empty())
+    {
+      given_ = readTrajectory(options.trajectory);
+    }
+    if (!options.calib.empty())
+    {
+      T_cam_velo_ = readKittiCalib(options.calib).T_cam_velo;
+    }
+    const std::string truth = groundTruthFolder(rawlog);
+    if (fs::is_directory(truth))
+    {
+      truth_.emplace(truth);
+    }
+    fs::remove_all(pending_);  // of a killed program
+    makeFolder((pending_ / "velodyne").string());
+  }
+  ~Sequence()
+  {
+    std::error_code ignored;
+    fs::remove_all(pending_, ignored);
+  }
+  Sequence(const Sequence&) = delete;
+  Sequence& operator=(const Sequence&) = delete;
+
+  void add(const Frame& frame)
+  {
+    const Scan& scan = frame.scan;
+    if (!options_.no_scans)
+    {
+      writeScan(frame);
+    }
+    first_stamp_ = result_.scans == 0 ? scan.stamp : first_stamp_;
+    appendFixed(times_, scan.stamp - first_stamp_, 9);
+    times_ += '\n';
+    if (const auto T_world_vehicle = poseOf(frame))
+    {
+      poses_.push_back(*T_world_vehicle * scan.T_vehicle_lidar);
+    }
+    ++result_.scans;
+    result_.points += scan.size();
+  }
+
+  ConversionResult finish()
+  {
+    writeWhole((pending_ / "times.txt").string(), times_);
+    writeCalib();
+    const bool poses = !poses_.empty() && poses_.size() == result_.scans;
+    if (poses)
+    {
+      writeKittiPoses((pending_ / "poses.txt").string(), cameraPoses());
+      result_.poses = poses_.size();
+      result_.pose_source = options_.trajectory.empty() ? "the rawlog" : options_.trajectory;
+    }
+    else
+    {
+      result_.warnings.push_back("no poses are written: " + std::to_string(poses_.size()) + " of " +
+                                 std::to_string(result_.scans) + " scans have one");
+    }
+    if (options_.no_scans)
+    {
+      fs::remove(pending_ / "velodyne");
+    }
+    fs::rename(pending_, target_);
+    if (poses)
+    {
+      makeFolder((folder_ / "poses").string());
+      fs::copy_file(target_ / "poses.txt", posesFile());
+    }
+    return result_;
+  }
+
+ private:
+  [[nodiscard]] fs::path posesFile() const
+  {
+    return folder_ / "poses" / (options_.sequence + ".txt");
+  }
+
+  void writeScan(const Frame& frame)
+  {
+    const Scan& scan = frame.scan;
+    const fs::path velodyne = pending_ / "velodyne";
+    writeBin((velodyne / numberedName(result_.scans, ".bin")).string(), scan.points,
+             scan.intensity);
+    if (options_.rings && !scan.ring.empty())
+    {
+      std::string rings;
+      for (const std::uint16_t ring : scan.ring)
+      {
+        rings += static_cast<char>(std::min<std::uint16_t>(ring, 255));
+      }
+      writeWhole((velodyne / numberedName(result_.scans, ".ring")).string(), rings);
+    }
+    const auto labels = truth_ ? truth_->labels(frame.index, scan.size()) : std::nullopt;
+    if (labels)
+    {
+      makeFolder((pending_ / "labels").string());
+      writeLabels((pending_ / "labels" / numberedName(result_.scans, ".label")).string(), *labels);
+      ++result_.label_files;
+    }
+  }
+
+  [[nodiscard]] std::optional<Pose> poseOf(const Frame& frame) const
+  {
+    if (!given_)
+    {
+      return frame.T_world_vehicle_truth;
+    }
+    const Trajectory& poses = given_->trajectory;
+    if (given_->format == TrajectoryFormat::kitti)
+    {
+      return result_.scans < poses.size() ? std::optional<Pose>(poses[result_.scans].pose)
+                                          : std::nullopt;
+    }
+    const auto nearest = poses.nearest(frame.scan.stamp, same_instant);
+    return nearest ? std::optional<Pose>(poses[*nearest].pose) : std::nullopt;
+  }
+
+  /** Of camera 0 in its own first frame. */
+  [[nodiscard]] std::vector<Pose> cameraPoses() const
+  {
+    std::vector<Pose> poses;
+    for (const Pose& pose : poses_)
+    {
+      poses.push_back(orthonormalized(poses_.front().inverse() * pose));
+    }
+    return cameraToLidarPoses(poses, T_cam_velo_.inverse());
+  }
+
+  void writeCalib() const
+  {
+    const std::string file = (pending_ / "calib.txt").string();
+    if (!options_.calib.empty() && fs::is_regular_file(options_.calib))
+    {
+      fs::copy_file(options_.calib, file);
+      return;
+    }
+    std::string text;
+    for (const char* camera : {"P0", "P1", "P2", "P3"})
+    {
+      text += std::string(camera) + ": 1 0 0 0 0 1 0 0 0 0 1 0\n";
+    }
+    text += "Tr:";
+    for (int row = 0; row < 3; ++row)
+    {
+      for (int column = 0; column < 4; ++column)
+      {
+        text += ' ';
+        appendNumber(text, T_cam_velo_.matrix()(row, column), 12);
+      }
+    }
+    writeWhole(file, text + '\n');
+  }
+
+  const KittiExportOptions& options_;
+  fs::path folder_;
+  fs::path target_;
+  fs::path pending_;
+  std::optional<TrajectoryFile> given_;
+  std::optional<GroundTruthReader> truth_;
+  Pose T_cam_velo_ = cameraAxes();
+  std::string times_;
+  double first_stamp_ = 0;
+  std::vector<Pose> poses_;  //!< T_world_lidar
+  ConversionResult result_;
+};
+}  // namespace
+
+void KittiExportOptions::describe(OptionsVisitor& visitor)
+{
+  visitor.text("sequence", sequence, "name of the sequence's folder");
+  visitor.text("trajectory", trajectory, "TUM or KITTI poses of the vehicle; empty: the truth");
+  visitor.text("calib", calib, "calibration to go with; empty: only the axes are turned");
+  visitor.flag("no_scans", no_scans, "only times, calibration and poses");
+  visitor.flag("rings", rings, "NNNNNN.ring beside the scans");
+  visitor.integer("skip_first_n", skip_first_n, 0, 1000000000, "scans to skip");
+  visitor.integer("only_first_n", only_first_n, 0, 1000000000, "scans to write; 0: all");
+}
+
+ConversionResult exportKitti(const std::string& rawlog,
+                             const std::string& folder,
+                             const KittiExportOptions& options,
+                             const ConversionProgress& progress)
+{
+  validate(options, "rawlog2kitti");
+  if (options.sequence.empty() || options.sequence.find('/') != std::string::npos)
+  {
+    throw UserError("--sequence '" + options.sequence + "': is no name of a folder");
+  }
+  RawlogSourceOptions source_options;
+  source_options.skip_first_n = options.skip_first_n;
+  source_options.only_first_n = options.only_first_n;
+  RawlogSource source(rawlog, source_options);
+  Sequence sequence(rawlog, folder, options);
+  std::size_t count = 0;
+  while (const auto frame = source.next())
+  {
+    sequence.add(*frame);
+    ++count;
+    if (progress)
+    {
+      progress(source.progress(), count);
+    }
+  }
+  if (count == 0)
+  {
+    throw UserError(rawlog + ": --skip-first-n leaves no scan");
+  }
+  ConversionResult result = sequence.finish();
+  const auto warnings = source.warnings();
+  result.warnings.insert(result.warnings.end(), warnings.begin(), warnings.end());
+  return result;
+}
+}  // namespace dyslam

@@ -1,0 +1,175 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "KittiScans.h"
+
+#include <dyslam/core/Error.h>
+#include <dyslam/formats/RecordingKind.h>
+#include <dyslam/formats/ScanFiles.h>
+
+#include <algorithm>
+
+namespace dyslam
+{
+namespace fs = std::filesystem;
+
+namespace
+{
+bool allDigits(const std::string& text)
+{
+  return !text.empty() && text.size() < 12 &&
+         text.find_first_not_of("0123456789") == std::string::npos;
+}
+
+bool hasScans(const fs::path& folder)
+{
+  if (!fs::is_directory(folder))
+  {
+    return false;
+  }
+  const auto files = fs::directory_iterator(folder);
+  return std::any_of(begin(files), end(files),
+                     [](const auto& entry) { return entry.path().extension() == ".bin"; });
+}
+
+/** Names of the folders in a folder that `wanted` takes, sorted. */
+template <typename Wanted>
+std::vector<std::string> foldersIn(const fs::path& folder, const Wanted& wanted)
+{
+  std::vector<std::string> names;
+  if (fs::is_directory(folder))
+  {
+    for (const auto& entry : fs::directory_iterator(folder))
+    {
+      const std::string name = entry.path().filename().string();
+      if (entry.is_directory() && wanted(name))
+      {
+        names.push_back(name);
+      }
+    }
+  }
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+/** The kind whose official layout the folder has, or nothing. */
+std::string kindOf(const fs::path& input)
+{
+  if (hasScans(input / "velodyne_points" / "data"))
+  {
+    return "raw";
+  }
+  const bool scans = hasScans(input / "velodyne");
+  if (!scans && !foldersIn(input / "velodyne", allDigits).empty())
+  {
+    return "tracking";
+  }
+  return scans && input.parent_path().filename() == "sequences" ? "odometry" : "";
+}
+
+std::string nameOf(KittiKind kind)
+{
+  return kind == KittiKind::odometry ? "odometry" : kind == KittiKind::raw ? "raw" : "tracking";
+}
+
+void requireKind(const fs::path& input, KittiKind kind)
+{
+  const std::string found = kindOf(input);
+  if (!found.empty() && found != nameOf(kind))
+  {
+    throw UserError(input.string() + ": has the layout of KITTI " + found + "; use --kind " +
+                    found);
+  }
+}
+
+/** The folder that was probably meant, with the text that leads to it. */
+std::string nearbyRecording(const fs::path& input)
+{
+  for (const fs::path& root : {input / "sequences", input / "dataset" / "sequences"})
+  {
+    const auto sequences = foldersIn(
+        root, [&root](const std::string& name) { return hasScans(root / name / "velodyne"); });
+    if (!sequences.empty())
+    {
+      return "; give one of its sequences, such as --kind odometry -i " +
+             (root / sequences.front()).string();
+    }
+  }
+  const auto drives = foldersIn(input, [&input](const std::string& name)
+                                { return hasScans(input / name / "velodyne_points" / "data"); });
+  if (!drives.empty())
+  {
+    return "; give one of its drives, such as --kind raw -i " + (input / drives.front()).string();
+  }
+  for (const char* part : {"training", "testing"})
+  {
+    if (kindOf(input / part) == "tracking")
+    {
+      return "; give --kind tracking -i " + (input / part).string();
+    }
+  }
+  return "";
+}
+
+std::string findSequence(const fs::path& input, const std::string& asked)
+{
+  if (!asked.empty() || hasScans(input / "velodyne"))
+  {
+    return asked;
+  }
+  const auto names = foldersIn(input / "velodyne", allDigits);
+  if (names.size() > 1)
+  {
+    throw UserError(input.string() + ": holds " + std::to_string(names.size()) +
+                    " sequences; choose one with --sequence, such as " + names.front());
+  }
+  return names.empty() ? "" : names.front();
+}
+
+/** File names are frame numbers, with gaps where KITTI lost a scan; else they are just counted. */
+void numberScans(std::vector<KittiLayout::Entry>& entries)
+{
+  const bool named =
+      std::all_of(entries.begin(), entries.end(),
+                  [](const auto& entry) { return allDigits(fs::path(entry.scan).stem()); });
+  for (std::size_t i = 0; i < entries.size(); ++i)
+  {
+    entries[i].number = named ? std::stoull(fs::path(entries[i].scan).stem().string()) : i;
+    if (i > 0 && entries[i].number <= entries[i - 1].number)
+    {
+      throw UserError(entries[i].scan + ": has the same number as " + entries[i - 1].scan);
+    }
+  }
+}
+}  // namespace
+
+KittiScans findKittiScans(const fs::path& input, const KittiConverterOptions& options)
+{
+  requireKind(input, options.kind);
+  KittiScans scans;
+  std::vector<fs::path> candidates;
+  if (options.kind == KittiKind::raw)
+  {
+    candidates.push_back(input / "velodyne_points" / "data");
+  }
+  if (options.kind == KittiKind::tracking && fs::is_directory(input / "velodyne"))
+  {
+    scans.sequence = findSequence(input, options.sequence);
+    candidates.push_back(input / "velodyne" / scans.sequence);
+  }
+  candidates.push_back(input / "velodyne");
+  candidates.push_back(input);
+  const auto found = std::find_if(candidates.begin(), candidates.end(), hasScans);
+  if (found == candidates.end())
+  {
+    throw UserError(input.string() + ": has no scans (looked for .bin files in " +
+                    candidates.front().string() + ")" + nearbyRecording(input));
+  }
+  for (const std::string& file : listCloudFiles(found->string()))
+  {
+    KittiLayout::Entry entry;
+    entry.scan = file;
+    scans.entries.push_back(entry);
+  }
+  numberScans(scans.entries);
+  return scans;
+}
+}  // namespace dyslam

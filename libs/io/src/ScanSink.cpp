@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "ScanSink.h"
+
+namespace dyslam
+{
+namespace
+{
+constexpr double default_dt = 0.1;  //!< [s]
+}  // namespace
+
+ScanSink::ScanSink(const std::string& output, const ScanConverterOptions& options)
+    : options_(options),
+      T_vehicle_lidar_(sensorPoseFrom(options.sensor_pose)),
+      out_(output, options.external_storage, options.compression_level)
+{
+}
+
+bool ScanSink::put(Scan scan,
+                   bool has_stamp,
+                   const std::optional<Pose>& T_world_lidar,
+                   double progress)
+{
+  const std::size_t number = seen_++;
+  if (number < static_cast<std::size_t>(options_.skip_first_n))
+  {
+    return true;
+  }
+  scaler_(scan);
+  if (options_.dt > 0 || !has_stamp)
+  {
+    assumed_rate_ = assumed_rate_ || options_.dt <= 0;
+    const double dt = options_.dt > 0 ? options_.dt : default_dt;
+    scan.stamp = static_cast<double>(written_) * dt;
+  }
+  if (scan.sensor_label.empty())
+  {
+    scan.sensor_label = options_.sensor.empty() ? "lidar" : options_.sensor;
+  }
+  scan.T_vehicle_lidar = T_vehicle_lidar_;
+  any_times_ = any_times_ || !scan.time.empty();
+  out_.write(scan, T_world_lidar);
+  ++written_;
+  out_.tell(progress_, progress);
+  return options_.only_first_n == 0 || written_ < static_cast<std::size_t>(options_.only_first_n);
+}
+
+ConversionResult ScanSink::close()
+{
+  ConversionResult result = out_.close();
+  if (assumed_rate_)
+  {
+    warn("the scans have no times: 0.1 s between scans is assumed (give --times or --dt)");
+  }
+  if (!any_times_)
+  {
+    warn("the points have no times: deskewing derives them from the azimuth");
+  }
+  result.notes = notes_;
+  result.warnings = warnings_;
+  return result;
+}
+}  // namespace dyslam

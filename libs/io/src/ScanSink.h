@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <dyslam/io/Converters.h>
+
+#include <optional>
+#include <string>
+
+#include "ConversionOutput.h"
+#include "IntensityScaler.h"
+
+namespace dyslam
+{
+/** Skips, limits and re-times scans on their way into the rawlog. */
+class ScanSink
+{
+ public:
+  ScanSink(const std::string& output, const ScanConverterOptions& options);
+
+  /** False once enough scans were written.
+   * \param has_stamp the scan has a time of its own. \param progress part of the work that is done.
+   */
+  bool put(Scan scan, bool has_stamp, const std::optional<Pose>& T_world_lidar, double progress);
+
+  void setProgress(const ConversionProgress& progress) { progress_ = progress; }
+  [[nodiscard]] std::size_t written() const { return written_; }
+  [[nodiscard]] const Pose& T_vehicle_lidar() const { return T_vehicle_lidar_; }
+  void note(const std::string& what) { notes_.push_back(what); }
+  void warn(const std::string& what) { warnings_.push_back(what); }
+  ConversionResult close();
+
+ private:
+  const ScanConverterOptions& options_;
+  Pose T_vehicle_lidar_;
+  ConversionOutput out_;
+  IntensityScaler scaler_;
+  ConversionProgress progress_;
+  std::vector<std::string> notes_;
+  std::vector<std::string> warnings_;
+  std::size_t seen_ = 0;
+  std::size_t written_ = 0;
+  bool assumed_rate_ = false;
+  bool any_times_ = false;
+};
+
+/** Writes the scans of a ROS bag. \throws UserError. */
+void convertBag(const std::string& input, ScanSink& sink, const ScanConverterOptions& options);
+}  // namespace dyslam

@@ -1,0 +1,218 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/Error.h>
+#include <dyslam/formats/GroundTruth.h>
+#include <dyslam/io/Converters.h>
+#include <dyslam/io/RawlogSource.h>
+#include <gtest/gtest.h>
+
+#include "BagWriters.h"
+#include "SyntheticScans.h"
+#include "TestFolder.h"
+
+namespace dyslam
+{
+namespace
+{
+constexpr std::size_t scan_count = 7;
+
+Scan scanWithTimes(std::size_t number)
+{
+  Scan scan = someScan(number, 40 + number);
+  scan.T_vehicle_lidar = poseFromYpr(1, 0.5, 1.75, 0, 0, 0);
+  scan.stamp = 1600000000 + 0.125 * static_cast<double>(number);
+  for (std::size_t i = 0; i < scan.size(); ++i)
+  {
+    scan.time.push_back(1e-3F * static_cast<float>(i));
+    scan.ring.push_back(static_cast<std::uint16_t>(i % 16));
+  }
+  return scan;
+}
+
+/** The scans with their truth as /odom and /tf, another sparse lidar, and something else. */
+std::vector<test::TestMessage> messagesOf(bool cdr)
+{
+  std::vector<test::TestMessage> messages;
+  for (std::size_t i = 0; i < scan_count; ++i)
+  {
+    const Scan scan = scanWithTimes(i);
+    const double recorded = scan.stamp + 0.01;
+    messages.push_back(
+        {"/odom", "nav_msgs/Odometry", recorded, test::odometry(cdr, scan.stamp, somePose(i))});
+    messages.push_back(
+        {"/tf", "tf2_msgs/TFMessage", recorded,
+         test::transforms(cdr, scan.stamp, {{"base", somePose(i)}, {"wheel", Pose::Identity()}})});
+    messages.push_back({"/points", "sensor_msgs/PointCloud2", recorded,
+                        test::pointCloud2(cdr, scan.stamp, test::velodyneFields(scan))});
+    if (i % 2 == 0)
+    {
+      messages.push_back({"/rear", "sensor_msgs/PointCloud2", recorded,
+                          test::pointCloud2(cdr, scan.stamp, test::velodyneFields(scan))});
+    }
+  }
+  return messages;
+}
+
+void write(const std::string& path)
+{
+  test::writeBag(path, messagesOf(test::holdsCdr(path)));
+}
+
+std::vector<Frame> readAll(const std::string& path)
+{
+  RawlogSource source(path);
+  std::vector<Frame> frames;
+  while (auto frame = source.next())
+  {
+    frames.push_back(std::move(*frame));
+  }
+  return frames;
+}
+}  // namespace
+
+TEST(BagConverter, TheSameRecordingGivesTheSameBytesWhateverItCameIn)
+{
+  const TestFolder folder;
+  {
+    RawlogWriter original(folder.file("original.rawlog"));
+    for (std::size_t i = 0; i < scan_count; ++i)
+    {
+      original.write(scanWithTimes(i));
+    }
+    original.close();
+  }
+  const std::string bytes = folder.read("original.rawlog");
+  ScanConverterOptions options;
+  options.sensor = "velodyne";
+  options.sensor_pose = "1 0.5 1.75 0 0 0";
+  for (const std::string ending : {".bag", ".db3", ".mcap"})
+  {
+    write(folder.file("x" + ending));
+    const auto result = convertScans(folder.file("x" + ending), folder.file("x.rawlog"), options);
+    EXPECT_EQ(scan_count, result.scans);
+    EXPECT_TRUE(result.warnings.empty());
+    EXPECT_EQ(bytes, folder.read("x.rawlog")) << ending;
+  }
+  for (const std::string compression : {"bz2", "lz4"})
+  {
+    test::writeRos1Bag(folder.file("x.bag"), messagesOf(false), {compression});
+    (void)convertScans(folder.file("x.bag"), folder.file("x.rawlog"), options);
+    EXPECT_EQ(bytes, folder.read("x.rawlog")) << compression;
+  }
+  for (const std::string compression : {"lz4", "zstd"})
+  {
+    test::writeMcap(folder.file("x.mcap"), messagesOf(true), {compression});
+    (void)convertScans(folder.file("x.mcap"), folder.file("x.rawlog"), options);
+    EXPECT_EQ(bytes, folder.read("x.rawlog")) << compression;
+  }
+}
+
+TEST(BagConverter, TruthOfATopic)
+{
+  const TestFolder folder;
+  for (const std::string ending : {".bag", ".db3", ".mcap"})
+  {
+    write(folder.file("x" + ending));
+    ScanConverterOptions options;
+    options.sensor_pose = "1,0.5,1.75,90,0,0";
+    for (const std::string topic : {"/odom", "/tf"})
+    {
+      options.truth_topic = topic;
+      options.truth_frame = topic == "/tf" ? "base" : "";
+      const auto result = convertScans(folder.file("x" + ending), folder.file("x.rawlog"), options);
+      EXPECT_EQ(scan_count, result.poses);
+      const auto frames = readAll(folder.file("x.rawlog"));
+      ASSERT_EQ(scan_count, frames.size());
+      for (std::size_t i = 0; i < scan_count; ++i)
+      {
+        ASSERT_TRUE(frames[i].T_world_vehicle_truth);
+        EXPECT_TRUE(frames[i].T_world_vehicle_truth->isApprox(somePose(i), 1e-9));
+        EXPECT_NEAR(M_PI / 2, yawPitchRoll(frames[i].scan.T_vehicle_lidar)[0], 1e-9);
+      }
+      EXPECT_EQ(scan_count, GroundTruthReader(folder.file("x.gt")).poses().size());
+    }
+  }
+}
+
+TEST(BagConverter, PosesAreInterpolatedAndMissingOnesCounted)
+{
+  const TestFolder folder;
+  std::vector<test::TestMessage> messages;
+  for (std::size_t i = 0; i < scan_count; ++i)
+  {
+    const Scan scan = scanWithTimes(i);
+    messages.push_back({"/points", "sensor_msgs/PointCloud2", scan.stamp,
+                        test::pointCloud2(false, scan.stamp, test::velodyneFields(scan))});
+    if (i < 3)
+    {
+      const double between = scan.stamp + 0.0625;
+      messages.push_back(
+          {"/pose", "geometry_msgs/PoseStamped", between,
+           test::poseStamped(false, between, poseFromYpr(2.0 * double(i), 0, 0, 0, 0, 0))});
+    }
+  }
+  test::writeBag(folder.file("x.bag"), messages);
+  ScanConverterOptions options;
+  options.truth_topic = "/pose";
+  const auto result = convertScans(folder.file("x.bag"), folder.file("x.rawlog"), options);
+  EXPECT_EQ(2U, result.poses);  // those between two poses
+  EXPECT_TRUE(contains(result.warnings.at(0), "no pose within 0.2 s of 5 scans"));
+  const auto frames = readAll(folder.file("x.rawlog"));
+  EXPECT_NEAR(3, frames.at(2).T_world_vehicle_truth->translation().x(), 1e-5);
+}
+
+TEST(BagConverter, ChoosesTheTopicWithTheMostScans)
+{
+  const TestFolder folder;
+  write(folder.file("x.bag"));
+  ScanConverterOptions options;
+  const auto all = convertScans(folder.file("x.bag"), folder.file("x.rawlog"), options);
+  EXPECT_EQ(scan_count, all.scans);
+  ASSERT_GE(all.notes.size(), 2U);
+  EXPECT_EQ("scans: /points (sensor_msgs/PointCloud2)", all.notes[0]);
+  EXPECT_TRUE(contains(all.notes[1], "/rear"));
+  options.topic = "/rear";
+  EXPECT_EQ(4U, convertScans(folder.file("x.bag"), folder.file("x.rawlog"), options).scans);
+  options.skip_first_n = 1;
+  options.only_first_n = 2;
+  EXPECT_EQ(2U, convertScans(folder.file("x.bag"), folder.file("x.rawlog"), options).scans);
+}
+
+TEST(BagConverter, Errors)
+{
+  const TestFolder folder;
+  write(folder.file("x.bag"));
+  ScanConverterOptions options;
+  const auto message = [&](const std::string& name)
+  {
+    return messageOfError<UserError>(
+        [&] { (void)convertScans(folder.file(name), folder.file("x.rawlog"), options); });
+  };
+  options.topic = "/nothing";
+  EXPECT_TRUE(contains(message("x.bag"), "/nothing is not in it; use /points, /rear"));
+  options.topic = "/odom";
+  EXPECT_TRUE(contains(message("x.bag"), "nav_msgs/Odometry is not read; use /points, /rear"));
+  options.topic = "";
+  options.truth_topic = "/tf";
+  EXPECT_TRUE(contains(message("x.bag"), "poses of base, wheel; choose one with --truth-frame"));
+  options.truth_frame = "nobody";
+  EXPECT_TRUE(contains(message("x.bag"), "no poses of --truth-frame nobody"));
+  options.truth_topic = "";
+  EXPECT_TRUE(contains(message("x.bag"), "--truth-topic"));
+  options = {};
+  options.sensor_pose = "1 2 3";
+  EXPECT_TRUE(contains(message("x.bag"), "six numbers"));
+  options = {};
+  options.poses = "p.txt";
+  EXPECT_TRUE(contains(message("x.bag"), "--poses works with a folder of scans only"));
+  options = {};
+  options.skip_first_n = 100;
+  EXPECT_TRUE(contains(message("x.bag"), "--skip-first-n leaves none"));
+  options = {};
+  test::writeRos1Bag(folder.file("y.bag"), {{"/packets", "velodyne_msgs/VelodyneScan", 1, "x"}});
+  EXPECT_TRUE(contains(message("y.bag"), "packets (/packets)"));
+  test::writeRos1Bag(folder.file("y.bag"), {{"/text", "std_msgs/String", 1, "x"}});
+  EXPECT_TRUE(contains(message("y.bag"), "--list"));
+  EXPECT_FALSE(std::filesystem::exists(folder.file("x.rawlog")));
+  EXPECT_FALSE(std::filesystem::exists(folder.file("x.rawlog.tmp")));
+}
+}  // namespace dyslam

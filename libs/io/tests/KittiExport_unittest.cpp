@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/Error.h>
+#include <dyslam/formats/GroundTruth.h>
+#include <dyslam/formats/LabelFiles.h>
+#include <dyslam/formats/TrajectoryFiles.h>
+#include <dyslam/io/CloudFiles.h>
+#include <dyslam/io/KittiExport.h>
+#include <dyslam/io/RawlogSource.h>
+#include <gtest/gtest.h>
+
+#include <stdexcept>
+
+#include "SyntheticScans.h"
+#include "TestFolder.h"
+
+namespace dyslam
+{
+namespace
+{
+/** Four scans with truth, rings and the labels of two. */
+void writeRecording(const TestFolder& folder)
+{
+  RawlogWriter writer(folder.file("x.rawlog"));
+  GroundTruthWriter truth(folder.file("x.gt"));
+  for (std::size_t i = 0; i < 4; ++i)
+  {
+    Scan scan = someScan(i, 50 + i);
+    scan.ring.assign(scan.size(), static_cast<std::uint16_t>(i));
+    writer.write(scan, somePose(i));
+    if (i >= 2)
+    {
+      truth.addLabels(i, std::vector<Label>(50 + i, static_cast<Label>(250 + i)));
+    }
+  }
+  writer.close();
+  truth.close();
+}
+
+std::vector<Frame> readAll(const std::string& path)
+{
+  RawlogSource source(path);
+  std::vector<Frame> frames;
+  while (auto frame = source.next())
+  {
+    frames.push_back(std::move(*frame));
+  }
+  return frames;
+}
+
+Pose lidarPose(std::size_t i)
+{
+  return somePose(i) * someScan(i, 1).T_vehicle_lidar;
+}
+}  // namespace
+
+TEST(KittiExport, ThereAndBackAgain)
+{
+  const TestFolder folder;
+  writeRecording(folder);
+  KittiExportOptions options;
+  options.rings = true;
+  const auto there = exportKitti(folder.file("x.rawlog"), folder.file("kitti"), options);
+  EXPECT_EQ(4U, there.scans);
+  EXPECT_EQ(4U, there.poses);
+  EXPECT_EQ(2U, there.label_files);
+  EXPECT_TRUE(there.warnings.empty());
+  EXPECT_EQ(folder.read("kitti/sequences/00/poses.txt"), folder.read("kitti/poses/00.txt"));
+
+  KittiConverterOptions back;
+  back.deskewed = ScansDeskewed::no;
+  const auto result =
+      convertKitti(folder.file("kitti/sequences/00"), folder.file("y.rawlog"), back);
+  EXPECT_EQ(4U, result.poses);
+  EXPECT_EQ(2U, result.label_files);
+  const auto before = readAll(folder.file("x.rawlog"));
+  const auto after = readAll(folder.file("y.rawlog"));
+  ASSERT_EQ(4U, after.size());
+  const GroundTruthReader truth(folder.file("y.gt"));
+  for (std::size_t i = 0; i < 4; ++i)
+  {
+    EXPECT_TRUE(samePoints(before[i].scan, after[i].scan));
+    EXPECT_EQ(before[i].scan.intensity, after[i].scan.intensity);
+    EXPECT_EQ(before[i].scan.ring, after[i].scan.ring);
+    EXPECT_NEAR(before[i].scan.stamp - before[0].scan.stamp, after[i].scan.stamp, 1e-6);
+    // KITTI's world is the first scan's own frame.
+    EXPECT_TRUE(
+        after[i].T_world_vehicle_truth->isApprox(lidarPose(0).inverse() * lidarPose(i), 1e-6));
+    const auto labels = truth.labels(i, 50 + i);
+    EXPECT_EQ(i >= 2, labels.has_value());
+    EXPECT_TRUE(!labels || labels->back() == 250 + i);
+  }
+}
+
+TEST(KittiExport, PosesAreThoseOfTheCamera)
+{
+  const TestFolder folder;
+  {
+    RawlogWriter writer(folder.file("x.rawlog"));
+    Trajectory given;
+    for (std::size_t i = 0; i < 3; ++i)
+    {
+      Scan scan = someScan(i, 10);
+      scan.T_vehicle_lidar = Pose::Identity();
+      writer.write(scan);
+      given.push_back(scan.stamp + 2e-4,
+                      poseFromYpr(5 + 2.0 * double(i), 1.0 * double(i), 0, 0, 0, 0));
+    }
+    writer.close();
+    writeTum(folder.file("t.txt"), given);
+  }
+  KittiExportOptions options;
+  options.no_scans = true;
+  const auto without = exportKitti(folder.file("x.rawlog"), folder.file("a"), options);
+  EXPECT_EQ(0U, without.poses);
+  EXPECT_TRUE(contains(without.warnings.at(0), "0 of 3 scans"));
+  EXPECT_FALSE(std::filesystem::exists(folder.file("a/sequences/00/velodyne")));
+  options.trajectory = folder.file("t.txt");
+  options.sequence = "07";
+  EXPECT_EQ(3U, exportKitti(folder.file("x.rawlog"), folder.file("a"), options).poses);
+  const auto poses = readKittiPoses(folder.file("a/poses/07.txt"));
+  ASSERT_EQ(3U, poses.size());
+  EXPECT_TRUE(poses[0].isApprox(Pose::Identity(), 1e-9));
+  EXPECT_TRUE(poses[2].translation().isApprox(Eigen::Vector3d(-2, 0, 4), 1e-9));
+}
+
+TEST(KittiExport, NothingOfOthersIsTouchedAndNothingHalfStays)
+{
+  const TestFolder folder;
+  writeRecording(folder);
+  folder.write("kitti/sequences/00/velodyne/000000.bin", "someone's");
+  KittiExportOptions options;
+  const auto message = messageOfError<UserError>(
+      [&] { (void)exportKitti(folder.file("x.rawlog"), folder.file("kitti"), options); });
+  EXPECT_TRUE(contains(message, "is there already")) << message;
+  EXPECT_EQ("someone's", folder.read("kitti/sequences/00/velodyne/000000.bin"));
+  options.sequence = "02";
+  folder.write("kitti/poses/02.txt", "someone's");
+  EXPECT_THROW((void)exportKitti(folder.file("x.rawlog"), folder.file("kitti"), options),
+               UserError);
+  EXPECT_EQ("someone's", folder.read("kitti/poses/02.txt"));
+  options.sequence = "01";
+  const auto stop = [](double, std::size_t scans)
+  {
+    if (scans == 2)
+    {
+      throw std::runtime_error("stop");
+    }
+  };
+  EXPECT_THROW((void)exportKitti(folder.file("x.rawlog"), folder.file("kitti"), options, stop),
+               std::runtime_error);
+  EXPECT_FALSE(std::filesystem::exists(folder.file("kitti/sequences/01")));
+  EXPECT_FALSE(std::filesystem::exists(folder.file("kitti/sequences/01.tmp")));
+}
+}  // namespace dyslam

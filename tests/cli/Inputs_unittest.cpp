@@ -1,0 +1,362 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The table of inputs in doc/formats.md, row by row: what a user has on disk goes through the
+// programs themselves, and the same drive gives the same trajectory whatever it came in.
+#include <dyslam/formats/ScanFiles.h>
+#include <dyslam/formats/TrajectoryFiles.h>
+#include <dyslam/io/RawlogSource.h>
+#include <dyslam/io/RawlogWriter.h>
+#include <dyslam/sim/Simulator.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "BagWriters.h"
+#include "RunProgram.h"
+#include "SyntheticCapture.h"
+
+namespace fs = std::filesystem;
+
+namespace dyslam
+{
+namespace
+{
+constexpr std::size_t scan_count = 6;
+
+class Inputs : public ::testing::Test
+{
+ protected:
+  static void SetUpTestSuite()
+  {
+    folder_ = fs::temp_directory_path() / ("dyslam_inputs_" + std::to_string(::getpid()));
+    fs::create_directories(folder_);
+    sim::SimulatorOptions options;
+    options.sensor = sim::SensorKind::vlp16;
+    options.columns = 600;
+    options.seed = 5;
+    sim::Simulator simulator(options, 1);
+    RawlogWriter writer(at("original.rawlog"));
+    for (std::size_t i = 0; i < scan_count; ++i)
+    {
+      auto simulated = simulator.next();
+      simulated.scan.T_vehicle_lidar = Pose::Identity();
+      simulated.scan.sensor_label = "lidar";
+      simulated.scan.stamp += 1.6e9;  // bags count from 1970
+      writer.write(simulated.scan);
+      scans_.push_back(simulated.scan);
+      poses_.push_back(simulated.T_map_vehicle);
+    }
+    writer.close();
+  }
+  static void TearDownTestSuite() { fs::remove_all(folder_); }
+
+  static std::string at(const std::string& name) { return (folder_ / name).string(); }
+  static void makeFolder(const std::string& name) { fs::create_directories(folder_ / name); }
+  static void write(const std::string& name, const std::string& text)
+  {
+    fs::create_directories((folder_ / name).parent_path());
+    std::ofstream(folder_ / name) << text;
+  }
+  static Outcome run(const std::string& program, const std::string& arguments)
+  {
+    return runProgram(program, arguments, folder_.string());
+  }
+
+  /** Converts, expects success, and reads the result. \param says parts of what is said. */
+  static std::vector<Frame> converted(const std::string& program,
+                                      const std::string& arguments,
+                                      const std::vector<std::string>& says = {})
+  {
+    const Outcome outcome = run(program, arguments + " -q -o " + at("out.rawlog"));
+    EXPECT_EQ(0, outcome.code) << program << ' ' << arguments << '\n' << outcome.err;
+    for (const std::string& part : says)
+    {
+      EXPECT_NE(outcome.err.find(part), std::string::npos) << part << "\nnot in\n" << outcome.err;
+    }
+    std::vector<Frame> frames;
+    RawlogSource source(at("out.rawlog"));
+    while (auto frame = source.next())
+    {
+      frames.push_back(std::move(*frame));
+    }
+    return frames;
+  }
+
+  static void expectOriginal(const std::vector<Frame>& frames)
+  {
+    ASSERT_EQ(scan_count, frames.size());
+    for (std::size_t i = 0; i < scan_count; ++i)
+    {
+      EXPECT_EQ(scans_[i].points, frames[i].scan.points);
+      EXPECT_EQ(scans_[i].intensity, frames[i].scan.intensity);
+    }
+  }
+
+  static std::vector<test::TestMessage> messages(bool cdr)
+  {
+    std::vector<test::TestMessage> all;
+    for (std::size_t i = 0; i < scan_count; ++i)
+    {
+      const double stamp = scans_[i].stamp;
+      all.push_back({"/points", "sensor_msgs/PointCloud2", stamp,
+                     test::pointCloud2(cdr, stamp, test::velodyneFields(scans_[i]))});
+      all.push_back({"/odom", "nav_msgs/Odometry", stamp, test::odometry(cdr, stamp, poses_[i])});
+    }
+    return all;
+  }
+  static std::string bag(const std::string& name)
+  {
+    fs::create_directories((folder_ / name).parent_path());
+    test::writeBag(at(name), messages(test::holdsCdr(name)));
+    return at(name);
+  }
+
+  /** `velodyne` of a KITTI layout, and what a name is made of. */
+  static void bins(const std::string& name,
+                   const std::function<std::string(std::size_t)>& file,
+                   const std::string& ending = ".bin")
+  {
+    makeFolder(name);
+    for (std::size_t i = 0; i < scan_count; ++i)
+    {
+      writeCloud(at(name + "/" + file(i) + ending), scans_[i].points, scans_[i].intensity);
+    }
+  }
+  static std::string counted(std::size_t i) { return "00000" + std::to_string(i); }
+
+  static std::string slam(const std::string& rawlog, const std::string& output)
+  {
+    const Outcome outcome =
+        run("dyslam", "-i " + rawlog + " -c vlp16.ini -v ERROR -o " + at(output));
+    EXPECT_EQ(0, outcome.code) << outcome.err;
+    return contentOf(at(output) + "/trajectory_kitti.txt");
+  }
+
+  static fs::path folder_;
+  static std::vector<Scan> scans_;
+  static std::vector<Pose> poses_;
+};
+fs::path Inputs::folder_;
+std::vector<Scan> Inputs::scans_;
+std::vector<Pose> Inputs::poses_;
+
+std::string oxts(std::size_t i)
+{
+  return "49.0" + std::to_string(i) +
+         " 8.4 110 0 0 1.5707963 0 0 10 1 2 0 0 0 0 0 0 0 0 0 0 0 0 0.05 0 4 10 4 4 0\n";
+}
+
+TEST_F(Inputs, Ros1Ros2AndMcapGiveTheTrajectoryOfTheRawlog)
+{
+  const std::string expected = slam(at("original.rawlog"), "run");
+  ASSERT_FALSE(expected.empty());
+  std::vector<std::string> bytes;
+  for (const std::string name : {"drive.bag", "drive.db3", "drive.mcap"})
+  {
+    const auto frames =
+        converted("scans2rawlog", "-i " + bag(name) + " --topic /points --truth-topic /odom",
+                  {"scans: /points", "per-point time: field time", "ring: field ring"});
+    expectOriginal(frames);
+    for (std::size_t i = 0; i < frames.size(); ++i)
+    {
+      EXPECT_EQ(scans_[i].time, frames[i].scan.time);
+      EXPECT_EQ(scans_[i].ring, frames[i].scan.ring);
+      EXPECT_TRUE(frames[i].T_world_vehicle_truth->isApprox(poses_[i], 1e-9));
+    }
+    bytes.push_back(contentOf(at("out.rawlog")));
+    EXPECT_EQ(expected, slam(at("out.rawlog"), "run_" + name)) << name;
+  }
+  EXPECT_EQ(bytes[0], bytes[1]);
+  EXPECT_EQ(bytes[0], bytes[2]);
+}
+
+TEST_F(Inputs, AFolderOfARos2Recording)
+{
+  write("recording/metadata.yaml", "rosbag2_bagfile_information:\n");
+  expectOriginal(
+      (bag("recording/recording_0.db3"), converted("scans2rawlog", "-i " + at("recording"))));
+}
+
+TEST_F(Inputs, LivoxMessagesInABag)
+{
+  std::vector<test::TestMessage> all;
+  for (Scan scan : scans_)
+  {
+    std::fill(scan.intensity.begin(), scan.intensity.end(), 51.F);
+    for (float& time : scan.time)
+    {
+      time = std::max(time, 0.F);
+    }
+    all.push_back({"/livox/lidar", "livox_ros_driver2/CustomMsg", scan.stamp,
+                   test::livoxMessage(true, scan)});
+  }
+  test::writeBag(at("livox.mcap"), all);
+  const auto frames = converted("scans2rawlog", "-i " + at("livox.mcap"), {"field offset_time"});
+  ASSERT_EQ(scan_count, frames.size());
+  EXPECT_EQ(scans_[3].points, frames[3].scan.points);
+  EXPECT_FLOAT_EQ(0.2F, frames[3].scan.intensity[7]);
+}
+
+TEST_F(Inputs, TopicsOfABag)
+{
+  for (const std::string name : {"drive.bag", "drive.db3", "drive.mcap"})
+  {
+    const Outcome outcome = run("scans2rawlog", "--list -i " + bag(name));
+    EXPECT_EQ(0, outcome.code);
+    EXPECT_NE(outcome.out.find("/points  sensor_msgs/PointCloud2         6"), std::string::npos)
+        << outcome.out;
+    EXPECT_NE(outcome.out.find("nav_msgs/Odometry"), std::string::npos);
+    EXPECT_NE(outcome.out.find("duration 0.50 s"), std::string::npos);
+  }
+}
+
+TEST_F(Inputs, EveryProgramSaysWhatToDoWithABag)
+{
+  for (const std::string name : {"drive.bag", "drive.db3", "drive.mcap"})
+  {
+    const std::string path = bag(name);
+    for (const auto& [program, arguments] : std::vector<std::pair<std::string, std::string>>{
+             {"dyslam", "-o " + at("never") + " -i "},
+             {"dyslam-map", "--trajectory t.txt -o " + at("never.pcd") + " -i "},
+             {"kitti2rawlog", "--kind raw -o " + at("never.rawlog") + " -i "},
+             {"rawlog2kitti", "-o " + at("never") + " -i "},
+             {"dyslam-eval", "trajectory --reference " + path + " --estimate "},
+             {"dyslam-eval", "map --reference " + path + " --estimate "}})
+    {
+      const Outcome outcome = run(program, arguments + path);
+      EXPECT_EQ(1, outcome.code) << program;
+      EXPECT_EQ(1, std::count(outcome.err.begin(), outcome.err.end(), '\n')) << outcome.err;
+      EXPECT_NE(outcome.err.find("scans2rawlog -i " + path + " -o drive.rawlog"), std::string::npos)
+          << program << ": " << outcome.err;
+    }
+  }
+  EXPECT_FALSE(fs::exists(at("never")));
+}
+
+TEST_F(Inputs, FoldersOfScans)
+{
+  bins("counted", counted);
+  expectOriginal(converted(
+      "scans2rawlog", "-i " + at("counted"),
+      {"not taken as time stamps", "0.1 s between scans is assumed", "points have no times"}));
+  bins("named", [](std::size_t i) { return "160000000" + std::to_string(i) + "250000000"; });
+  const auto named =
+      converted("scans2rawlog", "-i " + at("named"), {"time stamps: the file names"});
+  expectOriginal(named);
+  EXPECT_NEAR(1600000003.25, named.at(3).scan.stamp, 1e-6);
+  for (const std::string ending : {".pcd", ".ply"})
+  {
+    bins("clouds" + ending, counted, ending);
+    write("times.txt", "1\n1.5\n2\n2.5\n3\n3.5\n");
+    const auto frames =
+        converted("scans2rawlog", "-i " + at("clouds" + ending) + " --times " + at("times.txt") +
+                                      " --sensor-pose '0 0 1.7 0 0 0'");
+    expectOriginal(frames);
+    EXPECT_NEAR(2.5, frames.at(3).scan.stamp, 1e-6);
+    EXPECT_NEAR(1.7, frames[3].scan.T_vehicle_lidar.translation().z(), 1e-9);
+  }
+}
+
+TEST_F(Inputs, VelodyneCaptures)
+{
+  write("drive.pcap", captured(400));
+  const auto frames = converted("scans2rawlog", "-i " + at("drive.pcap"));
+  ASSERT_GE(frames.size(), 3U);
+  EXPECT_NEAR(0.1, frames[1].scan.stamp - frames[0].scan.stamp, 0.002);
+  EXPECT_EQ(frames[0].scan.size(), frames[0].scan.time.size());
+  EXPECT_EQ(frames[0].scan.size(), frames[0].scan.ring.size());
+}
+
+TEST_F(Inputs, KittiRaw)
+{
+  const std::string drive = "2011_09_26/2011_09_26_drive_0001_sync";
+  bins(drive + "/velodyne_points/data", counted);
+  std::string stamps;
+  for (std::size_t i = 0; i < scan_count; ++i)
+  {
+    stamps += "2011-09-26 13:02:2" + std::to_string(i) + ".5\n";
+    write(drive + "/oxts/data/" + counted(i) + ".txt", oxts(i));
+  }
+  write(drive + "/velodyne_points/timestamps.txt", stamps);
+  const auto without = converted("kitti2rawlog", "--kind raw -i " + at(drive),
+                                 {"converted without true poses", "calib_imu_to_velo.txt"});
+  expectOriginal(without);
+  EXPECT_FALSE(without.at(0).T_world_vehicle_truth);
+  write("2011_09_26/calib_imu_to_velo.txt", "R: 1 0 0 0 1 0 0 0 1\nT: 0 0 0\n");
+  EXPECT_TRUE(converted("kitti2rawlog", "--kind raw -i " + at(drive)).at(0).T_world_vehicle_truth);
+  const Outcome wrong =
+      run("kitti2rawlog", "--kind odometry -i " + at(drive) + " -o " + at("out.rawlog"));
+  EXPECT_EQ(1, wrong.code);
+  EXPECT_NE(wrong.err.find("use --kind raw"), std::string::npos) << wrong.err;
+}
+
+TEST_F(Inputs, KittiTracking)
+{
+  bins("tracking/training/velodyne/0003", counted);
+  write("tracking/training/label_02/0003.txt", "0 5 Car 0 0 0 1 2 3 4 1.5 1.8 4 0 1 20 -1.57\n");
+  write("tracking/training/calib/0003.txt",
+        "R_rect 1 0 0 0 1 0 0 0 1\nTr_velo_cam 0 -1 0 0 0 0 -1 0 1 0 0 0\n"
+        "Tr_imu_velo 1 0 0 0 0 1 0 0 0 0 1 0\n");
+  expectOriginal(converted("kitti2rawlog", "--kind tracking -i " + at("tracking/training"),
+                           {"0.1034 s between scans is assumed"}));
+  EXPECT_FALSE(contentOf(at("out.gt/tracks.txt")).empty());
+  (void)converted("kitti2rawlog", "--no-truth --kind tracking -i " + at("tracking/training"));
+  EXPECT_TRUE(contentOf(at("out.gt/tracks.txt")).empty());
+}
+
+TEST_F(Inputs, ARawlogAsKittiAndBack)
+{
+  {
+    RawlogWriter writer(at("truth.rawlog"));
+    for (std::size_t i = 0; i < scan_count; ++i)
+    {
+      writer.write(scans_[i], poses_[i]);
+    }
+    writer.close();
+  }
+  const Outcome there = run("rawlog2kitti", "-i " + at("truth.rawlog") + " -o " + at("kitti"));
+  EXPECT_EQ(0, there.code) << there.err;
+  EXPECT_NE(there.out.find("sequences/00: 6 scans"), std::string::npos) << there.out;
+  const auto frames =
+      converted("kitti2rawlog", "--kind odometry -i " + at("kitti/sequences/00"), {"deskewed"});
+  expectOriginal(frames);
+  EXPECT_TRUE(frames.at(5).T_world_vehicle_truth->isApprox(poses_[0].inverse() * poses_[5], 1e-6));
+
+  // KITTI's poses are a camera's: beside a lidar's they are noticed, and compared on demand.
+  Trajectory lidar;
+  for (int i = 0; i < 40; ++i)
+  {
+    lidar.push_back(i, poseFromYpr(2.0 * i, 0, 0, 0, 0, 0));
+  }
+  writeKittiPoses(at("lidar.txt"), lidar);
+  std::vector<Pose> camera;
+  for (const StampedPose& pose : lidar)
+  {
+    camera.push_back(pose.pose);
+  }
+  writeKittiPoses(at("camera.txt"), cameraToLidarPoses(camera, cameraAxes().inverse()));
+  const std::string files =
+      "trajectory --lengths 10 --reference " + at("camera.txt") + " --estimate " + at("lidar.txt");
+  const Outcome noticed = run("dyslam-eval", files);
+  EXPECT_NE(noticed.err.find("axes of a camera"), std::string::npos) << noticed.err;
+  EXPECT_NE(noticed.err.find("--camera reference"), std::string::npos) << noticed.err;
+  const Outcome compared = run("dyslam-eval", files + " --camera reference --json " + at("e.json"));
+  EXPECT_EQ(0, compared.code);
+  EXPECT_EQ("", compared.err);
+}
+
+TEST_F(Inputs, OutputsAreCheckedBeforeTheWork)
+{
+  bins("counted", counted);
+  makeFolder("taken.rawlog");
+  const Outcome outcome = run("scans2rawlog", "-i " + at("counted") + " -o " + at("taken.rawlog"));
+  EXPECT_EQ(1, outcome.code);
+  EXPECT_NE(outcome.err.find("taken.rawlog: is a folder"), std::string::npos) << outcome.err;
+}
+}  // namespace
+}  // namespace dyslam

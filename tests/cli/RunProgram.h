@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Runs the programs as a user does.
+#pragma once
+
+#include <sys/wait.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <string>
+
+namespace dyslam
+{
+/** What a program said and how it ended; 128 + n where signal n ended it. */
+struct Outcome
+{
+  int code = -1;
+  std::string out;
+  std::string err;
+};
+
+inline std::string contentOf(const std::filesystem::path& path)
+{
+  std::ostringstream text;
+  text << std::ifstream(path, std::ios::binary).rdbuf();
+  return text.str();
+}
+
+/** \param arguments words of a shell. \param folder for what the program says. */
+inline Outcome runProgram(const std::string& program,
+                          const std::string& arguments,
+                          const std::string& folder)
+{
+  const std::string out = folder + "/stdout.txt";
+  const std::string err = folder + "/stderr.txt";
+  const int status = std::system(
+      (std::string(DYSLAM_BIN_DIR) + "/" + program + " " + arguments + " > " + out + " 2> " + err)
+          .c_str());
+  Outcome outcome;
+  outcome.code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+  outcome.out = contentOf(out);
+  outcome.err = contentOf(err);
+  return outcome;
+}
+}  // namespace dyslam
