@@ -50,8 +50,6 @@ Settings settingsOf(const Arguments& a)
 {
   Config config = Config::fromFile(findGivenOrShared(a.config, "config_files", ".ini"));
   config.set("backend.keyframe_distance=0");
-  config.set("backend.odometry_sigma_translation=0.000001");
-  config.set("backend.odometry_sigma_rotation=0.0000001");
   config.set("objects.window_keyframes=0");
   for (const std::string& assignment : a.set)
   {

@@ -2,6 +2,7 @@
 #include <dyslam/backend/Backend.h>
 #include <dyslam/backend/factors/LoopFactor.h>
 #include <dyslam/backend/factors/OdometryFactor.h>
+#include <dyslam/core/MotionAccumulator.h>
 
 #include <mrpt/graphs/CNetworkOfPoses.h>
 
@@ -26,16 +27,9 @@ struct FrameInKeyframe
   Pose T_keyframe_frame = Pose::Identity();
 };
 
-/** Covariance of one odometry step: its own, as far as it makes sense, and a floor. */
+/** Covariance of one odometry step: what the odometry states, or a guess where it found none. */
 Matrix6 stepCovariance(const MotionEstimate& motion, const BackendOptions& options)
 {
-  const double scale = motion.converged ? 1 : options.unconverged_sigma_scale;
-  const double translation = scale * options.odometry_sigma_translation;
-  const double rotation = scale * options.odometry_sigma_rotation;
-  Vector6 floor;
-  floor << Eigen::Vector3d::Constant(translation * translation),
-      Eigen::Vector3d::Constant(rotation * rotation);
-  Matrix6 covariance = floor.asDiagonal();
   if (motion.converged && motion.information.allFinite())
   {
     const Eigen::LLT<Matrix6> cholesky(motion.information);
@@ -44,11 +38,14 @@ Matrix6 stepCovariance(const MotionEstimate& motion, const BackendOptions& optio
       const Matrix6 own = cholesky.solve(Matrix6::Identity());
       if (own.allFinite())
       {
-        covariance += 0.5 * (own + own.transpose());
+        return 0.5 * (own + own.transpose());
       }
     }
   }
-  return covariance;
+  Vector6 sigmas;
+  sigmas << Eigen::Vector3d::Constant(options.unconverged_sigma_translation),
+      Eigen::Vector3d::Constant(options.unconverged_sigma_rotation);
+  return sigmas.array().square().matrix().asDiagonal();
 }
 
 std::vector<Eigen::Vector3f> staticPoints(const Frame& frame)
@@ -110,9 +107,7 @@ struct Backend::State
   std::vector<std::string> problems;       //!< factors that the graph refused
   Pose T_odom_keyframe = Pose::Identity();  //!< the newest one's, as the odometry has it
 
-  // Since the last keyframe
-  Pose T_keyframe_now = Pose::Identity();
-  Matrix6 covariance = Matrix6::Zero();  //!< of T_keyframe_now, over its tangent
+  MotionAccumulator since_keyframe;
   Pose T_odom_previous = Pose::Identity();
   double path_length = 0;  //!< since the start [m]
   double drift = 0;        //!< variance of the steps per axis, summed [m^2] ...
@@ -125,19 +120,19 @@ struct Backend::State
 void Backend::State::accumulateOdometry(const Frame& frame)
 {
   const Pose step = T_odom_previous.inverse() * frame.T_odom_vehicle;
-  const Matrix6 carry = adjointSE3(step.inverse());
   const Matrix6 own = stepCovariance(frame.motion, options);
-  covariance = carry * covariance * carry.transpose() + own;
-  drift += own.diagonal().head<3>().mean();
-  drift_angle += own.diagonal().tail<3>().mean();
-  T_keyframe_now = orthonormalized(T_keyframe_now * step);
+  since_keyframe.add(step, own, frame.motion.pose_noise);
+  const Vector6 lasting = (own - 2 * frame.motion.pose_noise).diagonal().cwiseMax(0);
+  drift += lasting.head<3>().mean();
+  drift_angle += lasting.tail<3>().mean();
   path_length += step.translation().norm();
 }
 
 bool Backend::State::wantsKeyframe() const
 {
-  return keyframes.empty() || T_keyframe_now.translation().norm() >= options.keyframe_distance ||
-         rotationAngle(T_keyframe_now) >= options.keyframe_angle;
+  const Pose& moved = since_keyframe.motion();
+  return keyframes.empty() || moved.translation().norm() >= options.keyframe_distance ||
+         rotationAngle(moved) >= options.keyframe_angle;
 }
 
 void Backend::State::addKeyframe(const Frame& frame)
@@ -146,7 +141,7 @@ void Backend::State::addKeyframe(const Frame& frame)
   Keyframe keyframe = keyframeOf(frame);
   keyframe.path_length = path_length;
   keyframe.T_map_vehicle =
-      id == 0 ? frame.T_odom_vehicle : keyframes.back().T_map_vehicle * T_keyframe_now;
+      id == 0 ? frame.T_odom_vehicle : keyframes.back().T_map_vehicle * since_keyframe.motion();
   graph.addPose(Key::ego(id), keyframe.T_map_vehicle);
   if (id == 0)
   {
@@ -154,15 +149,16 @@ void Backend::State::addKeyframe(const Frame& frame)
   }
   else
   {
-    Matrix6 information = covariance.inverse();
+    constexpr double floor = 1e-12;  // keeps it positive definite [m^2, rad^2]
+    Matrix6 information =
+        (since_keyframe.covariance() + floor * Matrix6::Identity()).inverse();
     information = 0.5 * (information + information.transpose()).eval();
     odometry.push_back(graph.add(
-        std::make_unique<OdometryFactor>(id - 1, id, T_keyframe_now, information)));
+        std::make_unique<OdometryFactor>(id - 1, id, since_keyframe.motion(), information)));
   }
   keyframes.add(std::move(keyframe));
   T_odom_keyframe = frame.T_odom_vehicle;
-  T_keyframe_now = Pose::Identity();
-  covariance.setZero();
+  since_keyframe.restart();
 }
 
 void Backend::State::insertLoops(const std::vector<Loop>& decided)
@@ -247,12 +243,10 @@ void BackendOptions::describe(OptionsVisitor& visitor)
   visitor.real("keyframe_distance", keyframe_distance, 0, 1000,
                "a new keyframe after this distance [m]");
   visitor.degrees("keyframe_angle_deg", keyframe_angle, 0, 180, "or after this turn");
-  visitor.real("odometry_sigma_translation", odometry_sigma_translation, 1e-6, 100,
-               "added to each step's own uncertainty [m]");
-  visitor.real("odometry_sigma_rotation", odometry_sigma_rotation, 1e-7, 3,
+  visitor.real("unconverged_sigma_translation", unconverged_sigma_translation, 1e-6, 100,
+               "of a step that the odometry could not measure [m]");
+  visitor.real("unconverged_sigma_rotation", unconverged_sigma_rotation, 1e-7, 3,
                "the same for rotation [rad]");
-  visitor.real("unconverged_sigma_scale", unconverged_sigma_scale, 1, 1e4,
-               "factor on both where the odometry did not converge");
   visitor.real("residual_to_optimise", residual_to_optimise, 0, 1e6,
                "optimise when a new loop is off by this many standard deviations");
   visitor.integer("loops_to_optimise", loops_to_optimise, 1, 100000,
@@ -280,11 +274,11 @@ bool Backend::addOdometry(Frame& frame)
   {
     s.addKeyframe(frame);
   }
-  s.frames.push_back({frame.scan.stamp, s.keyframes.size() - 1, s.T_keyframe_now});
+  s.frames.push_back({frame.scan.stamp, s.keyframes.size() - 1, s.since_keyframe.motion()});
   if (s.hasObjects())
   {
-    s.objects.add(frame, {s.keyframes.size() - 1, s.T_keyframe_now, s.covariance, s.drift,
-                          s.drift_angle});
+    s.objects.add(frame, {s.keyframes.size() - 1, s.since_keyframe.motion(),
+                          s.since_keyframe.covariance(), s.drift, s.drift_angle});
   }
   frame.T_map_odom = s.keyframes.back().T_map_vehicle * s.T_odom_keyframe.inverse();
   return frame.is_keyframe;

@@ -162,8 +162,6 @@ TEST(Backend, EdgesCarryTheComposedMotionAndCovariance)
   BackendOptions options;
   options.keyframe_distance = 1.9;
   options.keyframe_angle = 1;
-  options.odometry_sigma_translation = 1e-5;
-  options.odometry_sigma_rotation = 1e-6;
   BackendRun run(options);
   const Pose step = poseFromYpr(1, 0.1, 0, 0.3, 0, 0);
   Vector6 sigma;

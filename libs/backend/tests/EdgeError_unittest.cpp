@@ -8,6 +8,7 @@
 #include <random>
 
 #include "EdgeCost.h"
+#include "RobustLosses.h"
 
 namespace dyslam
 {

@@ -32,9 +32,8 @@ struct BackendOptions : Options
   BackendMode mode = BackendMode::ego;
   double keyframe_distance = 1.5;            //!< a new keyframe after this distance [m] ...
   double keyframe_angle = 0.17453292519943;  //!< ... or this turn [rad]
-  double odometry_sigma_translation = 0.01;  //!< added to each step's own uncertainty [m]
-  double odometry_sigma_rotation = 0.0005;   //!< [rad]
-  double unconverged_sigma_scale = 10;       //!< of both where the odometry did not converge
+  double unconverged_sigma_translation = 0.1;  //!< of a step that was not measured [m]
+  double unconverged_sigma_rotation = 0.005;   //!< [rad]
   /** Optimise when a new loop's residual is this large [standard deviations] ... */
   double residual_to_optimise = 3;
   int loops_to_optimise = 20;  //!< ... or this many loops have come
