@@ -35,6 +35,10 @@ void LoopCandidates::add(const std::vector<Eigen::Vector3f>& points)
 {
   descriptors_.emplace_back(points, options_.descriptor_range);
   ring_means_.push_back(descriptors_.back().ringMeans());
+  if (options_.appearance)
+  {
+    points_ = points;
+  }
 }
 
 void LoopCandidates::shortlist(std::vector<Ranked>& ranked, std::size_t limit)
@@ -115,14 +119,13 @@ void LoopCandidates::addAlike(const KeyframeStore& keyframes,
   }
 }
 
-std::vector<LoopCandidate> LoopCandidates::alike(const KeyframeStore& keyframes,
-                                                 const std::vector<Eigen::Vector3f>& points) const
+std::vector<LoopCandidate> LoopCandidates::alike(const KeyframeStore& keyframes) const
 {
   std::vector<LoopCandidate> found;
   addAlike(keyframes, descriptors_.back(), 0, found);
   for (const float y : viewpoints)
   {
-    const PolarDescriptor view(points, options_.descriptor_range, Eigen::Vector2f(0, y));
+    const PolarDescriptor view(points_, options_.descriptor_range, Eigen::Vector2f(0, y));
     addAlike(keyframes, view, static_cast<double>(y), found);
   }
   std::sort(found.begin(), found.end(), isMoreSimilar);

@@ -33,9 +33,8 @@ class LoopCandidates
   /** Keyframes near the newest one, the most similar first. */
   [[nodiscard]] std::vector<LoopCandidate> near(const KeyframeStore& keyframes) const;
   /** Keyframes anywhere else that look like the newest one, the most similar first, one of each
-   * place. \param points of the newest, thinned, vehicle frame [m] */
-  [[nodiscard]] std::vector<LoopCandidate> alike(const KeyframeStore& keyframes,
-                                                 const std::vector<Eigen::Vector3f>& points) const;
+   * place. */
+  [[nodiscard]] std::vector<LoopCandidate> alike(const KeyframeStore& keyframes) const;
 
  private:
   struct Ranked
@@ -52,6 +51,7 @@ class LoopCandidates
   static void shortlist(std::vector<Ranked>& ranked, std::size_t limit);
 
   LoopCloserOptions options_;
+  std::vector<Eigen::Vector3f> points_;  //!< of the newest keyframe, where appearance is in use
   std::vector<PolarDescriptor> descriptors_;            //!< of keyframes
   std::vector<PolarDescriptor::RingMeans> ring_means_;  //!< theirs, side by side in memory
 };

@@ -181,7 +181,7 @@ void LoopCloser::State::searchAlike(const std::vector<Eigen::Vector3f>& source,
                                     std::vector<Loop>& rejected)
 {
   std::vector<Loop> fitting;
-  for (const LoopCandidate& candidate : candidates.alike(keyframes, source))
+  for (const LoopCandidate& candidate : candidates.alike(keyframes))
   {
     const Loop loop = verify(candidate, source, true);
     const bool fits =
