@@ -80,7 +80,9 @@ void runThrough(const std::string& rawlog,
   loops.appearance = appearance;
   double cpu_ms = 0;
   dyslam::KeyframeStore keyframes;
-  dyslam::Backend backend({}, loops, {}, keyframes);
+  dyslam::BackendConfig config;
+  config.loops = loops;
+  dyslam::Backend backend(config, keyframes);
   dyslam::RawlogSource source(rawlog);
   std::vector<Pose> truth;
   Pose T_odom = Pose::Identity();
