@@ -39,7 +39,7 @@ double scaleOf(const std::vector<Pose>& visual, const std::vector<Pose>& measure
 std::vector<Pose> fusedTruth(const std::vector<Pose>& oxts, const std::vector<Pose>& visual)
 {
   constexpr double position_sigma = 10;  // per reading; the errors of many are alike [m]
-  constexpr double angle_sigma = 0.05;  // [rad]
+  constexpr double angle_sigma = 0.05;   // [rad]
   const Matrix6 absolute = informationFromSigmas(position_sigma, angle_sigma);
   const Matrix6 relative = informationFromSigmas(0.01, 0.0005);
   const double scale = scaleOf(visual, oxts);
@@ -97,8 +97,7 @@ KittiDrive readKittiDrive(const std::string& folder,
                     std::to_string(drive.visual.size()) + " poses for " +
                     std::to_string(readings.size()) + " readings of oxts");
   }
-  drive.truth =
-      fusedTruth(imuToLidarPoses(oxtsPoses(readings), calib.T_velo_imu), drive.visual);
+  drive.truth = fusedTruth(imuToLidarPoses(oxtsPoses(readings), calib.T_velo_imu), drive.visual);
   drive.detections.resize(drive.truth.size());
   for (std::size_t i = 0; i < drive.truth.size(); ++i)
   {
@@ -152,8 +151,7 @@ std::vector<Matrix6> stepInformation(const std::vector<Pose>& odometry, const Od
   for (std::size_t i = 1; i < odometry.size(); ++i)
   {
     const double length = (odometry[i].translation() - odometry[i - 1].translation()).norm();
-    result.push_back(
-        informationFromSigmas(noise.per_step + noise.per_metre * length, noise.turn));
+    result.push_back(informationFromSigmas(noise.per_step + noise.per_metre * length, noise.turn));
   }
   return result;
 }

@@ -16,7 +16,7 @@ namespace dyslam
 struct OdometryNoise
 {
   std::string name;
-  double per_step = 0;  //!< standard deviation along each axis per step [m] ...
+  double per_step = 0;   //!< standard deviation along each axis per step [m] ...
   double per_metre = 0;  //!< ... and this share of the step
   double turn = 0;       //!< about each axis per step [rad]
 };

@@ -3,7 +3,6 @@
 #include <dyslam/backend/factors/LoopFactor.h>
 #include <dyslam/backend/factors/OdometryFactor.h>
 #include <dyslam/core/MotionAccumulator.h>
-
 #include <mrpt/graphs/CNetworkOfPoses.h>
 
 #include <Eigen/Dense>
@@ -104,7 +103,7 @@ struct Backend::State
   std::vector<FrameInKeyframe> frames;
   std::vector<Loop> loops;
   OptimisationResult last_result;
-  std::vector<std::string> problems;       //!< factors that the graph refused
+  std::vector<std::string> problems;        //!< factors that the graph refused
   Pose T_odom_keyframe = Pose::Identity();  //!< the newest one's, as the odometry has it
 
   MotionAccumulator since_keyframe;
@@ -150,8 +149,7 @@ void Backend::State::addKeyframe(const Frame& frame)
   else
   {
     constexpr double floor = 1e-12;  // keeps it positive definite [m^2, rad^2]
-    Matrix6 information =
-        (since_keyframe.covariance() + floor * Matrix6::Identity()).inverse();
+    Matrix6 information = (since_keyframe.covariance() + floor * Matrix6::Identity()).inverse();
     information = 0.5 * (information + information.transpose()).eval();
     odometry.push_back(graph.add(
         std::make_unique<OdometryFactor>(id - 1, id, since_keyframe.motion(), information)));

@@ -60,8 +60,7 @@ void FactorGraphOptions::describe(OptionsVisitor& visitor)
       "loop_loss", loop_loss,
       {{"none", RobustLoss::none}, {"cauchy", RobustLoss::cauchy}, {"dcs", RobustLoss::dcs}},
       "robust loss of loop factors");
-  visitor.real("loop_loss_width", loop_loss_width, 1e-6, 1e6,
-               "whitened residual where it sets in");
+  visitor.real("loop_loss_width", loop_loss_width, 1e-6, 1e6, "whitened residual where it sets in");
   visitor.choice(
       "object_loss", object_loss,
       {{"none", RobustLoss::none}, {"cauchy", RobustLoss::cauchy}, {"dcs", RobustLoss::dcs}},
@@ -155,8 +154,8 @@ FactorGraph::FactorId FactorGraph::add(std::unique_ptr<const Factor> factor)
   {
     if (!contains(key))
     {
-      throw std::invalid_argument("factor of kind " + toString(factor->kind()) +
-                                  ": its variable " + toString(key) + " is not in the graph");
+      throw std::invalid_argument("factor of kind " + toString(factor->kind()) + ": its variable " +
+                                  toString(key) + " is not in the graph");
     }
   }
   FactorId id = factors_.size();
@@ -353,9 +352,10 @@ std::vector<Matrix6> FactorGraph::covariances(const std::vector<Key>& keys,
   ceres::Covariance covariance(options);
   if (!pairs.empty() && !covariance.Compute(pairs, &problem.problem()))
   {
-    throw std::runtime_error("the factors leave a direction of the factor graph open: there is no "
-                             "covariance of " +
-                             toString(keys.front()));
+    throw std::runtime_error(
+        "the factors leave a direction of the factor graph open: there is no "
+        "covariance of " +
+        toString(keys.front()));
   }
   std::vector<Matrix6> result;
   for (const Key& key : keys)

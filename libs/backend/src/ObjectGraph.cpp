@@ -192,8 +192,8 @@ double ObjectGraph::standingLimit(const Object& object) const
   const Observation& first = object.observations.front();
   const Observation& last = object.observations.back();
   const double range = first.T_keyframe_object.translation().norm();
-  const double variance = last.drift - first.drift +
-                          (last.drift_angle - first.drift_angle) * range * range;
+  const double variance =
+      last.drift - first.drift + (last.drift_angle - first.drift_angle) * range * range;
   return options_.max_standing_motion + 2 * std::sqrt(std::max(0.0, variance));
 }
 
@@ -328,9 +328,8 @@ void ObjectGraph::insertMoving(const ObjectKey& object_key, Object& object, std:
   Observation& now = object.observations[i];
   const Pose T_map_keyframe = graph_.pose(Key::ego(now.keyframe));
   const Key key = Key::objectPose(id, now.scan);
-  if (i > 0 &&
-      isReversed(graph_.pose(Key::objectPose(id, object.observations[i - 1].scan)),
-                 T_map_keyframe * now.T_keyframe_object))
+  if (i > 0 && isReversed(graph_.pose(Key::objectPose(id, object.observations[i - 1].scan)),
+                          T_map_keyframe * now.T_keyframe_object))
   {
     now.T_keyframe_object = turnedBack(now.T_keyframe_object);
   }

@@ -35,9 +35,9 @@ class ObjectGraph
   /** Where a frame is seen from. */
   struct View
   {
-    std::size_t keyframe = 0;                  //!< the newest one
+    std::size_t keyframe = 0;  //!< the newest one
     Pose T_keyframe_vehicle = Pose::Identity();
-    Matrix6 covariance = Matrix6::Zero();      //!< of it, over its tangent
+    Matrix6 covariance = Matrix6::Zero();  //!< of it, over its tangent
     /** Variances of the odometry per axis, summed since the start: how far it may have drifted
      * between two views [m^2], [rad^2]. */
     double drift = 0;
@@ -74,7 +74,7 @@ class ObjectGraph
     std::size_t keyframe = 0;
     Pose T_keyframe_object = Pose::Identity();
     Matrix6 covariance = Matrix6::Identity();  //!< over the tangent of T_keyframe_object
-    double drift = 0;        //!< of its view
+    double drift = 0;                          //!< of its view
     double drift_angle = 0;
   };
   /** Observations of a standing object from one keyframe, as one. */
@@ -118,15 +118,19 @@ class ObjectGraph
   void joinMotion(int id, const Observation& before, const Observation& now);
   void removeFromGraph(const ObjectKey& key, Object& object);
   [[nodiscard]] Matrix6 informationOf(const Matrix6& covariance, double sigma_scale) const;
-  void appendSmoothed(const ObjectKey& key, const Object& object, std::vector<SmoothedObject>& result) const;
-  void addCovariances(const ObjectKey& key, const Object& object, std::vector<SmoothedObject>& result) const;
+  void appendSmoothed(const ObjectKey& key,
+                      const Object& object,
+                      std::vector<SmoothedObject>& result) const;
+  void addCovariances(const ObjectKey& key,
+                      const Object& object,
+                      std::vector<SmoothedObject>& result) const;
 
   ObjectGraphOptions options_;
   bool landmarks_;
   FactorGraph& graph_;
   std::map<ObjectKey, Object> objects_;
   std::map<int, int> sighting_;  //!< the newest one's of each id
-  std::size_t unusable_ = 0;  //!< observations
+  std::size_t unusable_ = 0;     //!< observations
   std::size_t jumps_ = 0;
 };
 }  // namespace dyslam

@@ -34,8 +34,7 @@ SpeedEstimate fitSpeed(const std::vector<PlanarObservation>& observations,
   double scatter = 0;
   for (std::size_t i = first; i < last; ++i)
   {
-    const Eigen::Vector2d expected =
-        mean + result.velocity * (observations[i].stamp - mean_time);
+    const Eigen::Vector2d expected = mean + result.velocity * (observations[i].stamp - mean_time);
     scatter += (observations[i].position - expected).squaredNorm();
   }
   scatter /= 2 * std::max(1.0, n - 2);

@@ -85,7 +85,8 @@ void ObjectGraph::addCovariances(const ObjectKey& object_key,
          i < std::min(object.in_graph, last + margin); ++i)
     {
       const std::size_t scan = object.observations[i].scan;
-      for (const Key& key : {Key::objectPose(object_key.first, scan), Key::objectVelocity(object_key.first, scan)})
+      for (const Key& key :
+           {Key::objectPose(object_key.first, scan), Key::objectVelocity(object_key.first, scan)})
       {
         if (graph_.contains(key))
         {
@@ -103,7 +104,8 @@ void ObjectGraph::addCovariances(const ObjectKey& object_key,
     {
       SmoothedObject& smoothed = result[offset + i];
       smoothed.covariance = levelCovariance(covariances[next++], smoothed.T_map_object);
-      if (next < wanted.size() && wanted[next] == Key::objectVelocity(object_key.first, smoothed.scan))
+      if (next < wanted.size() &&
+          wanted[next] == Key::objectVelocity(object_key.first, smoothed.scan))
       {
         const Eigen::Matrix3d& R = smoothed.T_map_object.linear();
         smoothed.velocity_covariance =
@@ -124,7 +126,8 @@ std::vector<SmoothedObject> ObjectGraph::smoothed() const
       addCovariances(key, object, result);
     }
   }
-  std::stable_sort(result.begin(), result.end(), [](const auto& a, const auto& b)
+  std::stable_sort(result.begin(), result.end(),
+                   [](const auto& a, const auto& b)
                    { return a.scan < b.scan || (a.scan == b.scan && a.id < b.id); });
   return result;
 }

@@ -27,8 +27,7 @@ PoseGraph poseGraphView(const FactorGraph& graph)
       view.insertEdge(
           static_cast<std::size_t>(factor.keys()[0].index),
           static_cast<std::size_t>(factor.keys()[1].index),
-          {toMrptPose(T),
-           mrpt::math::CMatrixDouble66(informationToYpr(T, factor.information()))});
+          {toMrptPose(T), mrpt::math::CMatrixDouble66(informationToYpr(T, factor.information()))});
     }
   }
   return view;

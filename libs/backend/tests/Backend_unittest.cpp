@@ -66,10 +66,7 @@ double rmsError(const Trajectory& estimate, const std::vector<Pose>& truth)
 /** A backend and its keyframes. */
 struct BackendRun
 {
-  explicit BackendRun(const BackendOptions& options = {})
-      : backend(configOf(options), keyframes)
-  {
-  }
+  explicit BackendRun(const BackendOptions& options = {}) : backend(configOf(options), keyframes) {}
   BackendRun(Drive& drive, const BackendOptions& options = {}) : BackendRun(options)
   {
     for (Frame& frame : drive.frames)

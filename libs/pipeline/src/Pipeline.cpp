@@ -122,6 +122,9 @@ std::string Pipeline::summary() const
 
 std::vector<std::string> Pipeline::warnings() const
 {
-  return stages_->front_end.warnings();
+  std::vector<std::string> result = stages_->front_end.warnings();
+  const std::vector<std::string> more = stages_->backend.warnings();
+  result.insert(result.end(), more.begin(), more.end());
+  return result;
 }
 }  // namespace dyslam

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <dyslam/backend/SmoothedObject.h>
 #include <dyslam/core/Frame.h>
 #include <dyslam/core/Options.h>
 #include <dyslam/core/Trajectory.h>
@@ -20,10 +21,11 @@ class Backend;
 struct RunResults
 {
   const Backend* backend = nullptr;
-  const StaticMap* map = nullptr;  //!< null if mapping is off
-  MapPoints map_points;            //!< of the map
-  Trajectory trajectory;           //!< of the vehicle in the map frame, a pose per frame
-  Trajectory reference;            //!< ground truth in the map frame, where the recording has it
+  const StaticMap* map = nullptr;       //!< null if mapping is off
+  MapPoints map_points;                 //!< of the map
+  Trajectory trajectory;                //!< of the vehicle in the map frame, a pose per frame
+  std::vector<SmoothedObject> objects;  //!< of the graph, by scan, then id; empty without objects
+  Trajectory reference;  //!< ground truth in the map frame, where the recording has it
   std::map<std::string, double> stage_ms;  //!< mean per frame [ms]
   SlamRunReport report;                    //!< its `files`: those written so far
   std::vector<std::string> failures;       //!< why outputs could not be written

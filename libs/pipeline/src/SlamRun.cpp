@@ -107,6 +107,7 @@ RunResults SlamRun::Impl::results(const std::vector<std::string>& source_warning
   results.map = pipeline.map();
   results.map_points = results.map == nullptr ? MapPoints() : results.map->points();
   results.trajectory = pipeline.trajectory();
+  results.objects = pipeline.backend().smoothedObjects();
   results.reference = statistics.referenceInMap(results.trajectory);
   results.stage_ms = stageMilliseconds(times, statistics.frames);
   fillReport(results.report, results);

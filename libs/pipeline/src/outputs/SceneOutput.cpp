@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "../RunOutput.h"
+#include "SmoothedTracks.h"
 
 namespace dyslam
 {
@@ -32,9 +33,7 @@ class SceneOutput : public RunOutput
     {
       if (object.reported && object.dynamic)
       {
-        MovingObject& moving = moving_[object.id];
-        moving.path.push_back({T_odom_vehicle_.size() - 1, object.box.center});
-        moving.last = object;
+        moving_[object.id].push_back({T_odom_vehicle_.size() - 1, frame.index, object});
       }
     }
   }
@@ -54,42 +53,50 @@ class SceneOutput : public RunOutput
     }
     scene.trajectory = results.trajectory;
     scene.reference = results.reference;
-    addMovingObjects(results.trajectory, scene);
+    addMovingObjects(results, scene);
     writeScene(scene, path(file));
   }
 
  private:
-  /** All in the odometry frame. */
-  struct MovingObject
+  /** An object as it was reported at one scan, odometry frame. */
+  struct Report
   {
-    std::vector<std::pair<std::size_t, Eigen::Vector3d>> path;  //!< ordinals of frames, centres
-    TrackedObject last;                                         //!< as it was reported last
+    std::size_t ordinal;  //!< of the frame
+    std::size_t scan;     //!< Frame::index
+    TrackedObject object;
   };
 
-  void addMovingObjects(const Trajectory& trajectory, SceneContent& scene) const
+  void addMovingObjects(const RunResults& results, SceneContent& scene) const
   {
     // Loops closed since have moved the odometry frame of each scan.
     const auto T_map_odom = [&](std::size_t ordinal)
-    { return trajectory[ordinal].pose * T_odom_vehicle_[ordinal].inverse(); };
-    for (const auto& [id, object] : moving_)
+    { return results.trajectory[ordinal].pose * T_odom_vehicle_[ordinal].inverse(); };
+    for (const auto& [id, reports] : moving_)
     {
-      for (const auto& [ordinal, centre] : object.path)
+      TrackedObject last;
+      Pose T = Pose::Identity();
+      for (const Report& report : reports)
       {
-        scene.object_paths[id].push_back(T_map_odom(ordinal) * centre);
+        T = T_map_odom(report.ordinal);
+        last = report.object;
+        if (const SmoothedObject* smoothed = findSmoothed(results.objects, report.scan, id))
+        {
+          last = smoothedTrack(report.object, *smoothed, T.inverse());
+        }
+        scene.object_paths[id].push_back(T * last.box.center);
       }
-      const Pose T = T_map_odom(object.path.back().first);
       LabelledBox box;
       box.id = id;
-      box.object_class = object.last.object_class;
-      box.box = transformed(object.last.box, T);
+      box.object_class = last.object_class;
+      box.box = transformed(last.box, T);
       scene.boxes.push_back(box);
-      scene.velocities.push_back(T.linear() * object.last.velocity);
+      scene.velocities.push_back(T.linear() * last.velocity);
     }
   }
 
   double voxel_size_;
   std::vector<Pose> T_odom_vehicle_;  //!< of every frame
-  std::map<int, MovingObject> moving_;
+  std::map<int, std::vector<Report>> moving_;
 };
 }  // namespace
 

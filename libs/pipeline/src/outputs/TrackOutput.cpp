@@ -1,10 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/PendingFile.h>
 #include <dyslam/formats/GroundTruth.h>
 
 #include <cmath>
 #include <cstdio>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "../RunOutput.h"
+#include "SmoothedTracks.h"
 #include "StreamedFile.h"
 
 namespace dyslam
@@ -16,10 +21,24 @@ constexpr const char* kitti = "tracks.txt";
 constexpr const char* header =
     "frame,stamp,id,class,x,y,z,length,width,height,yaw,vx,vy,vz,speed,dynamic,observed,score\n";
 
-/** Box of the odometry frame in the lidar frame of a scan. */
-Box inLidarFrame(const Box& box, const Frame& frame)
+/** Where and when a scan was taken. */
+struct ScanPlace
 {
-  const Pose T_lidar_odom = (frame.T_odom_vehicle * frame.scan.T_vehicle_lidar).inverse();
+  std::size_t index = 0;
+  double stamp = 0;  //!< [s]
+  Pose T_odom_vehicle = Pose::Identity();
+  Pose T_vehicle_lidar = Pose::Identity();
+};
+
+ScanPlace scanOf(const Frame& frame)
+{
+  return {frame.index, frame.scan.stamp, frame.T_odom_vehicle, frame.scan.T_vehicle_lidar};
+}
+
+/** Box of the odometry frame in the lidar frame of a scan. */
+Box inLidarFrame(const Box& box, const ScanPlace& scan)
+{
+  const Pose T_lidar_odom = (scan.T_odom_vehicle * scan.T_vehicle_lidar).inverse();
   Box result = box;
   result.center = T_lidar_odom * box.center;
   const Eigen::Vector3d heading =
@@ -28,19 +47,19 @@ Box inLidarFrame(const Box& box, const Frame& frame)
   return result;
 }
 
-LabelledBox labelledBox(const TrackedObject& object, const Frame& frame)
+LabelledBox labelledBox(const TrackedObject& object, const ScanPlace& scan)
 {
   LabelledBox box;
-  box.frame = static_cast<int>(frame.index);
+  box.frame = static_cast<int>(scan.index);
   box.id = object.id;
   box.object_class = object.object_class;
   box.type = toString(object.object_class);
-  box.box = inLidarFrame(object.box, frame);
+  box.box = inLidarFrame(object.box, scan);
   box.score = object.score;
   return box;
 }
 
-std::string rowOf(const TrackedObject& object, const Frame& frame)
+std::string rowOf(const TrackedObject& object, const ScanPlace& scan)
 {
   const auto& c = object.box.center;
   const auto& s = object.box.size;
@@ -49,9 +68,9 @@ std::string rowOf(const TrackedObject& object, const Frame& frame)
   std::snprintf(
       text, sizeof text,
       "%zu,%.6f,%d,%s,%.3f,%.3f,%.3f,%.2f,%.2f,%.2f,%.4f,%.3f,%.3f,%.3f,%.3f,%d,%d,%.3f\n",
-      frame.index, frame.scan.stamp, object.id, toString(object.object_class).c_str(), c.x(), c.y(),
-      c.z(), s.x(), s.y(), s.z(), object.box.yaw, v.x(), v.y(), v.z(), v.norm(),
-      object.dynamic ? 1 : 0, object.observed ? 1 : 0, object.score);
+      scan.index, scan.stamp, object.id, toString(object.object_class).c_str(), c.x(), c.y(), c.z(),
+      s.x(), s.y(), s.z(), object.box.yaw, v.x(), v.y(), v.z(), v.norm(), object.dynamic ? 1 : 0,
+      object.observed ? 1 : 0, object.score);
   return text;
 }
 
@@ -69,21 +88,40 @@ class TrackOutput : public RunOutput
     {
       if (object.reported)
       {
-        boxes_.push_back(labelledBox(object, frame));
-        rows += rowOf(object, frame);
+        reported_.push_back({scans_.size(), object});
+        rows += rowOf(object, scanOf(frame));
       }
     }
+    scans_.push_back(scanOf(frame));
     rows_.write(rows);
   }
-  void finish(const RunResults& /*results*/) override
+  void finish(const RunResults& results) override
   {
-    writeTracks(path(kitti), boxes_);
     rows_.close();
+    std::vector<LabelledBox> boxes;
+    std::string text = header;
+    for (auto& [ordinal, object] : reported_)
+    {
+      const ScanPlace& scan = scans_[ordinal];
+      if (const SmoothedObject* smoothed = findSmoothed(results.objects, scan.index, object.id))
+      {
+        object = smoothedTrack(object, *smoothed,
+                               scan.T_odom_vehicle * results.trajectory[ordinal].pose.inverse());
+      }
+      boxes.push_back(labelledBox(object, scan));
+      text += rowOf(object, scan);
+    }
+    if (!results.objects.empty())
+    {
+      writeWhole(path(table), text);
+    }
+    writeTracks(path(kitti), boxes);
   }
 
  private:
   StreamedFile rows_;
-  std::vector<LabelledBox> boxes_;
+  std::vector<ScanPlace> scans_;
+  std::vector<std::pair<std::size_t, TrackedObject>> reported_;  //!< with the scan's ordinal
 };
 }  // namespace
 

@@ -24,14 +24,14 @@ enum class BackendMode
   odometry,  //!< the chain of odometry factors: nothing to optimise
   ego,       //!< odometry and loops (DyLO-SAM)
   segmot,    //!< and every object as a moving one, as LIO-SEGMOT has them
-  full,      //!< and objects, standing ones as landmarks, moving ones with velocities (DyLO-SAM-MOT)
+  full,  //!< and objects, standing ones as landmarks, moving ones with velocities (DyLO-SAM-MOT)
 };
 
 struct BackendOptions : Options
 {
   BackendMode mode = BackendMode::ego;
-  double keyframe_distance = 1.5;            //!< a new keyframe after this distance [m] ...
-  double keyframe_angle = 0.17453292519943;  //!< ... or this turn [rad]
+  double keyframe_distance = 1.5;              //!< a new keyframe after this distance [m] ...
+  double keyframe_angle = 0.17453292519943;    //!< ... or this turn [rad]
   double unconverged_sigma_translation = 0.1;  //!< of a step that was not measured [m]
   double unconverged_sigma_rotation = 0.005;   //!< [rad]
   /** Optimise when a new loop's residual is this large [standard deviations] ... */

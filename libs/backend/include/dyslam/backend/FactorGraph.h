@@ -26,8 +26,8 @@ struct FactorGraphOptions : Options
 {
   int max_iterations = 50;
   double tolerance = 1e-6;  //!< stop when a step lowers the cost by less than this fraction
-  RobustLoss loop_loss = RobustLoss::dcs;  //!< of loop factors
-  double loop_loss_width = 3;              //!< whitened residual where it sets in
+  RobustLoss loop_loss = RobustLoss::dcs;       //!< of loop factors
+  double loop_loss_width = 3;                   //!< whitened residual where it sets in
   RobustLoss object_loss = RobustLoss::cauchy;  //!< of observation factors
   double object_loss_width = 3;
 

@@ -14,23 +14,23 @@ struct ObjectGraphOptions : Options
   double max_jump = 3;       //!< from where its motion takes an object; beyond, it starts anew [m]
 
   // Standing or moving
-  double moving_speed = 0.6;  //!< an object that was ever significantly faster moves [m/s]
-  double speed_window = 1;    //!< over which speeds are estimated [s]
+  double moving_speed = 0.6;         //!< an object that was ever significantly faster moves [m/s]
+  double speed_window = 1;           //!< over which speeds are estimated [s]
   double max_standing_motion = 0.5;  //!< ... or came farther than this within its sighting [m]
-  double min_standing_time = 1;  //!< seen at one place for so long, an object stands [s]
+  double min_standing_time = 1;      //!< seen at one place for so long, an object stands [s]
 
   // Noise. Errors of successive observations of one object are alike; larger sigmas account for it.
   double standing_sigma_scale = 4;
-  int standing_saturation = 50;  //!< keyframes after which more of them add no information
+  int standing_saturation = 50;       //!< keyframes after which more of them add no information
   double standing_heading_sigma = 0;  //!< added to their headings' [rad]
   double moving_sigma_scale = 1;
-  double tilt_sigma = 0.05;              //!< of an object's roll and pitch [rad]
-  double acceleration_sigma = 3;         //!< of a moving object [m/s^2]
-  double angular_acceleration_sigma = 1; //!< about the vertical axis [rad/s^2]
-  double motion_sigma = 0.1;             //!< of its velocity within one time step [m/s] ...
-  double angular_motion_sigma = 0.1;     //!< [rad/s]
+  double tilt_sigma = 0.05;               //!< of an object's roll and pitch [rad]
+  double acceleration_sigma = 3;          //!< of a moving object [m/s^2]
+  double angular_acceleration_sigma = 1;  //!< about the vertical axis [rad/s^2]
+  double motion_sigma = 0.1;              //!< of its velocity within one time step [m/s] ...
+  double angular_motion_sigma = 0.1;      //!< [rad/s]
 
-  double window = 2;          //!< poses of moving objects older than this are held [s]
+  double window = 2;  //!< poses of moving objects older than this are held [s]
   /** Ego poses before these are held; 0: nothing is optimised until a loop or the end. */
   int window_keyframes = 10;
 

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "SmoothedTracks.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace dyslam
+{
+const SmoothedObject* findSmoothed(const std::vector<SmoothedObject>& objects,
+                                   std::size_t scan,
+                                   int id)
+{
+  const auto found = std::lower_bound(
+      objects.begin(), objects.end(), scan, [id](const SmoothedObject& object, std::size_t wanted)
+      { return object.scan < wanted || (object.scan == wanted && object.id < id); });
+  return found != objects.end() && found->scan == scan && found->id == id ? &*found : nullptr;
+}
+
+TrackedObject smoothedTrack(const TrackedObject& tracked,
+                            const SmoothedObject& smoothed,
+                            const Pose& T_odom_map)
+{
+  TrackedObject result = tracked;
+  const Pose T_odom_object = T_odom_map * smoothed.T_map_object;
+  result.box.center = T_odom_object.translation();
+  const double yaw = yawPitchRoll(T_odom_object).x();
+  // The graph knows the axis of the box; which end is the front, the tracker does.
+  const bool reversed = std::cos(yaw - tracked.box.yaw) < 0;
+  result.box.yaw = std::remainder(reversed ? yaw + M_PI : yaw, 2 * M_PI);
+  result.velocity = T_odom_map.linear() * smoothed.velocity;
+  Eigen::Matrix4d R = Eigen::Matrix4d::Identity();
+  R.topLeftCorner<3, 3>() = T_odom_map.linear();
+  result.covariance = R * smoothed.covariance * R.transpose();
+  result.dynamic = smoothed.moving;
+  return result;
+}
+}  // namespace dyslam
