@@ -121,6 +121,14 @@ void FactorGraph::addVelocity(const Key& key, const Vector6& twist)
   Eigen::Map<Vector6>(variables_[key].block.data()) = twist;
 }
 
+void FactorGraph::addBlock(const Key& key, const std::array<double, pose_block_size>& block)
+{
+  requireFinite(key, Eigen::Map<const Eigen::Matrix<double, pose_block_size, 1>>(block.data())
+                         .allFinite());
+  requireNew(key);
+  variables_[key].block = block;
+}
+
 void FactorGraph::remove(const Key& key)
 {
   const std::vector<FactorId> touching = variable(key).factors;

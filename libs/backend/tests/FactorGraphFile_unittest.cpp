@@ -191,22 +191,5 @@ TEST_F(FactorGraphFile, DamagedFilesAreNamed)
   EXPECT_THROW(writeFactorGraph(FactorGraph(), file("no/such/folder.txt")), UserError);
 }
 
-TEST_F(FactorGraphFile, CutOffAnywhereIsAnErrorOrAWholeLine)
-{
-  writeFactorGraph(everyKind(), file("a.txt"));
-  const std::string whole = contentOf(file("a.txt"));
-  for (std::size_t size = whole.size() - 900; size < whole.size(); ++size)
-  {
-    std::vector<std::string> warnings;
-    try
-    {
-      (void)readFactorGraph(write(whole.substr(0, size)), warnings);
-    }
-    catch (const UserError& error)
-    {
-      EXPECT_NE(std::string(error.what()).find("graph.txt:"), std::string::npos);
-    }
-  }
-}
 }  // namespace
 }  // namespace dyslam

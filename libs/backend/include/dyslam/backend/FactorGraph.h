@@ -68,6 +68,8 @@ class FactorGraph
    * value is not finite. */
   void addPose(const Key& key, const Pose& pose);
   void addVelocity(const Key& key, const Vector6& twist);
+  /** The same with the value as variables() has it. */
+  void addBlock(const Key& key, const std::array<double, pose_block_size>& block);
   /** Takes it away with all factors that touch it. */
   void remove(const Key& key);
 
