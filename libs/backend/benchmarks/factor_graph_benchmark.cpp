@@ -3,6 +3,7 @@
 // time, three of them parked, two driving ahead.
 //   factor_graph_benchmark [--keyframes N] [--mode full|segmot] [--csv FILE]
 #include <dyslam/backend/Backend.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <chrono>
@@ -14,8 +15,6 @@
 #include <random>
 #include <string>
 #include <vector>
-
-#include <unistd.h>
 
 namespace
 {
@@ -68,16 +67,17 @@ class Traffic
     frame.motion.information = 1e5 * Matrix6::Identity();
     if (scan > 0)
     {
-      T_odom_vehicle_ = T_odom_vehicle_ * noisy(road_[scan - 1].inverse() * road_[scan], 0.01, 5e-4);
+      T_odom_vehicle_ =
+          T_odom_vehicle_ * noisy(road_[scan - 1].inverse() * road_[scan], 0.01, 5e-4);
     }
     frame.T_odom_vehicle = T_odom_vehicle_;
     // Three parked cars: those just passed or next ahead, each on its side of the road.
-    const auto next = static_cast<std::size_t>(static_cast<double>(scan) * keyframe_distance /
-                                               parked_spacing);
+    const auto next =
+        static_cast<std::size_t>(static_cast<double>(scan) * keyframe_distance / parked_spacing);
     for (std::size_t i = next; i < next + 3; ++i)
     {
-      const auto place = static_cast<std::size_t>(static_cast<double>(i) * parked_spacing /
-                                                  keyframe_distance);
+      const auto place =
+          static_cast<std::size_t>(static_cast<double>(i) * parked_spacing / keyframe_distance);
       observe(frame, static_cast<int>(i),
               road_[place] * poseFromYpr(0, i % 2 == 0 ? 4 : -4, 0, 0, 0, 0));
     }
@@ -112,8 +112,7 @@ class Traffic
     {
       object.observation.center[i] += position_sigma * normal_(rng_);
     }
-    object.observation.yaw =
-        std::atan2(seen(1, 0), seen(0, 0)) + heading_sigma * normal_(rng_);
+    object.observation.yaw = std::atan2(seen(1, 0), seen(0, 0)) + heading_sigma * normal_(rng_);
     object.observation_covariance.setIdentity();
     object.observation_covariance *= position_sigma * position_sigma;
     object.observation_covariance(3, 3) = heading_sigma * heading_sigma;

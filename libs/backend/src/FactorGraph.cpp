@@ -70,8 +70,7 @@ void FactorGraphOptions::describe(OptionsVisitor& visitor)
       "loop_loss", loop_loss,
       {{"none", RobustLoss::none}, {"cauchy", RobustLoss::cauchy}, {"dcs", RobustLoss::dcs}},
       "robust loss of loop factors");
-  visitor.real("loop_loss_width", loop_loss_width, 1e-6, 1e6,
-               "whitened residual where it sets in");
+  visitor.real("loop_loss_width", loop_loss_width, 1e-6, 1e6, "whitened residual where it sets in");
   visitor.real("odometry_sigma_scale", odometry_sigma_scale, 1, 1000,
                "the odometry may be so much worse than it says before it contradicts a loop");
   visitor.choice(
@@ -123,8 +122,8 @@ void FactorGraph::addVelocity(const Key& key, const Vector6& twist)
 
 void FactorGraph::addBlock(const Key& key, const std::array<double, pose_block_size>& block)
 {
-  requireFinite(key, Eigen::Map<const Eigen::Matrix<double, pose_block_size, 1>>(block.data())
-                         .allFinite());
+  requireFinite(
+      key, Eigen::Map<const Eigen::Matrix<double, pose_block_size, 1>>(block.data()).allFinite());
   requireNew(key);
   variables_[key].block = block;
 }
@@ -179,8 +178,8 @@ FactorGraph::FactorId FactorGraph::add(std::unique_ptr<const Factor> factor)
   {
     if (!contains(key))
     {
-      throw std::invalid_argument("factor of kind " + toString(factor->kind()) +
-                                  ": its variable " + toString(key) + " is not in the graph");
+      throw std::invalid_argument("factor of kind " + toString(factor->kind()) + ": its variable " +
+                                  toString(key) + " is not in the graph");
     }
   }
   FactorId id = factors_.size();
@@ -348,9 +347,10 @@ void FactorGraph::leaveOutFalseLoops(const FactorGraphOptions& options,
   if (!left_out_.empty())
   {
     const std::vector<Key>& keys = factor(*left_out_.begin()).keys();
-    result.warnings.push_back(std::to_string(left_out_.size()) +
-                              " loops contradict the rest of the graph and are left out, the first " +
-                              toString(keys[0]) + " -> " + toString(keys[1]));
+    result.warnings.push_back(
+        std::to_string(left_out_.size()) +
+        " loops contradict the rest of the graph and are left out, the first " + toString(keys[0]) +
+        " -> " + toString(keys[1]));
   }
 }
 
@@ -420,9 +420,10 @@ std::vector<Matrix6> FactorGraph::covariances(const std::vector<Key>& keys,
   ceres::Covariance covariance(options);
   if (!pairs.empty() && !covariance.Compute(pairs, &problem.problem()))
   {
-    throw std::runtime_error("the factors leave a direction of the factor graph open: there is no "
-                             "covariance of " +
-                             toString(keys.front()));
+    throw std::runtime_error(
+        "the factors leave a direction of the factor graph open: there is no "
+        "covariance of " +
+        toString(keys.front()));
   }
   std::vector<Matrix6> result;
   for (const Key& key : keys)

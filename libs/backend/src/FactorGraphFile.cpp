@@ -200,8 +200,8 @@ class LineReader
     {
       return Key::ego(index());
     }
-    for (const VariableKind known : {VariableKind::static_object, VariableKind::object_pose,
-                                     VariableKind::object_velocity})
+    for (const VariableKind known :
+         {VariableKind::static_object, VariableKind::object_pose, VariableKind::object_velocity})
     {
       if (kind == nameOf(known))
       {

@@ -175,9 +175,9 @@ double FactorGraphProblem::worstLoop() const
   {
     if (block.factor->kind() == FactorKind::loop)
     {
-      worst = std::max(worst, (block.factor->whitening() *
-                               block.factor->residual(block.values.data(), nullptr))
-                                  .norm());
+      worst = std::max(
+          worst, (block.factor->whitening() * block.factor->residual(block.values.data(), nullptr))
+                     .norm());
     }
   }
   return worst;

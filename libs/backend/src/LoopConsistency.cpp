@@ -54,14 +54,14 @@ std::vector<std::vector<FactorId>> grouped(const FactorGraph& graph, std::vector
   std::vector<std::vector<FactorId>> groups;
   for (const FactorId id : loops)
   {
-    const auto group = std::find_if(
-        groups.begin(), groups.end(),
-        [&](const std::vector<FactorId>& g)
-        {
-          return g.size() < max_group_size &&
-                 std::abs(ends(g.back()).first - ends(id).first) <= group_reach &&
-                 std::abs(ends(g.back()).second - ends(id).second) <= group_reach;
-        });
+    const auto group =
+        std::find_if(groups.begin(), groups.end(),
+                     [&](const std::vector<FactorId>& g)
+                     {
+                       return g.size() < max_group_size &&
+                              std::abs(ends(g.back()).first - ends(id).first) <= group_reach &&
+                              std::abs(ends(g.back()).second - ends(id).second) <= group_reach;
+                     });
     if (group == groups.end())
     {
       groups.push_back({id});
@@ -106,6 +106,7 @@ class LinearEgoGraph
   }
 
   [[nodiscard]] bool solved() const { return solver_.info() == Eigen::Success; }
+  [[nodiscard]] double chi2() const { return optimal_residuals_.squaredNorm(); }
 
   /** By how much chi2 falls without these loops. */
   [[nodiscard]] double tension(const std::vector<FactorId>& group) const
@@ -225,11 +226,18 @@ std::set<FactorId> contradictedLoops(const FactorGraph& graph,
   double highest = 2 * loss_width * loss_width;
   for (const std::vector<FactorId>& group : grouped(graph, loops))
   {
-    const double tension =
-        linear.solved() ? linear.tension(group) / static_cast<double>(group.size()) : 0;
-    if (tension > highest)
+    if (!linear.solved() || group.size() == loops.size())
     {
-      highest = tension;
+      continue;  // odometry alone is no witness: it drifts
+    }
+    const double tension = linear.tension(group);
+    // How well odometry and the other loops agree: a drift shows in all of them.
+    const double others = 6 * static_cast<double>(loops.size() - group.size());
+    const double variance = std::max(1.0, (linear.chi2() - tension) / others);
+    const double per_loop = tension / static_cast<double>(group.size()) / variance;
+    if (per_loop > highest)
+    {
+      highest = per_loop;
       worst = {group.begin(), group.end()};
     }
   }

@@ -9,12 +9,11 @@ namespace dyslam
 {
 /** Loop factors whose whitened residual at the present values is beyond what noise explains. */
 [[nodiscard]] std::set<FactorGraph::FactorId> misfittingLoops(
-    const FactorGraph& graph,
-    const std::set<FactorGraph::FactorId>& left_out,
-    double loss_width);
+    const FactorGraph& graph, const std::set<FactorGraph::FactorId>& left_out, double loss_width);
 
 /** The group of neighbouring loops that odometry and the other loops contradict most, if they do:
- * without it chi2 falls by more than 2 loss_width^2 for each of its loops.
+ * without it chi2 falls by more than 2 loss_width^2 for each of its loops, times the variance (of a
+ * degree of freedom, 1 at least) that is left. Nothing is contradicted by odometry alone.
  *
  * A loop that is false bends the odometry until it fits, so that its own residual does not show it.
  * Computed about the present values, at or near their optimum, on the ego poses alone, and without

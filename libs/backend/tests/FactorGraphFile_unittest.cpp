@@ -82,8 +82,8 @@ FactorGraph everyKind()
   {
     graph.add(std::make_unique<ObservationFactor>(2, key, pose(), randomInformation(drive.rng)));
   }
-  graph.add(std::make_unique<ObjectMotionFactor>(7, 3, 5, 0.1 + 1e-9,
-                                                 randomInformation(drive.rng)));
+  graph.add(
+      std::make_unique<ObjectMotionFactor>(7, 3, 5, 0.1 + 1e-9, randomInformation(drive.rng)));
   graph.add(std::make_unique<ObjectMotionFactor>(7, 5, 6, 0.3, randomInformation(drive.rng)));
   graph.add(std::make_unique<SmoothMotionFactor>(7, 5, 6, randomInformation(drive.rng)));
   return graph;

@@ -61,8 +61,8 @@ FactorGraph smallGraph(unsigned seed)
       Vector6 velocity = Vector6::Zero();
       velocity.x() = 4;
       graph.addVelocity(Key::objectVelocity(9, i), velocity);
-      graph.add(std::make_unique<ObjectMotionFactor>(9, i - 1, i, 0.5,
-                                                     diagonalInformation(0.05, 0.05)));
+      graph.add(
+          std::make_unique<ObjectMotionFactor>(9, i - 1, i, 0.5, diagonalInformation(0.05, 0.05)));
     }
   }
   graph.add(std::make_unique<SmoothMotionFactor>(9, 1, 2, diagonalInformation(0.5, 0.5)));

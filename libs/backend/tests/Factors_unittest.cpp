@@ -46,10 +46,7 @@ struct Blocks
     return {values[0].data(), values[1].data(), values[2].data()};
   }
   void set(std::size_t i, const Pose& pose) { packPose(pose, values[i].data()); }
-  void set(std::size_t i, const Vector6& twist)
-  {
-    Eigen::Map<Vector6>(values[i].data()) = twist;
-  }
+  void set(std::size_t i, const Vector6& twist) { Eigen::Map<Vector6>(values[i].data()) = twist; }
   [[nodiscard]] Blocks moved(std::size_t i, bool is_pose, const Vector6& by) const
   {
     Blocks result = *this;

@@ -36,7 +36,7 @@ struct LoopMeasurement
 struct NoisyDrive
 {
   static constexpr std::size_t per_round = 150;
-  static constexpr double loop_sigma = 0.03;           //!< [m]
+  static constexpr double loop_sigma = 0.03;            //!< [m]
   static constexpr double loop_rotation_sigma = 0.002;  //!< [rad]
 
   explicit NoisyDrive(unsigned seed, double sigma = 0.01, double rotation_sigma = 0.0005)
@@ -66,8 +66,7 @@ struct NoisyDrive
   /** What a registration of the two keyframes' scans would measure. */
   LoopMeasurement trueLoop(std::size_t from, std::size_t to)
   {
-    return {from, to,
-            noisy(truth[from].inverse() * truth[to], loop_sigma, loop_rotation_sigma)};
+    return {from, to, noisy(truth[from].inverse() * truth[to], loop_sigma, loop_rotation_sigma)};
   }
   std::vector<LoopMeasurement> threeTrueLoops()
   {
@@ -108,8 +107,7 @@ inline double largestShift(const FactorGraph& a, const FactorGraph& b)
   {
     if (key.kind == VariableKind::ego_pose)
     {
-      largest = std::max(
-          largest, (a.pose(key).translation() - b.pose(key).translation()).norm());
+      largest = std::max(largest, (a.pose(key).translation() - b.pose(key).translation()).norm());
     }
   }
   return largest;
@@ -120,8 +118,8 @@ inline double largestError(const FactorGraph& graph, const std::vector<Pose>& tr
   double largest = 0;
   for (std::size_t i = 0; i < truth.size(); ++i)
   {
-    largest = std::max(
-        largest, (graph.pose(Key::ego(i)).translation() - truth[i].translation()).norm());
+    largest =
+        std::max(largest, (graph.pose(Key::ego(i)).translation() - truth[i].translation()).norm());
   }
   return largest;
 }

@@ -25,10 +25,10 @@ ObjectMotionFactor::ObjectMotionFactor(
 Vector6 ObjectMotionFactor::residual(ValueBlocks blocks, FactorJacobians* jacobians) const
 {
   const Eigen::Map<const Vector6> velocity(blocks[2]);
-  const Vector6 motion = edgeError(ErrorCoordinates::log, Pose::Identity(), unpackPose(blocks[0]),
-                                   unpackPose(blocks[1]),
-                                   jacobians != nullptr ? &(*jacobians)[0] : nullptr,
-                                   jacobians != nullptr ? &(*jacobians)[1] : nullptr);
+  const Vector6 motion =
+      edgeError(ErrorCoordinates::log, Pose::Identity(), unpackPose(blocks[0]),
+                unpackPose(blocks[1]), jacobians != nullptr ? &(*jacobians)[0] : nullptr,
+                jacobians != nullptr ? &(*jacobians)[1] : nullptr);
   if (jacobians != nullptr)
   {
     (*jacobians)[2] = -dt_ * Matrix6::Identity();
