@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/backend/FactorGraphFile.h>
 #include <dyslam/core/FreedMemory.h>
 #include <dyslam/graphslam/GraphFileRun.h>
 #include <dyslam/graphslam/GraphSlamPlugins.h>
@@ -35,7 +36,8 @@ void declare(CLI::App& app, Arguments& a)
   app.add_flag("--list-registrars,--list-regs", a.list_registrars,
                "list the node and edge registration deciders");
   app.add_flag("--list-optimizers", a.list_optimizers, "list the optimizers");
-  app.add_option("--optimize", a.graph, "saved graph (.graph or .g2o) to optimise");
+  app.add_option("--optimize", a.graph,
+                 "saved graph to optimise: factor_graph.txt, .graph or .g2o");
   dyslam::declareSlamArguments(app, a.slam);
 }
 
@@ -64,6 +66,48 @@ bool showLists(const Arguments& a)
   return a.list_registrars || a.list_optimizers;
 }
 
+void printCounts(const char* title, const std::map<std::string, std::size_t>& counts)
+{
+  std::printf("%s:", title);
+  const char* separator = " ";
+  for (const auto& [kind, count] : counts)
+  {
+    std::printf("%s%zu %s", separator, count, kind.c_str());
+    separator = ", ";
+  }
+  std::printf("\n");
+}
+
+/** A graph with objects. */
+void optimizeFactorGraph(const Arguments& a,
+                         const std::string& output,
+                         const dyslam::Config& config)
+{
+  const auto report = dyslam::optimizeFactorGraphFile(a.graph, output, config);
+  const dyslam::OptimisationResult& result = report.result;
+  for (const auto& warnings : {report.warnings, result.warnings})
+  {
+    for (const std::string& warning : warnings)
+    {
+      std::fprintf(stderr, "warning: %s\n", warning.c_str());
+    }
+  }
+  if (a.slam.quiet())
+  {
+    return;
+  }
+  printCounts("variables", report.variables);
+  printCounts("factors", report.factors);
+  std::printf("chi2 of the file %.9g, final %.9g; %zu loops left out\n", result.initial_chi2,
+              result.final_chi2, result.false_loops);
+  std::printf("%d iterations, %.3f s: %s\n", result.iterations, report.seconds,
+              result.reason.c_str());
+  if (!output.empty())
+  {
+    std::printf("written: %s\n", output.c_str());
+  }
+}
+
 void optimizeGraph(const Arguments& a)
 {
   if (!a.slam.settings.output_folder.empty() && !a.plugins.optimizer.empty())
@@ -77,7 +121,13 @@ void optimizeGraph(const Arguments& a)
   {
     config.set(assignment);
   }
-  config.requireKnownSections({"pose_graph"});
+  const bool has_objects = dyslam::isFactorGraphFile(a.graph);
+  config.requireKnownSections({has_objects ? "solver" : "pose_graph"});
+  if (has_objects)
+  {
+    optimizeFactorGraph(a, output, config);
+    return;
+  }
   const auto report = dyslam::optimizeGraphFile(a.graph, output, config);
   if (a.slam.quiet())
   {

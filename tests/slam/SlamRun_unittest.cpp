@@ -159,8 +159,8 @@ TEST_F(SlamRun, LeavesEveryFileAndASmallError)
   for (const auto& name :
        {"effective.ini", "odometry_tum.txt", "trajectory_tum.txt", "trajectory_kitti.txt",
         "reference_tum.txt", "scans.csv", "motions.csv", "tracks.csv", "tracks.txt", "graph.graph",
-        "graph.g2o", "map_static.pcd", "map_static.ply", "keyframes.simplemap", "map.3Dscene",
-        "replay.rawlog", "trajectory.png", "report.json"})
+        "graph.g2o", "factor_graph.txt", "map_static.pcd", "map_static.ply", "keyframes.simplemap",
+        "map.3Dscene", "replay.rawlog", "trajectory.png", "report.json"})
   {
     EXPECT_GT(contentOf(fs::path(s.output_folder) / name).size(), 0U) << name;
   }

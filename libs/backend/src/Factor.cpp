@@ -55,7 +55,8 @@ std::string toString(FactorKind kind)
   return "smooth_motion";
 }
 
-Factor::Factor(std::vector<Key> keys, const Matrix6& information) : keys_(std::move(keys))
+Factor::Factor(std::vector<Key> keys, const Matrix6& information)
+    : keys_(std::move(keys)), information_(information)
 {
   for (std::size_t i = 0; i < keys_.size(); ++i)
   {

@@ -8,11 +8,21 @@
 #include <utility>
 
 #include "FactorGraphProblem.h"
+#include "LoopConsistency.h"
 
 namespace dyslam
 {
 namespace
 {
+void requireType(const Key& key, bool pose)
+{
+  if (key.isPose() != pose)
+  {
+    throw std::invalid_argument("variable " + toString(key) +
+                                (pose ? ": is not a pose" : ": is not a velocity"));
+  }
+}
+
 void requireFinite(const Key& key, bool finite)
 {
   if (!finite)
@@ -61,6 +71,8 @@ void FactorGraphOptions::describe(OptionsVisitor& visitor)
       {{"none", RobustLoss::none}, {"cauchy", RobustLoss::cauchy}, {"dcs", RobustLoss::dcs}},
       "robust loss of loop factors");
   visitor.real("loop_loss_width", loop_loss_width, 1e-6, 1e6, "whitened residual where it sets in");
+  visitor.real("odometry_sigma_scale", odometry_sigma_scale, 1, 1000,
+               "the odometry may be so much worse than it says before it contradicts a loop");
   visitor.choice(
       "object_loss", object_loss,
       {{"none", RobustLoss::none}, {"cauchy", RobustLoss::cauchy}, {"dcs", RobustLoss::dcs}},
@@ -84,26 +96,36 @@ const FactorGraph::Variable& FactorGraph::variable(const Key& key) const
   return const_cast<FactorGraph*>(this)->variable(key);
 }
 
+void FactorGraph::requireNew(const Key& key) const
+{
+  if (contains(key))
+  {
+    throw std::invalid_argument("variable " + toString(key) + ": is there already");
+  }
+}
+
 void FactorGraph::addPose(const Key& key, const Pose& pose)
 {
+  requireType(key, true);
   requireFinite(key, pose.matrix().allFinite());
-  if (!key.isPose() || contains(key))
-  {
-    throw std::invalid_argument("variable " + toString(key) +
-                                (key.isPose() ? ": is there already" : ": is not a pose"));
-  }
+  requireNew(key);
   packPose(pose, variables_[key].block.data());
 }
 
 void FactorGraph::addVelocity(const Key& key, const Vector6& twist)
 {
+  requireType(key, false);
   requireFinite(key, twist.allFinite());
-  if (key.isPose() || contains(key))
-  {
-    throw std::invalid_argument("variable " + toString(key) +
-                                (key.isPose() ? ": is not a velocity" : ": is there already"));
-  }
+  requireNew(key);
   Eigen::Map<Vector6>(variables_[key].block.data()) = twist;
+}
+
+void FactorGraph::addBlock(const Key& key, const std::array<double, pose_block_size>& block)
+{
+  requireFinite(
+      key, Eigen::Map<const Eigen::Matrix<double, pose_block_size, 1>>(block.data()).allFinite());
+  requireNew(key);
+  variables_[key].block = block;
 }
 
 void FactorGraph::remove(const Key& key)
@@ -128,12 +150,14 @@ Vector6 FactorGraph::velocity(const Key& key) const
 
 void FactorGraph::setPose(const Key& key, const Pose& pose)
 {
+  requireType(key, true);
   requireFinite(key, pose.matrix().allFinite());
   packPose(pose, variable(key).block.data());
 }
 
 void FactorGraph::setVelocity(const Key& key, const Vector6& twist)
 {
+  requireType(key, false);
   requireFinite(key, twist.allFinite());
   Eigen::Map<Vector6>(variable(key).block.data()) = twist;
 }
@@ -185,6 +209,7 @@ void FactorGraph::removeFactor(FactorId id)
     ids.erase(std::find(ids.begin(), ids.end(), id));
   }
   factors_[id].reset();
+  left_out_.erase(id);
   unused_.push_back(id);
   --factor_count_;
 }
@@ -287,10 +312,46 @@ OptimisationResult FactorGraph::optimiseVariables(const FactorGraphOptions& opti
   result.reason = "nothing to optimise";
   if (!free.empty())
   {
-    result = FactorGraphProblem(options, free, variables_, factors_).solve();
+    result = FactorGraphProblem(options, free, variables_, factors_, left_out_).solve();
   }
   result.warnings = std::move(warnings);
   return result;
+}
+
+void FactorGraph::leaveOutFalseLoops(const FactorGraphOptions& options,
+                                     const std::vector<Key>& free,
+                                     OptimisationResult& result)
+{
+  const auto solve_without = [&](const std::set<FactorId>& loops)
+  {
+    left_out_.insert(loops.begin(), loops.end());
+    const OptimisationResult again = optimiseVariables(options, free);
+    result.iterations += again.iterations;
+    result.converged = again.converged;
+    result.reason = again.reason;
+  };
+  // While there is contradiction, loops that do not fit stay: without a false one they may.
+  for (auto worst = contradictedLoops(*this, left_out_, options.loop_loss_width,
+                                      options.odometry_sigma_scale);
+       !worst.empty(); worst = contradictedLoops(*this, left_out_, options.loop_loss_width,
+                                                 options.odometry_sigma_scale))
+  {
+    solve_without(worst);
+  }
+  const std::set<FactorId> misfits = misfittingLoops(*this, left_out_, options.loop_loss_width);
+  if (!misfits.empty())
+  {
+    solve_without(misfits);
+  }
+  result.false_loops = left_out_.size();
+  if (!left_out_.empty())
+  {
+    const std::vector<Key>& keys = factor(*left_out_.begin()).keys();
+    result.warnings.push_back(
+        std::to_string(left_out_.size()) +
+        " loops contradict the rest of the graph and are left out, the first " + toString(keys[0]) +
+        " -> " + toString(keys[1]));
+  }
 }
 
 OptimisationResult FactorGraph::optimise(const FactorGraphOptions& options)
@@ -303,7 +364,14 @@ OptimisationResult FactorGraph::optimise(const FactorGraphOptions& options)
       free.push_back(key);
     }
   }
-  return optimiseVariables(options, free);
+  left_out_.clear();
+  OptimisationResult result = optimiseVariables(options, free);
+  if (options.loop_loss != RobustLoss::none)
+  {
+    leaveOutFalseLoops(options, free, result);
+    result.final_chi2 = chi2();
+  }
+  return result;
 }
 
 OptimisationResult FactorGraph::optimise(const FactorGraphOptions& options,
@@ -334,7 +402,7 @@ std::vector<Matrix6> FactorGraph::covariances(const std::vector<Key>& keys,
   FactorGraphOptions plain;
   plain.loop_loss = RobustLoss::none;
   plain.object_loss = RobustLoss::none;
-  FactorGraphProblem problem(plain, free, variables_, factors_);
+  FactorGraphProblem problem(plain, free, variables_, factors_, left_out_);
   std::vector<std::pair<const double*, const double*>> pairs;
   for (const Key& key : keys)
   {

@@ -76,7 +76,8 @@ int stepsOf(const ceres::Solver::Summary& summary)
 FactorGraphProblem::FactorGraphProblem(const FactorGraphOptions& options,
                                        const std::vector<Key>& free,
                                        std::map<Key, FactorGraph::Variable>& variables,
-                                       const std::vector<std::unique_ptr<const Factor>>& factors)
+                                       const std::vector<std::unique_ptr<const Factor>>& factors,
+                                       const std::set<FactorGraph::FactorId>& left_out)
     : options_(options),
       loop_loss_(nullptr, ceres::TAKE_OWNERSHIP),
       object_loss_(makeLoss(options.object_loss, options.object_loss_width)),
@@ -95,7 +96,10 @@ FactorGraphProblem::FactorGraphProblem(const FactorGraphOptions& options,
   touching.erase(std::unique(touching.begin(), touching.end()), touching.end());
   for (const FactorGraph::FactorId id : touching)
   {
-    add(*factors[id], variables);
+    if (left_out.count(id) == 0)
+    {
+      add(*factors[id], variables);
+    }
   }
   // What the factors brought along and nobody asked to move.
   for (const Block& block : blocks_)

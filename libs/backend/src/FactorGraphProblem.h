@@ -8,6 +8,7 @@
 #include <dyslam/backend/FactorGraph.h>
 
 #include <memory>
+#include <set>
 #include <vector>
 
 #include "PoseManifold.h"
@@ -19,11 +20,13 @@ namespace dyslam
 class FactorGraphProblem
 {
  public:
-  /** \param free to be optimised; sorted \param variables all of the graph; outlives the problem */
+  /** \param free to be optimised; sorted \param variables all of the graph; outlives the problem
+   *  \param left_out factors that do not count */
   FactorGraphProblem(const FactorGraphOptions& options,
                      const std::vector<Key>& free,
                      std::map<Key, FactorGraph::Variable>& variables,
-                     const std::vector<std::unique_ptr<const Factor>>& factors);
+                     const std::vector<std::unique_ptr<const Factor>>& factors,
+                     const std::set<FactorGraph::FactorId>& left_out);
 
   /** Narrows the robust loss of loops, then solves. */
   OptimisationResult solve();

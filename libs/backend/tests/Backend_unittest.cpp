@@ -216,6 +216,88 @@ TEST(Backend, UnconvergedOdometryOrInvalidInformationMeansLittleTrust)
   EXPECT_NEAR(information[2], 1 / 1e-4, 1);
 }
 
+/** A straight drive past one parked car that is observed at every scan. */
+std::vector<Frame> drivePastACar()
+{
+  std::vector<Frame> frames;
+  for (std::size_t i = 0; i < 30; ++i)
+  {
+    Frame frame;
+    frame.index = i;
+    frame.scan.stamp = 0.1 * static_cast<double>(i);
+    frame.motion.converged = true;
+    frame.motion.information = 1e6 * Matrix6::Identity();
+    frame.T_odom_vehicle = poseFromYpr(static_cast<double>(i), 0, 0, 0, 0, 0);
+    TrackedObject car;
+    car.id = 3;
+    car.object_class = ObjectClass::car;
+    car.confirmed = true;
+    car.observed = true;
+    car.observation.center = Eigen::Vector3d(20, 4, 0);
+    car.observation_covariance = 0.01 * Eigen::Matrix4d::Identity();
+    frame.objects.push_back(car);
+    frames.push_back(frame);
+  }
+  return frames;
+}
+
+/** Runs them with objects; \return the warnings, joined. */
+std::string warningsOf(std::vector<Frame> frames, std::vector<SmoothedObject>& smoothed)
+{
+  BackendOptions options;
+  options.mode = BackendMode::full;
+  options.keyframe_distance = 0.9;
+  BackendRun run(options);
+  for (Frame& frame : frames)
+  {
+    run.backend.addOdometry(frame);
+    run.backend.optimise(frame);
+  }
+  run.backend.finish();
+  for (std::size_t i = 0; i < run.keyframes.size(); ++i)
+  {
+    EXPECT_LT(
+        (run.keyframes[i].T_map_vehicle.translation() - frames[i].T_odom_vehicle.translation())
+            .norm(),
+        1e-3);
+  }
+  smoothed = run.backend.smoothedObjects();
+  std::string joined;
+  for (const std::string& warning : run.backend.warnings())
+  {
+    joined += warning + "\n";
+  }
+  return joined;
+}
+
+TEST(Backend, BadObservationsOfObjectsAreReportedAndTheRestGoesOn)
+{
+  std::vector<SmoothedObject> smoothed;
+  EXPECT_EQ(warningsOf(drivePastACar(), smoothed), "");
+  EXPECT_EQ(smoothed.size(), 30U);
+
+  std::vector<Frame> frames = drivePastACar();
+  frames[10].objects[0].observation.center.x() = NAN;
+  frames[20].objects[0].observation_covariance.setZero();
+  std::string warnings = warningsOf(frames, smoothed);
+  EXPECT_EQ(warnings.find("2 observations of objects have no finite position or covariance"), 0U)
+      << warnings;
+  EXPECT_EQ(smoothed.size(), 28U);
+
+  frames = drivePastACar();
+  for (std::size_t i = 20; i < frames.size(); ++i)
+  {
+    frames[i].objects[0].observation.center.x() += 15;
+  }
+  warnings = warningsOf(frames, smoothed);
+  EXPECT_EQ(warnings.find("objects jumped 3 times"), 0U) << warnings;
+  for (const SmoothedObject& object : smoothed)
+  {
+    const double x = object.T_map_object.translation().x();
+    EXPECT_NEAR(x, object.scan < 20 ? 20 : 35, 0.01) << object.scan;
+  }
+}
+
 TEST(Backend, EmptyRunAndOneFrame)
 {
   BackendRun run;

@@ -120,9 +120,14 @@ void TextFile::requireFields(std::size_t count, const char* what) const
   }
 }
 
+std::string TextFile::position() const
+{
+  return path_ + ":" + std::to_string(line_number_);
+}
+
 void TextFile::fail(const std::string& what) const
 {
-  throw UserError(path_ + ":" + std::to_string(line_number_) + ": " + what);
+  throw UserError(position() + ": " + what);
 }
 
 void appendNumber(std::string& text, double value, int digits)

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/backend/FactorGraphFile.h>
 #include <dyslam/core/Error.h>
 #include <dyslam/graphslam/GraphFileRun.h>
 #include <dyslam/io/GraphFiles.h>
@@ -13,6 +14,27 @@ namespace
 using Graph = mrpt::graphs::CNetworkOfPoses3DInf;
 
 using Writer = void (*)(const Graph& graph, const std::string& path);
+
+double secondsSince(std::chrono::steady_clock::time_point start)
+{
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+std::string nameOf(VariableKind kind)
+{
+  switch (kind)
+  {
+    case VariableKind::ego_pose:
+      return "ego poses";
+    case VariableKind::static_object:
+      return "static objects";
+    case VariableKind::object_pose:
+      return "object poses";
+    case VariableKind::object_velocity:
+      break;
+  }
+  return "object velocities";
+}
 
 Writer writerFor(const std::string& path)
 {
@@ -49,12 +71,38 @@ GraphFileReport optimizeGraphFile(const std::string& input,
   {
     throw UserError(input + ": " + error.what());
   }
-  report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  report.seconds = secondsSince(start);
   report.nodes = graph.nodeCount();
   report.edges = graph.edgeCount();
   if (write != nullptr)
   {
     write(graph, output);
+  }
+  return report;
+}
+
+FactorGraphFileReport optimizeFactorGraphFile(const std::string& input,
+                                              const std::string& output,
+                                              const Config& config)
+{
+  FactorGraphOptions options;
+  load(options, config, "solver");
+  FactorGraphFileReport report;
+  FactorGraph graph = readFactorGraph(input, report.warnings);
+  for (const auto& [key, variable] : graph.variables())
+  {
+    ++report.variables[nameOf(key.kind)];
+  }
+  for (const FactorGraph::FactorId id : graph.factorIds())
+  {
+    ++report.factors[toString(graph.factor(id).kind())];
+  }
+  const auto start = std::chrono::steady_clock::now();
+  report.result = graph.optimise(options);
+  report.seconds = secondsSince(start);
+  if (!output.empty())
+  {
+    writeFactorGraph(graph, output);
   }
   return report;
 }

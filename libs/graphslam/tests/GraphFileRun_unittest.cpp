@@ -98,5 +98,28 @@ TEST_F(GraphFileRun, BadFilesAreNamed)
       write("nan.g2o", squareText() + "EDGE_SE3:QUAT 0 2 nan 0 0 0 0 0 1" + information);
   EXPECT_EQ(errorOf(nan).rfind(nan, 0), 0U) << errorOf(nan);
 }
+TEST_F(GraphFileRun, OptimisesAFactorGraphWithObjects)
+{
+  const std::string unit = " 1 0 0 0 0 0 1 0 0 0 0 1 0 0 0 1e9 0 0 1e9 0 1e9\n";
+  const std::string input =
+      write("factor_graph.txt",
+            "DYSLAM_FACTOR_GRAPH 1\nEGO 0 0 0 0 0 0 0 1\nFIX EGO 0\nEGO 1 1 0 0 0 0 0 1\n"
+            "STATIC_OBJECT 5 0 4 0 0 0 0 0 1\n"
+            "ODOMETRY 0 1 1 0 0 1.3 0 1 0 0 0 0 1 0" +
+                unit + "OBSERVATION 0 STATIC_OBJECT 5 0 1 0 0 4 0 1 0 0 0 0 1 0" + unit +
+                "OBSERVATION 1 STATIC_OBJECT 5 0 1 0 0 3 0 1 0 0 0 0 1 0" + unit +
+                "OBSERVATION 1 STATIC_OBJECT 5 0 1 0 0 nan 0 1 0 0 0 0 1 0" + unit);
+  const FactorGraphFileReport report = optimizeFactorGraphFile(input, pathOf("out.txt"));
+  EXPECT_EQ(report.variables.at("ego poses"), 2U);
+  EXPECT_EQ(report.variables.at("static objects"), 1U);
+  EXPECT_EQ(report.factors.at("odometry"), 1U);
+  EXPECT_EQ(report.factors.at("observation"), 2U);
+  EXPECT_EQ(report.warnings.size(), 1U);
+  EXPECT_NEAR(report.result.initial_chi2, 0.09, 1e-9);
+  EXPECT_NEAR(report.result.final_chi2, 0.03, 1e-6);  // 0.3 m shared by three
+  const FactorGraphFileReport again = optimizeFactorGraphFile(pathOf("out.txt"), "");
+  EXPECT_NEAR(again.result.initial_chi2, 0.03, 1e-6);
+  EXPECT_TRUE(again.warnings.empty());
+}
 }  // namespace
 }  // namespace dyslam

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/backend/factors/ObjectMotionFactor.h>
 
+#include <cmath>
 #include <stdexcept>
 
 #include "../EdgeError.h"
@@ -14,10 +15,10 @@ ObjectMotionFactor::ObjectMotionFactor(
              information),
       dt_(dt)
 {
-  if (!(dt > 0))
+  if (!(dt > 0) || !std::isfinite(dt))
   {
     throw std::invalid_argument("motion of " + toString(keys()[1]) +
-                                ": its time step must be above 0");
+                                ": its time step must be above 0 and finite");
   }
 }
 

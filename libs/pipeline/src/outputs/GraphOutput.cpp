@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/backend/Backend.h>
+#include <dyslam/backend/FactorGraphFile.h>
 #include <dyslam/io/GraphFiles.h>
 #include <mrpt/graphs/CNetworkOfPoses.h>
 
@@ -11,12 +12,14 @@ namespace
 {
 constexpr const char* mrpt_file = "graph.graph";
 constexpr const char* g2o_file = "graph.g2o";
+constexpr const char* factor_graph_file = "factor_graph.txt";
 
-/** The pose graph: `graph.graph` (MRPT) and `graph.g2o`. */
+/** The ego poses as `graph.graph` (MRPT) and `graph.g2o`, all as `factor_graph.txt`. */
 class GraphOutput : public RunOutput
 {
  public:
-  explicit GraphOutput(const RunOutputContext& context) : RunOutput(context, {mrpt_file, g2o_file})
+  explicit GraphOutput(const RunOutputContext& context)
+      : RunOutput(context, {mrpt_file, g2o_file, factor_graph_file})
   {
   }
   void finish(const RunResults& results) override
@@ -24,6 +27,7 @@ class GraphOutput : public RunOutput
     const PoseGraph graph = results.backend->graph();
     writeGraph(graph, path(mrpt_file));
     writeG2o(graph, path(g2o_file));
+    writeFactorGraph(results.backend->factorGraph(), path(factor_graph_file));
   }
 };
 }  // namespace

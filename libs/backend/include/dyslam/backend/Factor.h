@@ -61,10 +61,11 @@ class Factor
   [[nodiscard]] const std::vector<Key>& keys() const { return keys_; }
   /** Upper triangular W with information = W' W. */
   [[nodiscard]] const Matrix6& whitening() const { return whitening_; }
-  [[nodiscard]] Matrix6 information() const { return whitening_.transpose() * whitening_; }
+  [[nodiscard]] const Matrix6& information() const { return information_; }
 
  private:
   std::vector<Key> keys_;
+  Matrix6 information_;
   Matrix6 whitening_;
 };
 

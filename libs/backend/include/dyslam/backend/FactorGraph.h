@@ -26,8 +26,10 @@ struct FactorGraphOptions : Options
 {
   int max_iterations = 50;
   double tolerance = 1e-6;  //!< stop when a step lowers the cost by less than this fraction
-  RobustLoss loop_loss = RobustLoss::dcs;       //!< of loop factors
-  double loop_loss_width = 3;                   //!< whitened residual where it sets in
+  RobustLoss loop_loss = RobustLoss::dcs;  //!< of loop factors
+  double loop_loss_width = 3;              //!< whitened residual where it sets in
+  /** The odometry may be so much worse than its information says before it contradicts a loop. */
+  double odometry_sigma_scale = 3;
   RobustLoss object_loss = RobustLoss::cauchy;  //!< of observation factors
   double object_loss_width = 3;
 
@@ -40,6 +42,7 @@ struct OptimisationResult
   double initial_chi2 = 0;  //!< sum of squared whitened residuals, without robust loss
   double final_chi2 = 0;
   int iterations = 0;
+  std::size_t false_loops = 0;  //!< left out, for they contradict the rest
   bool converged = false;
   std::string reason;                 //!< why it stopped
   std::vector<std::string> warnings;  //!< of the graph, for example parts that hang on nothing
@@ -65,6 +68,8 @@ class FactorGraph
    * value is not finite. */
   void addPose(const Key& key, const Pose& pose);
   void addVelocity(const Key& key, const Vector6& twist);
+  /** The same with the value as variables() has it. */
+  void addBlock(const Key& key, const std::array<double, pose_block_size>& block);
   /** Takes it away with all factors that touch it. */
   void remove(const Key& key);
 
@@ -72,6 +77,7 @@ class FactorGraph
   /** \throws std::out_of_range, here and below, for a key that the graph does not have. */
   [[nodiscard]] Pose pose(const Key& key) const;
   [[nodiscard]] Vector6 velocity(const Key& key) const;
+  /** \throws std::invalid_argument also for a value of the other type or one that is not finite. */
   void setPose(const Key& key, const Pose& pose);
   void setVelocity(const Key& key, const Vector6& twist);
   /** A fixed variable keeps its value in every optimisation. */
@@ -95,8 +101,13 @@ class FactorGraph
   [[nodiscard]] double chi2() const;
 
   /** Optimises all variables that are not fixed. Parts of the graph without a fixed variable keep
-   * their first pose where it is, and a warning says so. */
+   * their first pose where it is, and a warning says so.
+   *
+   * Unless the loss of loops is none, it also decides which loops contradict the rest of the graph:
+   * these are left out until the next such call. */
   OptimisationResult optimise(const FactorGraphOptions& options);
+  /** Whether the last optimisation of all variables left this loop out. */
+  [[nodiscard]] bool isLeftOut(FactorId id) const { return left_out_.count(id) != 0; }
   /** Optimises the given variables alone; all others keep their values. */
   OptimisationResult optimise(const FactorGraphOptions& options, const std::set<Key>& free);
 
@@ -108,16 +119,22 @@ class FactorGraph
                                                  const std::set<Key>& free = {});
 
  private:
+  void requireNew(const Key& key) const;
   [[nodiscard]] Variable& variable(const Key& key);
   [[nodiscard]] const Variable& variable(const Key& key) const;
   [[nodiscard]] OptimisationResult optimiseVariables(const FactorGraphOptions& options,
                                                      const std::vector<Key>& free);
-  /** Adds a first pose to `held` for every part of `free` that no other variable holds. */
+  /** Leaves out one group of false loops after the other. */
+  void leaveOutFalseLoops(const FactorGraphOptions& options,
+                          const std::vector<Key>& free,
+                          OptimisationResult& result);
+  /** Takes the first pose of every part of `free` that no other variable holds out of it. */
   void holdLooseParts(std::vector<Key>& free, std::vector<std::string>& warnings) const;
 
   std::map<Key, Variable> variables_;
   std::vector<std::unique_ptr<const Factor>> factors_;  //!< null where one was removed
   std::vector<FactorId> unused_;                        //!< of those
   std::size_t factor_count_ = 0;
+  std::set<FactorId> left_out_;  //!< loops
 };
 }  // namespace dyslam

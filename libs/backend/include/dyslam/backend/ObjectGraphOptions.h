@@ -24,7 +24,7 @@ struct ObjectGraphOptions : Options
   int standing_saturation = 50;       //!< keyframes after which more of them add no information
   double standing_heading_sigma = 0;  //!< added to their headings' [rad]
   double moving_sigma_scale = 3;
-  double tilt_sigma = 0.2;               //!< of an object's roll and pitch [rad]
+  double tilt_sigma = 0.2;                //!< of an object's roll and pitch [rad]
   double acceleration_sigma = 3;          //!< of a moving object [m/s^2]
   double angular_acceleration_sigma = 1;  //!< about the vertical axis [rad/s^2]
   double motion_sigma = 0.1;              //!< of its velocity within one time step [m/s] ...

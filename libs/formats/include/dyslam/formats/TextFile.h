@@ -33,6 +33,9 @@ class TextFile
   [[nodiscard]] std::vector<double> numbers(std::size_t first = 0) const;
   /** \throws UserError "file:line: has n fields, not k (what)". */
   void requireFields(std::size_t count, const char* what) const;
+  /** "file:line" of the present line. */
+  [[nodiscard]] std::string position() const;
+  /** \throws UserError "file:line: what". */
   [[noreturn]] void fail(const std::string& what) const;
 
  private:

@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <dyslam/backend/FactorGraph.h>
 #include <dyslam/backend/PoseGraphSolver.h>
 #include <dyslam/core/Config.h>
 
 #include <cstddef>
+#include <map>
 #include <string>
+#include <vector>
 
 namespace dyslam
 {
@@ -25,4 +28,20 @@ struct GraphFileReport
 GraphFileReport optimizeGraphFile(const std::string& input,
                                   const std::string& output,
                                   const Config& config = {});
+
+/** What came of optimising a saved factor graph. */
+struct FactorGraphFileReport
+{
+  std::map<std::string, std::size_t> variables;  //!< how many of each kind
+  std::map<std::string, std::size_t> factors;
+  OptimisationResult result;
+  std::vector<std::string> warnings;  //!< of the file: factors left out
+  double seconds = 0;                 //!< of the optimisation, without reading and writing
+};
+
+/** Optimises a saved factor graph, with the options of section [solver].
+ * \param output file to write; empty: nothing is written \throws UserError for a bad file. */
+FactorGraphFileReport optimizeFactorGraphFile(const std::string& input,
+                                              const std::string& output,
+                                              const Config& config = {});
 }  // namespace dyslam

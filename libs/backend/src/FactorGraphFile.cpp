@@ -1,0 +1,426 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/backend/FactorGraphFile.h>
+#include <dyslam/backend/factors/LoopFactor.h>
+#include <dyslam/backend/factors/ObjectMotionFactor.h>
+#include <dyslam/backend/factors/ObservationFactor.h>
+#include <dyslam/backend/factors/OdometryFactor.h>
+#include <dyslam/backend/factors/SmoothMotionFactor.h>
+#include <dyslam/core/Error.h>
+#include <dyslam/core/PendingFile.h>
+#include <dyslam/formats/TextFile.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <ostream>
+#include <stdexcept>
+#include <string_view>
+
+namespace dyslam
+{
+namespace
+{
+constexpr std::string_view format_name = "DYSLAM_FACTOR_GRAPH";
+constexpr int format_version = 1;
+constexpr int all_digits = 17;
+constexpr std::size_t measurement_size = 12;  // a 3x4 matrix by rows
+constexpr double unit_tolerance = 1e-6;       // of quaternions and rotation matrices
+
+std::string_view nameOf(VariableKind kind)
+{
+  switch (kind)
+  {
+    case VariableKind::ego_pose:
+      return "EGO";
+    case VariableKind::static_object:
+      return "STATIC_OBJECT";
+    case VariableKind::object_pose:
+      return "OBJECT";
+    case VariableKind::object_velocity:
+      break;
+  }
+  return "VELOCITY";
+}
+
+// Writing
+
+void append(std::string& text, double value)
+{
+  text += ' ';
+  appendNumber(text, value, all_digits);
+}
+
+void append(std::string& text, std::int64_t value)
+{
+  text += ' ' + std::to_string(value);
+}
+
+void append(std::string& text, const Key& key)
+{
+  text += nameOf(key.kind);
+  if (key.kind != VariableKind::ego_pose)
+  {
+    append(text, key.object);
+  }
+  append(text, key.index);
+}
+
+std::string variableLine(const Key& key, const FactorGraph::Variable& variable)
+{
+  std::string text;
+  append(text, key);
+  const int size = key.isPose() ? pose_block_size : velocity_block_size;
+  for (int i = 0; i < size; ++i)
+  {
+    append(text, variable.block[static_cast<std::size_t>(i)]);
+  }
+  text += '\n';
+  if (variable.fixed)
+  {
+    text += "FIX ";
+    append(text, key);
+    text += '\n';
+  }
+  return text;
+}
+
+void appendMeasurement(std::string& text, const Pose& pose)
+{
+  for (int row = 0; row < 3; ++row)
+  {
+    for (int column = 0; column < 4; ++column)
+    {
+      append(text, pose(row, column));
+    }
+  }
+}
+
+std::string factorLine(const Factor& factor)
+{
+  const std::vector<Key>& keys = factor.keys();
+  std::string text;
+  switch (factor.kind())
+  {
+    case FactorKind::odometry:
+    case FactorKind::loop:
+      text = factor.kind() == FactorKind::loop ? "LOOP" : "ODOMETRY";
+      append(text, keys[0].index);
+      append(text, keys[1].index);
+      appendMeasurement(text, factor.measurement());
+      break;
+    case FactorKind::observation:
+      text = "OBSERVATION";
+      append(text, keys[0].index);
+      text += ' ';
+      append(text, keys[1]);
+      appendMeasurement(text, factor.measurement());
+      break;
+    case FactorKind::object_motion:
+    case FactorKind::smooth_motion:
+      text = factor.kind() == FactorKind::object_motion ? "OBJECT_MOTION" : "SMOOTH_MOTION";
+      append(text, keys[0].object);
+      append(text, keys[0].index);
+      append(text, keys[1].index);
+      if (factor.kind() == FactorKind::object_motion)
+      {
+        append(text, static_cast<const ObjectMotionFactor&>(factor).dt());
+      }
+      break;
+  }
+  const Matrix6& information = factor.information();
+  for (int row = 0; row < 6; ++row)
+  {
+    for (int column = row; column < 6; ++column)
+    {
+      append(text, information(row, column));
+    }
+  }
+  return text + '\n';
+}
+
+// Reading
+
+/** A factor that is left out. */
+class UnusableFactor : public std::invalid_argument
+{
+ public:
+  using std::invalid_argument::invalid_argument;
+};
+
+/** The fields of a line one after the other. */
+class LineReader
+{
+ public:
+  explicit LineReader(const TextFile& file) : file_(file) {}
+
+  std::string_view word()
+  {
+    requireMore();
+    return file_.fields()[next_++];
+  }
+  int integer()
+  {
+    requireMore();
+    return file_.integer(next_++);
+  }
+  std::size_t index()
+  {
+    const int value = integer();
+    if (value < 0)
+    {
+      file_.fail("'" + std::to_string(value) + "' must be 0 or more");
+    }
+    return static_cast<std::size_t>(value);
+  }
+  double number()
+  {
+    requireMore();
+    return file_.number(next_++);
+  }
+  /** Of a factor: it is left out if the number is not finite. */
+  double measured()
+  {
+    requireMore();
+    std::string text(file_.fields()[next_]);
+    text.erase(0, text.find_first_not_of("+-"));
+    std::transform(text.begin(), text.end(), text.begin(),
+                   [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c; });
+    if (text == "nan" || text == "inf" || text == "infinity")
+    {
+      ++next_;
+      finite_ = false;
+      return 0;
+    }
+    return file_.number(next_++);
+  }
+  Key key()
+  {
+    const std::string_view kind = word();
+    if (kind == nameOf(VariableKind::ego_pose))
+    {
+      return Key::ego(index());
+    }
+    for (const VariableKind known :
+         {VariableKind::static_object, VariableKind::object_pose, VariableKind::object_velocity})
+    {
+      if (kind == nameOf(known))
+      {
+        const int object = integer();
+        return {known, object, static_cast<std::int64_t>(index())};
+      }
+    }
+    file_.fail("'" + std::string(kind) +
+               "' is no kind of variable; use EGO, STATIC_OBJECT, OBJECT or VELOCITY");
+  }
+  Pose measurement()
+  {
+    Pose pose = Pose::Identity();
+    for (std::size_t i = 0; i < measurement_size; ++i)
+    {
+      pose(static_cast<Eigen::Index>(i / 4), static_cast<Eigen::Index>(i % 4)) = measured();
+    }
+    is_rotation_ = (pose.linear() * pose.linear().transpose())
+                       .isApprox(Eigen::Matrix3d::Identity(), unit_tolerance) &&
+                   pose.linear().determinant() > 0;
+    return pose;
+  }
+  Matrix6 information()
+  {
+    Matrix6 information;
+    for (int row = 0; row < 6; ++row)
+    {
+      for (int column = row; column < 6; ++column)
+      {
+        information(row, column) = information(column, row) = measured();
+      }
+    }
+    return information;
+  }
+  /** After the last field. */
+  void finish() const
+  {
+    if (next_ != file_.fields().size())
+    {
+      file_.fail("has " + std::to_string(file_.fields().size()) + " fields, needs " +
+                 std::to_string(next_));
+    }
+    if (!finite_)
+    {
+      throw UnusableFactor("has numbers that are not finite");
+    }
+    if (!is_rotation_)
+    {
+      throw UnusableFactor("its measurement is no rotation and translation");
+    }
+  }
+
+ private:
+  void requireMore() const
+  {
+    if (next_ >= file_.fields().size())
+    {
+      file_.fail("ends after " + std::to_string(next_) + " fields; the line is cut off");
+    }
+  }
+
+  const TextFile& file_;
+  std::size_t next_ = 0;
+  bool finite_ = true;
+  bool is_rotation_ = true;
+};
+
+void readVariable(const TextFile& file, FactorGraph& graph)
+{
+  LineReader line(file);
+  const Key key = line.key();
+  std::array<double, pose_block_size> block{};
+  const int size = key.isPose() ? pose_block_size : velocity_block_size;
+  for (int i = 0; i < size; ++i)
+  {
+    block[static_cast<std::size_t>(i)] = line.number();
+  }
+  line.finish();
+  if (graph.contains(key))
+  {
+    file.fail(toString(key) + " is there twice; remove one of the two");
+  }
+  if (key.isPose() &&
+      std::abs(Eigen::Map<const Eigen::Vector4d>(block.data() + 3).norm() - 1) > unit_tolerance)
+  {
+    file.fail("the quaternion of " + toString(key) + " has not length 1");
+  }
+  graph.addBlock(key, block);
+}
+
+void readFixed(const TextFile& file, FactorGraph& graph)
+{
+  LineReader line(file);
+  (void)line.word();
+  const Key key = line.key();
+  line.finish();
+  if (!graph.contains(key))
+  {
+    file.fail("fixes " + toString(key) + ", which no line before gives a value");
+  }
+  graph.setFixed(key, true);
+}
+
+std::unique_ptr<const Factor> readRelativePose(const std::string& kind, LineReader& line)
+{
+  const std::size_t from = line.index();
+  const Key to = kind == "OBSERVATION" ? line.key() : Key::ego(line.index());
+  const Pose T = line.measurement();
+  const Matrix6 information = line.information();
+  line.finish();
+  if (kind == "OBSERVATION")
+  {
+    return std::make_unique<ObservationFactor>(from, to, T, information);
+  }
+  const auto index = static_cast<std::size_t>(to.index);
+  if (kind == "LOOP")
+  {
+    return std::make_unique<LoopFactor>(from, index, T, information);
+  }
+  return std::make_unique<OdometryFactor>(from, index, T, information);
+}
+
+std::unique_ptr<const Factor> readMotion(const std::string& kind, LineReader& line)
+{
+  const int object = line.integer();
+  const std::size_t from = line.index();
+  const std::size_t to = line.index();
+  if (kind == "SMOOTH_MOTION")
+  {
+    const Matrix6 information = line.information();
+    line.finish();
+    return std::make_unique<SmoothMotionFactor>(object, from, to, information);
+  }
+  const double dt = line.measured();
+  const Matrix6 information = line.information();
+  line.finish();
+  return std::make_unique<ObjectMotionFactor>(object, from, to, dt, information);
+}
+
+void readLine(const TextFile& file, FactorGraph& graph, std::vector<std::string>& warnings)
+{
+  const std::string kind(file.fields().front());
+  const auto is = [&kind](std::initializer_list<const char*> kinds)
+  { return std::find(kinds.begin(), kinds.end(), kind) != kinds.end(); };
+  if (kind == "FIX")
+  {
+    readFixed(file, graph);
+    return;
+  }
+  if (is({"EGO", "STATIC_OBJECT", "OBJECT", "VELOCITY"}))
+  {
+    readVariable(file, graph);
+    return;
+  }
+  const bool is_motion = is({"OBJECT_MOTION", "SMOOTH_MOTION"});
+  if (!is_motion && !is({"ODOMETRY", "LOOP", "OBSERVATION"}))
+  {
+    file.fail("'" + kind + "' is no kind of variable or factor of a factor graph");
+  }
+  try
+  {
+    LineReader line(file);
+    (void)line.word();
+    graph.add(is_motion ? readMotion(kind, line) : readRelativePose(kind, line));
+  }
+  catch (const std::invalid_argument& error)
+  {
+    warnings.push_back(file.position() + ": left out: " + error.what());
+  }
+}
+}  // namespace
+
+FactorGraph readFactorGraph(const std::string& path, std::vector<std::string>& warnings)
+{
+  TextFile file(path);
+  const std::string header = std::string(format_name) + " " + std::to_string(format_version);
+  if (!file.next() || file.fields().size() != 2 || file.fields()[0] != format_name)
+  {
+    throw UserError(path + ": is no factor graph; its first line must be '" + header + "'");
+  }
+  if (file.integer(1) != format_version)
+  {
+    file.fail("version " + std::string(file.fields()[1]) + " is not known; this is version " +
+              std::to_string(format_version));
+  }
+  FactorGraph graph;
+  while (file.next())
+  {
+    readLine(file, graph, warnings);
+  }
+  return graph;
+}
+
+FactorGraph readFactorGraph(const std::string& path)
+{
+  std::vector<std::string> warnings;
+  return readFactorGraph(path, warnings);
+}
+
+void writeFactorGraph(const FactorGraph& graph, const std::string& path)
+{
+  writeWhole(path,
+             [&graph](std::ostream& out)
+             {
+               out << format_name << ' ' << format_version << '\n';
+               for (const auto& [key, variable] : graph.variables())
+               {
+                 out << variableLine(key, variable);
+               }
+               for (const FactorGraph::FactorId id : graph.factorIds())
+               {
+                 out << factorLine(graph.factor(id));
+               }
+             });
+}
+
+bool isFactorGraphFile(const std::string& path)
+{
+  TextFile file(path);
+  return file.next() && file.fields().front() == format_name;
+}
+}  // namespace dyslam

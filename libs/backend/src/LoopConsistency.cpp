@@ -1,0 +1,246 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "LoopConsistency.h"
+
+#include <Eigen/Dense>
+#include <Eigen/Sparse>
+#include <algorithm>
+#include <cstdlib>
+#include <map>
+#include <vector>
+
+namespace dyslam
+{
+namespace
+{
+using FactorId = FactorGraph::FactorId;
+using SparseMatrix = Eigen::SparseMatrix<double>;
+using Triplets = std::vector<Eigen::Triplet<double>>;
+
+/** Loops whose ends are both within so many keyframes of one another's are judged as one. */
+constexpr std::int64_t group_reach = 10;
+constexpr std::size_t max_group_size = 8;
+/** Of every ego pose, in all directions: parts of the graph that hang on nothing stay in place. */
+constexpr double anchor_information = 1e-6;
+
+bool fits(const FactorGraph& graph, FactorId id, double loss_width)
+{
+  const double residual = graph.whitenedResidual(id);
+  return residual * residual <= 2 * loss_width * loss_width;
+}
+
+std::vector<FactorId> loopsOf(const FactorGraph& graph, const std::set<FactorId>& left_out)
+{
+  std::vector<FactorId> loops;
+  for (const FactorId id : graph.factorIds())
+  {
+    if (graph.factor(id).kind() == FactorKind::loop && left_out.count(id) == 0)
+    {
+      loops.push_back(id);
+    }
+  }
+  return loops;
+}
+
+/** Neighbouring loops together. */
+std::vector<std::vector<FactorId>> grouped(const FactorGraph& graph, std::vector<FactorId> loops)
+{
+  const auto ends = [&graph](FactorId id)
+  {
+    const std::vector<Key>& keys = graph.factor(id).keys();
+    return std::make_pair(keys[0].index, keys[1].index);
+  };
+  std::stable_sort(loops.begin(), loops.end(),
+                   [&](FactorId a, FactorId b) { return ends(a) < ends(b); });
+  std::vector<std::vector<FactorId>> groups;
+  for (const FactorId id : loops)
+  {
+    const auto group =
+        std::find_if(groups.begin(), groups.end(),
+                     [&](const std::vector<FactorId>& g)
+                     {
+                       return g.size() < max_group_size &&
+                              std::abs(ends(g.back()).first - ends(id).first) <= group_reach &&
+                              std::abs(ends(g.back()).second - ends(id).second) <= group_reach;
+                     });
+    if (group == groups.end())
+    {
+      groups.push_back({id});
+    }
+    else
+    {
+      group->push_back(id);
+    }
+  }
+  return groups;
+}
+
+/** Odometry and loops between the free ego poses, linear about the present values. */
+class LinearEgoGraph
+{
+ public:
+  LinearEgoGraph(const FactorGraph& graph,
+                 const std::vector<FactorId>& loops,
+                 double odometry_sigma_scale)
+      : graph_(graph)
+  {
+    for (const auto& [key, variable] : graph.variables())
+    {
+      if (key.kind == VariableKind::ego_pose && !variable.fixed)
+      {
+        columns_.emplace(key, 6 * static_cast<Eigen::Index>(columns_.size()));
+      }
+    }
+    for (const FactorId id : graph.factorIds())
+    {
+      if (graph.factor(id).kind() == FactorKind::odometry)
+      {
+        addRows(id, 1 / odometry_sigma_scale);
+      }
+    }
+    for (const FactorId id : loops)
+    {
+      loop_rows_[id] = rows_;
+      addRows(id, 1);
+    }
+    solve();
+  }
+
+  [[nodiscard]] bool solved() const { return solver_.info() == Eigen::Success; }
+  [[nodiscard]] double chi2() const { return optimal_residuals_.squaredNorm(); }
+
+  /** By how much chi2 falls without these loops. */
+  [[nodiscard]] double tension(const std::vector<FactorId>& group) const
+  {
+    const auto size = 6 * static_cast<Eigen::Index>(group.size());
+    Eigen::MatrixXd J(size, jacobian_.cols());
+    Eigen::VectorXd r(size);
+    for (std::size_t i = 0; i < group.size(); ++i)
+    {
+      const auto row = 6 * static_cast<Eigen::Index>(i);
+      J.middleRows<6>(row) = by_row_.middleRows(loop_rows_.at(group[i]), 6);
+      r.segment<6>(row) = optimal_residuals_.segment<6>(loop_rows_.at(group[i]));
+    }
+    const Eigen::MatrixXd rest =
+        Eigen::MatrixXd::Identity(size, size) - J * solver_.solve(J.transpose());
+    const Eigen::LDLT<Eigen::MatrixXd> factored(rest);
+    // Loops that alone hold a part of the graph contradict nothing.
+    constexpr double least = 1e-9;
+    return factored.vectorD().minCoeff() > least ? r.dot(factored.solve(r)) : 0;
+  }
+
+ private:
+  void addRows(FactorId id, double weight)
+  {
+    const Factor& factor = graph_.factor(id);
+    std::array<const double*, max_keys_per_factor> blocks{};
+    for (std::size_t i = 0; i < factor.keys().size(); ++i)
+    {
+      blocks[i] = graph_.variables().at(factor.keys()[i]).block.data();
+    }
+    FactorJacobians jacobians;
+    const Vector6 residual =
+        weight * (factor.whitening() * factor.residual(blocks.data(), &jacobians));
+    residuals_.insert(residuals_.end(), residual.data(), residual.data() + 6);
+    for (std::size_t i = 0; i < factor.keys().size(); ++i)
+    {
+      const auto column = columns_.find(factor.keys()[i]);
+      if (column == columns_.end())
+      {
+        continue;
+      }
+      const Matrix6 block = weight * (factor.whitening() * jacobians[i]);
+      for (int r = 0; r < 6; ++r)
+      {
+        for (int c = 0; c < 6; ++c)
+        {
+          triplets_.emplace_back(rows_ + r, column->second + c, block(r, c));
+        }
+      }
+    }
+    rows_ += 6;
+  }
+
+  void solve()
+  {
+    const auto size = 6 * static_cast<Eigen::Index>(columns_.size());
+    jacobian_.resize(rows_, size);
+    jacobian_.setFromTriplets(triplets_.begin(), triplets_.end());
+    by_row_ = jacobian_;
+    SparseMatrix information = jacobian_.transpose() * jacobian_;
+    for (Eigen::Index i = 0; i < size; ++i)
+    {
+      information.coeffRef(i, i) += anchor_information;
+    }
+    solver_.compute(information);
+    const Eigen::Map<const Eigen::VectorXd> residuals(residuals_.data(), rows_);
+    optimal_residuals_ = residuals;
+    if (solved())
+    {
+      optimal_residuals_ -= jacobian_ * solver_.solve(jacobian_.transpose() * residuals);
+    }
+  }
+
+  const FactorGraph& graph_;
+  std::map<Key, Eigen::Index> columns_;
+  std::map<FactorId, Eigen::Index> loop_rows_;
+  Eigen::Index rows_ = 0;
+  std::vector<double> residuals_;
+  Triplets triplets_;
+  SparseMatrix jacobian_;
+  Eigen::SparseMatrix<double, Eigen::RowMajor> by_row_;
+  Eigen::SimplicialLDLT<SparseMatrix> solver_;
+  Eigen::VectorXd optimal_residuals_;
+};
+}  // namespace
+
+std::set<FactorId> misfittingLoops(const FactorGraph& graph,
+                                   const std::set<FactorId>& left_out,
+                                   double loss_width)
+{
+  std::set<FactorId> result;
+  for (const FactorId id : loopsOf(graph, left_out))
+  {
+    if (!fits(graph, id, loss_width))
+    {
+      result.insert(id);
+    }
+  }
+  return result;
+}
+
+std::set<FactorId> contradictedLoops(const FactorGraph& graph,
+                                     const std::set<FactorId>& left_out,
+                                     double loss_width,
+                                     double odometry_sigma_scale)
+{
+  std::vector<FactorId> loops = loopsOf(graph, left_out);
+  loops.erase(std::remove_if(loops.begin(), loops.end(),
+                             [&](FactorId id) { return !fits(graph, id, loss_width); }),
+              loops.end());
+  if (loops.empty())
+  {
+    return {};
+  }
+  const LinearEgoGraph linear(graph, loops, odometry_sigma_scale);
+  std::set<FactorId> worst;
+  double highest = 2 * loss_width * loss_width;
+  for (const std::vector<FactorId>& group : grouped(graph, loops))
+  {
+    if (!linear.solved() || group.size() == loops.size())
+    {
+      continue;  // odometry alone is no witness: it drifts
+    }
+    const double tension = linear.tension(group);
+    // How well odometry and the other loops agree: a drift shows in all of them.
+    const double others = 6 * static_cast<double>(loops.size() - group.size());
+    const double variance = std::max(1.0, (linear.chi2() - tension) / others);
+    const double per_loop = tension / static_cast<double>(group.size()) / variance;
+    if (per_loop > highest)
+    {
+      highest = per_loop;
+      worst = {group.begin(), group.end()};
+    }
+  }
+  return worst;
+}
+}  // namespace dyslam

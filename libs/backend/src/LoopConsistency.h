@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <dyslam/backend/FactorGraph.h>
+
+#include <set>
+
+namespace dyslam
+{
+/** Loop factors whose whitened residual at the present values is beyond what noise explains. */
+[[nodiscard]] std::set<FactorGraph::FactorId> misfittingLoops(
+    const FactorGraph& graph, const std::set<FactorGraph::FactorId>& left_out, double loss_width);
+
+/** The group of neighbouring loops that odometry and the other loops contradict most, if they do:
+ * without it chi2 falls by more than 2 loss_width^2 for each of its loops, times the variance (of a
+ * degree of freedom, 1 at least) that is left. Nothing is contradicted by odometry alone.
+ *
+ * A loop that is false bends the odometry until it fits, so that its own residual does not show it.
+ * Computed about the present values, at or near their optimum, on the ego poses alone, and without
+ * the loops of misfittingLoops().
+ * \param left_out loops that are not there
+ * \param odometry_sigma_scale the odometry may be so much worse than its information says */
+[[nodiscard]] std::set<FactorGraph::FactorId> contradictedLoops(
+    const FactorGraph& graph,
+    const std::set<FactorGraph::FactorId>& left_out,
+    double loss_width,
+    double odometry_sigma_scale);
+}  // namespace dyslam

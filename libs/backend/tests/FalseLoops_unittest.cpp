@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include <cstdio>
+#include <functional>
+
+#include "NoisyDrive.h"
+
+namespace dyslam
+{
+namespace
+{
+using test::LoopMeasurement;
+using test::NoisyDrive;
+
+double uniform(std::mt19937& rng, double low, double high)
+{
+  return std::uniform_real_distribution<double>(low, high)(rng);
+}
+
+/** A shift in the plane of a length within [low, high] and a turn by up to `turn`, at least a third
+ * of it. */
+Pose wrongBy(std::mt19937& rng, double low, double high, double turn)
+{
+  const double direction = uniform(rng, -M_PI, M_PI);
+  const double length = uniform(rng, low, high);
+  const double sign = uniform(rng, -1, 1) < 0 ? -1 : 1;
+  return poseFromYpr(length * std::cos(direction), length * std::sin(direction), 0,
+                     sign * uniform(rng, turn / 3, turn), 0, 0);
+}
+
+/** \param count loops between random keyframes of the two rounds, each wrong in its own way. */
+std::vector<LoopMeasurement> randomLoops(NoisyDrive& drive, int count)
+{
+  std::vector<LoopMeasurement> loops;
+  for (int i = 0; i < count; ++i)
+  {
+    const auto from = static_cast<std::size_t>(uniform(drive.rng, 0, 149));
+    const auto to = static_cast<std::size_t>(uniform(drive.rng, 150, 299));
+    LoopMeasurement loop = drive.trueLoop(from, to);
+    loop.T_from_to = loop.T_from_to * wrongBy(drive.rng, 2, 20, 1);
+    loops.push_back(loop);
+  }
+  return loops;
+}
+
+/** Five loops of neighbouring keyframes that agree on one wrong motion, and five random ones. */
+std::vector<LoopMeasurement> agreeingLoops(NoisyDrive& drive)
+{
+  std::vector<LoopMeasurement> loops = randomLoops(drive, 5);
+  const auto from = static_cast<std::size_t>(uniform(drive.rng, 0, 140));
+  const auto to = static_cast<std::size_t>(uniform(drive.rng, 150, 290));
+  const Pose wrong = wrongBy(drive.rng, 3, 10, 0.6);
+  for (std::size_t i = 0; i < 5; ++i)
+  {
+    // Wrong in the frame of the first keyframe: all agree.
+    const Pose T_first_from = drive.truth[from].inverse() * drive.truth[from + i];
+    LoopMeasurement loop = drive.trueLoop(from + i, to + i);
+    loop.T_from_to = T_first_from.inverse() * wrong * T_first_from * loop.T_from_to;
+    loops.push_back(loop);
+  }
+  return loops;
+}
+
+/** Ten loops at places that are really revisited, a little beside. */
+std::vector<LoopMeasurement> slightlyWrongLoops(NoisyDrive& drive)
+{
+  std::vector<LoopMeasurement> loops;
+  for (std::size_t i = 0; i < 10; ++i)
+  {
+    LoopMeasurement loop = drive.trueLoop(15 * i, 15 * i + 150);
+    loop.T_from_to = loop.T_from_to * wrongBy(drive.rng, 0.5, 1, 0);
+    loops.push_back(loop);
+  }
+  return loops;
+}
+
+/** \return the largest shift of a keyframe by the false loops, of all seeds [m] */
+double worstShift(const std::function<std::vector<LoopMeasurement>(NoisyDrive&)>& false_loops,
+                  const FactorGraphOptions& options = {})
+{
+  double worst = 0;
+  for (unsigned seed = 1; seed <= 12; ++seed)
+  {
+    NoisyDrive drive(seed);
+    std::vector<LoopMeasurement> loops = drive.threeTrueLoops();
+    FactorGraph clean = drive.graph(loops);
+    const OptimisationResult expected = clean.optimise(options);
+    for (const LoopMeasurement& loop : false_loops(drive))
+    {
+      loops.push_back(loop);
+    }
+    FactorGraph graph = drive.graph(loops);
+    const double drift = test::largestError(graph, drive.truth);
+    const OptimisationResult result = graph.optimise(options);
+    const double shift = test::largestShift(clean, graph);
+    std::printf("seed %u: drift %.2f m, error %.3f m clean, shifted by %.4f m; %d and %d steps\n",
+                seed, drift, test::largestError(clean, drive.truth), shift, expected.iterations,
+                result.iterations);
+    worst = std::max(worst, shift);
+  }
+  return worst;
+}
+
+TEST(FalseLoops, TenRandomOnesDoNotBendTheTrajectory)
+{
+  EXPECT_LT(worstShift([](NoisyDrive& drive) { return randomLoops(drive, 10); }), 0.01);
+}
+
+TEST(FalseLoops, FiveThatAgreeDoNotBendTheTrajectory)
+{
+  EXPECT_LT(worstShift(agreeingLoops), 0.01);
+}
+
+TEST(FalseLoops, SlightlyWrongOnesDoNotBendTheTrajectory)
+{
+  // They are within what an odometry thrice as bad as it says explains: it must be trusted.
+  FactorGraphOptions options;
+  options.odometry_sigma_scale = 1;
+  EXPECT_LT(worstShift(slightlyWrongLoops, options), 0.01);
+}
+}  // namespace
+}  // namespace dyslam
