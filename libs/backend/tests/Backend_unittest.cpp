@@ -211,9 +211,10 @@ TEST(Backend, UnconvergedOdometryOrInvalidInformationMeansLittleTrust)
     }
     information[kind] = run.backend.graph().edges.begin()->second.cov_inv(0, 0);
   }
-  EXPECT_NEAR(information[0], 1 / (1e-4 + 1e-8), 1);
-  EXPECT_NEAR(information[1], 1 / 1e-2, 0.01);
-  EXPECT_NEAR(information[2], 1 / 1e-4, 1);
+  EXPECT_NEAR(information[0], 1 / (1e-8 + 1e-12), 1);
+  const double fallback = BackendOptions().unconverged_sigma_translation;
+  EXPECT_NEAR(information[1], 1 / (fallback * fallback), 0.01);
+  EXPECT_NEAR(information[2], 1 / (fallback * fallback), 0.01);
 }
 
 /** A straight drive past one parked car that is observed at every scan. */
