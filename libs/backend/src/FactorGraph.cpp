@@ -318,9 +318,9 @@ OptimisationResult FactorGraph::optimiseVariables(const FactorGraphOptions& opti
   return result;
 }
 
-void FactorGraph::leaveOutFalseLoops(const FactorGraphOptions& options,
-                                     const std::vector<Key>& free,
-                                     OptimisationResult& result)
+void FactorGraph::leaveOutContradicted(const FactorGraphOptions& options,
+                                       const std::vector<Key>& free,
+                                       OptimisationResult& result)
 {
   const auto solve_without = [&](const std::set<FactorId>& loops)
   {
@@ -342,6 +342,32 @@ void FactorGraph::leaveOutFalseLoops(const FactorGraphOptions& options,
   if (!misfits.empty())
   {
     solve_without(misfits);
+  }
+}
+
+void FactorGraph::leaveOutFalseLoops(const FactorGraphOptions& options,
+                                     const std::vector<Key>& free,
+                                     const std::map<Key, Variable>& start,
+                                     OptimisationResult& result)
+{
+  leaveOutContradicted(options, free, result);
+  // One group of loops that agree may have won over several that are right.
+  const std::set<FactorId> kept = keptLoops(*this, left_out_);
+  const std::size_t groups = independentGroups(*this, kept);
+  if (!kept.empty() && independentGroups(*this, left_out_) > groups)
+  {
+    const std::map<Key, Variable> solution = variables_;
+    const std::set<FactorId> solution_left_out = left_out_;
+    variables_ = start;
+    left_out_ = kept;
+    const OptimisationResult without = optimiseVariables(options, free);
+    result.iterations += without.iterations;
+    leaveOutContradicted(options, free, result);
+    if (independentGroups(*this, keptLoops(*this, left_out_)) <= groups)
+    {
+      variables_ = solution;
+      left_out_ = solution_left_out;
+    }
   }
   result.false_loops = left_out_.size();
   if (!left_out_.empty())
@@ -365,10 +391,11 @@ OptimisationResult FactorGraph::optimise(const FactorGraphOptions& options)
     }
   }
   left_out_.clear();
+  const std::map<Key, Variable> start = variables_;
   OptimisationResult result = optimiseVariables(options, free);
   if (options.loop_loss != RobustLoss::none)
   {
-    leaveOutFalseLoops(options, free, result);
+    leaveOutFalseLoops(options, free, start, result);
     result.final_chi2 = chi2();
   }
   return result;

@@ -208,6 +208,17 @@ std::set<FactorId> misfittingLoops(const FactorGraph& graph,
   return result;
 }
 
+std::size_t independentGroups(const FactorGraph& graph, const std::set<FactorId>& loops)
+{
+  return grouped(graph, {loops.begin(), loops.end()}).size();
+}
+
+std::set<FactorId> keptLoops(const FactorGraph& graph, const std::set<FactorId>& left_out)
+{
+  const std::vector<FactorId> loops = loopsOf(graph, left_out);
+  return {loops.begin(), loops.end()};
+}
+
 std::set<FactorId> contradictedLoops(const FactorGraph& graph,
                                      const std::set<FactorId>& left_out,
                                      double loss_width,

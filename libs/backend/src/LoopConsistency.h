@@ -11,6 +11,15 @@ namespace dyslam
 [[nodiscard]] std::set<FactorGraph::FactorId> misfittingLoops(
     const FactorGraph& graph, const std::set<FactorGraph::FactorId>& left_out, double loss_width);
 
+/** Number of groups of neighbouring loops: each is one piece of evidence, since one mistake about a
+ * place makes several loops. */
+[[nodiscard]] std::size_t independentGroups(const FactorGraph& graph,
+                                            const std::set<FactorGraph::FactorId>& loops);
+
+/** Loops that are not left out. */
+[[nodiscard]] std::set<FactorGraph::FactorId> keptLoops(
+    const FactorGraph& graph, const std::set<FactorGraph::FactorId>& left_out);
+
 /** The group of neighbouring loops that odometry and the other loops contradict most, if they do:
  * without it chi2 falls by more than 2 loss_width^2 for each of its loops, times the variance (of a
  * degree of freedom, 1 at least) that is left. Nothing is contradicted by odometry alone.

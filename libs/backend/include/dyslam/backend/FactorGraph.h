@@ -125,8 +125,16 @@ class FactorGraph
   [[nodiscard]] OptimisationResult optimiseVariables(const FactorGraphOptions& options,
                                                      const std::vector<Key>& free);
   /** Leaves out one group of false loops after the other. */
+  /** Leaves out, one group after the other, what the rest contradicts, and at last what does not
+   * fit. */
+  void leaveOutContradicted(const FactorGraphOptions& options,
+                            const std::vector<Key>& free,
+                            OptimisationResult& result);
+  /** The same, and the other way round where more groups of loops were left out than kept.
+   * \param start values before the first optimisation */
   void leaveOutFalseLoops(const FactorGraphOptions& options,
                           const std::vector<Key>& free,
+                          const std::map<Key, Variable>& start,
                           OptimisationResult& result);
   /** Takes the first pose of every part of `free` that no other variable holds out of it. */
   void holdLooseParts(std::vector<Key>& free, std::vector<std::string>& warnings) const;
