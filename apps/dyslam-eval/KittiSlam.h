@@ -60,6 +60,22 @@ struct KittiSlamRun
                                         const std::vector<Matrix6>& step_information,
                                         const TrackerOptions& tracker,
                                         const BackendConfig& backend);
+/** Errors of moving vehicles against their labels, RMSE over all scans that observed them. */
+struct KittiObjectErrors
+{
+  std::size_t count = 0;         //!< observations of vehicles faster than 1 m/s
+  double observed_position = 0;  //!< of the detections, relative to the vehicle, in the plane [m]
+  double tracked_position = 0;   //!< of the tracker, causal
+  double smoothed_position = 0;  //!< of the graph
+  double difference_speed = 0;   //!< of successive detections [m/s]
+  double tracked_speed = 0;
+  double smoothed_speed = 0;
+};
+/** True speeds are the slope of a line through the labels of 11 scans. */
+[[nodiscard]] KittiObjectErrors kittiObjectErrors(const KittiDrive& drive,
+                                                  const std::vector<Pose>& odometry,
+                                                  const KittiSlamRun& run);
+
 /** Information of each step of an odometry with this noise. */
 [[nodiscard]] std::vector<Matrix6> stepInformation(const std::vector<Pose>& odometry,
                                                    const OdometryNoise& noise);

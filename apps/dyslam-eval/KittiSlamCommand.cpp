@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iostream>
 #include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -108,6 +109,22 @@ struct ModeError
 };
 using SequenceErrors = std::map<std::string, ModeError>;  //!< by mode
 
+/** Moving vehicles, of the first seed in the last mode. */
+Table objectTable(const std::map<std::string, KittiObjectErrors>& errors)
+{
+  Table table({"sequence", "vehicles observed", "position of detections [m]", "tracker [m]",
+               "graph [m]", "speed of differences [m/s]", "tracker [m/s]", "graph [m/s]"},
+              "Moving vehicles against their labels, RMSE");
+  for (const auto& [name, e] : errors)
+  {
+    table.addRow({name, TableCell(static_cast<double>(e.count), 0),
+                  TableCell(e.observed_position, 3), TableCell(e.tracked_position, 3),
+                  TableCell(e.smoothed_position, 3), TableCell(e.difference_speed, 2),
+                  TableCell(e.tracked_speed, 2), TableCell(e.smoothed_speed, 2)});
+  }
+  return table;
+}
+
 ModeError errorOf(const KittiDrive& drive, const std::vector<Pose>& estimate, Alignment alignment)
 {
   PosePairs pairs;
@@ -122,7 +139,8 @@ ModeError errorOf(const KittiDrive& drive, const std::vector<Pose>& estimate, Al
 SequenceErrors errorsOn(const KittiDrive& drive,
                         const OdometryNoise& noise,
                         const Arguments& a,
-                        Settings& settings)
+                        Settings& settings,
+                        std::map<std::string, KittiObjectErrors>& objects)
 {
   SequenceErrors errors;
   const bool drawn = noise.name != visual.name;
@@ -141,6 +159,10 @@ SequenceErrors errorsOn(const KittiDrive& drive,
       const ModeError error = errorOf(drive, run.trajectory, alignmentFromString(a.alignment));
       errors[mode].translation += error.translation / seeds;
       errors[mode].rotation += error.rotation / seeds;
+      if (seed == 0 && !run.objects.empty())
+      {
+        objects[noise.name + " " + drive.name] = kittiObjectErrors(drive, odometry, run);
+      }
     }
   }
   return errors;
@@ -220,12 +242,13 @@ void run(const Arguments& a)
     drives[name] = readKittiDrive(a.data, name, a.detector, a.min_score, settings.noise);
   }
   nlohmann::ordered_json json;
+  std::map<std::string, KittiObjectErrors> objects;  // by odometry and sequence
   for (const std::string& odometry : a.odometries)
   {
     std::vector<SequenceErrors> sequences;
     for (const std::string& name : a.sequences)
     {
-      sequences.push_back(errorsOn(drives[name], noiseOf(odometry), a, settings));
+      sequences.push_back(errorsOn(drives[name], noiseOf(odometry), a, settings, objects));
       addRow(table, odometry, name, sequences.back(), a.modes);
       for (const auto& [mode, error] : sequences.back())
       {
@@ -237,6 +260,10 @@ void run(const Arguments& a)
   }
   addPaper(table, a.modes);
   a.output.write(table, json.dump(2) + "\n");
+  if (!objects.empty())
+  {
+    std::cout << objectTable(objects).toText();
+  }
 }
 }  // namespace
 

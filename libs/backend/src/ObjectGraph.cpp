@@ -77,8 +77,6 @@ void ObjectGraphOptions::describe(OptionsVisitor& v)
          "on the sigmas of observations of standing objects, whose errors are alike");
   v.integer("standing_saturation", standing_saturation, 1, 1000000,
             "keyframes after which further observations of a standing object add no information");
-  v.degrees("standing_heading_sigma_deg", standing_heading_sigma, 0, 360,
-            "added to the heading's uncertainty of standing objects");
   v.real("moving_sigma_scale", moving_sigma_scale, 0.1, 100, "the same for moving objects");
   v.degrees("tilt_sigma_deg", tilt_sigma, 0.01, 90, "of an object's roll and pitch");
   v.real("acceleration_sigma", acceleration_sigma, 1e-3, 1000, "of a moving object [m/s^2]");
@@ -315,11 +313,9 @@ void ObjectGraph::insertStanding(const ObjectKey& object_key,
   mean.T_keyframe_object =
       mean.count == 1 ? T : orthonormalized(interpolate(mean.T_keyframe_object, T, share));
   mean.covariance += share * (observation.covariance - mean.covariance);
-  Matrix6 covariance = mean.covariance;
-  covariance(5, 5) += options_.standing_heading_sigma * options_.standing_heading_sigma;
   mean.factor = graph_.add(std::make_unique<ObservationFactor>(
       mean.keyframe, key, mean.T_keyframe_object,
-      informationOf(covariance, options_.standing_sigma_scale)));
+      informationOf(mean.covariance, options_.standing_sigma_scale)));
 }
 
 void ObjectGraph::insertMoving(const ObjectKey& object_key, Object& object, std::size_t i)

@@ -21,14 +21,13 @@ struct ObjectGraphOptions : Options
 
   // Noise. Errors of successive observations of one object are alike; larger sigmas account for it.
   double standing_sigma_scale = 4;
-  int standing_saturation = 50;       //!< keyframes after which more of them add no information
-  double standing_heading_sigma = 0;  //!< added to their headings' [rad]
+  int standing_saturation = 50;  //!< keyframes after which more of them add no information
   double moving_sigma_scale = 3;
   double tilt_sigma = 0.2;                //!< of an object's roll and pitch [rad]
-  double acceleration_sigma = 3;          //!< of a moving object [m/s^2]
-  double angular_acceleration_sigma = 1;  //!< about the vertical axis [rad/s^2]
-  double motion_sigma = 0.1;              //!< of its velocity within one time step [m/s] ...
-  double angular_motion_sigma = 0.1;      //!< [rad/s]
+  double acceleration_sigma = 9;          //!< of a moving object [m/s^2]
+  double angular_acceleration_sigma = 3;  //!< about the vertical axis [rad/s^2]
+  double motion_sigma = 0.3;              //!< of its velocity within one time step [m/s] ...
+  double angular_motion_sigma = 0.3;      //!< [rad/s]
 
   double window = 2;  //!< poses of moving objects older than this are held [s]
   /** Ego poses before these are held; 0: nothing is optimised until a loop or the end. */
