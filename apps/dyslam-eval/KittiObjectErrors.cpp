@@ -10,9 +10,9 @@ namespace dyslam
 {
 namespace
 {
-constexpr int half_window = 5;            // scans beside one whose true speed is estimated
-constexpr double slowest = 1;             // of the vehicles that are judged [m/s]
-constexpr double max_distance = 2;        // of an observation from its label [m]
+constexpr int half_window = 5;      // scans beside one whose true speed is estimated
+constexpr double slowest = 1;       // of the vehicles that are judged [m/s]
+constexpr double max_distance = 2;  // of an observation from its label [m]
 
 using Track = std::map<int, Eigen::Vector2d>;  // positions in the plane by scan
 
@@ -53,8 +53,8 @@ bool trueSpeed(const Track& track, int scan, const std::vector<double>& stamps, 
     {
       return false;
     }
-    const double t = stamps[static_cast<std::size_t>(scan + k)] -
-                     stamps[static_cast<std::size_t>(scan)];
+    const double t =
+        stamps[static_cast<std::size_t>(scan + k)] - stamps[static_cast<std::size_t>(scan)];
     moment += t * at->second;
     spread += t * t;
   }
@@ -83,8 +83,7 @@ const TrackedObject* nearest(const std::vector<TrackedObject>& tracked,
   double smallest = max_distance;
   for (const TrackedObject& object : tracked)
   {
-    const double distance =
-        ((T_world_odom * object.observation.center).head<2>() - place).norm();
+    const double distance = ((T_world_odom * object.observation.center).head<2>() - place).norm();
     if (object.observed && distance < smallest)
     {
       smallest = distance;
@@ -139,12 +138,11 @@ KittiObjectErrors kittiObjectErrors(const KittiDrive& drive,
         ++errors.count;
         addSquare(errors.observed_position, (observed - place).norm());
         addSquare(errors.tracked_position,
-                 ((T_world_odom * tracked->box.center).head<2>() - place).norm());
-        addSquare(
-            errors.smoothed_position,
-            ((T_world_map * smoothed->T_map_object.translation()).head<2>() - place).norm());
+                  ((T_world_odom * tracked->box.center).head<2>() - place).norm());
+        addSquare(errors.smoothed_position,
+                  ((T_world_map * smoothed->T_map_object.translation()).head<2>() - place).norm());
         addSquare(errors.difference_speed,
-                 (observed - previous->second.second).norm() / dt - speed);
+                  (observed - previous->second.second).norm() / dt - speed);
         addSquare(errors.tracked_speed, tracked->velocity.head<2>().norm() - speed);
         addSquare(errors.smoothed_speed, smoothed->velocity.head<2>().norm() - speed);
       }

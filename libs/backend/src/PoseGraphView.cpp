@@ -21,7 +21,8 @@ PoseGraph poseGraphView(const FactorGraph& graph)
   for (const FactorGraph::FactorId id : graph.factorIds())
   {
     const Factor& factor = graph.factor(id);
-    if (factor.kind() == FactorKind::odometry || factor.kind() == FactorKind::loop)
+    if (!graph.isLeftOut(id) &&
+        (factor.kind() == FactorKind::odometry || factor.kind() == FactorKind::loop))
     {
       const Pose T = factor.measurement();
       view.insertEdge(

@@ -7,6 +7,7 @@
 namespace dyslam
 {
 /** The ego poses with their odometry and loop factors as MRPT has a pose graph; nodes are the
- * keyframes' numbers. Objects and velocities are left out: MRPT knows neither. */
+ * keyframes' numbers. Left out: loops that the optimisation found false, and objects and
+ * velocities, which MRPT does not know. */
 [[nodiscard]] PoseGraph poseGraphView(const FactorGraph& graph);
 }  // namespace dyslam

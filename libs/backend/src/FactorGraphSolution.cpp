@@ -1,0 +1,249 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Optimisation of a factor graph, and covariances.
+#include <ceres/covariance.h>
+#include <dyslam/backend/FactorGraph.h>
+
+#include <algorithm>
+#include <numeric>
+#include <stdexcept>
+#include <utility>
+
+#include "FactorGraphProblem.h"
+#include "LoopConsistency.h"
+
+namespace dyslam
+{
+namespace
+{
+/** Sets of joined numbers. */
+class DisjointSets
+{
+ public:
+  explicit DisjointSets(std::size_t size) : parent_(size)
+  {
+    std::iota(parent_.begin(), parent_.end(), std::size_t{0});
+  }
+  std::size_t find(std::size_t i)
+  {
+    while (parent_[i] != i)
+    {
+      parent_[i] = parent_[parent_[i]];
+      i = parent_[i];
+    }
+    return i;
+  }
+  /** The smaller root stays. */
+  void join(std::size_t a, std::size_t b)
+  {
+    a = find(a);
+    b = find(b);
+    parent_[std::max(a, b)] = std::min(a, b);
+  }
+
+ private:
+  std::vector<std::size_t> parent_;
+};
+}  // namespace
+
+void FactorGraph::holdLooseParts(std::vector<Key>& free, std::vector<std::string>& warnings) const
+{
+  const auto indexOf = [&free](const Key& key)
+  {
+    const auto found = std::lower_bound(free.begin(), free.end(), key);
+    return found != free.end() && *found == key ? static_cast<std::size_t>(found - free.begin())
+                                                : free.size();
+  };
+  // One more for everything that is held.
+  DisjointSets sets(free.size() + 1);
+  for (std::size_t i = 0; i < free.size(); ++i)
+  {
+    for (const FactorId id : variable(free[i]).factors)
+    {
+      for (const Key& key : factor(id).keys())
+      {
+        sets.join(i, indexOf(key));
+      }
+    }
+  }
+  const std::size_t held = sets.find(free.size());
+  std::vector<Key> kept;
+  for (std::size_t i = 0; i < free.size(); ++i)
+  {
+    const std::size_t root = sets.find(i);
+    if (root != held && root == i)
+    {
+      warnings.push_back(toString(free[i]) +
+                         " and what hangs on it is joined to nothing that is held: it is solved by "
+                         "itself");
+      continue;
+    }
+    kept.push_back(free[i]);
+  }
+  free = std::move(kept);
+}
+
+OptimisationResult FactorGraph::optimiseVariables(const FactorGraphOptions& options,
+                                                  const std::vector<Key>& wanted)
+{
+  std::vector<std::string> warnings;
+  std::vector<Key> free = wanted;
+  holdLooseParts(free, warnings);
+  OptimisationResult result;
+  result.converged = true;
+  result.reason = "nothing to optimise";
+  if (!free.empty())
+  {
+    result = FactorGraphProblem(options, free, variables_, factors_, left_out_).solve();
+  }
+  result.warnings = std::move(warnings);
+  return result;
+}
+
+void FactorGraph::leaveOutContradicted(const FactorGraphOptions& options,
+                                       const std::vector<Key>& free,
+                                       OptimisationResult& result)
+{
+  const auto solve_without = [&](const std::set<FactorId>& loops)
+  {
+    left_out_.insert(loops.begin(), loops.end());
+    const OptimisationResult again = optimiseVariables(options, free);
+    result.iterations += again.iterations;
+    result.converged = again.converged;
+    result.reason = again.reason;
+  };
+  // While there is contradiction, loops that do not fit stay: without a false one they may.
+  for (auto worst = contradictedLoops(*this, left_out_, options.loop_loss_width,
+                                      options.odometry_sigma_scale);
+       !worst.empty(); worst = contradictedLoops(*this, left_out_, options.loop_loss_width,
+                                                 options.odometry_sigma_scale))
+  {
+    solve_without(worst);
+  }
+  const std::set<FactorId> misfits = misfittingLoops(*this, left_out_, options.loop_loss_width);
+  if (!misfits.empty())
+  {
+    solve_without(misfits);
+  }
+}
+
+void FactorGraph::leaveOutFalseLoops(const FactorGraphOptions& options,
+                                     const std::vector<Key>& free,
+                                     const std::map<Key, Variable>& start,
+                                     OptimisationResult& result)
+{
+  leaveOutContradicted(options, free, result);
+  // One group of loops that agree may have won over several that are right.
+  const std::set<FactorId> kept = keptLoops(*this, left_out_);
+  const std::size_t groups = independentGroups(*this, kept);
+  if (!kept.empty() && independentGroups(*this, left_out_) > groups)
+  {
+    const std::map<Key, Variable> solution = variables_;
+    const std::set<FactorId> solution_left_out = left_out_;
+    variables_ = start;
+    left_out_ = kept;
+    const OptimisationResult without = optimiseVariables(options, free);
+    result.iterations += without.iterations;
+    leaveOutContradicted(options, free, result);
+    if (independentGroups(*this, keptLoops(*this, left_out_)) <= groups)
+    {
+      variables_ = solution;
+      left_out_ = solution_left_out;
+    }
+  }
+  result.false_loops = left_out_.size();
+  if (!left_out_.empty())
+  {
+    const std::vector<Key>& keys = factor(*left_out_.begin()).keys();
+    result.warnings.push_back(
+        std::to_string(left_out_.size()) +
+        " loops contradict the rest of the graph and are left out, the first " + toString(keys[0]) +
+        " -> " + toString(keys[1]));
+  }
+}
+
+OptimisationResult FactorGraph::optimise(const FactorGraphOptions& options)
+{
+  std::vector<Key> free;
+  for (const auto& [key, variable] : variables_)
+  {
+    if (!variable.fixed)
+    {
+      free.push_back(key);
+    }
+  }
+  left_out_.clear();
+  const std::map<Key, Variable> start = variables_;
+  OptimisationResult result = optimiseVariables(options, free);
+  if (options.loop_loss != RobustLoss::none)
+  {
+    leaveOutFalseLoops(options, free, start, result);
+    result.final_chi2 = chi2();
+  }
+  return result;
+}
+
+OptimisationResult FactorGraph::optimise(const FactorGraphOptions& options,
+                                         const std::set<Key>& wanted)
+{
+  std::vector<Key> free;
+  for (const Key& key : wanted)
+  {
+    if (!variable(key).fixed)
+    {
+      free.push_back(key);
+    }
+  }
+  return optimiseVariables(options, free);
+}
+
+std::vector<Matrix6> FactorGraph::covariances(const std::vector<Key>& keys,
+                                              const std::set<Key>& wanted)
+{
+  std::vector<Key> free;
+  for (const auto& [key, variable] : variables_)
+  {
+    if (!variable.fixed && (wanted.empty() || wanted.count(key) != 0))
+    {
+      free.push_back(key);
+    }
+  }
+  FactorGraphOptions plain;
+  plain.loop_loss = RobustLoss::none;
+  plain.object_loss = RobustLoss::none;
+  FactorGraphProblem problem(plain, free, variables_, factors_, left_out_);
+  std::vector<std::pair<const double*, const double*>> pairs;
+  for (const Key& key : keys)
+  {
+    if (std::binary_search(free.begin(), free.end(), key))
+    {
+      const double* block = variable(key).block.data();
+      pairs.emplace_back(block, block);
+    }
+  }
+  ceres::Covariance::Options options;
+  options.algorithm_type = ceres::SPARSE_QR;
+  options.sparse_linear_algebra_library_type = ceres::EIGEN_SPARSE;
+  options.num_threads = 1;
+  options.apply_loss_function = false;
+  ceres::Covariance covariance(options);
+  if (!pairs.empty() && !covariance.Compute(pairs, &problem.problem()))
+  {
+    throw std::runtime_error(
+        "the factors leave a direction of the factor graph open: there is no "
+        "covariance of " +
+        toString(keys.front()));
+  }
+  std::vector<Matrix6> result;
+  for (const Key& key : keys)
+  {
+    Eigen::Matrix<double, 6, 6, Eigen::RowMajor> block = Matrix6::Zero();
+    const double* values = variable(key).block.data();
+    if (std::binary_search(free.begin(), free.end(), key))
+    {
+      covariance.GetCovarianceBlockInTangentSpace(values, values, block.data());
+    }
+    result.emplace_back(block);
+  }
+  return result;
+}
+}  // namespace dyslam

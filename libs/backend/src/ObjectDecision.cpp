@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Whether an object stands or moves.
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+
+#include "ObjectGraph.h"
+
+namespace dyslam
+{
+namespace
+{
+/** Successive observations that must show an object moving. */
+constexpr std::size_t moving_confirmations = 3;
+/** Fewest observations that a speed is estimated from. */
+constexpr std::size_t min_for_speed = 4;
+}  // namespace
+
+bool ObjectGraph::isStray(const ObjectKey& key,
+                          const Object& object,
+                          const Observation& observation) const
+{
+  if (object.state != State::standing)
+  {
+    return false;
+  }
+  const Pose T_map_object =
+      graph_.pose(Key::ego(observation.keyframe)) * observation.T_keyframe_object;
+  return (T_map_object.translation() - graph_.pose(standingKey(key)).translation()).norm() >
+         options_.max_jump;
+}
+
+std::vector<PlanarObservation> ObjectGraph::recent(const Object& object, double duration) const
+{
+  std::vector<PlanarObservation> result;
+  const double newest = object.observations.back().stamp;
+  for (auto it = object.observations.rbegin();
+       it != object.observations.rend() && newest - it->stamp <= duration; ++it)
+  {
+    const Pose T_map_object = graph_.pose(Key::ego(it->keyframe)) * it->T_keyframe_object;
+    const double sigma =
+        options_.moving_sigma_scale * std::sqrt(0.5 * it->covariance.topLeftCorner<2, 2>().trace());
+    result.push_back({it->stamp, T_map_object.translation().head<2>(), sigma});
+  }
+  return result;
+}
+
+/** How far a standing object may seem to move: noise, and the drift of the odometry. */
+double ObjectGraph::standingLimit(const Object& object) const
+{
+  const Observation& first = object.observations.front();
+  const Observation& last = object.observations.back();
+  const double range = first.T_keyframe_object.translation().norm();
+  const double variance =
+      last.drift - first.drift + (last.drift_angle - first.drift_angle) * range * range;
+  return options_.max_standing_motion + 2 * std::sqrt(std::max(0.0, variance));
+}
+
+bool ObjectGraph::stands(const Object& object) const
+{
+  const double duration = object.observations.back().stamp - object.observations.front().stamp;
+  if (duration < options_.min_standing_time)
+  {
+    return false;
+  }
+  // The whole sighting as one line: a slow drift shows in the long run.
+  const auto all = recent(object, duration);
+  const SpeedEstimate speed = fitSpeed(all, 0, all.size());
+  return speed.atMost() < options_.moving_speed &&
+         speed.velocity.norm() * duration < standingLimit(object);
+}
+
+void ObjectGraph::decide(const ObjectKey& key, Object& object) const
+{
+  const auto count = static_cast<std::size_t>(options_.min_observations);
+  if (object.state == State::moving || object.observations.size() < std::max(count, min_for_speed))
+  {
+    return;
+  }
+  const auto window = recent(object, options_.speed_window);
+  if (window.size() >= min_for_speed)
+  {
+    const bool fast = fitSpeed(window, 0, window.size()).atLeast() > options_.moving_speed;
+    object.fast = fast ? object.fast + 1 : 0;
+  }
+  if (object.state == State::standing && !window.empty())
+  {
+    Eigen::Vector2d mean = Eigen::Vector2d::Zero();
+    for (const PlanarObservation& observation : window)
+    {
+      mean += observation.position / static_cast<double>(window.size());
+    }
+    // The landmark stands in the middle of its observations: half the motion shows.
+    const double offset = (mean - graph_.pose(standingKey(key)).translation().head<2>()).norm();
+    object.away = 2 * offset > standingLimit(object) ? object.away + 1 : 0;
+  }
+  if (object.fast >= moving_confirmations || object.away >= moving_confirmations)
+  {
+    object.state = State::moving;
+  }
+  else if (object.state == State::undecided && object.fast == 0 && stands(object))
+  {
+    if (!landmarks_)
+    {
+      object.state = State::moving;  // at rest
+    }
+    else if (object.landmark)
+    {
+      object.state = State::standing;
+    }
+  }
+}
+}  // namespace dyslam
