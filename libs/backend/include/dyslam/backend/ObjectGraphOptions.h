@@ -16,11 +16,11 @@ struct ObjectGraphOptions : Options
   // Standing or moving
   double moving_speed = 0.6;         //!< an object that was ever significantly faster moves [m/s]
   double speed_window = 1;           //!< over which speeds are estimated [s]
-  double max_standing_motion = 0.5;  //!< ... or came farther than this within its sighting [m]
+  double max_standing_motion = 1;  //!< ... or came farther than this within its sighting [m]
   double min_standing_time = 1;      //!< seen at one place for so long, an object stands [s]
 
   // Noise. Errors of successive observations of one object are alike; larger sigmas account for it.
-  double standing_sigma_scale = 4;
+  double standing_sigma_scale = 3;
   int standing_saturation = 50;  //!< keyframes after which more of them add no information
   double moving_sigma_scale = 3;
   double tilt_sigma = 0.2;                //!< of an object's roll and pitch [rad]
