@@ -107,14 +107,29 @@ void addSquare(double& sum, double error)
 {
   sum += error * error;
 }
-}  // namespace
 
-KittiObjectErrors kittiObjectErrors(const KittiDrive& drive,
-                                    const std::vector<Pose>& odometry,
-                                    const KittiSlamRun& run)
+/** A labelled vehicle in one scan and the track that observed it, in the world. */
+struct ObservedVehicle
 {
-  KittiObjectErrors errors;
-  for (const auto& [label_id, track] : labelledTracks(drive))
+  int label = -1;
+  int frame = 0;
+  Eigen::Vector2d place;        // label
+  Eigen::Vector2d observed;     // detection
+  Eigen::Vector2d tracked;      // filtered position
+  double tracked_speed = 0;     // [m/s]
+  double difference_speed = 0;  // of this and the previous observation of the track [m/s]
+  Eigen::Vector2d smoothed;
+  double smoothed_speed = 0;
+};
+
+/** All but the first observation of each track. */
+std::vector<ObservedVehicle> observedVehicles(const KittiDrive& drive,
+                                              const std::map<int, Track>& labels,
+                                              const std::vector<Pose>& odometry,
+                                              const KittiSlamRun& run)
+{
+  std::vector<ObservedVehicle> vehicles;
+  for (const auto& [label, track] : labels)
   {
     std::map<int, std::pair<double, Eigen::Vector2d>> before;  // time and place, by track
     for (const auto& [frame, place] : track)
@@ -130,26 +145,60 @@ KittiObjectErrors kittiObjectErrors(const KittiDrive& drive,
       const Eigen::Vector2d observed = (T_world_odom * tracked->observation.center).head<2>();
       const auto previous = before.find(tracked->id);
       const SmoothedObject* smoothed = smoothedAt(run, scan, tracked->id);
-      double speed = 0;
-      if (previous != before.end() && smoothed != nullptr &&
-          trueSpeed(track, frame, drive.stamps, speed) && speed > slowest)
+      if (previous != before.end() && smoothed != nullptr)
       {
         const double dt = drive.stamps[scan] - previous->second.first;
-        ++errors.count;
-        addSquare(errors.observed_position, (observed - place).norm());
-        addSquare(errors.tracked_position,
-                  ((T_world_odom * tracked->box.center).head<2>() - place).norm());
-        addSquare(errors.smoothed_position,
-                  ((T_world_map * smoothed->T_map_object.translation()).head<2>() - place).norm());
-        addSquare(errors.difference_speed,
-                  (observed - previous->second.second).norm() / dt - speed);
-        addSquare(errors.tracked_speed, tracked->velocity.head<2>().norm() - speed);
-        addSquare(errors.smoothed_speed, smoothed->velocity.head<2>().norm() - speed);
+        vehicles.push_back(
+            {label, frame, place, observed, (T_world_odom * tracked->box.center).head<2>(),
+             tracked->velocity.head<2>().norm(), (observed - previous->second.second).norm() / dt,
+             (T_world_map * smoothed->T_map_object.translation()).head<2>(),
+             smoothed->velocity.head<2>().norm()});
       }
       before[tracked->id] = {drive.stamps[scan], observed};
     }
   }
+  return vehicles;
+}
+}  // namespace
+
+KittiObjectErrors kittiObjectErrors(const KittiDrive& drive,
+                                    const std::vector<Pose>& odometry,
+                                    const KittiSlamRun& run)
+{
+  KittiObjectErrors errors;
+  const std::map<int, Track> labels = labelledTracks(drive);
+  for (const ObservedVehicle& vehicle : observedVehicles(drive, labels, odometry, run))
+  {
+    double speed = 0;
+    if (!trueSpeed(labels.at(vehicle.label), vehicle.frame, drive.stamps, speed) ||
+        speed <= slowest)
+    {
+      continue;
+    }
+    ++errors.count;
+    addSquare(errors.observed_position, (vehicle.observed - vehicle.place).norm());
+    addSquare(errors.tracked_position, (vehicle.tracked - vehicle.place).norm());
+    addSquare(errors.smoothed_position, (vehicle.smoothed - vehicle.place).norm());
+    addSquare(errors.difference_speed, vehicle.difference_speed - speed);
+    addSquare(errors.tracked_speed, vehicle.tracked_speed - speed);
+    addSquare(errors.smoothed_speed, vehicle.smoothed_speed - speed);
+  }
   takeRoots(errors);
   return errors;
+}
+
+std::map<int, KittiVehicleSpeeds> kittiVehicleSpeeds(const KittiDrive& drive,
+                                                     const std::vector<Pose>& odometry,
+                                                     const KittiSlamRun& run)
+{
+  std::map<int, KittiVehicleSpeeds> speeds;
+  for (const ObservedVehicle& v : observedVehicles(drive, labelledTracks(drive), odometry, run))
+  {
+    const double time = drive.stamps[static_cast<std::size_t>(v.frame)] - drive.stamps.front();
+    KittiVehicleSpeeds& vehicle = speeds[v.label];
+    vehicle.tracked.emplace_back(time, v.tracked_speed);
+    vehicle.smoothed.emplace_back(time, v.smoothed_speed);
+  }
+  return speeds;
 }
 }  // namespace dyslam

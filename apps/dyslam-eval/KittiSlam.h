@@ -7,7 +7,9 @@
 #include <dyslam/tracking/Tracker.h>
 
 #include <cstdint>
+#include <map>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace dyslam
@@ -75,6 +77,16 @@ struct KittiObjectErrors
 [[nodiscard]] KittiObjectErrors kittiObjectErrors(const KittiDrive& drive,
                                                   const std::vector<Pose>& odometry,
                                                   const KittiSlamRun& run);
+
+/** Speeds of one vehicle over the time since the first scan [s], [m/s]. */
+struct KittiVehicleSpeeds
+{
+  std::vector<std::pair<double, double>> tracked;   //!< causal
+  std::vector<std::pair<double, double>> smoothed;  //!< of the graph
+};
+/** By the id of the vehicle's label. */
+[[nodiscard]] std::map<int, KittiVehicleSpeeds> kittiVehicleSpeeds(
+    const KittiDrive& drive, const std::vector<Pose>& odometry, const KittiSlamRun& run);
 
 /** Information of each step of an odometry with this noise. */
 [[nodiscard]] std::vector<Matrix6> stepInformation(const std::vector<Pose>& odometry,

@@ -2,16 +2,20 @@
 #include "KittiSlamCommand.h"
 
 #include <dyslam/core/Options.h>
+#include <dyslam/core/PendingFile.h>
 #include <dyslam/core/SharedFiles.h>
 #include <dyslam/eval/TrajectoryMetrics.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <filesystem>
+#include <iomanip>
 #include <iostream>
 #include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "KittiSlam.h"
 #include "OutputFiles.h"
@@ -32,6 +36,7 @@ struct Arguments
   int seeds = 10;
   double min_score = 0;
   std::string alignment = "se3";
+  std::string speeds;
   OutputFlags output;
 };
 
@@ -135,6 +140,29 @@ ModeError errorOf(const KittiDrive& drive, const std::vector<Pose>& estimate, Al
   return {error.translation.rmse, error.rotation_deg.rmse * degree};
 }
 
+/** FOLDER/SEQUENCE_LABEL_SOURCE.csv for each vehicle. */
+void writeSpeeds(const std::string& folder,
+                 const std::string& sequence,
+                 const std::map<int, KittiVehicleSpeeds>& vehicles)
+{
+  std::filesystem::create_directories(folder);
+  for (const auto& [label, vehicle] : vehicles)
+  {
+    const std::string name = folder + "/" + sequence + "_" + std::to_string(label);
+    for (const auto& [source, speeds] :
+         {std::pair{"_tracker.csv", &vehicle.tracked}, std::pair{"_graph.csv", &vehicle.smoothed}})
+    {
+      std::ostringstream text;
+      text << "time,speed\n" << std::fixed << std::setprecision(4);
+      for (const auto& [time, speed] : *speeds)
+      {
+        text << time << ',' << speed << '\n';
+      }
+      writeWhole(name + source, text.str());
+    }
+  }
+}
+
 /** By the visual odometry of the data where `noise` is that, else by drawn ones. */
 SequenceErrors errorsOn(const KittiDrive& drive,
                         const OdometryNoise& noise,
@@ -162,6 +190,11 @@ SequenceErrors errorsOn(const KittiDrive& drive,
       if (seed == 0 && !run.objects.empty())
       {
         objects[noise.name + " " + drive.name] = kittiObjectErrors(drive, odometry, run);
+        if (!a.speeds.empty())
+        {
+          writeSpeeds(a.speeds + "/" + noise.name, drive.name,
+                      kittiVehicleSpeeds(drive, odometry, run));
+        }
       }
     }
   }
@@ -297,6 +330,9 @@ Subcommand kittiSlamCommand(CLI::App& app)
   sub->add_option("--align", a->alignment, "of estimate and truth")
       ->check(CLI::IsMember({"none", "first", "se3"}))
       ->capture_default_str();
+  sub->add_option("--speeds", a->speeds,
+                  "folder for speeds of vehicles, by tracker and graph; dyslam-eval speeds "
+                  "--series reads them (first seed, last mode)");
   a->output.declare(*sub);
   return {sub, [a] { run(*a); }};
 }

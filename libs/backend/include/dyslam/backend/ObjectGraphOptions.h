@@ -14,10 +14,10 @@ struct ObjectGraphOptions : Options
   double max_jump = 3;       //!< from where its motion takes an object; beyond, it starts anew [m]
 
   // Standing or moving
-  double moving_speed = 0.6;         //!< an object that was ever significantly faster moves [m/s]
-  double speed_window = 1;           //!< over which speeds are estimated [s]
+  double moving_speed = 0.6;       //!< an object that was ever significantly faster moves [m/s]
+  double speed_window = 1;         //!< over which speeds are estimated [s]
   double max_standing_motion = 1;  //!< ... or came farther than this within its sighting [m]
-  double min_standing_time = 1;      //!< seen at one place for so long, an object stands [s]
+  double min_standing_time = 1;    //!< seen at one place for so long, an object stands [s]
 
   // Noise. Errors of successive observations of one object are alike; larger sigmas account for it.
   double standing_sigma_scale = 3;
