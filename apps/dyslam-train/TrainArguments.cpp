@@ -81,9 +81,11 @@ CLI::App& declareDylo(CLI::App& app, TrainArguments& arguments)
       "--mask-csv", arguments.mask_folder,
       "folder for a validation scan's points with their static confidence, per recording");
   parser.footer(
-      "Writes dylo.pt (the weights), checkpoint.pt (to continue from), log.csv, validation.csv "
+      "Writes dylo.safetensors (the weights), checkpoint.safetensors (to continue from), log.csv, "
+      "validation.csv "
       "and\n"
-      "effective.ini. --start takes a checkpoint.pt, or of a dylo.pt the layers that the network "
+      "effective.ini. --start takes a checkpoint.safetensors, or of a dylo.safetensors the layers "
+      "that the network "
       "of\n"
       "the config has too. Ctrl-C ends a training after a last checkpoint.");
   return parser;
@@ -94,8 +96,10 @@ CLI::App& declareDyseg(CLI::App& app, TrainArguments& arguments)
   CLI::App& parser = *app.add_subcommand("dyseg", "trains the moving-object segmentation network");
   declareCommon(parser, arguments);
   parser.footer(
-      "Writes dyseg.pt (the weights), state.pt (to continue from), train.csv, validation.csv and\n"
-      "effective.ini. --start takes a dyseg.pt. Ctrl-C ends a training after a last checkpoint.");
+      "Writes dyseg.safetensors (the weights), checkpoint.safetensors (to continue from), "
+      "train.csv, validation.csv and\n"
+      "effective.ini. --start takes a dyseg.safetensors. Ctrl-C ends a training after a last "
+      "checkpoint.");
   return parser;
 }
 

@@ -3,11 +3,10 @@
 dyslam_add_library(NAME nets_common HEADERS torch
   SOURCES
     src/PointLinear.cpp
-    src/SaveArchive.cpp
+    src/TensorFile.cpp
     src/Threads.cpp
-    src/WeightsChecksum.cpp
   PUBLIC dyslam::core
-  PRIVATE ${TORCH_LIBRARIES} ${OpenMP_CXX_LIBRARIES}
+  PRIVATE ${TORCH_LIBRARIES} ${OpenMP_CXX_LIBRARIES} $<BUILD_INTERFACE:nlohmann_json::nlohmann_json>
   INTERNAL_HEADERS ${torch_headers})
 # Only this file is compiled with OpenMP: elsewhere Eigen would start threads of its own.
 separate_arguments(openmp_flags NATIVE_COMMAND "${OpenMP_CXX_FLAGS}")
@@ -40,7 +39,7 @@ dyslam_add_test(NAME nets_dyseg HEADERS torch
     tests/FlowUpdate_unittest.cpp
     tests/MotionSearch_unittest.cpp
     tests/RigidFlow_unittest.cpp
-    tests/WeightsChecksum_unittest.cpp
+    tests/TensorFile_unittest.cpp
   LIBRARIES dyslam::nets_dyseg ${TORCH_LIBRARIES})
 
 if(DYSLAM_BUILD_BENCHMARKS)

@@ -90,14 +90,15 @@ struct NetworkSegmenter::Impl
 NetworkSegmenter::NetworkSegmenter(const NetworkSegmenterOptions& options)
 {
   validate(options, "dyseg_network");
-  impl_ = std::make_unique<Impl>(
-      Impl{options,
-           DysegModel(findGivenOrShared(options.weights, "models", ".pt", "dyseg_network.weights"),
-                      options.threads),
-           {},
-           {},
-           {},
-           {}});
+  impl_ = std::make_unique<Impl>(Impl{
+      options,
+      DysegModel(
+          findGivenOrShared(options.weights, "models", ".safetensors", "dyseg_network.weights"),
+          options.threads),
+      {},
+      {},
+      {},
+      {}});
 }
 
 NetworkSegmenter::~NetworkSegmenter() = default;

@@ -178,7 +178,7 @@ TEST(NetworkSegmenter, EmptyAndInvalidScans)
 
 TEST(NetworkSegmenter, ForeignWeightsAreAClearError)
 {
-  const std::string file = ::testing::TempDir() + "/not_dyseg.pt";
+  const std::string file = ::testing::TempDir() + "/not_dyseg.safetensors";
   std::ofstream(file) << "these are no weights";
   NetworkSegmenterOptions options;
   options.weights = file;
@@ -199,7 +199,7 @@ TEST(NetworkSegmenter, ForeignWeightsAreAClearError)
 TEST(NetworkSegmenter, MissingWeightsAreAClearError)
 {
   NetworkSegmenterOptions options;
-  options.weights = "/nowhere/weights.pt";
+  options.weights = "/nowhere/weights.safetensors";
   EXPECT_THROW(NetworkSegmenter{options}, dyslam::UserError);
 }
 }  // namespace

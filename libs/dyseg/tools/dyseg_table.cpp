@@ -230,7 +230,7 @@ const std::pair<double, double> pose_errors[] = {
 
 void printTable(const Arguments& a)
 {
-  const DysegModel model(findGivenOrShared(a.weights, "models", ".pt"), a.threads);
+  const DysegModel model(findGivenOrShared(a.weights, "models", ".safetensors"), a.threads);
   ThreadPool pool(a.threads);
   for (const auto& set : makeSets(a))
   {

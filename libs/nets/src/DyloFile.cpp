@@ -2,8 +2,7 @@
 #include <dyslam/core/Config.h>
 #include <dyslam/core/Error.h>
 #include <dyslam/nets/DyloFile.h>
-#include <dyslam/nets/SaveArchive.h>
-#include <dyslam/nets/WeightsChecksum.h>
+#include <dyslam/nets/TensorFile.h>
 
 #include <filesystem>
 
@@ -12,30 +11,29 @@ namespace dyslam
 namespace
 {
 constexpr const char* section = "dylo_network";
-}
+constexpr const char* kind = "dyslam-dylo";
+constexpr const char* version = "1";
+}  // namespace
 
 void saveDylo(DyloNetwork& network, const std::string& path)
 {
-  torch::serialize::OutputArchive archive;
+  TensorFile file;
   Config config;
   save(network->options(), config, section);
-  archive.write("dyslam_dylo_version", torch::IValue(static_cast<std::int64_t>(1)));
-  archive.write("options", torch::IValue(config.toIni()));
-  network->save(archive);
-  writeChecksum(checksumOf(*network), archive);
-  saveArchive(archive, path);
+  file.setText("kind", kind);
+  file.setText("version", version);
+  file.setText("options", config.toIni());
+  file.setWeights("weights.", *network);
+  file.write(path);
 }
 
 bool isDyloModel(const std::string& path)
 {
   try
   {
-    torch::serialize::InputArchive archive;
-    archive.load_from(path);
-    torch::IValue version;
-    return archive.try_read("dyslam_dylo_version", version);
+    return TensorFile(path).text("kind") == kind;
   }
-  catch (const std::exception&)  // torch's exceptions for foreign files have no common type
+  catch (const UserError&)
   {
     return false;
   }
@@ -45,46 +43,23 @@ DyloNetwork loadDylo(const std::string& path)
 {
   if (!std::filesystem::is_regular_file(path))
   {
+    throw UserError(path + ": no such DyLO model; give a dylo.safetensors made by dyslam-train");
+  }
+  const TensorFile file(path);
+  if (file.text("kind") != kind)
+  {
     throw UserError(path +
-                    ": no such DyLO model; give the path of a .pt file made by dyslam-train");
+                    ": is not a DyLO model; give a dylo.safetensors made by dyslam-train dylo");
   }
-  torch::serialize::InputArchive archive;
-  torch::IValue version;
-  torch::IValue text;
-  try
+  if (file.text("version") != version)
   {
-    archive.load_from(path);
-    if (!archive.try_read("dyslam_dylo_version", version) || !archive.try_read("options", text))
-    {
-      throw UserError(path + ": is not a DyLO model; give a dylo.pt made by dyslam-train dylo");
-    }
-  }
-  catch (const UserError&)
-  {
-    throw;
-  }
-  catch (const std::exception&)
-  {
-    throw UserError(
-        path + ": is not a DyLO model or is damaged; give a dylo.pt made by dyslam-train dylo");
-  }
-  if (version.toInt() != 1)
-  {
-    throw UserError(path + ": is a DyLO model of version " + std::to_string(version.toInt()) +
-                    ", this program reads version 1");
+    throw UserError(path + ": is a DyLO model of version " + file.text("version") +
+                    ", this program reads version " + version);
   }
   DyloNetworkOptions options;
-  load(options, Config::fromText(text.toStringRef(), path), section);
+  load(options, Config::fromText(file.text("options"), path), section);
   DyloNetwork network(options);
-  try
-  {
-    network->load(archive);
-  }
-  catch (const std::exception&)
-  {
-    throw UserError(path + ": its weights do not fit the network of this program; train it again");
-  }
-  verifyChecksum(*network, archive, path);
+  file.loadWeights("weights.", *network);
   return network;
 }
 }  // namespace dyslam

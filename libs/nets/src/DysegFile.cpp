@@ -1,106 +1,96 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/Error.h>
 #include <dyslam/nets/DysegFile.h>
-#include <dyslam/nets/SaveArchive.h>
-#include <dyslam/nets/WeightsChecksum.h>
+#include <dyslam/nets/TensorFile.h>
 
+#include <cstdint>
 #include <filesystem>
+#include <vector>
 
 namespace dyslam
 {
 namespace
 {
 constexpr const char* kind = "dyslam-dyseg";
-constexpr std::int64_t version = 4;
+constexpr const char* version = "5";
 
-std::vector<std::int64_t> shapeOf(const DysegNetworkOptions& o)
+torch::Tensor shapeOf(const DysegNetworkOptions& o)
 {
-  return {
-      version,         o.pillar_channels, o.half_channels, o.quarter_channels, o.matching_channels,
-      o.fine_channels, o.hidden,          o.radius,        o.fine_radius};
+  return torch::tensor(
+      std::vector<std::int64_t>{o.pillar_channels, o.half_channels, o.quarter_channels,
+                                o.matching_channels, o.fine_channels, o.hidden, o.radius,
+                                o.fine_radius},
+      torch::kInt64);
 }
 
-DysegNetworkOptions optionsOf(const torch::Tensor& shape)
+torch::Tensor gridOf(const BevOptions& grid)
 {
-  const auto value = [&](std::int64_t i)
-  { return static_cast<int>(shape[i].item<std::int64_t>()); };
+  return torch::tensor(
+      {static_cast<double>(grid.cells), grid.cell_size, grid.ground_clearance, grid.max_height},
+      torch::kFloat64);
+}
+
+/** Values of a list in the file. \throws UserError if there are not as many, or one is not
+ * between 0 and 10,000. */
+std::vector<double> valuesOf(const TensorFile& file,
+                             const std::string& path,
+                             const char* name,
+                             std::int64_t count)
+{
+  const torch::Tensor list = file.tensor(name).to(torch::kFloat64);
+  if (list.dim() != 1 || list.size(0) != count ||
+      !list.ge(0).logical_and(list.le(1e4)).all().item<bool>())
+  {
+    throw UserError(path + ": " + name + " is not that of a DySeg network");
+  }
+  return {list.data_ptr<double>(), list.data_ptr<double>() + count};
+}
+
+DysegNetworkOptions optionsOf(const std::vector<double>& shape)
+{
   DysegNetworkOptions o;
-  o.pillar_channels = value(1);
-  o.half_channels = value(2);
-  o.quarter_channels = value(3);
-  o.matching_channels = value(4);
-  o.fine_channels = value(5);
-  o.hidden = value(6);
-  o.radius = value(7);
-  o.fine_radius = value(8);
+  std::size_t i = 0;
+  for (int* value : {&o.pillar_channels, &o.half_channels, &o.quarter_channels,
+                     &o.matching_channels, &o.fine_channels, &o.hidden, &o.radius, &o.fine_radius})
+  {
+    *value = static_cast<int>(shape[i++]);
+  }
   return o;
 }
 }  // namespace
 
-void saveDyseg(const DysegNetwork& network, const std::string& file)
+void saveDyseg(const DysegNetwork& network, const std::string& path)
 {
-  torch::NoGradGuard no_gradient;
-  torch::serialize::OutputArchive archive;
-  archive.write("kind", c10::IValue(std::string(kind)));
-  archive.write("shape", torch::tensor(shapeOf(network.net->options())));
-  archive.write("grid",
-                torch::tensor({static_cast<double>(network.grid.cells), network.grid.cell_size,
-                               network.grid.ground_clearance, network.grid.max_height},
-                              torch::kFloat64));
-  for (const auto& p : network.net->named_parameters())
-  {
-    archive.write("weights." + p.key(), p.value().cpu().contiguous().to(torch::kFloat16));
-  }
-  writeChecksum(checksumOf(*network.net, torch::kFloat16), archive);
-  saveArchive(archive, file);
+  TensorFile file;
+  file.setText("kind", kind);
+  file.setText("version", version);
+  file.set("shape", shapeOf(network.net->options()));
+  file.set("grid", gridOf(network.grid));
+  file.setWeights("weights.", *network.net, torch::kFloat16);
+  file.write(path);
 }
 
-DysegNetwork loadDyseg(const std::string& file)
+DysegNetwork loadDyseg(const std::string& path)
 {
-  if (!std::filesystem::is_regular_file(file))
+  if (!std::filesystem::is_regular_file(path))
   {
-    throw UserError(file + ": no such file; give the weights of a DySeg network");
+    throw UserError(path + ": no such file; give the weights of a DySeg network");
   }
-  torch::NoGradGuard no_gradient;
+  const TensorFile file(path);
+  if (file.text("kind") != kind || file.text("version") != version)
+  {
+    throw UserError(path +
+                    ": weights of another network or version; give a dyseg.safetensors trained "
+                    "with this version");
+  }
   DysegNetwork network;
-  try
-  {
-    torch::serialize::InputArchive archive;
-    archive.load_from(file);
-    c10::IValue found;
-    archive.read("kind", found);
-    torch::Tensor shape;
-    torch::Tensor grid;
-    archive.read("shape", shape);
-    archive.read("grid", grid);
-    if (found.toStringRef() != kind || shape[0].item<std::int64_t>() != version)
-    {
-      throw UserError(
-          file +
-          ": weights of another network or version; give a dyseg.pt trained with this version");
-    }
-    network.net = DysegNet(optionsOf(shape));
-    network.grid.cells = static_cast<int>(grid[0].item<double>());
-    network.grid.cell_size = grid[1].item<double>();
-    network.grid.ground_clearance = grid[2].item<double>();
-    network.grid.max_height = grid[3].item<double>();
-    for (auto& p : network.net->named_parameters())
-    {
-      torch::Tensor value;
-      archive.read("weights." + p.key(), value);
-      TORCH_CHECK(value.sizes() == p.value().sizes(), "shape of ", p.key());
-      p.value().copy_(value);
-    }
-    verifyChecksum(*network.net, archive, file);
-  }
-  catch (const UserError&)
-  {
-    throw;
-  }
-  catch (const std::exception&)  // torch's exceptions for foreign files have no common type
-  {
-    throw UserError(file + ": not a DySeg network; retrain it or use the one that is shipped");
-  }
+  network.net = DysegNet(optionsOf(valuesOf(file, path, "shape", 8)));
+  const std::vector<double> grid = valuesOf(file, path, "grid", 4);
+  network.grid.cells = static_cast<int>(grid[0]);
+  network.grid.cell_size = grid[1];
+  network.grid.ground_clearance = grid[2];
+  network.grid.max_height = grid[3];
+  file.loadWeights("weights.", *network.net);
   return network;
 }
 }  // namespace dyslam

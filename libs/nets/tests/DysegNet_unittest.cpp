@@ -133,14 +133,14 @@ TEST(DysegFile, RejectsFilesThatCannotBeWritten)
 {
   dyslam::DysegNetwork network;
   network.net = dyslam::DysegNet(DysegNetworkOptions());
-  EXPECT_THROW(saveDyseg(network, "/nowhere/dyseg.pt"), dyslam::UserError);
+  EXPECT_THROW(saveDyseg(network, "/nowhere/dyseg.safetensors"), dyslam::UserError);
 }
 
 TEST(DysegFile, RoundTripsWeightsAndRejectsOtherFiles)
 {
   torch::manual_seed(7);
   const auto folder = std::filesystem::temp_directory_path();
-  const auto file = (folder / "dyslam_dyseg_test.pt").string();
+  const auto file = (folder / "dyslam_dyseg_test.safetensors").string();
   dyslam::DysegNetwork network;
   network.net = dyslam::DysegNet(DysegNetworkOptions());
   network.grid = smallGrid();

@@ -19,7 +19,8 @@ constexpr std::size_t fewest_matches = 50;
 
 DyloOdometry::DyloOdometry(const DyloOptions& options)
     : options_(options),
-      matcher_(findGivenOrShared(options.weights, "models", ".pt", "dylo.weights"), options.threads)
+      matcher_(findGivenOrShared(options.weights, "models", ".safetensors", "dylo.weights"),
+               options.threads)
 {
 }
 

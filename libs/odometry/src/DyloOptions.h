@@ -18,7 +18,7 @@ enum class DyloStart : std::uint8_t
 /** Ini section `[dylo]`. */
 struct DyloOptions : Options
 {
-  std::string weights = "dylo.pt";  //!< file, or name of weights that come with DySLAM
+  std::string weights = "dylo.safetensors";  //!< file, or name of weights that come with DySLAM
   DyloStart start = DyloStart::prediction;
   int threads = 1;
   bool prior = true;       //!< weigh the prediction against the points, where it has an information

@@ -311,14 +311,15 @@ TEST_F(Dylo, SaysWhichWeightsFileIsMissingOrNone)
     }
     return std::string();
   };
-  EXPECT_NE(messageOf("/no/such/file.pt").find("/no/such/file.pt"), std::string::npos);
-  const std::string other = testing::TempDir() + "no_weights.pt";
+  EXPECT_NE(messageOf("/no/such/file.safetensors").find("/no/such/file.safetensors"),
+            std::string::npos);
+  const std::string other = testing::TempDir() + "no_weights.safetensors";
   std::ofstream(other) << "not a model";
   const std::string message = messageOf(other);
-  EXPECT_NE(message.find("is not a DyLO model"), std::string::npos) << message;
+  EXPECT_NE(message.find("is no file of weights"), std::string::npos) << message;
   EXPECT_EQ(message.find('\n'), std::string::npos);
   // The weights of another network.
-  EXPECT_NE(messageOf("dyseg.pt").find("is not a DyLO model"), std::string::npos);
+  EXPECT_NE(messageOf("dyseg.safetensors").find("is not a DyLO model"), std::string::npos);
 }
 }  // namespace
 }  // namespace dyslam

@@ -4,7 +4,7 @@
 #include <dyslam/core/PendingFile.h>
 #include <dyslam/formats/ScanFiles.h>
 #include <dyslam/nets/DyloFile.h>
-#include <dyslam/nets/SaveArchive.h>
+#include <dyslam/nets/TensorFile.h>
 #include <dyslam/nets/Threads.h>
 #include <dyslam/train/Augmentation.h>
 #include <dyslam/train/DataText.h>
@@ -32,6 +32,9 @@ namespace dyslam
 namespace
 {
 using Clock = std::chrono::steady_clock;
+
+constexpr const char* checkpoint_file = "/checkpoint.safetensors";  // in the folder of output
+constexpr const char* weights_file = "/dylo.safetensors";
 
 double secondsSince(Clock::time_point begin)
 {
@@ -195,12 +198,12 @@ Trainer::Trainer(const Config& config, const DyloTrainRequest& request)
   }
   else if (request.resume || request.validate_only)
   {
-    load(request.output + "/checkpoint.pt", false);
+    load(request.output + checkpoint_file, false);
   }
-  else if (std::filesystem::exists(request.output + "/checkpoint.pt"))
+  else if (std::filesystem::exists(request.output + checkpoint_file))
   {
-    throw UserError(request.output +
-                    "/checkpoint.pt: is there already; add --resume or choose another folder");
+    throw UserError(request.output + checkpoint_file +
+                    ": is there already; add --resume or choose another folder");
   }
   else if (!request.start.empty())
   {
@@ -392,19 +395,13 @@ void Trainer::validate()
 
 void Trainer::save()
 {
-  torch::serialize::OutputArchive archive;
-  torch::serialize::OutputArchive network;
-  torch::serialize::OutputArchive loss;
-  torch::serialize::OutputArchive optimizer;
-  network_->save(network);
-  loss_->save(loss);
-  optimizer_->save(optimizer);
-  archive.write("network", network);
-  archive.write("loss", loss);
-  archive.write("optimizer", optimizer);
-  archive.write("step", torch::IValue(step_));
-  saveArchive(archive, request_.output + "/checkpoint.pt");
-  saveDylo(network_, request_.output + "/dylo.pt");
+  TensorFile checkpoint;
+  checkpoint.setWeights("network.", *network_);
+  checkpoint.setWeights("loss.", *loss_);
+  setOptimizerState(checkpoint, *optimizer_);
+  checkpoint.set("step", torch::tensor(step_, torch::kInt64));
+  checkpoint.write(request_.output + checkpoint_file);
+  saveDylo(network_, request_.output + weights_file);
 }
 
 /** A checkpoint of the same network, or a model: of that, the layers both have. */
@@ -441,30 +438,13 @@ void Trainer::load(const std::string& path, bool weights_only)
   {
     throw UserError(path + ": there is no checkpoint to continue from");
   }
-  try
+  const TensorFile checkpoint(path);
+  checkpoint.loadWeights("network.", *network_);
+  checkpoint.loadWeights("loss.", *loss_);
+  if (!weights_only)
   {
-    torch::serialize::InputArchive archive;
-    archive.load_from(path, device_);
-    torch::serialize::InputArchive network;
-    torch::serialize::InputArchive loss;
-    torch::serialize::InputArchive optimizer;
-    archive.read("network", network);
-    archive.read("loss", loss);
-    archive.read("optimizer", optimizer);
-    loadSameShape(*network_, network);
-    loss_->load(loss);
-    if (weights_only)
-    {
-      return;
-    }
-    optimizer_->load(optimizer);
-    torch::IValue step;
-    archive.read("step", step);
-    step_ = step.toInt();
-  }
-  catch (const std::exception&)
-  {
-    throw UserError(path + ": does not fit the [network] of the config, or is damaged");
+    loadOptimizerState(checkpoint, *optimizer_);
+    step_ = checkpoint.tensor("step").item<std::int64_t>();
   }
 }
 }  // namespace

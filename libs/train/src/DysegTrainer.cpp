@@ -3,7 +3,7 @@
 #include <dyslam/core/Files.h>
 #include <dyslam/nets/DysegFile.h>
 #include <dyslam/nets/DysegModel.h>
-#include <dyslam/nets/SaveArchive.h>
+#include <dyslam/nets/TensorFile.h>
 #include <dyslam/nets/Threads.h>
 #include <dyslam/train/DataText.h>
 #include <dyslam/train/DysegLosses.h>
@@ -34,6 +34,8 @@ constexpr int most_pairs = 64;  // in a step
 constexpr double clip_norm = 2;
 constexpr double last_rate = 0.02;
 constexpr double mean_decay = 0.998;
+constexpr const char* checkpoint_file = "checkpoint.safetensors";  // in the folder of output
+constexpr const char* weights_file = "dyseg.safetensors";
 constexpr const char* score_names =
     "set,iou,precision,recall,epe_static_m,epe_moving_m,own_motion_m,own_motion_rad";
 
@@ -207,20 +209,14 @@ void DysegTrainer::Impl::save()
     return;
   }
   makeFolder(folder);
-  torch::serialize::OutputArchive archive;
-  torch::serialize::OutputArchive net_part;
-  torch::serialize::OutputArchive mean_part;
-  torch::serialize::OutputArchive optimizer_part;
-  net->save(net_part);
-  mean->save(mean_part);
-  optimizer->save(optimizer_part);
-  archive.write("net", net_part);
-  archive.write("mean", mean_part);
-  archive.write("optimizer", optimizer_part);
-  archive.write("step", c10::IValue(static_cast<std::int64_t>(step)));
-  archive.write("minutes", c10::IValue(minutes()));
-  saveDyseg({mean, grid}, file("dyseg.pt"));
-  saveArchive(archive, file("state.pt"));
+  TensorFile checkpoint;
+  checkpoint.setWeights("net.", *net);
+  checkpoint.setWeights("mean.", *mean);
+  setOptimizerState(checkpoint, *optimizer);
+  checkpoint.set("step", torch::tensor(static_cast<std::int64_t>(step), torch::kInt64));
+  checkpoint.set("minutes", torch::tensor(minutes(), torch::kFloat64));
+  saveDyseg({mean, grid}, file(weights_file));
+  checkpoint.write(file(checkpoint_file));
   saved_step = step;
 }
 
@@ -261,7 +257,7 @@ void DysegTrainer::Impl::validateNow(const std::function<void(const std::string&
   save();
   std::ofstream csv(file("validation.csv"), std::ios::app);
   say("validation at step " + std::to_string(step) + ": " + score_names);
-  for (const std::string& row : evaluate(file("dyseg.pt")))
+  for (const std::string& row : evaluate(file(weights_file)))
   {
     csv << step << ',' << row << '\n';
     say("  " + row);
@@ -304,9 +300,9 @@ DysegTrainer::~DysegTrainer() = default;
 
 void DysegTrainer::requireFreshFolder() const
 {
-  if (fs::exists(impl_->file("state.pt")))
+  if (fs::exists(impl_->file(checkpoint_file)))
   {
-    throw UserError(impl_->file("state.pt") +
+    throw UserError(impl_->file(checkpoint_file) +
                     ": is there already; add --resume or choose another folder");
   }
 }
@@ -328,34 +324,17 @@ void DysegTrainer::blend(const std::string& weights, double share)
 
 void DysegTrainer::resume()
 {
-  const auto path = impl_->file("state.pt");
+  const auto path = impl_->file(checkpoint_file);
   if (!fs::exists(path))
   {
     throw UserError(path + ": no state to resume from");
   }
-  try
-  {
-    torch::serialize::InputArchive archive;
-    torch::serialize::InputArchive net_part;
-    torch::serialize::InputArchive mean_part;
-    torch::serialize::InputArchive optimizer_part;
-    archive.load_from(path);
-    archive.read("net", net_part);
-    archive.read("mean", mean_part);
-    archive.read("optimizer", optimizer_part);
-    loadSameShape(*impl_->net, net_part);
-    loadSameShape(*impl_->mean, mean_part);
-    impl_->optimizer->load(optimizer_part);
-    c10::IValue value;
-    archive.read("step", value);
-    impl_->step = static_cast<int>(value.toInt());
-    archive.read("minutes", value);
-    impl_->minutes_before = value.toDouble();
-  }
-  catch (const std::exception&)  // what torch throws has no type in common
-  {
-    throw UserError(path + ": does not fit the [network] of the config, or is damaged");
-  }
+  const TensorFile checkpoint(path);
+  checkpoint.loadWeights("net.", *impl_->net);
+  checkpoint.loadWeights("mean.", *impl_->mean);
+  loadOptimizerState(checkpoint, *impl_->optimizer);
+  impl_->step = static_cast<int>(checkpoint.tensor("step").item<std::int64_t>());
+  impl_->minutes_before = checkpoint.tensor("minutes").item<double>();
 }
 
 void DysegTrainer::save()
@@ -368,7 +347,7 @@ void DysegTrainer::validateOnly(const std::string& weights,
 {
   say(std::string("validation: ") + score_names);
   for (const std::string& row :
-       impl_->evaluate(weights.empty() ? impl_->file("dyseg.pt") : weights))
+       impl_->evaluate(weights.empty() ? impl_->file(weights_file) : weights))
   {
     say("  " + row);
   }

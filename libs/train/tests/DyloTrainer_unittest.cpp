@@ -48,11 +48,11 @@ TEST(DyloTrainer, AStoppedTrainingGoesOnExactly)
   trainDylo(tiny(4), request);
   request.output = parts;
   trainDylo(tiny(2), request);
-  const DyloNetwork halfway = loadDylo(parts + "/dylo.pt");
+  const DyloNetwork halfway = loadDylo(parts + "/dylo.safetensors");
   request.resume = true;
   trainDylo(tiny(4), request);
-  const auto expected = loadDylo(whole + "/dylo.pt")->named_parameters();
-  const auto resumed = loadDylo(parts + "/dylo.pt")->named_parameters();
+  const auto expected = loadDylo(whole + "/dylo.safetensors")->named_parameters();
+  const auto resumed = loadDylo(parts + "/dylo.safetensors")->named_parameters();
   bool learned = false;
   for (const auto& parameter : expected)
   {
@@ -68,7 +68,7 @@ TEST(DyloTrainer, StartsFromTheLayersThatAModelShares)
   const std::string given = freshFolder("given");
   trainDylo(tiny(1), requestFor(given));
   DyloTrainRequest request = requestFor(freshFolder("other_head"));
-  request.start = given + "/dylo.pt";
+  request.start = given + "/dylo.safetensors";
   std::string said;
   request.report = [&said](const std::string& line) { said += line + "\n"; };
   Config config = tiny(1);
@@ -77,7 +77,7 @@ TEST(DyloTrainer, StartsFromTheLayersThatAModelShares)
   trainDylo(config, request);
   EXPECT_NE(said.find("started from"), std::string::npos) << said;
   const auto before = loadDylo(request.start)->named_parameters();
-  const auto after = loadDylo(request.output + "/dylo.pt")->named_parameters();
+  const auto after = loadDylo(request.output + "/dylo.safetensors")->named_parameters();
   std::size_t shared = 0;
   for (const auto& parameter : after)
   {
@@ -99,13 +99,13 @@ TEST(DyloTrainer, BlendsTheWeightsOfTwoTrainings)
   trainDylo(tiny(1), requestFor(first));
   trainDylo(tiny(3), requestFor(second));
   DyloTrainRequest request = requestFor(freshFolder("blend"));
-  request.start = first + "/checkpoint.pt";
-  request.blend = second + "/dylo.pt";
+  request.start = first + "/checkpoint.safetensors";
+  request.blend = second + "/dylo.safetensors";
   request.blend_share = 0.25;
   trainDylo(tiny(1), request);
-  const auto a = loadDylo(first + "/dylo.pt")->named_parameters();
-  const auto b = loadDylo(second + "/dylo.pt")->named_parameters();
-  for (const auto& mean : loadDylo(request.output + "/dylo.pt")->named_parameters())
+  const auto a = loadDylo(first + "/dylo.safetensors")->named_parameters();
+  const auto b = loadDylo(second + "/dylo.safetensors")->named_parameters();
+  for (const auto& mean : loadDylo(request.output + "/dylo.safetensors")->named_parameters())
   {
     const torch::Tensor expected = 0.75 * a[mean.key()] + 0.25 * b[mean.key()];
     EXPECT_TRUE(torch::allclose(mean.value(), expected, 1e-5, 1e-7)) << mean.key();
@@ -115,7 +115,7 @@ TEST(DyloTrainer, BlendsTheWeightsOfTwoTrainings)
   DyloTrainRequest wider = requestFor(freshFolder("wider"));
   trainDylo(other, wider);
   request.output = freshFolder("misfit");
-  request.blend = wider.output + "/dylo.pt";
+  request.blend = wider.output + "/dylo.safetensors";
   EXPECT_THROW(trainDylo(tiny(1), request), UserError);
 }
 
@@ -143,8 +143,8 @@ TEST(DyloTrainer, AskedToStopItSavesWhatItHas)
   const std::string stopped = request.output;
   request = requestFor(freshFolder("one_step"));
   trainDylo(tiny(1), request);
-  const auto expected = loadDylo(request.output + "/dylo.pt")->named_parameters();
-  for (const auto& parameter : loadDylo(stopped + "/dylo.pt")->named_parameters())
+  const auto expected = loadDylo(request.output + "/dylo.safetensors")->named_parameters();
+  for (const auto& parameter : loadDylo(stopped + "/dylo.safetensors")->named_parameters())
   {
     EXPECT_TRUE(torch::equal(parameter.value(), expected[parameter.key()])) << parameter.key();
   }

@@ -54,7 +54,7 @@ class DysegTraining : public ::testing::Test
       trainer.resume();
     }
     trainer.run([](const std::string&) {});
-    return folder / "dyseg.pt";
+    return folder / "dyseg.safetensors";
   }
 
   fs::path folder_;
@@ -80,7 +80,7 @@ TEST_F(DysegTraining, BlendsTheWeightsOfTwoTrainings)
     trainer.startFrom(first.string());
     trainer.blend(second.string(), share);
     trainer.save();
-    return contentOf(folder_ / "blend" / "dyseg.pt");
+    return contentOf(folder_ / "blend" / "dyseg.safetensors");
   };
   ASSERT_NE(contentOf(first), contentOf(second));
   EXPECT_EQ(blended(0), contentOf(first));
@@ -107,7 +107,7 @@ TEST_F(DysegTraining, AskedToStopItSavesAndGoesOnExactly)
     trainer.run([](const std::string&) {}, [&] { return ++asked > 2; });
   }
   EXPECT_EQ(asked, 3);
-  EXPECT_NE(contentOf(folder_ / "parts" / "dyseg.pt"), whole);
+  EXPECT_NE(contentOf(folder_ / "parts" / "dyseg.safetensors"), whole);
   EXPECT_EQ(contentOf(train("parts", 4, true)), whole);
 }
 

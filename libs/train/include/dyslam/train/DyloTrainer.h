@@ -10,12 +10,13 @@ namespace dyslam
 {
 struct DyloTrainRequest
 {
-  std::string
-      output;  //!< folder for checkpoint.pt, dylo.pt, log.csv, validation.csv, effective.ini
-  bool resume = false;  //!< continue from checkpoint.pt there
-  std::string start;    //!< a checkpoint.pt or dylo.pt whose weights are begun with, or empty
-  /** A dylo.pt: no training, but the mean of it and `start`, which is written as a training's
-   * weights are. Empty for none. */
+  std::string output;   //!< folder for checkpoint.safetensors, dylo.safetensors, log.csv,
+                        //!< validation.csv, effective.ini
+  bool resume = false;  //!< continue from checkpoint.safetensors there
+  std::string start;    //!< a checkpoint.safetensors or dylo.safetensors whose weights are begun
+                        //!< with, or empty
+  /** A dylo.safetensors: no training, but the mean of it and `start`, which is written as a
+   * training's weights are. Empty for none. */
   std::string blend;
   double blend_share = 0.5;  //!< of it in the mean
   std::string device = "cpu";

@@ -73,10 +73,10 @@ struct DysegTrainerSetup
 
 /** Trains DySeg's network and writes what it has into a folder.
  *
- * `dyseg.pt` the weights so far (a running mean), `state.pt` everything to continue from,
- * `train.csv` and `validation.csv`. The data of a step depends on seed and step alone, so that a
- * run that was stopped and resumed gives the same weights (with `minutes` = 0: time is not part of
- * it).
+ * `dyseg.safetensors` the weights so far (a running mean), `checkpoint.safetensors` everything to
+ * continue from, `train.csv` and `validation.csv`. The data of a step depends on seed and step
+ * alone, so that a run that was stopped and resumed gives the same weights (with `minutes` = 0:
+ * time is not part of it).
  */
 class DysegTrainer
 {
@@ -101,8 +101,8 @@ class DysegTrainer
    * validate on. */
   void run(const std::function<void(const std::string&)>& say,
            const std::function<bool()>& stopped = nullptr);
-  /** The validation table of a file of weights, empty for the folder's dyseg.pt. Writes nothing.
-   * \throws UserError if there is none. */
+  /** The validation table of a file of weights, empty for the folder's dyseg.safetensors. Writes
+   * nothing. \throws UserError if there is none. */
   void validateOnly(const std::string& weights, const std::function<void(const std::string&)>& say);
 
  private:

@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/Error.h>
+#include <dyslam/train/NetworkWeights.h>
+
+#include <cstddef>
+#include <memory>
+#include <string>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+namespace dyslam
+{
+namespace
+{
+using State = std::decay_t<decltype(std::declval<torch::optim::Optimizer&>().state())>;
+
+/** Of a parameter in the optimizer's state: its address, or that as text, by version of torch. */
+template <typename Key = State::key_type>
+Key keyOf(const torch::Tensor& parameter)
+{
+  if constexpr (std::is_same_v<Key, std::string>)
+  {
+    return c10::guts::to_string(parameter.unsafeGetTensorImpl());
+  }
+  else
+  {
+    return parameter.unsafeGetTensorImpl();
+  }
+}
+
+std::vector<torch::Tensor> parametersOf(torch::optim::Optimizer& optimizer)
+{
+  std::vector<torch::Tensor> parameters;
+  for (const auto& group : optimizer.param_groups())
+  {
+    parameters.insert(parameters.end(), group.params().begin(), group.params().end());
+  }
+  return parameters;
+}
+
+std::string prefixOf(std::size_t parameter)
+{
+  return "optimizer." + std::to_string(parameter) + ".";
+}
+
+template <typename ParamState>
+void setState(TensorFile& file, torch::optim::Optimizer& optimizer)
+{
+  const std::vector<torch::Tensor> parameters = parametersOf(optimizer);
+  for (std::size_t i = 0; i < parameters.size(); ++i)
+  {
+    const auto found = optimizer.state().find(keyOf(parameters[i]));
+    if (found != optimizer.state().end())  // else no gradient yet
+    {
+      const auto& state = static_cast<const ParamState&>(*found->second);
+      file.set(prefixOf(i) + "step", torch::tensor(state.step(), torch::kInt64));
+      file.set(prefixOf(i) + "exp_avg", state.exp_avg());
+      file.set(prefixOf(i) + "exp_avg_sq", state.exp_avg_sq());
+    }
+  }
+}
+
+torch::Tensor stored(const TensorFile& file, const std::string& name, const torch::Tensor& like)
+{
+  const torch::Tensor& value = file.tensor(name);
+  if (value.sizes() != like.sizes())
+  {
+    throw UserError(name + " in the checkpoint is of a network of another size");
+  }
+  return value.to(like.device(), like.scalar_type(), false, true);
+}
+
+template <typename ParamState>
+void loadState(const TensorFile& file, torch::optim::Optimizer& optimizer)
+{
+  const std::vector<torch::Tensor> parameters = parametersOf(optimizer);
+  for (std::size_t i = 0; i < parameters.size(); ++i)
+  {
+    if (!file.has(prefixOf(i) + "step"))
+    {
+      continue;
+    }
+    auto state = std::make_unique<ParamState>();
+    state->step(file.tensor(prefixOf(i) + "step").template item<std::int64_t>());
+    state->exp_avg(stored(file, prefixOf(i) + "exp_avg", parameters[i]));
+    state->exp_avg_sq(stored(file, prefixOf(i) + "exp_avg_sq", parameters[i]));
+    optimizer.state()[keyOf(parameters[i])] = std::move(state);
+  }
+}
+}  // namespace
+
+void blendWeights(torch::nn::Module& own,
+                  const torch::nn::Module& other,
+                  double share,
+                  const std::string& file)
+{
+  const torch::NoGradGuard no_grad;
+  const auto theirs = other.named_parameters();
+  for (auto& weight : own.named_parameters())
+  {
+    const torch::Tensor* given = theirs.find(weight.key());
+    if (given == nullptr || given->sizes() != weight.value().sizes())
+    {
+      throw UserError(file + ": weights of another shape of network");
+    }
+    weight.value().mul_(1 - share).add_(given->to(weight.value().device()), share);
+  }
+}
+
+void setOptimizerState(TensorFile& file, torch::optim::Optimizer& optimizer)
+{
+  dynamic_cast<torch::optim::AdamW*>(&optimizer) != nullptr
+      ? setState<torch::optim::AdamWParamState>(file, optimizer)
+      : setState<torch::optim::AdamParamState>(file, optimizer);
+}
+
+void loadOptimizerState(const TensorFile& file, torch::optim::Optimizer& optimizer)
+{
+  dynamic_cast<torch::optim::AdamW*>(&optimizer) != nullptr
+      ? loadState<torch::optim::AdamWParamState>(file, optimizer)
+      : loadState<torch::optim::AdamParamState>(file, optimizer);
+}
+}  // namespace dyslam
