@@ -202,7 +202,7 @@ void Backend::State::correctKeyframes(std::size_t first)
 bool Backend::State::optimiseWindow(const Frame& frame)
 {
   std::set<Key> free;
-  objects.appendWindow(frame.scan.stamp, free);
+  objects.appendWindow(frame.time(), free);
   if (free.empty())
   {
     return false;

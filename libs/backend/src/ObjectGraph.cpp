@@ -105,6 +105,7 @@ void ObjectGraph::add(const Frame& frame, const View& view)
     Observation observation;
     observation.scan = frame.index;
     observation.stamp = frame.scan.stamp;
+    observation.time = frame.time();
     observation.keyframe = view.keyframe;
     observation.T_keyframe_object = view.T_keyframe_vehicle * T_vehicle_object;
     observation.drift = view.drift;
@@ -146,7 +147,7 @@ void ObjectGraph::add(const Frame& frame, const View& view)
   for (auto it = objects_.begin(); it != objects_.end();)
   {
     const bool forgotten = it->second.state == State::undecided &&
-                           frame.scan.stamp - it->second.observations.back().stamp > forget_after;
+                           frame.time() - it->second.observations.back().time > forget_after;
     it = forgotten ? objects_.erase(it) : std::next(it);
   }
 }
@@ -234,7 +235,7 @@ void ObjectGraph::insertMoving(const ObjectKey& object_key, Object& object, std:
   graph_.add(std::make_unique<ObservationFactor>(
       now.keyframe, key, now.T_keyframe_object,
       informationOf(now.covariance, options_.moving_sigma_scale)));
-  if (i > 0 && now.stamp - object.observations[i - 1].stamp <= options_.max_gap)
+  if (i > 0 && now.time - object.observations[i - 1].time <= options_.max_gap)
   {
     joinMotion(id, object.observations[i - 1], now);
   }
@@ -242,7 +243,7 @@ void ObjectGraph::insertMoving(const ObjectKey& object_key, Object& object, std:
 
 void ObjectGraph::joinMotion(int id, const Observation& before, const Observation& now)
 {
-  const double dt = now.stamp - before.stamp;
+  const double dt = now.time - before.time;
   const Key key_before = Key::objectVelocity(id, before.scan);
   const Vector6 motion = logSE3(graph_.pose(Key::objectPose(id, before.scan)).inverse() *
                                 graph_.pose(Key::objectPose(id, now.scan)));
@@ -273,11 +274,11 @@ void ObjectGraph::joinMotion(int id, const Observation& before, const Observatio
   }
 }
 
-void ObjectGraph::appendWindow(double stamp, std::set<Key>& free) const
+void ObjectGraph::appendWindow(double time, std::set<Key>& free) const
 {
   for (const auto& [key, object] : objects_)
   {
-    if (object.in_graph == 0 || stamp - object.observations.back().stamp > options_.window)
+    if (object.in_graph == 0 || time - object.observations.back().time > options_.window)
     {
       continue;
     }
@@ -287,7 +288,7 @@ void ObjectGraph::appendWindow(double stamp, std::set<Key>& free) const
       continue;
     }
     for (std::size_t i = object.in_graph;
-         i > 0 && stamp - object.observations[i - 1].stamp <= options_.window; --i)
+         i > 0 && time - object.observations[i - 1].time <= options_.window; --i)
     {
       const std::size_t scan = object.observations[i - 1].scan;
       free.insert(Key::objectPose(key.first, scan));

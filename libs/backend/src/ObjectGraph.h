@@ -47,7 +47,7 @@ class ObjectGraph
   void add(const Frame& frame, const View& view);
 
   /** The objects' variables to be optimised with the newest scans. */
-  void appendWindow(double stamp, std::set<Key>& free) const;
+  void appendWindow(double time, std::set<Key>& free) const;
 
   /** Decides about all objects with what is known at the end. */
   void finish();
@@ -71,6 +71,7 @@ class ObjectGraph
   {
     std::size_t scan = 0;
     double stamp = 0;
+    double time = 0;  //!< Frame::time()
     std::size_t keyframe = 0;
     Pose T_keyframe_object = Pose::Identity();
     Matrix6 covariance = Matrix6::Identity();  //!< over the tangent of T_keyframe_object

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <deque>
 #include <map>
 #include <regex>
@@ -23,8 +24,9 @@ namespace
 using mrpt::obs::CObservation;
 
 constexpr std::size_t max_dropped_in_a_row = 10;
-constexpr double same_time = 1e-6;    //!< stamps this near are one [s]
-constexpr double truth_memory = 2.0;  //!< how long old true poses are kept [s]
+constexpr std::size_t scans_after_step = 4;  //!< that run on regularly show a clock set back
+constexpr double same_time = 1e-6;           //!< stamps this near are one [s]
+constexpr double truth_memory = 2.0;         //!< how long old true poses are kept [s]
 
 bool endsWith(const std::string& text, const std::string& end)
 {
@@ -128,11 +130,12 @@ struct ScanDecoder::Impl
   [[nodiscard]] bool acceptStamp(const CObservation& observation)
   {
     const bool has_time = observation.timestamp != INVALID_TIMESTAMP;
-    const double stamp = toStamp(observation.timestamp);
-    if (has_time && (!last_stamp || stamp > *last_stamp))
+    const double stamp = toStamp(observation.timestamp) + clock_shift;
+    if (has_time && (!last_stamp || stamp > *last_stamp || bridgesStep(stamp)))
     {
-      last_stamp = stamp;
+      last_stamp = toStamp(observation.timestamp) + clock_shift;
       dropped_in_a_row = 0;
+      stamps_gone_back.clear();
       return true;
     }
     ++dropped;
@@ -147,6 +150,41 @@ struct ScanDecoder::Impl
                       " on; give the file proper times (rawlog-edit, or convert with --dt)");
     }
     return false;
+  }
+
+  /** A scan that is not later than the last one used. Whether it and those dropped before it show
+   * a clock that was set back; then clock_shift makes up for it. */
+  [[nodiscard]] bool bridgesStep(double stamp)
+  {
+    if (!stamps_gone_back.empty() && stamp <= stamps_gone_back.back())
+    {
+      stamps_gone_back.clear();
+    }
+    stamps_gone_back.push_back(stamp);
+    const std::size_t n = stamps_gone_back.size();
+    if (n < scans_after_step)
+    {
+      return false;
+    }
+    const double period = (stamp - stamps_gone_back.front()) / static_cast<double>(n - 1);
+    const double shift = *last_stamp + static_cast<double>(n) * period - stamp;
+    clock_shift += shift;
+    char text[160];
+    std::snprintf(text, sizeof text,
+                  "the clock of the recording was set back; stamps from there on are %.3f s later "
+                  "than recorded",
+                  clock_shift);
+    warn(text);
+    // True poses from before it have times like those after it.
+    for (auto i = truths.size(); i > 1; --i)
+    {
+      if (truths[i - 1].stamp < truths[i - 2].stamp)
+      {
+        truths.erase(truths.begin(), truths.begin() + static_cast<std::ptrdiff_t>(i - 1));
+        break;
+      }
+    }
+    return true;
   }
 
   void addTimeRing(CObservation* own, Scan& scan)
@@ -164,8 +202,9 @@ struct ScanDecoder::Impl
     }
   }
 
-  [[nodiscard]] std::optional<Pose> truthAt(double stamp)
+  [[nodiscard]] std::optional<Pose> truthAt(double shifted_stamp)
   {
+    const double stamp = shifted_stamp - clock_shift;
     while (!truths.empty() && truths.front().stamp < stamp - truth_memory)
     {
       truths.pop_front();
@@ -207,8 +246,10 @@ struct ScanDecoder::Impl
   CObservation::Ptr companion;  //!< read, its scan not yet
   std::deque<StampedPose> truths;
 
-  std::size_t scans_seen = 0;  //!< with the wanted label, delivered or not
-  std::optional<double> last_stamp;
+  std::size_t scans_seen = 0;            //!< with the wanted label, delivered or not
+  std::optional<double> last_stamp;      //!< of those used, shifted
+  double clock_shift = 0;                //!< from the recording's stamps to the frames' [s]
+  std::vector<double> stamps_gone_back;  //!< of scans dropped in a row, ascending
   std::size_t dropped = 0;
   std::size_t dropped_in_a_row = 0;
 
@@ -246,7 +287,7 @@ std::optional<RecordedScan> ScanDecoder::take(const CObservation::Ptr& observati
   CObservation::Ptr own = std::exchange(s.companion, nullptr);
   if (s.acceptStamp(*observation) && index >= static_cast<std::size_t>(s.options.skip_first_n))
   {
-    return RecordedScan{observation, std::move(own), index};
+    return RecordedScan{observation, std::move(own), index, s.clock_shift};
   }
   return std::nullopt;
 }
@@ -270,6 +311,7 @@ Frame ScanDecoder::decode(const RecordedScan& scan)
                     " is damaged: " + messageOf(error));
   }
   s.addTimeRing(scan.time_ring.get(), frame.scan);
+  frame.scan.stamp += scan.clock_shift;
   s.scale_intensity(frame.scan);
   if (frame.scan.size() == 0)
   {

@@ -227,6 +227,43 @@ TEST(RawlogRobustness, RepeatedAndBackwardStampsAreDropped)
       << source.warnings()[1];
 }
 
+TEST(RawlogRobustness, AClockThatIsSetBackIsBridged)
+{
+  const TestFolder folder;
+  {
+    RawlogWriter writer(folder.file("a.rawlog"));
+    for (std::size_t i = 0; i < 20; ++i)
+    {
+      Scan scan = someScan(i, 10);
+      scan.stamp = 100 + 0.1 * static_cast<double>(i) - (i < 10 ? 0 : 2);
+      writer.write(scan);
+    }
+    writer.close();
+  }
+  RawlogSource source(folder.file("a.rawlog"));
+  std::vector<double> stamps;
+  std::vector<std::size_t> indices;
+  while (const auto frame = source.next())
+  {
+    stamps.push_back(frame->scan.stamp);
+    indices.push_back(frame->index);
+  }
+  // Three scans show that the times run on from there; the fourth is used.
+  ASSERT_EQ(stamps.size(), 17U);
+  EXPECT_EQ(indices[10], 13U);
+  EXPECT_NEAR(stamps[9], 100.9, 1e-6);
+  for (std::size_t i = 10; i < stamps.size(); ++i)
+  {
+    EXPECT_NEAR(stamps[i], 100 + 0.1 * static_cast<double>(i + 3), 1e-6);
+  }
+  std::string told;
+  for (const std::string& line : source.warnings())
+  {
+    told += line + '\n';
+  }
+  EXPECT_TRUE(contains(told, "set back; stamps from there on are 2.000 s later")) << told;
+}
+
 TEST(RawlogRobustness, StampsThatStandStillAreAnError)
 {
   const TestFolder folder;

@@ -390,6 +390,26 @@ RegistrationResult LocalMapRegistration::registerFrame(const Frame& frame,
   return result;
 }
 
+RegistrationResult LocalMapRegistration::tryFrame(const Frame& frame,
+                                                  const Pose& T_odom_vehicle_guess,
+                                                  const MotionPrior* prior)
+{
+  State& s = *state_;
+  const auto T_previous = s.T_odom_previous;
+  const auto T_current = s.T_odom_vehicle;
+  const auto failures = s.failures;
+  const auto guess_error2 = s.guess_error2;
+  const auto usual_inliers = s.usual_inliers;
+  const RegistrationResult result = registerFrame(frame, T_odom_vehicle_guess, prior);
+  s.T_odom_previous = T_previous;
+  s.T_odom_vehicle = T_current;
+  s.failures = failures;
+  s.guess_error2 = guess_error2;
+  s.usual_inliers = usual_inliers;
+  s.pending = Pending::nothing;
+  return result;
+}
+
 void LocalMapRegistration::integrate(const Frame& frame)
 {
   State& s = *state_;

@@ -7,13 +7,20 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <optional>
 #include <utility>
 
 #include "MotionUncertainty.h"
+#include "ScanClock.h"
 
 namespace dyslam
 {
 using mrpt::system::CTimeLoggerEntry;
+
+namespace
+{
+constexpr double clearly_better = 0.02;  // share of the points that agree with the map
+}
 
 void OdometryOptions::describe(OptionsVisitor& v)
 {
@@ -71,6 +78,9 @@ struct Odometry::State
   /** The scan is the first to be registered to its map. */
   [[nodiscard]] bool startsMap() const { return registration.framesInMap() == 1; }
 
+  [[nodiscard]] MotionPrior priorAfter(double dt) const;
+  [[nodiscard]] std::optional<Pose> motionAtDoubtfulTime(
+      const Frame& frame, const std::function<Cloud(const Pose&, double)>& prepare);
   void countSegmenterMotions(const Frame& frame);
   [[nodiscard]] bool acceptsSegmenterMotion(const Frame& frame) const;
   void fuseSegmenterMotion(Frame& frame);
@@ -92,9 +102,11 @@ struct Odometry::State
   LocalMapRegistration registration;
   MotionUncertainty uncertainty;
 
+  ScanClock clock;
+  bool doubtful = false;    //!< the interval to the scan at hand
+  bool after_gap = false;   //!< so long that the velocity before says nothing of the one after
   bool started = false;     //!< a scan has been seen
   bool registered = false;  //!< a scan has been registered to the map
-  double last_stamp = 0;
   Pose T_odom_previous = Pose::Identity();
   Pose T_sweep_previous = Pose::Identity();  //!< that the previous cloud was deskewed with
   /** Of the segmenter's motion, if it was fused with the frame's prior; else zero. */
@@ -241,8 +253,11 @@ void Odometry::State::registerToMap(Frame& frame, const Pose& T_guess)
   registered = registered || result.points > 0;
   frame.motion = result.motion;
   frame.T_odom_vehicle = result.T_odom_vehicle;
-  filter.update(frame.dt, result.motion.T_previous_current,
-                result.measured_information + segmenter_information, result.prior_weight);
+  if (!after_gap)
+  {
+    filter.update(frame.dt, result.motion.T_previous_current,
+                  result.measured_information + segmenter_information, result.prior_weight);
+  }
   uncertainty.calibrate(frame.dt, result.measured_information, frame.motion);
 }
 
@@ -259,6 +274,56 @@ void Odometry::State::takeMatcherMotion(Frame& frame, const Pose& T_guess)
   const Matrix6 measured =
       frame.odometry_accepted ? frame.odometry.information : Matrix6(Matrix6::Zero());
   filter.update(frame.dt, T_guess, measured + segmenter_information);
+}
+
+MotionPrior Odometry::State::priorAfter(double dt) const
+{
+  MotionPrior prior;
+  prior.T_previous_current = filter.predict(dt);
+  prior.information = filter.information(dt);
+  prior.reliable = started && (startSpeedKnown() || filter.sigma(dt) < fusion.reliable_prior_sigma);
+  return prior;
+}
+
+/** Motion since the scan before, whichever time has passed: the start that registers best of going
+ * on through the interval, going on for one period, and standing. */
+std::optional<Pose> Odometry::State::motionAtDoubtfulTime(
+    const Frame& frame, const std::function<Cloud(const Pose&, double)>& prepare)
+{
+  if (!registers() || registration.framesInMap() < 2)
+  {
+    return std::nullopt;
+  }
+  const double interval = clock.interval();
+  std::vector<std::pair<double, MotionPrior>> starts;
+  if (interval > 0 && interval <= ScanClock::max_extrapolation)
+  {
+    starts.emplace_back(interval, priorAfter(interval));
+  }
+  starts.emplace_back(clock.period(), priorAfter(clock.period()));
+  if (interval > 0)
+  {
+    starts.emplace_back(interval, priorAfter(std::min(interval, ScanClock::max_extrapolation)));
+    starts.back().second.T_previous_current = Pose::Identity();
+  }
+  std::optional<Pose> T_best;
+  double best = 0;
+  for (const auto& [dt, prior] : starts)
+  {
+    Frame trial;
+    trial.index = frame.index;
+    trial.dt = dt;
+    trial.prior = prior;
+    trial.cloud = prepare(prior.T_previous_current, dt);
+    const RegistrationResult found =
+        registration.tryFrame(trial, T_odom_previous * prior.T_previous_current, &prior);
+    if (found.motion.converged && (!T_best || found.inlier_share > best + clearly_better))
+    {
+      T_best = found.motion.T_previous_current;
+      best = found.inlier_share;
+    }
+  }
+  return T_best;
 }
 
 Odometry::Odometry(ConfigLoader& config, ThreadPool& pool, mrpt::system::CTimeLogger& times)
@@ -278,13 +343,38 @@ Odometry::Odometry(Odometry&&) noexcept = default;
 void Odometry::predict(Frame& frame)
 {
   State& s = *state_;
-  frame.dt = s.started ? frame.scan.stamp - s.last_stamp : 0;
-  frame.prior.T_previous_current = s.filter.predict(frame.dt);
-  frame.prior.information = s.filter.information(frame.dt);
-  frame.prior.reliable = s.started && (s.startSpeedKnown() ||
-                                       s.filter.sigma(frame.dt) < s.fusion.reliable_prior_sigma);
+  const double interval = s.clock.advance(frame.scan.stamp);
+  s.doubtful = s.clock.isDoubtful();
+  s.after_gap = false;
+  frame.dt = s.doubtful ? s.clock.period() : interval;
+  frame.clock_offset = s.clock.offset();
+  frame.prior = s.priorAfter(frame.dt);
   s.started = true;
-  s.last_stamp = frame.scan.stamp;
+}
+
+void Odometry::settleTime(Frame& frame, const std::function<Cloud(const Pose&, double)>& prepare)
+{
+  State& s = *state_;
+  if (!s.doubtful)
+  {
+    s.clock.settle(s.clock.interval());
+    return;
+  }
+  const CTimeLoggerEntry timed(s.times, "refine");
+  const std::optional<Pose> T_found = s.motionAtDoubtfulTime(frame, prepare);
+  const bool set = T_found
+                       ? showsClockStep(s.filter, s.clock.interval(), s.clock.period(), *T_found)
+                       : s.clock.interval() <= 0;
+  frame.dt = set ? s.clock.period() : s.clock.interval();
+  s.clock.settle(frame.dt);
+  s.after_gap = frame.dt > ScanClock::max_extrapolation;
+  frame.clock_offset = s.clock.offset();
+  frame.prior = s.priorAfter(std::min(frame.dt, ScanClock::max_extrapolation));
+  if (T_found && !set)
+  {
+    frame.prior.T_previous_current = *T_found;
+  }
+  frame.cloud = prepare(frame.prior.T_previous_current, frame.dt);
 }
 
 void Odometry::estimate(Frame& frame)
@@ -337,6 +427,10 @@ std::vector<std::string> Odometry::warnings() const
 {
   const State& s = *state_;
   std::vector<std::string> warnings;
+  if (std::string of_clock = s.clock.warning(); !of_clock.empty())
+  {
+    warnings.push_back(std::move(of_clock));
+  }
   if (!s.registers() && s.matcher->name() == "constant_velocity")
   {
     warnings.emplace_back(

@@ -73,7 +73,10 @@ void FrontEnd::process(Frame& frame)
 void FrontEnd::Stages::preprocess(Frame& frame)
 {
   const CTimeLoggerEntry timed(times, "preprocess");
-  frame.cloud = preprocessor.prepare(frame.scan, frame.prior.T_previous_current, frame.dt);
+  const auto prepare = [&](const Pose& T_previous_current, double dt)
+  { return preprocessor.prepare(frame.scan, T_previous_current, dt); };
+  frame.cloud = prepare(frame.prior.T_previous_current, frame.dt);
+  odometry.settleTime(frame, prepare);
 }
 
 void FrontEnd::Stages::segment(Frame& frame, bool pose_known)

@@ -224,7 +224,7 @@ Tracker& Tracker::operator=(Tracker&&) noexcept = default;
 
 void Tracker::update(Frame& frame)
 {
-  frame.objects = update(frame.scan.stamp, frame.detections, frame.T_odom_vehicle);
+  frame.objects = update(frame.time(), frame.detections, frame.T_odom_vehicle);
 }
 
 std::vector<TrackedObject> Tracker::update(double stamp,

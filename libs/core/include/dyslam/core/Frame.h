@@ -25,7 +25,9 @@ struct Frame
   std::optional<Pose> T_world_vehicle_truth;  //!< ground truth, where the recording has it
 
   // Odometry::predict
-  double dt = 0;      //!< since the previous scan [s]; 0 for the first
+  double dt = 0;  //!< since the previous scan [s]; 0 for the first
+  /** What scan.stamp is ahead of a clock that was never set during the recording [s]. */
+  double clock_offset = 0;
   MotionPrior prior;  //!< of the motion since the previous scan; estimate() fuses segmenter_motion
 
   // Preprocessing
@@ -58,6 +60,8 @@ struct Frame
   bool is_keyframe = false;
   Pose T_map_odom = Pose::Identity();
 
+  /** Of a clock that was never set: differences are the time that really passed [s]. */
+  [[nodiscard]] double time() const { return scan.stamp - clock_offset; }
   [[nodiscard]] Pose T_map_vehicle() const { return T_map_odom * T_odom_vehicle; }
   [[nodiscard]] bool isMoving(std::size_t point) const
   {

@@ -20,10 +20,14 @@ struct RecordedScan
   mrpt::obs::CObservation::Ptr observation;
   mrpt::obs::CObservation::Ptr time_ring;  //!< its points' times and rings; null if it has none
   std::size_t index = 0;                   //!< among the lidar's scans in the recording, from 0
+  double clock_shift = 0;  //!< to add to its stamps, after the clock was set back [s]
 };
 
 /** Makes frames of a recording's observations, whoever reads them: chooses the lidar, drops scans
  * with bad time stamps, joins what belongs to one scan. RawlogSource says which classes are read.
+ *
+ * Stamps of the frames increase. Where those of the recording go back and run on from there, the
+ * clock was set back: the scans that show it are dropped, later stamps are shifted.
  *
  * Not thread-safe; one object per recording.
  */

@@ -104,6 +104,11 @@ class LocalMapRegistration
                                                  const MotionPrior* prior = nullptr,
                                                  std::optional<double> initial_sigma = {});
 
+  /** What registerFrame() would give; nothing changes. */
+  [[nodiscard]] RegistrationResult tryFrame(const Frame& frame,
+                                            const Pose& T_odom_vehicle_guess,
+                                            const MotionPrior* prior = nullptr);
+
   /** Add the frame registered last to the map, at the pose found and with the weights that it has
    * now. A frame that failed is left out; after five such frames in a row that had points, the map
    * is restarted from the last one. */

@@ -5,6 +5,7 @@
 #include <dyslam/core/Options.h>
 #include <dyslam/core/Parallel.h>
 
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -57,9 +58,9 @@ struct FusionOptions : Options
 /** The vehicle's motion from scan to scan: a motion filter predicts it, a scan matcher and the
  * registration to a local map measure it, and their results are fused.
  *
- * Per frame, in this order: predict(), then preprocessing and segmentation by others, estimate(),
- * and, once it is decided what moves, integrate(). Not thread-safe; one object per recording. Same
- * bytes for any number of threads.
+ * Per frame, in this order: predict(), preprocessing by others, settleTime(), segmentation by
+ * others, estimate(), and, once it is decided what moves, integrate(). Not thread-safe; one object
+ * per recording. Same bytes for any number of threads.
  */
 class Odometry
 {
@@ -77,8 +78,14 @@ class Odometry
   ~Odometry();
   Odometry(Odometry&&) noexcept;
 
-  /** Fills Frame::dt and Frame::prior from scan.stamp and the motions before. */
+  /** Fills Frame::dt, Frame::clock_offset and Frame::prior from scan.stamp and the motions before.
+   */
   void predict(Frame& frame);
+  /** Where the interval to the scan before does not fit the sensor's rate: finds out whether scans
+   * are missing or the clock was set, by what registers to the map, and corrects dt, prior,
+   * clock_offset and cloud. Call it between preprocessing and segmentation.
+   * \param prepare the cloud of the frame's scan for a motion in dt */
+  void settleTime(Frame& frame, const std::function<Cloud(const Pose&, double)>& prepare);
   /** Reads cloud, prior, moving_probability, segmenter_motion and static_prior; fills odometry,
    * odometry_accepted, odometry_rejection, static_confidence, motion and T_odom_vehicle. The
    * information of `motion` is calibrated and positive definite, that of `odometry` the matcher's

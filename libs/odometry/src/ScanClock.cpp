@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "ScanClock.h"
+
+#include <dyslam/core/Motion.h>
+#include <dyslam/odometry/MotionFilter.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <vector>
+
+namespace dyslam
+{
+namespace
+{
+constexpr std::size_t min_intervals = 5;  // before the rate is known
+constexpr std::size_t max_intervals = 15;
+constexpr double shortest = 0.75;  // of the intervals that fit the rate, in periods
+constexpr double longest = 1.3;
+constexpr std::size_t max_clock_steps = 3;  // more are called uneven stamps
+constexpr double gate = 3;    // Mahalanobis distance of a motion from its prediction
+constexpr double margin = 1;  // by which a period must explain a motion better than the interval
+// Of a motion between scans that the registration finds.
+constexpr double sigma = 0.03;         // [m]
+constexpr double sigma_angle = 0.005;  // [rad]
+
+/** Mahalanobis distance of a motion from what the filter predicts for `dt`. */
+double distanceAfter(const MotionFilter& filter, double dt, const Pose& T_previous_current)
+{
+  MotionPrior prior;
+  prior.T_previous_current = filter.predict(dt);
+  prior.information = filter.information(dt);
+  return prior.mahalanobisDistance(T_previous_current, sigma, sigma_angle);
+}
+}  // namespace
+
+double ScanClock::advance(double stamp)
+{
+  interval_ = started_ ? stamp - stamp_ : 0;
+  started_ = true;
+  stamp_ = stamp;
+  ++scans_;
+  return interval_;
+}
+
+bool ScanClock::isDoubtful() const
+{
+  const double expected = period();
+  return scans_ > 1 && expected > 0 &&
+         (interval_ < shortest * expected || interval_ > longest * expected);
+}
+
+double ScanClock::period() const
+{
+  if (regular_.size() < min_intervals)
+  {
+    return 0;
+  }
+  std::vector<double> sorted(regular_.begin(), regular_.end());
+  const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
+  std::nth_element(sorted.begin(), middle, sorted.end());
+  return *middle;
+}
+
+void ScanClock::settle(double passed)
+{
+  const double step = interval_ - passed;
+  if (step != 0)
+  {
+    offset_ += step;
+    first_step_ = steps_ == 0 ? scans_ - 1 : first_step_;
+    ++steps_;
+    largest_step_ = std::abs(step) > std::abs(largest_step_) ? step : largest_step_;
+  }
+  else if (passed > 0 && passed <= max_extrapolation)
+  {
+    regular_.push_back(passed);
+    if (regular_.size() > max_intervals)
+    {
+      regular_.pop_front();
+    }
+  }
+}
+
+std::string ScanClock::warning() const
+{
+  if (steps_ == 0)
+  {
+    return {};
+  }
+  char text[240];
+  if (steps_ > max_clock_steps)
+  {
+    std::snprintf(text, sizeof text,
+                  "the time stamps are uneven: %zu intervals, the first before scan %zu, are off by "
+                  "up to %.3f s from what the vehicle's motion shows; the sensor's rate is used "
+                  "there",
+                  steps_, first_step_, std::abs(largest_step_));
+  }
+  else
+  {
+    std::snprintf(text, sizeof text,
+                  "the clock of the recording was set before scan %zu%s, by %s%.3f s, while the "
+                  "vehicle moved on; the motion there is by the sensor's rate, the stamps in the "
+                  "results are the recording's",
+                  first_step_, steps_ > 1 ? " and again later" : "", steps_ > 1 ? "up to " : "",
+                  largest_step_);
+  }
+  return text;
+}
+
+bool showsClockStep(const MotionFilter& filter,
+                    double interval,
+                    double period,
+                    const Pose& T_previous_current)
+{
+  if (interval <= 0)
+  {
+    return true;
+  }
+  const double by_period = distanceAfter(filter, period, T_previous_current);
+  if (by_period > gate)
+  {
+    return false;
+  }
+  if (interval > ScanClock::max_extrapolation)
+  {
+    return distanceAfter(filter, period, Pose::Identity()) > gate;  // it does not stand
+  }
+  return distanceAfter(filter, interval, T_previous_current) > by_period + margin;
+}
+}  // namespace dyslam

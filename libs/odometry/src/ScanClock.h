@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <dyslam/core/Pose.h>
+
+#include <cstddef>
+#include <deque>
+#include <string>
+
+namespace dyslam
+{
+class MotionFilter;
+
+/** The time between scans. Stamps are believed, except where an interval does not fit the sensor's
+ * rate: there scans may be missing, or the clock that the stamps are from may have been set. */
+class ScanClock
+{
+ public:
+  /** Longest gap over which a constant velocity says where the vehicle is [s]. */
+  static constexpr double max_extrapolation = 2;
+
+  /** The next scan. \return seconds since the one before by the stamps, 0 for the first */
+  double advance(double stamp);
+  /** Whether the interval of the last scan does not fit the rate. */
+  [[nodiscard]] bool isDoubtful() const;
+  /** By the stamps, of the last scan [s]. */
+  [[nodiscard]] double interval() const { return interval_; }
+  /** Median of the intervals before [s]; 0 while too few are known. */
+  [[nodiscard]] double period() const;
+  /** So much time has passed since the scan before: interval() or, where the clock was set, the
+   * period. */
+  void settle(double passed);
+  /** What the stamps of the last scan are ahead of a clock that was never set [s]. */
+  [[nodiscard]] double offset() const { return offset_; }
+  /** What was found, in words; empty if the clock was never set. */
+  [[nodiscard]] std::string warning() const;
+
+ private:
+  bool started_ = false;
+  double stamp_ = 0;
+  double interval_ = 0;
+  double offset_ = 0;
+  std::deque<double> regular_;  // newest last
+  std::size_t scans_ = 0;
+  std::size_t steps_ = 0;
+  std::size_t first_step_ = 0;  // scan, from 0
+  double largest_step_ = 0;     // [s]
+};
+
+/** Whether the motion found between two scans is that of one period rather than that of the
+ * interval between their stamps. A vehicle that stands moves alike in both: then the stamps are
+ * believed.
+ * \param filter before the scan */
+[[nodiscard]] bool showsClockStep(const MotionFilter& filter,
+                                  double interval,
+                                  double period,
+                                  const Pose& T_previous_current);
+}  // namespace dyslam

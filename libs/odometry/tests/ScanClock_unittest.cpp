@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Clocks that are set during a recording, and scans that are missing.
+#include <dyslam/odometry/Odometry.h>
+#include <dyslam/odometry/Preprocessor.h>
+#include <gtest/gtest.h>
+#include <mrpt/system/CTimeLogger.h>
+
+#include <string>
+
+#include "TestScene.h"
+
+namespace dyslam
+{
+namespace
+{
+constexpr double period = 0.1;
+constexpr std::size_t before = 12;  // scans before what happens
+constexpr std::size_t after = 8;
+
+struct Event
+{
+  double speed = 0;    // of the vehicle [m/s]
+  double passed = 0;   // between the scans before and after [s]
+  double step = 0;     // of the clock in that time [s]
+  double offset = 0;   // expected of Frame::clock_offset afterwards [s]
+  std::string warned;  // expected in the warnings; empty: no warning
+};
+
+class ScanClockTest : public testing::TestWithParam<Event>
+{
+};
+
+TEST_P(ScanClockTest, MotionGoesOn)
+{
+  const Event& event = GetParam();
+  const test::StreetScene scene;
+  ThreadPool pool(2);
+  mrpt::system::CTimeLogger times(false);
+  Config config;
+  ConfigLoader loader(config);
+  const Preprocessor preprocessor(PreprocessOptions(), pool);
+  Odometry odometry(loader, pool, times);
+  double time = 0;
+  double clock = 100;
+  for (std::size_t i = 0; i < before + after; ++i)
+  {
+    time += i == before ? event.passed : period;
+    clock += i == before ? event.passed + event.step : period;
+    Pose T = Pose::Identity();
+    T.translation().x() = event.speed * time;
+    Pose T_sweep = Pose::Identity();
+    T_sweep.translation().x() = event.speed * period;
+    Frame frame;
+    frame.index = i;
+    frame.scan = scene.scan(T, 0.01, static_cast<unsigned>(i + 1), T_sweep);
+    frame.scan.stamp = clock;
+    odometry.predict(frame);
+    const auto prepare = [&](const Pose& T_previous_current, double dt)
+    { return preprocessor.prepare(frame.scan, T_previous_current, dt); };
+    frame.cloud = prepare(frame.prior.T_previous_current, frame.dt);
+    odometry.settleTime(frame, prepare);
+    odometry.estimate(frame);
+    odometry.integrate(frame);
+    EXPECT_TRUE(frame.motion.converged) << i << ": " << frame.motion.reason;
+    EXPECT_NEAR(frame.T_odom_vehicle.translation().x(), event.speed * (time - period), 0.1) << i;
+    if (i >= before)
+    {
+      EXPECT_NEAR(frame.clock_offset, event.offset, 0.01) << i;
+    }
+  }
+  std::string warnings;
+  for (const std::string& line : odometry.warnings())
+  {
+    warnings += line;
+  }
+  EXPECT_NE(warnings.find(event.warned), std::string::npos) << warnings;
+  EXPECT_EQ(warnings.empty(), event.warned.empty()) << warnings;
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Clocks,
+    ScanClockTest,
+    testing::Values(Event{8, period, 0, 0, ""},
+                    Event{8, period, 0.5, 0.5, "set before scan 12, by 0.500 s"},
+                    Event{8, period, 3600, 3600, "set before scan 12, by 3600.000 s"},
+                    Event{8, period, -0.05, -0.05, "by -0.050 s"}));
+
+INSTANTIATE_TEST_SUITE_P(Gaps,
+                         ScanClockTest,
+                         testing::Values(Event{8, 0.2, 0, 0, ""},
+                                         Event{8, 0.6, 0, 0, ""},
+                                         Event{0, 36000, 0, 0, ""},
+                                         Event{0, 5, 0, 0, ""}));
+}  // namespace
+}  // namespace dyslam
