@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/ScanPattern.h>
 #include <dyslam/odometry/LocalMapRegistration.h>
 
 #include <Eigen/Eigenvalues>
@@ -9,7 +10,7 @@
 #include "ScanSample.h"
 #include "ScanToMap.h"
 #include "SimpleOdometry.h"
-#include "SurfaceMap.h"
+#include "SurfacePyramid.h"
 
 namespace dyslam
 {
@@ -27,10 +28,25 @@ constexpr double same_pose = 1e-9;
 /** Share of the usual inliers below which the registration is repeated coarse to fine. */
 constexpr double poor_inliers = 0.7;
 constexpr int max_coarseness = 8;  //!< of the map's cells
+/** The largest cells hold this many rings at this distance [m]. */
+constexpr double rings_per_cell = 2.5;
+constexpr double usual_range = 15;
 
 double square(double x)
 {
   return x * x;
+}
+
+/** Levels of the map whose largest cells hold several rings. */
+int levelsFor(const Scan& scan, double cell_size)
+{
+  const double apart = rings_per_cell * usual_range * measureScanPattern(scan).spacing();
+  int levels = 1;
+  for (; levels < SurfacePyramid::max_levels && cell_size < apart; ++levels)
+  {
+    cell_size *= 2;
+  }
+  return levels;
 }
 
 double sizeOf(const Pose& T)
@@ -55,6 +71,8 @@ void RefineOptions::describe(OptionsVisitor& v)
             {"gicp", RefineMethod::gicp}},
            "registration to the local map");
   v.real("cell_size", cell_size, 0.05, 10, "side of the map's cells [m]");
+  v.integer("levels", levels, 0, SurfacePyramid::max_levels,
+            "of the map, each of cells twice as large; 0: as the spacing of the rings asks for");
   v.real("max_points_per_cell", max_points_per_cell, 6, 1e6,
          "a cell with this many points takes no more");
   v.real("map_spacing", map_spacing, 0, 10, "nearer followers along a ring are left out [m]");
@@ -85,7 +103,7 @@ void RefineOptions::describe(OptionsVisitor& v)
 struct LocalMapRegistration::State
 {
   State(const RefineOptions& o, ThreadPool& p)
-      : options(o), pool(p), map(o.cell_size, o.max_points_per_cell, p), registration(p)
+      : options(o), pool(p), map(o.cell_size, o.levels, o.max_points_per_cell, p), registration(p)
   {
   }
 
@@ -101,9 +119,10 @@ struct LocalMapRegistration::State
 
   RefineOptions options;
   ThreadPool& pool;
-  SurfaceMap map;
+  SurfacePyramid map;
   ScanToMap registration;
   Eigen::Vector3d cropped_at = Eigen::Vector3d::Zero();
+  int levels = 1;  //!< of the map
   int frames = 0;  //!< in the map
   int failures = 0;
   double guess_error2 = 0;   //!< running mean square of the error of guesses [m^2]
@@ -190,7 +209,7 @@ ScanToMapResult LocalMapRegistration::State::alignCoarseToFine(const Pose& T_gue
   int iterations = 0;
   for (; coarseness > 1; coarseness /= 2)
   {
-    const SurfaceMap coarse = map.coarser(coarseness);
+    const SurfacePyramid coarse = map.coarser(coarseness);
     ScanToMapSettings s = settings(0);
     s.distributions = false;
     s.start_loss_width = options.cell_size * coarseness;
@@ -361,6 +380,7 @@ RegistrationResult LocalMapRegistration::registerFrame(const Frame& frame,
   if (s.frames == 0)
   {
     s.pending = Pending::restart;
+    s.levels = s.options.levels > 0 ? s.options.levels : levelsFor(frame.scan, s.options.cell_size);
     result.motion.converged = true;
     return result;
   }
@@ -420,7 +440,7 @@ void LocalMapRegistration::integrate(const Frame& frame)
   s.points.updateWeights(frame);
   if (s.pending == Pending::restart)
   {
-    s.map.clear();
+    s.map.restart(s.levels);
     s.frames = 0;
     s.failures = 0;
     s.first = s.points.scan;

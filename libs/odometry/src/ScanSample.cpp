@@ -62,12 +62,21 @@ void ScanSample::ingest(const Frame& frame, double spacing, ThreadPool& pool)
   const Cloud& cloud = frame.cloud;
   const std::size_t count = cloud.size();
   const auto spacing2 = static_cast<float>(spacing * spacing);
-  Eigen::Vector3f last = Eigen::Vector3f::Constant(1e9F);
+  // Points may come ring by ring or firing by firing.
+  const bool ringed =
+      frame.scan.ring.size() == frame.scan.size() && cloud.source.size() == count && count > 0;
+  last_of_ring_.clear();
   source.clear();
   source.reserve(count);
   for (std::size_t i = 0; i < count; ++i)
   {
     const Eigen::Vector3f& p = cloud.points[i];
+    const std::size_t ring = ringed ? frame.scan.ring[cloud.source[i]] : 0;
+    if (ring >= last_of_ring_.size())
+    {
+      last_of_ring_.resize(ring + 1, Eigen::Vector3f::Constant(1e9F));
+    }
+    Eigen::Vector3f& last = last_of_ring_[ring];
     const float d2 = (p - last).squaredNorm();
     if (d2 >= spacing2 && d2 < 1e30F)
     {

@@ -43,5 +43,8 @@ struct ScanSample
   /** Fills `sample`: one point per cube of side `size` [m], and evenly fewer where these are more
    * than `max_points`. */
   void draw(double size, std::size_t max_points);
+
+ private:
+  std::vector<Eigen::Vector3f> last_of_ring_;
 };
 }  // namespace dyslam

@@ -64,19 +64,18 @@ void ScanToMap::Sums::add(const Sums& other)
 
 void ScanToMap::refresh(Match& match,
                         const Eigen::Vector3f& q,
-                        const SurfaceMap& map,
-                        const VoxelCell& base) const
+                        const SurfacePyramid& map,
+                        const SurfacePyramid::Base& base) const
 {
   match.at = q;
-  match.surface = map.surfaceAt(q, base);
-  const float planarity = match.surface.planarity;
+  match.surface = map.surfaceAt(q, base, min_planarity);
   match.offset = match.surface.normal.dot(match.surface.mean);
-  match.weight = planarity > min_planarity ? planarity * planarity : 0;
+  match.weight = match.surface.planarity * match.surface.planarity;
 }
 
 void ScanToMap::accumulate(const RawPoints& scan,
                            const std::vector<Eigen::Matrix3f>& shapes,
-                           const SurfaceMap& map,
+                           const SurfacePyramid& map,
                            const Iteration& iteration,
                            Sums& total)
 {
@@ -159,7 +158,7 @@ void ScanToMap::accumulate(const RawPoints& scan,
 
 ScanToMapResult ScanToMap::align(const RawPoints& scan,
                                  const std::vector<Eigen::Matrix3f>& shapes,
-                                 const SurfaceMap& map,
+                                 const SurfacePyramid& map,
                                  const Pose& T_before,
                                  const Pose& T_guess,
                                  const ScanToMapSettings& settings)
@@ -173,15 +172,14 @@ ScanToMapResult ScanToMap::align(const RawPoints& scan,
     match.at.setConstant(1e9F);
   }
   Iteration iteration;
-  iteration.base = map.cellOf(T_guess.translation());
+  iteration.base = map.baseAt(T_guess.translation());
   iteration.distributions = settings.distributions;
-  const Eigen::Vector3d corner = map.corner(iteration.base);
   double loss_width = std::max(settings.loss_width, settings.start_loss_width);
   while (result.iterations < settings.max_iterations)
   {
     iteration.T_motion = T_before.inverse() * result.T;
     iteration.R = result.T.linear().cast<float>();
-    iteration.t = (result.T.translation() - corner).cast<float>();
+    iteration.t = (result.T.translation() - iteration.base.origin).cast<float>();
     iteration.loss_width = static_cast<float>(loss_width);
     Sums sums;
     accumulate(scan, shapes, map, iteration, sums);

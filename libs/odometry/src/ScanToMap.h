@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "ScanSample.h"
-#include "SurfaceMap.h"
+#include "SurfacePyramid.h"
 
 namespace dyslam
 {
@@ -38,7 +38,7 @@ struct ScanToMapResult
   bool converged = false;
 };
 
-/** Robust Gauss-Newton of one scan against a SurfaceMap; keeps its working memory. */
+/** Robust Gauss-Newton of one scan against a SurfacePyramid; keeps its working memory. */
 class ScanToMap
 {
  public:
@@ -48,7 +48,7 @@ class ScanToMap
    *  \param shapes covariances of the points in the vehicle frame, for distributions only */
   ScanToMapResult align(const RawPoints& scan,
                         const std::vector<Eigen::Matrix3f>& shapes,
-                        const SurfaceMap& map,
+                        const SurfacePyramid& map,
                         const Pose& T_before,
                         const Pose& T_guess,
                         const ScanToMapSettings& settings);
@@ -81,18 +81,18 @@ class ScanToMap
     Pose T_motion;  //!< since the frame before
     Eigen::Matrix3f R;
     Eigen::Vector3f t;
-    VoxelCell base;
+    SurfacePyramid::Base base;
     float loss_width = 0;
     bool distributions = false;
   };
 
   void refresh(Match& match,
                const Eigen::Vector3f& q,
-               const SurfaceMap& map,
-               const VoxelCell& base) const;
+               const SurfacePyramid& map,
+               const SurfacePyramid::Base& base) const;
   void accumulate(const RawPoints& scan,
                   const std::vector<Eigen::Matrix3f>& shapes,
-                  const SurfaceMap& map,
+                  const SurfacePyramid& map,
                   const Iteration& iteration,
                   Sums& total);
 

@@ -13,7 +13,7 @@ namespace
 class ScanToMapTest : public testing::TestWithParam<bool>
 {
  protected:
-  ScanToMapTest() : map_(0.5, 1e6, pool_)
+  ScanToMapTest() : map_(0.5, 1, 1e6, pool_)
   {
     map_.add(scene_.frame(Pose::Identity(), 0.01, 1).cloud.points, {}, Pose::Identity());
     const Frame frame = scene_.frame(T_, 0.01, 2);
@@ -32,7 +32,7 @@ class ScanToMapTest : public testing::TestWithParam<bool>
 
   ThreadPool pool_{2};
   test::StreetScene scene_;
-  SurfaceMap map_;
+  SurfacePyramid map_;
   Pose T_ = poseFromYpr(0.4, -0.1, 0.02, 0.02, 0.004, -0.003);
   RawPoints scan_;
   std::vector<Eigen::Matrix3f> shapes_;

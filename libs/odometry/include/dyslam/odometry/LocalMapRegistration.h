@@ -24,7 +24,10 @@ enum class RefineMethod
 struct RefineOptions : Options
 {
   RefineMethod method = RefineMethod::point_to_plane;
-  double cell_size = 0.4;            //!< of the map; surfaces are read from three cells across [m]
+  double cell_size = 0.4;  //!< of the map; surfaces are read from three cells across [m]
+  /** Of the map: each has cells twice as large. A surface is read from the smallest cells that hold
+   * one, so that rings far apart have surfaces, too. 0: as the sensor's first scan asks for. */
+  int levels = 0;
   double max_points_per_cell = 200;  //!< a cell with this many points takes no more
   double map_spacing = 0.1;          //!< nearer followers along a ring are left out [m]
   double map_radius = 100;           //!< farther cells are dropped [m]
