@@ -37,6 +37,10 @@ void makeCompact(SimulatedScan& s)
   {
     t = std::round(t * 16384) / 16384;
   }
+  if (s.scan.ring.empty())
+  {
+    return;
+  }
   std::vector<std::size_t> order(s.scan.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::stable_sort(order.begin(), order.end(),

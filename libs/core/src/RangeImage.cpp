@@ -14,6 +14,9 @@ namespace
 constexpr float pi = 3.14159265358979323846F;
 constexpr std::size_t most_rings = 160;
 constexpr std::size_t fewest_rings = 4;
+/** Rings found by elevation have gaps between them, with next to no points. */
+constexpr float min_gap_share = 0.25F;
+constexpr float max_outside_share = 0.01F;
 
 RangeImage emptyImage(int rows, int cols)
 {
@@ -130,17 +133,30 @@ std::vector<std::uint16_t> ringsByElevation(const std::vector<float>& elevations
   const auto enough = static_cast<std::uint32_t>(elevations.size() / 2000 + 1);
   std::vector<std::uint16_t> ring_of_bin(bins, 0);
   std::size_t rings = 0;
+  std::size_t outside = 0;  // points between rings
+  int first = bins;
+  int last = 0;
+  int occupied_bins = 0;
   bool inside = false;
   for (int b = 0; b < bins; ++b)
   {
-    const bool occupied = histogram[static_cast<std::size_t>(b)] >= enough;
+    const std::uint32_t count = histogram[static_cast<std::size_t>(b)];
+    const bool occupied = count >= enough;
     rings += occupied && !inside ? 1 : 0;
     inside = occupied;
+    outside += occupied ? 0 : count;
+    occupied_bins += occupied ? 1 : 0;
+    first = occupied ? std::min(first, b) : first;
+    last = occupied ? b : last;
     ring_of_bin[static_cast<std::size_t>(b)] =
         static_cast<std::uint16_t>(rings > 0 ? rings - 1 : 0);
   }
   std::vector<std::uint16_t> result;
-  if (rings < fewest_rings || rings > most_rings)
+  const int span = last - first + 1;
+  const bool gaps =
+      static_cast<float>(span - occupied_bins) >= min_gap_share * static_cast<float>(span) &&
+      static_cast<float>(outside) <= max_outside_share * static_cast<float>(elevations.size());
+  if (rings < fewest_rings || rings > most_rings || !gaps)
   {
     return result;
   }

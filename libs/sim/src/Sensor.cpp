@@ -19,11 +19,15 @@ struct Name
   SensorKind kind;
   const char* text;
 };
-constexpr std::array<Name, 5> kNames{{{SensorKind::hdl64e, "HDL64E"},
+constexpr std::array<Name, 9> kNames{{{SensorKind::hdl64e, "HDL64E"},
                                       {SensorKind::hdl32e, "HDL32E"},
                                       {SensorKind::vlp16, "VLP16"},
+                                      {SensorKind::os1_32, "OS1-32"},
                                       {SensorKind::os1_64, "OS1-64"},
-                                      {SensorKind::os1_128, "OS1-128"}}};
+                                      {SensorKind::os1_128, "OS1-128"},
+                                      {SensorKind::pandar64, "PANDAR64"},
+                                      {SensorKind::xt32, "XT32"},
+                                      {SensorKind::avia, "AVIA"}}};
 
 // Upper block: 32 lasers at steps of 1/3 degree from +2; lower block: 32 lasers at 1/2 degree. One
 // firing sequence takes 48 us of the 50 us between columns.
@@ -112,6 +116,76 @@ SensorModel os1(int lasers)
   m.beam_range_bias = 0.004;
   return m;
 }
+
+// From -25 to 15 degrees: steps of 1/6 degree between -6 and 2, coarser ones outside.
+SensorModel pandar64()
+{
+  SensorModel m;
+  std::vector<double> elevations{-25, -19};
+  for (int e = -14; e < -6; ++e)
+  {
+    elevations.push_back(e);
+  }
+  for (int i = 0; i <= 48; ++i)
+  {
+    elevations.push_back(-6 + i / 6.0);
+  }
+  elevations.insert(elevations.end(), {3, 5, 8, 11, 15});
+  for (std::size_t i = 0; i < elevations.size(); ++i)
+  {
+    m.beams.push_back({elevations[i] * kDegree, 0, 0.66e-6 * static_cast<double>(i)});
+  }
+  m.columns = 1800;
+  m.min_range = 0.3;
+  m.max_range = 200;
+  m.range_noise = 0.01;
+  m.range_resolution = 0.004;
+  m.reference_range = 200;
+  m.divergence = 0.001;
+  m.beam_range_bias = 0.005;
+  return m;
+}
+
+// From -16 to 15 degrees, one degree apart.
+SensorModel xt32()
+{
+  SensorModel m;
+  for (int i = 0; i < 32; ++i)
+  {
+    m.beams.push_back({(i - 16) * kDegree, 0, 1.512e-6 * i});
+  }
+  m.columns = 2000;
+  m.min_range = 0.05;
+  m.max_range = 120;
+  m.range_noise = 0.005;
+  m.range_resolution = 0.004;
+  m.reference_range = 80;
+  m.divergence = 0.001;
+  m.beam_range_bias = 0.003;
+  return m;
+}
+
+// 70.4 degrees wide and 77.2 high, 240000 points per second by six lasers.
+SensorModel avia()
+{
+  constexpr int kLasers = 6;
+  constexpr double kWidth = 70.4, kHeight = 77.2;
+  SensorModel m;
+  for (int i = 0; i < kLasers; ++i)
+  {
+    const double along = static_cast<double>(i) / (kLasers - 1) - 0.5;
+    m.beams.push_back({along * (kHeight - kWidth) * kDegree, 0, 1e-6 * i});
+  }
+  m.prisms = {0.25 * kWidth * kDegree, 121.57, -77.73};
+  m.columns = 4000;
+  m.min_range = 1;
+  m.max_range = 200;
+  m.range_noise = 0.02;
+  m.range_resolution = 0.001;
+  m.reference_range = 190;
+  m.divergence = 0.0024;
+  return m;
+}
 }  // namespace
 
 double SensorModel::azimuth(double column) const
@@ -122,6 +196,18 @@ double SensorModel::azimuth(double column) const
 double SensorModel::columnTime(double column) const
 {
   return period * (column / columns - 0.5);
+}
+
+RayAngles SensorModel::throughPrisms(double time, const Beam& beam) const
+{
+  const double first = 2 * kPi * prisms.first_rate * time;
+  const double second = 2 * kPi * prisms.second_rate * time;
+  const double left = prisms.deflection * (std::cos(first) + std::cos(second));
+  const double up = prisms.deflection * (std::sin(first) + std::sin(second)) + beam.elevation;
+  // Deflections are angles from the axis.
+  const double angle = std::hypot(left, up);
+  const double sine = angle > 0 ? std::sin(angle) / angle : 1;
+  return {std::atan2(sine * left, std::cos(angle)), std::asin(sine * up)};
 }
 
 SensorModel sensorModel(SensorKind kind)
@@ -138,11 +224,23 @@ SensorModel sensorModel(SensorKind kind)
     case SensorKind::vlp16:
       model = vlp16();
       break;
+    case SensorKind::os1_32:
+      model = os1(32);
+      break;
     case SensorKind::os1_64:
       model = os1(64);
       break;
     case SensorKind::os1_128:
       model = os1(128);
+      break;
+    case SensorKind::pandar64:
+      model = pandar64();
+      break;
+    case SensorKind::xt32:
+      model = xt32();
+      break;
+    case SensorKind::avia:
+      model = avia();
       break;
   }
   model.name = toString(kind);
@@ -155,6 +253,7 @@ SensorKind sensorKindFromString(const std::string& name)
   std::transform(upper.begin(), upper.end(), upper.begin(),
                  [](unsigned char c) { return static_cast<char>(std::toupper(c)); });
   std::vector<std::string> words;
+  std::string all;
   for (const auto& n : kNames)
   {
     if (upper == n.text)
@@ -162,9 +261,10 @@ SensorKind sensorKindFromString(const std::string& name)
       return n.kind;
     }
     words.emplace_back(n.text);
+    all += std::string(all.empty() ? "" : ", ") + n.text;
   }
   const std::string near = nearestWord(upper, words);
-  throw UserError("sensor: '" + name + "' is none of HDL64E, HDL32E, VLP16, OS1-64, OS1-128" +
+  throw UserError("sensor: '" + name + "' is none of " + all +
                   (near.empty() ? "" : "; did you mean " + near + "?"));
 }
 

@@ -215,6 +215,7 @@ SimulatedScan Simulator::Impl::next()
   sweep.bodies = &bodies;
   sweep.T_map_lidar = scan.T_map_vehicle * T_vehicle_lidar;
   sweep.T_map_lidar_next = scan.T_map_vehicle_next * T_vehicle_lidar;
+  sweep.start = model.period * static_cast<double>(index);
   sweep.seed = combine(combine(static_cast<std::uint64_t>(options.seed), 0x5CA7), index);
   sweep.on_car = options.noise && carrierOf(options) == EgoKind::car;
   sweep.noise = options.noise;

@@ -23,9 +23,13 @@ void SimulatorOptions::describe(OptionsVisitor& visitor)
                  {{"HDL64E", SensorKind::hdl64e},
                   {"HDL32E", SensorKind::hdl32e},
                   {"VLP16", SensorKind::vlp16},
+                  {"OS1-32", SensorKind::os1_32},
                   {"OS1-64", SensorKind::os1_64},
-                  {"OS1-128", SensorKind::os1_128}},
-                 "spinning LiDAR");
+                  {"OS1-128", SensorKind::os1_128},
+                  {"PANDAR64", SensorKind::pandar64},
+                  {"XT32", SensorKind::xt32},
+                  {"AVIA", SensorKind::avia}},
+                 "LiDAR");
   visitor.real("traffic", traffic, 0, 1, "density, from 0 (nothing moves) to 1 (jam)");
   visitor.integer("seed", seed, 0, 2147483647, "seed of world, traffic and noise");
   visitor.choice("ego", ego,

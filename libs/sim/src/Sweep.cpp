@@ -99,28 +99,62 @@ class Caster
                ((column * beam_count_ + beam) * kDrawCount + draw) * 0x9E3779B97F4A7C15ULL);
   }
 
-  /** Nominal direction in the lidar frame, as reported by the sensor. */
-  Eigen::Vector3f direction(float cos_azimuth, float sin_azimuth, std::size_t b) const
+  /** Where the head looks during a column of firings. */
+  struct Column
   {
-    const float c = cos_azimuth * beams_.cos_offset[b] - sin_azimuth * beams_.sin_offset[b];
-    const float s = sin_azimuth * beams_.cos_offset[b] + cos_azimuth * beams_.sin_offset[b];
+    std::size_t number = 0;
+    float azimuth = 0;
+    float cos_azimuth = 1;
+    float sin_azimuth = 0;
+  };
+  Column columnAt(std::size_t c) const
+  {
+    const auto azimuth = static_cast<float>(sensor_.azimuth(static_cast<double>(c)));
+    return {c, azimuth, std::cos(azimuth), std::sin(azimuth)};
+  }
+
+  /** Nominal direction in the lidar frame, as reported by the sensor. */
+  Eigen::Vector3f direction(const Column& column, std::size_t b) const
+  {
+    if (!sensor_.spins())
+    {
+      return throughPrisms(column.number, b);
+    }
+    const float c =
+        column.cos_azimuth * beams_.cos_offset[b] - column.sin_azimuth * beams_.sin_offset[b];
+    const float s =
+        column.sin_azimuth * beams_.cos_offset[b] + column.cos_azimuth * beams_.sin_offset[b];
     return {beams_.cos_elevation[b] * c, beams_.cos_elevation[b] * s, beams_.sin_elevation[b]};
   }
 
+  Eigen::Vector3f throughPrisms(std::size_t column, std::size_t b) const
+  {
+    const Beam& beam = sensor_.beams[b];
+    const double share = static_cast<double>(column) / sensor_.columns;
+    const RayAngles a =
+        sensor_.throughPrisms(scene_.start + sensor_.period * share + beam.fire_time, beam);
+    return Eigen::Vector3d(std::cos(a.elevation) * std::cos(a.azimuth),
+                           std::cos(a.elevation) * std::sin(a.azimuth), std::sin(a.elevation))
+        .cast<float>();
+  }
+
   /** Whether a ray ends on the roof of the car that carries the sensor. */
-  bool isOccludedByCarrier(float azimuth, std::size_t b) const
+  bool isOccludedByCarrier(const Column& column, std::size_t b) const
   {
     if (!scene_.on_car)
     {
       return false;
     }
-    const float a = std::abs(azimuth);
+    const Eigen::Vector3f ray =
+        sensor_.spins() ? Eigen::Vector3f::Zero() : throughPrisms(column.number, b);
+    const float a = std::abs(sensor_.spins() ? column.azimuth : std::atan2(ray.y(), ray.x()));
+    const float sine = sensor_.spins() ? beams_.sin_elevation[b] : ray.z();
     const float limit = a > 2.55F   ? -0.315F + 0.10F * (3.1416F - a)
                         : a > 2.05F ? -0.40F
                         : a > 1.9F  ? -0.37F
                         : a < 0.4F  ? -0.395F - 0.08F * a
                                     : -1.0F;
-    return beams_.sin_elevation[b] < limit;
+    return sine < limit;
   }
 
   float sweepFraction(std::size_t column) const
@@ -154,8 +188,7 @@ void Caster::tracePacket(std::size_t column, std::size_t count, std::size_t b)
   {
     const std::size_t c = column + std::min(k, count - 1);
     valid[k] = k < count ? -1 : 0;
-    const auto azimuth = static_cast<float>(sensor_.azimuth(static_cast<double>(c)));
-    Eigen::Vector3f d = direction(std::cos(azimuth), std::sin(azimuth), b);
+    Eigen::Vector3f d = direction(columnAt(c), b);
     if (scene_.noise)
     {
       // Random direction within the beam, which blurs edges. Less in elevation: on the ground the
@@ -230,14 +263,12 @@ void Caster::resolve(std::size_t begin, std::size_t end, ChunkOutput& out) const
   {
     const Pose& T_map_lidar = scene_.T_map_lidar_column[c];
     const Eigen::Isometry3f T_stamp_column = (T_lidar_map * T_map_lidar).cast<float>();
-    const auto azimuth = static_cast<float>(sensor_.azimuth(static_cast<double>(c)));
-    const float cos_azimuth = std::cos(azimuth), sin_azimuth = std::sin(azimuth);
+    const Column column = columnAt(c);
     for (std::size_t b = 0; b < beam_count_; ++b)
     {
-      if (hits_[c * beam_count_ + b].range > 0 && !isOccludedByCarrier(azimuth, b))
+      if (hits_[c * beam_count_ + b].range > 0 && !isOccludedByCarrier(column, b))
       {
-        resolveHit(c, b, T_map_lidar, T_stamp_column, T_next_stamp,
-                   direction(cos_azimuth, sin_azimuth, b), out);
+        resolveHit(c, b, T_map_lidar, T_stamp_column, T_next_stamp, direction(column, b), out);
       }
     }
   }
@@ -361,7 +392,10 @@ void Caster::resolveHit(std::size_t column,
   out.flow.push_back(flow);
   out.intensity.push_back(std::round(255 * std::clamp(brightness, 0.0F, 1.0F)) / 255);
   out.time.push_back(time);
-  out.ring.push_back(static_cast<std::uint16_t>(b));
+  if (sensor_.spins())
+  {
+    out.ring.push_back(static_cast<std::uint16_t>(b));
+  }
   out.label.push_back(static_cast<std::uint32_t>(semantic) | static_cast<std::uint32_t>(instance)
                                                                  << 16);
   out.moving.push_back(moving ? 1 : 0);

@@ -37,6 +37,7 @@ struct SweepScene
   std::vector<Pose> T_map_lidar_column;      //!< at the start of each column
   Pose T_map_lidar = Pose::Identity();       //!< at the stamp
   Pose T_map_lidar_next = Pose::Identity();  //!< at the next stamp
+  double start = 0;                          //!< since the sensor was switched on [s]
   std::uint64_t seed = 0;                    //!< of this sweep
   bool noise = true;
   bool motion_distortion = true;

@@ -33,7 +33,10 @@ TEST(Sensor, BeamTablesMatchTheDataSheets)
   check(SensorKind::hdl32e, 32, -30.67, 10.67);
   check(SensorKind::vlp16, 16, -15, 15);
   check(SensorKind::os1_64, 64, -22.5, 22.5);
+  check(SensorKind::os1_32, 32, -22.5, 22.5);
   check(SensorKind::os1_128, 128, -22.5, 22.5);
+  check(SensorKind::pandar64, 64, -25, 15);
+  check(SensorKind::xt32, 32, -16, 15);
 }
 
 TEST(Sensor, VelodyneFiringTimesMatchTheDataSheet)
@@ -60,7 +63,8 @@ TEST(Sensor, SweepIsClockwiseAndFacesForwardAtTheStamp)
 TEST(Sensor, NamesRoundTripAndErrorsSuggestTheNearest)
 {
   for (const auto kind : {SensorKind::hdl64e, SensorKind::hdl32e, SensorKind::vlp16,
-                          SensorKind::os1_64, SensorKind::os1_128})
+                          SensorKind::os1_32, SensorKind::os1_64, SensorKind::os1_128,
+                          SensorKind::pandar64, SensorKind::xt32, SensorKind::avia})
   {
     EXPECT_EQ(sensorKindFromString(toString(kind)), kind);
   }
@@ -126,5 +130,51 @@ TEST(Sensor, PointsMatchTheirBeamAndTime)
     EXPECT_LE(scan.scan.intensity[i], 1);
   }
   EXPECT_GT(rings.size(), 12U);
+}
+
+TEST(Sensor, PrismsFillTheFieldOfViewAndDoNotRepeat)
+{
+  SimulatorOptions options;
+  options.sensor = SensorKind::avia;
+  options.traffic = 0;
+  Simulator simulator(options);
+  const SensorModel& m = simulator.sensor();
+  EXPECT_FALSE(m.spins());
+  // 240000 points per second.
+  EXPECT_NEAR(static_cast<double>(m.beams.size()) * m.columns / m.period, 240000, 1);
+  double left = 0, up = 0, down = 0;
+  for (int c = 0; c < 10 * m.columns; ++c)
+  {
+    const double time = m.period * c / m.columns;
+    left = std::max(left, m.throughPrisms(time, m.beams[0]).azimuth);
+    down = std::min(down, m.throughPrisms(time, m.beams.front()).elevation);
+    up = std::max(up, m.throughPrisms(time, m.beams.back()).elevation);
+  }
+  EXPECT_NEAR(2 * left, 70.4 * kDegree, 0.3 * kDegree);
+  EXPECT_NEAR(up - down, 77.2 * kDegree, 0.3 * kDegree);
+
+  const RayAngles first = m.throughPrisms(0.01, m.beams[2]);
+  const RayAngles later = m.throughPrisms(0.01 + m.period, m.beams[2]);
+  EXPECT_GT(std::hypot(first.azimuth - later.azimuth, first.elevation - later.elevation),
+            5 * kDegree);
+
+  // Points lie where the beam looked at their time.
+  const SimulatedScan scan = simulator.next();
+  ASSERT_GT(scan.scan.size(), 5000U);
+  EXPECT_TRUE(scan.scan.ring.empty());
+  for (std::size_t i = 0; i < scan.scan.size(); i += 50)
+  {
+    const Eigen::Vector3d p = scan.scan.points[i].cast<double>().normalized();
+    double nearest = 1;
+    for (const Beam& beam : m.beams)
+    {
+      const double time = 0.5 * m.period + static_cast<double>(scan.scan.time[i]);
+      const RayAngles a = m.throughPrisms(time, beam);
+      const Eigen::Vector3d ray(std::cos(a.elevation) * std::cos(a.azimuth),
+                                std::cos(a.elevation) * std::sin(a.azimuth), std::sin(a.elevation));
+      nearest = std::min(nearest, (ray - p).norm());
+    }
+    EXPECT_LT(nearest, 0.05 * kDegree);
+  }
 }
 }  // namespace

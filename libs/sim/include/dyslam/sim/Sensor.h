@@ -11,31 +11,52 @@ enum class SensorKind
   hdl64e,
   hdl32e,
   vlp16,
+  os1_32,
   os1_64,
-  os1_128
+  os1_128,
+  pandar64,
+  xt32,
+  avia
 };
 
-/** One laser of a spinning LiDAR. */
+/** One laser of a LiDAR. */
 struct Beam
 {
-  double elevation = 0;       //!< above the horizontal [rad]
+  double elevation = 0;       //!< above the horizontal, or above the axis of a rosette [rad]
   double azimuth_offset = 0;  //!< added to the head's azimuth, counter-clockwise [rad]
   double fire_time = 0;       //!< after the start of its column [s]
 };
 
-/** Model of a spinning LiDAR: beams, rotation and measurement errors.
+/** Direction of a ray in the lidar frame [rad]. */
+struct RayAngles
+{
+  double azimuth = 0;  //!< counter-clockwise from straight ahead
+  double elevation = 0;
+};
+
+/** Two wedge prisms that turn in front of the lasers deflect them on a path that hardly repeats. */
+struct Prisms
+{
+  double deflection = 0;  //!< of each prism [rad]; 0: there are none, the head spins
+  double first_rate = 0;  //!< [revolutions/s]
+  double second_rate = 0;
+};
+
+/** Model of a LiDAR: beams, rotation and measurement errors.
  *
- * The head rotates clockwise seen from above. A sweep begins and ends facing backwards, so that the
- * stamp, in its middle, is the time at which the sensor faces forwards.
+ * A spinning head rotates clockwise seen from above. A sweep begins and ends facing backwards, so
+ * that the stamp, in its middle, is the time at which the sensor faces forwards. A sensor with
+ * prisms looks ahead and has no rings.
  */
 struct SensorModel
 {
   std::string name;
   std::vector<Beam> beams;  //!< from the lowest to the highest; the index is the ring number
-  int columns = 0;          //!< firings of each beam per revolution
-  double period = 0.1;      //!< of one revolution [s]
-  double min_range = 0.5;   //!< [m]
-  double max_range = 100;   //!< [m]
+  Prisms prisms;
+  int columns = 0;         //!< firings of each beam per sweep
+  double period = 0.1;     //!< of one sweep: a revolution, if the head spins [s]
+  double min_range = 0.5;  //!< [m]
+  double max_range = 100;  //!< [m]
 
   double range_noise = 0.02;    //!< standard deviation for a bright target [m]
   double range_resolution = 0;  //!< quantisation of the range; 0 for none [m]
@@ -50,12 +71,18 @@ struct SensorModel
   [[nodiscard]] double azimuth(double column) const;
   /** Start of column `c` relative to the stamp [s], from -period/2. */
   [[nodiscard]] double columnTime(double column) const;
+  [[nodiscard]] bool spins() const { return prisms.deflection == 0; }
+  /** Where a beam of a sensor with prisms looks, `time` seconds after it was switched on. */
+  [[nodiscard]] RayAngles throughPrisms(double time, const Beam& beam) const;
 };
 
-/** Model from the manufacturer's data sheet (beam table, firing times, range, accuracy). */
+/** Model from the manufacturer's data sheet (beam table, firing times, range, accuracy). Of the
+ * Livox Avia only field of view, points per second, range and noise are published; the rates of the
+ * prisms are those measured on a Livox Mid-40, the order of its six lasers is assumed. */
 [[nodiscard]] SensorModel sensorModel(SensorKind kind);
 
-/** "HDL64E", "HDL32E", "VLP16", "OS1-64", "OS1-128", in any case. \throws UserError. */
+/** "HDL64E", "HDL32E", "VLP16", "OS1-32", "OS1-64", "OS1-128", "PANDAR64", "XT32", "AVIA", in any
+ * case. \throws UserError. */
 [[nodiscard]] SensorKind sensorKindFromString(const std::string& name);
 [[nodiscard]] std::string toString(SensorKind kind);
 }  // namespace dyslam::sim
