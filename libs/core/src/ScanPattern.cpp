@@ -67,9 +67,10 @@ std::vector<Ring> measureRings(const std::vector<Eigen::Vector3f>& points,
     ring.spread = quantile(elevations[r], 0.5);
     rings.push_back(ring);
   }
-  std::sort(rings.begin(), rings.end(),
-            [](const Ring& a, const Ring& b)
-            { return a.elevation < b.elevation || (a.elevation == b.elevation && a.number < b.number); });
+  std::sort(
+      rings.begin(), rings.end(),
+      [](const Ring& a, const Ring& b)
+      { return a.elevation < b.elevation || (a.elevation == b.elevation && a.number < b.number); });
   return rings;
 }
 
