@@ -2,12 +2,15 @@
 #pragma once
 
 #include <dyslam/core/SharedFiles.h>
+#include <dyslam/io/RawlogSource.h>
+#include <dyslam/pipeline/SensorSettings.h>
 #include <dyslam/pipeline/SlamRun.h>
 
 #include <CLI/CLI.hpp>
 #include <atomic>
 #include <csignal>
 #include <cstdio>
+#include <filesystem>
 #include <functional>
 #include <optional>
 #include <string>
@@ -23,11 +26,12 @@ namespace dyslam
 struct SlamArguments
 {
   SlamRunSettings settings;
-  std::string config = "kitti64.ini";
+  std::string config;
   std::vector<std::string> assignments;
   std::string verbosity = "INFO";
   std::optional<int> skip_first_n;
   std::optional<int> only_first_n;
+  std::vector<std::string> said;  //!< about sensor and settings, at the first scan
 
   [[nodiscard]] bool quiet() const { return verbosity == "ERROR"; }
 };
@@ -35,11 +39,14 @@ struct SlamArguments
 /** All but those of input and output. */
 inline void declareSlamArguments(CLI::App& app, SlamArguments& a)
 {
-  app.add_option("-c,--config", a.config, "ini file, or the name of a shipped one")
-      ->capture_default_str();
+  app.add_option("-c,--config", a.config,
+                 "ini file, or the name of a shipped one (default: the shipped one that fits the "
+                 "recording's sensor)");
   app.add_option("--set", a.assignments, "section.key=value, as if it stood in the ini; repeatable")
       ->take_all()
       ->allow_extra_args(false);
+  app.add_flag("--force", a.settings.force,
+               "write into --output even if files there of the names of results are of no run");
   app.add_flag("--labels", a.settings.labels,
                "write labels/NNNNNN.label, moving and static points");
   app.add_flag("--static-scans", a.settings.static_scans,
@@ -53,10 +60,9 @@ inline void declareSlamArguments(CLI::App& app, SlamArguments& a)
       ->capture_default_str();
 }
 
-/** The ini and what the command line puts in it. \throws UserError. */
-inline Config configOf(const SlamArguments& a)
+/** Puts the command line's values in. \throws UserError. */
+inline void applyFlags(const SlamArguments& a, Config& config)
 {
-  Config config = Config::fromFile(findGivenOrShared(a.config, "config_files", ".ini"));
   for (const auto& assignment : a.assignments)
   {
     config.set(assignment);
@@ -69,7 +75,57 @@ inline Config configOf(const SlamArguments& a)
   {
     config.set("input.only_first_n=" + std::to_string(*a.only_first_n));
   }
-  return config;
+}
+
+/** Fills the settings' config: the ini, what fits the sensor and what the command line says.
+ * \throws UserError. */
+inline void chooseSettings(const std::string& program, SlamArguments& a)
+{
+  Config given;
+  std::string name;
+  if (!a.config.empty())
+  {
+    const std::string path = findGivenOrShared(a.config, "config_files", ".ini");
+    name = std::filesystem::path(path).filename().string();
+    given = Config::fromFile(path);
+    given.requireFor("dyslam");
+    a.settings.inputs.push_back(path);
+  }
+  Config with_flags = given;
+  applyFlags(a, with_flags);
+  RawlogSourceOptions input;
+  load(input, with_flags, "input");
+  const RecordedSensor sensor = recogniseSensor(a.settings.rawlog, input);
+  const ChosenSettings chosen = settingsFor(sensor, given, name);
+  a.settings.config = chosen.config;
+  applyFlags(a, a.settings.config);
+  a.settings.sensor = sensor.summary();
+  a.settings.warnings = chosen.warnings;
+  a.said.push_back(program + ": " + sensor.summary() + "; settings: " + chosen.source);
+  const bool has_deskew = a.settings.config.has("preprocess", "deskew");
+  const std::string missing_times = sensor.missingTimes(
+      has_deskew ? a.settings.config.section("preprocess").at("deskew").text : "auto");
+  if (!missing_times.empty())
+  {
+    a.said.push_back(program + ": " + missing_times);
+  }
+  for (const std::string& warning : chosen.warnings)
+  {
+    a.said.push_back("warning: " + warning);
+  }
+}
+
+/** Says on stderr what was recognised and chosen, once. */
+inline void sayAtFirstScan(SlamArguments& a)
+{
+  for (const std::string& line : a.said)
+  {
+    if (!a.quiet())
+    {
+      std::fprintf(stderr, "%s\n", printable(line).c_str());
+    }
+  }
+  a.said.clear();
 }
 
 // The only thing a signal can reach.
@@ -87,11 +143,12 @@ inline void stopOnSignals()
   sigaction(SIGTERM, &action, nullptr);
 }
 
-inline void print(const SlamRunReport& report, const std::string& folder)
+/** \param said how many of the warnings, which come first, were said at the beginning. */
+inline void print(const SlamRunReport& report, const std::string& folder, std::size_t said)
 {
-  for (const auto& warning : report.warnings)
+  for (std::size_t i = said; i < report.warnings.size(); ++i)
   {
-    std::printf("warning: %s\n", warning.c_str());
+    std::printf("warning: %s\n", report.warnings[i].c_str());
   }
   std::printf("%s\n", report.method.c_str());
   std::printf("%zu scans, %.1f m, %zu keyframes, %zu loops, %zu moving objects, %zu map points\n",
@@ -122,19 +179,23 @@ using SlamRunner = std::function<SlamRunReport(
 inline void runSlamProgram(const std::string& program, SlamArguments& a, const SlamRunner& run)
 {
   requireConverted(a.settings.rawlog);
-  a.settings.config = configOf(a);
+  chooseSettings(program, a);
   stopOnSignals();
   a.settings.stop = [] { return stop_asked.load(); };
   SlamRunReport report;
   {
     Progress progress(program, "scans", a.quiet());
     report = run(a.settings,
-                 [&](double fraction, std::size_t frames) { progress.update(fraction, frames); });
+                 [&](double fraction, std::size_t frames)
+                 {
+                   sayAtFirstScan(a);
+                   progress.update(fraction, frames);
+                 });
     progress.finish(report.frames);
   }
   if (!a.quiet())
   {
-    print(report, a.settings.output_folder);
+    print(report, a.settings.output_folder, a.settings.warnings.size());
   }
   if (!report.failure.empty())
   {

@@ -64,6 +64,7 @@ const Published* publishedFor(const Arguments& a, const std::string& type)
 KittiMotSetup setupOf(const Arguments& a)
 {
   Config config = Config::fromFile(findGivenOrShared(a.config, "config_files", ".ini"));
+  config.requireFor("dyslam-eval");
   for (const std::string& assignment : a.set)
   {
     config.set(assignment);

@@ -64,6 +64,7 @@ struct Settings
 Settings settingsOf(const Arguments& a)
 {
   Config config = Config::fromFile(findGivenOrShared(a.config, "config_files", ".ini"));
+  config.requireFor("dyslam-eval");
   config.set("backend.keyframe_distance=0");
   config.set("objects.window_keyframes=0");
   for (const std::string& assignment : a.set)

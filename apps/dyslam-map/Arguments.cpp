@@ -20,7 +20,8 @@ std::vector<std::string> knownSections()
   std::vector<std::string> known{"map",    "preprocess", "map_export", "input",         "pipeline",
                                  "dyseg",  "residual",   "odometry",   "dyseg_network", "refine",
                                  "motion", "detector",   "tracker",    "dyseg_filter",  "solver",
-                                 "loop",   "backend",    "output",     "replay",        "fusion"};
+                                 "loop",   "backend",    "output",     "replay",        "fusion",
+                                 "sensor", "objects",    "uncertainty"};
   const auto methods = scanMatcherNames();
   known.insert(known.end(), methods.begin(), methods.end());
   return known;
@@ -93,6 +94,7 @@ void loadConfig(Arguments& a)
   if (!a.config.empty())
   {
     config = Config::fromFile(findGivenOrShared(a.config, "config_files", ".ini"));
+    config.requireFor("dyslam");
   }
   for (const auto& assignment : a.assignments)
   {

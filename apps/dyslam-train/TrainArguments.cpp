@@ -44,6 +44,7 @@ void noteSignal(int /*number*/)
 Config TrainArguments::loadConfig() const
 {
   Config loaded = Config::fromFile(findGivenOrShared(config, "config_files", ".ini"));
+  loaded.requireFor("dyslam-train");
   for (const std::string& assignment : assignments)
   {
     loaded.set(assignment);

@@ -1,11 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/Config.h>
 #include <dyslam/core/Error.h>
+#include <dyslam/core/Files.h>
+#include <dyslam/core/SharedFiles.h>
 
 #include <algorithm>
 #include <filesystem>
-#include <fstream>
 #include <sstream>
+#include <utility>
+
+namespace fs = std::filesystem;
 
 namespace dyslam
 {
@@ -35,65 +39,152 @@ std::string withoutComment(const std::string& line)
 }
 }  // namespace
 
+/** Reads inis, and those that they include. */
+struct Config::Parser
+{
+  Config readFile(const std::string& path)
+  {
+    if (!fs::is_regular_file(path))
+    {
+      throw UserError(path + ": no such config file; give an existing .ini with --config");
+    }
+    chain.push_back(path);
+    Config config = read(readWhole(path), fs::path(path).filename().string());
+    chain.pop_back();
+    return config;
+  }
+
+  Config read(const std::string& text, const std::string& name)
+  {
+    const std::string mark = "\xEF\xBB\xBF";  // that some editors begin a file with
+    std::istringstream lines(text.rfind(mark, 0) == 0 ? text.substr(mark.size()) : text);
+    Config included;
+    Config own;
+    std::string section;
+    std::string line;
+    for (int number = 1; std::getline(lines, line); ++number)
+    {
+      const std::string origin = name + ":" + std::to_string(number);
+      line = trimmed(withoutComment(line));
+      if (line.empty() || line[0] == '#' || line[0] == ';')
+      {
+        continue;
+      }
+      if (line.front() == '[')
+      {
+        section = sectionOf(line, origin);
+        own.section_origin_.emplace(section, origin);
+        continue;
+      }
+      const auto equals = line.find('=');
+      const std::string key = trimmed(line.substr(0, equals));
+      if (equals == std::string::npos || key.empty())
+      {
+        throw UserError(origin + ": '" + line + "' is not a setting; write key = value");
+      }
+      const Value value{trimmed(line.substr(equals + 1)), origin, {}};
+      if (section.empty())
+      {
+        readHeader(key, value, included, own);
+        continue;
+      }
+      if (own.has(section, key))
+      {
+        throw UserError(origin + ": [" + section + "] " + key +
+                        " is given twice; the first is at " + own.section(section).at(key).origin);
+      }
+      own.set(section, key, value);
+    }
+    included.merge(own);
+    return included;
+  }
+
+ private:
+  static std::string sectionOf(const std::string& line, const std::string& origin)
+  {
+    if (line.back() != ']' || line.size() < 3)
+    {
+      throw UserError(origin + ": '" + line + "' is not a section; write [name]");
+    }
+    return trimmed(line.substr(1, line.size() - 2));
+  }
+
+  /** A key before the first section. */
+  void readHeader(const std::string& key, const Value& value, Config& included, Config& own)
+  {
+    if (key == "include")
+    {
+      included.merge(readIncluded(value));
+    }
+    else if (key == "program")
+    {
+      own.program_ = value;
+    }
+    else
+    {
+      throw UserError(value.origin + ": key '" + key +
+                      "' stands before the first [section], where only include and program may");
+    }
+  }
+
+  Config readIncluded(const Value& value)
+  {
+    const std::string what = value.origin + ": include";
+    std::string path = value.text;
+    if (!chain.empty() && fs::path(path).is_relative())
+    {
+      const fs::path beside = fs::path(chain.back()).parent_path() / path;
+      path = fs::is_regular_file(beside) ? beside.string() : path;
+    }
+    path = findGivenOrShared(path, "config_files", ".ini", what);
+    for (const std::string& open : chain)
+    {
+      std::error_code ignored;
+      if (fs::equivalent(open, path, ignored))
+      {
+        throw UserError(what + " = " + value.text +
+                        ": that file includes this one; remove one of " + "the two lines");
+      }
+    }
+    return readFile(path);
+  }
+
+  std::vector<std::string> chain;  //!< files being read, each included by the one before
+};
+
 Config Config::fromFile(const std::string& path)
 {
-  if (!std::filesystem::is_regular_file(path))
-  {
-    throw UserError(path + ": no such config file; give an existing .ini with --config");
-  }
-  std::ifstream file(path);
-  std::stringstream text;
-  text << file.rdbuf();
-  if (!file)
-  {
-    throw UserError(path + ": the config file cannot be read; check its permissions");
-  }
-  return fromText(text.str(), std::filesystem::path(path).filename().string());
+  return Parser().readFile(path);
 }
 
 Config Config::fromText(const std::string& text, const std::string& name)
 {
-  Config config;
-  const std::string mark = "\xEF\xBB\xBF";  // that some editors begin a file with
-  std::istringstream lines(text.rfind(mark, 0) == 0 ? text.substr(mark.size()) : text);
-  std::string section;
-  std::string line;
-  for (int number = 1; std::getline(lines, line); ++number)
+  return Parser().read(text, name);
+}
+
+void Config::merge(const Config& other)
+{
+  for (const auto& [section, origin] : other.section_origin_)
   {
-    const std::string origin = name + ":" + std::to_string(number);
-    line = trimmed(withoutComment(line));
-    if (line.empty() || line[0] == '#' || line[0] == ';')
-    {
-      continue;
-    }
-    if (line.front() == '[')
-    {
-      if (line.back() != ']' || line.size() < 3)
-      {
-        throw UserError(origin + ": '" + line + "' is not a section; write [name]");
-      }
-      section = trimmed(line.substr(1, line.size() - 2));
-      config.section_origin_.emplace(section, origin);
-      continue;
-    }
-    const auto equals = line.find('=');
-    const std::string key = trimmed(line.substr(0, equals));
-    if (equals == std::string::npos || key.empty())
-    {
-      throw UserError(origin + ": '" + line + "' is not a setting; write key = value");
-    }
-    if (section.empty())
-    {
-      throw UserError(origin + ": key '" + key + "' stands before the first [section]");
-    }
-    if (config.has(section, key))
-    {
-      throw UserError(origin + ": [" + section + "] " + key + " is given twice; the first is at " +
-                      config.section(section).at(key).origin);
-    }
-    config.set(section, key, {trimmed(line.substr(equals + 1)), origin, {}});
+    section_origin_.emplace(section, origin);
   }
-  return config;
+  for (const std::string& section : other.section_order_)
+  {
+    for (const std::string& key : other.key_order_.at(section))
+    {
+      set(section, key, other.sections_.at(section).at(key));
+    }
+  }
+  program_ = other.program_.text.empty() ? program_ : other.program_;
+}
+
+void Config::requireFor(const std::string& program) const
+{
+  if (!program_.text.empty() && program_.text != program)
+  {
+    throw UserError(program_.origin + ": these settings are for " + program_.text + ", not for " +
+                    program);
+  }
 }
 
 void Config::set(const std::string& assignment)

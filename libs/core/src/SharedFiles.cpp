@@ -2,9 +2,9 @@
 #include <dyslam/core/Error.h>
 #include <dyslam/core/SharedFiles.h>
 
-#include <algorithm>
 #include <cstdlib>
 #include <filesystem>
+#include <map>
 #include <vector>
 
 namespace fs = std::filesystem;
@@ -37,7 +37,18 @@ std::vector<fs::path> sharedFolders()
 
 std::string namesIn(const std::string& folder, const std::string& extension)
 {
-  std::vector<std::string> names;
+  std::string text;
+  for (const auto& path : sharedFiles(folder, extension))
+  {
+    text += (text.empty() ? "" : ", ") + fs::path(path).filename().string();
+  }
+  return text;
+}
+}  // namespace
+
+std::vector<std::string> sharedFiles(const std::string& folder, const std::string& extension)
+{
+  std::map<std::string, std::string> by_name;
   for (const auto& shared : sharedFolders())
   {
     std::error_code ignored;
@@ -45,20 +56,17 @@ std::string namesIn(const std::string& folder, const std::string& extension)
     {
       if (entry.path().extension() == extension)
       {
-        names.push_back(entry.path().filename().string());
+        by_name.emplace(entry.path().filename().string(), entry.path().string());
       }
     }
   }
-  std::sort(names.begin(), names.end());
-  names.erase(std::unique(names.begin(), names.end()), names.end());
-  std::string text;
-  for (const auto& name : names)
+  std::vector<std::string> paths;
+  for (const auto& [name, path] : by_name)
   {
-    text += (text.empty() ? "" : ", ") + name;
+    paths.push_back(path);
   }
-  return text;
+  return paths;
 }
-}  // namespace
 
 std::string findGivenOrShared(const std::string& path,
                               const std::string& folder,

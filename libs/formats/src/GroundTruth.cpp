@@ -131,8 +131,23 @@ std::optional<std::vector<Eigen::Vector3f>> GroundTruthReader::flow(std::size_t 
   return flow;
 }
 
+void requireNoLinks(const std::string& folder)
+{
+  for (const char* sub : {"labels", "flow"})
+  {
+    const fs::path path = fs::path(folder) / sub;
+    std::error_code ignored;
+    if (fs::is_symlink(fs::symlink_status(path, ignored)))
+    {
+      throw UserError(path.string() + ": is a link, and the files behind it would be replaced; " +
+                      "remove the link, or choose another --output");
+    }
+  }
+}
+
 GroundTruthWriter::GroundTruthWriter(const std::string& folder) : folder_(folder)
 {
+  requireNoLinks(folder);
   makeFolder(folder);
   for (const char* old : {"poses_tum.txt", "tracks.txt"})
   {

@@ -46,6 +46,32 @@ Pose sensorPoseFrom(std::string text)
   const double rad = M_PI / 180;
   return poseFromYpr(v[0], v[1], v[2], rad * v[3], rad * v[4], rad * v[5]);
 }
+
+void requireNoInput(const std::string& output, const std::vector<std::string>& inputs)
+{
+  const auto resolved = [](const std::string& path)
+  { return fs::weakly_canonical(fs::absolute(path)); };
+  const fs::path file = resolved(output);
+  const fs::path truth = resolved(groundTruthFolder(output));
+  const fs::path clouds = resolved(externalStorageFolder(output));
+  for (const std::string& input : inputs)
+  {
+    if (input.empty())
+    {
+      continue;
+    }
+    const fs::path path = resolved(input);
+    std::error_code ignored;
+    const auto within = [&path](const fs::path& folder)
+    { return *path.lexically_relative(folder).begin() != ".."; };
+    if (path == file || fs::equivalent(path, file, ignored) || within(truth) || within(clouds))
+    {
+      throw UserError(input + ": would be replaced by what is written to " + output +
+                      "; choose another --output");
+    }
+  }
+}
+
 ConversionOutput::ConversionOutput(const std::string& path,
                                    bool external_storage,
                                    int compression_level)
@@ -53,6 +79,7 @@ ConversionOutput::ConversionOutput(const std::string& path,
       pending_(folder_ + ".tmp"),
       writer_(path, writerOptions(external_storage, compression_level))
 {
+  requireNoLinks(folder_);
   fs::remove_all(pending_);  // of a killed program
 }
 

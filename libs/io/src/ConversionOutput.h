@@ -8,12 +8,17 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 namespace dyslam
 {
 /** T_vehicle_lidar of "x y z yaw pitch roll" [m, deg], parted by spaces or commas; identity if
  * empty. \throws UserError. */
 [[nodiscard]] Pose sensorPoseFrom(std::string text);
+
+/** \param inputs files and folders that a conversion reads; empty ones are passed over.
+ * \throws UserError if writing the rawlog `output` with its sidecar would replace one of them. */
+void requireNoInput(const std::string& output, const std::vector<std::string>& inputs);
 
 /** A rawlog and, once there is truth for it, its sidecar; counts what it writes.
  *

@@ -70,6 +70,8 @@ ConversionResult convertKitti(const std::string& input,
                               const ConversionProgress& progress)
 {
   validate(options, "kitti2rawlog");
+  requireNoInput(output, {input, options.calib, options.poses, options.oxts, options.labels,
+                          options.boxes, options.times});
   const Pose T_vehicle_lidar = sensorPoseFrom(options.sensor_pose);
   const KittiLayout layout = readKittiLayout(input, options);
   std::multimap<int, const LabelledBox*> boxes;

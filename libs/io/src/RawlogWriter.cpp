@@ -79,6 +79,12 @@ void requireSameLength(const Scan& scan)
 }
 }  // namespace
 
+std::string externalStorageFolder(const std::string& rawlog)
+{
+  const fs::path path(rawlog);
+  return (path.parent_path() / (path.stem().string() + "_Images")).string();
+}
+
 void RawlogWriterOptions::describe(OptionsVisitor& visitor)
 {
   visitor.flag("external_storage", external_storage, "clouds as .bin files in <name>_Images/");
@@ -94,21 +100,42 @@ struct RawlogWriter::Impl
   GzOutput file;
   std::size_t frames = 0;
   bool closed = false;
-  std::vector<std::string> external;  //!< files of clouds
+  std::vector<std::string> external;  //!< names of the clouds' files
 
   Impl(const std::string& path_in, const RawlogWriterOptions& options_in)
       : path(path_in), options(options_in), file(path_in, options_in.compression_level)
   {
     if (options.external_storage)
     {
-      makeFolder(externalFolder());
+      fs::remove_all(pendingFolder());  // of a killed program
+      makeFolder(pendingFolder());
+    }
+  }
+  ~Impl()
+  {
+    if (options.external_storage)
+    {
+      std::error_code ignored;
+      fs::remove_all(pendingFolder(), ignored);
     }
   }
 
-  [[nodiscard]] std::string externalFolder() const
+  /** Where clouds in files of their own wait until the rawlog is whole. */
+  [[nodiscard]] std::string pendingFolder() const { return externalStorageFolder(path) + ".tmp"; }
+
+  void installClouds() const
   {
-    const fs::path p(path);
-    return (p.parent_path() / (p.stem().string() + "_Images")).string();
+    const fs::path folder = externalStorageFolder(path);
+    makeFolder(folder.string());
+    for (const std::string& name : external)
+    {
+      std::error_code error;
+      fs::rename(fs::path(pendingFolder()) / name, folder / name, error);
+      if (error)
+      {
+        throw UserError((folder / name).string() + ": cannot be written: " + error.message());
+      }
+    }
   }
 
   void put(const mrpt::serialization::CSerializable& object)
@@ -136,8 +163,8 @@ struct RawlogWriter::Impl
   {
     std::string name = label + "_" + numberedName(frames, ".gz");
     std::replace(name.begin(), name.end(), '/', '_');
-    external.push_back((fs::path(externalFolder()) / name).string());
-    GzOutput out(external.back(), options.compression_level);
+    external.push_back(name);
+    GzOutput out((fs::path(pendingFolder()) / name).string(), options.compression_level);
     auto archive = mrpt::serialization::archiveFrom(out);
     archive << *observation.pointcloud;
     out.close();
@@ -215,21 +242,16 @@ void RawlogWriter::close()
     return;
   }
   impl_->closed = true;
+  if (impl_->options.external_storage)
+  {
+    impl_->installClouds();
+  }
   impl_->file.close();
 }
 
 void RawlogWriter::abandon()
 {
   impl_->closed = true;  // without a commit the file goes with the writer
-  std::error_code ignored;
-  for (const std::string& file : impl_->external)
-  {
-    fs::remove(file, ignored);
-  }
-  if (impl_->options.external_storage)
-  {
-    fs::remove(impl_->externalFolder(), ignored);  // only if it is empty
-  }
 }
 
 std::size_t RawlogWriter::framesWritten() const

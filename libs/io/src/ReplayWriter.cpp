@@ -122,8 +122,8 @@ void insertObject(mrpt::opengl::COpenGLScene& scene,
 
 void ReplayWriterOptions::describe(OptionsVisitor& v)
 {
-  v.integer("every_nth_scan", every_nth_scan, 1, 100000, "1: every scan");
-  v.real("voxel_size", voxel_size, 0, 10,
+  v.integer("every", every, 1, 100000, "1: every scan");
+  v.real("resolution", resolution, 0, 10,
          "m, one point of the static cloud per cube of this side, 0 keeps all");
   v.integer("scene_points", scene_points, 0, 10000000,
             "at most so many points in the 3D scene, 0: no scene");
@@ -262,13 +262,13 @@ void ReplayWriter::write(const Frame& frame)
     throw std::logic_error("ReplayWriter is closed");
   }
   m.extendPath(frame);
-  if (m.seen++ % static_cast<std::size_t>(m.options.every_nth_scan) != 0)
+  if (m.seen++ % static_cast<std::size_t>(m.options.every) != 0)
   {
     return;
   }
   auto moving = frame.moving;
   moving.resize(frame.cloud.size(), false);
-  const Part standing_part = partOf(frame, moving, false, m.options.voxel_size);
+  const Part standing_part = partOf(frame, moving, false, m.options.resolution);
   const Part moving_part = partOf(frame, moving, true, 0);
   if (frame.T_map_vehicle().matrix().allFinite())
   {

@@ -247,6 +247,7 @@ ConversionResult convertScans(const std::string& input,
   {
     throw UserError(input + ": no such file or folder");
   }
+  requireNoInput(output, {input, options.calibration, options.poses, options.times});
   const InputKind kind = isBag(input)              ? InputKind::bag
                          : fs::is_directory(input) ? InputKind::folder
                                                    : InputKind::pcap;

@@ -349,7 +349,7 @@ TEST(ReplayWriter, SaysAtOnceThatTheDiskIsFull)
   std::filesystem::create_symlink("/dev/full", folder.file("a.rawlog.tmp"));
   {
     ReplayWriterOptions options;
-    options.voxel_size = 0;
+    options.resolution = 0;
     options.compression_level = 0;
     ReplayWriter writer(folder.file("a.rawlog"), options);
     EXPECT_THROW(writer.write(someFrame(100000)), UserError);

@@ -3,9 +3,15 @@
 
 #include <dyslam/core/Error.h>
 #include <dyslam/core/Files.h>
+#include <fcntl.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cctype>
+#include <cerrno>
+#include <cstring>
 #include <filesystem>
 #include <system_error>
 
@@ -60,27 +66,120 @@ void removeNumbered(const fs::path& folder, const std::string& extension)
   std::error_code ignored;
   fs::remove(folder, ignored);  // only if it is empty now
 }
-}  // namespace
 
-void prepareOutputFolder(const std::string& folder,
-                         const std::vector<OutputName>& names,
-                         const std::string& input)
+bool isLink(const fs::path& path)
 {
-  const fs::path base = folder;
-  makeFolder(folder, advice);
-  const bool of_a_run = fs::exists(base / "effective.ini");
-  for (const OutputName& name : names)
+  std::error_code ignored;
+  return fs::is_symlink(fs::symlink_status(path, ignored));
+}
+
+/** Whether a run was ever written here: it left its settings. */
+bool isOfARun(const fs::path& folder)
+{
+  const fs::path settings = folder / "effective.ini";
+  std::error_code ignored;
+  return fs::is_regular_file(fs::symlink_status(settings, ignored)) &&
+         readWhole(settings.string()).find("[pipeline]") != std::string::npos;
+}
+
+/** Whether there is something of that name; empty folders are nothing. */
+bool isTaken(const fs::path& base, const OutputName& name)
+{
+  const fs::path path = base / name.name;
+  std::error_code ignored;
+  return fs::is_directory(path, ignored) ? !filesIn(path).empty()
+                                         : fs::exists(fs::symlink_status(path, ignored));
+}
+
+void requireNoInput(const fs::path& base,
+                    const std::vector<OutputName>& names,
+                    const std::vector<std::string>& inputs)
+{
+  for (const std::string& input : inputs)
   {
-    std::error_code ignored;
-    if (fs::equivalent(input, base / name.name, ignored))
+    const fs::path folder = fs::absolute(input).parent_path();
+    for (const OutputName& name : names)
     {
-      throw UserError(input + ": would be replaced by this run's " + name.name + "; " + advice);
-    }
-    if (!name.extension.empty() && !of_a_run && !filesIn(base / name.name).empty())
-    {
-      throw UserError((base / name.name).string() + ": holds files that are of no run; " + advice);
+      std::error_code ignored;
+      const bool within =
+          !name.extension.empty() && fs::equivalent(folder, base / name.name, ignored);
+      if (within || fs::equivalent(input, base / name.name, ignored))
+      {
+        throw UserError(input + ": would be replaced by this run's " + name.name + "; " + advice);
+      }
     }
   }
+}
+
+/** \throws UserError if something stands there that no run wrote, or that a link points to. */
+void requireOwn(const fs::path& base, const std::vector<OutputName>& names, bool force)
+{
+  const bool replace = force || isOfARun(base);
+  std::string foreign;
+  for (const OutputName& name : names)
+  {
+    const fs::path path = base / name.name;
+    std::error_code ignored;
+    if (isLink(path) && fs::is_directory(path, ignored))
+    {
+      throw UserError(path.string() + ": is a link to a folder, whose files would be replaced; " +
+                      "remove the link, or " + advice);
+    }
+    if (!replace && isTaken(base, name))
+    {
+      foreign += (foreign.empty() ? "" : ", ") + name.name;
+    }
+  }
+  if (!foreign.empty())
+  {
+    throw UserError(base.string() + ": has files that no run wrote and this one would replace (" +
+                    foreign + "); " + advice + ", or give --force");
+  }
+}
+}  // namespace
+
+FolderLock::FolderLock(const std::string& folder)
+    : path_((fs::path(folder) / ".dyslam.lock").string())
+{
+  for (;;)
+  {
+    file_ = ::open(path_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0666);
+    if (file_ < 0)
+    {
+      throw UserError(folder + ": cannot be written: " + std::strerror(errno) + "; " + advice);
+    }
+    if (::flock(file_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK)
+    {
+      ::close(file_);
+      throw UserError(folder + ": another run is writing to it; wait for its end, or " + advice);
+    }
+    // Where the other run has just ended, its file has lost the name: that lock is worth nothing.
+    struct stat named = {};
+    struct stat held = {};
+    if (::stat(path_.c_str(), &named) == 0 && ::fstat(file_, &held) == 0 &&
+        named.st_ino == held.st_ino && named.st_dev == held.st_dev)
+    {
+      return;
+    }
+    ::close(file_);
+  }
+}
+
+FolderLock::~FolderLock()
+{
+  ::unlink(path_.c_str());
+  ::close(file_);
+}
+
+OutputFolder::OutputFolder(const std::string& folder,
+                           const std::vector<OutputName>& names,
+                           const std::vector<std::string>& inputs,
+                           bool force)
+    : lock_((makeFolder(folder, advice), folder))
+{
+  const fs::path base = folder;
+  requireNoInput(base, names, inputs);
+  requireOwn(base, names, force);
   for (auto name = names.rbegin(); name != names.rend(); ++name)
   {
     if (name->extension.empty())

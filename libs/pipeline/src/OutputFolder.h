@@ -8,14 +8,38 @@
 
 namespace dyslam
 {
-/** Makes the folder where it is missing and removes what an earlier run left in it, so that
- * everything found there afterwards is of one run.
- *
- * \param names what runs write, removed from the last to the first; nothing else is removed.
- * \param input the recording to be replayed.
- * \throws UserError if the folder cannot be made, if `input` is one of the files to be removed, or
- * if a folder of numbered files holds any though no run was ever written here. */
-void prepareOutputFolder(const std::string& folder,
-                         const std::vector<OutputName>& names,
-                         const std::string& input);
+/** Keeps other runs out of a folder while it lives. A run that is killed leaves its lock's file,
+ * not the lock. */
+class FolderLock
+{
+ public:
+  /** \throws UserError if the folder is locked or cannot be written. */
+  explicit FolderLock(const std::string& folder);
+  ~FolderLock();
+  FolderLock(const FolderLock&) = delete;
+  FolderLock& operator=(const FolderLock&) = delete;
+
+ private:
+  std::string path_;
+  int file_ = -1;
+};
+
+/** The folder of a run, made where it is missing, locked, and without the files of an earlier run,
+ * so that everything found there afterwards is of one run. */
+class OutputFolder
+{
+ public:
+  /** \param names what runs write, removed from the last to the first; nothing else is removed, and
+   *   no link is followed.
+   * \param inputs files that the run reads. \param force replace files that no run wrote, too.
+   * \throws UserError if the folder cannot be written or another run writes to it, if an input is
+   *   among the files to be removed, and if there are files of those names but no run's. */
+  OutputFolder(const std::string& folder,
+               const std::vector<OutputName>& names,
+               const std::vector<std::string>& inputs,
+               bool force);
+
+ private:
+  FolderLock lock_;
+};
 }  // namespace dyslam

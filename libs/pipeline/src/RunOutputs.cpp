@@ -47,6 +47,24 @@ struct OutputOptions : Options
   double scene_voxel_size = 0.4;   //!< of the map points in the scene [m]
 };
 
+/** Values of a config that are files, such as weights and detections. */
+std::vector<std::string> filesNamedIn(const Config& config)
+{
+  std::vector<std::string> files;
+  for (const std::string& section : config.sectionNames())
+  {
+    for (const auto& [key, value] : config.section(section))
+    {
+      std::error_code ignored;
+      if (fs::exists(value.text, ignored))
+      {
+        files.push_back(value.text);
+      }
+    }
+  }
+  return files;
+}
+
 /** Calls `action` with the output; one that throws is given up. */
 template <typename Entry, typename Action>
 void attempt(Entry& entry, const Action& action)
@@ -75,8 +93,10 @@ void attempt(Entry& entry, const Action& action)
 RunOutputs::RunOutputs(const SlamRunSettings& settings,
                        ConfigLoader& config,
                        const std::vector<RunOutputKind>& kinds)
-    : folder_(settings.output_folder), input_(settings.rawlog)
+    : folder_(settings.output_folder), force_(settings.force), config_(config)
 {
+  inputs_ = settings.inputs;
+  inputs_.push_back(settings.rawlog);
   const auto options = config.get<OutputOptions>("output");
   for (const RunOutputKind& kind : kinds)
   {
@@ -95,7 +115,10 @@ RunOutputs::RunOutputs(const SlamRunSettings& settings,
 
 void RunOutputs::open()
 {
-  prepareOutputFolder(folder_, names_, input_);
+  std::vector<std::string> inputs = inputs_;
+  const std::vector<std::string> named = filesNamedIn(config_.effective());
+  inputs.insert(inputs.end(), named.begin(), named.end());
+  made_ = std::make_unique<OutputFolder>(folder_, names_, inputs, force_);
   for (const Entry& entry : entries_)
   {
     entry.output->open();

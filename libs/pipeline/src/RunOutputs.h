@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "OutputFolder.h"
 #include "RunOutput.h"
 #include "WriteBehind.h"
 
@@ -41,7 +42,10 @@ class RunOutputs
   void addSlowly(const Frame& frame);
 
   std::string folder_;
-  std::string input_;
+  bool force_;
+  const ConfigLoader& config_;       // other parts of the run load theirs until open()
+  std::vector<std::string> inputs_;  //!< files that the run reads
+  std::unique_ptr<OutputFolder> made_;
   std::vector<OutputName> names_;  //!< of all kinds, those switched off too
   std::vector<Entry> entries_;
   std::unique_ptr<WriteBehind> writer_;  //!< last: its jobs use the entries

@@ -95,6 +95,7 @@ std::string RunStatistics::failure() const
   return std::to_string(registration_failures.total()) + " of " + std::to_string(frames) +
          " scans could not be registered: do not trust trajectory and map; most often because: " +
          registration_failures.mostFrequent() +
-         "; try settings that fit the sensor (-c kitti64.ini for 64 beams, -c vlp16.ini for 16)";
+         "; try the settings that fit the sensor (no -c), -c handheld.ini for one in the hand, or "
+         "odometry.start_speed for a recording that begins at speed";
 }
 }  // namespace dyslam

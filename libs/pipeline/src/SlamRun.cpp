@@ -4,11 +4,13 @@
 #include <dyslam/io/RawlogSource.h>
 #include <dyslam/mapping/StaticMap.h>
 #include <dyslam/pipeline/Pipeline.h>
+#include <dyslam/pipeline/SensorSettings.h>
 #include <dyslam/pipeline/SlamRun.h>
 #include <mrpt/system/CTimeLogger.h>
 
 #include <algorithm>
 #include <atomic>
+#include <filesystem>
 #include <fstream>
 #include <map>
 #include <utility>
@@ -23,11 +25,27 @@ namespace
 {
 using mrpt::system::CTimeLogger;
 
-void requireWritable(const std::string& profile_csv)
+/** \throws UserError unless the profile can be written and is none of the files read. */
+void requireProfileWritable(const SlamRunSettings& settings)
 {
-  if (!profile_csv.empty() && !std::ofstream(profile_csv))
+  const std::string& profile = settings.profile_csv;
+  if (profile.empty())
   {
-    throw UserError(profile_csv + ": cannot be written; choose another --profile");
+    return;
+  }
+  std::vector<std::string> inputs = settings.inputs;
+  inputs.push_back(settings.rawlog);
+  for (const std::string& input : inputs)
+  {
+    std::error_code ignored;
+    if (std::filesystem::equivalent(profile, input, ignored))
+    {
+      throw UserError(profile + ": is an input of this run; choose another --profile");
+    }
+  }
+  if (!std::ofstream(profile, std::ios::app))
+  {
+    throw UserError(profile + ": cannot be written; choose another --profile");
   }
 }
 
@@ -80,6 +98,7 @@ struct SlamRun::Impl
       : settings(given),
         times(true, "dyslam"),
         config(settings.config),
+        sensor(config.get<SensorOptions>("sensor")),
         input(config.get<RawlogSourceOptions>("input")),
         pipeline(config, times),
         outputs(settings, config)
@@ -94,6 +113,7 @@ struct SlamRun::Impl
   SlamRunSettings settings;
   CTimeLogger times;
   ConfigLoader config;
+  SensorOptions sensor;
   RawlogSourceOptions input;
   Pipeline pipeline;
   RunOutputs outputs;
@@ -111,6 +131,7 @@ RunResults SlamRun::Impl::results(const std::vector<std::string>& source_warning
   results.reference = statistics.referenceInMap(results.trajectory);
   results.stage_ms = stageMilliseconds(times, statistics.frames);
   fillReport(results.report, results);
+  append(results.report.warnings, settings.warnings);
   append(results.report.warnings, source_warnings);
   append(results.report.warnings, pipeline.warnings());
   append(results.report.warnings, statistics.warnings());
@@ -155,7 +176,7 @@ const RawlogSourceOptions& SlamRun::input() const
 
 void SlamRun::open()
 {
-  requireWritable(impl_->settings.profile_csv);
+  requireProfileWritable(impl_->settings);
   impl_->outputs.open();
 }
 

@@ -30,7 +30,8 @@ class ReportOutput : public RunOutput
  public:
   explicit ReportOutput(const RunOutputContext& context)
       : RunOutput(context, {name}),
-        input_(std::filesystem::absolute(context.settings.rawlog).lexically_normal().string())
+        input_(std::filesystem::absolute(context.settings.rawlog).lexically_normal().string()),
+        sensor_(context.settings.sensor)
   {
   }
   void finish(const RunResults& results) override
@@ -51,6 +52,7 @@ class ReportOutput : public RunOutput
     const SlamRunReport& report = results.report;
     Json json;
     json["input"] = input_;
+    json["sensor"] = sensor_;
     json["method"] = report.method;
     json["frames"] = report.frames;
     json["unconverged"] = report.unconverged;
@@ -74,6 +76,7 @@ class ReportOutput : public RunOutput
   }
 
   std::string input_;
+  std::string sensor_;
 };
 }  // namespace
 

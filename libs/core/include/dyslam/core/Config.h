@@ -10,8 +10,10 @@ namespace dyslam
 /** Text values of an ini file by section and key, each knowing where it came from.
  *
  * The syntax is MRPT's ini (`[section]`, `key = value // comment`, lines opening with `;`, `#` or
- * `//` are comments) read strictly: junk lines, keys before the first section and repeated keys are
- * errors.
+ * `//` are comments) read strictly: junk lines and repeated keys are errors. Two keys may stand
+ * before the first section: `include = FILE` takes over another ini (of the same folder, or a
+ * shipped one) whose values the file may change, and may be repeated; `program = NAME` is the
+ * program that the ini is for.
  */
 class Config
 {
@@ -27,6 +29,12 @@ class Config
   /** \throws UserError naming file, line and fix. */
   [[nodiscard]] static Config fromFile(const std::string& path);
   [[nodiscard]] static Config fromText(const std::string& text, const std::string& name);
+
+  /** Takes over every value of another config, which replaces one of its own. */
+  void merge(const Config& other);
+
+  /** \throws UserError if the ini is for another program. */
+  void requireFor(const std::string& program) const;
 
   /** One `section.key=value`, as given to --set. It replaces what the file says. \throws UserError.
    */
@@ -45,9 +53,12 @@ class Config
   [[nodiscard]] std::string toIni() const;
 
  private:
+  struct Parser;
+
   std::map<std::string, Section> sections_;
   std::vector<std::string> section_order_;
   std::map<std::string, std::vector<std::string>> key_order_;
   std::map<std::string, std::string> section_origin_;
+  Value program_;  //!< that the ini is for; empty: none in particular
 };
 }  // namespace dyslam

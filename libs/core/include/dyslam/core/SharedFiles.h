@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 namespace dyslam
 {
@@ -17,4 +18,9 @@ namespace dyslam
                                             const std::string& folder,
                                             const std::string& extension,
                                             const std::string& field = "");
+
+/** Paths of all shared files of a folder, by name; where two have one name, the one that
+ * findGivenOrShared() finds. */
+[[nodiscard]] std::vector<std::string> sharedFiles(const std::string& folder,
+                                                   const std::string& extension);
 }  // namespace dyslam

@@ -57,11 +57,15 @@ class GroundTruthReader
   std::multimap<int, std::size_t> boxes_of_frame_;
 };
 
+/** \throws UserError if a subfolder of the sidecar is a link: its files are someone else's. */
+void requireNoLinks(const std::string& folder);
+
 /** Writes the sidecar: per-point files at once, poses and tracks when closed. */
 class GroundTruthWriter
 {
  public:
-  /** Makes the folder; files of an earlier run in it are removed. \throws UserError. */
+  /** Makes the folder; files of an earlier run in it are removed. \throws UserError, also if a
+   * subfolder is a link. */
   explicit GroundTruthWriter(const std::string& folder);
   ~GroundTruthWriter();
   GroundTruthWriter(const GroundTruthWriter&) = delete;

@@ -22,6 +22,9 @@ struct RawlogWriterOptions : Options
   void describe(OptionsVisitor& visitor) override;
 };
 
+/** Folder of the clouds that a rawlog keeps in files of their own: `<name>_Images`. */
+[[nodiscard]] std::string externalStorageFolder(const std::string& rawlog);
+
 /** Writes scans as an observation-only gzip rawlog that stock MRPT programs read.
  *
  * Per scan, all with the scan's time stamp: the ground truth (CObservationRobotPose) if given, per
@@ -31,7 +34,8 @@ struct RawlogWriterOptions : Options
  *
  * The file grows under `<path>.tmp` and gets its name when closed: by close(), or by the destructor
  * when an error unwinds the program after the first scan, so a file under its own name is always
- * whole. A killed program leaves the `.tmp`.
+ * whole. So do clouds in files of their own, in `<name>_Images.tmp/`. A killed program leaves the
+ * `.tmp`s.
  */
 class RawlogWriter
 {

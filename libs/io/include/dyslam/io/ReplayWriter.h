@@ -12,8 +12,8 @@ namespace dyslam
 {
 struct ReplayWriterOptions : Options
 {
-  int every_nth_scan = 1;        //!< 1: every scan; the others are left out
-  double voxel_size = 0.15;      //!< thins the static cloud; 0 keeps every point [m]
+  int every = 1;                 //!< 1: every scan; the others are left out
+  double resolution = 0.15;      //!< thins the static cloud; 0 keeps every point [m]
   int scene_points = 30000;      //!< at most so many points in the 3D scene; 0: no scene
   int trajectory_points = 2000;  //!< at most so many poses of the trajectory in a scene
   int compression_level = 1;     //!< of gzip, 0 (none) to 9

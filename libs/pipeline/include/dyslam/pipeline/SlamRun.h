@@ -21,6 +21,10 @@ struct SlamRunSettings
   std::string rawlog;         //!< input
   std::string output_folder;  //!< made if missing; files of an earlier run in it are replaced
   Config config;
+  std::vector<std::string> inputs;    //!< other files that are read: never replaced
+  std::string sensor;                 //!< what the recording shows of it; for the report
+  std::vector<std::string> warnings;  //!< about the settings; for the report
+  bool force = false;                 //!< replace files that no run wrote
   bool static_scans = false;   //!< write the scans without what moves: .bin files and a rawlog
   bool labels = false;         //!< write labels/NNNNNN.label, one entry per point of the input scan
   std::string profile_csv;     //!< times of every stage, if not empty

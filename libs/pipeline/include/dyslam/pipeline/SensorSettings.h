@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <dyslam/core/Config.h>
+#include <dyslam/core/Options.h>
+#include <dyslam/core/ScanPattern.h>
+
+#include <string>
+#include <vector>
+
+namespace dyslam
+{
+struct RawlogSourceOptions;
+
+enum class RingsWanted
+{
+  any,
+  yes,
+  no
+};
+
+/** Ini section `[sensor]`: which sensors the settings of an ini are for. An ini that has it is
+ * complete; one without changes the settings that fit the recording. */
+struct SensorOptions : Options
+{
+  bool automatic = false;  //!< taken by itself for recordings of such sensors
+  RingsWanted rings = RingsWanted::any;
+  double min_ring_spacing = 0;    //!< [rad]
+  double max_ring_spacing = 0.7;  //!< [rad]
+
+  void describe(OptionsVisitor& visitor) override;
+};
+
+/** What the first scans of a recording show of its lidar. */
+struct RecordedSensor
+{
+  ScanPattern pattern;  //!< of the scan that shows most rings
+  double period = 0;    //!< between scans, median [s]; 0 for a single scan
+  bool has_times = false;  //!< points have times, even if all the same (deskewed before)
+
+  /** "16 rings, 2.0 deg apart, -15.0 to 15.0 deg, to 98 m, 10.0 Hz". */
+  [[nodiscard]] std::string summary() const;
+  /** Missing point times and what follows from that; empty if they are there.
+   * \param deskew value of preprocess.deskew */
+  [[nodiscard]] std::string missingTimes(const std::string& deskew) const;
+};
+
+/** Reads a few scans. \throws UserError if there is none. */
+[[nodiscard]] RecordedSensor recogniseSensor(const std::string& rawlog,
+                                             const RawlogSourceOptions& input);
+
+/** \param tolerance factor by which the spacing of the rings may be outside the limits. */
+[[nodiscard]] bool fits(const SensorOptions& options, const ScanPattern& pattern, double tolerance);
+
+struct ChosenSettings
+{
+  Config config;
+  std::string source;                 //!< the inis: "vlp16.ini", "vlp16.ini + my.ini"
+  std::vector<std::string> warnings;  //!< settings that plainly do not fit, one sentence each
+};
+
+/** The settings for a recording: those of an ini that names the sensors it is for, else the shipped
+ * ones that fit the sensor, changed by those of the ini.
+ * \param given of the user's ini; empty without \param name of it; empty without
+ * \throws UserError for a shipped ini that cannot be read. */
+[[nodiscard]] ChosenSettings settingsFor(const RecordedSensor& sensor,
+                                         const Config& given,
+                                         const std::string& name);
+}  // namespace dyslam

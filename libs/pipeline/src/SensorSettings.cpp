@@ -1,0 +1,209 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/Error.h>
+#include <dyslam/core/SharedFiles.h>
+#include <dyslam/io/RawlogSource.h>
+#include <dyslam/pipeline/SensorSettings.h>
+
+#include <algorithm>
+#include <array>
+#include <cstdio>
+#include <filesystem>
+#include <optional>
+
+namespace dyslam
+{
+namespace
+{
+constexpr int examined_scans = 5;
+/** Rings this much nearer or farther apart than the limits are a plain mismatch. */
+constexpr double plain_mismatch = 1.2;
+constexpr double degrees_per_radian = 180 / 3.14159265358979323846;
+
+std::string fixed(double value, int decimals)
+{
+  std::array<char, 40> text{};
+  std::snprintf(text.data(), text.size(), "%.*f", decimals, value);
+  return text.data();
+}
+
+/** An angle in degrees. */
+std::string degrees(double radians, int decimals)
+{
+  return fixed(degrees_per_radian * radians, decimals);
+}
+
+std::string ringsOf(const ScanPattern& pattern)
+{
+  return pattern.hasRings() ? std::to_string(pattern.rings.size()) + " rings, " +
+                                  degrees(pattern.ring_spacing, 1) + " deg apart"
+                            : "no rings, " + std::to_string(pattern.returns) + " points a scan";
+}
+
+SensorOptions sensorOptionsOf(const Config& config)
+{
+  SensorOptions options;
+  load(options, config, "sensor");
+  return options;
+}
+
+struct ShippedSettings
+{
+  std::string name;
+  Config config;
+};
+
+/** The shipped settings for such a sensor, if there are any. */
+std::optional<ShippedSettings> shippedFor(const ScanPattern& pattern)
+{
+  for (const std::string& path : sharedFiles("config_files", ".ini"))
+  {
+    const Config config = Config::fromFile(path);
+    const SensorOptions options = sensorOptionsOf(config);
+    if (options.automatic && fits(options, pattern, 1))
+    {
+      return ShippedSettings{std::filesystem::path(path).filename().string(), config};
+    }
+  }
+  return std::nullopt;
+}
+
+std::string wantedBy(const SensorOptions& options)
+{
+  if (options.rings == RingsWanted::no)
+  {
+    return "sensors without rings";
+  }
+  return "sensors with rings " + degrees(options.min_ring_spacing, 1) + " to " +
+         degrees(options.max_ring_spacing, 1) + " deg apart";
+}
+
+double median(std::vector<double> values)
+{
+  if (values.empty())
+  {
+    return 0;
+  }
+  std::sort(values.begin(), values.end());
+  return values[values.size() / 2];
+}
+}  // namespace
+
+void SensorOptions::describe(OptionsVisitor& v)
+{
+  v.flag("automatic", automatic, "taken by itself for recordings of such sensors");
+  v.choice("rings", rings,
+           {{"any", RingsWanted::any}, {"yes", RingsWanted::yes}, {"no", RingsWanted::no}},
+           "whether each laser's points lie on a ring of one elevation");
+  v.degrees("min_ring_spacing_deg", min_ring_spacing, 0, 90, "between neighbouring rings");
+  v.degrees("max_ring_spacing_deg", max_ring_spacing, 0, 90, "between neighbouring rings");
+}
+
+std::string RecordedSensor::summary() const
+{
+  std::string text = ringsOf(pattern) + ", " + degrees(pattern.lowest, 1) + " to " +
+                     degrees(pattern.highest, 1) + " deg";
+  constexpr double full_turn = 359.5;
+  if (degrees_per_radian * pattern.azimuth_extent < full_turn)
+  {
+    text += ", " + degrees(pattern.azimuth_extent, 0) + " deg wide";
+  }
+  text += ", to " + fixed(pattern.max_range, 0) + " m";
+  return text + (period > 0 ? ", " + fixed(1 / period, 1) + " Hz" : "");
+}
+
+std::string RecordedSensor::missingTimes(const std::string& deskew) const
+{
+  if (has_times)
+  {
+    return {};
+  }
+  const bool by_azimuth = deskew == "auto" || deskew == "azimuth";
+  return std::string("the points have no times: scans are ") +
+         (by_azimuth ? "deskewed by azimuth, as those of a lidar that turns clockwise and begins "
+                       "straight behind"
+                     : "not deskewed") +
+         " (preprocess.deskew)";
+}
+
+RecordedSensor recogniseSensor(const std::string& rawlog, const RawlogSourceOptions& input)
+{
+  RawlogSourceOptions options = input;
+  options.only_first_n =
+      input.only_first_n > 0 ? std::min(input.only_first_n, examined_scans) : examined_scans;
+  RawlogSource source(rawlog, options);
+  RecordedSensor sensor;
+  std::vector<double> stamps;
+  const auto take = [&](const Scan& scan)
+  {
+    const ScanPattern pattern = measureScanPattern(scan);
+    const bool better = pattern.rings.size() > sensor.pattern.rings.size() ||
+                        (!sensor.pattern.hasRings() && pattern.returns > sensor.pattern.returns);
+    sensor.pattern = better ? pattern : sensor.pattern;
+    sensor.has_times = sensor.has_times || !scan.time.empty();
+    stamps.push_back(scan.stamp);
+  };
+  try
+  {
+    while (const auto frame = source.next())
+    {
+      take(frame->scan);
+    }
+  }
+  catch (const UserError&)
+  {
+    if (stamps.empty())
+    {
+      throw;
+    }
+    // Of damage behind the first scan the run will say more.
+  }
+  std::vector<double> periods;
+  for (std::size_t i = 1; i < stamps.size(); ++i)
+  {
+    periods.push_back(stamps[i] - stamps[i - 1]);
+  }
+  sensor.period = median(periods);
+  return sensor;
+}
+
+bool fits(const SensorOptions& options, const ScanPattern& pattern, double tolerance)
+{
+  if (options.rings == RingsWanted::any && !pattern.hasRings())
+  {
+    return true;
+  }
+  const bool wants_rings = options.rings != RingsWanted::no;
+  if (wants_rings != pattern.hasRings())
+  {
+    return false;
+  }
+  return !wants_rings || (pattern.ring_spacing * tolerance >= options.min_ring_spacing &&
+                          pattern.ring_spacing < options.max_ring_spacing * tolerance);
+}
+
+ChosenSettings settingsFor(const RecordedSensor& sensor,
+                           const Config& given,
+                           const std::string& name)
+{
+  const std::optional<ShippedSettings> shipped = shippedFor(sensor.pattern);
+  ChosenSettings chosen;
+  if (given.section("sensor").empty())
+  {
+    chosen.config = shipped ? shipped->config : Config();
+    chosen.config.merge(given);
+    chosen.source = shipped ? shipped->name : "the defaults";
+    chosen.source += name.empty() ? "" : " + " + name;
+    return chosen;
+  }
+  chosen.config = given;
+  chosen.source = name;
+  const SensorOptions wanted = sensorOptionsOf(given);
+  if (!fits(wanted, sensor.pattern, plain_mismatch))
+  {
+    chosen.warnings.push_back(name + " is for " + wantedBy(wanted) + "; this recording has " +
+                              ringsOf(sensor.pattern) +
+                              (shipped ? "; without -c " + shipped->name + " is taken" : ""));
+  }
+  return chosen;
+}
+}  // namespace dyslam
