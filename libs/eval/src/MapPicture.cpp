@@ -20,8 +20,9 @@ namespace
 {
 using namespace plot;
 
-constexpr double ground_cell = 2;    // side of the cells whose lowest point is their ground [m]
-constexpr double full_height = 4;    // over the ground: from here on a point is darkest [m]
+constexpr double ground_cell = 2;   // side of the cells whose lowest point is their ground [m]
+constexpr double full_height = 4;   // over the ground: from here on a point is darkest [m]
+constexpr double point_side = 0.2;  // a point is drawn as large as a voxel of the map [m]
 constexpr double lightest_grey = 214;
 constexpr double darkest_grey = 70;
 constexpr int line_bits = 4;  // of a pixel, for lines
@@ -107,24 +108,31 @@ View viewOf(const MapPictureContent& content, const MapPictureOptions& options)
   return view;
 }
 
-/** Height of every point over the lowest point of its surroundings [m]. */
+/** Height of every point over the ground of its cell, a low quantile of the cell's points: single
+ * reflections from below the ground do not count [m]. */
 class Ground
 {
  public:
   explicit Ground(const std::vector<Eigen::Vector3f>& points)
   {
+    std::unordered_map<std::int64_t, std::vector<float>> heights;
     for (const auto& p : points)
     {
       if (p.allFinite())
       {
-        const auto [entry, is_new] = lowest_.emplace(keyOf(p), p.z());
-        entry->second = is_new ? p.z() : std::min(entry->second, p.z());
+        heights[keyOf(p)].push_back(p.z());
       }
+    }
+    for (auto& [key, values] : heights)
+    {
+      const auto nth = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 10);
+      std::nth_element(values.begin(), nth, values.end());
+      ground_[key] = *nth;
     }
   }
   [[nodiscard]] double heightOver(const Eigen::Vector3f& p) const
   {
-    return static_cast<double>(p.z() - lowest_.at(keyOf(p)));
+    return static_cast<double>(p.z() - ground_.at(keyOf(p)));
   }
 
  private:
@@ -132,15 +140,16 @@ class Ground
   {
     const auto cell = [](float v)
     { return static_cast<std::int64_t>(std::floor(static_cast<double>(v) / ground_cell)); };
-    return (cell(p.x()) << 32) ^ (cell(p.y()) & 0xFFFFFFFF);
+    return cell(p.x()) * (1LL << 32) + cell(p.y());
   }
-  std::unordered_map<std::int64_t, float> lowest_;
+  std::unordered_map<std::int64_t, float> ground_;
 };
 
 /** Every pixel as dark as the highest of its points over the ground. */
 void drawPoints(const std::vector<Eigen::Vector3f>& points, const View& view, cv::Mat& page)
 {
   const Ground ground(points);
+  const int side = std::clamp(static_cast<int>(std::lround(point_side * view.scale)), 2, 12);
   const cv::Rect inside({0, 0}, view.size);
   for (const auto& p : points)
   {
@@ -150,9 +159,10 @@ void drawPoints(const std::vector<Eigen::Vector3f>& points, const View& view, cv
     }
     const Eigen::Vector2d at = view.pixel(p.head<2>().cast<double>());
     const double share = std::clamp(ground.heightOver(p) / full_height, 0.0, 1.0);
-    const auto grey = static_cast<unsigned char>(
-        lightest_grey + (darkest_grey - lightest_grey) * std::sqrt(share));
-    const cv::Rect dot = cv::Rect(static_cast<int>(at.x()) - 1, static_cast<int>(at.y()) - 1, 3, 3) &
+    const auto grey = static_cast<unsigned char>(lightest_grey +
+                                                 (darkest_grey - lightest_grey) * std::sqrt(share));
+    const cv::Rect dot = cv::Rect(static_cast<int>(at.x()) - side / 2,
+                                  static_cast<int>(at.y()) - side / 2, side, side) &
                          inside;
     for (int y = dot.y; y < dot.y + dot.height; ++y)
     {
@@ -212,7 +222,7 @@ void drawScale(const View& view, cv::Mat& page)
   cv::line(page, left, right, ink, 3 * supersampling);
   char words[32];
   std::snprintf(words, sizeof words, "%g m", length);
-  text(page, words, {(left.x + right.x) / 2, right.y - 8 * supersampling}, Anchor::middle);
+  text(page, words, {(left.x + right.x) / 2, right.y - 14 * supersampling}, Anchor::middle);
 }
 
 void drawLegendOf(const MapPictureContent& content, cv::Mat& page)

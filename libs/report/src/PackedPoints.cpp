@@ -11,8 +11,8 @@ namespace dyslam
 {
 namespace
 {
-constexpr double first_voxel = 0.05;                     // m
-constexpr double voxel_growth = 1.2599210498948731648;   // the number of cubes halves, in space
+constexpr double first_voxel = 0.05;                    // m
+constexpr double voxel_growth = 1.2599210498948731648;  // the number of cubes halves, in space
 constexpr double levels = 65535;
 
 std::vector<std::uint32_t> finiteOnes(const std::vector<Eigen::Vector3f>& points)

@@ -108,7 +108,8 @@ std::string renderRunPage(const RunPage& page,
   html.fill("@TITLE@", escapedHtml(page.title));
   html.fill("@PICTURE@", base64(picture));
   html.fill("@POINTS@", base64(points.bytes));
-  html.fill("@DATA@", withoutMarkup(json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace)));
+  html.fill("@DATA@", withoutMarkup(json.dump(-1, ' ', false,
+                                              nlohmann::ordered_json::error_handler_t::replace)));
   return html.finish();
 }
 }  // namespace dyslam

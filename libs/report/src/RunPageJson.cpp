@@ -196,8 +196,8 @@ Json mapJson(const RunPage& page, const PackedPoints& points)
     {
       return 0.0;
     }
-    const auto nth = heights.begin() + static_cast<std::ptrdiff_t>(
-                                           share * static_cast<double>(heights.size() - 1));
+    const auto nth = heights.begin() +
+                     static_cast<std::ptrdiff_t>(share * static_cast<double>(heights.size() - 1));
     std::nth_element(heights.begin(), nth, heights.end());
     return static_cast<double>(*nth);
   };

@@ -50,8 +50,7 @@ TEST(PackedPoints, AreWithinHalfAStepOfThePoints)
 
 TEST(PackedPoints, LeaveOutWhatIsNotFinite)
 {
-  const PackedPoints packed =
-      packPoints({{1, 2, 3}, {nan, 0, 0}, {4, 5, 6}}, nullptr, 10);
+  const PackedPoints packed = packPoints({{1, 2, 3}, {nan, 0, 0}, {4, 5, 6}}, nullptr, 10);
   ASSERT_EQ(packed.count, 2U);
   EXPECT_NEAR(coordinate(packed, 1, 2), 6, 1e-3);
   EXPECT_EQ(packPoints({{nan, nan, nan}}, nullptr, 10).count, 0U);

@@ -26,8 +26,8 @@ RunPage smallRun()
     const bool last = i == 2;
     page.scans.push_back({static_cast<std::size_t>(10 + i), 1000, last ? 50U : 0U, i > 0, i == 0});
     page.trajectory.push_back(100 + 0.1 * i, poseFromYpr(5 + i, 0, 0, 0, 0, 0));
-    page.odometry.push_back(100 + 0.1 * i, poseFromYpr(i, last ? 0.5 : 0, last ? 0.2 : 0,
-                                                       last ? 0.1 : 0, 0, 0));
+    page.odometry.push_back(100 + 0.1 * i,
+                            poseFromYpr(i, last ? 0.5 : 0, last ? 0.2 : 0, last ? 0.1 : 0, 0, 0));
   }
   return page;
 }

@@ -26,8 +26,8 @@ constexpr const char* png = "map.png";
 PageScan scanOf(const Frame& frame)
 {
   const auto moving = std::count(frame.moving.begin(), frame.moving.end(), true);
-  return {frame.index, frame.cloud.size(), static_cast<std::size_t>(moving),
-          frame.motion.converged, frame.is_keyframe};
+  return {frame.index, frame.cloud.size(), static_cast<std::size_t>(moving), frame.motion.converged,
+          frame.is_keyframe};
 }
 
 /** `map.png`, the map from above, and `report.html`, the run in a browser. */
@@ -123,16 +123,14 @@ class PageOutput : public RunOutput
       for (const auto& [scan, reported] : reports)
       {
         // Loops closed since have moved the odometry frame of each scan.
-        const Pose T_map_odom =
-            results.trajectory[scan].pose * odometry_[scan].pose.inverse();
+        const Pose T_map_odom = results.trajectory[scan].pose * odometry_[scan].pose.inverse();
         TrackedObject state = reported;
-        if (const SmoothedObject* smoothed =
-                findSmoothed(results.objects, scans_[scan].index, id))
+        if (const SmoothedObject* smoothed = findSmoothed(results.objects, scans_[scan].index, id))
         {
           state = smoothedTrack(reported, *smoothed, T_map_odom.inverse());
         }
-        object.states.push_back({scan, transformed(state.box, T_map_odom),
-                                 T_map_odom.linear() * state.velocity});
+        object.states.push_back(
+            {scan, transformed(state.box, T_map_odom), T_map_odom.linear() * state.velocity});
       }
       objects.push_back(std::move(object));
     }

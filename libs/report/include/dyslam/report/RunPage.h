@@ -42,9 +42,10 @@ struct PageObject
 
 struct PageLoop
 {
-  Eigen::Vector3d from = Eigen::Vector3d::Zero();  //!< where the place was seen first, map frame [m]
-  Eigen::Vector3d to = Eigen::Vector3d::Zero();    //!< where it was seen again
-  bool by_appearance = false;  //!< found by its looks, beyond the search radius
+  Eigen::Vector3d from =
+      Eigen::Vector3d::Zero();                   //!< where the place was seen first, map frame [m]
+  Eigen::Vector3d to = Eigen::Vector3d::Zero();  //!< where it was seen again
+  bool by_appearance = false;                    //!< found by its looks, beyond the search radius
 };
 
 /** All that the page of a run shows. Texts may hold anything; the page shows them as they are. */
@@ -56,7 +57,7 @@ struct RunPage
   std::string settings;  //!< the effective ini
   std::string failure;   //!< why the run is of no use; empty if it is
   std::vector<std::string> warnings;
-  std::vector<std::string> files;  //!< in the folder of the run, beside the page
+  std::vector<std::string> files;          //!< in the folder of the run, beside the page
   std::map<std::string, double> stage_ms;  //!< mean per scan [ms]
   std::size_t odometry_failed = 0;         //!< scans on which odometry.method found no motion
 
@@ -68,8 +69,8 @@ struct RunPage
   std::vector<PageObject> objects;  //!< those that moved
 
   const std::vector<Eigen::Vector3f>* map_points = nullptr;  //!< map frame [m]; null: no map
-  const std::vector<float>* map_intensity = nullptr;  //!< in [0, 1], one per point, or null
-  std::vector<std::uint8_t> picture;                  //!< PNG of the map from above, or none
+  const std::vector<float>* map_intensity = nullptr;         //!< in [0, 1], one per point, or null
+  std::vector<std::uint8_t> picture;                         //!< PNG of the map from above, or none
 };
 
 /** Ini section `[report]`. */
