@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "../common/Checks.h"
+#include "MapSelf.h"
 #include "OutputFiles.h"
 
 namespace dyslam
@@ -27,6 +28,8 @@ struct Arguments
   std::string labels;
   std::vector<std::string> estimates;
   MapMetricsOptions metrics;
+  MapSelfArguments self;
+  std::string poses_of = "vehicle";
   OutputFlags output;
 };
 
@@ -79,8 +82,47 @@ nlohmann::ordered_json toJson(const MapScores& s)
           {"harmonic_mean", orNull(harmonicMean(s.preservation(), s.rejection()))}};
 }
 
+/** `--self`: trajectories by the maps that they make. */
+void runSelf(const Arguments& a)
+{
+  MapSelfArguments self = a.self;
+  self.trajectories = a.estimates;
+  self.of_lidar = a.poses_of == "lidar";
+  const auto scores = evaluateMapSelf(self);
+  constexpr double square_millimetres = 1e6;  // in a square metre
+  Table table({"trajectory", "scans", "points", "entropy", "plane variance [mm2]"});
+  nlohmann::ordered_json json;
+  json["rawlog"] = self.rawlog;
+  json["neighbourhood_m"] = self.quality.radius;
+  json["min_neighbours"] = self.quality.min_neighbours;
+  json["trajectories"] = nlohmann::ordered_json::array();
+  const auto names = shortNames(a.estimates);
+  for (std::size_t i = 0; i < scores.size(); ++i)
+  {
+    const MapSharpness& mean = scores[i].mean;
+    table.addRow({names[i], TableCell(static_cast<double>(scores[i].scans), 0),
+                  TableCell(static_cast<double>(mean.points), 0), TableCell(mean.mean_entropy, 4),
+                  TableCell(square_millimetres * mean.mean_plane_variance, 1)});
+    json["trajectories"].push_back({{"name", names[i]},
+                                    {"scans", scores[i].scans},
+                                    {"points", mean.points},
+                                    {"mean_map_entropy", mean.mean_entropy},
+                                    {"mean_plane_variance_m2", mean.mean_plane_variance}});
+  }
+  a.output.write(table, json.dump(2) + "\n");
+}
+
 void run(const Arguments& a)
 {
+  if (!a.self.rawlog.empty())
+  {
+    runSelf(a);
+    return;
+  }
+  if (a.reference.empty())
+  {
+    throw UserError("map: give --reference MAP, or --self RAWLOG for quality without ground truth");
+  }
   const Scan reference = readCloud(a.reference);
   const std::vector<Label> labels = referenceLabels(a, reference);
   Table table({"map", "points", "SA [%]", "DA [%]", "HA [%]", "AA [%]", "PR [%]", "RR [%]", "F1"});
@@ -110,18 +152,44 @@ void run(const Arguments& a)
   }
   a.output.write(table, json.dump(2) + "\n");
 }
+
+void declareSelf(CLI::App& sub, Arguments& a)
+{
+  MapSelfArguments& self = a.self;
+  const char* group = "Without ground truth";
+  const auto option = [&](const char* name, auto& value, const char* help)
+  { return sub.add_option(name, value, help)->group(group)->capture_default_str(); };
+  option("--self", self.rawlog, "rawlog of the scans; --estimate are then trajectories")
+      ->excludes("--reference");
+  option("-c,--config", self.config, "ini file whose [preprocess] is used");
+  option("--neighbourhood", self.quality.radius, "radius around a point [m]")->check(positive());
+  option("--min-neighbours", self.quality.min_neighbours, "points with fewer are left out")
+      ->check(CLI::Range(4, 1000000));
+  option("--points", self.points, "points whose neighbourhoods count")
+      ->check(CLI::Range(1, 10000000));
+  option("--tolerance", self.tolerance, "largest difference of time stamps [s]")
+      ->check(notNegative());
+  option("--poses-of", a.poses_of, "what the poses are of: vehicle or lidar")
+      ->check(CLI::IsMember({"vehicle", "lidar"}));
+  option("--skip-first-n", self.source.skip_first_n, "scans to pass over")->check(notNegative());
+  option("--only-first-n", self.source.only_first_n, "scans to use after those; 0: all")
+      ->check(notNegative());
+}
 }  // namespace
 
 Subcommand mapCommand(CLI::App& app)
 {
   const auto a = std::make_shared<Arguments>();
-  CLI::App* sub =
-      app.add_subcommand("map", "Static points preserved and dynamic points rejected by a map");
+  CLI::App* sub = app.add_subcommand(
+      "map",
+      "Static points preserved and dynamic points rejected by a map; with --self, how sharp the "
+      "map of a trajectory is, without ground truth");
   sub->add_option("--reference", a->reference,
-                  "map (pcd, ply) of all points; labels in F.label beside it or in its intensity")
-      ->required();
+                  "map (pcd, ply) of all points; labels in F.label beside it or in its intensity");
   sub->add_option("--labels", a->labels, "SemanticKITTI labels of the reference's points");
-  sub->add_option("--estimate", a->estimates, "maps to evaluate (pcd, ply); any number")
+  sub->add_option(
+         "--estimate", a->estimates,
+         "maps to evaluate (pcd, ply), or trajectories (TUM, KITTI) with --self; any number")
       ->required();
   sub->add_option("--radius", a->metrics.point_radius,
                   "largest distance of a map point from a reference point (SA, DA) [m]")
@@ -130,6 +198,7 @@ Subcommand mapCommand(CLI::App& app)
   sub->add_option("--voxel", a->metrics.voxel_size, "side of the voxels (PR, RR) [m]")
       ->check(positive())
       ->capture_default_str();
+  declareSelf(*sub, *a);
   a->output.declare(*sub);
   return {sub, [a] { run(*a); }};
 }

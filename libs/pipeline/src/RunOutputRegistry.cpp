@@ -7,7 +7,7 @@ namespace dyslam
 RunOutputFactory makeSettingsOutput, makeTrajectoryOutput, makeGraphOutput, makeScanTableOutput,
     makeMotionOutput, makeTrackOutput, makeLabelOutput, makeStaticScanOutput, makeReplayOutput,
     makeSimplemapOutput, makePcdOutput, makePlyOutput, makeSceneOutput, makePlotOutput,
-    makeReportOutput;
+    makePageOutput, makeReportOutput;
 
 std::vector<RunOutputKind> runOutputKinds()
 {
@@ -28,6 +28,7 @@ std::vector<RunOutputKind> runOutputKinds()
       {makePlyOutput, "ply", "map_static.ply"},
       {makeSceneOutput, "scene", "map.3Dscene, for SceneViewer3D"},
       {makePlotOutput, "plot", "trajectory.png, where there is ground truth"},
+      {makePageOutput, "page", "report.html and map.png, the run in a browser"},
       {makeReportOutput},
   };
 }

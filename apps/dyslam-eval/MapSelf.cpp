@@ -1,0 +1,270 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "MapSelf.h"
+
+#include <dyslam/core/Error.h>
+#include <dyslam/core/SharedFiles.h>
+#include <dyslam/formats/TrajectoryFiles.h>
+#include <dyslam/odometry/Preprocessor.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <functional>
+#include <iterator>
+#include <map>
+#include <optional>
+#include <utility>
+
+#include "../common/Progress.h"
+
+namespace dyslam
+{
+namespace
+{
+using Points = std::vector<Eigen::Vector3f>;
+
+std::size_t forEachScan(const MapSelfArguments& a,
+                        const std::string& what,
+                        const std::function<void(const Frame&)>& use)
+{
+  RawlogSource source(a.rawlog, a.source);
+  Progress progress(what);
+  while (const auto frame = source.next())
+  {
+    use(*frame);
+    progress.update(source.progress(), source.framesRead());
+  }
+  progress.finish(source.framesRead());
+  return source.framesRead();
+}
+
+/** Trajectories with the times of the scans; KITTI's lines are those of the scans used. */
+std::vector<Trajectory> readTrajectories(const MapSelfArguments& a)
+{
+  std::vector<Trajectory> result;
+  std::vector<double> stamps;
+  for (const std::string& path : a.trajectories)
+  {
+    TrajectoryFile file = readTrajectory(path);
+    if (file.format == TrajectoryFormat::kitti)
+    {
+      if (stamps.empty())
+      {
+        forEachScan(a, "times", [&](const Frame& f) { stamps.push_back(f.scan.stamp); });
+      }
+      if (file.trajectory.size() != stamps.size())
+      {
+        throw UserError(path + ": has " + std::to_string(file.trajectory.size()) + " poses, but " +
+                        std::to_string(stamps.size()) + " scans of " + a.rawlog +
+                        " are used; give the --skip-first-n and --only-first-n that it was made "
+                        "with, or a TUM file");
+      }
+      for (std::size_t i = 0; i < stamps.size(); ++i)
+      {
+        file.trajectory[i].stamp = stamps[i];
+      }
+    }
+    result.push_back(std::move(file.trajectory));
+  }
+  return result;
+}
+
+/** Scrambles bits, so that the smallest values are a random choice (splitmix64). */
+std::uint64_t scrambled(std::uint64_t x)
+{
+  x += 0x9E3779B97F4A7C15ULL;
+  x = (x ^ (x >> 30U)) * 0xBF58476D1CE4E5B9ULL;
+  x = (x ^ (x >> 27U)) * 0x94D049BB133111EBULL;
+  return x ^ (x >> 31U);
+}
+
+/** The scans along the trajectories. */
+class ScanPlacer
+{
+ public:
+  explicit ScanPlacer(const MapSelfArguments& a)
+      : a_(a), trajectories_(readTrajectories(a)), pool_(0), preprocessor_(preprocess(a), pool_)
+  {
+  }
+
+  /** Number of each trajectory's pose of the scan; empty unless all have one. */
+  [[nodiscard]] std::vector<std::size_t> posesOf(const Frame& frame) const
+  {
+    std::vector<std::size_t> poses;
+    for (const Trajectory& trajectory : trajectories_)
+    {
+      const auto pose = trajectory.nearest(frame.scan.stamp, a_.tolerance);
+      if (!pose || !trajectory[*pose].pose.matrix().allFinite())
+      {
+        return {};
+      }
+      poses.push_back(*pose);
+    }
+    return poses;
+  }
+
+  /** Points of the scan in the frame of a trajectory, with their numbers in the scan. */
+  [[nodiscard]] std::pair<Points, std::vector<std::uint32_t>> place(const Frame& frame,
+                                                                    std::size_t trajectory,
+                                                                    std::size_t pose) const
+  {
+    const Trajectory& t = trajectories_[trajectory];
+    const Pose T_body_vehicle =
+        a_.of_lidar ? frame.scan.T_vehicle_lidar.inverse() : Pose::Identity();
+    Pose T_previous_current = Pose::Identity();
+    double dt = 0;
+    if (t.size() > 1)
+    {
+      const std::size_t current = std::max<std::size_t>(pose, 1);
+      T_previous_current = (t[current - 1].pose * T_body_vehicle).inverse() *
+                           (t[current].pose * T_body_vehicle);
+      dt = t[current].stamp - t[current - 1].stamp;
+    }
+    Cloud cloud = preprocessor_.prepare(frame.scan, T_previous_current, dt);
+    const Eigen::Isometry3f T = (t[pose].pose * T_body_vehicle).cast<float>();
+    for (auto& point : cloud.points)
+    {
+      point = T * point;
+    }
+    return {std::move(cloud.points), std::move(cloud.source)};
+  }
+
+  [[nodiscard]] std::size_t size() const { return trajectories_.size(); }
+
+ private:
+  static PreprocessOptions preprocess(const MapSelfArguments& a)
+  {
+    PreprocessOptions options;
+    if (!a.config.empty())
+    {
+      load(options, Config::fromFile(findGivenOrShared(a.config, "config_files", ".ini")),
+           "preprocess");
+    }
+    return options;
+  }
+
+  const MapSelfArguments& a_;
+  std::vector<Trajectory> trajectories_;
+  ThreadPool pool_;
+  Preprocessor preprocessor_;
+};
+
+/** The same points of the recording along each trajectory. */
+class PointChoice
+{
+ public:
+  PointChoice(std::size_t wanted, std::size_t trajectories)
+      : wanted_(wanted), trajectories_(trajectories)
+  {
+  }
+
+  void add(const ScanPlacer& placer, const Frame& frame, const std::vector<std::size_t>& poses)
+  {
+    for (std::size_t t = 0; t < trajectories_; ++t)
+    {
+      const auto [points, source] = placer.place(frame, t, poses[t]);
+      for (std::size_t i = 0; i < points.size(); ++i)
+      {
+        const std::uint64_t number = (static_cast<std::uint64_t>(frame.index) << 32U) | source[i];
+        offer(t, scrambled(number), points[i]);
+      }
+    }
+  }
+
+  /** One list per trajectory; those that range limits have left out of one trajectory are out of
+   * all. */
+  [[nodiscard]] std::vector<Points> finish() const
+  {
+    std::vector<Points> result(trajectories_);
+    for (const auto& [key, entry] : chosen_)
+    {
+      const bool whole = std::all_of(entry.begin(), entry.end(),
+                                     [](const auto& point) { return point.has_value(); });
+      for (std::size_t t = 0; whole && t < trajectories_; ++t)
+      {
+        result[t].push_back(*entry[t]);
+      }
+    }
+    return result;
+  }
+
+ private:
+  /** Keeps the points with the smallest keys. */
+  void offer(std::size_t trajectory, std::uint64_t key, const Eigen::Vector3f& point)
+  {
+    auto found = chosen_.find(key);
+    if (found == chosen_.end())
+    {
+      if (chosen_.size() >= wanted_ && key > chosen_.rbegin()->first)
+      {
+        return;
+      }
+      found = chosen_.emplace(key, std::vector<std::optional<Eigen::Vector3f>>(trajectories_)).first;
+      if (chosen_.size() > wanted_)
+      {
+        chosen_.erase(std::prev(chosen_.end()));
+      }
+    }
+    found->second[trajectory] = point;
+  }
+
+  std::size_t wanted_;
+  std::size_t trajectories_;
+  std::map<std::uint64_t, std::vector<std::optional<Eigen::Vector3f>>> chosen_;
+};
+}  // namespace
+
+std::vector<MapSelfScores> evaluateMapSelf(const MapSelfArguments& a)
+{
+  const ScanPlacer placer(a);
+  PointChoice choice(a.points, placer.size());
+  std::size_t used = 0;
+  const auto forEachPlaced = [&](const std::string& what, const auto& use)
+  {
+    return forEachScan(a, what,
+                       [&](const Frame& frame)
+                       {
+                         const auto poses = placer.posesOf(frame);
+                         if (!poses.empty())
+                         {
+                           use(frame, poses);
+                         }
+                       });
+  };
+  const std::size_t scans = forEachPlaced("choosing points",
+                                          [&](const Frame& frame, const auto& poses)
+                                          {
+                                            ++used;
+                                            choice.add(placer, frame, poses);
+                                          });
+  if (used == 0)
+  {
+    throw UserError(a.rawlog + ": none of its " + std::to_string(scans) +
+                    " scans has a pose in every trajectory; are they of this recording? "
+                    "(--tolerance)");
+  }
+  std::vector<MapQuality> maps;
+  for (auto& points : choice.finish())
+  {
+    maps.emplace_back(std::move(points), a.quality);
+  }
+  forEachPlaced("map",
+                [&](const Frame& frame, const auto& poses)
+                {
+                  for (std::size_t t = 0; t < maps.size(); ++t)
+                  {
+                    maps[t].add(placer.place(frame, t, poses[t]).first);
+                  }
+                });
+  std::vector<std::vector<std::optional<PointSharpness>>> sharpness;
+  for (const MapQuality& map : maps)
+  {
+    sharpness.push_back(map.sharpness());
+  }
+  std::vector<MapSelfScores> result;
+  for (const MapSharpness& mean : meanSharpness(sharpness))
+  {
+    result.push_back({mean, used});
+  }
+  return result;
+}
+}  // namespace dyslam

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <dyslam/eval/MapQuality.h>
+#include <dyslam/io/RawlogSource.h>
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+namespace dyslam
+{
+/** What `dyslam-eval map --self` is asked to do. */
+struct MapSelfArguments
+{
+  std::string rawlog;
+  std::string config;                     //!< ini with a section [preprocess]; empty: defaults
+  std::vector<std::string> trajectories;  //!< TUM or KITTI files
+  RawlogSourceOptions source;
+  MapQualityOptions quality;
+  std::size_t points = 20000;  //!< of the map, whose neighbourhoods count
+  double tolerance = 0.01;     //!< between the time stamps of scan and pose [s]
+  bool of_lidar = false;       //!< the poses are the lidar's, not the vehicle's
+};
+
+/** Sharpness of the map that one trajectory makes. */
+struct MapSelfScores
+{
+  MapSharpness mean;
+  std::size_t scans = 0;  //!< for which every trajectory has a pose
+};
+
+/** One per trajectory, over the same scans and points. The recording is read twice: points are
+ * chosen, then the map streams by. Which points does not depend on the trajectories.
+ * \throws UserError for files that cannot be used together. */
+[[nodiscard]] std::vector<MapSelfScores> evaluateMapSelf(const MapSelfArguments& a);
+}  // namespace dyslam

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <dyslam/core/Objects.h>
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+namespace dyslam
+{
+/** A moving object as a picture of the map shows it; map frame. */
+struct PictureObject
+{
+  ObjectClass object_class = ObjectClass::unknown;
+  std::vector<Eigen::Vector3d> path;  //!< of its centre [m], in order of time
+  Box last;                           //!< where it was seen last
+};
+
+/** What a picture of the map shows; all in the map frame [m]. */
+struct MapPictureContent
+{
+  const std::vector<Eigen::Vector3f>* points = nullptr;  //!< of the static map; may be null
+  std::vector<Eigen::Vector3d> path;                     //!< of the vehicle, in order of time
+  std::vector<std::pair<Eigen::Vector3d, Eigen::Vector3d>> loops;  //!< the two places of each
+  std::vector<PictureObject> objects;
+};
+
+struct MapPictureOptions
+{
+  int pixels = 1600;        //!< longer side of the picture
+  double margin = 40;       //!< shown around the paths of vehicle and objects [m]
+  double min_pixel = 0.05;  //!< side of a pixel, at least [m]
+};
+
+/** PNG of the map from above, x to the right and y up: the higher a point stands over the ground of
+ * its surroundings, the darker; over it the paths of the vehicle and of the objects, the last box
+ * of each object, loops, a scale and a legend. The part around the paths is shown.
+ * \return no bytes without a path. \throws std::invalid_argument for options that are not positive.
+ */
+[[nodiscard]] std::vector<std::uint8_t> renderMapPicture(const MapPictureContent& content,
+                                                         const MapPictureOptions& options = {});
+}  // namespace dyslam

@@ -1,0 +1,284 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/eval/MapPicture.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+#include <map>
+#include <opencv2/imgproc.hpp>
+#include <stdexcept>
+#include <string>
+#include <unordered_map>
+
+#include "PlotPage.h"
+
+namespace dyslam
+{
+namespace
+{
+using namespace plot;
+
+constexpr double ground_cell = 2;   // side of the cells whose lowest point is their ground [m]
+constexpr double full_height = 4;   // over the ground: from here on a point is darkest [m]
+constexpr double point_side = 0.2;  // a point is drawn as large as a voxel of the map [m]
+constexpr double lightest_grey = 214;
+constexpr double darkest_grey = 70;
+constexpr int line_bits = 4;  // of a pixel, for lines
+
+const cv::Scalar path_colour(190, 90, 20);  // all are blue, green, red
+const cv::Scalar loop_colour(200, 40, 200);
+
+/** Colour and name of the kinds of objects that a picture tells apart. */
+struct ObjectStyle
+{
+  const char* name;
+  cv::Scalar colour;
+};
+
+const std::array<ObjectStyle, 4> styles{{{"vehicle", {40, 40, 214}},
+                                         {"person", {14, 127, 255}},
+                                         {"two-wheeler", {189, 60, 140}},
+                                         {"unknown object", {60, 140, 60}}}};
+
+const ObjectStyle& styleOf(ObjectClass object_class)
+{
+  switch (object_class)
+  {
+    case ObjectClass::car:
+    case ObjectClass::van:
+    case ObjectClass::truck:
+    case ObjectClass::bus:
+      return styles[0];
+    case ObjectClass::pedestrian:
+      return styles[1];
+    case ObjectClass::cyclist:
+    case ObjectClass::motorcyclist:
+      return styles[2];
+    case ObjectClass::unknown:
+      break;
+  }
+  return styles[3];
+}
+
+/** The part of the map that is shown, and where its points lie on the page. */
+struct View
+{
+  Eigen::Vector2d low;
+  Eigen::Vector2d high;
+  double scale = 1;  //!< page pixels per metre
+  cv::Size size;
+
+  [[nodiscard]] Eigen::Vector2d pixel(const Eigen::Vector2d& p) const
+  {
+    return {(p.x() - low.x()) * scale, (high.y() - p.y()) * scale};
+  }
+  [[nodiscard]] cv::Point fine(const Eigen::Vector2d& p) const
+  {
+    const Eigen::Vector2d at = pixel(p) * (1 << line_bits);
+    return {static_cast<int>(std::lround(at.x())), static_cast<int>(std::lround(at.y()))};
+  }
+};
+
+void include(View& view, const std::vector<Eigen::Vector3d>& path)
+{
+  for (const auto& p : path)
+  {
+    if (p.allFinite())
+    {
+      view.low = view.low.cwiseMin(p.head<2>());
+      view.high = view.high.cwiseMax(p.head<2>());
+    }
+  }
+}
+
+View viewOf(const MapPictureContent& content, const MapPictureOptions& options)
+{
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  View view{{infinity, infinity}, {-infinity, -infinity}, 1, {}};
+  include(view, content.path);
+  const Eigen::Vector2d margin(options.margin, options.margin);
+  view.low -= margin;
+  view.high += margin;
+  const Eigen::Vector2d extent = view.high - view.low;
+  view.scale = std::min(options.pixels / extent.maxCoeff(), 1 / options.min_pixel) * supersampling;
+  view.size = {std::max(1, static_cast<int>(extent.x() * view.scale)),
+               std::max(1, static_cast<int>(extent.y() * view.scale))};
+  return view;
+}
+
+/** Height of every point over the ground of its cell, a low quantile of the cell's points: single
+ * reflections from below the ground do not count [m]. */
+class Ground
+{
+ public:
+  explicit Ground(const std::vector<Eigen::Vector3f>& points)
+  {
+    std::unordered_map<std::int64_t, std::vector<float>> heights;
+    for (const auto& p : points)
+    {
+      if (p.allFinite())
+      {
+        heights[keyOf(p)].push_back(p.z());
+      }
+    }
+    for (auto& [key, values] : heights)
+    {
+      const auto nth = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 10);
+      std::nth_element(values.begin(), nth, values.end());
+      ground_[key] = *nth;
+    }
+  }
+  [[nodiscard]] double heightOver(const Eigen::Vector3f& p) const
+  {
+    return static_cast<double>(p.z() - ground_.at(keyOf(p)));
+  }
+
+ private:
+  static std::int64_t keyOf(const Eigen::Vector3f& p)
+  {
+    const auto cell = [](float v)
+    { return static_cast<std::int64_t>(std::floor(static_cast<double>(v) / ground_cell)); };
+    return cell(p.x()) * (1LL << 32) + cell(p.y());
+  }
+  std::unordered_map<std::int64_t, float> ground_;
+};
+
+/** Every pixel as dark as the highest of its points over the ground. */
+void drawPoints(const std::vector<Eigen::Vector3f>& points, const View& view, cv::Mat& page)
+{
+  const Ground ground(points);
+  const int side = std::clamp(static_cast<int>(std::lround(point_side * view.scale)), 2, 12);
+  const cv::Rect inside({0, 0}, view.size);
+  for (const auto& p : points)
+  {
+    if (!p.allFinite())
+    {
+      continue;
+    }
+    const Eigen::Vector2d at = view.pixel(p.head<2>().cast<double>());
+    const double share = std::clamp(ground.heightOver(p) / full_height, 0.0, 1.0);
+    const auto grey = static_cast<unsigned char>(lightest_grey +
+                                                 (darkest_grey - lightest_grey) * std::sqrt(share));
+    const cv::Rect dot = cv::Rect(static_cast<int>(at.x()) - side / 2,
+                                  static_cast<int>(at.y()) - side / 2, side, side) &
+                         inside;
+    for (int y = dot.y; y < dot.y + dot.height; ++y)
+    {
+      for (int x = dot.x; x < dot.x + dot.width; ++x)
+      {
+        auto& pixel = page.at<cv::Vec3b>(y, x);
+        const unsigned char darker = std::min(pixel[0], grey);
+        pixel = {darker, darker, darker};
+      }
+    }
+  }
+}
+
+void drawPath(const std::vector<Eigen::Vector3d>& path,
+              const View& view,
+              cv::Mat& page,
+              const cv::Scalar& colour,
+              int thickness,
+              bool closed = false)
+{
+  std::vector<cv::Point> line;
+  for (const auto& p : path)
+  {
+    if (p.allFinite())
+    {
+      line.push_back(view.fine(p.head<2>()));
+    }
+  }
+  cv::polylines(page, line, closed, colour, thickness, cv::LINE_AA, line_bits);
+}
+
+void drawObject(const PictureObject& object, const View& view, cv::Mat& page)
+{
+  const cv::Scalar& colour = styleOf(object.object_class).colour;
+  drawPath(object.path, view, page, colour, 2 * supersampling);
+  const Eigen::Vector2d ahead(std::cos(object.last.yaw), std::sin(object.last.yaw));
+  const Eigen::Vector2d left(-ahead.y(), ahead.x());
+  std::vector<Eigen::Vector3d> box;
+  for (const auto& [x, y] : {std::pair{1, 1}, {-1, 1}, {-1, -1}, {1, -1}})
+  {
+    Eigen::Vector3d corner = object.last.center;
+    corner.head<2>() += 0.5 * (x * object.last.size.x() * ahead + y * object.last.size.y() * left);
+    box.push_back(corner);
+  }
+  drawPath(box, view, page, colour, 2 * supersampling, true);
+}
+
+/** A bar of a round length, about a sixth of the picture's width. */
+void drawScale(const View& view, cv::Mat& page)
+{
+  const double wanted = page.cols / view.scale / 6;
+  const double power = std::pow(10, std::floor(std::log10(wanted)));
+  const double length = wanted < 2 * power ? power : wanted < 5 * power ? 2 * power : 5 * power;
+  const int margin = 20 * supersampling;
+  const cv::Point right(page.cols - margin, page.rows - margin);
+  const cv::Point left(right.x - static_cast<int>(length * view.scale), right.y);
+  cv::line(page, left, right, ink, 3 * supersampling);
+  char words[32];
+  std::snprintf(words, sizeof words, "%g m", length);
+  text(page, words, {(left.x + right.x) / 2, right.y - 14 * supersampling}, Anchor::middle);
+}
+
+void drawLegendOf(const MapPictureContent& content, cv::Mat& page)
+{
+  std::vector<Curve> entries{{"path of the sensor", {}, path_colour}};
+  std::map<std::string, cv::Scalar> kinds;
+  for (const auto& object : content.objects)
+  {
+    const ObjectStyle& style = styleOf(object.object_class);
+    kinds.emplace(style.name, style.colour);
+  }
+  for (const auto& [name, colour] : kinds)
+  {
+    entries.push_back({std::string("moving ") + name, {}, colour});
+  }
+  if (!content.loops.empty())
+  {
+    entries.push_back({"loop", {}, loop_colour});
+  }
+  const cv::Rect box(8 * supersampling, 8 * supersampling, 220 * supersampling,
+                     static_cast<int>(entries.size() * 24 + 12) * supersampling);
+  cv::rectangle(page, box, white, cv::FILLED);
+  drawLegend(page, {20 * supersampling, 26 * supersampling}, entries);
+}
+}  // namespace
+
+std::vector<std::uint8_t> renderMapPicture(const MapPictureContent& content,
+                                           const MapPictureOptions& options)
+{
+  if (options.pixels <= 0 || !(options.margin > 0) || !(options.min_pixel > 0))
+  {
+    throw std::invalid_argument("renderMapPicture: an option is not positive");
+  }
+  const bool any = std::any_of(content.path.begin(), content.path.end(),
+                               [](const auto& p) { return p.allFinite(); });
+  if (!any)
+  {
+    return {};
+  }
+  const View view = viewOf(content, options);
+  cv::Mat page(view.size, CV_8UC3, white);
+  if (content.points != nullptr)
+  {
+    drawPoints(*content.points, view, page);
+  }
+  for (const auto& object : content.objects)
+  {
+    drawObject(object, view, page);
+  }
+  for (const auto& [from, to] : content.loops)
+  {
+    drawPath({from, to}, view, page, loop_colour, supersampling);
+  }
+  drawPath(content.path, view, page, path_colour, 3 * supersampling);
+  drawScale(view, page);
+  drawLegendOf(content, page);
+  return encodePage(page);
+}
+}  // namespace dyslam

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/eval/MapPicture.h>
+#include <gtest/gtest.h>
+
+#include <opencv2/imgcodecs.hpp>
+#include <stdexcept>
+
+namespace dyslam
+{
+namespace
+{
+/** A vehicle drives 20 m along x, 10 m shown around it: 40 m x 20 m. */
+MapPictureContent drive()
+{
+  MapPictureContent content;
+  for (int i = 0; i <= 20; ++i)
+  {
+    content.path.emplace_back(i, 0, 0);
+  }
+  return content;
+}
+
+const MapPictureOptions options{800, 10, 0.05};
+
+TEST(MapPicture, ShowsThePartAroundThePathAndTheHeightAsDarkness)
+{
+  MapPictureContent content = drive();
+  std::vector<Eigen::Vector3f> points;
+  for (int i = -400; i < 700; ++i)  // ground everywhere, a wall 5 m to the left
+  {
+    const float x = 0.05F * static_cast<float>(i);
+    points.emplace_back(x, 5.5F, 0.0F);
+    points.emplace_back(x, 5.0F, 4.5F);
+    points.emplace_back(x, -5.0F, 0.0F);
+  }
+  content.points = &points;
+  const cv::Mat picture = cv::imdecode(renderMapPicture(content, options), cv::IMREAD_COLOR);
+  ASSERT_EQ(picture.cols, 800);
+  ASSERT_EQ(picture.rows, 400);  // 20 pixels a metre, y = 10 m in the first row
+  const auto grey = [&](int x, int y) { return static_cast<int>(picture.at<cv::Vec3b>(y, x)[1]); };
+  EXPECT_LT(grey(500, 100), 100) << "wall";
+  EXPECT_GT(grey(500, 300), 180) << "ground";
+  EXPECT_LT(grey(500, 300), 240) << "ground";
+  EXPECT_EQ(grey(500, 250), 255) << "nothing known";
+  EXPECT_GT(picture.at<cv::Vec3b>(200, 400)[0], 150) << "the path is blue";
+  EXPECT_LT(picture.at<cv::Vec3b>(200, 400)[2], 60);
+}
+
+TEST(MapPicture, ShowsObjectsWhereTheyWere)
+{
+  MapPictureContent content = drive();
+  content.objects.push_back(
+      {ObjectClass::car, {{5, -5, 0}, {15, -5, 0}}, {{15, -5, 0}, {4, 2, 1.5}, 0}});
+  const cv::Mat picture = cv::imdecode(renderMapPicture(content, options), cv::IMREAD_COLOR);
+  const cv::Vec3b path = picture.at<cv::Vec3b>(300, 400);
+  EXPECT_GT(path[2], 150);
+  EXPECT_LT(path[0], 100);
+  EXPECT_EQ(picture.at<cv::Vec3b>(320, 540)[1] < 200, true) << "side of the box";
+}
+
+TEST(MapPicture, OfNothingIsNone)
+{
+  EXPECT_TRUE(renderMapPicture({}).empty());
+  EXPECT_THROW((void)renderMapPicture(drive(), {0, 10, 0.1}), std::invalid_argument);
+}
+}  // namespace
+}  // namespace dyslam

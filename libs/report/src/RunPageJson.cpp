@@ -1,0 +1,245 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "RunPageJson.h"
+
+#include <dyslam/core/Version.h>
+#include <dyslam/eval/TrajectoryReports.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "PoseDrift.h"
+
+namespace dyslam
+{
+namespace
+{
+using Json = nlohmann::ordered_json;
+
+constexpr double tolerance = 1e-3;  // of stamps; all trajectories have those of the scans [s]
+constexpr double millimetre = 1e-3;
+constexpr double milliradian_tenth = 1e-4;
+constexpr double percentile = 0.02;  // of the points' heights that the colours leave out
+
+/** To a decimal step, as a number that is printed short; null where it is not finite. */
+Json rounded(double value, double step)
+{
+  if (!std::isfinite(value))
+  {
+    return {};
+  }
+  const double inverse = std::round(1 / step);
+  const double result = std::round(value * inverse) / inverse;
+  return result == 0 ? 0.0 : result;  // no -0.0
+}
+
+Json rounded(const std::vector<double>& values, double step)
+{
+  Json json = Json::array();
+  for (const double value : values)
+  {
+    json.push_back(rounded(value, step));
+  }
+  return json;
+}
+
+Json vectorJson(const Eigen::Vector3d& v, double step)
+{
+  return {rounded(v.x(), step), rounded(v.y(), step), rounded(v.z(), step)};
+}
+
+/** x, y, z [m], yaw, pitch, roll [rad] of T * pose, an array of each. */
+Json posesJson(const Trajectory& trajectory, const Pose& T = Pose::Identity())
+{
+  Json json{{"x", Json::array()},   {"y", Json::array()},     {"z", Json::array()},
+            {"yaw", Json::array()}, {"pitch", Json::array()}, {"roll", Json::array()}};
+  for (const auto& [stamp, pose] : trajectory)
+  {
+    const Pose moved = T * pose;
+    const Eigen::Vector3d t = moved.translation();
+    const Eigen::Vector3d angles = yawPitchRoll(moved);
+    json["x"].push_back(rounded(t.x(), millimetre));
+    json["y"].push_back(rounded(t.y(), millimetre));
+    json["z"].push_back(rounded(t.z(), millimetre));
+    json["yaw"].push_back(rounded(angles.x(), milliradian_tenth));
+    json["pitch"].push_back(rounded(angles.y(), milliradian_tenth));
+    json["roll"].push_back(rounded(angles.z(), milliradian_tenth));
+  }
+  return json;
+}
+
+Json driftJson(const PosePairs& pairs)
+{
+  const PoseDrift drift = poseDrift(pairs);
+  std::vector<double> heading_deg;
+  for (const double angle : drift.heading)
+  {
+    heading_deg.push_back(angle * 180 / M_PI);
+  }
+  return {{"distance", rounded(drift.distance, 0.01)},
+          {"position", rounded(drift.position, 1e-4)},
+          {"height", rounded(drift.height, 1e-4)},
+          {"heading", rounded(heading_deg, 1e-4)}};
+}
+
+Json scansJson(const RunPage& page)
+{
+  Json json;
+  for (const char* name : {"index", "time", "points", "moving", "registered", "keyframe"})
+  {
+    json[name] = Json::array();
+  }
+  for (std::size_t i = 0; i < page.scans.size(); ++i)
+  {
+    const PageScan& scan = page.scans[i];
+    json["index"].push_back(scan.index);
+    json["time"].push_back(
+        rounded(page.trajectory[i].stamp - page.trajectory[0].stamp, millimetre));
+    json["points"].push_back(scan.points);
+    json["moving"].push_back(scan.moving_points);
+    json["registered"].push_back(scan.registered ? 1 : 0);
+    json["keyframe"].push_back(scan.keyframe ? 1 : 0);
+  }
+  return json;
+}
+
+Json objectJson(const PageObject& object)
+{
+  Json json{{"id", object.id}, {"class", toString(object.object_class)}};
+  for (const char* name : {"scan", "x", "y", "z", "yaw", "length", "width", "height", "speed"})
+  {
+    json[name] = Json::array();
+  }
+  for (const PageObjectState& state : object.states)
+  {
+    const Box& box = state.box;
+    json["scan"].push_back(state.scan);
+    json["x"].push_back(rounded(box.center.x(), 0.01));
+    json["y"].push_back(rounded(box.center.y(), 0.01));
+    json["z"].push_back(rounded(box.center.z(), 0.01));
+    json["yaw"].push_back(rounded(box.yaw, 1e-3));
+    json["length"].push_back(rounded(box.size.x(), 0.01));
+    json["width"].push_back(rounded(box.size.y(), 0.01));
+    json["height"].push_back(rounded(box.size.z(), 0.01));
+    json["speed"].push_back(rounded(state.velocity.norm(), 0.01));
+  }
+  return json;
+}
+
+/** Errors and drift against the ground truth; without one, of the odometry against the final
+ * trajectory. */
+void addErrors(const RunPage& page, Json& json)
+{
+  json["errors"] = Json::array();
+  json["drift"] = Json::object();
+  const bool has_truth = page.reference.size() > 1;
+  json["drift_against"] = has_truth ? "truth" : "final";
+  const Trajectory& against = has_truth ? page.reference : page.trajectory;
+  std::vector<std::pair<const char*, const Trajectory*>> estimates{{"odometry", &page.odometry}};
+  if (has_truth)
+  {
+    estimates.insert(estimates.begin(), {"final", &page.trajectory});
+  }
+  std::vector<TrajectoryReport> reports;
+  for (const auto& [name, trajectory] : estimates)
+  {
+    const PosePairs pairs = associateByTime(against, *trajectory, tolerance);
+    if (pairs.size() < 2)
+    {
+      continue;
+    }
+    json["drift"][name] = driftJson(pairs);
+    if (has_truth)
+    {
+      reports.push_back(evaluateTrajectory(name, pairs));
+    }
+  }
+  if (!reports.empty())
+  {
+    json["errors"] = Json::parse(trajectoryJson(reports)).at("trajectories");
+  }
+}
+
+void addTrajectories(const RunPage& page, Json& json)
+{
+  json["final"] = posesJson(page.trajectory);
+  const Pose T_map_odom = page.trajectory.empty()
+                              ? Pose::Identity()
+                              : page.trajectory[0].pose * page.odometry[0].pose.inverse();
+  json["odometry"] = posesJson(page.odometry, T_map_odom);
+  json["reference"] = page.reference.empty() ? Json() : posesJson(page.reference);
+  const auto lengths = page.trajectory.pathLengths();
+  json["length"] = rounded(lengths.empty() ? 0 : lengths.back(), 0.01);
+}
+
+/** Where the points are, and the heights that the colours go over. */
+Json mapJson(const RunPage& page, const PackedPoints& points)
+{
+  Json json{{"count", points.count},
+            {"of", page.map_points == nullptr ? 0 : page.map_points->size()},
+            {"voxel", rounded(points.voxel_size, millimetre)},
+            {"low", vectorJson(points.low, 1e-6)},
+            {"step", vectorJson(points.step, 1e-9)}};
+  std::vector<float> heights;
+  if (page.map_points != nullptr)
+  {
+    for (const auto& p : *page.map_points)
+    {
+      if (p.allFinite())
+      {
+        heights.push_back(p.z());
+      }
+    }
+  }
+  const auto quantile = [&](double share)
+  {
+    if (heights.empty())
+    {
+      return 0.0;
+    }
+    const auto nth = heights.begin() +
+                     static_cast<std::ptrdiff_t>(share * static_cast<double>(heights.size() - 1));
+    std::nth_element(heights.begin(), nth, heights.end());
+    return static_cast<double>(*nth);
+  };
+  json["z_low"] = rounded(quantile(percentile), 0.01);
+  json["z_high"] = rounded(quantile(1 - percentile), 0.01);
+  return json;
+}
+}  // namespace
+
+nlohmann::ordered_json runPageJson(const RunPage& page, const PackedPoints& points)
+{
+  Json json;
+  json["version"] = DYSLAM_VERSION;
+  json["title"] = page.title;
+  json["input"] = page.input;
+  json["method"] = page.method;
+  json["settings"] = page.settings;
+  json["failure"] = page.failure;
+  json["warnings"] = page.warnings;
+  json["files"] = page.files;
+  json["odometry_failed"] = page.odometry_failed;
+  json["stage_ms"] = Json::object();
+  for (const auto& [stage, ms] : page.stage_ms)
+  {
+    json["stage_ms"][stage] = rounded(ms, 1e-4);
+  }
+  json["scans"] = scansJson(page);
+  addTrajectories(page, json);
+  addErrors(page, json);
+  json["loops"] = Json::array();
+  for (const PageLoop& loop : page.loops)
+  {
+    json["loops"].push_back({{"from", vectorJson(loop.from, millimetre)},
+                             {"to", vectorJson(loop.to, millimetre)},
+                             {"by_appearance", loop.by_appearance}});
+  }
+  json["objects"] = Json::array();
+  for (const PageObject& object : page.objects)
+  {
+    json["objects"].push_back(objectJson(object));
+  }
+  json["map"] = mapJson(page, points);
+  return json;
+}
+}  // namespace dyslam

@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <dyslam/report/RunPage.h>
+
+#include <nlohmann/json.hpp>
+
+#include "PackedPoints.h"
+
+namespace dyslam
+{
+/** The page's data but for the bytes of points and picture. web/src/data.js reads it. */
+[[nodiscard]] nlohmann::ordered_json runPageJson(const RunPage& page, const PackedPoints& points);
+}  // namespace dyslam

@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/Error.h>
+#include <dyslam/report/RunPage.h>
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+
+#include "PoseDrift.h"
+
+namespace dyslam
+{
+namespace
+{
+const char* const page_template =
+    "<title>@TITLE@</title><img src=\"@PICTURE@\"><p>@POINTS@</p>"
+    "<script type=\"application/json\">@DATA@</script>";
+
+/** Three scans along x; the odometry ends 0.5 m to the left, 0.2 m too high, turned by 0.1 rad. */
+RunPage smallRun()
+{
+  RunPage page;
+  page.title = "run";
+  for (int i = 0; i < 3; ++i)
+  {
+    const bool last = i == 2;
+    page.scans.push_back({static_cast<std::size_t>(10 + i), 1000, last ? 50U : 0U, i > 0, i == 0});
+    page.trajectory.push_back(100 + 0.1 * i, poseFromYpr(5 + i, 0, 0, 0, 0, 0));
+    page.odometry.push_back(100 + 0.1 * i,
+                            poseFromYpr(i, last ? 0.5 : 0, last ? 0.2 : 0, last ? 0.1 : 0, 0, 0));
+  }
+  return page;
+}
+
+nlohmann::json dataOf(const std::string& html)
+{
+  const std::string begin = "<script type=\"application/json\">";
+  const auto from = html.find(begin) + begin.size();
+  return nlohmann::json::parse(html.substr(from, html.find("</script>", from) - from));
+}
+
+TEST(PoseDrift, IsMeasuredFromTheFirstPose)
+{
+  const RunPage page = smallRun();
+  const PoseDrift drift = poseDrift(associateByTime(page.trajectory, page.odometry, 1e-3));
+  ASSERT_EQ(drift.distance.size(), 3U);
+  EXPECT_NEAR(drift.distance[2], 2, 1e-12);
+  EXPECT_NEAR(drift.position[1], 0, 1e-12);
+  EXPECT_NEAR(drift.position[2], 0.5, 1e-12);
+  EXPECT_NEAR(drift.height[2], 0.2, 1e-12);
+  EXPECT_NEAR(drift.heading[2], 0.1, 1e-12);
+}
+
+TEST(RunPage, WithoutTruthHasTheDriftOfTheOdometryAgainstTheFinalTrajectory)
+{
+  const auto json = dataOf(renderRunPage(smallRun(), page_template));
+  EXPECT_TRUE(json["errors"].empty());
+  EXPECT_TRUE(json["reference"].is_null());
+  EXPECT_EQ(json["drift_against"], "final");
+  EXPECT_NEAR(json["drift"]["odometry"]["heading"][2].get<double>(), 0.1 * 180 / M_PI, 1e-4);
+  EXPECT_EQ(json["scans"]["index"], nlohmann::json({10, 11, 12}));
+  EXPECT_EQ(json["scans"]["time"], nlohmann::json({0.0, 0.1, 0.2}));
+  EXPECT_EQ(json["scans"]["registered"], nlohmann::json({0, 1, 1}));
+  EXPECT_EQ(json["odometry"]["x"][0], 5.0) << "drawn in the map frame";
+  EXPECT_EQ(json["map"]["count"], 0);
+}
+
+TEST(RunPage, WithTruthHasErrorsOfBothTrajectories)
+{
+  RunPage page = smallRun();
+  page.reference = page.trajectory;
+  const auto json = dataOf(renderRunPage(page, page_template));
+  ASSERT_EQ(json["errors"].size(), 2U);
+  EXPECT_EQ(json["errors"][0]["name"], "final");
+  EXPECT_NEAR(json["errors"][0]["ate"]["translation_m"]["rmse"].get<double>(), 0, 1e-9);
+  EXPECT_NEAR(json["errors"][1]["end_error"]["translation_m"].get<double>(), std::hypot(0.5, 0.2),
+              1e-9);
+  EXPECT_EQ(json["drift_against"], "truth");
+}
+
+TEST(RunPage, ShowsObjectsLoopsAndMap)
+{
+  RunPage page = smallRun();
+  const std::vector<Eigen::Vector3f> points{{0, 0, 0}, {10, 20, 5}};
+  page.map_points = &points;
+  page.loops.push_back({{1, 2, 3}, {4, 5, 6}, true});
+  PageObject object{7, ObjectClass::pedestrian, {}};
+  object.states.push_back({1, {{1, 2, 0.9}, {0.6, 0.5, 1.8}, 0.25}, {3, 4, 0}});
+  page.objects.push_back(object);
+  const auto json = dataOf(renderRunPage(page, page_template));
+  EXPECT_EQ(json["map"]["count"], 2);
+  EXPECT_EQ(json["loops"][0]["to"], nlohmann::json({4.0, 5.0, 6.0}));
+  EXPECT_EQ(json["objects"][0]["class"], "Pedestrian");
+  EXPECT_EQ(json["objects"][0]["scan"], nlohmann::json({1}));
+  EXPECT_EQ(json["objects"][0]["speed"], nlohmann::json({5.0}));
+}
+
+TEST(RunPage, TextsCannotBecomeMarkup)
+{
+  RunPage page = smallRun();
+  const std::string evil = "</script><script>alert(1)</script><!-- & \"";
+  page.title = page.input = page.settings = evil;
+  page.warnings = {evil};
+  page.files = {evil, "not UTF-8: \xff"};
+  const std::string html = renderRunPage(page, page_template);
+  EXPECT_EQ(html.find("<script>alert"), std::string::npos);
+  EXPECT_EQ(html.find("<!--"), std::string::npos);
+  EXPECT_NE(html.find("<title>&lt;/script&gt;"), std::string::npos);
+  EXPECT_EQ(dataOf(html)["warnings"][0], evil);
+}
+
+TEST(RunPage, AnEmptyRunHasAPage)
+{
+  const auto json = dataOf(renderRunPage({}, page_template));
+  EXPECT_TRUE(json["scans"]["index"].empty());
+  EXPECT_EQ(json["length"], 0.0);
+}
+
+TEST(RunPage, PosesThatAreNotFiniteAreLeftOpen)
+{
+  RunPage page = smallRun();
+  page.trajectory[1].pose.translation().x() = std::nan("");
+  EXPECT_TRUE(dataOf(renderRunPage(page, page_template))["final"]["x"][1].is_null());
+}
+
+TEST(RunPage, RefusesWhatDoesNotFit)
+{
+  RunPage page = smallRun();
+  EXPECT_THROW((void)renderRunPage(page, "no placeholder"), UserError);
+  RunPageOptions none;
+  none.max_points = 0;
+  EXPECT_THROW((void)renderRunPage(page, page_template, none), UserError);
+  page.scans.pop_back();
+  EXPECT_THROW((void)renderRunPage(page, page_template), std::invalid_argument);
+}
+}  // namespace
+}  // namespace dyslam

@@ -1,0 +1,209 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The 3D view: what is in it. view.js has the buttons and the slider.
+import {AmbientLight, BoxGeometry, BufferAttribute, BufferGeometry, Color, CylinderGeometry,
+  DirectionalLight, EdgesGeometry, GLSL3, GridHelper, Group, LineBasicMaterial, LineSegments, Line, Mesh,
+  MeshLambertMaterial, Points, RawShaderMaterial, Scene, Vector3} from 'three';
+import {colours, kindOf} from './data.js';
+
+const max_boxes = 200;  // of objects shown at one time
+
+const vertex = `
+precision highp float;
+uniform mat4 modelViewMatrix, projectionMatrix;
+uniform vec3 low, extent;
+uniform vec2 heights;
+uniform float size, viewport;
+uniform int mode;
+in vec4 position;  // x, y, z and intensity as shares of their ranges
+out vec3 colour;
+
+vec3 byHeight(float h) {
+  vec3 a = vec3(0.66, 0.70, 0.76), b = vec3(0.20, 0.52, 0.66), c = vec3(0.16, 0.32, 0.50), d = vec3(0.45, 0.20, 0.42);
+  return h < 0.33 ? mix(a, b, h * 3.0) : h < 0.66 ? mix(b, c, h * 3.0 - 1.0) : mix(c, d, h * 3.0 - 2.0);
+}
+
+void main() {
+  vec3 p = low + extent * position.xyz;
+  vec4 seen = modelViewMatrix * vec4(p, 1.0);
+  gl_Position = projectionMatrix * seen;
+  gl_PointSize = clamp(size * viewport * projectionMatrix[1][1] * 0.5 / max(0.1, -seen.z), 1.0, 24.0);
+  float h = clamp((p.z - heights.x) / max(0.1, heights.y - heights.x), 0.0, 1.0);
+  colour = mode == 0 ? byHeight(h) : mode == 1 ? vec3(0.80 - 0.75 * sqrt(position.w)) : vec3(0.42);
+}`;
+const fragment = `
+precision mediump float;
+in vec3 colour;
+out vec4 result;
+void main() { result = vec4(colour, 1.0); }`;
+
+function line(poses, colour, lift) {
+  const geometry = new BufferGeometry();
+  const values = new Float32Array(3 * poses.x.length);
+  for (let i = 0; i < poses.x.length; ++i) {
+    values.set([poses.x[i], poses.y[i], poses.z[i] + lift], 3 * i);
+  }
+  geometry.setAttribute('position', new BufferAttribute(values, 3));
+  return new Line(geometry, new LineBasicMaterial({color: colour}));
+}
+
+function mapOf(data, values) {
+  const {map} = data;
+  const geometry = new BufferGeometry();
+  geometry.setAttribute('position', new BufferAttribute(values, 4, true));
+  const extent = map.step.map((step) => step * 65535);
+  const material = new RawShaderMaterial({glslVersion: GLSL3, vertexShader: vertex,
+    fragmentShader: fragment, uniforms: {low: {value: new Vector3(...map.low)},
+      extent: {value: new Vector3(...extent)}, heights: {value: [map.z_low, map.z_high]},
+      size: {value: 0.12}, viewport: {value: 600}, mode: {value: 0}}});
+  const points = new Points(geometry, material);
+  points.frustumCulled = false;  // three.js knows nothing of the shares
+  return points;
+}
+
+function loopsOf(loops) {
+  const geometry = new BufferGeometry();
+  const ends = loops.flatMap((loop) => [...loop.from, ...loop.to]);
+  geometry.setAttribute('position', new BufferAttribute(new Float32Array(ends), 3));
+  const group = new Group();
+  group.add(new LineSegments(geometry, new LineBasicMaterial({color: colours.loop})));
+  // Drawn over each other the two ends of a loop are one place: a post makes it visible.
+  const posts = new BufferGeometry();
+  const heights = loops.flatMap(({to}) => [...to, to[0], to[1], to[2] + 6]);
+  posts.setAttribute('position', new BufferAttribute(new Float32Array(heights), 3));
+  group.add(new LineSegments(posts, new LineBasicMaterial({color: colours.loop})));
+  return group;
+}
+
+function keyframesOf(data) {
+  const geometry = new BufferGeometry();
+  const values = data.scans.keyframe.flatMap((is, i) =>
+    is ? [data.final.x[i], data.final.y[i], data.final.z[i], data.final.x[i], data.final.y[i], data.final.z[i] + 1] : []);
+  geometry.setAttribute('position', new BufferAttribute(new Float32Array(values), 3));
+  return new LineSegments(geometry, new LineBasicMaterial({color: colours.final}));
+}
+
+/** The vehicle: a disc with a pointer ahead. */
+function sensorMark() {
+  const group = new Group();
+  const material = new MeshLambertMaterial({color: colours.final});
+  const disc = new Mesh(new CylinderGeometry(0.7, 0.7, 0.5, 24), material);
+  disc.rotation.x = Math.PI / 2;
+  const pointer = new Mesh(new BoxGeometry(2.2, 0.35, 0.35), material);
+  pointer.position.x = 1.1;
+  group.add(disc, pointer);
+  return group;
+}
+
+const box_geometry = new BoxGeometry(1, 1, 1);
+const edges = new EdgesGeometry(box_geometry);
+
+function boxMark() {
+  const group = new Group();
+  const body = new Mesh(box_geometry, new MeshLambertMaterial({transparent: true, opacity: 0.35, depthWrite: false}));
+  const frame = new LineSegments(edges, new LineBasicMaterial());
+  const nose = new Mesh(box_geometry, new MeshLambertMaterial());
+  nose.scale.set(0.12, 0.6, 0.25);
+  nose.position.x = 0.5;
+  group.add(body, frame, nose);
+  group.visible = false;
+  return group;
+}
+
+/** Everything that is drawn, in layers that can be hidden, at a scan that can be chosen. */
+export class Content {
+  constructor(data, points) {
+    this.data = data;
+    this.scene = new Scene();
+    this.scene.background = new Color('#ffffff');
+    this.scene.add(new AmbientLight(0xffffff, 2));
+    const sun = new DirectionalLight(0xffffff, 1.5);
+    sun.position.set(1, -2, 3);
+    this.scene.add(sun);
+    this.layers = new Map();
+    this.boxes = [];
+    this.sensor = sensorMark();
+    this.statesByScan = this.indexStates();
+    if (data.map.count > 0) {
+      this.points = this.addLayer('map', 'map', '#7a8794', mapOf(data, points), true);
+    }
+    const path = new Group();
+    path.add(line(data.final, colours.final, 0.05), this.sensor);
+    this.addLayer('path', 'path (final)', colours.final, path, true);
+    this.addLayer('odometry', 'odometry', colours.odometry, line(data.odometry, colours.odometry, 0.1), false);
+    if (data.reference) {
+      this.addLayer('truth', 'ground truth', colours.truth, line(data.reference, colours.truth, 0.15), false);
+    }
+    if (data.loops.length > 0) {
+      this.addLayer('loops', 'loops', colours.loop, loopsOf(data.loops), true);
+    }
+    this.addLayer('keyframes', 'keyframes', colours.final, keyframesOf(data), false);
+    this.objects = this.addLayer('objects', 'moving objects', '#d62828', new Group(), true);
+    this.addLayer('tracks', 'their paths', '#d62828', this.tracks(), true);
+    this.addLayer('grid', 'grid, 10 m', '#c8ced6', this.grid(), false);
+  }
+
+  addLayer(key, name, colour, object, on) {
+    object.visible = on;
+    this.layers.set(key, {name, colour, object});
+    this.scene.add(object);
+    return object;
+  }
+
+  /** For each scan the objects seen in it and which of their states it is. */
+  indexStates() {
+    const result = this.data.scans.index.map(() => []);
+    for (const object of this.data.objects) {
+      object.scan.forEach((scan, i) => result[scan].push({object, i}));
+    }
+    return result;
+  }
+
+  tracks() {
+    const group = new Group();
+    for (const object of this.data.objects) {
+      group.add(line({x: object.x, y: object.y, z: object.z}, kindOf(object).colour, 0));
+    }
+    return group;
+  }
+
+  grid() {
+    const {x, y, z} = this.data.final;
+    const least = (v) => v.reduce((a, b) => Math.min(a, b), Infinity);
+    const most = (v) => v.reduce((a, b) => Math.max(a, b), -Infinity);
+    const size = 10 * Math.ceil((Math.max(most(x) - least(x), most(y) - least(y)) + 120) / 10);
+    const grid = new GridHelper(size, size / 10, 0xb0b8c2, 0xdde1e6);
+    grid.rotation.x = Math.PI / 2;
+    grid.position.set(10 * Math.round((most(x) + least(x)) / 20), 10 * Math.round((most(y) + least(y)) / 20),
+        Math.min(least(z), this.data.map.count > 0 ? this.data.map.z_low : 0));
+    return grid;
+  }
+
+  positionAt(scan) {
+    const {x, y, z} = this.data.final;
+    return new Vector3(x[scan], y[scan], z[scan]);
+  }
+
+  /** Moves sensor and objects to a scan. \return the objects there */
+  showScan(scan) {
+    const {final} = this.data;
+    this.sensor.position.copy(this.positionAt(scan));
+    this.sensor.rotation.set(final.roll[scan], final.pitch[scan], final.yaw[scan], 'ZYX');
+    const states = this.statesByScan[scan].slice(0, max_boxes);
+    while (this.boxes.length < states.length) {
+      const mark = boxMark();
+      this.boxes.push(mark);
+      this.objects.add(mark);
+    }
+    this.boxes.forEach((mark, k) => {
+      mark.visible = k < states.length;
+      if (mark.visible) {
+        const {object, i} = states[k];
+        mark.position.set(object.x[i], object.y[i], object.z[i]);
+        mark.rotation.z = object.yaw[i];
+        mark.scale.set(object.length[i], object.width[i], object.height[i]);
+        mark.children.forEach((part) => part.material.color.set(kindOf(object).colour));
+      }
+    });
+    return states;
+  }
+}

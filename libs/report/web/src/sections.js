@@ -1,0 +1,318 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The parts of the page that need no 3D.
+import {colours, distances, kindOf} from './data.js';
+import {count, fixed, h, s} from './dom.js';
+import {legend, plot} from './plots.js';
+
+function kindsInWords(objects) {
+  const numbers = new Map();
+  for (const object of objects) {
+    const kind = kindOf(object);
+    numbers.set(kind, (numbers.get(kind) || 0) + 1);
+  }
+  return [...numbers].map(([kind, n]) => count(n, kind.one, kind.many)).join(', ');
+}
+
+/** Longest distance between odometry and final trajectory [m]. */
+function largestCorrection(data) {
+  const {final: a, odometry: b} = data;
+  return a.x.reduce((most, _, i) => Math.max(
+      most, Math.hypot(a.x[i] - b.x[i], a.y[i] - b.y[i], a.z[i] - b.z[i])), 0);
+}
+
+function sentences(data) {
+  const n = data.scans.index.length;
+  const lost = data.scans.registered.filter((r) => !r).length;
+  const seconds = n > 0 ? data.scans.time[n - 1] : 0;
+  const ms = Object.values(data.stage_ms).reduce((sum, v) => sum + v, 0);
+  const result = [];
+  result.push(`${count(n, 'scan')} of ${fixed(seconds, 1)} s were processed; the sensor travelled ` +
+      `${fixed(data.length, 1)} m.`);
+  result.push(lost === 0 ?
+      'The motion of every scan was found by registration.' :
+      `${lost} of ${count(n, 'scan')} could not be registered: their motion was predicted from ` +
+      'the motion before. The first scan of a recording that starts in motion is often among them.');
+  if (data.loops.length === 0) {
+    result.push('No place was recognised a second time (no loops), so nothing corrects the drift of ' +
+        'the odometry.');
+  } else {
+    result.push(`${count(data.loops.length, 'loop')}: places recognised a second time. They moved the ` +
+        `trajectory by up to ${fixed(largestCorrection(data), 2)} m.`);
+  }
+  result.push(data.objects.length === 0 ? 'No moving object was tracked.' :
+      `${count(data.objects.length, 'moving object')} tracked: ${kindsInWords(data.objects)}.`);
+  const final = data.errors.find((e) => e.name === 'final');
+  if (final) {
+    result.push('Against the ground truth of the recording the final trajectory is off by ' +
+        `${fixed(final.ate.translation_m.rmse, 3)} m (RMSE, after alignment).`);
+  } else {
+    result.push('The recording has no ground truth, so the errors are not known.');
+  }
+  if (n > 1 && seconds > 0) {
+    const period = 1000 * seconds / (n - 1);
+    result.push(`Processing took ${fixed(ms, 1)} ms per scan, reading and writing not counted; a scan ` +
+        `came every ${fixed(period, 0)} ms: ${fixed(period / ms, 1)} times real time.`);
+  }
+  return result;
+}
+
+function verdict(data) {
+  if (data.failure) {
+    return h('div', {class: 'verdict bad', id: 'verdict'}, h('strong', {}, 'This run is of no use. '),
+        data.failure);
+  }
+  if (data.warnings.length > 0) {
+    return h('div', {class: 'verdict warn', id: 'verdict'},
+        h('strong', {}, `${count(data.warnings.length, 'warning')}. `), 'See what they say before you ' +
+        'trust the results:', h('ul', {}, data.warnings.map((w) => h('li', {}, w))));
+  }
+  return h('div', {class: 'verdict good', id: 'verdict'}, h('strong', {}, 'No warnings.'));
+}
+
+function tile(value, unit, name) {
+  return h('div', {class: 'tile'}, h('b', {}, value), unit ? ' ' + unit : '', h('span', {}, name));
+}
+
+export function summary(data) {
+  const n = data.scans.index.length;
+  const ms = Object.values(data.stage_ms).reduce((sum, v) => sum + v, 0);
+  const keyframes = data.scans.keyframe.filter((k) => k).length;
+  return h('section', {id: 'summary'}, h('h2', {}, 'Summary'), verdict(data),
+      h('div', {class: 'tiles'}, tile(n.toLocaleString('en'), '', 'scans'),
+          tile(fixed(data.length, 1), 'm', 'path'), tile(keyframes.toLocaleString('en'), '', 'keyframes'),
+          tile(data.loops.length, '', 'loops'), tile(data.objects.length, '', 'moving objects'),
+          tile(data.map.of.toLocaleString('en'), '', 'map points'),
+          tile(fixed(ms, 1), 'ms', 'per scan')),
+      h('ul', {class: 'sentences'}, sentences(data).map((line) => h('li', {}, line))));
+}
+
+const has = (e) => e.kitti.segments > 0;
+const figures = [
+  ['t_rel', '%', 3, (e) => has(e) ? e.kitti.t_rel_percent : null,
+    'Drift of the position per distance travelled, mean over stretches of 100 to 800 m, as the KITTI ' +
+    'benchmark defines it.'],
+  ['r_rel', '°/100 m', 3, (e) => has(e) ? e.kitti.r_rel_deg_per_100m : null,
+    'Drift of the orientation over the same stretches.'],
+  ['RPE, position', 'm', 4, (e) => e.rpe.translation_m.rmse,
+    'Relative pose error: error of the motion from one scan to the next (RMSE).'],
+  ['RPE, rotation', '°', 4, (e) => e.rpe.rotation_deg.rmse, 'The same for the rotation.'],
+  ['ATE, position', 'm', 3, (e) => e.ate.translation_m.rmse,
+    'Absolute trajectory error: distance from the true position after the whole trajectory is moved ' +
+    'rigidly onto the truth (RMSE). How well the map fits together as a whole.'],
+  ['ATE, rotation', '°', 3, (e) => e.ate.rotation_deg.rmse, 'The same for the orientation.'],
+  ['forward ratio', '', 4, (e) => e.forward_ratio,
+    'Estimated distance by true distance: 1 is right, below 1 the motion is underestimated.'],
+  ['end error', 'm', 3, (e) => e.end_error.translation_m,
+    'Distance from the true position at the end, the first poses made to coincide.'],
+  ['end error', '% of path', 3, (e) => e.end_error.percent, 'The same as a share of the path.'],
+];
+
+export function errors(data) {
+  const section = h('section', {id: 'errors'}, h('h2', {}, 'Errors'));
+  if (data.errors.length === 0) {
+    section.append(h('p', {}, 'The recording has no ground truth that could be compared. ',
+        h('code', {}, 'dyslam-eval map --self'), ' rates a trajectory by how sharp the map is that it ' +
+        'gives; so two trajectories of one recording can be compared without ground truth.'));
+    return section;
+  }
+  const rows = figures.filter(([, , , value]) => data.errors.some((e) => Number.isFinite(value(e))));
+  section.append(
+      h('p', {}, 'Against the ground truth of the recording. "Odometry" is the trajectory before the ' +
+          'factor graph, "final" the one after it, which the map is built with. Smaller is better, but ' +
+          'for the ratio.'),
+      h('div', {class: 'scroll'}, h('table', {id: 'error-table'},
+          h('thead', {}, h('tr', {}, h('th', {}, 'figure'),
+              data.errors.map((e) => h('th', {class: 'number'}, e.name)), h('th', {}, 'unit'),
+              h('th', {}, 'meaning'))),
+          h('tbody', {}, rows.map(([name, unit, digits, value, words]) => h('tr', {}, h('td', {}, name),
+              data.errors.map((e) => h('td', {class: 'number'}, fixed(value(e), digits))),
+              h('td', {}, unit), h('td', {class: 'words'}, words)))))));
+  return section;
+}
+
+function lines(data, build) {
+  const all = [{name: 'final', poses: data.final, colour: colours.final}];
+  all.push({name: 'odometry', poses: data.odometry, colour: colours.odometry, dash: '7 4'});
+  if (data.reference) {
+    all.push({name: 'ground truth', poses: data.reference, colour: colours.truth, dash: '2 3'});
+  }
+  return all.map((line) => ({...line, ...build(line.poses)}));
+}
+
+function speeds(data) {
+  const d = distances(data.final);
+  const t = data.scans.time;
+  const half = Math.max(1, Math.round(t.length > 1 ? 0.25 / (t[t.length - 1] / (t.length - 1)) : 1));
+  const at = (i) => {
+    const a = Math.max(0, i - half);
+    const b = Math.min(t.length - 1, i + half);
+    return t[b] > t[a] ? (d[b] - d[a]) / (t[b] - t[a]) : null;
+  };
+  return {x: t, y: t.map((_, i) => at(i))};
+}
+
+export function trajectory(data) {
+  const n = data.final.x.length;
+  const mark = (i, name, colour) => ({x: data.final.x[i], y: data.final.y[i], name, colour});
+  return h('section', {id: 'trajectory'}, h('h2', {}, 'Trajectory'), h('div', {class: 'columns'},
+      plot({title: 'From above.', words: 'Green dot: start, red dot: end. Where the lines lie on one ' +
+          'another, only the upper one is seen.', equal: true, x: 'x [m]', y: 'y [m]',
+          series: lines(data, (p) => ({x: p.x, y: p.y})),
+          marks: n > 0 ? [mark(0, 'start', '#1c8f3a'), mark(n - 1, 'end', colours.bad)] : []}),
+      h('div', {},
+          plot({title: 'Height.', words: 'z of the sensor\'s vehicle over the distance travelled.',
+            x: 'distance [m]', y: 'z [m]', series: lines(data, (p) => ({x: distances(p), y: p.z}))}),
+          plot({title: 'Speed.', words: 'By the final trajectory, over half a second.', x: 'time [s]',
+            y: 'speed [m/s]', floor: 0, digits: 2,
+            series: [{name: 'final', colour: colours.final, ...speeds(data)}]}))));
+}
+
+export function drift(data) {
+  const names = Object.keys(data.drift);
+  const truth = data.drift_against === 'truth';
+  const section = h('section', {id: 'drift'}, h('h2', {}, 'Drift over distance'));
+  if (names.length === 0) {
+    return section;
+  }
+  section.append(h('p', {}, truth ?
+    'Errors against the ground truth, the first poses made to coincide: what odometry accumulates grows ' +
+    'with the distance.' :
+    'There is no ground truth. Shown is by how much the odometry differs from the final trajectory: what ' +
+    'loops and graph have corrected. Zero everywhere means that nothing was corrected, not that ' +
+    'nothing has drifted.'));
+  const series = (key) => names.map((name) => ({name, x: data.drift[name].distance,
+    y: data.drift[name][key], colour: colours[name], dash: name === 'odometry' ? '7 4' : undefined}));
+  section.append(h('div', {class: 'columns three'},
+      plot({title: 'Position,', words: 'horizontal distance.', x: 'distance [m]', y: 'position [m]',
+        floor: 0, series: series('position')}),
+      plot({title: 'Height,', words: truth ? 'estimate minus truth.' : 'odometry minus final.',
+        x: 'distance [m]', y: 'height [m]', series: series('height')}),
+      plot({title: 'Heading,', words: 'positive is to the left.', x: 'distance [m]', y: 'heading [°]',
+        series: series('heading')})));
+  return section;
+}
+
+const stages = {
+  preprocess: 'crops the scan and corrects the motion during the revolution',
+  dyseg: 'decides which points move',
+  odometry: 'matches the scan with the one before it',
+  refine: 'registers the scan to the local map',
+  tracking: 'detects and tracks the moving objects',
+  backend: 'factor graph and search for loops',
+  'backend.finish': 'last optimisation of the graph, spread over all scans',
+  map: 'adds keyframes to the static map',
+  'map.finish': 'stitches the map again, spread over all scans',
+};
+
+export function times(data) {
+  const rows = Object.entries(data.stage_ms).sort((a, b) => b[1] - a[1]);
+  const most = rows.length > 0 ? rows[0][1] : 1;
+  return h('section', {id: 'times'}, h('h2', {}, 'Time per stage'),
+      h('p', {}, 'Mean per scan in milliseconds, without reading and writing.'),
+      h('table', {class: 'bars'}, h('tbody', {}, rows.map(([name, ms]) => h('tr', {},
+          h('td', {}, h('code', {}, name), h('small', {}, stages[name] || '')),
+          h('td', {class: 'number'}, fixed(ms, 2)),
+          h('td', {class: 'bar'}, h('div', {style: `width:${(100 * ms / most).toFixed(2)}%`})))))));
+}
+
+function chart(data, area) {
+  const width = Math.max(260, area.clientWidth);
+  const objects = [...data.objects].sort((a, b) => a.scan[0] - b.scan[0] || a.id - b.id);
+  const row = objects.length > 60 ? Math.max(2, 900 / objects.length) : 15;
+  const label = row >= 12 ? 58 : 12;
+  const height = objects.length * row + 46;
+  const t = data.scans.time;
+  const end = Math.max(t[t.length - 1] || 0, 1e-6);
+  const px = (v) => label + v / end * (width - label - 12);
+  const svg = s('svg', {width: '100%', height, viewBox: `0 0 ${width} ${height}`, role: 'img',
+    'aria-label': 'Tracks over time'});
+  const step = [0.5, 1, 2, 5, 10, 20, 50, 100, 200, 500, 1000].find((v) => end / v <= width / 70) || 5000;
+  for (let v = 0; v <= end; v += step) {
+    svg.append(s('line', {x1: px(v), x2: px(v), y1: 4, y2: height - 40, class: 'grid'}),
+        s('text', {x: px(v), y: height - 24, 'text-anchor': 'middle'}, String(v)));
+  }
+  svg.append(s('text', {x: (label + width) / 2, y: height - 6, 'text-anchor': 'middle', class: 'axis'},
+      'time [s]'));
+  const gap = 1.5 * end / Math.max(1, t.length - 1);
+  objects.forEach((object, k) => {
+    const y = 4 + k * row;
+    const g = s('g', {class: 'track'}, s('title', {}, `${object.class} ${object.id}: ` +
+        `${fixed(t[object.scan[0]], 1)} to ${fixed(t[object.scan[object.scan.length - 1]], 1)} s, ` +
+        `fastest ${fixed(Math.max(...object.speed), 1)} m/s`));
+    for (let a = 0, b = 0; a < object.scan.length; a = b + 1) {
+      for (b = a; b + 1 < object.scan.length && object.scan[b + 1] === object.scan[b] + 1;) {
+        ++b;
+      }
+      g.append(s('rect', {x: px(t[object.scan[a]]), y: y + row * 0.12, height: row * 0.76, rx: 2,
+        width: Math.max(2, px(t[object.scan[b]] + gap) - px(t[object.scan[a]])),
+        fill: kindOf(object).colour}));
+    }
+    svg.append(g);
+    if (row >= 12) {
+      svg.append(s('text', {x: label - 6, y: y + row * 0.8, 'text-anchor': 'end'}, `no. ${object.id}`));
+    }
+  });
+  area.replaceChildren(svg);
+}
+
+export function tracks(data) {
+  const section = h('section', {id: 'tracks'}, h('h2', {}, 'Moving objects'));
+  const share = data.scans.points.map((n, i) => n > 0 ? 100 * data.scans.moving[i] / n : 0);
+  const moving = plot({title: 'Moving points', words: 'of each scan, found by the segmenter.',
+    x: 'time [s]', y: 'moving points [%]', floor: 0, digits: 2,
+    series: [{name: 'share of the scan', x: data.scans.time, y: share, colour: colours.bad}]});
+  if (data.objects.length === 0) {
+    section.append(h('p', {}, 'No moving object was tracked.'), moving);
+    return section;
+  }
+  const kinds = [...new Set(data.objects.map(kindOf))];
+  const area = h('div', {class: 'plot', id: 'track-chart'});
+  new ResizeObserver(() => chart(data, area)).observe(area);
+  section.append(
+      h('figure', {}, h('figcaption', {}, h('strong', {}, 'Tracks over time.'), ' One row per object, ' +
+          'as long as it was tracked as moving. Point at a row for its class and speed.'),
+      legend(kinds.map((kind) => ({name: kind.one, colour: kind.colour}))), area), moving);
+  return section;
+}
+
+export function picture(data) {
+  const image = document.getElementById('picture');
+  const section = h('section', {id: 'above'}, h('h2', {}, 'Map from above'));
+  if (image.getAttribute('src').endsWith(',')) {
+    image.remove();
+    section.append(h('p', {}, 'There is no picture.'));
+    return section;
+  }
+  image.hidden = false;
+  section.append(h('p', {}, 'The static map (darker: higher over the ground), the path of the sensor, and ' +
+      'the moving objects with their paths and last boxes. The same picture is the file ',
+      h('code', {}, 'map.png'), '.'), image);
+  return section;
+}
+
+const contents = {
+  'trajectory_tum.txt': 'final trajectory: time [s], x y z [m], quaternion x y z w',
+  'trajectory_kitti.txt': 'final trajectory as 3x4 matrices, KITTI\'s layout',
+  'odometry_tum.txt': 'trajectory before the factor graph',
+  'reference_tum.txt': 'ground truth of the recording',
+  'graph.graph': 'pose graph for MRPT', 'graph.g2o': 'pose graph for g2o',
+  'factor_graph.txt': 'factor graph with its objects', 'scans.csv': 'what became of each scan',
+  'motions.csv': 'covariance of each motion', 'tracks.csv': 'tracked objects as a table',
+  'tracks.txt': 'tracked objects in KITTI\'s layout', 'labels': 'moving or static for each point',
+  'static_scans': 'scans without moving points', 'static_scans.rawlog': 'scans without moving points',
+  'replay.rawlog': 'the run as a replay for RawLogViewer',
+  'keyframes.simplemap': 'static points of the keyframes for MRPT',
+  'map_static.pcd': 'static map', 'map_static.ply': 'static map',
+  'map.3Dscene': '3D scene for SceneViewer3D', 'map.png': 'the picture above',
+  'trajectory.png': 'plot against the ground truth', 'effective.ini': 'every setting of the run',
+};
+
+export function details(data) {
+  return h('section', {id: 'details'}, h('h2', {}, 'Files and settings'),
+      h('p', {}, 'Recording: ', h('code', {}, data.input), '. Methods: ', h('code', {}, data.method),
+          `. DySLAM ${data.version}.`),
+      h('details', {}, h('summary', {}, 'Files in the folder of the run'), h('table', {}, h('tbody', {},
+          data.files.map((name) => h('tr', {}, h('td', {}, h('code', {}, name)),
+              h('td', {class: 'words'}, contents[name] || '')))))),
+      h('details', {}, h('summary', {}, 'Every setting (effective.ini)'), h('pre', {}, data.settings)));
+}

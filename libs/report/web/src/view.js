@@ -1,0 +1,263 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The 3D view with its buttons and the slider of time. Drawn only when something has changed.
+import {PerspectiveCamera, Vector3, WebGLRenderer} from 'three';
+import {OrbitControls} from 'three/addons/controls/OrbitControls.js';
+import {kindOf, readPoints} from './data.js';
+import {count, fixed, h} from './dom.js';
+import {Content} from './scene.js';
+
+const max_labels = 60;
+
+class View {
+  constructor(data, stage, info) {
+    this.data = data;
+    this.stage = stage;
+    this.info = info;
+    this.renderer = new WebGLRenderer({antialias: true, powerPreference: 'high-performance'});
+    this.renderer.setPixelRatio(Math.min(2, window.devicePixelRatio || 1));
+    this.canvas = this.renderer.domElement;
+    this.canvas.id = 'scene';
+    this.canvas.tabIndex = 0;
+    stage.append(this.canvas);
+    this.content = new Content(data, readPoints(data.map.count));
+    this.camera = new PerspectiveCamera(50, 1, 0.2, 6000);
+    this.camera.up.set(0, 0, 1);
+    this.controls = new OrbitControls(this.camera, this.canvas);
+    this.controls.screenSpacePanning = false;
+    this.controls.zoomToCursor = true;
+    this.controls.maxPolarAngle = Math.PI * 0.55;
+    this.controls.addEventListener('change', () => this.request());
+    this.labels = [];
+    this.follow = false;
+    this.scan = 0;
+    this.reset(false);
+    new ResizeObserver(() => this.resize()).observe(stage);
+    this.canvas.addEventListener('webglcontextrestored', () => this.request());
+  }
+
+  /** The whole path from behind and above, or from straight above. */
+  reset(above) {
+    const {x, y, z} = this.data.final;
+    const low = new Vector3(Infinity, Infinity, Infinity);
+    const high = low.clone().negate();
+    for (let i = 0; i < x.length; ++i) {
+      const p = new Vector3(x[i], y[i], z[i]);
+      low.min(p);
+      high.max(p);
+    }
+    const centre = low.clone().add(high).multiplyScalar(0.5);
+    const size = Math.max(30, high.distanceTo(low));
+    this.controls.target.copy(centre);
+    const ahead = new Vector3(x[x.length - 1] - x[0], y[y.length - 1] - y[0], 0);
+    const back = ahead.length() > 1 ? ahead.normalize() : new Vector3(1, 0, 0);
+    this.camera.position.copy(centre);
+    if (above) {
+      this.camera.position.addScaledVector(back, -0.001 * size).add(new Vector3(0, 0, 1.5 * size));
+    } else {
+      this.camera.position.addScaledVector(back, -0.85 * size).add(new Vector3(0, 0, 0.6 * size));
+    }
+    this.camera.far = Math.max(2000, 8 * size);
+    this.camera.updateProjectionMatrix();
+    this.controls.update();
+    this.request();
+  }
+
+  resize() {
+    const {clientWidth: width, clientHeight: height} = this.stage;
+    if (width === 0 || height === 0) {
+      return;
+    }
+    this.renderer.setSize(width, height, false);
+    this.camera.aspect = width / height;
+    this.camera.updateProjectionMatrix();
+    this.request();
+  }
+
+  request() {
+    if (!this.pending) {
+      this.pending = requestAnimationFrame(() => this.draw());
+    }
+  }
+
+  draw() {
+    this.pending = 0;
+    if (this.content.points) {
+      this.content.points.material.uniforms.viewport.value = this.canvas.height;
+    }
+    this.renderer.render(this.content.scene, this.camera);
+    this.drawLabels();
+    this.canvas.dataset.drawn = Number(this.canvas.dataset.drawn || 0) + 1;
+  }
+
+  drawLabels() {
+    const on = this.content.objects.visible && this.show_labels;
+    const states = on ? this.states.slice(0, max_labels) : [];
+    while (this.labels.length < states.length) {
+      const label = h('div', {class: 'label'});
+      this.labels.push(label);
+      this.stage.append(label);
+    }
+    this.labels.forEach((label, k) => {
+      label.hidden = k >= states.length;
+      if (label.hidden) {
+        return;
+      }
+      const {object, i} = states[k];
+      const at = new Vector3(object.x[i], object.y[i], object.z[i] + object.height[i] / 2 + 0.3).project(this.camera);
+      label.hidden = at.z > 1 || Math.abs(at.x) > 1 || Math.abs(at.y) > 1;
+      label.textContent = `${object.class} ${object.id}, ${fixed(object.speed[i], 1)} m/s`;
+      label.style.background = kindOf(object).colour;
+      const px = (at.x + 1) / 2 * this.stage.clientWidth;
+      const py = (1 - at.y) / 2 * this.stage.clientHeight;
+      label.style.transform = `translate(${px.toFixed(1)}px, ${py.toFixed(1)}px) translate(-50%, -100%)`;
+    });
+  }
+
+  showScan(scan) {
+    const before = this.content.positionAt(this.scan);
+    this.scan = scan;
+    this.states = this.content.showScan(scan);
+    if (this.follow) {
+      const step = this.content.positionAt(scan).sub(before);
+      this.camera.position.add(step);
+      this.controls.target.add(step);
+      this.controls.update();
+    }
+    const {index, time} = this.data.scans;
+    this.info.textContent = `Scan ${index[scan]} (${scan + 1} of ${index.length}), ${fixed(time[scan], 2)} s: ` +
+        count(this.states.length, 'moving object');
+    this.request();
+  }
+
+  followVehicle(on) {
+    this.follow = on;
+    if (on) {
+      const step = this.content.positionAt(this.scan).sub(this.controls.target);
+      const away = this.camera.position.clone().sub(this.controls.target);
+      this.controls.target.add(step);
+      this.camera.position.copy(this.controls.target).add(away.setLength(Math.min(away.length(), 60)));
+      this.controls.update();
+      this.request();
+    }
+  }
+
+  savePicture() {
+    this.draw();  // the buffer is valid until the browser shows it
+    const link = h('a', {href: this.canvas.toDataURL('image/png'), download: `${this.data.title}.png`});
+    link.click();
+  }
+}
+
+function checkbox(id, name, colour, on, change) {
+  const input = h('input', {type: 'checkbox', id, checked: on, onchange: () => change(input.checked)});
+  return h('label', {for: id}, input, colour ? h('span', {class: 'swatch', style: `background:${colour}`}) : null, name);
+}
+
+/** Slider and buttons that go through the scans in the recording's time. */
+function timeControls(view, data) {
+  const last = data.scans.index.length - 1;
+  const slider = h('input', {type: 'range', id: 'time-slider', min: 0, max: last, step: 1, value: 0,
+    'aria-label': 'Scan', oninput: () => view.showScan(Number(slider.value))});
+  const speed = h('select', {id: 'play-speed', 'aria-label': 'Speed'},
+      [0.5, 1, 2, 5, 10].map((v) => h('option', {value: v, selected: v === 1}, `${v}×`)));
+  const button = h('button', {id: 'play', type: 'button'}, 'Play');
+  let playing = false;
+  let clock = 0;  // time of the recording [s]
+  let before = 0;
+  const step = (now) => {
+    if (!playing) {
+      return;
+    }
+    clock += (now - before) / 1000 * Number(speed.value);
+    before = now;
+    let scan = Number(slider.value);
+    while (scan < last && data.scans.time[scan + 1] <= clock) {
+      ++scan;
+    }
+    if (scan !== Number(slider.value)) {
+      slider.value = scan;
+      view.showScan(scan);
+    }
+    if (scan === last) {
+      toggle();
+    } else {
+      requestAnimationFrame(step);
+    }
+  };
+  const toggle = () => {
+    playing = !playing;
+    button.textContent = playing ? 'Pause' : 'Play';
+    if (playing) {
+      if (Number(slider.value) === last) {
+        slider.value = 0;
+      }
+      clock = data.scans.time[Number(slider.value)];
+      before = performance.now();
+      requestAnimationFrame(step);
+    }
+  };
+  button.addEventListener('click', toggle);
+  slider.addEventListener('input', () => clock = data.scans.time[Number(slider.value)]);
+  return h('div', {class: 'time'}, button, slider, speed);
+}
+
+function layerControls(view) {
+  return h('div', {class: 'controls', id: 'layers'}, 'Show:', [...view.content.layers].map(([key, layer]) =>
+    checkbox(`layer-${key}`, layer.name, layer.colour, layer.object.visible, (on) => {
+      layer.object.visible = on;
+      view.request();
+    })), checkbox('layer-labels', 'labels', null, true, (on) => {
+      view.show_labels = on;
+      view.request();
+    }));
+}
+
+function viewControls(view) {
+  const uniforms = view.content.points ? view.content.points.material.uniforms : null;
+  const change = (name, value) => {
+    uniforms[name].value = value;
+    view.request();
+  };
+  const colour = h('select', {id: 'colour', onchange: () => change('mode', Number(colour.value))},
+      ['height', 'intensity', 'none'].map((name, i) => h('option', {value: i}, name)));
+  const size = h('input', {type: 'range', id: 'point-size', min: 0.02, max: 0.5, step: 0.02, value: 0.12,
+    oninput: () => change('size', Number(size.value))});
+  const button = (id, name, action) => h('button', {type: 'button', id, onclick: action}, name);
+  return h('div', {class: 'controls'}, button('view-all', 'Whole path', () => view.reset(false)),
+      button('view-above', 'From above', () => view.reset(true)),
+      checkbox('follow', 'follow the sensor', null, false, (on) => view.followVehicle(on)),
+      uniforms ? [h('label', {}, 'colour by', colour), h('label', {}, 'point size', size)] : null,
+      button('save', 'Save picture', () => view.savePicture()));
+}
+
+function mapInWords({map}) {
+  if (map.count === 0) {
+    return 'The run built no map. ';
+  }
+  const part = map.count < map.of ?
+      `${map.count.toLocaleString('en')} of ${count(map.of, 'map point')}, one per cube of ${fixed(map.voxel, 2)} m ` +
+      '(report.max_points). ' :
+      `${count(map.count, 'map point')}. `;
+  return part;
+}
+
+/** The section; it is filled when it is in the page, as its size must be known. */
+export function view3d(data) {
+  const stage = h('div', {class: 'stage'});
+  const info = h('div', {id: 'scene-info'});
+  const section = h('section', {id: 'view'}, h('h2', {}, '3D view'), h('p', {}, mapInWords(data),
+      'Drag to turn, right button or two fingers to move, wheel or pinch to zoom. The slider goes through ' +
+      'the scans: sensor and objects move, the map is that of the whole run.'));
+  const start = () => {
+    try {
+      const view = new View(data, stage, info);
+      view.show_labels = true;
+      section.append(layerControls(view), stage, timeControls(view, data), info, viewControls(view));
+      view.showScan(0);
+    } catch (error) {
+      section.append(h('p', {class: 'verdict warn', id: 'no-webgl'}, 'The 3D view needs WebGL 2, which this ' +
+          `browser does not offer here (${error.message}). Everything else on the page works without.`));
+    }
+  };
+  return {section, start};
+}
