@@ -306,12 +306,11 @@ std::optional<Pose> Odometry::State::motionAtDoubtfulTime(
     starts.emplace_back(interval, priorAfter(std::min(interval, ScanClock::max_extrapolation)));
     starts.back().second.T_previous_current = Pose::Identity();
   }
+  Frame trial = frame;
   std::optional<Pose> T_best;
   double best = 0;
   for (const auto& [dt, prior] : starts)
   {
-    Frame trial;
-    trial.index = frame.index;
     trial.dt = dt;
     trial.prior = prior;
     trial.cloud = prepare(prior.T_previous_current, dt);
