@@ -37,6 +37,18 @@ constexpr double pi = 3.14159265358979323846;
 /** MRPT finds external files by one folder per process: set and load must not be parted. */
 std::mutex external_folder_mutex;
 
+/** A recording of others must not have any file of this machine read.
+ * \throws UserError for a name that leads out of the folder. */
+void requireInside(const std::string& name, const ExternalFiles& external)
+{
+  const std::filesystem::path path = std::filesystem::path(name).lexically_normal();
+  if (!external.anywhere && (path.is_absolute() || (!path.empty() && *path.begin() == "..")))
+  {
+    throw UserError(name + ": the rawlog keeps a scan in a file outside of its folder " +
+                    external.folder + "; put it there, or allow it with input.external_anywhere");
+  }
+}
+
 void loadExternal(const CObservation& observation, const std::string& folder)
 {
   const std::lock_guard<std::mutex> lock(external_folder_mutex);
@@ -44,19 +56,20 @@ void loadExternal(const CObservation& observation, const std::string& folder)
   observation.load();
 }
 
-Scan fromPointCloud(const CObservationPointCloud& observation, const std::string& folder)
+Scan fromPointCloud(const CObservationPointCloud& observation, const ExternalFiles& external)
 {
   if (observation.isExternallyStored() && !observation.pointcloud)
   {
-    const auto file =
-        std::filesystem::path(folder) / std::filesystem::path(observation.getExternalStorageFile());
+    requireInside(observation.getExternalStorageFile(), external);
+    const auto file = std::filesystem::path(external.folder) /
+                      std::filesystem::path(observation.getExternalStorageFile());
     if (!std::filesystem::exists(file))
     {
       throw UserError(file.string() + ": no such file, but the rawlog keeps a scan in it");
     }
     if (std::filesystem::file_size(file) > 0)
     {
-      loadExternal(observation, folder);
+      loadExternal(observation, external.folder);
     }
   }
   Scan scan;
@@ -223,9 +236,17 @@ Scan fromRotatingScan(const CObservationRotatingScan& observation)
   return scan;
 }
 
-Scan fromRangeImage(CObservation3DRangeScan& observation, const std::string& folder)
+Scan fromRangeImage(CObservation3DRangeScan& observation, const ExternalFiles& external)
 {
-  loadExternal(observation, folder);
+  if (observation.points3D_isExternallyStored())
+  {
+    requireInside(observation.points3D_getExternalStorageFile(), external);
+  }
+  if (observation.rangeImage_isExternallyStored())
+  {
+    requireInside(observation.rangeImage_getExternalStorageFile(""), external);
+  }
+  loadExternal(observation, external.folder);
   Scan scan;
   if (observation.hasPoints3D)
   {
@@ -257,12 +278,12 @@ bool is3dScan(const CObservation& observation)
          dynamic_cast<const CObservation3DRangeScan*>(&observation) != nullptr;
 }
 
-Scan scanFromObservation(CObservation& observation, const std::string& external_folder)
+Scan scanFromObservation(CObservation& observation, const ExternalFiles& external)
 {
   Scan scan;
   if (const auto* cloud = dynamic_cast<const CObservationPointCloud*>(&observation))
   {
-    scan = fromPointCloud(*cloud, external_folder);
+    scan = fromPointCloud(*cloud, external);
   }
   else if (auto* velodyne = dynamic_cast<CObservationVelodyneScan*>(&observation))
   {
@@ -274,7 +295,7 @@ Scan scanFromObservation(CObservation& observation, const std::string& external_
   }
   else if (auto* range_image = dynamic_cast<CObservation3DRangeScan*>(&observation))
   {
-    scan = fromRangeImage(*range_image, external_folder);
+    scan = fromRangeImage(*range_image, external);
   }
   scan.stamp = toStamp(observation.timestamp);
   scan.sensor_label = observation.sensorLabel;
@@ -284,9 +305,9 @@ Scan scanFromObservation(CObservation& observation, const std::string& external_
   return scan;
 }
 
-bool applyTimeRing(CObservation& companion, const std::string& external_folder, Scan& scan)
+bool applyTimeRing(CObservation& companion, const ExternalFiles& external, Scan& scan)
 {
-  const Scan values = scanFromObservation(companion, external_folder);
+  const Scan values = scanFromObservation(companion, external);
   if (values.size() != scan.size())
   {
     return false;

@@ -8,6 +8,13 @@
 
 namespace dyslam
 {
+/** Files of their own that observations keep their points in. */
+struct ExternalFiles
+{
+  std::string folder;     //!< that their names are relative to
+  bool anywhere = false;  //!< names that lead out of the folder are read, too
+};
+
 /** Suffix of the label of the observation that carries per-point time and ring. */
 constexpr const char* time_ring_suffix = "_time_ring";
 
@@ -17,13 +24,13 @@ constexpr const char* time_ring_suffix = "_time_ring";
 /** The observation's points in the sensor's frame; stamp, label and T_vehicle_lidar filled.
  * Intensities are as stored: 0..255 for Velodyne and rotating scans is scaled to [0, 1] here,
  * clouds are left alone.
- * \param external_folder where externally stored data lie.
- * \throws UserError, or whatever MRPT throws for damaged data. */
+ * \throws UserError, for external files outside of their folder too, or whatever MRPT throws for
+ * damaged data. */
 [[nodiscard]] Scan scanFromObservation(mrpt::obs::CObservation& observation,
-                                       const std::string& external_folder);
+                                       const ExternalFiles& external);
 
 /** Puts the companion's (time, ring, 0) into the scan. False if it does not fit. */
 [[nodiscard]] bool applyTimeRing(mrpt::obs::CObservation& companion,
-                                 const std::string& external_folder,
+                                 const ExternalFiles& external,
                                  Scan& scan);
 }  // namespace dyslam

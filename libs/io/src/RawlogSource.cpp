@@ -16,6 +16,8 @@ void RawlogSourceOptions::describe(OptionsVisitor& visitor)
   visitor.text("ground_truth_label", ground_truth_label, "of the true poses; empty: use none");
   visitor.real("ground_truth_max_gap", ground_truth_max_gap, 0, 10,
                "true poses this near in time are interpolated [s]");
+  visitor.flag("external_anywhere", external_anywhere,
+               "external files outside of the recording's folder are read, too");
   visitor.real("intensity_scale", intensity_scale, 0, 1000,
                "multiplies the file's intensities; 0: 1, or 1/255 for 0..255 data");
 }

@@ -51,7 +51,7 @@ struct ScanDecoder::Impl
   Impl(const RawlogSourceOptions& options_in, std::string name, std::string folder)
       : options(options_in),
         recording(std::move(name)),
-        external_folder(std::move(folder)),
+        external{std::move(folder), options_in.external_anywhere},
         wanted(compiled(options_in.sensor_label)),
         scale_intensity(options_in.intensity_scale)
   {
@@ -195,7 +195,7 @@ struct ScanDecoder::Impl
     }
     const bool fits = own->sensorLabel == scan.sensor_label + time_ring_suffix &&
                       std::abs(toStamp(own->timestamp) - scan.stamp) <= same_time &&
-                      applyTimeRing(*own, external_folder, scan);
+                      applyTimeRing(*own, external, scan);
     if (!fits)
     {
       warn("times and rings that do not fit their scan were ignored");
@@ -238,7 +238,7 @@ struct ScanDecoder::Impl
 
   RawlogSourceOptions options;
   std::string recording;
-  std::string external_folder;
+  ExternalFiles external;
   std::regex wanted;
   IntensityScaler scale_intensity;
   std::string label;  //!< of the lidar in use, once it is known
@@ -299,7 +299,7 @@ Frame ScanDecoder::decode(const RecordedScan& scan)
   frame.index = scan.index;
   try
   {
-    frame.scan = scanFromObservation(*scan.observation, s.external_folder);
+    frame.scan = scanFromObservation(*scan.observation, s.external);
   }
   catch (const UserError& error)
   {

@@ -16,6 +16,7 @@
 #include <array>
 #include <cmath>
 #include <cstring>
+#include <filesystem>
 
 #include "TestFolder.h"
 
@@ -176,6 +177,38 @@ TEST(RawlogSource, NamesAMissingExternalFile)
   RawlogSource source(folder.file("a.rawlog"));
   const auto message = messageOfError<UserError>([&] { (void)source.next(); });
   EXPECT_TRUE(contains(message, "gone.bin: no such file")) << message;
+}
+
+/** A recording of others must not have files of this machine read. */
+TEST(RawlogSource, ExternalFilesOutsideOfTheFolderAreRefused)
+{
+  const TestFolder folder;
+  const std::string outside = folder.write("outside.txt", "1 2 3\n");
+  std::filesystem::create_directory(folder.file("recording"));
+  const std::string rawlog = folder.file("recording/a.rawlog");
+  for (const std::string& name : {outside, std::string("../../outside.txt")})
+  {
+    {
+      auto observation = cloud(1.0, 0);
+      observation->setAsExternalStorage(
+          name, CObservationPointCloud::ExternalStorageFormat::PlainTextFile);
+      ObjectWriter writer(rawlog);
+      writer(*observation);
+    }
+    RawlogSource source(rawlog);
+    const auto message = messageOfError<UserError>([&] { (void)source.next(); });
+    EXPECT_TRUE(contains(message, "outside of its folder")) << message;
+  }
+  RawlogSourceOptions options;
+  options.external_anywhere = true;
+  {
+    auto observation = cloud(1.0, 0);
+    observation->setAsExternalStorage(outside,
+                                      CObservationPointCloud::ExternalStorageFormat::PlainTextFile);
+    ObjectWriter writer(rawlog);
+    writer(*observation);
+  }
+  EXPECT_NO_THROW((void)RawlogSource(rawlog, options).next());
 }
 
 TEST(RawlogSource, ReadsExternalKittiAndTextFiles)

@@ -18,7 +18,7 @@ constexpr std::size_t max_intervals = 15;
 constexpr double shortest = 0.75;  // of the intervals that fit the rate, in periods
 constexpr double longest = 1.3;
 constexpr std::size_t max_clock_steps = 3;  // more are called uneven stamps
-constexpr double gate = 3;    // Mahalanobis distance of a motion from its prediction
+constexpr double gate = 3;                  // Mahalanobis distance of a motion from its prediction
 constexpr double margin = 1;  // by which a period must explain a motion better than the interval
 // Of a motion between scans that the registration finds.
 constexpr double sigma = 0.03;         // [m]
@@ -91,11 +91,12 @@ std::string ScanClock::warning() const
   char text[240];
   if (steps_ > max_clock_steps)
   {
-    std::snprintf(text, sizeof text,
-                  "the time stamps are uneven: %zu intervals, the first before scan %zu, are off by "
-                  "up to %.3f s from what the vehicle's motion shows; the sensor's rate is used "
-                  "there",
-                  steps_, first_step_, std::abs(largest_step_));
+    std::snprintf(
+        text, sizeof text,
+        "the time stamps are uneven: %zu intervals, the first before scan %zu, are off by "
+        "up to %.3f s from what the vehicle's motion shows; the sensor's rate is used "
+        "there",
+        steps_, first_step_, std::abs(largest_step_));
   }
   else
   {

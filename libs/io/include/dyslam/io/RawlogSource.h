@@ -21,6 +21,7 @@ struct RawlogSourceOptions : Options
   /** Truth that has not the scan's own time stamp is interpolated if both neighbours are this near.
    */
   double ground_truth_max_gap = 0.2;  //!< [s]
+  bool external_anywhere = false;     //!< external files may lie outside of the recording's folder
   double intensity_scale =
       0;  //!< multiplies the file's intensities; 0: 1, or 1/255 for 0..255 data
 
