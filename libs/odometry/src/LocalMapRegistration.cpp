@@ -73,6 +73,8 @@ void RefineOptions::describe(OptionsVisitor& v)
   v.real("cell_size", cell_size, 0.05, 10, "side of the map's cells [m]");
   v.integer("levels", levels, 0, SurfacePyramid::max_levels,
             "of the map, each of cells twice as large; 0: as the spacing of the rings asks for");
+  v.real("min_incidence", min_incidence, 0, 1,
+         "sine of the angle between ray and surface; below, it may be a single ring's");
   v.real("max_points_per_cell", max_points_per_cell, 6, 1e6,
          "a cell with this many points takes no more");
   v.real("map_spacing", map_spacing, 0, 10, "nearer followers along a ring are left out [m]");
@@ -133,6 +135,7 @@ struct LocalMapRegistration::State
   Pose T_odom_previous = Pose::Identity();
   Pose T_odom_vehicle = Pose::Identity();
   Pending pending = Pending::nothing;
+  Eigen::Vector3d sensor = Eigen::Vector3d::Zero();  //!< vehicle frame [m]
   std::optional<Pose> T_prior;
   Matrix6 prior_information = Matrix6::Zero();  //!< of the prior and the guess
   Matrix6 guess_information = Matrix6::Zero();  //!< of a guess that is not the prior
@@ -196,6 +199,8 @@ ScanToMapSettings LocalMapRegistration::State::settings(double start_loss_width)
   s.start_loss_width = std::clamp(start_loss_width, options.loss_width, options.max_loss_width);
   s.max_iterations = options.max_iterations;
   s.points_per_measurement = options.points_per_measurement;
+  s.sensor = sensor;
+  s.min_incidence = map.levels() > 1 ? options.min_incidence : 0;
   s.max_ground_weight_ratio = options.max_ground_weight_ratio;
   s.T_prior = T_prior;
   s.prior_information = prior_information;
@@ -354,6 +359,7 @@ RegistrationResult LocalMapRegistration::registerFrame(const Frame& frame,
 {
   State& s = *state_;
   s.T_odom_previous = s.T_odom_vehicle;
+  s.sensor = frame.scan.T_vehicle_lidar.translation();
   s.pending = Pending::nothing;
   const Pose T_guess = orthonormalized(T_odom_vehicle_guess);
   s.T_odom_vehicle = T_guess;

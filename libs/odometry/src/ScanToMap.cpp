@@ -65,12 +65,17 @@ void ScanToMap::Sums::add(const Sums& other)
 void ScanToMap::refresh(Match& match,
                         const Eigen::Vector3f& q,
                         const SurfacePyramid& map,
-                        const SurfacePyramid::Base& base) const
+                        const Iteration& iteration) const
 {
   match.at = q;
-  match.surface = map.surfaceAt(q, base, min_planarity);
+  match.surface = map.surfaceAt(q, iteration.base, min_planarity);
   match.offset = match.surface.normal.dot(match.surface.mean);
   match.weight = match.surface.planarity * match.surface.planarity;
+  const Eigen::Vector3f ray = q - iteration.sensor;
+  if (std::abs(match.surface.normal.dot(ray)) < iteration.min_incidence * ray.norm())
+  {
+    match.weight = 0;
+  }
 }
 
 void ScanToMap::accumulate(const RawPoints& scan,
@@ -97,7 +102,7 @@ void ScanToMap::accumulate(const RawPoints& scan,
       Match& match = matches_[i];
       if (!((q - match.at).lpNorm<Eigen::Infinity>() <= reread))
       {
-        refresh(match, q, map, iteration.base);
+        refresh(match, q, map, iteration);
       }
       const float own_weight = weighted ? scan.weight[i] : 1.0F;
       sums.weight += static_cast<double>(own_weight);
@@ -173,6 +178,7 @@ ScanToMapResult ScanToMap::align(const RawPoints& scan,
   }
   Iteration iteration;
   iteration.base = map.baseAt(T_guess.translation());
+  iteration.min_incidence = static_cast<float>(settings.min_incidence);
   iteration.distributions = settings.distributions;
   double loss_width = std::max(settings.loss_width, settings.start_loss_width);
   while (result.iterations < settings.max_iterations)
@@ -180,6 +186,7 @@ ScanToMapResult ScanToMap::align(const RawPoints& scan,
     iteration.T_motion = T_before.inverse() * result.T;
     iteration.R = result.T.linear().cast<float>();
     iteration.t = (result.T.translation() - iteration.base.origin).cast<float>();
+    iteration.sensor = iteration.R * settings.sensor.cast<float>() + iteration.t;
     iteration.loss_width = static_cast<float>(loss_width);
     Sums sums;
     accumulate(scan, shapes, map, iteration, sums);

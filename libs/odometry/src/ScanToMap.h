@@ -21,6 +21,9 @@ struct ScanToMapSettings
   std::optional<Pose> T_prior;                  //!< of the pose; the guess if there is none
   Matrix6 prior_information = Matrix6::Zero();  //!< of log(T_prior^-1 T) [1/m^2, 1/rad^2]
   double points_per_measurement = 1;
+  Eigen::Vector3d sensor = Eigen::Vector3d::Zero();  //!< vehicle frame [m]
+  /** Sine of the angle between ray and surface; below, the surface may be a single ring's. */
+  double min_incidence = 0;
   double max_ground_weight_ratio = 1e9;  //!< see RefineOptions
 };
 
@@ -82,6 +85,8 @@ class ScanToMap
     Eigen::Matrix3f R;
     Eigen::Vector3f t;
     SurfacePyramid::Base base;
+    Eigen::Vector3f sensor = Eigen::Vector3f::Zero();  //!< relative to the base [m]
+    float min_incidence = 0;
     float loss_width = 0;
     bool distributions = false;
   };
@@ -89,7 +94,7 @@ class ScanToMap
   void refresh(Match& match,
                const Eigen::Vector3f& q,
                const SurfacePyramid& map,
-               const SurfacePyramid::Base& base) const;
+               const Iteration& iteration) const;
   void accumulate(const RawPoints& scan,
                   const std::vector<Eigen::Matrix3f>& shapes,
                   const SurfacePyramid& map,

@@ -28,6 +28,10 @@ struct RefineOptions : Options
   /** Of the map: each has cells twice as large. A surface is read from the smallest cells that hold
    * one, so that rings far apart have surfaces, too. 0: as the sensor's first scan asks for. */
   int levels = 0;
+  /** Where things are rough, the points of a single ring form a ribbon along the rays, which moves
+   * with the sensor. With several levels, surfaces at a smaller angle to the ray than that of this
+   * sine are left out. */
+  double min_incidence = 0.04;
   double max_points_per_cell = 200;  //!< a cell with this many points takes no more
   double map_spacing = 0.1;          //!< nearer followers along a ring are left out [m]
   double map_radius = 100;           //!< farther cells are dropped [m]
