@@ -34,8 +34,8 @@ struct SensorOptions : Options
 /** What the first scans of a recording show of its lidar. */
 struct RecordedSensor
 {
-  ScanPattern pattern;  //!< of the scan that shows most rings
-  double period = 0;    //!< between scans, median [s]; 0 for a single scan
+  ScanPattern pattern;     //!< of the scan that shows most rings
+  double period = 0;       //!< between scans, median [s]; 0 for a single scan
   bool has_times = false;  //!< points have times, even if all the same (deskewed before)
 
   /** "16 rings, 2.0 deg apart, -15.0 to 15.0 deg, to 98 m, 10.0 Hz". */
