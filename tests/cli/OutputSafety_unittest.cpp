@@ -99,18 +99,35 @@ TEST(OutputSafety, NoRunReplacesItsInputs)
   EXPECT_EQ(before, contentOf(ini));
 }
 
+TEST(OutputSafety, NoTableReplacesAnInput)
+{
+  const TestFolder folder;
+  const std::string poses = "1 0 0 0 0 1 0 0 0 0 1 0\n1 0 0 1 0 1 0 0 0 0 1 0\n";
+  const std::string a = folder.write("a.txt", poses);
+  const std::string b = folder.write("b.txt", poses);
+  for (const char* flag : {"--csv", "--json", "--plot"})
+  {
+    expectRefusal(folder, "dyslam-eval",
+                  "trajectory --reference " + a + " --estimate " + b + " " + flag + " " + b,
+                  {"b.txt: is an input, too (--estimate)", flag});
+  }
+  EXPECT_EQ(poses, folder.read("b.txt"));
+}
+
 TEST(OutputSafety, NoConversionReplacesItsInputs)
 {
   const TestFolder folder;
   const std::string capture = captured(200);
   folder.write("a.pcap", capture);
   fs::create_symlink(folder.file("a.pcap"), folder.file("b.pcap"));
-  for (const char* output : {"a.pcap", "b.pcap", "./a.pcap"})
+  for (const char* output : {"a.pcap", "./a.pcap"})
   {
     expectRefusal(folder, "scans2rawlog",
                   "-q -i " + folder.file("a.pcap") + " -o " + folder.file(output),
-                  {"a.pcap: would be replaced by what is written to", "--output"});
+                  {"a.pcap: is an input, too (--input)", "--output"});
   }
+  expectRefusal(folder, "scans2rawlog",
+                "-q -i " + folder.file("a.pcap") + " -o " + folder.file("b.pcap"), {"is an input"});
   EXPECT_EQ(capture, folder.read("a.pcap"));
 
   fs::create_directories(folder.file("k/velodyne"));

@@ -120,13 +120,12 @@ TEST(Settings, MissingTimesOfPointsAreSaid)
   const TestFolder folder;
   folder.write("in/0.bin", std::string(3200, '\0'));
   folder.write("in/1.bin", std::string(3200, '\0'));
-  ASSERT_EQ(0, runProgram("scans2rawlog",
-                          "-q -i " + folder.file("in") + " -o " + folder.file("x.rawlog"),
-                          folder.path())
-                   .code);
-  const Outcome outcome =
-      runProgram("dyslam", "-i " + folder.file("x.rawlog") + " -o " + folder.file("run"),
-                 folder.path());
+  ASSERT_EQ(
+      0, runProgram("scans2rawlog", "-q -i " + folder.file("in") + " -o " + folder.file("x.rawlog"),
+                    folder.path())
+             .code);
+  const Outcome outcome = runProgram(
+      "dyslam", "-i " + folder.file("x.rawlog") + " -o " + folder.file("run"), folder.path());
   EXPECT_TRUE(contains(outcome.err, "dyslam: no rings, 0 points a scan")) << outcome.err;
   EXPECT_TRUE(contains(outcome.err, "the points have no times: scans are not deskewed"))
       << outcome.err;
