@@ -5,7 +5,9 @@
 #include <dyslam/core/Version.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <exception>
+#include <filesystem>
 #include <functional>
 #include <iostream>
 #include <sstream>
@@ -75,6 +77,43 @@ inline std::string unknownCommand(const CLI::App& app, const std::string& word)
          (nearest.empty() ? "; it is none of " + all : "; did you mean " + nearest + "?");
 }
 
+/** \throws UserError if a file that the program is to write is given as an input, too. */
+inline void requireNoInputReplaced(const CLI::App& app)
+{
+  const auto writes = [](const CLI::Option& option)
+  {
+    const auto names = {"--output", "--json", "--csv", "--plot", "--profile", "--labelled-map"};
+    return std::any_of(names.begin(), names.end(),
+                       [&option](const char* name) { return option.check_name(name); });
+  };
+  const auto given = [](const CLI::Option* option) { return option->count() > 0; };
+  const auto options = app.get_options(given);
+  for (const CLI::Option* output : options)
+  {
+    for (const std::string& file : writes(*output) ? output->results() : std::vector<std::string>{})
+    {
+      for (const CLI::Option* input : options)
+      {
+        for (const std::string& read :
+             writes(*input) ? std::vector<std::string>{} : input->results())
+        {
+          std::error_code ignored;
+          if (std::filesystem::is_regular_file(file, ignored) &&
+              std::filesystem::equivalent(file, read, ignored))
+          {
+            throw UserError(file + ": is an input, too (" + input->get_name() +
+                            "); choose another " + output->get_name());
+          }
+        }
+      }
+    }
+  }
+  for (const CLI::App* command : app.get_subcommands())
+  {
+    requireNoInputReplaced(*command);
+  }
+}
+
 /** A program did all that it was asked to, but the result is of no use: exit code 2. */
 class UselessResult : public std::runtime_error
 {
@@ -107,6 +146,7 @@ inline int runApp(int argc,
   {
     declare(app);
     app.parse(argc, argv);
+    requireNoInputReplaced(app);
     run();
     std::cout.flush();
     return std::cout.good() ? 0 : fail("cannot write to standard output");

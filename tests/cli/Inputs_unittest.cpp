@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The table of inputs in doc/formats.md, row by row: what a user has on disk goes through the
 // programs themselves, and the same drive gives the same trajectory whatever it came in.
+#include <dyslam/formats/LabelFiles.h>
 #include <dyslam/formats/ScanFiles.h>
 #include <dyslam/formats/TrajectoryFiles.h>
 #include <dyslam/io/RawlogSource.h>
@@ -10,6 +11,8 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <functional>
@@ -131,8 +134,7 @@ class Inputs : public ::testing::Test
 
   static std::string slam(const std::string& rawlog, const std::string& output)
   {
-    const Outcome outcome =
-        run("dyslam", "-i " + rawlog + " -c vlp16.ini -v ERROR -o " + at(output));
+    const Outcome outcome = run("dyslam", "-i " + rawlog + " -v ERROR -o " + at(output));
     EXPECT_EQ(0, outcome.code) << outcome.err;
     return contentOf(at(output) + "/trajectory_kitti.txt");
   }
@@ -262,14 +264,92 @@ TEST_F(Inputs, FoldersOfScans)
   }
 }
 
+TEST_F(Inputs, RingsTimesAndPosesOfFolders)
+{
+  bins("ringed", counted);
+  std::vector<Pose> poses;
+  for (std::size_t i = 0; i < scan_count; ++i)
+  {
+    std::string rings;
+    for (const std::uint16_t ring : scans_[i].ring)
+    {
+      rings += static_cast<char>(ring);
+    }
+    write("ringed/" + counted(i) + ".ring", rings);
+  }
+  Trajectory truth;
+  for (std::size_t i = 0; i < scan_count; ++i)
+  {
+    truth.push_back(static_cast<double>(i), poses_[i]);
+  }
+  writeKittiPoses(at("truth.txt"), truth);
+  const auto frames =
+      converted("scans2rawlog", "-i " + at("ringed") + " --poses " + at("truth.txt"));
+  expectOriginal(frames);
+  EXPECT_EQ(scans_[2].ring, frames.at(2).scan.ring);
+  EXPECT_TRUE(frames[5].T_world_vehicle_truth->isApprox(poses_[5], 1e-6));
+
+  const std::string header =
+      "VERSION 0.7\nFIELDS x y z intensity time ring\nSIZE 4 4 4 4 4 2\nTYPE F F F F F U\n"
+      "COUNT 1 1 1 1 1 1\nWIDTH 2\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS 2\nDATA ascii\n";
+  write("timed/0.pcd", header + "5 0 0 0.5 0.01 3\n0 5 0 0.25 0.05 7\n");
+  write("timed/1.pcd", header + "5 0 1 0.5 0.02 4\n0 5 0 0.25 0.06 7\n");
+  const auto timed = converted("scans2rawlog", "-i " + at("timed"));
+  ASSERT_EQ(2U, timed.size());
+  EXPECT_EQ((std::vector<float>{0.02F, 0.06F}), timed[1].scan.time);
+  EXPECT_EQ((std::vector<std::uint16_t>{4, 7}), timed[1].scan.ring);
+}
+
+/** The packets of a capture in the newer format. */
+std::string asPcapng(const std::string& pcap)
+{
+  std::string file;
+  const auto block = [&file](std::uint32_t kind, std::string body)
+  {
+    body.resize((body.size() + 3) / 4 * 4);
+    const auto length = static_cast<std::uint32_t>(body.size() + 12);
+    appendBytes(file, kind);
+    appendBytes(file, length);
+    file += body;
+    appendBytes(file, length);
+  };
+  std::string section;
+  appendBytes<std::uint32_t>(section, 0x1A2B3C4D);
+  appendBytes<std::uint32_t>(section, 1);  // version 1.0
+  section += std::string(8, '\xFF');
+  block(0x0A0D0D0A, section);
+  std::string interface;
+  appendBytes<std::uint32_t>(interface, 1);  // Ethernet
+  appendBytes<std::uint32_t>(interface, 65535);
+  block(1, interface);
+  constexpr std::size_t header = 24;
+  std::array<std::uint32_t, 4> record{};
+  for (std::size_t at = header; at < pcap.size(); at += sizeof record + record[2])
+  {
+    std::memcpy(record.data(), &pcap[at], sizeof record);
+    const std::uint64_t microseconds = record[0] * std::uint64_t{1000000} + record[1];
+    std::string packet(4, '\0');
+    appendBytes(packet, static_cast<std::uint32_t>(microseconds >> 32U));
+    appendBytes(packet, static_cast<std::uint32_t>(microseconds));
+    appendBytes(packet, record[2]);
+    appendBytes(packet, record[3]);
+    block(6, packet + pcap.substr(at + sizeof record, record[2]));
+  }
+  return file;
+}
+
 TEST_F(Inputs, VelodyneCaptures)
 {
   write("drive.pcap", captured(400));
+  write("drive.pcapng", asPcapng(captured(400)));
   const auto frames = converted("scans2rawlog", "-i " + at("drive.pcap"));
   ASSERT_GE(frames.size(), 3U);
   EXPECT_NEAR(0.1, frames[1].scan.stamp - frames[0].scan.stamp, 0.002);
   EXPECT_EQ(frames[0].scan.size(), frames[0].scan.time.size());
   EXPECT_EQ(frames[0].scan.size(), frames[0].scan.ring.size());
+  const std::string bytes = contentOf(at("out.rawlog"));
+  (void)converted("scans2rawlog", "-i " + at("drive.pcapng"));
+  EXPECT_EQ(bytes, contentOf(at("out.rawlog")));
 }
 
 TEST_F(Inputs, KittiRaw)
@@ -326,6 +406,12 @@ TEST_F(Inputs, ARawlogAsKittiAndBack)
       converted("kitti2rawlog", "--kind odometry -i " + at("kitti/sequences/00"), {"deskewed"});
   expectOriginal(frames);
   EXPECT_TRUE(frames.at(5).T_world_vehicle_truth->isApprox(poses_[0].inverse() * poses_[5], 1e-6));
+
+  const std::vector<Label> labels(scans_[1].size(), 252);
+  makeFolder("kitti/sequences/00/labels");
+  writeLabels(at("kitti/sequences/00/labels/000001.label"), labels);
+  (void)converted("kitti2rawlog", "--kind odometry -i " + at("kitti/sequences/00"));
+  EXPECT_EQ(labels.size(), readLabels(at("out.gt/labels/000001.label")).size());
 
   // KITTI's poses are a camera's: beside a lidar's they are noticed, and compared on demand.
   Trajectory lidar;

@@ -2,6 +2,12 @@
 #include <dyslam/core/Error.h>
 #include <dyslam/core/Options.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+
+namespace fs = std::filesystem;
 
 namespace dyslam
 {
@@ -97,7 +103,9 @@ TEST(Options, ErrorsNamePlaceAndMend)
             "mean cauchy?)");
   EXPECT_EQ(errorOf("[sample]\nthreads = 1\nthreads = 2\n"),
             "a.ini:3: [sample] threads is given twice; the first is at a.ini:2");
-  EXPECT_EQ(errorOf("threads = 1\n"), "a.ini:1: key 'threads' stands before the first [section]");
+  EXPECT_EQ(errorOf("threads = 1\n"),
+            "a.ini:1: key 'threads' stands before the first [section], where only include and "
+            "program may");
   EXPECT_EQ(errorOf("[sample]\njunk\n"), "a.ini:2: 'junk' is not a setting; write key = value");
 }
 
@@ -138,6 +146,79 @@ TEST(Config, UnknownSectionNamesTheNearest)
   catch (const UserError& error)
   {
     EXPECT_STREQ(error.what(), "a.ini:1: unknown section [smaple]; did you mean [sample]?");
+  }
+}
+
+/** Inis in a folder of their own. */
+class ConfigFiles : public ::testing::Test
+{
+ protected:
+  void SetUp() override { fs::create_directories(folder_ / "sub"); }
+  void TearDown() override { fs::remove_all(folder_); }
+  std::string write(const std::string& name, const std::string& text) const
+  {
+    std::ofstream(folder_ / name) << text;
+    return (folder_ / name).string();
+  }
+  static std::string errorOf(const std::string& path)
+  {
+    try
+    {
+      (void)Config::fromFile(path);
+      return "";
+    }
+    catch (const UserError& error)
+    {
+      return error.what();
+    }
+  }
+
+  const fs::path folder_ =
+      fs::temp_directory_path() / ("dyslam_config_" + std::to_string(::getpid()));
+};
+
+TEST_F(ConfigFiles, AnIniChangesWhatItIncludes)
+{
+  (void)write("sub/base.ini", "[sample]\nthreads = 4\nscale = 2\n[other]\nkey = a\n");
+  (void)write("sub/more.ini", "include = base.ini  // of its own folder\n[other]\nkey = b\n");
+  const Config config =
+      Config::fromFile(write("my.ini", "include = sub/more.ini\n[sample]\nthreads = 8\n"));
+  EXPECT_EQ("8", config.section("sample").at("threads").text);
+  EXPECT_EQ("my.ini:3", config.section("sample").at("threads").origin);
+  EXPECT_EQ("2", config.section("sample").at("scale").text);
+  EXPECT_EQ("base.ini:3", config.section("sample").at("scale").origin);
+  EXPECT_EQ("b", config.section("other").at("key").text);
+  const Config shipped = Config::fromFile(write("s.ini", "include = kitti64.ini\n"));
+  EXPECT_EQ("network", shipped.section("dyseg").at("method").text);
+}
+
+TEST_F(ConfigFiles, IncludesThatFailAreNamed)
+{
+  const std::string missing = errorOf(write("a.ini", "\ninclude = none.ini\n"));
+  EXPECT_EQ(0U, missing.find("a.ini:2: include = none.ini: no such file")) << missing;
+  EXPECT_NE(missing.find("kitti64.ini"), std::string::npos) << missing;
+  (void)write("one.ini", "include = two.ini\n");
+  (void)write("two.ini", "include = one.ini\n");
+  EXPECT_EQ(
+      "two.ini:1: include = one.ini: that file includes this one; remove one of the two lines",
+      errorOf((folder_ / "one.ini").string()));
+  EXPECT_NE(errorOf(write("self.ini", "include = self.ini\n")).find("self.ini:1"),
+            std::string::npos);
+}
+
+TEST_F(ConfigFiles, AnIniForAnotherProgramIsRefused)
+{
+  const Config config = Config::fromFile(write("t.ini", "program = dyslam-train\n[a]\nb = 1\n"));
+  EXPECT_NO_THROW(config.requireFor("dyslam-train"));
+  EXPECT_NO_THROW(Config().requireFor("dyslam"));
+  try
+  {
+    config.requireFor("dyslam");
+    FAIL();
+  }
+  catch (const UserError& error)
+  {
+    EXPECT_STREQ("t.ini:1: these settings are for dyslam-train, not for dyslam", error.what());
   }
 }
 

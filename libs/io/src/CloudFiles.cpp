@@ -231,7 +231,7 @@ void requireWholePcd(const std::string& path)
 /** PCL prints what it dislikes and returns a code: we want an exception and no printing. */
 Scan readWithPcl(const std::string& path, bool ply)
 {
-  (void)openBinary(path);
+  (void)readWhole(path);  // PCL takes what it cannot read for the end, or maps it and is killed
   if (!ply)
   {
     requireWholePcd(path);

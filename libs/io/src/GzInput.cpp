@@ -40,8 +40,12 @@ GzInput::~GzInput()
 void GzInput::noteError()
 {
   int code = Z_OK;
-  gzerror(file_, &code);
-  if (code == Z_BUF_ERROR || code == Z_OK)
+  const std::string message = gzerror(file_, &code);
+  if (code == Z_ERRNO)
+  {
+    read_error_ = message;
+  }
+  else if (code == Z_BUF_ERROR || code == Z_OK)
   {
     cut_ = true;
   }
@@ -83,8 +87,10 @@ bool GzInput::atEnd()
   }
   int code = Z_OK;
   gzerror(file_, &code);
-  cut_ = cut_ || code == Z_BUF_ERROR;
-  broken_ = broken_ || (code != Z_OK && code != Z_STREAM_END && code != Z_BUF_ERROR);
+  if (code != Z_OK)
+  {
+    noteError();
+  }
   return true;
 }
 

@@ -30,6 +30,8 @@ class GzInput
   [[nodiscard]] bool cut() const { return cut_; }
   /** The compressed data are broken. */
   [[nodiscard]] bool broken() const { return broken_; }
+  /** Why the file could not be read to its end, though it has one; empty if it could. */
+  [[nodiscard]] const std::string& readError() const { return read_error_; }
   /** Fraction of the file's bytes consumed. */
   [[nodiscard]] double progress() const;
   [[nodiscard]] std::uint64_t fileSize() const { return size_; }
@@ -42,5 +44,6 @@ class GzInput
   std::uint64_t size_ = 0;
   bool cut_ = false;
   bool broken_ = false;
+  std::string read_error_;
 };
 }  // namespace dyslam

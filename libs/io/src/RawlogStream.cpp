@@ -72,6 +72,11 @@ double RawlogStream::progress() const
 
 void RawlogStream::failReading(const std::string& reason) const
 {
+  if (!file_->readError().empty())
+  {
+    throw UserError(path_ + ": cannot be read to its end, after " + std::to_string(objects_) +
+                    " objects: " + file_->readError() + "; check the disk, or copy the file again");
+  }
   if (objects_ == 0)
   {
     // MRPT's message about bytes that are no object may be anything: MRPT's own words would only
@@ -134,7 +139,7 @@ mrpt::obs::CObservation::Ptr RawlogStream::next()
   {
     if (file_->atEnd())
     {
-      if (file_->cut() || file_->broken())
+      if (file_->cut() || file_->broken() || !file_->readError().empty())
       {
         failReading("");
       }

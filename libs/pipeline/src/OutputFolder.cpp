@@ -79,7 +79,7 @@ bool isOfARun(const fs::path& folder)
   const fs::path settings = folder / "effective.ini";
   std::error_code ignored;
   return fs::is_regular_file(fs::symlink_status(settings, ignored)) &&
-         readWhole(settings.string()).find("[pipeline]") != std::string::npos;
+         readWhole(settings.string()).find("[output]") != std::string::npos;
 }
 
 /** Whether there is something of that name; empty folders are nothing. */

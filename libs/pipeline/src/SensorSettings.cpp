@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/Error.h>
+#include <dyslam/core/Files.h>
 #include <dyslam/core/SharedFiles.h>
 #include <dyslam/io/RawlogSource.h>
 #include <dyslam/pipeline/SensorSettings.h>
@@ -57,6 +58,10 @@ std::optional<ShippedSettings> shippedFor(const ScanPattern& pattern)
 {
   for (const std::string& path : sharedFiles("config_files", ".ini"))
   {
+    if (readWhole(path).find("[sensor]") == std::string::npos)
+    {
+      continue;  // for other programs, or for any sensor
+    }
     const Config config = Config::fromFile(path);
     const SensorOptions options = sensorOptionsOf(config);
     if (options.automatic && fits(options, pattern, 1))

@@ -137,6 +137,7 @@ TEST_F(RunOutputsTest, WritesWhatDoesNotFailAndNamesWhatDoes)
     EXPECT_FALSE(has("a.txt"));
     EXPECT_EQ(content("b.txt"), "5");
     EXPECT_FALSE(has("report.json")) << "a folder that has it is whole";
+    fs::remove_all(folder_);
   }
 }
 

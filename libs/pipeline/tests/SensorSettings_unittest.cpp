@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/Error.h>
+#include <dyslam/core/SharedFiles.h>
+#include <dyslam/io/RawlogSource.h>
+#include <dyslam/pipeline/SensorSettings.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+
+namespace dyslam
+{
+namespace
+{
+constexpr double degree = M_PI / 180;
+
+RecordedSensor sensorWith(std::size_t rings, double spacing_deg)
+{
+  RecordedSensor sensor;
+  sensor.pattern.returns = 20000;
+  sensor.pattern.ring_spacing = spacing_deg * degree;
+  sensor.pattern.lowest = -15 * degree;
+  sensor.pattern.highest = 15 * degree;
+  sensor.pattern.azimuth_extent = 2 * M_PI;
+  sensor.pattern.max_range = 98;
+  sensor.pattern.rings.resize(rings);
+  sensor.period = 0.1;
+  return sensor;
+}
+
+std::vector<std::string> automaticFor(const ScanPattern& pattern)
+{
+  std::vector<std::string> names;
+  for (const std::string& path : sharedFiles("config_files", ".ini"))
+  {
+    SensorOptions options;
+    load(options, Config::fromFile(path), "sensor");
+    if (options.automatic && fits(options, pattern, 1))
+    {
+      names.push_back(std::filesystem::path(path).filename().string());
+    }
+  }
+  return names;
+}
+
+TEST(SensorSettings, ExactlyOneShippedIniFitsEverySensor)
+{
+  for (double spacing = 0.05; spacing < 30; spacing *= 1.07)
+  {
+    EXPECT_EQ(1U, automaticFor(sensorWith(16, spacing).pattern).size()) << spacing;
+  }
+  const std::vector<std::string> without{"solid_state.ini"};
+  EXPECT_EQ(without, automaticFor(sensorWith(0, 0).pattern));
+}
+
+TEST(SensorSettings, ThoseThatFitAreTakenAndNamed)
+{
+  EXPECT_EQ("kitti64.ini", settingsFor(sensorWith(64, 0.42), Config(), "").source);
+  EXPECT_EQ("kitti64.ini", settingsFor(sensorWith(128, 0.18), Config(), "").source);
+  EXPECT_EQ("vlp16.ini", settingsFor(sensorWith(16, 2.0), Config(), "").source);
+  const auto chosen = settingsFor(sensorWith(16, 2.0), Config(), "");
+  EXPECT_EQ("residual", chosen.config.section("dyseg").at("method").text);
+}
+
+TEST(SensorSettings, AnIniOfOneLineChangesThatOneThing)
+{
+  const Config one = Config::fromText("[dyseg]\nmethod = none\n", "my.ini");
+  const RecordedSensor sensor = sensorWith(16, 2.0);
+  const ChosenSettings with = settingsFor(sensor, one, "my.ini");
+  EXPECT_EQ("vlp16.ini + my.ini", with.source);
+  EXPECT_TRUE(with.warnings.empty());
+  Config expected = settingsFor(sensor, Config(), "").config;
+  EXPECT_NE(expected.toIni(), with.config.toIni());
+  expected.set("dyseg.method=none");
+  EXPECT_EQ(expected.toIni(), with.config.toIni());
+}
+
+TEST(SensorSettings, AnIniForOtherSensorsIsTakenWithAWarning)
+{
+  const std::string path = findGivenOrShared("kitti64.ini", "config_files", ".ini");
+  const Config kitti = Config::fromFile(path);
+  const ChosenSettings chosen = settingsFor(sensorWith(16, 2.0), kitti, "kitti64.ini");
+  EXPECT_EQ(kitti.toIni(), chosen.config.toIni());
+  ASSERT_EQ(1U, chosen.warnings.size());
+  for (const char* part : {"kitti64.ini is for sensors with rings", "has 16 rings, 2.0 deg apart",
+                           "without -c vlp16.ini is taken"})
+  {
+    EXPECT_NE(chosen.warnings[0].find(part), std::string::npos) << chosen.warnings[0];
+  }
+  EXPECT_TRUE(settingsFor(sensorWith(64, 0.42), kitti, "kitti64.ini").warnings.empty());
+  EXPECT_EQ(1U, settingsFor(sensorWith(0, 0), kitti, "kitti64.ini").warnings.size());
+}
+
+TEST(SensorSettings, SummaryAndMissingTimes)
+{
+  RecordedSensor sensor = sensorWith(16, 2.0);
+  EXPECT_EQ("16 rings, 2.0 deg apart, -15.0 to 15.0 deg, to 98 m, 10.0 Hz", sensor.summary());
+  sensor.pattern.rings.clear();
+  sensor.pattern.azimuth_extent = 70 * degree;
+  EXPECT_EQ("no rings, 20000 points a scan, -15.0 to 15.0 deg, 70 deg wide, to 98 m, 10.0 Hz",
+            sensor.summary());
+  EXPECT_NE(sensor.missingTimes("auto").find("deskewed by azimuth"), std::string::npos);
+  EXPECT_NE(sensor.missingTimes("time").find("not deskewed"), std::string::npos);
+  sensor.has_times = true;
+  EXPECT_EQ("", sensor.missingTimes("auto"));
+}
+
+TEST(SensorSettings, ARecordingThatIsMissingIsNamed)
+{
+  EXPECT_THROW((void)recogniseSensor("none.rawlog", RawlogSourceOptions()), UserError);
+}
+}  // namespace
+}  // namespace dyslam

@@ -1,0 +1,168 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// No program replaces what it reads, or what someone else wrote.
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <sys/file.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "RunProgram.h"
+#include "SyntheticCapture.h"
+#include "TestFolder.h"
+
+namespace fs = std::filesystem;
+
+namespace dyslam
+{
+namespace
+{
+const std::string recording = std::string(DYSLAM_SOURCE_DIR) + "/rawlog/campus16.rawlog";
+
+/** \param says parts of the one line on stderr. */
+void expectRefusal(const TestFolder& folder,
+                   const std::string& program,
+                   const std::string& arguments,
+                   const std::vector<std::string>& says)
+{
+  const Outcome outcome = runProgram(program, arguments, folder.path());
+  const std::string shown = program + " " + arguments + "\n" + outcome.err;
+  EXPECT_EQ(1, outcome.code) << shown;
+  EXPECT_EQ(1, std::count(outcome.err.begin(), outcome.err.end(), '\n')) << shown;
+  for (const std::string& part : says)
+  {
+    EXPECT_TRUE(contains(outcome.err, part)) << part << "\nnot in\n" << shown;
+  }
+}
+
+std::string slam(const std::string& output)
+{
+  return "-v ERROR -i " + recording + " --only-first-n 2 -o " + output + " ";
+}
+}  // namespace
+
+TEST(OutputSafety, ARunLeavesATruthFolderAlone)
+{
+  const TestFolder folder;
+  fs::create_directories(folder.file("x.gt/labels"));
+  folder.write("x.gt/tracks.txt", "the truth");
+  folder.write("x.gt/labels/000000.label", "the truth");
+  expectRefusal(folder, "dyslam", slam(folder.file("x.gt")) + "--labels",
+                {"x.gt: has files that no run wrote", "tracks.txt, labels", "--force"});
+  EXPECT_EQ("the truth", folder.read("x.gt/tracks.txt"));
+  EXPECT_EQ("the truth", folder.read("x.gt/labels/000000.label"));
+  EXPECT_EQ(0, runProgram("dyslam", slam(folder.file("x.gt")) + "--force", folder.path()).code);
+}
+
+TEST(OutputSafety, ASecondRunWaitsOutside)
+{
+  const TestFolder folder;
+  fs::create_directories(folder.file("run"));
+  const int held = ::open(folder.file("run/.dyslam.lock").c_str(), O_RDWR | O_CREAT, 0666);
+  ASSERT_EQ(0, ::flock(held, LOCK_EX));
+  expectRefusal(folder, "dyslam", slam(folder.file("run")), {"run: another run is writing to it"});
+  ::close(held);
+  EXPECT_EQ(0, runProgram("dyslam", slam(folder.file("run")), folder.path()).code);
+  EXPECT_FALSE(fs::exists(folder.file("run/.dyslam.lock")));
+}
+
+TEST(OutputSafety, LinksAreNotFollowed)
+{
+  const TestFolder folder;
+  fs::create_directories(folder.file("mine"));
+  folder.write("mine/000000.label", "mine");
+  ASSERT_EQ(0, runProgram("dyslam", slam(folder.file("run")), folder.path()).code);
+  fs::create_directory_symlink(folder.file("mine"), folder.file("run/labels"));
+  expectRefusal(folder, "dyslam", slam(folder.file("run")), {"labels: is a link"});
+  fs::create_directories(folder.file("in"));
+  folder.write("in/0.bin", std::string(3200, '\0'));
+  fs::create_directories(folder.file("k.gt"));
+  fs::create_directory_symlink(folder.file("mine"), folder.file("k.gt/labels"));
+  expectRefusal(folder, "scans2rawlog",
+                "-q -i " + folder.file("in") + " -o " + folder.file("k.rawlog"),
+                {"labels: is a link"});
+  EXPECT_EQ("mine", folder.read("mine/000000.label"));
+}
+
+TEST(OutputSafety, NoRunReplacesItsInputs)
+{
+  const TestFolder folder;
+  ASSERT_EQ(0, runProgram("dyslam", slam(folder.file("run")), folder.path()).code);
+  const std::string ini = folder.file("run/effective.ini");
+  const std::string before = contentOf(ini);
+  expectRefusal(folder, "dyslam", slam(folder.file("run")) + "-c " + ini, {"would be replaced"});
+  expectRefusal(folder, "dyslam", slam(folder.file("new")) + "-c " + ini + " --profile " + ini,
+                {"is an input of this run", "--profile"});
+  EXPECT_EQ(before, contentOf(ini));
+}
+
+TEST(OutputSafety, NoTableReplacesAnInput)
+{
+  const TestFolder folder;
+  const std::string poses = "1 0 0 0 0 1 0 0 0 0 1 0\n1 0 0 1 0 1 0 0 0 0 1 0\n";
+  const std::string a = folder.write("a.txt", poses);
+  const std::string b = folder.write("b.txt", poses);
+  for (const char* flag : {"--csv", "--json", "--plot"})
+  {
+    expectRefusal(folder, "dyslam-eval",
+                  "trajectory --reference " + a + " --estimate " + b + " " + flag + " " + b,
+                  {"b.txt: is an input, too (--estimate)", flag});
+  }
+  EXPECT_EQ(poses, folder.read("b.txt"));
+}
+
+TEST(OutputSafety, NoConversionReplacesItsInputs)
+{
+  const TestFolder folder;
+  const std::string capture = captured(200);
+  folder.write("a.pcap", capture);
+  fs::create_symlink(folder.file("a.pcap"), folder.file("b.pcap"));
+  for (const char* output : {"a.pcap", "./a.pcap"})
+  {
+    expectRefusal(folder, "scans2rawlog",
+                  "-q -i " + folder.file("a.pcap") + " -o " + folder.file(output),
+                  {"a.pcap: is an input, too (--input)", "--output"});
+  }
+  expectRefusal(folder, "scans2rawlog",
+                "-q -i " + folder.file("a.pcap") + " -o " + folder.file("b.pcap"), {"is an input"});
+  EXPECT_EQ(capture, folder.read("a.pcap"));
+
+  fs::create_directories(folder.file("k/velodyne"));
+  fs::create_directories(folder.file("k.gt/labels"));
+  folder.write("k/velodyne/000000.bin", std::string(160, '\0'));
+  folder.write("k.gt/labels/000000.label", std::string(40, '\x09'));
+  expectRefusal(folder, "kitti2rawlog",
+                "-q --kind odometry -i " + folder.file("k") + " --labels " +
+                    folder.file("k.gt/labels") + " -o " + folder.file("k.rawlog"),
+                {"k.gt/labels: would be replaced"});
+  EXPECT_EQ(std::string(40, '\x09'), folder.read("k.gt/labels/000000.label"));
+  EXPECT_FALSE(fs::exists(folder.file("k.rawlog")));
+}
+
+TEST(OutputSafety, AConversionThatFailsLeavesTheEarlierOne)
+{
+  const TestFolder folder;
+  fs::create_directories(folder.file("in"));
+  folder.write("in/0.bin", std::string(3200, '\0'));
+  const std::string convert = "-q --external-storage -i " + folder.file("in") + " -o " +
+                              folder.file("x.rawlog") + " --poses " + folder.file("poses.txt");
+  folder.write("poses.txt", "1 0 0 5 0 1 0 0 0 0 1 0\n");
+  ASSERT_EQ(0, runProgram("scans2rawlog", convert, folder.path()).code);
+  const std::string rawlog = folder.read("x.rawlog");
+  const std::string truth = folder.read("x.gt/poses_tum.txt");
+  const std::string cloud = folder.read("x_Images/lidar_000000.gz");
+  ASSERT_FALSE(rawlog.empty() || truth.empty() || cloud.empty());
+  folder.write("in/0.bin", "cut");
+  EXPECT_EQ(1, runProgram("scans2rawlog", convert, folder.path()).code);
+  EXPECT_EQ(rawlog, folder.read("x.rawlog"));
+  EXPECT_EQ(truth, folder.read("x.gt/poses_tum.txt"));
+  EXPECT_EQ(cloud, folder.read("x_Images/lidar_000000.gz"));
+  for (const char* leftover : {"x.rawlog.tmp", "x.gt.tmp", "x_Images.tmp"})
+  {
+    EXPECT_FALSE(fs::exists(folder.file(leftover))) << leftover;
+  }
+}
+}  // namespace dyslam

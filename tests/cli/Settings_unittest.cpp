@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Which settings a run takes, as a user sees it.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "RunProgram.h"
+#include "TestFolder.h"
+
+namespace dyslam
+{
+namespace
+{
+const std::string recording = std::string(DYSLAM_SOURCE_DIR) + "/rawlog/campus16.rawlog";
+
+/** Two scans of the bundled recording of a VLP-16. */
+Outcome slam(const TestFolder& folder, const std::string& output, const std::string& flags = "")
+{
+  return runProgram("dyslam",
+                    "-i " + recording + " --only-first-n 2 --set output.replay=false " + flags +
+                        " -o " + folder.file(output),
+                    folder.path());
+}
+
+std::vector<std::string> lines(const std::string& text)
+{
+  std::vector<std::string> all;
+  std::istringstream in(text);
+  for (std::string line; std::getline(in, line);)
+  {
+    all.push_back(line);
+  }
+  return all;
+}
+
+std::string settingsOf(const TestFolder& folder, const std::string& output)
+{
+  return contentOf(folder.file(output + "/effective.ini"));
+}
+}  // namespace
+
+TEST(Settings, ThoseOfTheSensorAreTakenAndNamed)
+{
+  const TestFolder folder;
+  const Outcome outcome = slam(folder, "run");
+  EXPECT_EQ(0, outcome.code) << outcome.err;
+  EXPECT_TRUE(contains(outcome.err, "dyslam: 16 rings, 2.0 deg apart, -15")) << outcome.err;
+  EXPECT_TRUE(contains(outcome.err, "10.0 Hz; settings: vlp16.ini\n")) << outcome.err;
+  EXPECT_FALSE(contains(outcome.err, "warning")) << outcome.err;
+  EXPECT_TRUE(contains(contentOf(folder.file("run/report.json")), "\"sensor\": \"16 rings"));
+  EXPECT_EQ(0, slam(folder, "named", "-c vlp16.ini").code);
+  EXPECT_EQ(settingsOf(folder, "named"), settingsOf(folder, "run"));
+  const std::string again = "-c " + folder.file("run/effective.ini");
+  EXPECT_EQ(0, slam(folder, "again", again).code);
+  EXPECT_EQ(settingsOf(folder, "again"), settingsOf(folder, "run"));
+}
+
+TEST(Settings, AnIniOfOneLineChangesOneLine)
+{
+  const TestFolder folder;
+  ASSERT_EQ(0, slam(folder, "run").code);
+  folder.write("mine.ini", "[map]\nvoxel_size = 0.77\n");
+  const Outcome outcome = slam(folder, "mine", "-c " + folder.file("mine.ini"));
+  EXPECT_EQ(0, outcome.code) << outcome.err;
+  EXPECT_TRUE(contains(outcome.err, "settings: vlp16.ini + mine.ini")) << outcome.err;
+  const auto before = lines(settingsOf(folder, "run"));
+  const auto after = lines(settingsOf(folder, "mine"));
+  ASSERT_EQ(before.size(), after.size());
+  std::size_t changed = 0;
+  for (std::size_t i = 0; i < before.size(); ++i)
+  {
+    changed += before[i] == after[i] ? 0 : 1;
+  }
+  EXPECT_EQ(1U, changed);
+}
+
+TEST(Settings, AnIniForOtherSensorsIsAWarning)
+{
+  const TestFolder folder;
+  const Outcome outcome = slam(folder, "run", "-c kitti64.ini --set dyseg.method=none");
+  EXPECT_NE(1, outcome.code) << outcome.err;
+  const auto said = lines(outcome.err);
+  EXPECT_EQ(1, std::count_if(said.begin(), said.end(),
+                             [](const std::string& line)
+                             { return contains(line, "warning: kitti64.ini is for sensors"); }))
+      << outcome.err;
+  EXPECT_TRUE(contains(contentOf(folder.file("run/report.json")), "kitti64.ini is for sensors"));
+}
+
+TEST(Settings, InisOfOtherProgramsAreRefused)
+{
+  const TestFolder folder;
+  for (const std::string name :
+       {"train_dylo.ini", "train_dylo_traffic.ini", "train_dyseg.ini", "kitti_mot.ini"})
+  {
+    const Outcome outcome = slam(folder, "run", "-c " + name);
+    EXPECT_EQ(1, outcome.code);
+    EXPECT_EQ(1U, lines(outcome.err).size()) << outcome.err;
+    EXPECT_TRUE(contains(outcome.err, "dyslam: " + name + ":")) << outcome.err;
+    EXPECT_TRUE(contains(outcome.err, ", not for dyslam")) << outcome.err;
+  }
+}
+
+TEST(Settings, EveryShippedIniIsAccepted)
+{
+  const TestFolder folder;
+  for (const std::string name :
+       {"kitti64.ini", "vlp16.ini", "solid_state.ini", "handheld.ini", "paper64.ini"})
+  {
+    const Outcome outcome = slam(folder, name, "-c " + name + " -v ERROR");
+    EXPECT_NE(1, outcome.code) << name << ": " << outcome.err;
+  }
+}
+
+TEST(Settings, MissingTimesOfPointsAreSaid)
+{
+  const TestFolder folder;
+  folder.write("in/0.bin", std::string(3200, '\0'));
+  folder.write("in/1.bin", std::string(3200, '\0'));
+  ASSERT_EQ(
+      0, runProgram("scans2rawlog", "-q -i " + folder.file("in") + " -o " + folder.file("x.rawlog"),
+                    folder.path())
+             .code);
+  const Outcome outcome = runProgram(
+      "dyslam", "-i " + folder.file("x.rawlog") + " -o " + folder.file("run"), folder.path());
+  EXPECT_TRUE(contains(outcome.err, "dyslam: no rings, 0 points a scan")) << outcome.err;
+  EXPECT_TRUE(contains(outcome.err, "the points have no times: scans are not deskewed"))
+      << outcome.err;
+}
+}  // namespace dyslam
