@@ -115,8 +115,8 @@ class ScanPlacer
     if (t.size() > 1)
     {
       const std::size_t current = std::max<std::size_t>(pose, 1);
-      T_previous_current = (t[current - 1].pose * T_body_vehicle).inverse() *
-                           (t[current].pose * T_body_vehicle);
+      T_previous_current =
+          (t[current - 1].pose * T_body_vehicle).inverse() * (t[current].pose * T_body_vehicle);
       dt = t[current].stamp - t[current - 1].stamp;
     }
     Cloud cloud = preprocessor_.prepare(frame.scan, T_previous_current, dt);
@@ -198,7 +198,8 @@ class PointChoice
       {
         return;
       }
-      found = chosen_.emplace(key, std::vector<std::optional<Eigen::Vector3f>>(trajectories_)).first;
+      found =
+          chosen_.emplace(key, std::vector<std::optional<Eigen::Vector3f>>(trajectories_)).first;
       if (chosen_.size() > wanted_)
       {
         chosen_.erase(std::prev(chosen_.end()));

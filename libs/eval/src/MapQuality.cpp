@@ -11,7 +11,7 @@ namespace dyslam
 {
 namespace
 {
-constexpr double flat = 1e-12;         // m^2: below, rounding decides the entropy
+constexpr double flat = 1e-12;          // m^2: below, rounding decides the entropy
 constexpr std::size_t least_count = 4;  // fewer points always lie in a plane
 }  // namespace
 
@@ -51,8 +51,8 @@ void MapQuality::add(const std::vector<Eigen::Vector3f>& points)
   const auto limit = static_cast<float>(options_.radius * options_.radius);
   for (const auto& p : points)
   {
-    const auto list = p.allFinite() ? cells_.find(voxelKey(voxelCell(p, inverse_cell_)))
-                                    : VoxelHash::none;
+    const auto list =
+        p.allFinite() ? cells_.find(voxelKey(voxelCell(p, inverse_cell_))) : VoxelHash::none;
     if (list == VoxelHash::none)
     {
       continue;
@@ -91,8 +91,7 @@ std::vector<std::optional<PointSharpness>> MapQuality::sharpness() const
             .eigenvalues();
     if (eigenvalues.x() > flat)
     {
-      const double entropy =
-          0.5 * (3 * std::log(2 * M_PI * M_E) + eigenvalues.array().log().sum());
+      const double entropy = 0.5 * (3 * std::log(2 * M_PI * M_E) + eigenvalues.array().log().sum());
       result.back() = PointSharpness{entropy, eigenvalues.x(), moments.count};
     }
   }

@@ -34,8 +34,8 @@ TEST(MapQuality, OfABoxIsExact)
   EXPECT_EQ(sharpness[0]->neighbours, 8U);
   EXPECT_DOUBLE_EQ(sharpness[0]->plane_variance, 0.0625 * 0.0625);
   const double determinant = std::pow(0.25 * 0.125 * 0.0625, 2);
-  EXPECT_NEAR(sharpness[0]->entropy,
-              0.5 * std::log(std::pow(2 * M_PI * M_E, 3) * determinant), 1e-12);
+  EXPECT_NEAR(sharpness[0]->entropy, 0.5 * std::log(std::pow(2 * M_PI * M_E, 3) * determinant),
+              1e-12);
 }
 
 /** A disc of radius r in a plane with Gaussian noise of sigma: eigenvalues r^2/4, r^2/4, sigma^2.
@@ -57,8 +57,8 @@ TEST(MapQuality, OfANoisyPlaneIsItsNoise)
   const auto mean = meanSharpness({quality.sharpness()});
   ASSERT_EQ(mean[0].points, 2U);
   EXPECT_NEAR(mean[0].mean_plane_variance, sigma * sigma, 0.02 * sigma * sigma);
-  const double expected =
-      0.5 * std::log(std::pow(2 * M_PI * M_E, 3) * std::pow(radius * radius / 4, 2) * sigma * sigma);
+  const double expected = 0.5 * std::log(std::pow(2 * M_PI * M_E, 3) *
+                                         std::pow(radius * radius / 4, 2) * sigma * sigma);
   EXPECT_NEAR(mean[0].mean_entropy, expected, 0.02);
 }
 

@@ -12,8 +12,8 @@ namespace dyslam
 {
 struct MapQualityOptions
 {
-  double radius = 0.5;               //!< of the neighbourhood of a point [m]
-  std::size_t min_neighbours = 10;   //!< points with fewer are left out
+  double radius = 0.5;              //!< of the neighbourhood of a point [m]
+  std::size_t min_neighbours = 10;  //!< points with fewer are left out
 };
 
 /** How sharp a map is around one of its points. */
@@ -62,7 +62,7 @@ class MapQuality
   std::vector<Eigen::Vector3f> points_;
   MapQualityOptions options_;
   float inverse_cell_;
-  VoxelHash cells_;  //!< cells of side `radius` to lists
+  VoxelHash cells_;                                //!< cells of side `radius` to lists
   std::vector<std::vector<std::uint32_t>> lists_;  //!< chosen points that reach into a cell
   std::vector<Moments> moments_;
 };
@@ -70,9 +70,9 @@ class MapQuality
 /** Mean sharpness of a map; smaller is better for both. */
 struct MapSharpness
 {
-  std::size_t points = 0;             //!< in the means
-  double mean_entropy = 0;            //!< NaN without points
-  double mean_plane_variance = 0;     //!< [m^2]; NaN without points
+  std::size_t points = 0;          //!< in the means
+  double mean_entropy = 0;         //!< NaN without points
+  double mean_plane_variance = 0;  //!< [m^2]; NaN without points
 };
 
 /** Means of several maps of the same scans over the points that count in all of them: a bad
