@@ -124,9 +124,11 @@ Browser::Browser() : driver_(std::make_unique<Driver>())
   const Json options = {{"binary", chromium}, {"args", arguments}};
   const Json wanted = {{"goog:chromeOptions", options},
                        {"goog:loggingPrefs", {{"browser", "SEVERE"}}}};
-  session_ = "/session/" + command("POST", "/session", {{"capabilities", {{"alwaysMatch", wanted}}}})
-                               .at("sessionId")
-                               .get<std::string>();
+  session_ =
+      "/session/" + command("POST", "/session", {{"capabilities", {{"alwaysMatch", wanted}}}})
+                        .at("sessionId")
+                        .get<std::string>();
+  resize(1280, 1200);
 }
 
 Browser::~Browser()
@@ -169,6 +171,11 @@ std::string Browser::elementPath(const std::string& id)
   return session_ + "/element/" + found.begin().value().get<std::string>();
 }
 
+void Browser::scrollTo(const std::string& id)
+{
+  (void)run("document.getElementById('" + id + "').scrollIntoView({block: 'center'})");
+}
+
 void Browser::resize(int width, int height)
 {
   (void)command("POST", session_ + "/window/rect", {{"width", width}, {"height", height}});
@@ -181,8 +188,7 @@ void Browser::open(const std::string& file)
 
 Json Browser::run(const std::string& script)
 {
-  return command("POST", session_ + "/execute/sync",
-                 {{"script", script}, {"args", Json::array()}});
+  return command("POST", session_ + "/execute/sync", {{"script", script}, {"args", Json::array()}});
 }
 
 bool Browser::waitFor(const std::string& script, double seconds)
@@ -202,6 +208,7 @@ bool Browser::waitFor(const std::string& script, double seconds)
 
 void Browser::click(const std::string& id)
 {
+  scrollTo(id);  // the driver's own scrolling leaves elements under the bar at the top
   (void)command("POST", elementPath(id) + "/click", Json::object());
 }
 
@@ -212,6 +219,7 @@ void Browser::type(const std::string& id, const std::string& keys)
 
 std::string Browser::screenshot(const std::string& id)
 {
+  scrollTo(id);  // only what the window shows is in the picture
   return command("GET", elementPath(id) + "/screenshot", nullptr).get<std::string>();
 }
 

@@ -38,6 +38,7 @@ class Browser
   [[nodiscard]] nlohmann::json command(const std::string& method,
                                        const std::string& path,
                                        const nlohmann::json& body);
+  void scrollTo(const std::string& id);
   [[nodiscard]] std::string elementPath(const std::string& id);
 
   struct Driver;

@@ -12,11 +12,11 @@
 #include "../cli/RunProgram.h"
 #include "Browser.h"
 
-#define DYSLAM_REQUIRE_BROWSER()                                                        \
-  if (!Browser::isInstalled())                                                          \
-  {                                                                                     \
-    GTEST_SKIP() << "Chromium is not installed: apt-get install chromium "              \
-                    "chromium-driver (124 MB) to test the page that a run leaves";      \
+#define DYSLAM_REQUIRE_BROWSER()                                                   \
+  if (!Browser::isInstalled())                                                     \
+  {                                                                                \
+    GTEST_SKIP() << "Chromium is not installed: apt-get install chromium "         \
+                    "chromium-driver (124 MB) to test the page that a run leaves"; \
   }
 
 namespace dyslam
@@ -66,11 +66,11 @@ TEST(RunPageInBrowser, ShowsARunOfTheProgram)
   DYSLAM_REQUIRE_BROWSER();
   const fs::path folder = fs::temp_directory_path() / "page run";
   fs::create_directories(folder);
-  const auto outcome = runProgram(
-      "dyslam",
-      "-v ERROR -i '" + std::string(DYSLAM_SOURCE_DIR) + "/rawlog/street64.rawlog' -o '" +
-          folder.string() + "' --only-first-n 40 --set dyseg.method=residual",
-      fs::temp_directory_path().string());
+  const auto outcome = runProgram("dyslam",
+                                  "-v ERROR -i '" + std::string(DYSLAM_SOURCE_DIR) +
+                                      "/rawlog/street64.rawlog' -o '" + folder.string() +
+                                      "' --only-first-n 40 --set dyseg.method=residual",
+                                  fs::temp_directory_path().string());
   ASSERT_EQ(outcome.code, 0) << outcome.err;
   ASSERT_TRUE(fs::exists(folder / "map.png"));
 
@@ -81,8 +81,8 @@ TEST(RunPageInBrowser, ShowsARunOfTheProgram)
                         "!e.name.startsWith('data:')).length"),
             0)
       << "nothing is loaded";
-  for (const char* section : {"summary", "view", "above", "errors", "trajectory", "drift", "tracks",
-                              "times", "details"})
+  for (const char* section :
+       {"summary", "view", "above", "errors", "trajectory", "drift", "tracks", "times", "details"})
   {
     EXPECT_GT(browser.run(std::string("return document.getElementById('") + section +
                           "').getBoundingClientRect().height"),
