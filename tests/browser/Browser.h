@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+
+namespace dyslam
+{
+/** Chromium without a window, spoken to by chromedriver (the WebDriver protocol of the W3C). */
+class Browser
+{
+ public:
+  /** Whether both programs are installed. */
+  [[nodiscard]] static bool isInstalled();
+
+  /** Starts both. \throws std::runtime_error, as all of it. */
+  Browser();
+  ~Browser();
+  Browser(const Browser&) = delete;
+  Browser& operator=(const Browser&) = delete;
+
+  void resize(int width, int height);
+  void open(const std::string& file);
+  /** Result of a function's body. */
+  [[nodiscard]] nlohmann::json run(const std::string& script);
+  /** Runs the body, again and again, until it returns true. \return false after `seconds`. */
+  [[nodiscard]] bool waitFor(const std::string& script, double seconds = 60);
+  /** As a user does; `id` is the element's. */
+  void click(const std::string& id);
+  void type(const std::string& id, const std::string& keys);
+  /** PNG of the element in base64. */
+  [[nodiscard]] std::string screenshot(const std::string& id);
+  /** Errors that the page has caused since the last call, one a line. */
+  [[nodiscard]] std::string errors();
+
+ private:
+  [[nodiscard]] nlohmann::json command(const std::string& method,
+                                       const std::string& path,
+                                       const nlohmann::json& body);
+  void scrollTo(const std::string& id);
+  [[nodiscard]] std::string elementPath(const std::string& id);
+
+  struct Driver;
+  std::unique_ptr<Driver> driver_;
+  std::string session_;
+};
+}  // namespace dyslam

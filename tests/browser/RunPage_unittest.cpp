@@ -1,0 +1,199 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// report.html, opened in Chromium and used as a reader uses it.
+#include <dyslam/core/Files.h>
+#include <dyslam/report/RunPage.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <memory>
+
+#include "../cli/RunProgram.h"
+#include "Browser.h"
+
+#define DYSLAM_REQUIRE_BROWSER()                                                   \
+  if (!Browser::isInstalled())                                                     \
+  {                                                                                \
+    GTEST_SKIP() << "Chromium is not installed: apt-get install chromium "         \
+                    "chromium-driver (124 MB) to test the page that a run leaves"; \
+  }
+
+namespace dyslam
+{
+namespace
+{
+namespace fs = std::filesystem;
+
+const char* const all_drawn =
+    "const c = document.getElementById('scene'); if (!c || !c.dataset.drawn) return false;"
+    "const n = c.dataset.drawn; const same = window.before === n; window.before = n; return same;";
+
+/** The page with this run in it, as a file. */
+std::string written(const RunPage& page, const std::string& name)
+{
+  const std::string file = (fs::temp_directory_path() / name).string();
+  std::ofstream(file) << renderRunPage(
+      page, readWhole(std::string(DYSLAM_SHARE_DIR) + "/report/page.html"));
+  return file;
+}
+
+/** Twenty scans along x and one object beside them. */
+RunPage smallRun()
+{
+  RunPage page;
+  page.title = "small";
+  PageObject object{3, ObjectClass::car, {}};
+  for (int i = 0; i < 20; ++i)
+  {
+    page.scans.push_back({static_cast<std::size_t>(i), 1000, 10, true, i % 5 == 0});
+    page.trajectory.push_back(100 + 0.1 * i, poseFromYpr(i, 0, 0, 0, 0, 0));
+    page.odometry.push_back(100 + 0.1 * i, poseFromYpr(i, 0.01 * i, 0, 0, 0, 0));
+    object.states.push_back(
+        {static_cast<std::size_t>(i), {Eigen::Vector3d(i, 4, 0.7), {4, 2, 1.5}, 0}, {10, 0, 0}});
+  }
+  page.objects.push_back(object);
+  return page;
+}
+
+std::string textOf(Browser& browser, const std::string& id)
+{
+  return browser.run("return document.getElementById('" + id + "').textContent").get<std::string>();
+}
+
+TEST(RunPageInBrowser, ShowsARunOfTheProgram)
+{
+  DYSLAM_REQUIRE_BROWSER();
+  const fs::path folder = fs::temp_directory_path() / "page run";
+  fs::create_directories(folder);
+  const auto outcome = runProgram("dyslam",
+                                  "-v ERROR -i '" + std::string(DYSLAM_SOURCE_DIR) +
+                                      "/rawlog/street64.rawlog' -o '" + folder.string() +
+                                      "' --only-first-n 40 --set dyseg.method=residual",
+                                  fs::temp_directory_path().string());
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  ASSERT_TRUE(fs::exists(folder / "map.png"));
+
+  Browser browser;
+  browser.open((folder / "report.html").string());
+  ASSERT_TRUE(browser.waitFor(all_drawn)) << browser.errors();
+  EXPECT_EQ(browser.run("return performance.getEntriesByType('resource').filter(e => "
+                        "!e.name.startsWith('data:')).length"),
+            0)
+      << "nothing is loaded";
+  for (const char* section :
+       {"summary", "view", "above", "errors", "trajectory", "drift", "tracks", "times", "details"})
+  {
+    EXPECT_GT(browser.run(std::string("return document.getElementById('") + section +
+                          "').getBoundingClientRect().height"),
+              60)
+        << section;
+  }
+  EXPECT_GT(browser.run("return document.querySelectorAll('#error-table tbody tr').length"), 5);
+  EXPECT_GT(browser.run("return document.getElementById('picture').naturalWidth"), 300);
+  EXPECT_GT(browser.run("return document.querySelectorAll('polyline').length"), 10);
+  EXPECT_GT(browser.run("return document.querySelectorAll('#times .bar').length"), 4);
+  EXPECT_EQ(browser.errors(), "");
+}
+
+TEST(RunPageInBrowser, SliderMovesThroughTheScans)
+{
+  DYSLAM_REQUIRE_BROWSER();
+  Browser browser;
+  browser.open(written(smallRun(), "slider.html"));
+  ASSERT_TRUE(browser.waitFor(all_drawn)) << browser.errors();
+  EXPECT_EQ(textOf(browser, "scene-info"), "Scan 0 (1 of 20), 0.00 s: 1 moving object");
+  const std::string before = browser.screenshot("scene");
+  browser.type("time-slider", "\xEE\x80\x90");  // End, as WebDriver writes it: U+E010
+  EXPECT_EQ(textOf(browser, "scene-info"), "Scan 19 (20 of 20), 1.90 s: 1 moving object");
+  ASSERT_TRUE(browser.waitFor(all_drawn));
+  EXPECT_NE(browser.screenshot("scene"), before);
+
+  browser.click("play");  // from the start again, as it stands at the end
+  EXPECT_TRUE(browser.waitFor("return document.getElementById('time-slider').value > 3"));
+  EXPECT_TRUE(browser.waitFor("return document.getElementById('play').textContent === 'Play'"))
+      << "it stops at the end";
+  EXPECT_EQ(browser.run("return document.getElementById('time-slider').value"), "19");
+  EXPECT_EQ(browser.errors(), "");
+}
+
+TEST(RunPageInBrowser, LayersCanBeHidden)
+{
+  DYSLAM_REQUIRE_BROWSER();
+  RunPage page = smallRun();
+  std::vector<Eigen::Vector3f> points;
+  for (int i = 0; i < 4000; ++i)
+  {
+    points.emplace_back(0.01F * static_cast<float>(i) - 10, 5, 0.001F * static_cast<float>(i));
+  }
+  page.map_points = &points;
+  page.reference = page.trajectory;
+  page.loops.push_back({{0, 0, 0}, {19, 0, 0}, false});
+  Browser browser;
+  browser.open(written(page, "layers.html"));
+  ASSERT_TRUE(browser.waitFor(all_drawn)) << browser.errors();
+  for (const char* layer : {"map", "path", "loops", "objects", "tracks", "odometry", "truth",
+                            "keyframes", "grid", "labels"})
+  {
+    const std::string id = std::string("layer-") + layer;
+    const std::string before = browser.screenshot("scene");
+    browser.click(id);
+    ASSERT_TRUE(browser.waitFor(all_drawn));
+    EXPECT_NE(browser.screenshot("scene"), before) << layer;
+    browser.click(id);
+    ASSERT_TRUE(browser.waitFor(all_drawn));
+    EXPECT_EQ(browser.screenshot("scene"), before) << layer;
+  }
+  const std::string before = browser.screenshot("scene");
+  browser.click("view-above");
+  ASSERT_TRUE(browser.waitFor(all_drawn));
+  EXPECT_NE(browser.screenshot("scene"), before);
+  EXPECT_EQ(browser.errors(), "");
+}
+
+TEST(RunPageInBrowser, OpensWithAMillionPoints)
+{
+  DYSLAM_REQUIRE_BROWSER();
+  RunPage page = smallRun();
+  std::vector<Eigen::Vector3f> points;
+  for (int i = 0; i < 1000000; ++i)
+  {
+    const auto t = static_cast<float>(i);
+    points.emplace_back(1e-4F * t - 40, 20 * std::sin(0.01F * t), 3 * std::cos(0.003F * t));
+  }
+  page.map_points = &points;
+  Browser browser;
+  browser.open(written(page, "million.html"));
+  ASSERT_TRUE(browser.waitFor(all_drawn)) << browser.errors();
+  EXPECT_NE(textOf(browser, "view").find("1,000,000 map points"), std::string::npos);
+  EXPECT_EQ(browser.errors(), "");
+}
+
+TEST(RunPageInBrowser, FitsASmallScreenAndShowsTextsAsTheyAre)
+{
+  DYSLAM_REQUIRE_BROWSER();
+  RunPage page = smallRun();
+  const std::string evil = "</script><img src=x onerror='window.evil=1'>" + std::string(200, 'w');
+  page.title = page.input = page.method = page.settings = page.failure = evil;
+  page.warnings = {evil};
+  page.files = {evil};
+  Browser browser;
+  browser.resize(500, 900);  // Chromium makes no smaller window
+  browser.open(written(page, "evil.html"));
+  ASSERT_TRUE(browser.waitFor(all_drawn)) << browser.errors();
+  EXPECT_EQ(browser.run("return window.evil === undefined"), true);
+  EXPECT_NE(textOf(browser, "verdict").find(evil), std::string::npos);
+  EXPECT_LE(browser.run("return document.documentElement.scrollWidth - window.innerWidth"), 0);
+  EXPECT_EQ(browser.errors(), "");
+}
+
+TEST(RunPageInBrowser, HasAWordForARunWithoutScans)
+{
+  DYSLAM_REQUIRE_BROWSER();
+  Browser browser;
+  browser.open(written({}, "empty.html"));
+  EXPECT_TRUE(browser.waitFor("return document.getElementById('summary') !== null"));
+  EXPECT_EQ(browser.errors(), "");
+}
+}  // namespace
+}  // namespace dyslam
