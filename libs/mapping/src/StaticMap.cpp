@@ -98,13 +98,10 @@ struct StaticMap::Impl
   /** How far the store's poses have moved from those that the map is stitched at, at most [m]. */
   [[nodiscard]] double largestCorrection() const;
   void correct();
-  /** Corrects the map where that is worth it. */
-  void follow();
   void keepWithinLimit();
 
   StaticMapOptions options;
   KeyframeStore& keyframes;
-  std::size_t followed = 0;  //!< revision of the keyframes' poses that follow() has seen
   std::size_t revision = 0;  //!< of the keyframes' poses that the map is stitched at
   std::vector<Pose> poses;   //!< these poses, one per keyframe inserted
   VoxelMap map;
@@ -217,18 +214,6 @@ void StaticMap::Impl::correct()
   }
 }
 
-void StaticMap::Impl::follow()
-{
-  if (followed != keyframes.revision())
-  {
-    followed = keyframes.revision();
-    if (largestCorrection() > options.correction_distance)
-    {
-      correct();
-    }
-  }
-}
-
 void StaticMap::Impl::keepWithinLimit()
 {
   while (map.voxels().size() > static_cast<std::size_t>(options.max_voxels))
@@ -248,10 +233,11 @@ StaticMap& StaticMap::operator=(StaticMap&&) noexcept = default;
 void StaticMap::insert(const Frame& frame)
 {
   Impl& m = *impl_;
-  if (m.keyframes.size() != m.poses.size() + 1)
+  if (m.keyframes.size() <= m.poses.size() || m.keyframes[m.poses.size()].frame != frame.index)
   {
-    throw std::invalid_argument("StaticMap: keyframe " + std::to_string(m.poses.size()) +
-                                " is next, but there are " + std::to_string(m.keyframes.size()));
+    throw std::invalid_argument("StaticMap: scan " + std::to_string(frame.index) +
+                                " is not keyframe " + std::to_string(m.poses.size()) + " of " +
+                                std::to_string(m.keyframes.size()));
   }
   if (m.revision != m.keyframes.revision() && m.largestCorrection() > m.options.correction_distance)
   {
@@ -266,8 +252,8 @@ void StaticMap::insert(const Frame& frame)
   keyframe.map_cloud = PackedCloud(m.thinned(frame), m.options.max_range + 1.0);
   if (m.options.visibility)
   {
-    m.map.countObservedFree(VisibilityImage(frame.cloud.points, keyframe.sensor),
-                            keyframe.T_map_vehicle, m.options);
+    m.map.countObservedFree(VisibilityImage(frame.cloud, keyframe.sensor), keyframe.T_map_vehicle,
+                            m.options);
   }
   m.stitch(m.poses.size() - 1, nullptr);
   m.keepWithinLimit();

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "VisibilityImage.h"
 
+#include <dyslam/core/Deskew.h>
 #include <dyslam/core/FastAngle.h>
 
 #include <algorithm>
@@ -18,64 +19,106 @@ constexpr int widest_window = 4;                // pixels to each side
 constexpr float nearest = 0.5F;                 // [m]
 }  // namespace
 
-VisibilityImage::VisibilityImage(const std::vector<Eigen::Vector3f>& points,
-                                 const Eigen::Vector3f& sensor)
+int VisibilityImage::columnOf(const Eigen::Vector3f& ray)
+{
+  return static_cast<int>((turnsOf(ray.y(), ray.x()) + 0.5F) * cols) % cols;
+}
+
+/** May lie outside the image. */
+int VisibilityImage::rowOf(const Eigen::Vector3f& ray)
+{
+  const float elevation =
+      2 * pi * turnsOf(ray.z(), std::sqrt(ray.x() * ray.x() + ray.y() * ray.y()));
+  return static_cast<int>(std::floor((elevation - lowest) / (highest - lowest) * rows));
+}
+
+VisibilityImage::VisibilityImage(const Cloud& cloud, const Eigen::Vector3f& sensor)
     : sensor_(sensor),
       range_(static_cast<std::size_t>(rows) * cols, std::numeric_limits<float>::infinity())
 {
-  for (const auto& p : points)
+  const bool timed = cloud.phase.size() == cloud.size() && !cloud.points.empty();
+  const SweepMotion sweep(cloud.T_sweep, 0);
+  std::vector<Eigen::Vector3f> sum(timed ? cols : 0, Eigen::Vector3f::Zero());
+  std::vector<int> count(timed ? cols : 0, 0);
+  for (std::size_t i = 0; i < cloud.size(); ++i)
   {
-    const Eigen::Vector3f d = p - sensor;
-    const float range = d.norm();
+    const Eigen::Vector3f origin = timed ? sweep.toReference(sensor, cloud.phase[i]) : sensor;
+    const Eigen::Vector3f ray = cloud.points[i] - origin;
+    const float range = ray.norm();
     if (!std::isfinite(range) || range < nearest)
     {
       continue;
     }
-    const float elevation = 2 * pi * turnsOf(d.z(), std::hypot(d.x(), d.y()));
-    const int row = static_cast<int>(std::floor((elevation - lowest) / (highest - lowest) * rows));
-    if (row < 0 || row >= rows)
+    const int col = columnOf(ray);
+    if (timed)
     {
-      continue;
+      sum[static_cast<std::size_t>(col)] += origin;
+      ++count[static_cast<std::size_t>(col)];
     }
-    const int col = static_cast<int>((turnsOf(d.y(), d.x()) + 0.5F) * cols) % cols;
-    float& cell = range_[static_cast<std::size_t>(row * cols + col)];
-    cell = std::min(cell, range);
+    const int row = rowOf(ray);
+    if (row >= 0 && row < rows)
+    {
+      float& cell = range_[static_cast<std::size_t>(row * cols + col)];
+      cell = std::min(cell, range);
+    }
+  }
+  setColumnOrigins(sum, count);
+}
+
+void VisibilityImage::setColumnOrigins(const std::vector<Eigen::Vector3f>& sum,
+                                       const std::vector<int>& count)
+{
+  column_sensor_.assign(sum.size(), sensor_);
+  for (std::size_t col = 0; col < sum.size(); ++col)
+  {
+    if (count[col] > 0)
+    {
+      column_sensor_[col] = sum[col] / static_cast<float>(count[col]);
+    }
   }
 }
 
-bool VisibilityImage::observesFree(const Eigen::Vector3f& p, float size, float margin) const
+Evidence VisibilityImage::at(const Eigen::Vector3f& p, float size, float margin) const
 {
   constexpr float pixel = 2 * pi / cols;
-  const Eigen::Vector3f d = p - sensor_;
-  const float range = d.norm();
-  if (!std::isfinite(range) || range < nearest)
+  Eigen::Vector3f ray = p - sensor_;
+  if (!ray.allFinite())
   {
-    return false;
+    return Evidence::none;
   }
-  const float elevation = 2 * pi * turnsOf(d.z(), std::sqrt(d.x() * d.x() + d.y() * d.y()));
-  const int row = static_cast<int>(std::floor((elevation - lowest) / (highest - lowest) * rows));
+  if (!column_sensor_.empty())
+  {
+    ray = p - column_sensor_[static_cast<std::size_t>(columnOf(ray))];
+  }
+  const float range = ray.norm();
+  if (range < nearest)
+  {
+    return Evidence::none;
+  }
+  const int row = rowOf(ray);
   const int half =
       std::clamp(static_cast<int>(std::ceil(0.5F * size / range / pixel)), 1, widest_window);
   if (row < half || row >= rows - half)
   {
-    return false;
+    return Evidence::none;
   }
-  const int col = static_cast<int>((turnsOf(d.y(), d.x()) + 0.5F) * cols) % cols;
-  const float limit = range + margin;
-  int rays = 0;
+  const int col = columnOf(ray);
+  int passed = 0;
+  bool stopped = false;
   for (int r = row - half; r <= row + half; ++r)
   {
     for (int c = col - half; c <= col + half; ++c)
     {
       const int wrapped = c < 0 ? c + cols : (c >= cols ? c - cols : c);
       const float seen = range_[static_cast<std::size_t>(r * cols + wrapped)];
-      if (seen <= limit)
+      if (std::abs(seen - range) <= margin)
       {
-        return false;
+        return Evidence::occupied;
       }
-      rays += std::isfinite(seen) ? 1 : 0;
+      stopped = stopped || seen < range;
+      passed += seen > range && std::isfinite(seen) ? 1 : 0;
     }
   }
-  return rays > half;
+  return !stopped && passed > half ? Evidence::free : Evidence::none;
 }
 }  // namespace dyslam

@@ -1,28 +1,49 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <dyslam/core/Scan.h>
+
 #include <Eigen/Core>
 #include <vector>
 
 namespace dyslam
 {
+/** What the rays of one scan say about a place. */
+enum class Evidence
+{
+  none,     //!< no ray went that way, or something nearer stopped it
+  free,     //!< rays passed through it
+  occupied  //!< a ray ended there
+};
+
 /** How far one scan's rays went in every direction: nearest return per pixel. */
 class VisibilityImage
 {
  public:
-  /** \param points returns and \param sensor the lidar's origin, both in the vehicle frame. */
-  VisibilityImage(const std::vector<Eigen::Vector3f>& points, const Eigen::Vector3f& sensor);
+  /** Rays start where the sensor was when each point was measured, as far as the cloud tells.
+   * \param cloud returns and \param sensor the lidar's origin at the cloud's stamp, both in the
+   * vehicle frame. */
+  VisibilityImage(const Cloud& cloud, const Eigen::Vector3f& sensor);
 
-  /** True if every ray near the direction of a cube of side `size` at `p` (vehicle frame) ended
-   * more than `margin` behind it, and there were such rays. Directions without a return (sky,
-   * black cars) prove nothing. */
-  [[nodiscard]] bool observesFree(const Eigen::Vector3f& p, float size, float margin) const;
+  /** The rays near the direction of a cube of side `size` at `p` (vehicle frame). The place is free
+   * if all of them ended more than `margin` behind it, and there were such rays: directions without
+   * a return (sky, black cars) prove nothing. It is occupied if one ended within `margin`. */
+  [[nodiscard]] Evidence at(const Eigen::Vector3f& p, float size, float margin) const;
+  [[nodiscard]] bool observesFree(const Eigen::Vector3f& p, float size, float margin) const
+  {
+    return at(p, size, margin) == Evidence::free;
+  }
 
  private:
   static constexpr int cols = 900;
   static constexpr int rows = 180;
 
+  [[nodiscard]] static int columnOf(const Eigen::Vector3f& ray);
+  [[nodiscard]] static int rowOf(const Eigen::Vector3f& ray);
+  void setColumnOrigins(const std::vector<Eigen::Vector3f>& sum, const std::vector<int>& count);
+
   Eigen::Vector3f sensor_;
-  std::vector<float> range_;  // row-major, infinity where no ray returned
+  std::vector<Eigen::Vector3f> column_sensor_;  // where the sensor was for each column, or empty
+  std::vector<float> range_;                    // row-major, infinity where no ray returned
 };
 }  // namespace dyslam

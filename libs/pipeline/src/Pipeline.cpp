@@ -1,9 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/backend/Backend.h>
+#include <dyslam/mapping/HindsightLabels.h>
 #include <dyslam/mapping/StaticMap.h>
 #include <dyslam/pipeline/FrontEnd.h>
 #include <dyslam/pipeline/Pipeline.h>
 #include <mrpt/system/CTimeLogger.h>
+
+#include <functional>
+#include <optional>
+#include <utility>
+#include <vector>
 
 namespace dyslam
 {
@@ -28,15 +34,37 @@ struct Pipeline::Stages
             keyframes),
         map(config.get<StaticMapOptions>("map"), keyframes)
   {
+    const auto labels = config.get<HindsightOptions>("labels");
+    if (labels.hindsight)
+    {
+      hindsight.emplace(labels, options.threads);
+    }
   }
+
+  void use(const Frame& decided);
 
   mrpt::system::CTimeLogger& times;
   PipelineOptions options;
   FrontEnd front_end;
   KeyframeStore keyframes;
   Backend backend;
+  std::optional<HindsightLabels> hindsight;
   StaticMap map;
+  std::function<void(const Frame&)> on_decided;
 };
+
+void Pipeline::Stages::use(const Frame& decided)
+{
+  if (options.mapping && decided.is_keyframe)
+  {
+    const CTimeLoggerEntry timed(times, "map");
+    map.insert(decided);
+  }
+  if (on_decided)
+  {
+    on_decided(decided);
+  }
+}
 
 Pipeline::Pipeline(ConfigLoader& config, mrpt::system::CTimeLogger& times)
     : stages_(std::make_unique<Stages>(config, times))
@@ -79,11 +107,27 @@ bool Pipeline::optimise(Frame& frame)
 
 void Pipeline::addToMap(const Frame& frame)
 {
-  if (stages_->options.mapping && frame.is_keyframe)
+  Stages& s = *stages_;
+  if (!s.hindsight)
   {
-    const CTimeLoggerEntry timed(stages_->times, "map");
-    stages_->map.insert(frame);
+    s.use(frame);
+    return;
   }
+  const bool wanted = s.on_decided || (s.options.mapping && frame.is_keyframe);
+  std::vector<Frame> decided;
+  {
+    const CTimeLoggerEntry timed(s.times, "hindsight");
+    s.hindsight->add(frame, wanted, [&](Frame f) { decided.push_back(std::move(f)); });
+  }
+  for (const Frame& f : decided)
+  {
+    s.use(f);
+  }
+}
+
+void Pipeline::onDecided(std::function<void(const Frame&)> use)
+{
+  stages_->on_decided = std::move(use);
 }
 
 void Pipeline::finish()
@@ -92,6 +136,11 @@ void Pipeline::finish()
   {
     const CTimeLoggerEntry timed(s.times, "backend.finish");
     s.backend.finish();
+  }
+  if (s.hindsight)
+  {
+    const CTimeLoggerEntry timed(s.times, "hindsight.finish");
+    s.hindsight->finish([&s](const Frame& f) { s.use(f); });
   }
   if (s.options.mapping)
   {

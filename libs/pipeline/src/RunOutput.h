@@ -72,6 +72,10 @@ class RunOutput
    * calls of one output come one after the other either way. */
   [[nodiscard]] virtual bool isSlow() const { return false; }
 
+  /** Whether add() gets the frames once what moves in them is decided for good, see
+   * Pipeline::onDecided(), not as the causal pipeline leaves them. */
+  [[nodiscard]] virtual bool wantsDecided() const { return false; }
+
   // An exception out of one of these ends this output alone, except in open().
 
   /** Before the first frame, in the folder without this output's files. */

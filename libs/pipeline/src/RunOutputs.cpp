@@ -104,6 +104,7 @@ RunOutputs::RunOutputs(const SlamRunSettings& settings,
     entry.output = kind.make({settings, config, options.scene_voxel_size});
     entry.names = entry.output->names();
     entry.slow = entry.output->isSlow();
+    entry.decided = entry.output->wantsDecided();
     names_.insert(names_.end(), entry.names.begin(), entry.names.end());
     const bool asked = kind.flag == nullptr || settings.*kind.flag;
     if (asked && (kind.key == nullptr || options.on.at(kind.key)))
@@ -128,25 +129,36 @@ void RunOutputs::open()
 
 void RunOutputs::add(Frame frame)
 {
-  for (Entry& entry : entries_)
+  add(std::move(frame), false);
+}
+
+bool RunOutputs::wantDecided() const
+{
+  return std::any_of(entries_.begin(), entries_.end(),
+                     [](const Entry& entry) { return entry.decided; });
+}
+
+void RunOutputs::addDecided(Frame frame)
+{
+  add(std::move(frame), true);
+}
+
+void RunOutputs::add(Frame frame, bool decided)
+{
+  addTo(frame, false, decided);
+  if (std::any_of(entries_.begin(), entries_.end(),
+                  [&](const Entry& entry) { return entry.slow && entry.decided == decided; }))
   {
-    if (!entry.slow)
-    {
-      attempt(entry, [&](RunOutput& output) { output.add(frame); });
-    }
-  }
-  if (std::any_of(entries_.begin(), entries_.end(), [](const Entry& entry) { return entry.slow; }))
-  {
-    writer_->add([this, shared = std::make_shared<const Frame>(std::move(frame))]
-                 { addSlowly(*shared); });
+    writer_->add([this, decided, shared = std::make_shared<const Frame>(std::move(frame))]
+                 { addTo(*shared, true, decided); });
   }
 }
 
-void RunOutputs::addSlowly(const Frame& frame)
+void RunOutputs::addTo(const Frame& frame, bool slow, bool decided)
 {
   for (Entry& entry : entries_)
   {
-    if (entry.slow)
+    if (entry.slow == slow && entry.decided == decided)
     {
       attempt(entry, [&](RunOutput& output) { output.add(frame); });
     }

@@ -27,6 +27,10 @@ class RunOutputs
   void open();
   /** Takes the frame over; slow writing happens in another thread. */
   void add(Frame frame);
+  /** Whether an output wants decided frames. */
+  [[nodiscard]] bool wantDecided() const;
+  /** The same frame again, later, for the outputs that want it decided for good. */
+  void addDecided(Frame frame);
   /** Writes what is only known at the end; fills the report's files and the failures. */
   void finish(RunResults& results);
 
@@ -36,10 +40,12 @@ class RunOutputs
     std::unique_ptr<RunOutput> output;  //!< null once it has failed
     std::vector<OutputName> names;
     bool slow = false;
+    bool decided = false;  //!< wantsDecided()
     std::string failure;
   };
 
-  void addSlowly(const Frame& frame);
+  void add(Frame frame, bool decided);
+  void addTo(const Frame& frame, bool slow, bool decided);
 
   std::string folder_;
   bool force_;

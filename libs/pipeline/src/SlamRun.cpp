@@ -105,6 +105,10 @@ struct SlamRun::Impl
   {
     times.setMinLoggingLevel(mrpt::system::LVL_ERROR);  // it would print its table at the end
     config.requireAllUsed();
+    if (outputs.wantDecided())
+    {
+      pipeline.onDecided([this](const Frame& frame) { outputs.addDecided(frame); });
+    }
   }
 
   [[nodiscard]] RunResults results(const std::vector<std::string>& source_warnings) const;

@@ -19,6 +19,7 @@ class LabelOutput : public RunOutput
   {
   }
   [[nodiscard]] bool isSlow() const override { return true; }
+  [[nodiscard]] bool wantsDecided() const override { return true; }
   void open() override { makeFolder(path(folder)); }
   void add(const Frame& frame) override
   {

@@ -49,7 +49,7 @@ std::vector<Label> scanLabels(const Frame& frame)
         makeLabel(movingLabel(object.object_class), static_cast<std::uint16_t>(object.id + 1));
     for (const auto i : frame.detections[static_cast<std::size_t>(object.detection)].points)
     {
-      labels[frame.cloud.source[i]] = label;
+      labels[frame.cloud.source[i]] = frame.isMoving(i) ? label : labels[frame.cloud.source[i]];
     }
   }
   return labels;

@@ -56,6 +56,7 @@ class StaticScanOutput : public RunOutput
   {
   }
   [[nodiscard]] bool isSlow() const override { return true; }
+  [[nodiscard]] bool wantsDecided() const override { return true; }
   void open() override
   {
     makeFolder(path(folder));

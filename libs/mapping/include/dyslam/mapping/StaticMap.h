@@ -63,11 +63,12 @@ class StaticMap
   StaticMap(StaticMap&&) noexcept;
   StaticMap& operator=(StaticMap&&) noexcept;
 
-  /** Adds the newest keyframe, at its pose in the store. Every keyframe of the store is inserted in
-   * its turn; one whose pose is not finite stays without points. Before, a map that is off by more
-   * than `correction_distance` is corrected.
-   * \param frame that became the keyframe: cloud, what moves in it, and its objects are read
-   * \throws std::invalid_argument unless exactly one keyframe of the store is not in the map yet.
+  /** Adds the next keyframe, at its pose in the store. Every keyframe of the store is inserted in
+   * its turn, also long after it was made; one whose pose is not finite stays without points.
+   * Before, a map that is off by more than `correction_distance` is corrected. \param frame that
+   * became the keyframe: cloud, what moves in it, and its objects are read \throws
+   * std::invalid_argument unless the frame is the first keyframe of the store that is not in the
+   * map yet.
    */
   void insert(const Frame& frame);
 

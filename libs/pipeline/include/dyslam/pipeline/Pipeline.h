@@ -6,6 +6,7 @@
 #include <dyslam/core/Trajectory.h>
 
 #include <cstddef>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -56,8 +57,13 @@ class Pipeline
   std::size_t addLoops(const Frame& frame);
   /** Backend::optimise(). \return whether a keyframe was moved. */
   bool optimise(Frame& frame);
-  /** StaticMap::insert(), if the frame is a keyframe and mapping is on. */
+  /** Decides again what moves in the scans before, where `labels.hindsight` is on, and adds decided
+   * keyframes to the map, if mapping is on. */
   void addToMap(const Frame& frame);
+
+  /** Sets who gets every frame, in order, once what moves in it is decided for good: with
+   * `labels.hindsight` some seconds later, the last ones in finish(). */
+  void onDecided(std::function<void(const Frame&)> use);
 
   /** After the last frame: optimises once more and corrects the map. */
   void finish();

@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "GroundHeights.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+namespace dyslam
+{
+namespace
+{
+constexpr float square = 2.0F;  // side [m]
+constexpr float step = 0.3F;    // highest above the middle of the neighbouring squares [m]
+constexpr float nothing = std::numeric_limits<float>::infinity();
+
+VoxelCell squareOf(const Eigen::Vector3f& p)
+{
+  return {static_cast<std::int32_t>(std::floor(p.x() / square)),
+          static_cast<std::int32_t>(std::floor(p.y() / square)), 0};
+}
+}  // namespace
+
+LowestReturns::LowestReturns(const std::vector<Eigen::Vector3f>& points,
+                             const Eigen::Isometry3f& T_map_vehicle)
+{
+  VoxelHash index;
+  std::vector<std::array<float, 3>> lowest;
+  std::vector<std::uint64_t> keys;
+  for (const Eigen::Vector3f& point : points)
+  {
+    const Eigen::Vector3f p = T_map_vehicle * point;
+    const std::uint64_t key = voxelKey(squareOf(p));
+    const std::uint32_t found = index.findOrInsert(key, static_cast<std::uint32_t>(keys.size()));
+    if (found == keys.size())
+    {
+      keys.push_back(key);
+      lowest.push_back({nothing, nothing, nothing});
+    }
+    auto& low = lowest[found];
+    if (p.z() < low[2])
+    {
+      low[2] = p.z();
+      std::sort(low.begin(), low.end());
+    }
+  }
+  for (std::size_t i = 0; i < keys.size(); ++i)
+  {
+    const auto& low = lowest[i];
+    heights_.emplace_back(keys[i], low[2] < nothing ? low[2] : (low[1] < nothing ? low[1] : low[0]));
+  }
+}
+
+GroundHeights::GroundHeights(const std::vector<const LowestReturns*>& scans)
+{
+  std::vector<std::vector<float>> heights;
+  for (const LowestReturns* scan : scans)
+  {
+    for (const auto& [key, z] : scan->heights())
+    {
+      const auto next = static_cast<std::uint32_t>(heights.size());
+      const std::uint32_t found = index_.findOrInsert(key, next);
+      if (found == next)
+      {
+        heights.emplace_back();
+      }
+      heights[found].push_back(z);
+    }
+  }
+  for (auto& z : heights)
+  {
+    const auto low = z.begin() + static_cast<std::ptrdiff_t>(z.size() / 4);
+    std::nth_element(z.begin(), low, z.end());
+    height_.push_back(*low);
+  }
+}
+
+float GroundHeights::at(const Eigen::Vector3f& p) const
+{
+  std::array<float, 9> around{};
+  std::size_t count = 0;
+  float own = p.z();
+  const VoxelCell cell = squareOf(p);
+  for (int dx = -1; dx <= 1; ++dx)
+  {
+    for (int dy = -1; dy <= 1; ++dy)
+    {
+      const std::uint32_t found = index_.find(voxelKey({cell.x + dx, cell.y + dy, 0}));
+      if (found != VoxelHash::none)
+      {
+        around[count++] = height_[found];
+        own = dx == 0 && dy == 0 ? height_[found] : own;
+      }
+    }
+  }
+  const auto middle = around.begin() + static_cast<std::ptrdiff_t>(count / 2);
+  std::nth_element(around.begin(), middle, around.begin() + static_cast<std::ptrdiff_t>(count));
+  return count == 0 ? own : std::min(own, *middle + step);
+}
+}  // namespace dyslam

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <dyslam/core/Scan.h>
+#include <dyslam/core/VoxelGrid.h>
+
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+namespace dyslam
+{
+/** Lowest returns of one scan in squares of the map. */
+class LowestReturns
+{
+ public:
+  LowestReturns() = default;
+  /** \param T_map_vehicle where the scan was taken. */
+  LowestReturns(const std::vector<Eigen::Vector3f>& points, const Eigen::Isometry3f& T_map_vehicle);
+
+  /** Key of the square and height: a low order statistic, because multipath echoes lie below the
+   * road. */
+  [[nodiscard]] const std::vector<std::pair<std::uint64_t, float>>& heights() const
+  {
+    return heights_;
+  }
+
+ private:
+  std::vector<std::pair<std::uint64_t, float>> heights_;
+};
+
+/** Height of the ground from several scans, so that it is known under what stands on it in one. */
+class GroundHeights
+{
+ public:
+  explicit GroundHeights(const std::vector<const LowestReturns*>& scans);
+  /** Of the ground at `p` (map frame); limited by the neighbouring squares because of roofs. */
+  [[nodiscard]] float at(const Eigen::Vector3f& p) const;
+
+ private:
+  VoxelHash index_;
+  std::vector<float> height_;
+};
+}  // namespace dyslam

@@ -1,0 +1,472 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/Parallel.h>
+#include <dyslam/core/Pose.h>
+#include <dyslam/mapping/HindsightLabels.h>
+
+#include <algorithm>
+#include <cmath>
+#include <deque>
+#include <map>
+#include <utility>
+#include <vector>
+
+#include "GroundHeights.h"
+#include "PlaceVerdict.h"
+#include "Segments.h"
+#include "VisibilityImage.h"
+
+namespace dyslam
+{
+namespace
+{
+constexpr int near_scans = 8;      // "just before and after"
+constexpr float lowest_of_object = 0.15F;  // over the ground [m]
+constexpr int ground_stride = 5;   // every so many scans of the window tell the ground
+constexpr std::size_t chunk = 256;  // of places in a thread
+
+/** Distances to the scans that are asked: all near ones, fewer far ones. */
+std::vector<int> scanOffsets(int window)
+{
+  std::vector<int> offsets;
+  for (int o = 1; o <= window; o += std::max(1, o / 5))
+  {
+    offsets.push_back(o);
+  }
+  return offsets;
+}
+
+/** What rays of other scans saw at a place. */
+struct RayCounts
+{
+  std::uint16_t free_before = 0;
+  std::uint16_t free_after = 0;
+  std::uint16_t occupied = 0;
+  std::uint16_t free_near = 0;
+  std::uint16_t occupied_near = 0;
+};
+
+/** Sum of the evidence of several places. */
+class EvidenceSum
+{
+ public:
+  void add(const PlaceEvidence& e)
+  {
+    ++count_;
+    sum_.known += e.known;
+    sum_.free += e.known * e.free;
+    sum_.known_near += e.known_near;
+    sum_.free_near += e.known_near * e.free_near;
+    sum_.free_before += e.free_before;
+    sum_.free_after += e.free_after;
+    sum_.probability += e.probability;
+    sum_.moving += e.moving;
+    sum_.tracked += e.tracked;
+  }
+  void add(const EvidenceSum& other)
+  {
+    count_ += other.count_;
+    sum_.known += other.sum_.known;
+    sum_.free += other.sum_.free;
+    sum_.known_near += other.sum_.known_near;
+    sum_.free_near += other.sum_.free_near;
+    sum_.free_before += other.sum_.free_before;
+    sum_.free_after += other.sum_.free_after;
+    sum_.probability += other.sum_.probability;
+    sum_.moving += other.sum_.moving;
+    sum_.tracked += other.sum_.tracked;
+  }
+  [[nodiscard]] float count() const { return count_; }
+  [[nodiscard]] PlaceEvidence mean() const
+  {
+    const float n = std::max(count_, 1.0F);
+    PlaceEvidence e = sum_;
+    e.free = sum_.free / std::max(sum_.known, 1e-6F);
+    e.free_near = sum_.free_near / std::max(sum_.known_near, 1e-6F);
+    e.known /= n;
+    e.known_near /= n;
+    e.free_before /= n;
+    e.free_after /= n;
+    e.probability /= n;
+    e.moving /= n;
+    e.tracked /= n;
+    return e;
+  }
+
+ private:
+  float count_ = 0;
+  PlaceEvidence sum_;
+};
+
+/** Box of a segment. */
+struct Extent
+{
+  Eigen::Vector3f low = Eigen::Vector3f::Constant(1e9F);    //!< map frame [m]
+  Eigen::Vector3f high = Eigen::Vector3f::Constant(-1e9F);  //!< map frame [m]
+  float height = 1e9F;  //!< of its lowest point over the ground [m]
+
+  void add(const Eigen::Vector3f& p, float over_ground)
+  {
+    low = low.cwiseMin(p);
+    high = high.cwiseMax(p);
+    height = std::min(height, over_ground);
+  }
+};
+
+/** One scan of the window. */
+struct WindowScan
+{
+  WindowScan(Frame given, bool is_wanted)
+      : frame(std::move(given)),
+        wanted(is_wanted),
+        T_odom_vehicle(frame.T_odom_vehicle),
+        image(frame.cloud, frame.scan.T_vehicle_lidar.translation().cast<float>()),
+        lowest(frame.cloud.points, T_odom_vehicle.cast<float>())
+  {
+  }
+
+  Frame frame;  //!< empty once it is decided
+  bool wanted;
+  Pose T_odom_vehicle;
+  VisibilityImage image;
+  LowestReturns lowest;
+};
+
+/** The places with all that is known of them, their neighbours and their segments. */
+std::vector<PlaceFacts> factsOf(const Segments& segments,
+                                const std::vector<PlaceEvidence>& evidence,
+                                const std::vector<Eigen::Vector3f>& points,
+                                const std::vector<float>& heights,
+                                const std::vector<Eigen::Vector3f>& in_vehicle)
+{
+  std::vector<EvidenceSum> of_cell(segments.cells.size());
+  std::vector<EvidenceSum> of_segment(segments.segments);
+  std::vector<Extent> extent(segments.segments);
+  for (std::size_t g = 0; g < evidence.size(); ++g)
+  {
+    of_cell[segments.cell_of_group[g]].add(evidence[g]);
+    of_segment[segments.segment_of_group[g]].add(evidence[g]);
+    extent[segments.segment_of_group[g]].add(points[segments.first_point[g]],
+                                             heights[segments.first_point[g]]);
+  }
+  std::vector<PlaceEvidence> around;
+  for (std::uint32_t c = 0; c < of_cell.size(); ++c)
+  {
+    EvidenceSum sum;
+    segments.forEachNeighbour(c, [&](std::uint32_t n) { sum.add(of_cell[n]); });
+    around.push_back(sum.mean());
+  }
+  std::vector<PlaceEvidence> whole;
+  for (const EvidenceSum& sum : of_segment)
+  {
+    whole.push_back(sum.mean());
+  }
+  std::vector<PlaceFacts> facts(evidence.size());
+  for (std::size_t g = 0; g < evidence.size(); ++g)
+  {
+    PlaceFacts& f = facts[g];
+    const std::uint32_t s = segments.segment_of_group[g];
+    f.point = segments.first_point[g];
+    f.own = evidence[g];
+    f.around = around[segments.cell_of_group[g]];
+    f.segment = whole[s];
+    f.range = in_vehicle[f.point].norm();
+    f.height = heights[f.point];
+    const Eigen::Vector3f size = extent[s].high - extent[s].low;
+    f.length = std::max(size.x(), size.y());
+    f.segment_height = size.z();
+    f.segment_low = extent[s].height;
+    f.places = of_segment[s].count();
+  }
+  return facts;
+}
+
+/** What is near the ground moves if what stands above it does. */
+void adaptLow(const Segments& segments,
+              const std::vector<bool>& place_moves,
+              const std::vector<Eigen::Vector3f>& points,
+              const std::vector<float>& heights,
+              std::vector<bool>& moving)
+{
+  std::vector<int> balance(segments.cells.size(), 0);
+  for (std::size_t g = 0; g < place_moves.size(); ++g)
+  {
+    balance[segments.cell_of_group[g]] += place_moves[g] ? 1 : -1;
+  }
+  for (std::size_t i = 0; i < points.size(); ++i)
+  {
+    if (segments.group_of_point[i] == Segments::none)
+    {
+      moving[i] = false;
+      for (int above = 0; above < 2 && heights[i] > lowest_of_object; ++above)
+      {
+        const Eigen::Vector3f p =
+            points[i] + Eigen::Vector3f(0, 0, static_cast<float>(above) / segments.inverse_cell_size);
+        const std::uint32_t cell =
+            segments.cell_index.find(voxelKey(voxelCell(p, segments.inverse_cell_size)));
+        moving[i] = moving[i] || (cell != VoxelHash::none && balance[cell] > 0);
+      }
+    }
+  }
+}
+}  // namespace
+
+void HindsightOptions::describe(OptionsVisitor& v)
+{
+  v.flag("hindsight", hindsight, "decide what moves from the scans before and after");
+  v.integer("window", window, 1, 1000, "scans looked at on each side");
+  v.real("voxel_size", voxel_size, 0.01, 10, "m, points this near share their evidence");
+  v.real("segment_gap", segment_gap, 0.01, 10, "m, cells whose neighbours form one segment");
+  v.real("margin", margin, 0.01, 10, "m, a ray must end this far behind a place to pass it");
+  v.real("ground_clearance", ground_clearance, 0, 10, "m, lower returns are the ground");
+}
+
+struct HindsightLabels::Impl
+{
+  Impl(const HindsightOptions& given, int threads)
+      : options(given), offsets(scanOffsets(given.window)), pool(threads)
+  {
+  }
+
+  void decideNext(const Use& use);
+  void decide(WindowScan& scan);
+  void handOn(const Use& use);
+  [[nodiscard]] GroundHeights ground() const;
+  [[nodiscard]] std::vector<RayCounts> lookAround(const Segments& segments);
+  [[nodiscard]] std::vector<float> trackedShare(const Frame& frame) const;
+  [[nodiscard]] std::vector<PlaceEvidence> evidenceOf(const Segments& segments);
+  void noteTracks(const Frame& frame);
+
+  HindsightOptions options;
+  std::vector<int> offsets;
+  ThreadPool pool;
+  std::deque<WindowScan> scans;
+  std::size_t next = 0;  //!< of `scans`, to be decided
+  std::map<int, std::size_t> dynamic_until;  //!< last Frame::index at which the track was dynamic
+  std::map<int, std::size_t> reported_until;
+};
+
+GroundHeights HindsightLabels::Impl::ground() const
+{
+  std::vector<const LowestReturns*> lowest;
+  for (std::size_t i = next % ground_stride; i < scans.size(); i += ground_stride)
+  {
+    lowest.push_back(&scans[i].lowest);
+  }
+  return GroundHeights(lowest);
+}
+
+/** What the other scans say about the places of the scan to be decided. */
+std::vector<RayCounts> HindsightLabels::Impl::lookAround(const Segments& segments)
+{
+  const WindowScan& scan = scans[next];
+  struct Look
+  {
+    const VisibilityImage* image;
+    Eigen::Isometry3f T_other_this;
+    bool near;
+    bool after;
+  };
+  std::vector<Look> looks;
+  for (const int offset : offsets)
+  {
+    for (const int step : {-offset, offset})
+    {
+      const auto other = static_cast<std::ptrdiff_t>(next) + step;
+      if (other >= 0 && other < static_cast<std::ptrdiff_t>(scans.size()))
+      {
+        const WindowScan& o = scans[static_cast<std::size_t>(other)];
+        looks.push_back({&o.image, (o.T_odom_vehicle.inverse() * scan.T_odom_vehicle).cast<float>(),
+                         offset <= near_scans, step > 0});
+      }
+    }
+  }
+  std::vector<RayCounts> counts(segments.first_point.size());
+  const auto size = static_cast<float>(0.5 * options.voxel_size);
+  const auto margin = static_cast<float>(options.margin);
+  pool.forChunks(counts.size(), chunk,
+                 [&](std::size_t begin, std::size_t end, std::size_t)
+                 {
+                   for (const Look& look : looks)
+                   {
+                     for (std::size_t g = begin; g < end; ++g)
+                     {
+                       const Eigen::Vector3f& p = scan.frame.cloud.points[segments.first_point[g]];
+                       RayCounts& c = counts[g];
+                       switch (look.image->at(look.T_other_this * p, size, margin))
+                       {
+                         case Evidence::free:
+                           ++(look.after ? c.free_after : c.free_before);
+                           c.free_near = static_cast<std::uint16_t>(c.free_near + look.near);
+                           break;
+                         case Evidence::occupied:
+                           ++c.occupied;
+                           c.occupied_near = static_cast<std::uint16_t>(c.occupied_near + look.near);
+                           break;
+                         case Evidence::none:
+                           break;
+                       }
+                     }
+                   }
+                 });
+  return counts;
+}
+
+/** Of each point 1 if it belongs to a track that is dynamic at one time. */
+std::vector<float> HindsightLabels::Impl::trackedShare(const Frame& frame) const
+{
+  std::vector<float> tracked(frame.cloud.size(), 0.0F);
+  for (const TrackedObject& object : frame.objects)
+  {
+    if (object.detection >= 0 && dynamic_until.count(object.id) != 0)
+    {
+      for (const std::uint32_t i :
+           frame.detections[static_cast<std::size_t>(object.detection)].points)
+      {
+        tracked[i] = 1;
+      }
+    }
+  }
+  return tracked;
+}
+
+/** What is known of each place by itself. */
+std::vector<PlaceEvidence> HindsightLabels::Impl::evidenceOf(const Segments& segments)
+{
+  const Frame& frame = scans[next].frame;
+  const std::vector<RayCounts> counts = lookAround(segments);
+  std::vector<PlaceEvidence> evidence(counts.size());
+  for (std::size_t g = 0; g < counts.size(); ++g)
+  {
+    const RayCounts& c = counts[g];
+    const int free = c.free_before + c.free_after;
+    PlaceEvidence& e = evidence[g];
+    e.known = free + c.occupied > 0 ? 1.0F : 0.0F;
+    e.free = static_cast<float>(free) / static_cast<float>(std::max(1, free + c.occupied));
+    e.known_near = c.free_near + c.occupied_near > 0 ? 1.0F : 0.0F;
+    e.free_near = static_cast<float>(c.free_near) /
+                  static_cast<float>(std::max(1, c.free_near + c.occupied_near));
+    e.free_before = c.free_before > 0 ? 1.0F : 0.0F;
+    e.free_after = c.free_after > 0 ? 1.0F : 0.0F;
+  }
+  const std::vector<float> tracked = trackedShare(frame);
+  std::vector<float> points(counts.size(), 0.0F);
+  for (std::size_t i = 0; i < segments.group_of_point.size(); ++i)
+  {
+    const std::uint32_t g = segments.group_of_point[i];
+    if (g != Segments::none)
+    {
+      points[g] += 1;
+      evidence[g].moving += frame.isMoving(i) ? 1.0F : 0.0F;
+      evidence[g].tracked += tracked[i];
+      evidence[g].probability +=
+          i < frame.moving_probability.size() ? frame.moving_probability[i] : 0.0F;
+    }
+  }
+  for (std::size_t g = 0; g < counts.size(); ++g)
+  {
+    evidence[g].moving /= points[g];
+    evidence[g].tracked /= points[g];
+    evidence[g].probability /= points[g];
+  }
+  return evidence;
+}
+
+void HindsightLabels::Impl::noteTracks(const Frame& frame)
+{
+  for (const TrackedObject& object : frame.objects)
+  {
+    if (object.confirmed && object.dynamic)
+    {
+      dynamic_until[object.id] = frame.index;
+    }
+    if (object.reported)
+    {
+      reported_until[object.id] = frame.index;
+    }
+  }
+}
+
+/** Hands the next frame on, and forgets the oldest scan. */
+void HindsightLabels::Impl::handOn(const Use& use)
+{
+  Frame frame;
+  std::swap(frame, scans[next].frame);
+  ++next;
+  if (next > static_cast<std::size_t>(options.window))
+  {
+    scans.pop_front();
+    --next;
+  }
+  use(std::move(frame));
+}
+
+void HindsightLabels::Impl::decide(WindowScan& scan)
+{
+  Frame& frame = scan.frame;
+  const GroundHeights heights_of_ground = ground();
+  const Eigen::Isometry3f T = scan.T_odom_vehicle.cast<float>();
+  std::vector<Eigen::Vector3f> points;
+  std::vector<float> heights;
+  std::vector<bool> use_point;
+  for (const Eigen::Vector3f& p : frame.cloud.points)
+  {
+    points.push_back(T * p);
+    heights.push_back(points.back().z() - heights_of_ground.at(points.back()));
+    use_point.push_back(heights.back() > static_cast<float>(options.ground_clearance));
+  }
+  const Segments segments =
+      findSegments(points, use_point, options.voxel_size, options.segment_gap);
+  const std::vector<PlaceFacts> facts =
+      factsOf(segments, evidenceOf(segments), points, heights, frame.cloud.points);
+  frame.moving.resize(frame.cloud.size(), false);
+  std::vector<bool> place_moves;
+  for (const PlaceFacts& f : facts)
+  {
+    place_moves.push_back(movingScore(f) > 0);
+  }
+  for (std::size_t i = 0; i < points.size(); ++i)
+  {
+    const std::uint32_t g = segments.group_of_point[i];
+    frame.moving[i] = g == Segments::none ? frame.moving[i] : place_moves[g];
+  }
+  adaptLow(segments, place_moves, points, heights, frame.moving);
+  for (TrackedObject& object : frame.objects)
+  {
+    object.reported = object.reported || reported_until.count(object.id) != 0;
+  }
+}
+
+void HindsightLabels::Impl::decideNext(const Use& use)
+{
+  if (scans[next].wanted)
+  {
+    decide(scans[next]);
+  }
+  handOn(use);
+}
+
+HindsightLabels::HindsightLabels(const HindsightOptions& options, int threads)
+    : impl_(std::make_unique<Impl>(options, threads))
+{
+}
+HindsightLabels::~HindsightLabels() = default;
+
+void HindsightLabels::add(Frame frame, bool wanted, const Use& use)
+{
+  Impl& m = *impl_;
+  m.noteTracks(frame);
+  m.scans.emplace_back(std::move(frame), wanted);
+  if (m.scans.size() - m.next > static_cast<std::size_t>(m.options.window))
+  {
+    m.decideNext(use);
+  }
+}
+
+void HindsightLabels::finish(const Use& use)
+{
+  while (impl_->next < impl_->scans.size())
+  {
+    impl_->decideNext(use);
+  }
+}
+}  // namespace dyslam
