@@ -8,7 +8,7 @@ namespace dyslam
 /** How tracked objects enter the factor graph. */
 struct ObjectGraphOptions : Options
 {
-  double max_range = 40;     //!< of observations that are used [m]
+  double max_range = 80;     //!< of observations that are used [m]
   int min_observations = 5;  //!< before an object enters the graph
   double max_gap = 1;        //!< between successive observations that a motion joins [s]
   double max_jump = 3;       //!< from where its motion takes an object; beyond, it starts anew [m]
