@@ -12,8 +12,10 @@ namespace dyslam
 namespace
 {
 constexpr double pi = 3.14159265358979323846;
-constexpr double lowest_slope = -0.6;
-constexpr double highest_slope = 0.6;
+/** Row 0 begins at this slope below the horizon; a whole number of rows fits twice. */
+constexpr double origin_slope = 0.6;
+/** Returns steeper than this are left out. */
+constexpr float steepest_slope = 2;
 constexpr std::size_t chunk_size = 4096;
 
 struct Direction
@@ -21,6 +23,7 @@ struct Direction
   int row = 0;
   int column = 0;
   float range = 0;
+  bool steep = false;
 };
 }  // namespace
 
@@ -53,26 +56,27 @@ const ResidualSegmenterOptions& validated(const ResidualSegmenterOptions& option
 ResidualSegmenter::ResidualSegmenter(const ResidualSegmenterOptions& options, ThreadPool& pool)
     : options_(validated(options)),
       pool_(pool),
-      rows_(static_cast<int>((highest_slope - lowest_slope) / options.slope_bin)),
+      row_height_(
+          static_cast<float>(2 * origin_slope / std::floor(2 * origin_slope / options.slope_bin))),
       columns_(static_cast<int>(2 * pi / options.azimuth_bin))
 {
 }
 
 namespace
 {
-/** Row and column by slope and azimuth; the row may lie outside the image. */
-Direction directionOf(const Eigen::Vector3f& p, int rows, int columns)
+/** Row and column by slope and azimuth. */
+Direction directionOf(const Eigen::Vector3f& p, float row_height, int columns)
 {
   const SweepModel counter_clockwise{1, pi};
   const float horizontal = std::sqrt(p.x() * p.x() + p.y() * p.y());
-  const float slope = p.z() / std::max(horizontal, 1e-6F);
-  constexpr float span = static_cast<float>(highest_slope - lowest_slope);
+  const float slope =
+      std::clamp(p.z() / std::max(horizontal, 1e-6F), -steepest_slope, steepest_slope);
   Direction d;
   d.range = p.norm();
   d.column = static_cast<int>(sweepFraction(p, counter_clockwise) * static_cast<float>(columns));
   d.column = std::clamp(d.column, 0, columns - 1);
-  const float row = (slope - static_cast<float>(lowest_slope)) / span * static_cast<float>(rows);
-  d.row = row < 0 ? -1 : static_cast<int>(std::min(row, static_cast<float>(rows)));
+  d.row = static_cast<int>(std::floor((slope + static_cast<float>(origin_slope)) / row_height));
+  d.steep = std::fabs(slope) >= steepest_slope;
   return d;
 }
 }  // namespace
@@ -81,26 +85,41 @@ ResidualSegmenter::PastScan ResidualSegmenter::project(const Frame& frame) const
 {
   PastScan past;
   past.T_lidar_odom = (frame.T_odom_vehicle * frame.scan.T_vehicle_lidar).inverse();
-  past.range.assign(static_cast<std::size_t>(rows_) * static_cast<std::size_t>(columns_), 0.0F);
   const Eigen::Isometry3f T_lidar_vehicle = frame.scan.T_vehicle_lidar.inverse().cast<float>();
+  std::vector<Direction> directions;
+  directions.reserve(frame.cloud.points.size());
+  int highest = 0;
   for (const auto& point : frame.cloud.points)
   {
-    const Direction d = directionOf(T_lidar_vehicle * point, rows_, columns_);
-    if (d.row < 0 || d.row >= rows_)
+    const Direction d = directionOf(T_lidar_vehicle * point, row_height_, columns_);
+    if (!d.steep)
     {
-      continue;
+      past.lowest_row = directions.empty() ? d.row : std::min(past.lowest_row, d.row);
+      highest = directions.empty() ? d.row : std::max(highest, d.row);
+      directions.push_back(d);
     }
-    float& seen = past.range[static_cast<std::size_t>(d.row * columns_ + d.column)];
+  }
+  if (directions.empty())
+  {
+    return past;
+  }
+  past.lowest_row -= 1;
+  past.rows = highest - past.lowest_row + 2;
+  past.range.assign(static_cast<std::size_t>(past.rows) * static_cast<std::size_t>(columns_), 0.0F);
+  for (const Direction& d : directions)
+  {
+    float& seen =
+        past.range[static_cast<std::size_t>((d.row - past.lowest_row) * columns_ + d.column)];
     seen = seen == 0 ? d.range : std::min(seen, d.range);
-    past.highest_row = std::max(past.highest_row, d.row);
   }
   return past;
 }
 
 int ResidualSegmenter::vote(const PastScan& past, const Eigen::Vector3f& point) const
 {
-  const Direction d = directionOf(point, rows_, columns_);
-  if (d.row < 1 || d.row >= rows_ - 1)
+  const Direction d = directionOf(point, row_height_, columns_);
+  const int row = d.row - past.lowest_row;
+  if (d.steep || row < 1 || row >= past.rows - 1)
   {
     return 0;
   }
@@ -113,7 +132,7 @@ int ResidualSegmenter::vote(const PastScan& past, const Eigen::Vector3f& point) 
     for (int side = -1; side <= 1; ++side)
     {
       const int column = (d.column + side + columns_) % columns_;
-      const float range = past.range[static_cast<std::size_t>((d.row + up) * columns_ + column)];
+      const float range = past.range[static_cast<std::size_t>((row + up) * columns_ + column)];
       if (range == 0)
       {
         continue;
@@ -127,7 +146,7 @@ int ResidualSegmenter::vote(const PastScan& past, const Eigen::Vector3f& point) 
     }
   }
   // Rays on one side only may have passed just over an edge that stood there all along.
-  const bool open_above = options_.open_sky && d.row + 1 < past.highest_row;
+  const bool open_above = options_.open_sky && row + 1 < past.rows - 2;
   const bool enclosed = seen_in_row[0] && (seen_in_row[2] || open_above);
   return enclosed && d.range < nearest - margin ? 2 : 0;
 }

@@ -13,10 +13,18 @@ namespace dyslam
 namespace
 {
 constexpr float pi = 3.14159265358979F;
-constexpr float lowest = -35.0F * pi / 180.0F;  // elevation of the lower border
-constexpr float highest = 37.0F * pi / 180.0F;  // and of the upper one
-constexpr int widest_window = 4;                // pixels to each side
-constexpr float nearest = 0.5F;                 // [m]
+constexpr float row_height = 0.4F * pi / 180.0F;
+constexpr float horizon = 0.5F * row_height;  // row 0 begins there
+constexpr int widest_window = 4;              // pixels to each side
+constexpr float nearest = 0.5F;               // [m]
+
+/** Rows above the horizon. */
+int rowOf(const Eigen::Vector3f& ray)
+{
+  const float elevation =
+      2 * pi * turnsOf(ray.z(), std::sqrt(ray.x() * ray.x() + ray.y() * ray.y()));
+  return static_cast<int>(std::floor((elevation - horizon) / row_height));
+}
 }  // namespace
 
 int VisibilityImage::columnOf(const Eigen::Vector3f& ray)
@@ -24,18 +32,30 @@ int VisibilityImage::columnOf(const Eigen::Vector3f& ray)
   return static_cast<int>((turnsOf(ray.y(), ray.x()) + 0.5F) * cols) % cols;
 }
 
-/** May lie outside the image. */
-int VisibilityImage::rowOf(const Eigen::Vector3f& ray)
+void VisibilityImage::setRows(const std::vector<Eigen::Vector3f>& points)
 {
-  const float elevation =
-      2 * pi * turnsOf(ray.z(), std::sqrt(ray.x() * ray.x() + ray.y() * ray.y()));
-  return static_cast<int>(std::floor((elevation - lowest) / (highest - lowest) * rows));
+  int highest = 0;
+  bool any = false;
+  for (const Eigen::Vector3f& p : points)
+  {
+    const Eigen::Vector3f ray = p - sensor_;
+    if (ray.allFinite() && ray.norm() >= nearest)
+    {
+      const int row = rowOf(ray);
+      lowest_ = any ? std::min(lowest_, row) : row;
+      highest = any ? std::max(highest, row) : row;
+      any = true;
+    }
+  }
+  lowest_ -= widest_window;
+  rows_ = any ? highest + widest_window + 1 - lowest_ : 0;
+  range_.assign(static_cast<std::size_t>(rows_) * cols, std::numeric_limits<float>::infinity());
 }
 
 VisibilityImage::VisibilityImage(const Cloud& cloud, const Eigen::Vector3f& sensor)
-    : sensor_(sensor),
-      range_(static_cast<std::size_t>(rows) * cols, std::numeric_limits<float>::infinity())
+    : sensor_(sensor)
 {
+  setRows(cloud.points);
   const bool timed = cloud.phase.size() == cloud.size() && !cloud.points.empty();
   const SweepMotion sweep(cloud.T_sweep, 0);
   std::vector<Eigen::Vector3f> sum(timed ? cols : 0, Eigen::Vector3f::Zero());
@@ -55,8 +75,8 @@ VisibilityImage::VisibilityImage(const Cloud& cloud, const Eigen::Vector3f& sens
       sum[static_cast<std::size_t>(col)] += origin;
       ++count[static_cast<std::size_t>(col)];
     }
-    const int row = rowOf(ray);
-    if (row >= 0 && row < rows)
+    const int row = rowOf(ray) - lowest_;
+    if (row >= 0 && row < rows_)
     {
       float& cell = range_[static_cast<std::size_t>(row * cols + col)];
       cell = std::min(cell, range);
@@ -95,10 +115,10 @@ Evidence VisibilityImage::at(const Eigen::Vector3f& p, float size, float margin)
   {
     return Evidence::none;
   }
-  const int row = rowOf(ray);
+  const int row = rowOf(ray) - lowest_;
   const int half =
       std::clamp(static_cast<int>(std::ceil(0.5F * size / range / pixel)), 1, widest_window);
-  if (row < half || row >= rows - half)
+  if (row < half || row >= rows_ - half)
   {
     return Evidence::none;
   }

@@ -16,7 +16,8 @@ enum class Evidence
   occupied  //!< a ray ended there
 };
 
-/** How far one scan's rays went in every direction: nearest return per pixel. */
+/** How far one scan's rays went in every direction: nearest return per pixel. The image
+ * covers the field of view that the returns show. */
 class VisibilityImage
 {
  public:
@@ -36,13 +37,14 @@ class VisibilityImage
 
  private:
   static constexpr int cols = 900;
-  static constexpr int rows = 180;
 
   [[nodiscard]] static int columnOf(const Eigen::Vector3f& ray);
-  [[nodiscard]] static int rowOf(const Eigen::Vector3f& ray);
+  void setRows(const std::vector<Eigen::Vector3f>& points);
   void setColumnOrigins(const std::vector<Eigen::Vector3f>& sum, const std::vector<int>& count);
 
   Eigen::Vector3f sensor_;
+  int lowest_ = 0;                              // rows below the horizon where the image begins
+  int rows_ = 0;                                // the field of view and a margin
   std::vector<Eigen::Vector3f> column_sensor_;  // where the sensor was for each column, or empty
   std::vector<float> range_;                    // row-major, infinity where no ray returned
 };

@@ -28,25 +28,14 @@ constexpr double same_pose = 1e-9;
 /** Share of the usual inliers below which the registration is repeated coarse to fine. */
 constexpr double poor_inliers = 0.7;
 constexpr int max_coarseness = 8;  //!< of the map's cells
-/** The largest cells hold this many rings at this distance [m]. */
-constexpr double rings_per_cell = 2.5;
-constexpr double usual_range = 15;
+/** The smallest cells are no smaller than the rings are apart at this distance [m]; the largest
+ * ones are as large as at more than twice of it. */
+constexpr double single_ring_range = 17;
+constexpr double several_rings_range = 37.5;
 
 double square(double x)
 {
   return x * x;
-}
-
-/** Levels of the map whose largest cells hold several rings. */
-int levelsFor(const Scan& scan, double cell_size)
-{
-  const double apart = rings_per_cell * usual_range * measureScanPattern(scan).spacing();
-  int levels = 1;
-  for (; levels < SurfacePyramid::max_levels && cell_size < apart; ++levels)
-  {
-    cell_size *= 2;
-  }
-  return levels;
 }
 
 double sizeOf(const Pose& T)
@@ -70,16 +59,18 @@ void RefineOptions::describe(OptionsVisitor& v)
             {"point_to_plane", RefineMethod::point_to_plane},
             {"gicp", RefineMethod::gicp}},
            "registration to the local map");
-  v.real("cell_size", cell_size, 0.05, 10, "side of the map's cells [m]");
+  v.real("cell_size", cell_size, 0.05, 10, "side of the map's smallest cells, at least [m]");
   v.integer("levels", levels, 0, SurfacePyramid::max_levels,
             "of the map, each of cells twice as large; 0: as the spacing of the rings asks for");
-  v.real("min_incidence", min_incidence, 0, 1,
-         "sine of the angle between ray and surface; below, it may be a single ring's");
+  v.real("min_incidence", min_incidence, 0, 20,
+         "angle between ray and surface, in ring spacings; below, it may be a single ring's");
   v.real("max_points_per_cell", max_points_per_cell, 6, 1e6,
          "a cell with this many points takes no more");
   v.real("map_spacing", map_spacing, 0, 10, "nearer followers along a ring are left out [m]");
   v.real("map_radius", map_radius, 5, 1000, "farther cells are dropped [m]");
   v.real("sample_size", sample_size, 0.05, 20, "registered points: one per cube of this side [m]");
+  v.real("sparse_sample_size", sparse_sample_size, 0.05, 20,
+         "the same for sensors whose map has several levels [m]");
   v.integer("max_points", max_points, 100, 1000000, "cap on registered points per scan");
   v.integer("max_iterations", max_iterations, 1, 200, "of the registration, per level");
   v.real("loss_width", loss_width, 0.001, 10,
@@ -109,6 +100,7 @@ struct LocalMapRegistration::State
   {
   }
 
+  void measureSensor(const Scan& scan);
   void setPrior(const Frame& frame, const Pose& T_guess, const MotionPrior* prior);
   void computeCovariances();
   [[nodiscard]] ScanToMapSettings settings(double start_loss_width) const;
@@ -124,8 +116,10 @@ struct LocalMapRegistration::State
   SurfacePyramid map;
   ScanToMap registration;
   Eigen::Vector3d cropped_at = Eigen::Vector3d::Zero();
-  int levels = 1;  //!< of the map
-  int frames = 0;  //!< in the map
+  double spacing = 0;    //!< of the sensor's rings [rad]
+  double cell_size = 0;  //!< of the map [m]
+  int levels = 1;        //!< of the map
+  int frames = 0;        //!< in the map
   int failures = 0;
   double guess_error2 = 0;   //!< running mean square of the error of guesses [m^2]
   double usual_inliers = 0;  //!< running mean of the inlier share
@@ -142,6 +136,22 @@ struct LocalMapRegistration::State
   ScanSample points;
   std::vector<Eigen::Matrix3f> covariances;  //!< of the sample's surroundings in its own scan
 };
+
+/** The map's resolution for the sensor of this scan. */
+void LocalMapRegistration::State::measureSensor(const Scan& scan)
+{
+  spacing = measureScanPattern(scan).spacing();
+  cell_size = std::max(options.cell_size, single_ring_range * spacing);
+  levels = options.levels > 0 ? options.levels : 1;
+  if (options.levels == 0)
+  {
+    for (double size = cell_size;
+         levels < SurfacePyramid::max_levels && size < several_rings_range * spacing; size *= 2)
+    {
+      ++levels;
+    }
+  }
+}
 
 void LocalMapRegistration::State::setPrior(const Frame& frame,
                                            const Pose& T_guess,
@@ -200,7 +210,7 @@ ScanToMapSettings LocalMapRegistration::State::settings(double start_loss_width)
   s.max_iterations = options.max_iterations;
   s.points_per_measurement = options.points_per_measurement;
   s.sensor = sensor;
-  s.min_incidence = map.levels() > 1 ? options.min_incidence : 0;
+  s.min_incidence = map.levels() > 1 ? options.min_incidence * spacing : 0;
   s.max_ground_weight_ratio = options.max_ground_weight_ratio;
   s.T_prior = T_prior;
   s.prior_information = prior_information;
@@ -217,7 +227,7 @@ ScanToMapResult LocalMapRegistration::State::alignCoarseToFine(const Pose& T_gue
     const SurfacePyramid coarse = map.coarser(coarseness);
     ScanToMapSettings s = settings(0);
     s.distributions = false;
-    s.start_loss_width = options.cell_size * coarseness;
+    s.start_loss_width = static_cast<double>(map.cellSize()) * coarseness;
     s.loss_width = options.loss_width * coarseness;
     s.prior_information /= static_cast<double>(coarseness * coarseness);
     const ScanToMapResult level =
@@ -235,7 +245,8 @@ ScanToMapResult LocalMapRegistration::State::alignCoarseToFine(const Pose& T_gue
 ScanToMapResult LocalMapRegistration::State::align(const Pose& T_guess, double guess_error)
 {
   int coarseness = 1;
-  while (coarseness < max_coarseness && guess_error > options.cell_size * coarseness)
+  while (coarseness < max_coarseness &&
+         guess_error > static_cast<double>(map.cellSize()) * coarseness)
   {
     coarseness *= 2;
   }
@@ -288,9 +299,14 @@ void LocalMapRegistration::State::fail(RegistrationResult& result)
   {
     std::snprintf(
         text, sizeof text,
-        "only %.0f %% of the points have a surface in the local map, the limit is %.0f %%: "
-        "refine.cell_size is too small for the sensor",
+        "%.0f %% of the points have a surface in the local map, the limit is %.0f %%: the map's "
+        "cells are too small for the sensor, raise refine.levels or refine.cell_size",
         100 * result.surface_share, 100 * options.min_surface_share);
+  }
+  else if (result.motion.inliers < min_inliers)
+  {
+    std::snprintf(text, sizeof text, "%zu of %zu points agree with the local map, the limit is %zu",
+                  result.motion.inliers, result.points, min_inliers);
   }
   else
   {
@@ -386,11 +402,12 @@ RegistrationResult LocalMapRegistration::registerFrame(const Frame& frame,
   if (s.frames == 0)
   {
     s.pending = Pending::restart;
-    s.levels = s.options.levels > 0 ? s.options.levels : levelsFor(frame.scan, s.options.cell_size);
+    s.measureSensor(frame.scan);
     result.motion.converged = true;
     return result;
   }
-  s.points.draw(s.options.sample_size, static_cast<std::size_t>(s.options.max_points));
+  s.points.draw(s.map.levels() > 1 ? s.options.sparse_sample_size : s.options.sample_size,
+                static_cast<std::size_t>(s.options.max_points));
   s.computeCovariances();
   const double guess_error =
       s.frames == 1 ? initial_sigma.value_or(s.options.initial_sigma) : std::sqrt(s.guess_error2);
@@ -446,7 +463,7 @@ void LocalMapRegistration::integrate(const Frame& frame)
   s.points.updateWeights(frame);
   if (s.pending == Pending::restart)
   {
-    s.map.restart(s.levels);
+    s.map.restart(s.cell_size, s.levels);
     s.frames = 0;
     s.failures = 0;
     s.first = s.points.scan;

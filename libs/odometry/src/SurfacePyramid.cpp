@@ -15,15 +15,15 @@ constexpr double count_growth = 4;
 SurfacePyramid::SurfacePyramid(double cell_size, int levels, double max_count, ThreadPool& pool)
     : cell_size_(cell_size), max_count_(max_count), pool_(&pool)
 {
-  restart(levels);
+  restart(cell_size, levels);
 }
 
-void SurfacePyramid::restart(int levels)
+void SurfacePyramid::restart(double cell_size, int levels)
 {
+  cell_size_ = cell_size;
   levels = std::clamp(levels, 1, max_levels);
   levels_.clear();
   levels_.reserve(static_cast<std::size_t>(levels));
-  double cell_size = cell_size_;
   double max_count = max_count_;
   for (int level = 0; level < levels; ++level)
   {

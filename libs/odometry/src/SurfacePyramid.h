@@ -40,8 +40,8 @@ class SurfacePyramid
   [[nodiscard]] SurfacePyramid coarser(int factor) const;
   void crop(const Eigen::Vector3d& center, double radius);
   void clear();
-  /** Empty, with so many levels. */
-  void restart(int levels);
+  /** Empty, with so many levels of cells of these sizes. */
+  void restart(double cell_size, int levels);
   /** Cells, and their mean points, of the finest level. */
   [[nodiscard]] std::size_t size() const { return levels_.front().size(); }
   [[nodiscard]] std::vector<Eigen::Vector3f> means() const { return levels_.front().means(); }

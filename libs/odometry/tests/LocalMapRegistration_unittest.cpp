@@ -209,26 +209,32 @@ Frame everyRing(int n, Frame frame)
   return frame;
 }
 
-/** Rings apart from one another give fewer surfaces; that says nothing against the fit of those
- * that there are. Rings too far apart give none but themselves, and no motion. */
+/** With cells of one size, rings apart from one another give fewer surfaces; that says nothing
+ * against the fit of those that there are. Rings too far apart give none but themselves, and no
+ * motion; larger cells beside the small ones give it. */
 TEST_P(Registration, TheGateSeparatesFewSurfacesFromABadFit)
 {
   const Pose T = poseFromYpr(0.1, 0.02, 0, 0.005, 0, 0);
-  const auto registerEvery = [&](int n)
+  const auto registerEvery = [&](int n, int levels)
   {
-    LocalMapRegistration registration(options(), pool_);
+    RefineOptions o = options();
+    o.levels = levels;
+    LocalMapRegistration registration(o, pool_);
     step(registration, everyRing(n, scene_.frame(Pose::Identity(), 0.01, 1)), Pose::Identity());
     return step(registration, everyRing(n, scene_.frame(T, 0.01, 2)), T, 0.1);
   };
-  const RegistrationResult every_ring = registerEvery(1);
-  const RegistrationResult every_second = registerEvery(2);
+  const RegistrationResult every_ring = registerEvery(1, 1);
+  const RegistrationResult every_second = registerEvery(2, 1);
   EXPECT_TRUE(every_second.motion.converged) << every_second.motion.reason;
   EXPECT_LT(every_second.surface_share, 0.8 * every_ring.surface_share);
   EXPECT_NEAR(every_second.inlier_ratio, every_ring.inlier_ratio, 0.15);
-  const RegistrationResult every_fifth = registerEvery(5);
+  const RegistrationResult every_fifth = registerEvery(5, 1);
   EXPECT_FALSE(every_fifth.motion.converged);
   EXPECT_NE(every_fifth.motion.reason.find("refine.cell_size"), std::string::npos)
       << every_fifth.motion.reason;
+  const RegistrationResult in_levels = registerEvery(5, 4);
+  EXPECT_TRUE(in_levels.motion.converged) << in_levels.motion.reason;
+  EXPECT_LT((T.inverse() * in_levels.T_odom_vehicle).translation().norm(), 0.03);
 }
 
 TEST_P(Registration, MovingPointsCanGetNoWeight)

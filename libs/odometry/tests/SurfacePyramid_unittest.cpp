@@ -65,9 +65,10 @@ TEST(SurfacePyramid, RestartForgetsAndChangesTheLevels)
   SurfacePyramid map(0.4, 1, 1e6, pool);
   map.add(ringsOnWall(0.5F), {}, Pose::Identity());
   EXPECT_GT(map.size(), 0U);
-  map.restart(4);
+  map.restart(0.6, 4);
   EXPECT_EQ(map.size(), 0U);
   EXPECT_EQ(map.levels(), 4);
+  EXPECT_FLOAT_EQ(map.cellSize(), 0.6F);
   EXPECT_EQ(map.coarser(2).levels(), 1);
 }
 }  // namespace dyslam

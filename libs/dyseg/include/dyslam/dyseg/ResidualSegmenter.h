@@ -52,7 +52,8 @@ class ResidualSegmenter : public MovingSegmenter
   {
     Pose T_lidar_odom = Pose::Identity();
     std::vector<float> range;  //!< rows x columns [m]; 0 where nothing was seen
-    int highest_row = 0;       //!< that the scan reached
+    int lowest_row = 0;        //!< of the image: the one below the lowest that has returns
+    int rows = 0;              //!< up to the one above the highest that has returns
   };
 
   [[nodiscard]] PastScan project(const Frame& frame) const;
@@ -62,7 +63,7 @@ class ResidualSegmenter : public MovingSegmenter
 
   ResidualSegmenterOptions options_;
   ThreadPool& pool_;
-  int rows_;
+  float row_height_;  //!< slope [m/m]
   int columns_;
   std::deque<PastScan> past_;  //!< newest first
 };

@@ -29,13 +29,14 @@ struct RefineOptions : Options
    * one, so that rings far apart have surfaces, too. 0: as the sensor's first scan asks for. */
   int levels = 0;
   /** Where things are rough, the points of a single ring form a ribbon along the rays, which moves
-   * with the sensor. With several levels, surfaces at a smaller angle to the ray than that of this
-   * sine are left out. */
-  double min_incidence = 0.04;
+   * with the sensor. With several levels, surfaces at an angle to the ray of fewer ring spacings
+   * than this are left out. */
+  double min_incidence = 4;
   double max_points_per_cell = 200;  //!< a cell with this many points takes no more
   double map_spacing = 0.1;          //!< nearer followers along a ring are left out [m]
   double map_radius = 100;           //!< farther cells are dropped [m]
   double sample_size = 0.8;          //!< registered points: one per cube of this side [m]
+  double sparse_sample_size = 0.4;   //!< the same where the map has several levels [m]
   int max_points = 10000;            //!< cap on registered points per scan
   int max_iterations = 25;           //!< per level of the map
   double loss_width = 0.06;          //!< of the robust loss once the initial guess is good [m]
