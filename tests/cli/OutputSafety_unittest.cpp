@@ -95,7 +95,7 @@ TEST(OutputSafety, NoRunReplacesItsInputs)
   const std::string before = contentOf(ini);
   expectRefusal(folder, "dyslam", slam(folder.file("run")) + "-c " + ini, {"would be replaced"});
   expectRefusal(folder, "dyslam", slam(folder.file("new")) + "-c " + ini + " --profile " + ini,
-                {"is an input of this run", "--profile"});
+                {"is an input, too (--config)", "--profile"});
   EXPECT_EQ(before, contentOf(ini));
 }
 
