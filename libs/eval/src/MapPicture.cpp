@@ -21,7 +21,7 @@ namespace
 using namespace plot;
 
 constexpr double ground_cell = 2;   // side of the cells whose lowest point is their ground [m]
-constexpr float max_pit = 0.5F;        // below the ground of the neighbouring cells [m]
+constexpr float max_pit = 0.5F;     // below the ground of the neighbouring cells [m]
 constexpr double full_height = 4;   // over the ground: from here on a point is darkest [m]
 constexpr double point_side = 0.2;  // a point is drawn as large as a voxel of the map [m]
 constexpr double lightest_grey = 214;
