@@ -16,6 +16,7 @@ bin=build/release/bin
 "$bin/dyslam" -i "$rawlog" -c "$config" -o "$out" --labels
 "$bin/dyslam-eval" run "$out"
 echo
+echo "The run in a browser:      $out/report.html"
 echo "Picture of the trajectory: $out/trajectory.png"
 echo "Static map:                $out/map_static.ply   (any point cloud viewer)"
 echo "Replay:                    RawLogViewer $out/replay.rawlog"

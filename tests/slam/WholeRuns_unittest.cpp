@@ -42,6 +42,7 @@ class WholeRun : public ::testing::Test
         Config::fromFile(std::string(DYSLAM_SOURCE_DIR) + "/share/dyslam/config_files/" + config);
     s.config.set("output.replay=false");
     s.config.set("output.scene=false");
+    s.config.set("output.page=false");
     return s;
   }
 

@@ -21,6 +21,7 @@ namespace
 using namespace plot;
 
 constexpr double ground_cell = 2;   // side of the cells whose lowest point is their ground [m]
+constexpr float max_pit = 0.5F;     // below the ground of the neighbouring cells [m]
 constexpr double full_height = 4;   // over the ground: from here on a point is darkest [m]
 constexpr double point_side = 0.2;  // a point is drawn as large as a voxel of the map [m]
 constexpr double lightest_grey = 214;
@@ -108,8 +109,8 @@ View viewOf(const MapPictureContent& content, const MapPictureOptions& options)
   return view;
 }
 
-/** Height of every point over the ground of its cell, a low quantile of the cell's points: single
- * reflections from below the ground do not count [m]. */
+/** Height of every point over the ground of its cell, a low quantile of the cell's points, or of
+ * the cells around where it lies in a pit: reflections from below the ground do not count [m]. */
 class Ground
 {
  public:
@@ -123,11 +124,17 @@ class Ground
         heights[keyOf(p)].push_back(p.z());
       }
     }
+    std::unordered_map<std::int64_t, float> low;
     for (auto& [key, values] : heights)
     {
       const auto nth = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 10);
       std::nth_element(values.begin(), nth, values.end());
-      ground_[key] = *nth;
+      low[key] = *nth;
+    }
+    for (const auto& [key, height] : low)
+    {
+      const float around = medianAround(low, key);
+      ground_[key] = height < around - max_pit ? around : height;
     }
   }
   [[nodiscard]] double heightOver(const Eigen::Vector3f& p) const
@@ -140,8 +147,26 @@ class Ground
   {
     const auto cell = [](float v)
     { return static_cast<std::int64_t>(std::floor(static_cast<double>(v) / ground_cell)); };
-    return cell(p.x()) * (1LL << 32) + cell(p.y());
+    return cell(p.x()) * row + cell(p.y());
   }
+  /** Of the cell and its neighbours. */
+  static float medianAround(const std::unordered_map<std::int64_t, float>& low, std::int64_t key)
+  {
+    std::vector<float> values;
+    for (int k = 0; k < 9; ++k)
+    {
+      const auto found = low.find(key + (k / 3 - 1) * row + k % 3 - 1);
+      if (found != low.end())
+      {
+        values.push_back(found->second);
+      }
+    }
+    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+    std::nth_element(values.begin(), middle, values.end());
+    return *middle;
+  }
+
+  static constexpr std::int64_t row = 1LL << 32;
   std::unordered_map<std::int64_t, float> ground_;
 };
 
