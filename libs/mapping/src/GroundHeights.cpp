@@ -47,7 +47,8 @@ LowestReturns::LowestReturns(const std::vector<Eigen::Vector3f>& points,
   for (std::size_t i = 0; i < keys.size(); ++i)
   {
     const auto& low = lowest[i];
-    heights_.emplace_back(keys[i], low[2] < nothing ? low[2] : (low[1] < nothing ? low[1] : low[0]));
+    heights_.emplace_back(keys[i],
+                          low[2] < nothing ? low[2] : (low[1] < nothing ? low[1] : low[0]));
   }
 }
 

@@ -19,10 +19,10 @@ namespace dyslam
 {
 namespace
 {
-constexpr int near_scans = 8;      // "just before and after"
+constexpr int near_scans = 8;              // "just before and after"
 constexpr float lowest_of_object = 0.15F;  // over the ground [m]
-constexpr int ground_stride = 5;   // every so many scans of the window tell the ground
-constexpr std::size_t chunk = 256;  // of places in a thread
+constexpr int ground_stride = 5;           // every so many scans of the window tell the ground
+constexpr std::size_t chunk = 256;         // of places in a thread
 
 /** Distances to the scans that are asked: all near ones, fewer far ones. */
 std::vector<int> scanOffsets(int window)
@@ -131,6 +131,28 @@ struct WindowScan
   LowestReturns lowest;
 };
 
+/** Share of rays that passed through places of what surely stands: thin things, edges and errors of
+ * the poses let them pass. Measured on what is higher than any vehicle. */
+float falseFreeShare(const std::vector<PlaceFacts>& facts)
+{
+  constexpr float vehicle_height = 5;    // [m]
+  constexpr float surely_static = 0.1F;  // moving probability
+  constexpr std::size_t enough = 100;    // places
+  constexpr double highest = 0.3;
+  double sum = 0;
+  std::size_t count = 0;
+  for (const PlaceFacts& f : facts)
+  {
+    if (f.segment_height > vehicle_height && f.around.probability < surely_static)
+    {
+      sum += static_cast<double>(f.own.free);
+      ++count;
+    }
+  }
+  return count > enough ? static_cast<float>(std::min(highest, sum / static_cast<double>(count)))
+                        : 0.0F;
+}
+
 /** The places with all that is known of them, their neighbours and their segments. */
 std::vector<PlaceFacts> factsOf(const Segments& segments,
                                 const std::vector<PlaceEvidence>& evidence,
@@ -177,6 +199,13 @@ std::vector<PlaceFacts> factsOf(const Segments& segments,
     f.segment_low = extent[s].height;
     f.places = of_segment[s].count();
   }
+  const float false_free = falseFreeShare(facts);
+  for (PlaceFacts& f : facts)
+  {
+    discount(f.own, false_free);
+    discount(f.around, false_free);
+    discount(f.segment, false_free);
+  }
   return facts;
 }
 
@@ -200,7 +229,8 @@ void adaptLow(const Segments& segments,
       for (int above = 0; above < 2 && heights[i] > lowest_of_object; ++above)
       {
         const Eigen::Vector3f p =
-            points[i] + Eigen::Vector3f(0, 0, static_cast<float>(above) / segments.inverse_cell_size);
+            points[i] +
+            Eigen::Vector3f(0, 0, static_cast<float>(above) / segments.inverse_cell_size);
         const std::uint32_t cell =
             segments.cell_index.find(voxelKey(voxelCell(p, segments.inverse_cell_size)));
         moving[i] = moving[i] || (cell != VoxelHash::none && balance[cell] > 0);
@@ -240,7 +270,7 @@ struct HindsightLabels::Impl
   std::vector<int> offsets;
   ThreadPool pool;
   std::deque<WindowScan> scans;
-  std::size_t next = 0;  //!< of `scans`, to be decided
+  std::size_t next = 0;                      //!< of `scans`, to be decided
   std::map<int, std::size_t> dynamic_until;  //!< last Frame::index at which the track was dynamic
   std::map<int, std::size_t> reported_until;
 };
@@ -300,7 +330,8 @@ std::vector<RayCounts> HindsightLabels::Impl::lookAround(const Segments& segment
                            break;
                          case Evidence::occupied:
                            ++c.occupied;
-                           c.occupied_near = static_cast<std::uint16_t>(c.occupied_near + look.near);
+                           c.occupied_near =
+                               static_cast<std::uint16_t>(c.occupied_near + look.near);
                            break;
                          case Evidence::none:
                            break;

@@ -18,10 +18,10 @@ struct Segments
   std::vector<std::uint32_t> first_point;       //!< of each group
   std::vector<std::uint32_t> segment_of_group;  //!< numbered in order of their first points
   std::size_t segments = 0;
-  std::vector<VoxelCell> cells;                //!< that hold groups
+  std::vector<VoxelCell> cells;  //!< that hold groups
   std::vector<std::uint32_t> cell_of_group;
-  VoxelHash cell_index;                        //!< from voxelKey() to position in `cells`
-  float inverse_cell_size = 1;                 //!< [1/m]
+  VoxelHash cell_index;         //!< from voxelKey() to position in `cells`
+  float inverse_cell_size = 1;  //!< [1/m]
 
   /** Calls `use` with the cell and the cells that touch it. */
   template <typename Use>

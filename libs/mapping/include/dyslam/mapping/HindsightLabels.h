@@ -13,11 +13,11 @@ namespace dyslam
 /** Ini section `[labels]`. */
 struct HindsightOptions : Options
 {
-  bool hindsight = true;      //!< decide what moves from scans before and after
-  int window = 40;            //!< scans looked at on each side
-  double voxel_size = 0.2;    //!< points this near to each other share their evidence [m]
-  double segment_gap = 0.4;   //!< side of the cells whose neighbours form one segment [m]
-  double margin = 0.5;        //!< a ray must end this far behind a place to observe it as free [m]
+  bool hindsight = true;     //!< decide what moves from scans before and after
+  int window = 40;           //!< scans looked at on each side
+  double voxel_size = 0.2;   //!< points this near to each other share their evidence [m]
+  double segment_gap = 0.4;  //!< side of the cells whose neighbours form one segment [m]
+  double margin = 0.5;       //!< a ray must end this far behind a place to observe it as free [m]
   double ground_clearance = 0.3;  //!< what is lower above the ground stays as it is around it [m]
 
   void describe(OptionsVisitor& visitor) override;
