@@ -200,8 +200,10 @@ std::vector<PlaceFacts> factsOf(const Segments& segments,
     f.places = of_segment[s].count();
   }
   const float false_free = falseFreeShare(facts);
+  constexpr float much = 0.1F;
   for (PlaceFacts& f : facts)
   {
+    f.doubt = std::min(1.0F, false_free / much);
     discount(f.own, false_free);
     discount(f.around, false_free);
     discount(f.segment, false_free);

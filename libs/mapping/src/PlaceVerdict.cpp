@@ -7,7 +7,7 @@ namespace dyslam
 {
 void discount(PlaceEvidence& evidence, float false_free)
 {
-  constexpr float safety = 2.0F;
+  constexpr float safety = 1.0F;
   const float expected = safety * false_free;
   const auto beyond = [=](float share)
   { return std::max(0.0F, share - expected) / (1 - expected); };
@@ -31,6 +31,11 @@ float movingScore(const PlaceFacts& f)
   {
     score += 1.8F + 0.9F * f.segment.probability + 0.7F * f.segment.tracked;
     score += 2.2F * f.segment.free + 1.9F * little(f.segment.free);
+  }
+  else
+  {
+    // Things stand close: where rays are doubtful, the neighbours have to do for the segment.
+    score += f.doubt * (2.4F + 1.2F * f.around.probability + 0.7F * f.around.tracked);
   }
   return score;
 }

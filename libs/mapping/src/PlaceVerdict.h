@@ -32,6 +32,7 @@ struct PlaceFacts
   float segment_height = 0;  //!< [m]
   float segment_low = 0;     //!< height of the segment's lowest point over the ground [m]
   float places = 0;          //!< of the segment
+  float doubt = 0;           //!< of free rays in this scan, in [0, 1]
 };
 
 /** Lowers the shares of free rays by what static things show in this scan. \param false_free share
