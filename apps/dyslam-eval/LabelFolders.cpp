@@ -2,6 +2,7 @@
 #include "LabelFolders.h"
 
 #include <dyslam/core/Error.h>
+#include <dyslam/eval/MapMetrics.h>
 #include <dyslam/formats/LabelFiles.h>
 
 #include <algorithm>
@@ -76,7 +77,10 @@ LabelComparison compareLabelFolders(const std::string& reference, const std::str
 Table segmentationTable(const NamedComparisons& results)
 {
   Table table({"estimate", "scans", "of", "IoU moving", "precision", "recall", "IoU static",
-               "moving points", "points"});
+               "static kept [%]", "moving removed [%]", "harmonic mean [%]", "moving points",
+               "points"});
+  const auto percent = [](std::optional<double> v)
+  { return TableCell(v ? std::optional<double>(100 * *v) : std::nullopt, 2); };
   for (const auto& [name, r] : results)
   {
     const SegmentationScores& s = r.evaluator.scores();
@@ -85,6 +89,8 @@ Table segmentationTable(const NamedComparisons& results)
     table.addRow({name, TableCell(static_cast<double>(r.evaluator.scans()), 0),
                   TableCell(static_cast<double>(r.reference_scans), 0), ratioCell(s.iou()),
                   ratioCell(s.precision()), ratioCell(s.recall()), ratioCell(s.staticIou()),
+                  percent(s.staticKept()), percent(s.recall()),
+                  percent(harmonicMean(s.staticKept(), s.recall())),
                   TableCell(static_cast<double>(moving), 0),
                   TableCell(static_cast<double>(all), 0)});
   }
@@ -113,18 +119,22 @@ std::string segmentationJson(const NamedComparisons& results)
   for (const auto& [name, r] : results)
   {
     const SegmentationScores& s = r.evaluator.scores();
-    nlohmann::ordered_json entry{{"name", name},
-                                 {"scans", r.evaluator.scans()},
-                                 {"reference_scans", r.reference_scans},
-                                 {"iou_moving", orNull(s.iou())},
-                                 {"precision", orNull(s.precision())},
-                                 {"recall", orNull(s.recall())},
-                                 {"iou_static", orNull(s.staticIou())},
-                                 {"true_positives", s.true_positives},
-                                 {"false_positives", s.false_positives},
-                                 {"false_negatives", s.false_negatives},
-                                 {"true_negatives", s.true_negatives},
-                                 {"ignored", s.ignored}};
+    nlohmann::ordered_json entry{
+        {"name", name},
+        {"scans", r.evaluator.scans()},
+        {"reference_scans", r.reference_scans},
+        {"iou_moving", orNull(s.iou())},
+        {"precision", orNull(s.precision())},
+        {"recall", orNull(s.recall())},
+        {"iou_static", orNull(s.staticIou())},
+        {"static_kept", orNull(s.staticKept())},
+        {"moving_removed", orNull(s.recall())},
+        {"harmonic_mean", orNull(harmonicMean(s.staticKept(), s.recall()))},
+        {"true_positives", s.true_positives},
+        {"false_positives", s.false_positives},
+        {"false_negatives", s.false_negatives},
+        {"true_negatives", s.true_negatives},
+        {"ignored", s.ignored}};
     for (const auto& [label, scores] : r.evaluator.perClass())
     {
       entry["classes"][semanticKittiName(label)] = {

@@ -17,11 +17,11 @@ namespace
 /** What an ini may hold: our own sections, and those of dyslam, which may have made it. */
 std::vector<std::string> knownSections()
 {
-  std::vector<std::string> known{"map",    "preprocess", "map_export", "input",         "pipeline",
-                                 "dyseg",  "residual",   "odometry",   "dyseg_network", "refine",
-                                 "motion", "detector",   "tracker",    "dyseg_filter",  "solver",
-                                 "loop",   "backend",    "output",     "replay",        "fusion",
-                                 "sensor", "objects",    "uncertainty"};
+  std::vector<std::string> known{"map",      "labels", "preprocess", "map_export", "input",
+                                 "pipeline", "dyseg",  "residual",   "odometry",   "dyseg_network",
+                                 "refine",   "motion", "detector",   "tracker",    "dyseg_filter",
+                                 "solver",   "loop",   "backend",    "output",     "replay",
+                                 "fusion",   "sensor", "objects",    "uncertainty"};
   const auto methods = scanMatcherNames();
   known.insert(known.end(), methods.begin(), methods.end());
   return known;
@@ -63,7 +63,8 @@ void declare(CLI::App& app, Arguments& a)
                  "folder of .label files: moving points are left out");
   app.add_option("--tracks", a.builder.tracks, "tracks.txt: objects that move are left out");
   app.add_option("-c,--config", a.config,
-                 "ini file with [map], [preprocess], [map_export] and backend.keyframe_distance");
+                 "ini file with [map], [labels], [preprocess], [map_export] and "
+                 "backend.keyframe_distance");
   app.add_option("--set", a.assignments, "section.key=value, as if it stood in the ini; repeatable")
       ->take_all()
       ->allow_extra_args(false);
@@ -99,16 +100,18 @@ void loadConfig(Arguments& a)
   for (const auto& assignment : a.assignments)
   {
     const std::string section = assignment.substr(0, assignment.find('.'));
-    if (section != "map" && section != "preprocess" && section != "map_export")
+    if (section != "map" && section != "labels" && section != "preprocess" &&
+        section != "map_export")
     {
       throw UserError("--set " + assignment +
-                      ": dyslam-map has the sections map, preprocess and map_export");
+                      ": dyslam-map has the sections map, labels, preprocess and map_export");
     }
     config.set(assignment);
   }
   config.requireKnownSections(knownSections());
   ConfigLoader loader(config);
   a.builder.map = loader.get<StaticMapOptions>("map");
+  a.builder.hindsight = loader.get<HindsightOptions>("labels");
   a.builder.preprocess = loader.get<PreprocessOptions>("preprocess");
   a.exports = loader.get<MapExportOptions>("map_export");
   a.builder.keyframe_distance =

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
+#include <utility>
 
 namespace dyslam
 {
@@ -48,6 +49,10 @@ MapBuilder::MapBuilder(const Trajectory& trajectory, const MapBuilderOptions& op
   if (trajectory_.empty())
   {
     throw UserError("the trajectory has no poses");
+  }
+  if (options_.hindsight.hindsight && label_folder_.empty())
+  {
+    hindsight_.emplace(options_.hindsight, options_.threads);
   }
   if (options_.tracks.empty())
   {
@@ -206,19 +211,45 @@ void MapBuilder::add(Frame frame)
     return;
   }
   frame.T_odom_vehicle = trajectory_[*pose].pose;
-  if (!isKeyframe(frame.T_odom_vehicle))
+  frame.is_keyframe = isKeyframe(frame.T_odom_vehicle);
+  if (!frame.is_keyframe && !hindsight_)
   {
     return;
   }
-  last_keyframe_ = frame.T_odom_vehicle;
   fillCloud(frame, *pose);
-  fillMoving(frame);
-  if (options_.labelled_map)
+  if (frame.is_keyframe)
   {
-    collectLabelled(frame);
+    last_keyframe_ = frame.T_odom_vehicle;
+    fillMoving(frame);
+    if (options_.labelled_map)
+    {
+      collectLabelled(frame);
+    }
+    keyframes_.add(keyframeOf(frame));
   }
-  keyframes_.add(keyframeOf(frame));
-  map_.insert(frame);
+  if (!hindsight_)
+  {
+    insert(frame);
+    return;
+  }
+  const bool wanted = frame.is_keyframe;
+  hindsight_->add(std::move(frame), wanted, [this](const Frame& f) { insert(f); });
+}
+
+void MapBuilder::insert(const Frame& frame)
+{
+  if (frame.is_keyframe)
+  {
+    map_.insert(frame);
+  }
+}
+
+void MapBuilder::finish()
+{
+  if (hindsight_)
+  {
+    hindsight_->finish([this](const Frame& f) { insert(f); });
+  }
 }
 
 SceneContent MapBuilder::scene() const

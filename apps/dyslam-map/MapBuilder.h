@@ -7,6 +7,7 @@
 #include <dyslam/formats/GroundTruth.h>
 #include <dyslam/formats/LabelFiles.h>
 #include <dyslam/io/SceneExport.h>
+#include <dyslam/mapping/HindsightLabels.h>
 #include <dyslam/mapping/MapExport.h>
 #include <dyslam/mapping/StaticMap.h>
 #include <dyslam/odometry/Preprocessor.h>
@@ -22,6 +23,7 @@ namespace dyslam
 struct MapBuilderOptions
 {
   StaticMapOptions map;
+  HindsightOptions hindsight;
   PreprocessOptions preprocess;
   std::string labels;              //!< folder of NNNNNN.label, or one with such a `labels` folder
   std::string tracks;              //!< objects' boxes; those that move are left out of the map
@@ -52,6 +54,8 @@ class MapBuilder
 
   /** The next scan of the recording, in order. Those the trajectory has no pose for are skipped. */
   void add(Frame frame);
+  /** After the last scan. */
+  void finish();
 
   [[nodiscard]] const StaticMap& map() const { return map_; }
   [[nodiscard]] std::size_t skipped() const { return skipped_; }
@@ -68,6 +72,7 @@ class MapBuilder
   [[nodiscard]] std::vector<Label> labelsOf(const Frame& frame) const;
   void fillMoving(Frame& frame) const;
   void collectLabelled(const Frame& frame);
+  void insert(const Frame& frame);
 
   Trajectory trajectory_;
   MapBuilderOptions options_;
@@ -80,6 +85,7 @@ class MapBuilder
   Preprocessor preprocessor_;
   KeyframeStore keyframes_;
   StaticMap map_;
+  std::optional<HindsightLabels> hindsight_;  // where no labels say what moves
   std::optional<Pose> last_keyframe_;
   std::size_t skipped_ = 0;
   LabelledMap labelled_;

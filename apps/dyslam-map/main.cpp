@@ -9,6 +9,7 @@
 
 #include "../common/AppMain.h"
 #include "../common/Checks.h"
+#include "../common/Progress.h"
 #include "Arguments.h"
 #include "MapBuilder.h"
 #include "ScanReading.h"
@@ -18,6 +19,8 @@ namespace
 void write(const dyslam::MapBuilder& builder, const std::string& path, const dyslam::Arguments& a)
 {
   using dyslam::MapFormat;
+  const std::size_t keyframes = builder.map().keyframes().size();
+  dyslam::Progress progress(std::filesystem::path(path).filename().string(), "keyframes", a.quiet);
   switch (dyslam::mapFormatOf(path))
   {
     case MapFormat::pcd:
@@ -25,7 +28,10 @@ void write(const dyslam::MapBuilder& builder, const std::string& path, const dys
       dyslam::writeMapCloud(builder.map().points(), path);
       break;
     case MapFormat::octree:
-      dyslam::writeOctomap(builder.map(), path, a.exports);
+      dyslam::writeOctomap(
+          builder.map(), path, a.exports,
+          [&](std::size_t done)
+          { progress.update(static_cast<double>(done) / static_cast<double>(keyframes), done); });
       break;
     case MapFormat::simplemap:
       dyslam::writeSimplemap(builder.map(), path);
@@ -37,6 +43,7 @@ void write(const dyslam::MapBuilder& builder, const std::string& path, const dys
       dyslam::writeOccupancyGrid(builder.map(), path, a.exports);
       break;
   }
+  progress.finish(keyframes);
 }
 
 void run(dyslam::Arguments& a)
@@ -60,6 +67,7 @@ void run(dyslam::Arguments& a)
   {
     std::fprintf(stderr, "warning: %s\n", warning.c_str());
   }
+  builder.finish();
   if (!damage.empty() && source.framesRead() == 0)
   {
     throw dyslam::UserError(damage);

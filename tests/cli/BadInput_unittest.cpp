@@ -332,7 +332,7 @@ TEST_F(BadInput, Configs)
   expectRefusal(
       "dyslam-map",
       "-i " + at("good.rawlog") + " --trajectory x -o m.pcd -c vlp16.ini --set mapp.voxel_size=1",
-      {"--set mapp.voxel_size=1", "sections map, preprocess"});
+      {"--set mapp.voxel_size=1", "sections map, labels, preprocess"});
   expectRefusal("dyslam-map",
                 "-i " + at("good.rawlog") + " --trajectory x -o m.pcd -c " +
                     write("bad.ini", "[mapp]\nvoxel_size = 1\n"),

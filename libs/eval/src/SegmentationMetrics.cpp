@@ -69,6 +69,11 @@ std::optional<double> SegmentationScores::staticIou() const
   return ratio(true_negatives, true_negatives + false_positives + false_negatives);
 }
 
+std::optional<double> SegmentationScores::staticKept() const
+{
+  return ratio(true_negatives, true_negatives + false_positives);
+}
+
 void SegmentationEvaluator::add(const std::vector<std::uint32_t>& reference,
                                 const std::vector<std::uint32_t>& estimate)
 {

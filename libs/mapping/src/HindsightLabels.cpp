@@ -131,6 +131,28 @@ struct WindowScan
   LowestReturns lowest;
 };
 
+/** Share of rays that passed through places of what surely stands: thin things, edges and errors of
+ * the poses let them pass. Measured on what is higher than any vehicle. */
+float falseFreeShare(const std::vector<PlaceFacts>& facts)
+{
+  constexpr float vehicle_height = 5;    // [m]
+  constexpr float surely_static = 0.1F;  // moving probability
+  constexpr std::size_t enough = 100;    // places
+  constexpr double highest = 0.3;
+  double sum = 0;
+  std::size_t count = 0;
+  for (const PlaceFacts& f : facts)
+  {
+    if (f.segment_height > vehicle_height && f.around.probability < surely_static)
+    {
+      sum += static_cast<double>(f.own.free);
+      ++count;
+    }
+  }
+  return count > enough ? static_cast<float>(std::min(highest, sum / static_cast<double>(count)))
+                        : 0.0F;
+}
+
 /** The places with all that is known of them, their neighbours and their segments. */
 std::vector<PlaceFacts> factsOf(const Segments& segments,
                                 const std::vector<PlaceEvidence>& evidence,
@@ -176,6 +198,15 @@ std::vector<PlaceFacts> factsOf(const Segments& segments,
     f.segment_height = size.z();
     f.segment_low = extent[s].height;
     f.places = of_segment[s].count();
+  }
+  const float false_free = falseFreeShare(facts);
+  constexpr float much = 0.1F;
+  for (PlaceFacts& f : facts)
+  {
+    f.doubt = std::min(1.0F, false_free / much);
+    discount(f.own, false_free);
+    discount(f.around, false_free);
+    discount(f.segment, false_free);
   }
   return facts;
 }

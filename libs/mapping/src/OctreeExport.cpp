@@ -8,7 +8,10 @@
 
 namespace dyslam
 {
-void writeOctomap(const StaticMap& map, const std::string& path, const MapExportOptions& options)
+void writeOctomap(const StaticMap& map,
+                  const std::string& path,
+                  const MapExportOptions& options,
+                  const std::function<void(std::size_t)>& on_keyframe)
 {
   validate(options, "map_export");
   const std::string ending = std::filesystem::path(path).extension().string();
@@ -21,6 +24,10 @@ void writeOctomap(const StaticMap& map, const std::string& path, const MapExport
       [&](std::size_t k, const KeyframeCloud& cloud)
       {
         const Pose& T = map.poses()[k];
+        if (on_keyframe)
+        {
+          on_keyframe(k + 1);
+        }
         if (cloud.size() == 0)
         {
           return;

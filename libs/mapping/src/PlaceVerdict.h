@@ -32,7 +32,12 @@ struct PlaceFacts
   float segment_height = 0;  //!< [m]
   float segment_low = 0;     //!< height of the segment's lowest point over the ground [m]
   float places = 0;          //!< of the segment
+  float doubt = 0;           //!< of free rays in this scan, in [0, 1]
 };
+
+/** Lowers the shares of free rays by what static things show in this scan. \param false_free share
+ * of the rays through their places that passed, below 0.5. */
+void discount(PlaceEvidence& evidence, float false_free);
 
 /** Log odds that the place moves. */
 [[nodiscard]] float movingScore(const PlaceFacts& facts);

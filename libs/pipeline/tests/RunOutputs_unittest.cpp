@@ -84,6 +84,24 @@ std::unique_ptr<RunOutput> makeB(const RunOutputContext& context)
   return std::make_unique<FakeOutput>(context, "b.txt", slow, Failure::none);
 }
 
+/** Writes how many frames it got, and wants them decided. */
+class DecidedOutput : public RunOutput
+{
+ public:
+  explicit DecidedOutput(const RunOutputContext& context) : RunOutput(context, {"decided.txt"}) {}
+  [[nodiscard]] bool wantsDecided() const override { return true; }
+  void add(const Frame& frame) override { frames_ += std::to_string(frame.index) + " "; }
+  void finish(const RunResults& /*results*/) override { writeWhole(path("decided.txt"), frames_); }
+
+ private:
+  std::string frames_;
+};
+
+std::unique_ptr<RunOutput> makeDecided(const RunOutputContext& context)
+{
+  return std::make_unique<DecidedOutput>(context);
+}
+
 class RunOutputsTest : public ::testing::Test
 {
  protected:
@@ -121,6 +139,31 @@ class RunOutputsTest : public ::testing::Test
   fs::path folder_ = fs::temp_directory_path() / ("dyslam_outputs_" + std::to_string(::getpid()));
   SlamRunSettings settings_;
 };
+
+TEST_F(RunOutputsTest, DecidedFramesGoToThoseThatWantThem)
+{
+  const Config given;
+  ConfigLoader config(given);
+  RunOutputs outputs(settings_, config, {{makeDecided}, {makeB<true>}, report_row});
+  EXPECT_TRUE(outputs.wantDecided());
+  outputs.open();
+  for (std::size_t i = 0; i < 4; ++i)
+  {
+    Frame frame;
+    frame.index = i;
+    outputs.add(frame);
+  }
+  for (std::size_t i = 0; i < 3; ++i)
+  {
+    Frame frame;
+    frame.index = i;
+    outputs.addDecided(frame);
+  }
+  RunResults results;
+  outputs.finish(results);
+  EXPECT_EQ(content("decided.txt"), "0 1 2 ");
+  EXPECT_EQ(content("b.txt"), "4");
+}
 
 TEST_F(RunOutputsTest, WritesWhatDoesNotFailAndNamesWhatDoes)
 {

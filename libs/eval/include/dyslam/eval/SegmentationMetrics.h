@@ -24,6 +24,10 @@ struct SegmentationScores
   [[nodiscard]] std::optional<double> precision() const;
   [[nodiscard]] std::optional<double> recall() const;
   [[nodiscard]] std::optional<double> staticIou() const;
+  /** Share of the static points that were estimated as static: what a map built from them keeps (SA
+   * of the KTH dynamic-map benchmark, per point). The share of moving points removed (DA) is
+   * recall(). */
+  [[nodiscard]] std::optional<double> staticKept() const;
 };
 
 /** Points of one reference class, and how many were estimated as moving. */

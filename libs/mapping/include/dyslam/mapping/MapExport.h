@@ -3,6 +3,8 @@
 
 #include <dyslam/mapping/StaticMap.h>
 
+#include <cstddef>
+#include <functional>
 #include <string>
 
 namespace dyslam
@@ -29,8 +31,12 @@ void writeMapCloud(const MapPoints& points, const std::string& path);
 /** MRPT's CSimpleMap: per keyframe its pose and the static points as CObservationPointCloud. */
 void writeSimplemap(const StaticMap& map, const std::string& path);
 
-/** octomap's `.bt` (binary) or `.ot` (full): keyframes' static points and the rays to them. */
-void writeOctomap(const StaticMap& map, const std::string& path, const MapExportOptions& options);
+/** octomap's `.bt` (binary) or `.ot` (full): keyframes' static points and the rays to them.
+ * \param on_keyframe called with the number of keyframes done after each of them; may be empty. */
+void writeOctomap(const StaticMap& map,
+                  const std::string& path,
+                  const MapExportOptions& options,
+                  const std::function<void(std::size_t)>& on_keyframe = {});
 
 /** 2D occupancy grid for ROS navigation stacks: `x.png` and, beside it, `x.yaml` (map_server). */
 void writeOccupancyGrid(const StaticMap& map,
