@@ -415,33 +415,47 @@ TEST_F(SlamRun, TheSegmentersMotionIsTheFirstGuess)
 /** Highways on which registration alone takes the traffic for the world: fast, and in a jam. */
 TEST_F(SlamRun, FindsTheWorldAmongTrafficThatDrivesAlong)
 {
-  for (const auto& [traffic, seed, within] :
-       {std::tuple(0.6, 302, 0.05), std::tuple(1.0, 306, 0.1)})
+  struct Traffic
   {
-    sim::SimulatorOptions options;
-    options.world = sim::WorldKind::highway;
-    options.traffic = traffic;
-    options.seed = seed;
-    options.columns = 1024;
-    auto s = settings("traffic");
-    s.rawlog = (folder_ / "highway.rawlog").string();
-    writeRecording(s.rawlog, options, 16, false);
-    s.config =
-        Config::fromFile(std::string(DYSLAM_SOURCE_DIR) + "/share/dyslam/config_files/kitti64.ini");
-    s.labels = false;
-    s.config.set("pipeline.mapping=false");
-    s.config.set("pipeline.tracking=false");
-    s.config.set("output.replay=false");
-    const auto forwardRatio = [&](const std::string& segmenter)
+    double density;
+    std::vector<int> seeds;
+    double within;  // mean error of the forward ratio
+  };
+  for (const auto& [traffic, seeds, within] :
+       {Traffic{0.6, {302}, 0.05}, Traffic{1.0, {306, 305, 304, 303}, 0.1}})
+  {
+    double error = 0;
+    for (const int seed : seeds)
     {
-      s.config.set("dyseg.method=" + segmenter);
-      EXPECT_EQ(runSlam(s).frames, 16U);
-      const auto errors = errorsOf(s.output_folder);
-      EXPECT_GT(errors.length, 4);
-      return errors.forward_ratio.value_or(0);
-    };
-    EXPECT_LT(forwardRatio("none"), 0.7) << "traffic " << traffic;
-    EXPECT_NEAR(forwardRatio("network"), 1, within) << "traffic " << traffic;
+      sim::SimulatorOptions options;
+      options.world = sim::WorldKind::highway;
+      options.traffic = traffic;
+      options.seed = static_cast<unsigned>(seed);
+      options.columns = 1024;
+      auto s = settings("traffic");
+      s.rawlog = (folder_ / "highway.rawlog").string();
+      writeRecording(s.rawlog, options, 16, false);
+      s.config = Config::fromFile(std::string(DYSLAM_SOURCE_DIR) +
+                                  "/share/dyslam/config_files/kitti64.ini");
+      s.labels = false;
+      s.config.set("pipeline.mapping=false");
+      s.config.set("pipeline.tracking=false");
+      s.config.set("output.replay=false");
+      const auto forwardRatio = [&](const std::string& segmenter)
+      {
+        s.config.set("dyseg.method=" + segmenter);
+        EXPECT_EQ(runSlam(s).frames, 16U);
+        const auto errors = errorsOf(s.output_folder);
+        EXPECT_GT(errors.length, 2);
+        return errors.forward_ratio.value_or(0);
+      };
+      if (seed == seeds.front())
+      {
+        EXPECT_LT(forwardRatio("none"), 0.7) << "traffic " << traffic;
+      }
+      error += std::abs(forwardRatio("network") - 1) / static_cast<double>(seeds.size());
+    }
+    EXPECT_LT(error, within) << "traffic " << traffic;
   }
 }
 

@@ -76,7 +76,7 @@ Direction directionOf(const Eigen::Vector3f& p, float row_height, int columns)
   d.column = static_cast<int>(sweepFraction(p, counter_clockwise) * static_cast<float>(columns));
   d.column = std::clamp(d.column, 0, columns - 1);
   d.row = static_cast<int>(std::floor((slope + static_cast<float>(origin_slope)) / row_height));
-  d.steep = std::fabs(slope) >= steepest_slope;
+  d.steep = !(std::fabs(slope) < steepest_slope);  // so is a point that is not finite
   return d;
 }
 }  // namespace

@@ -82,6 +82,16 @@ std::string wantedBy(const SensorOptions& options)
          degrees(options.max_ring_spacing, 1) + " deg apart";
 }
 
+/** A lidar that spins with many rings, even if the points do not tell them: those of an HDL-64E lie
+ * too near, corrected for the place of each laser. */
+bool isDenseRevolution(const ScanPattern& pattern)
+{
+  constexpr std::size_t min_returns = 50000;
+  constexpr double full_turn = 359 / degrees_per_radian;
+  return !pattern.hasRings() && pattern.azimuth_extent > full_turn &&
+         pattern.returns >= min_returns;
+}
+
 double median(std::vector<double> values)
 {
   if (values.empty())
@@ -178,12 +188,14 @@ bool fits(const SensorOptions& options, const ScanPattern& pattern, double toler
     return true;
   }
   const bool wants_rings = options.rings != RingsWanted::no;
-  if (wants_rings != pattern.hasRings())
+  if (wants_rings != (pattern.hasRings() || isDenseRevolution(pattern)))
   {
     return false;
   }
-  return !wants_rings || (pattern.ring_spacing * tolerance >= options.min_ring_spacing &&
-                          pattern.ring_spacing < options.max_ring_spacing * tolerance);
+  // Rings that cannot be told from each other are near each other.
+  const double spacing = pattern.hasRings() ? pattern.ring_spacing : 0;
+  return !wants_rings || (spacing * tolerance >= options.min_ring_spacing &&
+                          spacing < options.max_ring_spacing * tolerance);
 }
 
 ChosenSettings settingsFor(const RecordedSensor& sensor,

@@ -51,6 +51,12 @@ TEST(SensorSettings, ExactlyOneShippedIniFitsEverySensor)
   }
   const std::vector<std::string> without{"solid_state.ini"};
   EXPECT_EQ(without, automaticFor(sensorWith(0, 0).pattern));
+  // A dense revolution whose rings the points do not tell.
+  ScanPattern dense = sensorWith(0, 0).pattern;
+  dense.returns = 120000;
+  EXPECT_EQ(std::vector<std::string>{"kitti64.ini"}, automaticFor(dense));
+  dense.azimuth_extent = M_PI;
+  EXPECT_EQ(without, automaticFor(dense));
 }
 
 TEST(SensorSettings, ThoseThatFitAreTakenAndNamed)
