@@ -75,7 +75,7 @@ bool differ(const std::string& base64_png, const std::string& other)
   return cv::norm(difference, cv::NORM_INF) > 8;
 }
 
-/** Twenty scans along x and one object beside them. */
+/** Twenty scans ahead in a curve and one object beside them. */
 RunPage smallRun()
 {
   RunPage page;
@@ -84,8 +84,9 @@ RunPage smallRun()
   for (int i = 0; i < 20; ++i)
   {
     page.scans.push_back({static_cast<std::size_t>(i), 1000, 10, true, i % 5 == 0});
-    page.trajectory.push_back(100 + 0.1 * i, poseFromYpr(i, 0, 0, 0, 0, 0));
-    page.odometry.push_back(100 + 0.1 * i, poseFromYpr(i, 0.01 * i, 0, 0, 0, 0));
+    const double y = -0.02 * i * i;  // seen from behind, posts on a straight path hide behind it
+    page.trajectory.push_back(100 + 0.1 * i, poseFromYpr(i, y, 0, 0, 0, 0));
+    page.odometry.push_back(100 + 0.1 * i, poseFromYpr(i, y + 0.01 * i, 0, 0, 0, 0));
     object.states.push_back(
         {static_cast<std::size_t>(i), {Eigen::Vector3d(i, 4, 0.7), {4, 2, 1.5}, 0}, {10, 0, 0}});
   }
