@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "GroundHeights.h"
+#include "PlaceFacts.h"
 #include "PlaceVerdict.h"
 #include "Segments.h"
 #include "VisibilityImage.h"
@@ -45,73 +46,6 @@ struct RayCounts
   std::uint16_t occupied_near = 0;
 };
 
-/** Sum of the evidence of several places. */
-class EvidenceSum
-{
- public:
-  void add(const PlaceEvidence& e)
-  {
-    ++count_;
-    sum_.known += e.known;
-    sum_.free += e.known * e.free;
-    sum_.known_near += e.known_near;
-    sum_.free_near += e.known_near * e.free_near;
-    sum_.free_before += e.free_before;
-    sum_.free_after += e.free_after;
-    sum_.probability += e.probability;
-    sum_.moving += e.moving;
-    sum_.tracked += e.tracked;
-  }
-  void add(const EvidenceSum& other)
-  {
-    count_ += other.count_;
-    sum_.known += other.sum_.known;
-    sum_.free += other.sum_.free;
-    sum_.known_near += other.sum_.known_near;
-    sum_.free_near += other.sum_.free_near;
-    sum_.free_before += other.sum_.free_before;
-    sum_.free_after += other.sum_.free_after;
-    sum_.probability += other.sum_.probability;
-    sum_.moving += other.sum_.moving;
-    sum_.tracked += other.sum_.tracked;
-  }
-  [[nodiscard]] float count() const { return count_; }
-  [[nodiscard]] PlaceEvidence mean() const
-  {
-    const float n = std::max(count_, 1.0F);
-    PlaceEvidence e = sum_;
-    e.free = sum_.free / std::max(sum_.known, 1e-6F);
-    e.free_near = sum_.free_near / std::max(sum_.known_near, 1e-6F);
-    e.known /= n;
-    e.known_near /= n;
-    e.free_before /= n;
-    e.free_after /= n;
-    e.probability /= n;
-    e.moving /= n;
-    e.tracked /= n;
-    return e;
-  }
-
- private:
-  float count_ = 0;
-  PlaceEvidence sum_;
-};
-
-/** Box of a segment. */
-struct Extent
-{
-  Eigen::Vector3f low = Eigen::Vector3f::Constant(1e9F);    //!< map frame [m]
-  Eigen::Vector3f high = Eigen::Vector3f::Constant(-1e9F);  //!< map frame [m]
-  float height = 1e9F;  //!< of its lowest point over the ground [m]
-
-  void add(const Eigen::Vector3f& p, float over_ground)
-  {
-    low = low.cwiseMin(p);
-    high = high.cwiseMax(p);
-    height = std::min(height, over_ground);
-  }
-};
-
 /** One scan of the window. */
 struct WindowScan
 {
@@ -130,86 +64,6 @@ struct WindowScan
   VisibilityImage image;
   LowestReturns lowest;
 };
-
-/** Share of rays that passed through places of what surely stands: thin things, edges and errors of
- * the poses let them pass. Measured on what is higher than any vehicle. */
-float falseFreeShare(const std::vector<PlaceFacts>& facts)
-{
-  constexpr float vehicle_height = 5;    // [m]
-  constexpr float surely_static = 0.1F;  // moving probability
-  constexpr std::size_t enough = 100;    // places
-  constexpr double highest = 0.3;
-  double sum = 0;
-  std::size_t count = 0;
-  for (const PlaceFacts& f : facts)
-  {
-    if (f.segment_height > vehicle_height && f.around.probability < surely_static)
-    {
-      sum += static_cast<double>(f.own.free);
-      ++count;
-    }
-  }
-  return count > enough ? static_cast<float>(std::min(highest, sum / static_cast<double>(count)))
-                        : 0.0F;
-}
-
-/** The places with all that is known of them, their neighbours and their segments. */
-std::vector<PlaceFacts> factsOf(const Segments& segments,
-                                const std::vector<PlaceEvidence>& evidence,
-                                const std::vector<Eigen::Vector3f>& points,
-                                const std::vector<float>& heights,
-                                const std::vector<Eigen::Vector3f>& in_vehicle)
-{
-  std::vector<EvidenceSum> of_cell(segments.cells.size());
-  std::vector<EvidenceSum> of_segment(segments.segments);
-  std::vector<Extent> extent(segments.segments);
-  for (std::size_t g = 0; g < evidence.size(); ++g)
-  {
-    of_cell[segments.cell_of_group[g]].add(evidence[g]);
-    of_segment[segments.segment_of_group[g]].add(evidence[g]);
-    extent[segments.segment_of_group[g]].add(points[segments.first_point[g]],
-                                             heights[segments.first_point[g]]);
-  }
-  std::vector<PlaceEvidence> around;
-  for (std::uint32_t c = 0; c < of_cell.size(); ++c)
-  {
-    EvidenceSum sum;
-    segments.forEachNeighbour(c, [&](std::uint32_t n) { sum.add(of_cell[n]); });
-    around.push_back(sum.mean());
-  }
-  std::vector<PlaceEvidence> whole;
-  for (const EvidenceSum& sum : of_segment)
-  {
-    whole.push_back(sum.mean());
-  }
-  std::vector<PlaceFacts> facts(evidence.size());
-  for (std::size_t g = 0; g < evidence.size(); ++g)
-  {
-    PlaceFacts& f = facts[g];
-    const std::uint32_t s = segments.segment_of_group[g];
-    f.point = segments.first_point[g];
-    f.own = evidence[g];
-    f.around = around[segments.cell_of_group[g]];
-    f.segment = whole[s];
-    f.range = in_vehicle[f.point].norm();
-    f.height = heights[f.point];
-    const Eigen::Vector3f size = extent[s].high - extent[s].low;
-    f.length = std::max(size.x(), size.y());
-    f.segment_height = size.z();
-    f.segment_low = extent[s].height;
-    f.places = of_segment[s].count();
-  }
-  const float false_free = falseFreeShare(facts);
-  constexpr float much = 0.1F;
-  for (PlaceFacts& f : facts)
-  {
-    f.doubt = std::min(1.0F, false_free / much);
-    discount(f.own, false_free);
-    discount(f.around, false_free);
-    discount(f.segment, false_free);
-  }
-  return facts;
-}
 
 /** What is near the ground moves if what stands above it does. */
 void adaptLow(const Segments& segments,

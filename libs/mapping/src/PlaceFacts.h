@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "PlaceVerdict.h"
+#include "Segments.h"
+
+namespace dyslam
+{
+/** The places of a scan with all that is known of them, their neighbours and their segments.
+ * \param evidence by place \param points of the scan, map frame [m] \param heights of them over the
+ * ground [m] \param in_vehicle the points in the vehicle's frame [m] */
+[[nodiscard]] std::vector<PlaceFacts> factsOf(const Segments& segments,
+                                const std::vector<PlaceEvidence>& evidence,
+                                const std::vector<Eigen::Vector3f>& points,
+                                const std::vector<float>& heights,
+                                const std::vector<Eigen::Vector3f>& in_vehicle);
+}  // namespace dyslam
