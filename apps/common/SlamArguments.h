@@ -5,6 +5,7 @@
 #include <dyslam/io/RawlogSource.h>
 #include <dyslam/pipeline/SensorSettings.h>
 #include <dyslam/pipeline/SlamRun.h>
+#include <dyslam/pipeline/StartSpeed.h>
 
 #include <CLI/CLI.hpp>
 #include <atomic>
@@ -77,6 +78,27 @@ inline void applyFlags(const SlamArguments& a, Config& config)
   }
 }
 
+/** Looks ahead for the speed at the first scan, and sets it where the odometry would miss it. */
+inline void beginInMotion(const std::string& program,
+                          const RawlogSourceOptions& input,
+                          SlamArguments& a)
+{
+  Config& config = a.settings.config;
+  const auto speed = findStartSpeed(a.settings.rawlog, input, config);
+  if (!speed)
+  {
+    return;
+  }
+  StartOptions start;
+  load(start, config, "start");
+  char text[40];
+  std::snprintf(text, sizeof text, "%.1f", *speed);
+  config.set(std::string("odometry.start_speed=") + text);
+  config.set("odometry.start_speed_sigma=" + std::to_string(start.sigma));
+  a.said.push_back(program + ": the recording begins at about " + text +
+                   " m/s, by the scans that follow (odometry.start_speed)");
+}
+
 /** Fills the settings' config: the ini, what fits the sensor and what the command line says.
  * \throws UserError. */
 inline void chooseSettings(const std::string& program, SlamArguments& a)
@@ -113,6 +135,7 @@ inline void chooseSettings(const std::string& program, SlamArguments& a)
   {
     a.said.push_back("warning: " + warning);
   }
+  beginInMotion(program, input, a);
 }
 
 /** Says on stderr what was recognised and chosen, once. */

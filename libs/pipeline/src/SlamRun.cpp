@@ -6,6 +6,7 @@
 #include <dyslam/pipeline/Pipeline.h>
 #include <dyslam/pipeline/SensorSettings.h>
 #include <dyslam/pipeline/SlamRun.h>
+#include <dyslam/pipeline/StartSpeed.h>
 #include <mrpt/system/CTimeLogger.h>
 
 #include <algorithm>
@@ -99,6 +100,7 @@ struct SlamRun::Impl
         times(true, "dyslam"),
         config(settings.config),
         sensor(config.get<SensorOptions>("sensor")),
+        start(config.get<StartOptions>("start")),
         input(config.get<RawlogSourceOptions>("input")),
         pipeline(config, times),
         outputs(settings, config)
@@ -118,6 +120,7 @@ struct SlamRun::Impl
   CTimeLogger times;
   ConfigLoader config;
   SensorOptions sensor;
+  StartOptions start;
   RawlogSourceOptions input;
   Pipeline pipeline;
   RunOutputs outputs;

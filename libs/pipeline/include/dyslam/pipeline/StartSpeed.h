@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <dyslam/core/Config.h>
+#include <dyslam/core/Frame.h>
+#include <dyslam/core/Options.h>
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace dyslam
+{
+struct RawlogSourceOptions;
+
+/** Ini section `[start]`: how fast a recording that begins in motion is. */
+struct StartOptions : Options
+{
+  bool search = true;     //!< look ahead for the speed at the first scan, where scans leave it open
+  int scans = 10;         //!< that are looked at
+  double slowest = -5;    //!< speeds that are tried [m/s]
+  double fastest = 45;    //!< [m/s]
+  double step = 5;        //!< between them [m/s]
+  double sigma = 1.5;     //!< of a speed that is tried, and of the one found [m/s]
+  double max_drift = 2;   //!< a speed's drift counts as at most this [m/s]
+  double min_margin = 6;  //!< support over that of the speed that the odometry finds [m^2/s^2]
+
+  void describe(OptionsVisitor& visitor) override;
+};
+
+/** One speed that was tried. */
+struct SpeedDrift
+{
+  double speed = 0;  //!< at the first scan [m/s]
+  double drift = 0;  //!< by which the odometry that began with it has moved away from it [m/s]
+};
+
+/** The speed that those around it drift towards, from as far and as fast as possible: the largest
+ * integral of the drift over the speed.
+ * \param drifts two at least, ascending by speed \param start what the odometry finds by itself
+ * \return the speed at the first scan [m/s]; nothing where its integral is less than `min_margin`
+ *   above that of `start` */
+[[nodiscard]] std::optional<double> speedOfDrifts(const std::vector<SpeedDrift>& drifts,
+                                                  double start,
+                                                  const StartOptions& options);
+
+/** Looks ahead for the speed at which a recording begins.
+ *
+ * Between guard rails that look alike all along, or amid traffic, the first scans can be registered
+ * at several speeds. The odometry is begun at each of a row of speeds. A wrong speed is pulled
+ * towards the true one by what little shows it, scan after scan; so the way that the speeds drift
+ * tells where it is even if none of them arrives there. Points count as much as the segmenter's
+ * appearance prior says that they are static.
+ * \param frames the first scans of a recording; those without dt, poses and so on
+ * \param config of the run
+ * \return the speed [m/s] where the odometry would miss it by itself; nothing where it finds it,
+ *   where `odometry.start_speed` is given, and where nothing is registered or searched for
+ * \throws UserError for bad options */
+[[nodiscard]] std::optional<double> findStartSpeed(const std::vector<Frame>& frames,
+                                                   const Config& config);
+
+/** The same for the first scans of a rawlog. */
+[[nodiscard]] std::optional<double> findStartSpeed(const std::string& rawlog,
+                                                   const RawlogSourceOptions& input,
+                                                   const Config& config);
+}  // namespace dyslam

@@ -1,0 +1,266 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/Error.h>
+#include <dyslam/core/Parallel.h>
+#include <dyslam/io/RawlogSource.h>
+#include <dyslam/odometry/LocalMapRegistration.h>
+#include <dyslam/odometry/Odometry.h>
+#include <dyslam/odometry/Preprocessor.h>
+#include <dyslam/pipeline/FrontEnd.h>
+#include <dyslam/pipeline/Pipeline.h>
+#include <dyslam/pipeline/StartSpeed.h>
+#include <mrpt/system/CTimeLogger.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace dyslam
+{
+namespace
+{
+using mrpt::system::CTimeLogger;
+
+/** Speeds nearer to each other are the same [m/s]. */
+constexpr double same_speed = 0.3;
+/** A speed this far from that of the odometry tells whether it is pulled back [m/s]. */
+constexpr double probe_distance = 5;
+/** A speed found this near the one that the odometry finds is not news [m/s]. */
+constexpr double min_difference = 3;
+
+/** Per frame, per point of its scan: probability that it is static, by its looks; empty where the
+ * segmenter does not tell. */
+using StaticPriors = std::vector<std::vector<float>>;
+
+struct StartSearch
+{
+  StartSearch(const std::vector<Frame>& first_frames, const Config& run_config)
+      : frames(first_frames), config(run_config), times(true, "start"), priors(frames.size())
+  {
+    times.setMinLoggingLevel(mrpt::system::LVL_ERROR);  // it would print its table at the end
+    ConfigLoader loader(config);
+    options = loader.get<StartOptions>("start");
+    threads = loader.get<PipelineOptions>("pipeline").threads;
+  }
+
+  [[nodiscard]] bool isWanted() const;
+  [[nodiscard]] ConfigLoader startingAt(std::optional<double> speed) const;
+  [[nodiscard]] double speedAfter(std::optional<double> start);
+  [[nodiscard]] double speedOfFrontEnd();
+  [[nodiscard]] bool isPulledTo(double speed);
+  [[nodiscard]] std::vector<SpeedDrift> drifts();
+
+  const std::vector<Frame>& frames;
+  const Config& config;
+  CTimeLogger times;
+  StartOptions options;
+  int threads = 0;
+  StaticPriors priors;
+};
+
+bool StartSearch::isWanted() const
+{
+  ConfigLoader loader(config);
+  return options.search && loader.get<OdometryOptions>("odometry").start_speed == 0 &&
+         loader.get<RefineOptions>("refine").method != RefineMethod::none &&
+         static_cast<int>(frames.size()) >= options.scans;
+}
+
+ConfigLoader StartSearch::startingAt(std::optional<double> speed) const
+{
+  Config changed = config;
+  if (speed)
+  {
+    // Zero would stand for a speed that is not known.
+    const double given = std::fabs(*speed) < 1e-3 ? 1e-3 : *speed;
+    changed.set("odometry.start_speed=" + std::to_string(given));
+    changed.set("odometry.start_speed_sigma=" + std::to_string(options.sigma));
+  }
+  return ConfigLoader(changed);
+}
+
+/** Forward speed along the last motion [m/s]. */
+double forwardSpeed(const Frame& frame)
+{
+  return frame.dt > 0 ? frame.motion.T_previous_current.translation().x() / frame.dt : 0;
+}
+
+/** Speed at the last frame after the registration alone, which began at a speed [m/s]. */
+double StartSearch::speedAfter(std::optional<double> start)
+{
+  ConfigLoader loader = startingAt(start);
+  ThreadPool pool(threads);
+  Preprocessor preprocessor(loader.get<PreprocessOptions>("preprocess"), pool);
+  Odometry odometry(loader, pool, times);
+  double speed = 0;
+  for (std::size_t i = 0; i < frames.size(); ++i)
+  {
+    Frame frame = frames[i];
+    const auto prepare = [&](const Pose& T_previous_current, double dt)
+    { return preprocessor.prepare(frame.scan, T_previous_current, dt); };
+    odometry.predict(frame);
+    frame.cloud = prepare(frame.prior.T_previous_current, frame.dt);
+    odometry.settleTime(frame, prepare);
+    if (!priors[i].empty())
+    {
+      for (const std::uint32_t point : frame.cloud.source)
+      {
+        frame.static_prior.push_back(priors[i][point]);
+      }
+    }
+    odometry.estimate(frame);
+    odometry.integrate(frame);
+    speed = forwardSpeed(frame);
+  }
+  return speed;
+}
+
+/** Speed at the last frame that the run would find [m/s]; keeps what looks static. */
+double StartSearch::speedOfFrontEnd()
+{
+  ConfigLoader loader(config);
+  FrontEnd front_end({threads, false}, loader, times);
+  double speed = 0;
+  for (std::size_t i = 0; i < frames.size(); ++i)
+  {
+    Frame frame = frames[i];
+    front_end.process(frame);
+    speed = forwardSpeed(frame);
+    if (!frame.static_prior.empty())
+    {
+      priors[i].assign(frame.scan.size(), 1);
+      for (std::size_t k = 0; k < frame.cloud.size(); ++k)
+      {
+        priors[i][frame.cloud.source[k]] = frame.static_prior[k];
+      }
+    }
+  }
+  return speed;
+}
+
+/** Both a lower and a higher speed at the start end up here. */
+bool StartSearch::isPulledTo(double speed)
+{
+  const auto arrives = [&](double start)
+  { return std::fabs(speedAfter(start) - speed) < same_speed; };
+  return arrives(speed + probe_distance) && arrives(speed - probe_distance);
+}
+
+std::vector<SpeedDrift> StartSearch::drifts()
+{
+  std::vector<SpeedDrift> result;
+  for (double speed = options.slowest; speed <= options.fastest; speed += options.step)
+  {
+    result.push_back({speed, speedAfter(speed) - speed});
+  }
+  return result;
+}
+
+/** Where the drift, linear in between, changes from forward to backward.
+ * \return the speed of the lower one where it does not */
+double crossing(const SpeedDrift& lower, const SpeedDrift& upper)
+{
+  if (lower.drift <= 0 || upper.drift >= 0)
+  {
+    return lower.speed;
+  }
+  return lower.speed + (upper.speed - lower.speed) * lower.drift / (lower.drift - upper.drift);
+}
+
+/** Integral of the drift over the speed, from the first of them on [m^2/s^2]. */
+double support(const std::vector<SpeedDrift>& drifts, double speed)
+{
+  double sum = 0;
+  for (std::size_t i = 1; i < drifts.size() && drifts[i - 1].speed < speed; ++i)
+  {
+    const SpeedDrift& a = drifts[i - 1];
+    const SpeedDrift& b = drifts[i];
+    const double share = std::min(1.0, (speed - a.speed) / (b.speed - a.speed));
+    const double end = a.drift + share * (b.drift - a.drift);
+    sum += share * (b.speed - a.speed) * (a.drift + end) / 2;
+  }
+  return sum;
+}
+}  // namespace
+
+void StartOptions::describe(OptionsVisitor& v)
+{
+  v.flag("search", search, "look ahead for the speed at the first scan, where scans leave it open");
+  v.integer("scans", scans, 3, 100, "that are looked at");
+  v.real("slowest", slowest, -50, 0, "speed that is tried [m/s]");
+  v.real("fastest", fastest, 0, 100, "speed that is tried [m/s]");
+  v.real("step", step, 0.5, 20, "between the speeds that are tried [m/s]");
+  v.real("sigma", sigma, 0.1, 20, "of a speed that is tried, and of the one found [m/s]");
+  v.real("max_drift", max_drift, 0.1, 100, "a speed's drift counts as at most this [m/s]");
+  v.real("min_margin", min_margin, 0, 1e6,
+         "support over that of the speed that the odometry finds [m^2/s^2]");
+}
+
+std::optional<double> speedOfDrifts(const std::vector<SpeedDrift>& drifts,
+                                    double start,
+                                    const StartOptions& options)
+{
+  std::vector<SpeedDrift> limited = drifts;
+  for (SpeedDrift& tried : limited)
+  {
+    tried.drift = std::clamp(tried.drift, -options.max_drift, options.max_drift);
+  }
+  double best = start;
+  double best_support = support(limited, start);
+  const double least = best_support + options.min_margin;
+  for (std::size_t i = 1; i < limited.size(); ++i)
+  {
+    const double candidate = crossing(limited[i - 1], limited[i]);
+    const double candidate_support = support(limited, candidate);
+    if (candidate_support > best_support)
+    {
+      best = candidate;
+      best_support = candidate_support;
+    }
+  }
+  if (best_support < least || std::fabs(best - start) < min_difference)
+  {
+    return std::nullopt;
+  }
+  return best;
+}
+
+std::optional<double> findStartSpeed(const std::vector<Frame>& frames, const Config& config)
+{
+  StartSearch search(frames, config);
+  if (!search.isWanted() || search.isPulledTo(search.speedAfter(std::nullopt)))
+  {
+    return std::nullopt;
+  }
+  const double start = search.speedOfFrontEnd();
+  if (search.isPulledTo(start))
+  {
+    return std::nullopt;
+  }
+  return speedOfDrifts(search.drifts(), start, search.options);
+}
+
+std::optional<double> findStartSpeed(const std::string& rawlog,
+                                     const RawlogSourceOptions& input,
+                                     const Config& config)
+{
+  StartOptions start;
+  load(start, config, "start");
+  RawlogSourceOptions options = input;
+  options.only_first_n =
+      input.only_first_n > 0 ? std::min(input.only_first_n, start.scans) : start.scans;
+  std::vector<Frame> frames;
+  try
+  {
+    RawlogSource source(rawlog, options);
+    while (auto frame = source.next())
+    {
+      frames.push_back(std::move(*frame));
+    }
+  }
+  catch (const UserError&)
+  {
+    return std::nullopt;  // the run will say it
+  }
+  return findStartSpeed(frames, config);
+}
+}  // namespace dyslam

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/pipeline/StartSpeed.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+#include <limits>
+
+namespace dyslam
+{
+namespace
+{
+std::vector<SpeedDrift> driftsOf(const std::function<double(double)>& drift)
+{
+  std::vector<SpeedDrift> drifts;
+  for (double speed = -5; speed <= 45; speed += 5)
+  {
+    drifts.push_back({speed, drift(speed)});
+  }
+  return drifts;
+}
+
+/** Weakly towards 27 m/s, and strongly towards 0 from nearby, as the rings on the ground. */
+double driftBetweenGuardRails(double speed)
+{
+  return std::fabs(speed) < 4 ? -0.5 * speed : 0.2 * (27 - speed);
+}
+
+TEST(StartSpeed, IsWhereDriftsLeadFromAfar)
+{
+  const auto speed = speedOfDrifts(driftsOf(driftBetweenGuardRails), 0.4, {});
+  ASSERT_TRUE(speed);
+  EXPECT_NEAR(*speed, 27, 0.5);
+}
+
+TEST(StartSpeed, IsNoNewsWhereTheOdometryFindsIt)
+{
+  EXPECT_FALSE(speedOfDrifts(driftsOf(driftBetweenGuardRails), 27.5, {}));
+  EXPECT_FALSE(speedOfDrifts(driftsOf(driftBetweenGuardRails), 25.5, {}));
+}
+
+TEST(StartSpeed, StaysWithTheOdometryWhereNothingLeadsAway)
+{
+  EXPECT_FALSE(speedOfDrifts(driftsOf([](double) { return 0.0; }), 3, {}));
+  // Each speed is pulled to 5 m/s, or to itself.
+  EXPECT_FALSE(
+      speedOfDrifts(driftsOf([](double speed) { return speed < 12 ? 5 - speed : 0; }), 5, {}));
+}
+
+TEST(StartSpeed, OneWildDriftCountsLittle)
+{
+  auto drifts = driftsOf([](double speed) { return 0.2 * (5 - speed); });
+  drifts[7].drift = 100;
+  EXPECT_FALSE(speedOfDrifts(drifts, 5, {}));
+  drifts[7].drift = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_FALSE(speedOfDrifts(drifts, 5, {}));
+}
+}  // namespace
+}  // namespace dyslam
