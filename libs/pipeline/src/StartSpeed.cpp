@@ -43,7 +43,7 @@ struct StartSearch
   }
 
   [[nodiscard]] bool isWanted() const;
-  [[nodiscard]] ConfigLoader startingAt(std::optional<double> speed) const;
+  [[nodiscard]] Config startingAt(std::optional<double> speed) const;
   [[nodiscard]] double speedAfter(std::optional<double> start);
   [[nodiscard]] double speedOfFrontEnd();
   [[nodiscard]] bool isPulledTo(double speed);
@@ -65,7 +65,7 @@ bool StartSearch::isWanted() const
          static_cast<int>(frames.size()) >= options.scans;
 }
 
-ConfigLoader StartSearch::startingAt(std::optional<double> speed) const
+Config StartSearch::startingAt(std::optional<double> speed) const
 {
   Config changed = config;
   if (speed)
@@ -75,7 +75,7 @@ ConfigLoader StartSearch::startingAt(std::optional<double> speed) const
     changed.set("odometry.start_speed=" + std::to_string(given));
     changed.set("odometry.start_speed_sigma=" + std::to_string(options.sigma));
   }
-  return ConfigLoader(changed);
+  return changed;
 }
 
 /** Forward speed along the last motion [m/s]. */
@@ -87,7 +87,8 @@ double forwardSpeed(const Frame& frame)
 /** Speed at the last frame after the registration alone, which began at a speed [m/s]. */
 double StartSearch::speedAfter(std::optional<double> start)
 {
-  ConfigLoader loader = startingAt(start);
+  const Config changed = startingAt(start);
+  ConfigLoader loader(changed);
   ThreadPool pool(threads);
   Preprocessor preprocessor(loader.get<PreprocessOptions>("preprocess"), pool);
   Odometry odometry(loader, pool, times);
@@ -236,7 +237,14 @@ std::optional<double> findStartSpeed(const std::vector<Frame>& frames, const Con
   {
     return std::nullopt;
   }
-  return speedOfDrifts(search.drifts(), start, search.options);
+  const auto speed = speedOfDrifts(search.drifts(), start, search.options);
+  if (!speed)
+  {
+    return std::nullopt;
+  }
+  // The drifts are far apart; the odometry that begins there settles the rest.
+  const double settled = search.speedAfter(*speed);
+  return std::fabs(settled - *speed) < search.options.max_drift ? settled : speed;
 }
 
 std::optional<double> findStartSpeed(const std::string& rawlog,
