@@ -4,7 +4,7 @@
 #include <dyslam/core/Error.h>
 #include <dyslam/eval/MapMetrics.h>
 #include <dyslam/formats/LabelFiles.h>
-#include <dyslam/io/CloudFiles.h>
+#include <dyslam/formats/ScanFiles.h>
 
 #include <algorithm>
 #include <cmath>

@@ -4,8 +4,8 @@
 #include <dyslam/eval/TrajectoryMetrics.h>
 #include <dyslam/formats/GroundTruth.h>
 #include <dyslam/formats/LabelFiles.h>
+#include <dyslam/formats/ScanFiles.h>
 #include <dyslam/formats/TrajectoryFiles.h>
-#include <dyslam/io/CloudFiles.h>
 #include <dyslam/io/RawlogSource.h>
 #include <dyslam/io/RawlogWriter.h>
 #include <dyslam/pipeline/SlamRun.h>
