@@ -160,7 +160,7 @@ void writeBin(const std::string& path,
               const std::vector<float>& intensity)
 {
   requireSameLength(points, intensity);
-  writeWhole(path, packed(points, intensity, true));
+  writeWhole(path, packed(points, intensity, true), Durable::no);
 }
 
 void writePcd(const std::string& path,
