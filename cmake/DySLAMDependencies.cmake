@@ -23,7 +23,7 @@ if(NOT DYSLAM_TRAIN_ONLY)
   find_package(MRPT 2.5.8 REQUIRED COMPONENTS core config io math poses serialization system obs maps graphs opengl
     graphslam)
   find_package(Ceres 2.1 REQUIRED)
-  find_package(PCL 1.13 REQUIRED COMPONENTS common kdtree search registration io)
+  find_package(PCL 1.13 REQUIRED COMPONENTS common kdtree search registration)
   find_package(OpenCV 4 REQUIRED COMPONENTS core imgproc imgcodecs)
   find_package(octomap REQUIRED)
 endif()

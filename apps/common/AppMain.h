@@ -2,6 +2,7 @@
 #pragma once
 
 #include <dyslam/core/Error.h>
+#include <dyslam/core/Printable.h>
 #include <dyslam/core/Version.h>
 
 #include <CLI/CLI.hpp>
@@ -45,21 +46,6 @@ inline std::string firstMeaningfulLine(const std::string& text)
     }
   }
   return first.empty() ? "unknown error" : first;
-}
-
-/** The text without control characters, which would garble a terminal, and not endless. */
-inline std::string printable(std::string text)
-{
-  constexpr std::size_t longest = 500;
-  if (text.size() > longest)
-  {
-    text = text.substr(0, longest) + "...";
-  }
-  for (char& c : text)
-  {
-    c = (c >= 0 && c < ' ') || c == '\x7F' ? '?' : c;
-  }
-  return text;
 }
 
 /** What to say of a word that should have been one of the parser's subcommands. */

@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <dyslam/core/Printable.h>
 #include <dyslam/io/Converters.h>
 
-#include <atomic>
-#include <csignal>
 #include <functional>
 #include <iostream>
 #include <string>
 
 #include "Checks.h"
 #include "Progress.h"
+#include "StopSignals.h"
 
 namespace dyslam
 {
@@ -19,11 +19,11 @@ inline void report(const ConversionResult& result, const std::string& output)
 {
   for (const std::string& note : result.notes)
   {
-    std::cerr << note << '\n';
+    std::cerr << printable(note) << '\n';
   }
   for (const std::string& warning : result.warnings)
   {
-    std::cerr << "warning: " << warning << '\n';
+    std::cerr << "warning: " << printable(warning) << '\n';
   }
   std::cout << output << ": " << result.scans << " scans, " << result.points << " points";
   if (result.poses + result.label_files + result.boxes > 0)
@@ -36,22 +36,6 @@ inline void report(const ConversionResult& result, const std::string& output)
   std::cout << '\n';
 }
 
-// The only thing a signal can reach.
-inline std::atomic<bool> conversion_stop_asked{false};
-static_assert(std::atomic<bool>::is_always_lock_free, "a signal handler may set it");
-
-/** Ctrl-C and kill end the conversion after the scan at hand; the second time they kill as usual.
- */
-inline void stopConversionOnSignals()
-{
-  struct sigaction action = {};
-  action.sa_handler = [](int) { conversion_stop_asked = true; };
-  action.sa_flags = static_cast<int>(SA_RESETHAND) | SA_RESTART;
-  sigemptyset(&action.sa_mask);
-  sigaction(SIGINT, &action, nullptr);
-  sigaction(SIGTERM, &action, nullptr);
-}
-
 /** Converts with a line of progress. A signal ends it and removes what was written so far.
  * \param program its name \param convert does it, reporting how far it is. \throws UserError. */
 inline ConversionResult convertWithProgress(
@@ -60,13 +44,13 @@ inline ConversionResult convertWithProgress(
     bool quiet,
     const std::function<ConversionResult(const ConversionProgress&)>& convert)
 {
-  stopConversionOnSignals();
+  stopOnSignals();
   Progress progress(program, "scans", quiet);
   ConversionResult result = convert(
       [&progress, &output](double fraction, std::size_t scans)
       {
         progress.update(fraction, scans);
-        if (conversion_stop_asked)
+        if (stop_asked)
         {
           throw UserError("stopped after " + std::to_string(scans) + " scans; " + output +
                           " was not written");

@@ -8,8 +8,6 @@
 #include <dyslam/pipeline/StartSpeed.h>
 
 #include <CLI/CLI.hpp>
-#include <atomic>
-#include <csignal>
 #include <cstdio>
 #include <filesystem>
 #include <functional>
@@ -20,6 +18,7 @@
 #include "AppMain.h"
 #include "Checks.h"
 #include "Progress.h"
+#include "StopSignals.h"
 
 namespace dyslam
 {
@@ -151,27 +150,12 @@ inline void sayAtFirstScan(SlamArguments& a)
   a.said.clear();
 }
 
-// The only thing a signal can reach.
-inline std::atomic<bool> stop_asked{false};
-static_assert(std::atomic<bool>::is_always_lock_free, "a signal handler may set it");
-
-/** Ctrl-C and kill end the run after the scan at hand; the second time they kill as usual. */
-inline void stopOnSignals()
-{
-  struct sigaction action = {};
-  action.sa_handler = [](int) { stop_asked = true; };
-  action.sa_flags = static_cast<int>(SA_RESETHAND) | SA_RESTART;
-  sigemptyset(&action.sa_mask);
-  sigaction(SIGINT, &action, nullptr);
-  sigaction(SIGTERM, &action, nullptr);
-}
-
 /** \param said how many of the warnings, which come first, were said at the beginning. */
 inline void print(const SlamRunReport& report, const std::string& folder, std::size_t said)
 {
   for (std::size_t i = said; i < report.warnings.size(); ++i)
   {
-    std::printf("warning: %s\n", report.warnings[i].c_str());
+    std::printf("warning: %s\n", printable(report.warnings[i]).c_str());
   }
   std::printf("%s\n", report.method.c_str());
   std::printf("%zu scans, %.1f m, %zu keyframes, %zu loops, %zu moving objects, %zu map points\n",

@@ -165,7 +165,7 @@ void run(const Arguments& a)
   {
     writeKittiMot(a.tracks, setup.data, names, runs);
   }
-  a.output.write(table, json.dump(2) + "\n");
+  a.output.write(table, textOf(json));
 }
 }  // namespace
 

@@ -293,7 +293,7 @@ void run(const Arguments& a)
     addMeans(table, odometry, sequences, a.modes);
   }
   addPaper(table, a.modes);
-  a.output.write(table, json.dump(2) + "\n");
+  a.output.write(table, textOf(json));
   if (!objects.empty())
   {
     std::cout << objectTable(objects).toText();

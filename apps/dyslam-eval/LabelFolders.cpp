@@ -10,6 +10,8 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
+#include "OutputFiles.h"
+
 namespace dyslam
 {
 namespace
@@ -142,6 +144,6 @@ std::string segmentationJson(const NamedComparisons& results)
     }
     json["segmentation"].push_back(entry);
   }
-  return json.dump(2) + "\n";
+  return textOf(json);
 }
 }  // namespace dyslam

@@ -4,7 +4,7 @@
 #include <dyslam/core/Error.h>
 #include <dyslam/eval/MapMetrics.h>
 #include <dyslam/formats/LabelFiles.h>
-#include <dyslam/io/CloudFiles.h>
+#include <dyslam/formats/ScanFiles.h>
 
 #include <algorithm>
 #include <cmath>
@@ -109,7 +109,7 @@ void runSelf(const Arguments& a)
                                     {"mean_map_entropy", mean.mean_entropy},
                                     {"mean_plane_variance_m2", mean.mean_plane_variance}});
   }
-  a.output.write(table, json.dump(2) + "\n");
+  a.output.write(table, textOf(json));
 }
 
 void run(const Arguments& a)
@@ -150,7 +150,7 @@ void run(const Arguments& a)
                             {"by_point", toJson(e.points)},
                             {"by_voxel", toJson(e.voxels)}});
   }
-  a.output.write(table, json.dump(2) + "\n");
+  a.output.write(table, textOf(json));
 }
 
 void declareSelf(CLI::App& sub, Arguments& a)

@@ -4,6 +4,7 @@
 #include <dyslam/eval/Table.h>
 
 #include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
@@ -19,6 +20,12 @@ struct OutputFlags
   /** Prints the table and writes the requested files. */
   void write(const Table& table, const std::string& json_text) const;
 };
+
+/** The value as text, indented; bytes that are no UTF-8 (of a folder's name) become U+FFFD. */
+[[nodiscard]] inline std::string textOf(const nlohmann::ordered_json& json)
+{
+  return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
+}
 
 /** Shortest unambiguous names of files for a table. */
 [[nodiscard]] std::vector<std::string> shortNames(const std::vector<std::string>& paths);

@@ -182,7 +182,7 @@ void runPaperTables(const Arguments& a)
     json[from] = {{"10/0", one}, {"six targets", all}};
     if (detections)
     {
-      a.output.write(means, json.dump(2) + "\n");
+      a.output.write(means, textOf(json));
     }
     else
     {
@@ -211,7 +211,7 @@ void run(const Arguments& a)
   const double constant = rmse(*constantVelocityPredictor(), targets.front(), 2);
   json["constant velocity"] = constant;
   std::cout << "constant velocity: " << TableCell(constant, 3).text << " m\n";
-  a.output.write(table, json.dump(2) + "\n");
+  a.output.write(table, textOf(json));
 }
 }  // namespace
 

@@ -2,6 +2,7 @@
 #include "RunCommand.h"
 
 #include <dyslam/core/Error.h>
+#include <dyslam/core/Printable.h>
 #include <dyslam/eval/Consistency.h>
 #include <dyslam/eval/TrajectoryReports.h>
 #include <dyslam/formats/GroundTruth.h>
@@ -57,6 +58,15 @@ Json readReport(const fs::path& folder)
   if (!report)
   {
     std::cerr << "note: " << folder.string() << " has no report.json: the run did not finish\n";
+  }
+  else if (const auto missing = report->find("not_written");
+           missing != report->end() && missing->is_array())
+  {
+    for (const Json& reason : *missing)
+    {
+      std::cerr << "note: the run lacks a file: "
+                << (reason.is_string() ? printable(reason.get<std::string>()) : "") << '\n';
+    }
   }
   return report.value_or(Json::object());
 }
@@ -276,7 +286,7 @@ std::string runJson(const std::vector<RunScores>& runs)
     }
     json["runs"].push_back(entry);
   }
-  return json.dump(2) + "\n";
+  return textOf(json);
 }
 
 void run(const Arguments& a)

@@ -3,6 +3,7 @@
 
 #include <dyslam/core/Error.h>
 #include <dyslam/core/Files.h>
+#include <dyslam/core/Printable.h>
 
 #include <filesystem>
 
@@ -15,7 +16,12 @@ std::optional<nlohmann::ordered_json> readRunReport(const std::string& folder)
   {
     return std::nullopt;
   }
-  auto json = nlohmann::ordered_json::parse(readWhole(path.string()), nullptr, false);
+  const std::string text = readWhole(path.string());
+  if (isNestedDeeper(text))
+  {
+    throw UserError(path.string() + ": is nested too deeply for a report");
+  }
+  auto json = nlohmann::ordered_json::parse(text, nullptr, false);
   if (!json.is_object())
   {
     throw UserError(path.string() + ": is not the JSON report of a run");

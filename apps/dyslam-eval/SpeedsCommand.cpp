@@ -191,7 +191,7 @@ void run(const Arguments& a)
     const auto png = renderLinePlot(lines, options);
     writeWhole(a.plot, {reinterpret_cast<const char*>(png.data()), png.size()});
   }
-  a.output.write(table, json.dump(2) + "\n");
+  a.output.write(table, textOf(json));
 }
 }  // namespace
 

@@ -309,7 +309,7 @@ void run(const Arguments& a)
       trackErrors(sequence, rulesFor(a, ""), max_distance, truth.speeds, estimate.speeds);
   types.erase(std::remove(types.begin(), types.end(), ""), types.end());
   const Table by_range = errorTable(errors, types, json["errors"]);
-  a.output.write(table, json.dump(2) + "\n");
+  a.output.write(table, textOf(json));
   std::cout << "\n" << by_range.toText();
 }
 }  // namespace

@@ -3,7 +3,7 @@
 
 #include <dyslam/core/Error.h>
 #include <dyslam/core/SharedFiles.h>
-#include <dyslam/io/CloudFiles.h>
+#include <dyslam/formats/ScanFiles.h>
 #include <dyslam/odometry/ScanMatcher.h>
 
 #include <CLI/CLI.hpp>

@@ -4,9 +4,8 @@
 #include <dyslam/core/Error.h>
 #include <dyslam/core/SharedFiles.h>
 
-#include <csignal>
-
 #include "../common/Checks.h"
+#include "../common/StopSignals.h"
 
 namespace dyslam
 {
@@ -33,12 +32,6 @@ void declareCommon(CLI::App& app, TrainArguments& a)
       ->allow_extra_args(false);
 }
 
-volatile std::sig_atomic_t stop_requested = 0;
-
-void noteSignal(int /*number*/)
-{
-  stop_requested = 1;
-}
 }  // namespace
 
 Config TrainArguments::loadConfig() const
@@ -108,13 +101,9 @@ bool stopRequested()
 {
   static const bool listening = []
   {
-    struct sigaction action = {};
-    action.sa_handler = noteSignal;
-    action.sa_flags = static_cast<int>(SA_RESETHAND);  // a second one ends the program at once
-    sigaction(SIGINT, &action, nullptr);
-    sigaction(SIGTERM, &action, nullptr);
+    stopOnSignals();
     return true;
   }();
-  return listening && stop_requested != 0;
+  return listening && stop_asked;
 }
 }  // namespace dyslam

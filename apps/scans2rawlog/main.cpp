@@ -67,7 +67,7 @@ void run(const Arguments& arguments)
     const auto bag = openBag(arguments.input);
     for (const std::string& warning : bag->warnings())
     {
-      std::cerr << "warning: " << warning << '\n';
+      std::cerr << "warning: " << printable(warning) << '\n';
     }
     std::cout << listingOf(*bag);
     return;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/Error.h>
 #include <dyslam/core/PendingFile.h>
+#include <fcntl.h>
+#include <unistd.h>
 
 #include <cerrno>
 #include <cstring>
@@ -10,6 +12,26 @@
 namespace dyslam
 {
 namespace fs = std::filesystem;
+
+namespace
+{
+/** Waits until a file or a folder is on the disk. False if it cannot be, with the reason in errno.
+ */
+bool synchronised(const std::string& path, int flags)
+{
+  const int file = ::open(path.c_str(), flags | O_CLOEXEC);
+  if (file < 0)
+  {
+    return false;
+  }
+  // Some file systems have nothing to wait for.
+  const bool done = ::fsync(file) == 0 || errno == EINVAL || errno == ENOTSUP;
+  const int reason = errno;
+  ::close(file);
+  errno = reason;
+  return done;
+}
+}  // namespace
 
 PendingFile::PendingFile(const std::string& path) : path_(path), temporary_(path + ".tmp")
 {
@@ -29,8 +51,12 @@ PendingFile::~PendingFile()
   }
 }
 
-void PendingFile::commit()
+void PendingFile::commit(Durable durable)
 {
+  if (durable == Durable::yes && !synchronised(temporary_, O_RDONLY))
+  {
+    throw UserError(path_ + ": cannot be written: " + std::strerror(errno));
+  }
   std::error_code error;
   fs::rename(temporary_, path_, error);
   if (error)
@@ -38,9 +64,16 @@ void PendingFile::commit()
     throw UserError(path_ + ": cannot be written: " + error.message());
   }
   committed_ = true;
+  if (durable == Durable::yes)
+  {
+    const fs::path folder = fs::path(path_).parent_path();
+    (void)synchronised(folder.empty() ? "." : folder.string(), O_RDONLY | O_DIRECTORY);
+  }
 }
 
-void writeWhole(const std::string& path, const std::function<void(std::ostream&)>& write)
+void writeWhole(const std::string& path,
+                const std::function<void(std::ostream&)>& write,
+                Durable durable)
 {
   PendingFile pending(path);
   errno = 0;
@@ -55,12 +88,15 @@ void writeWhole(const std::string& path, const std::function<void(std::ostream&)
     throw UserError(
         path + ": cannot be written: " + (errno != 0 ? std::strerror(errno) : "unknown reason"));
   }
-  pending.commit();
+  pending.commit(durable);
 }
 
-void writeWhole(const std::string& path, std::string_view content)
+void writeWhole(const std::string& path, std::string_view content, Durable durable)
 {
-  writeWhole(path, [content](std::ostream& out)
-             { out.write(content.data(), static_cast<std::streamsize>(content.size())); });
+  writeWhole(
+      path,
+      [content](std::ostream& out)
+      { out.write(content.data(), static_cast<std::streamsize>(content.size())); },
+      durable);
 }
 }  // namespace dyslam

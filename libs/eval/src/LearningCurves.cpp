@@ -88,7 +88,8 @@ void drawPanel(cv::Mat& page,
     curve.colour = curveColour(s);
     for (std::size_t i = 0; i < log.step.size(); ++i)
     {
-      if (log.series[i] == series[s] && std::isfinite(column.value[i]))
+      if (log.series[i] == series[s] && std::isfinite(log.step[i]) &&
+          std::isfinite(column.value[i]))
       {
         curve.points.emplace_back(log.step[i], column.value[i]);
         values.push_back(column.value[i]);

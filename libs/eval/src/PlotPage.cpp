@@ -30,6 +30,25 @@ double niceStep(double size, int parts)
   return 10 * power;
 }
 
+/** Multiples of the step within the range; none where the step is lost in the numbers' last digit.
+ */
+std::vector<double> ticks(const Range& range, double step)
+{
+  constexpr double most = 100;
+  std::vector<double> values;
+  const double first = std::ceil(range.low / step - 1e-9) * step;
+  const double count = std::floor((range.high + 1e-9 * step - first) / step);
+  if (!(count >= 0 && count <= most) || first + step == first)
+  {
+    return values;
+  }
+  for (int i = 0; i <= static_cast<int>(count); ++i)
+  {
+    values.push_back(first + i * step);
+  }
+  return values;
+}
+
 std::string tickText(double value, double step)
 {
   const int digits = std::max(0, static_cast<int>(std::ceil(-std::log10(step) - 1e-9)));
@@ -97,16 +116,14 @@ void Panel::drawAxes(const std::string& title,
 {
   const double step_x = niceStep(x_.size(), 9);
   const double step_y = niceStep(y_.size(), steps_);
-  for (double v = std::ceil(x_.low / step_x - 1e-9) * step_x; v <= x_.high + 1e-9 * step_x;
-       v += step_x)
+  for (const double v : ticks(x_, step_x))
   {
     const cv::Point p = pixel({v, y_.low});
     cv::line(page_, {p.x, area_.y}, {p.x, area_.y + area_.height}, faint, supersampling);
     text(page_, tickText(v, step_x), {p.x, area_.y + area_.height + 14 * supersampling},
          Anchor::middle, 0.42);
   }
-  for (double v = std::ceil(y_.low / step_y - 1e-9) * step_y; v <= y_.high + 1e-9 * step_y;
-       v += step_y)
+  for (const double v : ticks(y_, step_y))
   {
     const cv::Point p = pixel({x_.low, v});
     cv::line(page_, {area_.x, p.y}, {area_.x + area_.width, p.y}, faint, supersampling);
@@ -159,7 +176,15 @@ cv::Point Panel::pixel(const Eigen::Vector2d& p, int bits) const
   const double unit = static_cast<double>(1 << bits);
   const double x = area_.x + (p.x() - x_.low) / x_.size() * area_.width;
   const double y = area_.y + (y_.high - p.y()) / y_.size() * area_.height;
-  return {static_cast<int>(std::lround(x * unit)), static_cast<int>(std::lround(y * unit))};
+  // Far off the page is far enough.
+  const auto whole = [unit](double value)
+  {
+    constexpr double farthest = 1e6;
+    return std::isfinite(value)
+               ? static_cast<int>(std::lround(std::clamp(value, -farthest, farthest) * unit))
+               : 0;
+  };
+  return {whole(x), whole(y)};
 }
 
 void drawLegend(cv::Mat& page, cv::Point at, const std::vector<Curve>& curves)

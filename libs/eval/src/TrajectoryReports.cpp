@@ -159,6 +159,6 @@ std::string trajectoryJson(const std::vector<TrajectoryReport>& reports)
   {
     json["trajectories"].push_back(toJson(report));
   }
-  return json.dump(2) + "\n";
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 }  // namespace dyslam

@@ -40,7 +40,9 @@ std::vector<Label> readLabels(const std::string& path, std::size_t expected)
 
 void writeLabels(const std::string& path, const std::vector<Label>& labels)
 {
-  writeWhole(path, std::string_view(reinterpret_cast<const char*>(labels.data()),
-                                    labels.size() * sizeof(Label)));
+  writeWhole(
+      path,
+      std::string_view(reinterpret_cast<const char*>(labels.data()), labels.size() * sizeof(Label)),
+      Durable::no);
 }
 }  // namespace dyslam

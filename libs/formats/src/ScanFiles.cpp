@@ -2,6 +2,7 @@
 #include <dyslam/core/Error.h>
 #include <dyslam/core/Files.h>
 #include <dyslam/core/PendingFile.h>
+#include <dyslam/formats/RecordingKind.h>
 #include <dyslam/formats/ScanFiles.h>
 
 #include <algorithm>
@@ -9,6 +10,9 @@
 #include <cctype>
 #include <cstring>
 #include <filesystem>
+
+#include "PcdFile.h"
+#include "PlyFile.h"
 
 namespace dyslam
 {
@@ -156,7 +160,7 @@ void writeBin(const std::string& path,
               const std::vector<float>& intensity)
 {
   requireSameLength(points, intensity);
-  writeWhole(path, packed(points, intensity, true));
+  writeWhole(path, packed(points, intensity, true), Durable::no);
 }
 
 void writePcd(const std::string& path,
@@ -208,6 +212,26 @@ void writeCloud(const std::string& path,
   {
     throw UserError(path + ": unknown kind of cloud; use .pcd, .ply or .bin");
   }
+}
+
+Scan readCloud(const std::string& path)
+{
+  const std::string extension = lowerExtension(path);
+  if (extension == ".bin")
+  {
+    return readBin(path);
+  }
+  if (extension == ".pcd")
+  {
+    return readPcd(path);
+  }
+  if (extension == ".ply")
+  {
+    return readPly(path);
+  }
+  const std::string advice = conversionAdvice(path);
+  throw UserError(path + ": " +
+                  (advice.empty() ? "unknown kind of cloud; use .bin, .pcd or .ply" : advice));
 }
 
 bool isCloudFile(const std::string& path)

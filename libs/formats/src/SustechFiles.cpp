@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/Error.h>
 #include <dyslam/core/Files.h>
+#include <dyslam/core/Printable.h>
 #include <dyslam/formats/SustechFiles.h>
 
 #include <charconv>
@@ -62,6 +63,10 @@ LabelledBox boxFrom(const json& object, int frame)
 std::vector<LabelledBox> readSustechJson(const std::string& path, int frame)
 {
   const std::string text = readWhole(path);
+  if (isNestedDeeper(text))
+  {
+    throw UserError(path + ": is nested too deeply for a list of boxes");
+  }
   std::vector<LabelledBox> boxes;
   json root;
   try

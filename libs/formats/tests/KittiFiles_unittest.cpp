@@ -150,6 +150,19 @@ TEST(KittiBoxes, SustechJson)
                UserError);
 }
 
+TEST(KittiBoxes, JsonThatIsNestedDeeplyIsRefused)
+{
+  const TestFolder folder;
+  const std::string deep(1000000, '[');
+  for (const std::string& text :
+       {deep, "[{\"obj_id\": " + deep + std::string(deep.size(), ']') + "}]"})
+  {
+    const std::string said =
+        messageOfError<UserError>([&] { (void)readSustechJson(folder.write("a.json", text), 0); });
+    EXPECT_TRUE(contains(said, "nested too deeply")) << said;
+  }
+}
+
 TEST(KittiTimestamps, AreSecondsSince1970)
 {
   const TestFolder folder;

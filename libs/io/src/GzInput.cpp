@@ -60,21 +60,27 @@ std::size_t GzInput::Read(void* buffer, std::size_t count)
   auto* to = static_cast<char*>(buffer);
   for (std::size_t done = 0; done < count;)
   {
-    const std::size_t step = std::min(count - done, largest_step);
-    const int got = gzread(file_, to + done, static_cast<unsigned>(step));
-    if (got <= 0)
+    const std::size_t got = readSome(to + done, count - done);
+    if (got == 0)
     {
       noteError();
       throw std::runtime_error("unexpected end of data");
     }
-    done += static_cast<std::size_t>(got);
+    done += got;
   }
   return count;
 }
 
-std::size_t GzInput::Write(const void*, std::size_t)
+std::size_t GzInput::readSome(void* buffer, std::size_t count)
 {
-  throw std::logic_error("GzInput is for reading");
+  const int got = gzread(file_, buffer, static_cast<unsigned>(std::min(count, largest_step)));
+  int code = Z_OK;
+  gzerror(file_, &code);
+  if (code != Z_OK)
+  {
+    noteError();
+  }
+  return got > 0 ? static_cast<std::size_t>(got) : 0;
 }
 
 bool GzInput::atEnd()

@@ -9,7 +9,7 @@
 
 namespace dyslam
 {
-/** Reads a gzip or plain file for MRPT's archiveFrom(), knowing a clean end from a cut. */
+/** Reads a gzip or plain file, knowing a clean end from a cut. */
 class GzInput
 {
  public:
@@ -21,8 +21,10 @@ class GzInput
 
   /** All `count` bytes, or std::runtime_error. */
   std::size_t Read(void* buffer, std::size_t count);
-  std::size_t Write(const void* buffer, std::size_t count);  //!< throws
-  [[nodiscard]] std::string getStreamDescription() const { return path_; }
+  /** Up to `count` bytes. \return how many; 0 at the end, be it where it should or not. */
+  std::size_t readSome(void* buffer, std::size_t count);
+  /** To be called where more should have followed at the end. */
+  void noteCut() { cut_ = true; }
 
   /** True if no byte is left; ok() then says whether the file ends as it should. */
   [[nodiscard]] bool atEnd();

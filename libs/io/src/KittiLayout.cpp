@@ -3,9 +3,9 @@
 
 #include <dyslam/core/Error.h>
 #include <dyslam/formats/RecordingKind.h>
+#include <dyslam/formats/ScanFiles.h>
 #include <dyslam/formats/SustechFiles.h>
 #include <dyslam/formats/TrajectoryFiles.h>
-#include <dyslam/io/CloudFiles.h>
 
 #include <algorithm>
 #include <cmath>

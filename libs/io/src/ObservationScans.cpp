@@ -2,9 +2,6 @@
 #include "ObservationScans.h"
 
 #include <dyslam/core/Error.h>
-#include <mrpt/io/lazy_load_path.h>
-#include <mrpt/maps/CColouredPointsMap.h>
-#include <mrpt/maps/CPointsMapXYZI.h>
 #include <mrpt/maps/CSimplePointsMap.h>
 #include <mrpt/obs/CObservation3DRangeScan.h>
 #include <mrpt/obs/CObservationPointCloud.h>
@@ -13,11 +10,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
-#include <mutex>
 #include <optional>
 #include <vector>
 
+#include "ExternalScans.h"
 #include "MrptConversions.h"
 #include "VelodynePackets.h"
 
@@ -34,76 +30,13 @@ using mrpt::obs::VelodyneCalibration;
 
 constexpr double pi = 3.14159265358979323846;
 
-/** MRPT finds external files by one folder per process: set and load must not be parted. */
-std::mutex external_folder_mutex;
-
-/** A recording of others must not have any file of this machine read.
- * \throws UserError for a name that leads out of the folder. */
-void requireInside(const std::string& name, const ExternalFiles& external)
-{
-  const std::filesystem::path path = std::filesystem::path(name).lexically_normal();
-  if (!external.anywhere && (path.is_absolute() || (!path.empty() && *path.begin() == "..")))
-  {
-    throw UserError(name + ": the rawlog keeps a scan in a file outside of its folder " +
-                    external.folder + "; put it there, or allow it with input.external_anywhere");
-  }
-}
-
-void loadExternal(const CObservation& observation, const std::string& folder)
-{
-  const std::lock_guard<std::mutex> lock(external_folder_mutex);
-  mrpt::io::setLazyLoadPathBase(folder);
-  observation.load();
-}
-
 Scan fromPointCloud(const CObservationPointCloud& observation, const ExternalFiles& external)
 {
-  if (observation.isExternallyStored() && !observation.pointcloud)
+  if (observation.pointcloud)
   {
-    requireInside(observation.getExternalStorageFile(), external);
-    const auto file = std::filesystem::path(external.folder) /
-                      std::filesystem::path(observation.getExternalStorageFile());
-    if (!std::filesystem::exists(file))
-    {
-      throw UserError(file.string() + ": no such file, but the rawlog keeps a scan in it");
-    }
-    if (std::filesystem::file_size(file) > 0)
-    {
-      loadExternal(observation, external.folder);
-    }
+    return scanFromPointsMap(*observation.pointcloud);
   }
-  Scan scan;
-  if (!observation.pointcloud)
-  {
-    return scan;
-  }
-  const auto& map = *observation.pointcloud;
-  const auto& xs = map.getPointsBufferRef_x();
-  const auto& ys = map.getPointsBufferRef_y();
-  const auto& zs = map.getPointsBufferRef_z();
-  scan.points.resize(xs.size());
-  for (std::size_t i = 0; i < xs.size(); ++i)
-  {
-    scan.points[i] = {xs[i], ys[i], zs[i]};
-  }
-  if (const auto* xyzi = dynamic_cast<const mrpt::maps::CPointsMapXYZI*>(&map))
-  {
-    const auto& intensity = xyzi->getPointsBufferRef_intensity();
-    scan.intensity.assign(intensity.begin(), intensity.end());
-  }
-  else if (const auto* coloured = dynamic_cast<const mrpt::maps::CColouredPointsMap*>(&map))
-  {
-    scan.intensity.resize(scan.size());
-    for (std::size_t i = 0; i < scan.size(); ++i)
-    {
-      float red = 0;
-      float green = 0;
-      float blue = 0;
-      coloured->getPointColor_fast(i, red, green, blue);
-      scan.intensity[i] = (red + green + blue) / 3;
-    }
-  }
-  return scan;
+  return observation.isExternallyStored() ? readExternalCloud(observation, external) : Scan();
 }
 
 Scan fromVelodyne(CObservationVelodyneScan& observation)
@@ -238,18 +171,15 @@ Scan fromRotatingScan(const CObservationRotatingScan& observation)
 
 Scan fromRangeImage(CObservation3DRangeScan& observation, const ExternalFiles& external)
 {
-  if (observation.points3D_isExternallyStored())
-  {
-    requireInside(observation.points3D_getExternalStorageFile(), external);
-  }
-  if (observation.rangeImage_isExternallyStored())
-  {
-    requireInside(observation.rangeImage_getExternalStorageFile(""), external);
-  }
-  loadExternal(observation, external.folder);
+  loadExternalParts(observation, external);
   Scan scan;
   if (observation.hasPoints3D)
   {
+    if (observation.points3D_y.size() != observation.points3D_x.size() ||
+        observation.points3D_z.size() != observation.points3D_x.size())
+    {
+      throw UserError("points whose coordinates are of different numbers");
+    }
     for (std::size_t i = 0; i < observation.points3D_x.size(); ++i)
     {
       scan.points.emplace_back(observation.points3D_x[i], observation.points3D_y[i],

@@ -7,12 +7,12 @@
 #include <mrpt/obs/CRawlog.h>
 #include <mrpt/obs/CSensoryFrame.h>
 #include <mrpt/obs/registerAllClasses.h>
-#include <mrpt/serialization/CArchive.h>
 
 #include <filesystem>
 
 #include "GzInput.h"
 #include "MrptConversions.h"
+#include "RawlogObjects.h"
 
 namespace dyslam
 {
@@ -52,7 +52,8 @@ const std::string& checked(const std::string& path)
 RawlogStream::RawlogStream(const std::string& path)
     : path_(checked(path)),
       external_folder_(findExternalFolder(path)),
-      file_(std::make_unique<GzInput>(path))
+      file_(std::make_unique<GzInput>(path)),
+      objects_in_(std::make_unique<RawlogObjects>(*file_))
 {
   if (file_->fileSize() == 0)
   {
@@ -102,33 +103,29 @@ void RawlogStream::failReading(const std::string& reason) const
 
 void RawlogStream::readObject()
 {
-  mrpt::serialization::CSerializable::Ptr object;
+  const mrpt::rtti::TRuntimeClassId* id = nullptr;
   try
   {
-    auto archive = mrpt::serialization::archiveFrom(*file_);
-    object = archive.ReadObject();
+    id = &objects_in_->next(queue_);
   }
   catch (const std::exception& error)
   {
     failReading(messageOf(error));
   }
-  using namespace mrpt::obs;
-  if (auto observation = std::dynamic_pointer_cast<CObservation>(object))
-  {
-    queue_.push_back(std::move(observation));
-  }
-  else if (const auto frame = std::dynamic_pointer_cast<CSensoryFrame>(object))
-  {
-    queue_.insert(queue_.end(), frame->begin(), frame->end());
-  }
-  else if (const auto rawlog = std::dynamic_pointer_cast<CRawlog>(object))
+  const std::string name = id->className;
+  if (id == CLASS_ID_NAMESPACE(CRawlog, mrpt::obs))
   {
     throw UserError(path_ + ": holds a CRawlog as one object; save it again with rawlog-edit");
   }
-  else if (object && !std::dynamic_pointer_cast<CActionCollection>(object) && objects_ == 0)
+  if (!id->derivedFrom(CLASS_ID_NAMESPACE(CObservation, mrpt::obs)) &&
+      id != CLASS_ID_NAMESPACE(CSensoryFrame, mrpt::obs) &&
+      id != CLASS_ID_NAMESPACE(CActionCollection, mrpt::obs))
   {
-    throw UserError(path_ + ": is not a rawlog: it holds a " +
-                    object->GetRuntimeClass()->className + "; " + advice);
+    if (objects_ == 0)
+    {
+      throw UserError(path_ + ": is not a rawlog: it holds a " + name + "; " + advice);
+    }
+    failReading("it holds a " + name);
   }
   ++objects_;
 }
@@ -137,7 +134,7 @@ mrpt::obs::CObservation::Ptr RawlogStream::next()
 {
   while (queue_.empty())
   {
-    if (file_->atEnd())
+    if (objects_in_->atEnd())
     {
       if (file_->cut() || file_->broken() || !file_->readError().empty())
       {

@@ -2,8 +2,8 @@
 #include <dyslam/core/Error.h>
 #include <dyslam/formats/KittiFiles.h>
 #include <dyslam/formats/RecordingKind.h>
+#include <dyslam/formats/ScanFiles.h>
 #include <dyslam/formats/TrajectoryFiles.h>
-#include <dyslam/io/CloudFiles.h>
 #include <dyslam/io/Converters.h>
 #include <dyslam/io/PcapSource.h>
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/Error.h>
+#include <dyslam/core/Printable.h>
 #include <dyslam/core/Trajectory.h>
 #include <dyslam/io/RawlogSource.h>
 #include <dyslam/io/ScanDecoder.h>
@@ -24,6 +25,7 @@ namespace
 using mrpt::obs::CObservation;
 
 constexpr std::size_t max_dropped_in_a_row = 10;
+constexpr std::size_t longest_label = 256;   //!< std::regex goes a call deeper with each character
 constexpr std::size_t scans_after_step = 4;  //!< that run on regularly show a clock set back
 constexpr double same_time = 1e-6;           //!< stamps this near are one [s]
 constexpr double truth_memory = 2.0;         //!< how long old true poses are kept [s]
@@ -37,6 +39,11 @@ std::regex compiled(const std::string& pattern)
 {
   try
   {
+    if (pattern.size() > longest_label)
+    {
+      throw UserError("sensor_label is longer than " + std::to_string(longest_label) +
+                      " characters");
+    }
     return std::regex(pattern);
   }
   catch (const std::regex_error&)
@@ -76,7 +83,8 @@ struct ScanDecoder::Impl
   {
     const std::string& name = observation.sensorLabel;
     ++lidar_labels[name];
-    if (!options.sensor_label.empty() && !std::regex_match(name, wanted))
+    if (!options.sensor_label.empty() &&
+        (name.size() > longest_label || !std::regex_match(name, wanted)))
     {
       return false;
     }
@@ -370,7 +378,7 @@ std::vector<std::string> ScanDecoder::warnings() const
     const std::string scan = note.tells_scan ? (times.empty() ? "scan " : ", first scan ") +
                                                    std::to_string(note.first_scan)
                                              : "";
-    lines.push_back(impl_->recording + ": " + note.text +
+    lines.push_back(impl_->recording + ": " + printable(note.text) +
                     (times.empty() && scan.empty() ? "" : " (" + times + scan + ")"));
   }
   return lines;

@@ -3,9 +3,9 @@
 #include <dyslam/formats/TextFile.h>
 
 #include <algorithm>
-#include <cstdlib>
+#include <charconv>
 #include <filesystem>
-#include <regex>
+#include <string_view>
 
 #include "VelodynePackets.h"
 
@@ -14,6 +14,7 @@ namespace dyslam
 namespace
 {
 constexpr double degrees = 180 / 3.14159265358979323846;
+constexpr std::size_t most_lasers = 128;
 using Calibration = mrpt::obs::VelodyneCalibration;
 
 void setField(Calibration::PerLaserCalib& laser, const std::string& key, double value)
@@ -40,23 +41,50 @@ void setField(Calibration::PerLaserCalib& laser, const std::string& key, double 
   }
 }
 
+bool isWord(char c)
+{
+  return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_';
+}
+
+/** The value behind the colon of `key: value`. */
+double numberAfter(std::string_view text)
+{
+  const std::size_t begin = std::min(text.find_first_not_of(" \t"), text.size());
+  double value = 0;
+  std::from_chars(text.data() + begin, text.data() + text.size(), value);
+  return value;
+}
+
 /** Every laser is a `- {key: value, ...}`, in whatever order. MRPT 2.5.8 takes the text of a YAML
  * file for a file name, so this is read here. */
 Calibration fromYaml(const std::string& text)
 {
-  const std::regex pair(R"((\w+)\s*:\s*([-+0-9.eE]+))");
   Calibration calibration;
   for (std::size_t at = text.find("- {"); at != std::string::npos; at = text.find("- {", at + 1))
   {
-    const std::string laser_text = text.substr(at, text.find('}', at) - at);
+    const std::string_view laser_text = std::string_view(text).substr(at, text.find('}', at) - at);
     Calibration::PerLaserCalib laser;
     std::size_t id = calibration.laser_corrections.size();
-    for (std::sregex_iterator it(laser_text.begin(), laser_text.end(), pair), end; it != end; ++it)
+    for (std::size_t colon = laser_text.find(':'); colon != std::string_view::npos;
+         colon = laser_text.find(':', colon + 1))
     {
-      const double value = std::strtod((*it)[2].str().c_str(), nullptr);
-      setField(laser, (*it)[1], value);
-      id =
-          (*it)[1] == "laser_id" && value >= 0 && value < 64 ? static_cast<std::size_t>(value) : id;
+      std::size_t end = colon;
+      for (; end > 0 && laser_text[end - 1] == ' '; --end)
+      {
+      }
+      std::size_t begin = end;
+      for (; begin > 0 && isWord(laser_text[begin - 1]); --begin)
+      {
+      }
+      const std::string key(laser_text.substr(begin, end - begin));
+      const double value = numberAfter(laser_text.substr(colon + 1));
+      setField(laser, key, value);
+      id = key == "laser_id" && value >= 0 && value < most_lasers ? static_cast<std::size_t>(value)
+                                                                  : id;
+    }
+    if (calibration.laser_corrections.size() >= most_lasers && id >= most_lasers)
+    {
+      break;  // no lidar has so many: refused by their number
     }
     auto& lasers = calibration.laser_corrections;
     lasers.resize(std::max(lasers.size(), id + 1));

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/Error.h>
 #include <dyslam/formats/GroundTruth.h>
+#include <dyslam/formats/ScanFiles.h>
 #include <dyslam/formats/TrajectoryFiles.h>
-#include <dyslam/io/CloudFiles.h>
 #include <dyslam/io/Converters.h>
 #include <dyslam/io/RawlogSource.h>
 

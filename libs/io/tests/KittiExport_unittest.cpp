@@ -2,8 +2,8 @@
 #include <dyslam/core/Error.h>
 #include <dyslam/formats/GroundTruth.h>
 #include <dyslam/formats/LabelFiles.h>
+#include <dyslam/formats/ScanFiles.h>
 #include <dyslam/formats/TrajectoryFiles.h>
-#include <dyslam/io/CloudFiles.h>
 #include <dyslam/io/KittiExport.h>
 #include <dyslam/io/RawlogSource.h>
 #include <gtest/gtest.h>

@@ -281,4 +281,36 @@ TEST(RawlogRobustness, StampsThatStandStillAreAnError)
   EXPECT_EQ(3U, outcome.frames);
   EXPECT_TRUE(contains(outcome.error, "stand still or run backwards from scan 3")) << outcome.error;
 }
+
+TEST(RawlogRobustness, LongLabelsAreNoMatchAndPrintedWithoutEscapeCodes)
+{
+  const TestFolder folder;
+  {
+    RawlogWriter writer(folder.file("a.rawlog"));
+    for (const std::string label :
+         {std::string(300000, 'a'), std::string("velodyne"), std::string("b\x1b[2J")})
+    {
+      Scan scan = someScan(label.size(), 10);
+      scan.stamp = 100 + 0.1 * static_cast<double>(label.size() % 1000);
+      scan.sensor_label = label;
+      writer.write(scan);
+    }
+    writer.close();
+  }
+  RawlogSourceOptions options;
+  options.sensor_label = "(a*)*b?.*|velodyne";
+  RawlogSource source(folder.file("a.rawlog"), options);
+  EXPECT_EQ("velodyne", source.sensorLabel());
+  while (source.next())
+  {
+  }
+  std::string told;
+  for (const std::string& line : source.warnings())
+  {
+    told += line;
+  }
+  EXPECT_TRUE(contains(told, "'b?[2J'")) << told;
+  options.sensor_label = std::string(100000, '(');
+  EXPECT_THROW(RawlogSource(folder.file("a.rawlog"), options), UserError);
+}
 }  // namespace dyslam

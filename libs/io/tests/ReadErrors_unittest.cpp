@@ -6,7 +6,6 @@
 #include <dyslam/formats/LabelFiles.h>
 #include <dyslam/formats/ScanFiles.h>
 #include <dyslam/formats/TrajectoryFiles.h>
-#include <dyslam/io/CloudFiles.h>
 #include <dyslam/io/GraphFiles.h>
 #include <dyslam/io/PcapSource.h>
 #include <gtest/gtest.h>

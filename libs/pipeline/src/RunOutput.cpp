@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "RunOutput.h"
 
+#include <dyslam/core/Error.h>
+
 #include <algorithm>
 #include <filesystem>
 #include <stdexcept>
@@ -23,5 +25,25 @@ std::string RunOutput::path(const std::string& name) const
     throw std::logic_error(name + ": is not among the names of its output");
   }
   return (std::filesystem::path(folder_) / name).string();
+}
+
+void RunOutput::eachByItself(const std::vector<std::function<void()>>& writers)
+{
+  std::string failures;
+  for (const auto& write : writers)
+  {
+    try
+    {
+      write();
+    }
+    catch (const std::exception& error)
+    {
+      failures += (failures.empty() ? "" : "; ") + std::string(error.what());
+    }
+  }
+  if (!failures.empty())
+  {
+    throw UserError(failures);
+  }
 }
 }  // namespace dyslam

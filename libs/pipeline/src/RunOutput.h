@@ -8,6 +8,7 @@
 #include <dyslam/mapping/StaticMap.h>
 #include <dyslam/pipeline/SlamRun.h>
 
+#include <functional>
 #include <map>
 #include <memory>
 #include <string>
@@ -87,6 +88,8 @@ class RunOutput
  protected:
   /** Where to write `name`, one of names(). \throws std::logic_error for another. */
   [[nodiscard]] std::string path(const std::string& name) const;
+  /** Calls all of them, each for one file, whichever fails. \throws UserError with the reasons. */
+  static void eachByItself(const std::vector<std::function<void()>>& writers);
 
  private:
   std::string folder_;

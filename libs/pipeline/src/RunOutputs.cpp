@@ -167,6 +167,12 @@ void RunOutputs::addTo(const Frame& frame, bool slow, bool decided)
 
 void RunOutputs::finish(RunResults& results)
 {
+  if (!fs::is_directory(folder_))
+  {
+    results.failures.push_back(folder_ + ": was removed during the run, with what was in it");
+    std::error_code ignored;
+    fs::create_directories(folder_, ignored);  // what is written now is worth keeping
+  }
   for (Entry& entry : entries_)
   {
     if (entry.slow)
@@ -177,7 +183,6 @@ void RunOutputs::finish(RunResults& results)
     if (!entry.failure.empty())
     {
       results.failures.push_back(entry.failure);
-      continue;
     }
     for (const OutputName& name : entry.names)
     {

@@ -261,7 +261,7 @@ SlamRunReport runSlam(const SlamRunSettings& settings, const OnFrame& on_frame)
   {
     replay(settings, source, run, on_frame);
   }
-  catch (const UserError& error)
+  catch (const std::exception& error)  // of a library, too
   {
     if (run.frames() == 0)
     {

@@ -25,9 +25,9 @@ class GraphOutput : public RunOutput
   void finish(const RunResults& results) override
   {
     const PoseGraph graph = results.backend->graph();
-    writeGraph(graph, path(mrpt_file));
-    writeG2o(graph, path(g2o_file));
-    writeFactorGraph(results.backend->factorGraph(), path(factor_graph_file));
+    eachByItself(
+        {[&] { writeGraph(graph, path(mrpt_file)); }, [&] { writeG2o(graph, path(g2o_file)); },
+         [&] { writeFactorGraph(results.backend->factorGraph(), path(factor_graph_file)); }});
   }
 };
 }  // namespace

@@ -23,8 +23,8 @@ double rounded(double value)
   return std::strtod(text, nullptr);
 }
 
-/** `report.json`: figures of the run. A folder that has it is whole: it is written last, and only
- * if no other output failed. */
+/** `report.json`: figures of the run. It is written last: a folder that has it is of a run that
+ * came to its end, and the report says which files could not be written. */
 class ReportOutput : public RunOutput
 {
  public:
@@ -36,10 +36,6 @@ class ReportOutput : public RunOutput
   }
   void finish(const RunResults& results) override
   {
-    if (!results.failures.empty())
-    {
-      return;
-    }
     constexpr int indent = 2;
     const std::string text =
         jsonOf(results).dump(indent, ' ', false, Json::error_handler_t::replace);
@@ -70,6 +66,7 @@ class ReportOutput : public RunOutput
     }
     json["failure"] = report.failure;
     json["warnings"] = report.warnings;
+    json["not_written"] = results.failures;
     json["files"] = report.files;
     json["files"].push_back(name);
     return json;

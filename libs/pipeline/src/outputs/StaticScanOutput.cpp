@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/Files.h>
-#include <dyslam/io/CloudFiles.h>
+#include <dyslam/formats/ScanFiles.h>
 #include <dyslam/io/RawlogWriter.h>
 
 #include <optional>

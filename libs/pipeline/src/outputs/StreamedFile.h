@@ -2,21 +2,24 @@
 #pragma once
 
 #include <dyslam/core/Error.h>
+#include <dyslam/core/PendingFile.h>
 
 #include <fstream>
+#include <optional>
 #include <string>
 
 namespace dyslam
 {
-/** A text file that grows, readable, while a run goes on. */
+/** A text file that grows, readable as `<name>.tmp`, while a run goes on, and gets its name when it
+ * is whole. */
 class StreamedFile
 {
  public:
   /** \throws UserError. */
   void open(const std::string& path, const std::string& header = "")
   {
-    path_ = path;
-    file_.open(path);
+    pending_.emplace(path);
+    file_.open(pending_->temporary());
     if (!file_)
     {
       throw UserError(path + ": cannot be written; choose another --output or fix its permissions");
@@ -31,12 +34,13 @@ class StreamedFile
     file_.close();
     if (!file_)
     {
-      throw UserError(path_ + ": not everything could be written; is the disk full?");
+      throw UserError(pending_->path() + ": not everything could be written; is the disk full?");
     }
+    pending_->commit();
   }
 
  private:
-  std::string path_;
+  std::optional<PendingFile> pending_;
   std::ofstream file_;
 };
 }  // namespace dyslam

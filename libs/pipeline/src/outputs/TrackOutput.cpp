@@ -97,7 +97,6 @@ class TrackOutput : public RunOutput
   }
   void finish(const RunResults& results) override
   {
-    rows_.close();
     std::vector<LabelledBox> boxes;
     std::string text = header;
     for (auto& [ordinal, object] : reported_)
@@ -111,11 +110,15 @@ class TrackOutput : public RunOutput
       boxes.push_back(labelledBox(object, scan));
       text += rowOf(object, scan);
     }
-    if (!results.objects.empty())
-    {
-      writeWhole(path(table), text);
-    }
-    writeTracks(path(kitti), boxes);
+    eachByItself({[&] { writeTracks(path(kitti), boxes); },
+                  [&]
+                  {
+                    rows_.close();
+                    if (!results.objects.empty())
+                    {
+                      writeWhole(path(table), text);
+                    }
+                  }});
   }
 
  private:

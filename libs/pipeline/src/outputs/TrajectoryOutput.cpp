@@ -42,13 +42,16 @@ class TrajectoryOutput : public RunOutput
   }
   void finish(const RunResults& results) override
   {
-    writeTum(path(tum), results.trajectory);
-    writeKittiPoses(path(kitti), results.trajectory);
-    if (!results.reference.empty())
-    {
-      writeTum(path(reference), results.reference);
-    }
-    odometry_.close();  // may throw: what was streamed matters less than the final poses
+    eachByItself({[&] { writeTum(path(tum), results.trajectory); },
+                  [&] { writeKittiPoses(path(kitti), results.trajectory); },
+                  [&]
+                  {
+                    if (!results.reference.empty())
+                    {
+                      writeTum(path(reference), results.reference);
+                    }
+                  },
+                  [&] { odometry_.close(); }});
   }
 
  private:

@@ -8,6 +8,14 @@
 
 namespace dyslam
 {
+/** Whether a file's bytes are on the disk before it gets its name (fsync): a power cut then leaves
+ * all of it or none. Not worth the time for each of thousands of small files. */
+enum class Durable
+{
+  yes,
+  no
+};
+
 /** A file that grows under a temporary name and gets its own only when it is whole.
  *
  * Write to temporary(), make sure that all could be written, then commit(). Without a commit() the
@@ -27,7 +35,7 @@ class PendingFile
   /** `<path>.tmp` */
   [[nodiscard]] const std::string& temporary() const { return temporary_; }
   /** Gives the closed file its name. \throws UserError. */
-  void commit();
+  void commit(Durable durable = Durable::yes);
 
  private:
   std::string path_;
@@ -36,6 +44,8 @@ class PendingFile
 };
 
 /** Writes a file by `write`, as a PendingFile: no half file is ever seen. \throws UserError. */
-void writeWhole(const std::string& path, const std::function<void(std::ostream&)>& write);
-void writeWhole(const std::string& path, std::string_view content);
+void writeWhole(const std::string& path,
+                const std::function<void(std::ostream&)>& write,
+                Durable durable = Durable::yes);
+void writeWhole(const std::string& path, std::string_view content, Durable durable = Durable::yes);
 }  // namespace dyslam

@@ -30,6 +30,14 @@ void writeCloud(const std::string& path,
                 const std::vector<Eigen::Vector3f>& points,
                 const std::vector<float>& intensity = {});
 
+/** Reads `.bin`, `.pcd` or `.ply` by its ending. Of PCD (ascii, binary, binary_compressed) and PLY
+ * (ascii, binary) the fields x y z, `intensity` (or `scalar_intensity`, `reflectivity`), `ring` and
+ * `time` (or `t`, `timestamp`: seconds, or nanoseconds for whole numbers) are taken. Times since
+ * 1970 (above an hour) are counted from the earliest, which becomes the stamp; smaller ones are as
+ * in the file, and so are intensities. Counts in headers are checked against the size of the file.
+ * \throws UserError. */
+[[nodiscard]] Scan readCloud(const std::string& path);
+
 /** The ending of a file name with its dot, in lower case: ".bin". */
 [[nodiscard]] std::string lowerExtension(const std::string& path);
 /** True for the endings of point clouds: .bin, .pcd, .ply. */

@@ -11,9 +11,11 @@
 namespace dyslam
 {
 class GzInput;
+class RawlogObjects;
 
 /** The observations of a rawlog, plain or gzip, one by one, whichever of MRPT's two styles it is
- * written in. Not thread-safe. */
+ * written in. Those that hold neither scans nor poses come empty and without a time stamp. Counts
+ * in the file are checked against its bytes before any memory is taken. Not thread-safe. */
 class RawlogStream
 {
  public:
@@ -40,6 +42,7 @@ class RawlogStream
   std::string path_;
   std::string external_folder_;
   std::unique_ptr<GzInput> file_;
+  std::unique_ptr<RawlogObjects> objects_in_;
   std::deque<mrpt::obs::CObservation::Ptr> queue_;
   std::size_t objects_ = 0;  //!< whole objects read
 };

@@ -85,7 +85,7 @@ class SlamRun
  *
  * A recording that turns out damaged halfway, and a run that is stopped, still leave complete
  * results of the frames before; then the error is thrown. So does a run one of whose files could
- * not be written: the others are, but for report.json, which says that a folder is whole.
+ * not be written: the others are, and report.json names those that are not.
  * \param on_frame called after each frame with the share of the work done and the number of
  * frames. \throws UserError for bad input, config or output folder. */
 SlamRunReport runSlam(const SlamRunSettings& settings,

@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <string_view>
+
+namespace dyslam
+{
+/** The text for a terminal, on one line: `?` for control characters, whose codes would move the
+ * cursor or worse, and not endless. */
+[[nodiscard]] std::string printable(std::string text);
+
+/** Whether brackets in this JSON text are nested deeper than `limit`: whoever walks over a parsed
+ * value by recursion runs out of stack. Says nothing about whether the text is JSON. */
+[[nodiscard]] bool isNestedDeeper(std::string_view json, std::size_t limit = 64);
+}  // namespace dyslam

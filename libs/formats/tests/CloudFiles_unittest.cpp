@@ -1,0 +1,245 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/Error.h>
+#include <dyslam/formats/ScanFiles.h>
+#include <sys/resource.h>
+
+#include <cstring>
+#include <limits>
+
+#include "TestFolder.h"
+
+namespace dyslam
+{
+namespace
+{
+Scan someScan(std::size_t points)
+{
+  Scan scan;
+  for (std::size_t i = 0; i < points; ++i)
+  {
+    const auto value = static_cast<float>(i);
+    scan.points.emplace_back(value + 0.25F, -value, 1);
+    scan.intensity.push_back(static_cast<float>(i % 100) / 100.0F);
+  }
+  return scan;
+}
+
+bool samePoints(const Scan& a, const Scan& b)
+{
+  return a.size() == b.size() &&
+         (a.size() == 0 ||
+          std::memcmp(a.points.data(), b.points.data(), a.size() * sizeof(a.points[0])) == 0);
+}
+
+template <typename T>
+std::string bytesOf(std::initializer_list<T> values, bool big_endian = false)
+{
+  std::string bytes;
+  for (const T value : values)
+  {
+    std::string one(sizeof value, '\0');
+    std::memcpy(one.data(), &value, sizeof value);
+    bytes += big_endian ? std::string(one.rbegin(), one.rend()) : one;
+  }
+  return bytes;
+}
+
+const std::string pcd_header =
+    "VERSION 0.7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nHEIGHT 1\n";
+}  // namespace
+
+class CloudFormats : public ::testing::TestWithParam<const char*>
+{
+};
+
+TEST_P(CloudFormats, RoundTrip)
+{
+  const TestFolder folder;
+  const std::string path = folder.file(std::string("a.") + GetParam());
+  Scan scan = someScan(30);
+  scan.points[3] = Eigen::Vector3f::Constant(std::numeric_limits<float>::quiet_NaN());
+  scan.points[4].setZero();
+  for (const std::size_t size : {std::size_t{30}, std::size_t{1}})
+  {
+    scan.points.resize(size);
+    scan.intensity.resize(size);
+    writeCloud(path, scan.points, scan.intensity);
+    const Scan read = readCloud(path);
+    EXPECT_TRUE(samePoints(scan, read));
+    EXPECT_EQ(scan.intensity, read.intensity);
+    EXPECT_TRUE(read.time.empty());
+    EXPECT_TRUE(read.ring.empty());
+  }
+  writeCloud(path, scan.points);
+  const Scan read = readCloud(path);
+  EXPECT_TRUE(samePoints(scan, read));
+  EXPECT_EQ(std::string(GetParam()) == "bin", !read.intensity.empty());
+  EXPECT_FALSE(std::filesystem::exists(path + ".tmp"));
+}
+
+TEST_P(CloudFormats, BadFiles)
+{
+  const TestFolder folder;
+  const std::string name = std::string("a.") + GetParam();
+  EXPECT_THROW((void)readCloud(folder.file(name)), UserError);
+  EXPECT_THROW((void)readCloud(folder.write(name, "some text that is no cloud")), UserError);
+  const Scan scan = someScan(100);
+  writeCloud(folder.file(name), scan.points, scan.intensity);
+  const std::string whole = folder.read(name);
+  EXPECT_THROW((void)readCloud(folder.write(name, whole.substr(0, whole.size() - 103))), UserError);
+  EXPECT_THROW(writeCloud(folder.file("no/such/folder/" + name), scan.points), UserError);
+  EXPECT_THROW(writeCloud(folder.file(name), scan.points, {1.0F}), std::logic_error);
+}
+INSTANTIATE_TEST_SUITE_P(Kinds, CloudFormats, ::testing::Values("bin", "pcd", "ply"));
+
+TEST(CloudFiles, EmptyCloudsOfEachKind)
+{
+  const TestFolder folder;
+  for (const std::string name : {"a.bin", "a.pcd", "a.ply"})
+  {
+    writeCloud(folder.file(name), {});
+    EXPECT_EQ(0U, readCloud(folder.file(name)).size()) << name;
+  }
+}
+
+TEST(CloudFiles, OtherFieldsOfPcdAndPly)
+{
+  const TestFolder folder;
+  folder.write("a.pcd",
+               "# .PCD v0.7 - Point Cloud Data file format\nVERSION 0.7\n"
+               "FIELDS x y z intensity ring time\nSIZE 4 4 4 4 2 8\nTYPE F F F F U F\n"
+               "COUNT 1 1 1 1 1 1\nWIDTH 2\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS 2\n"
+               "DATA ascii\n1 2 3 40 7 1500000000.5\n4 5 6 80 9 1500000000.25\n");
+  const Scan pcd = readCloud(folder.file("a.pcd"));
+  ASSERT_EQ(2U, pcd.size());
+  EXPECT_EQ((std::vector<std::uint16_t>{7, 9}), pcd.ring);
+  EXPECT_EQ(1500000000.25, pcd.stamp);
+  EXPECT_EQ((std::vector<float>{0.25F, 0.0F}), pcd.time);
+  EXPECT_EQ((std::vector<float>{40, 80}), pcd.intensity);
+
+  folder.write("b.ply",
+               "ply\nformat ascii 1.0\nelement vertex 2\nproperty double x\nproperty double y\n"
+               "property double z\nproperty uint t\nend_header\n1 2 3 0\n4 5 6 50000000\n");
+  const Scan ply = readCloud(folder.file("b.ply"));
+  ASSERT_EQ(2U, ply.size());
+  EXPECT_EQ(Eigen::Vector3f(4, 5, 6), ply.points[1]);
+  EXPECT_EQ((std::vector<float>{0.0F, 0.05F}), ply.time);
+}
+
+TEST(CloudFiles, TimesOf64Bits)
+{
+  const TestFolder folder;
+  const std::string header =
+      "# .PCD v0.7 - Point Cloud Data file format\nVERSION 0.7\nFIELDS x y z t\nSIZE 4 4 4 8\n"
+      "TYPE F F F U\nCOUNT 1 1 1 1\nWIDTH 2\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS 2\n"
+      "DATA binary\n";
+  std::string bytes(40, '\0');
+  for (std::size_t i = 0; i < 2; ++i)
+  {
+    const float x = 1.0F + static_cast<float>(i);
+    const std::uint64_t nanoseconds = 1500000000000000000U + i * 50000000U;
+    std::memcpy(&bytes[20 * i], &x, sizeof x);
+    std::memcpy(&bytes[20 * i + 12], &nanoseconds, sizeof nanoseconds);
+  }
+  const Scan scan = readCloud(folder.write("a.pcd", header + bytes));
+  ASSERT_EQ(2U, scan.time.size());
+  EXPECT_DOUBLE_EQ(1500000000.0, scan.stamp);
+  EXPECT_EQ(0.0F, scan.time[0]);
+  EXPECT_NEAR(0.05F, scan.time[1], 1e-6F);
+}
+
+TEST(CloudFiles, RealPly)
+{
+  DYSLAM_REQUIRE_DATA();
+  const Scan scan = readCloud(*realDataFolder() + "/registration_pairs/small_gicp_source.ply");
+  EXPECT_EQ(69792U, scan.size());
+  EXPECT_EQ(69792U, scan.intensity.size());
+}
+
+TEST(CloudFiles, ListsAndOtherElementsOfPlyAreSkipped)
+{
+  const TestFolder folder;
+  const std::string header =
+      " 1.0\ncomment of somebody\nelement camera 1\nproperty float view\n"
+      "property list uchar int seen\nelement vertex 2\nproperty list uchar ushort near\n"
+      "property float x\nproperty float y\nproperty float z\nproperty uchar ring\n"
+      "element face 1\nproperty list uchar int vertex_indices\nend_header\n";
+  folder.write("ascii.ply",
+               "ply\nformat ascii" + header + "0.5 2 7 8\n1 9 1 2 3 4\n0 5 6 7 8\n3 0 1 1\n");
+  for (const bool big : {false, true})
+  {
+    folder.write(big ? "big.ply" : "little.ply",
+                 std::string("ply\nformat binary_") + (big ? "big" : "little") + "_endian" +
+                     header + bytesOf<float>({0.5F}, big) + "\x02" + bytesOf<int>({7, 8}, big) +
+                     "\x01" + bytesOf<std::uint16_t>({9}, big) + bytesOf<float>({1, 2, 3}, big) +
+                     "\x04" + std::string(1, '\0') + bytesOf<float>({5, 6, 7}, big) + "\x08" +
+                     "\x03" + bytesOf<int>({0, 1, 1}, big));
+  }
+  for (const char* name : {"ascii.ply", "little.ply", "big.ply"})
+  {
+    const Scan scan = readCloud(folder.file(name));
+    ASSERT_EQ(2U, scan.size()) << name;
+    EXPECT_EQ(Eigen::Vector3f(1, 2, 3), scan.points[0]) << name;
+    EXPECT_EQ(Eigen::Vector3f(5, 6, 7), scan.points[1]) << name;
+    EXPECT_EQ((std::vector<std::uint16_t>{4, 8}), scan.ring) << name;
+  }
+}
+
+TEST(CloudFiles, CompressedPcd)
+{
+  const TestFolder folder;
+  // Two points: the x as they are, the y as a copy of them, the z as one byte over and over.
+  const std::string xs = bytesOf<float>({1.5F, 2.5F});
+  const std::string packed =
+      "\x07" + xs + "\xC0\x07" + std::string(2, '\0') + "\xA0" + std::string(1, '\0');
+  const auto file = [&](const std::string& data, std::uint32_t unpacked)
+  {
+    return folder.write(
+        "a.pcd", pcd_header + "WIDTH 2\nPOINTS 2\nDATA binary_compressed\n" +
+                     bytesOf<std::uint32_t>({static_cast<std::uint32_t>(data.size()), unpacked}) +
+                     data);
+  };
+  const Scan scan = readCloud(file(packed, 24));
+  ASSERT_EQ(2U, scan.size());
+  EXPECT_EQ(Eigen::Vector3f(1.5F, 1.5F, 0), scan.points[0]);
+  EXPECT_EQ(Eigen::Vector3f(2.5F, 2.5F, 0), scan.points[1]);
+  for (std::size_t size = 0; size < packed.size(); ++size)
+  {
+    EXPECT_THROW((void)readCloud(file(packed.substr(0, size), 24)), UserError) << size;
+  }
+  EXPECT_THROW((void)readCloud(file(packed, 25)), UserError);
+  EXPECT_THROW((void)readCloud(file("\xC0\x07" + packed, 24)), UserError);  // copies from nowhere
+}
+
+TEST(CloudFiles, NoCountTakesMemoryThatTheFileHasNot)
+{
+  const TestFolder folder;
+  const std::string many = "4000000000";
+  const std::string ply = "ply\nformat binary_little_endian 1.0\nelement vertex ";
+  const std::string floats = "property float x\nproperty float y\nproperty float z\nend_header\n";
+  const std::vector<std::pair<std::string, std::string>> files{
+      {"a.pcd", pcd_header + "WIDTH " + many + "\nPOINTS " + many + "\nDATA binary\nabc"},
+      {"a.pcd", pcd_header + "WIDTH " + many + "\nPOINTS " + many + "\nDATA ascii\n1 2 3\n"},
+      {"a.pcd", pcd_header + "WIDTH " + many + "\nPOINTS " + many + "\nDATA binary_compressed\n" +
+                    bytesOf<std::uint32_t>({4, 0xFFFFFFF0U}) + "abcd"},
+      {"a.pcd", "FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT " + many + " 0 1\nWIDTH " + many +
+                    "\nHEIGHT " + many + "\nDATA binary\nabc"},
+      {"a.pcd", "FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 0 0 0\nWIDTH " + many +
+                    "\nHEIGHT 1\nDATA ascii\nabc"},
+      {"a.pcd", "DATA binary_comp"},
+      {"a.ply", ply + many + "\n" + floats + "abc"},
+      {"a.ply", ply + "1\nproperty list uint double all\n" + floats + bytesOf({0xFFFFFFF0U})},
+      {"a.ply", "ply\nformat ascii 1.0\nelement vertex " + many + "\n" + floats + "1 2 3\n"},
+      {"a.ply", "ply\nformat ascii 1.0\nelement other " + many + "\nelement vertex " + many +
+                    "\nend_header\n"}};
+  for (const auto& [name, content] : files)
+  {
+    const std::string said = messageOfError<UserError>([&, n = name, c = content]
+                                                       { (void)readCloud(folder.write(n, c)); });
+    EXPECT_TRUE(contains(said, "/a.p")) << said;
+  }
+  struct rusage usage = {};
+  getrusage(RUSAGE_SELF, &usage);
+  EXPECT_LT(usage.ru_maxrss / 1024, 300);
+}
+}  // namespace dyslam

@@ -1,0 +1,500 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "ObjectLayout.h"
+
+#include <mrpt/obs/CObservationVelodyneScan.h>
+
+#include <array>
+#include <cstring>
+#include <stdexcept>
+
+namespace dyslam
+{
+namespace
+{
+constexpr std::uint8_t end_flag = 0x88;
+constexpr std::uint64_t largest_side = 65536;   //!< of an image [pixels]
+constexpr std::uint64_t largest_lasers = 1024;  //!< of a lidar
+constexpr std::size_t real = sizeof(double);
+constexpr std::size_t time_stamp = sizeof(std::uint64_t);
+
+using Packet = mrpt::obs::CObservationVelodyneScan::TVelodyneRawPacket;
+using Laser = mrpt::obs::VelodyneCalibration::PerLaserCalib;
+
+[[noreturn]] void fail(const std::string& what)
+{
+  throw std::runtime_error(what);
+}
+
+void requireVersion(const std::string& class_name, int version, int oldest, int newest)
+{
+  if (version < oldest || version > newest)
+  {
+    fail("a " + class_name + " of version " + std::to_string(version) + ", which is not known");
+  }
+}
+}  // namespace
+
+ObjectHeader ObjectLayout::header()
+{
+  const std::uint8_t length = in_.u8();
+  if ((length & 0x80U) == 0)
+  {
+    fail("no object where one should begin");
+  }
+  ObjectHeader header;
+  const std::size_t from = in_.at();
+  in_.skip(length & 0x7FU);
+  header.class_name = in_.since(from);
+  if (header.class_name != "nullptr")
+  {
+    header.version = in_.u8();
+  }
+  header.class_name.erase(0, header.class_name.rfind(':') + 1);
+  return header;
+}
+
+void ObjectLayout::end()
+{
+  if (in_.u8() != end_flag)
+  {
+    fail("an object does not end where it should");
+  }
+}
+
+ObjectHeader ObjectLayout::headerOf(const char* class_name, int newest)
+{
+  ObjectHeader found = header();
+  if (found.class_name != class_name)
+  {
+    fail(std::string("no ") + class_name + " where one should be");
+  }
+  requireVersion(class_name, found.version, 0, newest);
+  return found;
+}
+
+std::uint32_t ObjectLayout::numbers(std::size_t size)
+{
+  const std::uint32_t count = in_.u32();
+  in_.skipAll(count, size);
+  return count;
+}
+
+void ObjectLayout::matrix()
+{
+  const ObjectHeader found = header();
+  const bool single = found.class_name == "CMatrixF";
+  if ((!single && found.class_name != "CMatrixD") || found.version != 0)
+  {
+    fail("no matrix where one should be");
+  }
+  const std::uint64_t rows = in_.u32();
+  const std::uint64_t columns = in_.u32();
+  if (rows > largest_side || columns > largest_side)
+  {
+    fail("a matrix of " + std::to_string(rows) + " x " + std::to_string(columns));
+  }
+  in_.skipAll(rows * columns, single ? sizeof(float) : real);
+  end();
+}
+
+void ObjectLayout::rangeMatrix()
+{
+  const std::uint64_t rows = in_.u32();
+  const std::uint64_t columns = in_.u32();
+  if (rows > largest_side || columns > largest_side)
+  {
+    fail("a range image of " + std::to_string(rows) + " x " + std::to_string(columns));
+  }
+  in_.skipAll(rows * columns, sizeof(std::uint16_t));
+}
+
+void ObjectLayout::pose()
+{
+  const ObjectHeader found = headerOf("CPose3D", 3);
+  constexpr std::size_t quaternion = 7;
+  constexpr std::size_t rows = 12;
+  if (found.version < 2)
+  {
+    matrix();
+  }
+  else
+  {
+    in_.skipAll(found.version == 2 ? quaternion : rows, real);
+  }
+  end();
+}
+
+void ObjectLayout::genericMapParameters()
+{
+  (void)headerOf("TMapGenericParams", 0);
+  in_.skip(3);
+  end();
+}
+
+void ObjectLayout::insertionOptions()
+{
+  requireVersion("TInsertionOptions", in_.u8(), 0, 0);
+  constexpr std::size_t flags = 6;
+  in_.skip(flags + 3 * sizeof(float));
+}
+
+void ObjectLayout::likelihoodOptions()
+{
+  requireVersion("TLikelihoodOptions", in_.u8(), 0, 0);
+  in_.skip(2 * real + sizeof(std::uint32_t));
+}
+
+void ObjectLayout::renderOptions()
+{
+  requireVersion("TRenderOptions", in_.u8(), 0, 0);
+  constexpr std::size_t colour = 4 * sizeof(float);
+  in_.skip(sizeof(float) + colour + 1);
+}
+
+void ObjectLayout::pointsMap()
+{
+  const auto [name, version] = header();
+  if (name == "nullptr")
+  {
+    end();
+    return;
+  }
+  const bool simple = name == "CSimplePointsMap";
+  const bool coloured = name == "CColouredPointsMap";
+  const bool weighted = name == "CWeightedPointsMap";
+  if (!simple && !coloured && !weighted && name != "CPointsMapXYZI")
+  {
+    fail("points of class '" + name + "', which is not known");
+  }
+  // Older versions are from before there were point clouds among the observations.
+  const int oldest = simple || coloured ? 8 : weighted ? 1 : 0;
+  requireVersion(name, version, oldest, simple ? 10 : coloured ? 9 : weighted ? 2 : 0);
+  const std::uint32_t count = in_.u32();
+  in_.skipAll(count, (simple || coloured ? 3 : 4) * sizeof(float));
+  for (int channel = 0; coloured && channel < 3; ++channel)
+  {
+    if (numbers(sizeof(float)) != count)
+    {
+      fail("points and colours of different numbers");
+    }
+  }
+  if (simple || coloured || weighted)
+  {
+    version >= (weighted ? 2 : 9) ? genericMapParameters() : in_.skip(1);
+  }
+  insertionOptions();
+  likelihoodOptions();
+  if (simple && version >= 10)
+  {
+    renderOptions();
+  }
+  end();
+}
+
+void ObjectLayout::pointCloud()
+{
+  (void)in_.text();  // label
+  in_.skip(time_stamp);
+  pose();
+  const bool external = in_.u8() != 0;
+  if (external)
+  {
+    (void)in_.text();
+  }
+  else
+  {
+    pointsMap();
+  }
+}
+
+void ObjectLayout::robotPose(int version)
+{
+  if (headerOf("CPose3DPDFGaussian", 1).version != 1)
+  {
+    fail("a pose of version 0, which is not known");
+  }
+  pose();
+  constexpr std::size_t covariance = 21;
+  in_.skipAll(covariance, real);
+  end();
+  (void)in_.text();  // label
+  in_.skip(time_stamp);
+  if (version >= 1)
+  {
+    pose();
+  }
+}
+
+void ObjectLayout::rotatingScan()
+{
+  in_.skip(time_stamp);
+  (void)in_.text();  // label
+  in_.skip(2 * sizeof(std::uint16_t) + 4 * real);
+  (void)in_.text();  // model
+  in_.skip(2 * real);
+  pose();
+  in_.skip(time_stamp + 1);
+  std::uint64_t pixels = 0;
+  for (const std::size_t size : {sizeof(std::uint16_t), sizeof(std::uint8_t)})
+  {
+    const std::uint64_t columns = in_.u16();
+    const std::uint64_t rows = in_.u16();
+    in_.skipAll(rows * columns, size);
+    pixels = size == sizeof(std::uint16_t) ? rows * columns : pixels;
+  }
+  const std::uint16_t layers = in_.u16();
+  if (layers > 0 && pixels == 0)
+  {
+    fail("layers of a range image that is empty");
+  }
+  for (std::uint16_t layer = 0; layer < layers; ++layer)
+  {
+    (void)in_.text();
+    in_.skipAll(pixels, sizeof(std::uint16_t));
+  }
+}
+
+void ObjectLayout::preamble(const char* container)
+{
+  if (in_.text() != container)
+  {
+    fail(std::string("no ") + container + " where one should be");
+  }
+  (void)in_.text();  // what it holds
+}
+
+void ObjectLayout::velodyneScan(int version)
+{
+  in_.skip(time_stamp);
+  (void)in_.text();  // label
+  in_.skip(2 * real);
+  pose();
+  (void)numbers(sizeof(Packet));
+  (void)numbers(sizeof(Laser));
+  const std::uint32_t points = numbers(sizeof(float));
+  if (numbers(sizeof(float)) != points || numbers(sizeof(float)) != points)
+  {
+    fail("points whose coordinates are of different numbers");
+  }
+  (void)numbers(sizeof(std::uint8_t));  // intensity
+  if (version >= 1)
+  {
+    in_.skip(1);
+  }
+  if (version < 2)
+  {
+    return;
+  }
+  preamble("std::vector");  // times
+  (void)numbers(time_stamp);
+  (void)numbers(sizeof(float));         // azimuths
+  (void)numbers(sizeof(std::int16_t));  // lasers
+  preamble("std::vector");              // the points of each laser
+  const std::uint32_t lasers = in_.u32();
+  if (lasers > largest_lasers)
+  {
+    fail(std::to_string(lasers) + " lasers");
+  }
+  for (std::uint32_t laser = 0; laser < lasers; ++laser)
+  {
+    (void)numbers(sizeof(std::uint64_t));
+  }
+}
+
+void ObjectLayout::camera()
+{
+  const ObjectHeader found = headerOf("TCamera", 6);
+  const std::size_t distortion = found.version >= 3 ? 8 : 5;
+  in_.skipAll(1 + distortion, real);
+  if (found.version < 4)
+  {
+    matrix();
+  }
+  else
+  {
+    in_.skipAll(4, real);
+  }
+  if (found.version == 0)
+  {
+    matrix();
+  }
+  if (found.version >= 2)
+  {
+    in_.skip(2 * sizeof(std::uint32_t));
+  }
+  if (found.version >= 5)
+  {
+    (void)in_.text();
+  }
+  in_.skip(found.version >= 6 ? 1 : 0);
+  end();
+}
+
+void ObjectLayout::image()
+{
+  const int version = header().version;
+  requireVersion("CImage", version, 6, 9);
+  if (in_.u8() != 0)
+  {
+    (void)in_.text();  // in a file of its own
+  }
+  else if (in_.u8() == 0)
+  {
+    in_.skip(3 * sizeof(std::uint32_t));
+    const std::uint32_t bytes = in_.u32();
+    in_.skip(version >= 9 ? sizeof(std::uint32_t) : 0);
+    const bool zipped = in_.u8() != 0;
+    in_.skip(zipped ? in_.u32() : bytes);
+  }
+  else
+  {
+    const auto width = static_cast<std::int32_t>(version >= 7 ? in_.u32() : 1);
+    const auto height = static_cast<std::int32_t>(version >= 7 ? in_.u32() : 1);
+    if (width >= 1 && height >= 1)
+    {
+      in_.skip(in_.u32());
+    }
+    else if (width < 0 && height < 0)
+    {
+      in_.skipAll(3ULL * static_cast<std::uint64_t>(-std::int64_t{width}),
+                  static_cast<std::uint64_t>(-std::int64_t{height}));
+    }
+  }
+  end();
+}
+
+void ObjectLayout::droppedImage()
+{
+  const std::size_t flag = in_.at();
+  if (in_.u8() != 0)
+  {
+    const std::size_t from = in_.at();
+    image();
+    in_.erase(from);
+    in_.replace(flag, 0);
+  }
+}
+
+void ObjectLayout::rangeScanImages(int version)
+{
+  const bool has_ranges = in_.u8() != 0;
+  in_.skip(version >= 9 ? sizeof(float) : 0);
+  if (has_ranges)
+  {
+    version >= 9 ? rangeMatrix() : matrix();
+  }
+  droppedImage();
+  droppedImage();
+  if (version >= 2)
+  {
+    camera();
+  }
+  if (version >= 4)
+  {
+    camera();
+    pose();
+  }
+}
+
+void ObjectLayout::rangeScanTail(int version)
+{
+  in_.skip(sizeof(float) + time_stamp);
+  (void)in_.text();  // label
+  for (int file = 0; version >= 3 && file < 2; ++file)
+  {
+    in_.skip(1);
+    (void)in_.text();
+  }
+  in_.skip((version >= 5 ? 1 : 0) + (version >= 6 ? 1 : 0));
+  if (version >= 7 && in_.u8() != 0)
+  {
+    fail("a range image with labels of its pixels, which cannot be read");
+  }
+  const int layers = version >= 10 ? in_.u8() : 0;
+  for (int layer = 0; layer < layers; ++layer)
+  {
+    (void)in_.text();
+    rangeMatrix();
+  }
+}
+
+void ObjectLayout::rangeScan(int version)
+{
+  in_.skip(sizeof(float));
+  pose();
+  if (version == 0 || in_.u8() != 0)
+  {
+    const std::uint32_t points = in_.u32();
+    in_.skipAll(points, 3 * sizeof(float));
+    in_.skipAll(points, version == 0 ? 1 : version >= 8 ? 2 * sizeof(std::uint16_t) : 0);
+  }
+  if (version >= 1)
+  {
+    rangeScanImages(version);
+  }
+  rangeScanTail(version);
+}
+
+namespace
+{
+struct Known
+{
+  const char* class_name;
+  int newest;
+};
+constexpr std::array<Known, 5> known{{{"CObservationPointCloud", 0},
+                                      {"CObservationRobotPose", 1},
+                                      {"CObservationRotatingScan", 0},
+                                      {"CObservationVelodyneScan", 2},
+                                      {"CObservation3DRangeScan", 10}}};
+
+const Known* find(const std::string& class_name)
+{
+  for (const Known& one : known)
+  {
+    if (class_name == one.class_name)
+    {
+      return &one;
+    }
+  }
+  return nullptr;
+}
+}  // namespace
+
+bool ObjectLayout::knows(const std::string& class_name)
+{
+  return find(class_name) != nullptr;
+}
+
+void ObjectLayout::observation(const ObjectHeader& header)
+{
+  const auto& [name, version] = header;
+  const Known* one = find(name);
+  if (one == nullptr)
+  {
+    fail("an observation of class '" + name + "', which is not known");
+  }
+  requireVersion(name, version, 0, one->newest);
+  if (name == "CObservationPointCloud")
+  {
+    pointCloud();
+  }
+  else if (name == "CObservationRobotPose")
+  {
+    robotPose(version);
+  }
+  else if (name == "CObservationRotatingScan")
+  {
+    rotatingScan();
+  }
+  else if (name == "CObservationVelodyneScan")
+  {
+    velodyneScan(version);
+  }
+  else
+  {
+    rangeScan(version);
+  }
+  end();
+}
+}  // namespace dyslam

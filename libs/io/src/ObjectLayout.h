@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+
+#include "ByteWindow.h"
+
+namespace dyslam
+{
+/** What stands before every object that MRPT serializes. */
+struct ObjectHeader
+{
+  std::string class_name;  //!< without namespace
+  int version = 0;
+};
+
+/** Walks over serialized objects of MRPT 2.5.8, as `serializeFrom()` of each class reads them, and
+ * checks every count against the bytes that are there: MRPT takes memory for as many things as a
+ * count says, whether they follow or not.
+ *
+ * Every function passes one object and throws std::runtime_error if it is damaged or of a class or
+ * version that is not known here. */
+class ObjectLayout
+{
+ public:
+  explicit ObjectLayout(ByteWindow& in) : in_(in) {}
+
+  [[nodiscard]] ObjectHeader header();
+  void end();
+
+  /** True for the classes that observation() knows: those that hold scans or poses. */
+  [[nodiscard]] static bool knows(const std::string& class_name);
+  /** The rest of an observation behind its header. Images are taken out of the bytes: they are not
+   * used, and who decodes one may need much more memory than it has bytes. */
+  void observation(const ObjectHeader& header);
+  /** A points map with its header, or nothing ("nullptr"). */
+  void pointsMap();
+  /** std::vector of numbers. \return how many. */
+  std::uint32_t numbers(std::size_t size);
+  /** A matrix with its header, of CMatrixF or CMatrixD. */
+  void matrix();
+  /** Rows and columns as uint32, then 16 bits for each. */
+  void rangeMatrix();
+
+ private:
+  ObjectHeader headerOf(const char* class_name, int newest);
+  void pose();
+  void genericMapParameters();
+  void insertionOptions();
+  void likelihoodOptions();
+  void renderOptions();
+  void camera();
+  void image();
+  void droppedImage();
+  void pointCloud();
+  void robotPose(int version);
+  void rotatingScan();
+  void velodyneScan(int version);
+  void rangeScan(int version);
+  void rangeScanImages(int version);
+  void rangeScanTail(int version);
+  void preamble(const char* container);
+
+  ByteWindow& in_;
+};
+}  // namespace dyslam

@@ -1,0 +1,193 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "RawlogObjects.h"
+
+#include <mrpt/serialization/CArchive.h>
+
+#include <algorithm>
+#include <cstring>
+#include <stdexcept>
+
+#include "GzInput.h"
+
+namespace dyslam
+{
+namespace
+{
+using mrpt::obs::CObservation;
+using mrpt::rtti::TRuntimeClassId;
+
+constexpr char end_flag = '\x88';
+constexpr std::uint32_t most_in_frame = 100000;  //!< observations of a sensory frame
+
+/** For archiveFrom(). */
+class MemoryInput
+{
+ public:
+  explicit MemoryInput(std::string_view bytes) : bytes_(bytes) {}
+  std::size_t Read(void* buffer, std::size_t count)
+  {
+    if (count > bytes_.size())
+    {
+      throw std::runtime_error("an object is longer than its parts");
+    }
+    std::memcpy(buffer, bytes_.data(), count);
+    bytes_.remove_prefix(count);
+    return count;
+  }
+  static std::size_t Write(const void*, std::size_t) { throw std::logic_error("is for reading"); }
+  [[nodiscard]] static std::string getStreamDescription() { return "object"; }
+
+ private:
+  std::string_view bytes_;
+};
+
+const TRuntimeClassId& classOf(const ObjectHeader& header)
+{
+  const TRuntimeClassId* id = mrpt::rtti::findRegisteredClass(header.class_name);
+  if (id == nullptr)
+  {
+    throw std::runtime_error("an object of class '" + header.class_name + "', which is not known");
+  }
+  return *id;
+}
+
+/** Whether a header of an object of rawlogs begins here. */
+bool beginsObject(std::string_view bytes)
+{
+  const auto length = static_cast<unsigned char>(bytes.empty() ? 0 : bytes[0]);
+  const std::size_t size = length & 0x7FU;
+  if ((length & 0x80U) == 0 || size == 0 || bytes.size() < size + 2)
+  {
+    return false;
+  }
+  const std::string_view name = bytes.substr(1, size);
+  if (name.find("CObservation") == std::string_view::npos &&
+      name.find("CSensoryFrame") == std::string_view::npos &&
+      name.find("CActionCollection") == std::string_view::npos)
+  {
+    return false;
+  }
+  return mrpt::rtti::findRegisteredClass(std::string(name)) != nullptr;
+}
+
+bool isObservation(const TRuntimeClassId& id)
+{
+  return id.derivedFrom(CLASS_ID(CObservation)) && id.ptrCreateObject != nullptr;
+}
+}  // namespace
+
+mrpt::serialization::CSerializable::Ptr objectFrom(std::string_view bytes)
+{
+  MemoryInput input(bytes);
+  auto archive = mrpt::serialization::archiveFrom(input);
+  return archive.ReadObject();
+}
+
+bool RawlogObjects::atEnd()
+{
+  return window_.ahead(1).empty() && file_.atEnd();
+}
+
+void RawlogObjects::passOver()
+{
+  constexpr std::size_t longest_header = 1 + 1 + 127 + 1;
+  bool ended = false;
+  for (;;)
+  {
+    const std::string_view bytes = window_.ahead(std::size_t{1} << 16U);
+    const bool last = bytes.size() < (std::size_t{1} << 16U);
+    for (std::size_t at = bytes.find(end_flag); at != std::string_view::npos;
+         at = bytes.find(end_flag, at + 1))
+    {
+      if (!last && bytes.size() - at < longest_header)
+      {
+        break;
+      }
+      if (beginsObject(bytes.substr(at + 1)))
+      {
+        window_.passAhead(at + 1);
+        return;
+      }
+    }
+    ended = bytes.empty() ? ended : bytes.back() == end_flag;
+    window_.passAhead(last ? bytes.size() : bytes.size() - longest_header);
+    if (last)
+    {
+      break;
+    }
+  }
+  if (!ended)
+  {
+    file_.noteCut();
+    throw std::runtime_error("unexpected end of data");
+  }
+}
+
+bool RawlogObjects::observation(const ObjectHeader& header,
+                                const TRuntimeClassId& id,
+                                std::deque<CObservation::Ptr>& observations)
+{
+  if (ObjectLayout::knows(header.class_name))
+  {
+    layout_.observation(header);
+    observations.push_back(std::dynamic_pointer_cast<CObservation>(objectFrom(window_.since(0))));
+    return true;
+  }
+  auto empty = std::dynamic_pointer_cast<CObservation>(id.createObject());
+  empty->timestamp = INVALID_TIMESTAMP;
+  observations.push_back(std::move(empty));
+  passOver();
+  return false;
+}
+
+void RawlogObjects::sensoryFrame(int version, std::deque<CObservation::Ptr>& observations)
+{
+  if (version < 1 || version > 2)
+  {
+    throw std::runtime_error("a CSensoryFrame of version " + std::to_string(version) +
+                             ", which is not known");
+  }
+  window_.skip(version < 2 ? sizeof(std::uint32_t) : 0);  // a number
+  const std::uint32_t count = window_.u32();
+  if (count > most_in_frame)
+  {
+    throw std::runtime_error("a CSensoryFrame of " + std::to_string(count) + " observations");
+  }
+  bool end_known = true;
+  for (std::uint32_t i = 0; i < count; ++i)
+  {
+    window_.begin();
+    const ObjectHeader header = layout_.header();
+    const TRuntimeClassId& id = classOf(header);
+    if (!isObservation(id))
+    {
+      throw std::runtime_error("a " + header.class_name + " in a CSensoryFrame");
+    }
+    end_known = observation(header, id, observations);
+  }
+  if (end_known)
+  {
+    layout_.end();
+  }
+}
+
+const TRuntimeClassId& RawlogObjects::next(std::deque<CObservation::Ptr>& observations)
+{
+  window_.begin();
+  const ObjectHeader header = layout_.header();
+  const TRuntimeClassId& id = classOf(header);
+  if (header.class_name == "CSensoryFrame")
+  {
+    sensoryFrame(header.version, observations);
+  }
+  else if (isObservation(id))
+  {
+    (void)observation(header, id, observations);
+  }
+  else if (header.class_name == "CActionCollection")
+  {
+    passOver();
+  }
+  return id;
+}
+}  // namespace dyslam

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <mrpt/obs/CObservation.h>
+#include <mrpt/rtti/CObject.h>
+
+#include <deque>
+#include <memory>
+#include <string>
+#include <string_view>
+
+#include "ByteWindow.h"
+#include "ObjectLayout.h"
+
+namespace dyslam
+{
+class GzInput;
+
+/** The objects of a rawlog, checked before MRPT sees them.
+ *
+ * Observations that hold scans or poses are walked over by an ObjectLayout first. All others are
+ * passed over up to the next object, so that nobody reads them: of each there is an empty one of
+ * its class, without a time stamp.
+ */
+class RawlogObjects
+{
+ public:
+  /** \param file must outlive this. */
+  explicit RawlogObjects(GzInput& file) : file_(file), window_(file), layout_(window_) {}
+
+  [[nodiscard]] bool atEnd();
+  /** Passes the next object and appends the observations in it.
+   * \return its class. \throws std::exception if it is damaged. */
+  const mrpt::rtti::TRuntimeClassId& next(std::deque<mrpt::obs::CObservation::Ptr>& observations);
+
+ private:
+  void sensoryFrame(int version, std::deque<mrpt::obs::CObservation::Ptr>& observations);
+  /** An observation whose header begins where the window does.
+   * \return whether its end is known: else the next object begins here, if there is one. */
+  bool observation(const ObjectHeader& header,
+                   const mrpt::rtti::TRuntimeClassId& id,
+                   std::deque<mrpt::obs::CObservation::Ptr>& observations);
+  void passOver();
+
+  GzInput& file_;
+  ByteWindow window_;
+  ObjectLayout layout_;
+};
+
+/** The object of MRPT in these bytes. \throws std::exception if they are damaged. */
+[[nodiscard]] mrpt::serialization::CSerializable::Ptr objectFrom(std::string_view bytes);
+}  // namespace dyslam

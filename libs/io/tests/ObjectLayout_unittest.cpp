@@ -1,0 +1,265 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Objects of MRPT with every part filled in, and with every count damaged.
+#include <dyslam/core/Error.h>
+#include <dyslam/io/RawlogSource.h>
+#include <dyslam/io/RawlogStream.h>
+#include <mrpt/io/CFileGZOutputStream.h>
+#include <mrpt/maps/CColouredPointsMap.h>
+#include <mrpt/maps/CPointsMapXYZI.h>
+#include <mrpt/maps/CSimplePointsMap.h>
+#include <mrpt/maps/CWeightedPointsMap.h>
+#include <mrpt/obs/CActionCollection.h>
+#include <mrpt/obs/CObservation3DRangeScan.h>
+#include <mrpt/obs/CObservationComment.h>
+#include <mrpt/obs/CObservationIMU.h>
+#include <mrpt/obs/CObservationImage.h>
+#include <mrpt/obs/CObservationPointCloud.h>
+#include <mrpt/obs/CObservationRobotPose.h>
+#include <mrpt/obs/CObservationRotatingScan.h>
+#include <mrpt/obs/CObservationVelodyneScan.h>
+#include <mrpt/obs/CSensoryFrame.h>
+#include <mrpt/serialization/CArchive.h>
+#include <sys/resource.h>
+
+#include <cstring>
+
+#include "SyntheticScans.h"
+#include "TestFolder.h"
+
+namespace dyslam
+{
+namespace
+{
+using namespace mrpt::obs;
+using mrpt::serialization::CSerializable;
+
+/** Bytes of a serialized object. */
+class Bytes
+{
+ public:
+  std::size_t Write(const void* buffer, std::size_t count)
+  {
+    text.append(static_cast<const char*>(buffer), count);
+    return count;
+  }
+  static std::size_t Read(void*, std::size_t) { return 0; }
+  static std::string getStreamDescription() { return ""; }
+  std::string text;
+};
+
+std::string bytesOf(const CSerializable& object)
+{
+  Bytes bytes;
+  auto archive = mrpt::serialization::archiveFrom(bytes);
+  archive << object;
+  return bytes.text;
+}
+
+CObservation::Ptr named(CObservation::Ptr observation)
+{
+  observation->sensorLabel = "lidar";
+  observation->timestamp = mrpt::Clock::fromDouble(1e9);
+  return observation;
+}
+
+template <typename Map>
+CObservation::Ptr cloud()
+{
+  auto observation = CObservationPointCloud::Create();
+  auto map = Map::Create();
+  for (int i = 0; i < 5; ++i)
+  {
+    map->insertPoint(1.0F + static_cast<float>(i), 2, 3);
+  }
+  observation->pointcloud = map;
+  return named(observation);
+}
+
+CObservation::Ptr velodyne()
+{
+  auto scan = CObservationVelodyneScan::Create();
+  scan->calibration = VelodyneCalibration::LoadDefaultCalibration("VLP16");
+  scan->point_cloud.x = scan->point_cloud.y = scan->point_cloud.z = {1, 2, 3};
+  scan->point_cloud.intensity = {4, 5, 6};
+  scan->point_cloud.timestamp.assign(3, mrpt::Clock::fromDouble(1e9));
+  scan->point_cloud.azimuth = {7, 8, 9};
+  scan->point_cloud.laser_id = {0, 1, 2};
+  scan->point_cloud.pointsForLaserID = {{0}, {1}, {2}};
+  return named(scan);
+}
+
+CObservation::Ptr rotating()
+{
+  auto scan = CObservationRotatingScan::Create();
+  scan->rowCount = 16;
+  scan->columnCount = 4;
+  scan->rangeResolution = 0.002;
+  scan->rangeImage.resize(16, 4);
+  scan->rangeImage.fill(5000);
+  scan->intensityImage.resize(16, 4);
+  scan->rangeOtherLayers["LAST"] = scan->rangeImage;
+  return named(scan);
+}
+
+CObservation::Ptr rangeImage()
+{
+  auto scan = CObservation3DRangeScan::Create();
+  scan->hasRangeImage = true;
+  scan->rangeImage_setSize(6, 8);
+  scan->rangeImage.fill(3000);
+  scan->rangeImageOtherLayers["LAST"] = scan->rangeImage;
+  scan->cameraParams.ncols = 8;
+  scan->cameraParams.nrows = 6;
+  scan->cameraParams.cameraName = "depth";
+  scan->hasIntensityImage = true;
+  scan->intensityImage.resize(8, 6, mrpt::img::CH_GRAY);
+  scan->hasConfidenceImage = true;
+  scan->confidenceImage.resize(8, 6, mrpt::img::CH_RGB);
+  return named(scan);
+}
+
+CObservation::Ptr points3d()
+{
+  auto scan = CObservation3DRangeScan::Create();
+  scan->hasPoints3D = true;
+  scan->resizePoints3DVectors(4);
+  return named(scan);
+}
+
+CObservation::Ptr picture()
+{
+  auto image = CObservationImage::Create();
+  image->image.resize(64, 48, mrpt::img::CH_RGB);
+  return named(image);
+}
+
+std::vector<CObservation::Ptr> scans()
+{
+  return {cloud<mrpt::maps::CSimplePointsMap>(),
+          cloud<mrpt::maps::CPointsMapXYZI>(),
+          cloud<mrpt::maps::CColouredPointsMap>(),
+          cloud<mrpt::maps::CWeightedPointsMap>(),
+          named(CObservationPointCloud::Create()),  // without points
+          velodyne(),
+          rotating(),
+          rangeImage(),
+          points3d()};
+}
+
+std::vector<CObservation::Ptr> readStream(const std::string& path)
+{
+  RawlogStream stream(path);
+  std::vector<CObservation::Ptr> read;
+  while (auto observation = stream.next())
+  {
+    read.push_back(observation);
+  }
+  return read;
+}
+
+/** The most memory that this process has had [MB]. */
+long mostMegabytes()
+{
+  struct rusage usage = {};
+  getrusage(RUSAGE_SELF, &usage);
+  return usage.ru_maxrss / 1024;
+}
+}  // namespace
+
+TEST(ObjectLayout, EveryClassWithAllItsPartsIsRead)
+{
+  const TestFolder folder;
+  auto all = scans();
+  all.push_back(named(CObservationRobotPose::Create()));
+  for (const auto& scan : all)
+  {
+    const std::string bytes = bytesOf(*scan);
+    const std::string path = folder.write("a.rawlog", bytes + bytes);
+    const auto read = readStream(path);
+    const auto* range = dynamic_cast<const CObservation3DRangeScan*>(scan.get());
+    ASSERT_EQ(2U, read.size()) << scan->GetRuntimeClass()->className;
+    if (range == nullptr || !range->hasIntensityImage)
+    {
+      EXPECT_EQ(bytes, bytesOf(*read[1])) << scan->GetRuntimeClass()->className;
+    }
+  }
+}
+
+TEST(ObjectLayout, ImagesOfRangeScansAreLeftOut)
+{
+  const TestFolder folder;
+  const auto original = rangeImage();
+  const auto read = readStream(folder.write("a.rawlog", bytesOf(*original)));
+  ASSERT_EQ(1U, read.size());
+  const auto& scan = dynamic_cast<const CObservation3DRangeScan&>(*read[0]);
+  EXPECT_FALSE(scan.hasIntensityImage);
+  EXPECT_FALSE(scan.hasConfidenceImage);
+  EXPECT_EQ(6, scan.rangeImage.rows());
+  EXPECT_EQ(3000, scan.rangeImage(5, 7));
+  EXPECT_EQ("depth", scan.cameraParams.cameraName);
+  EXPECT_EQ("lidar", scan.sensorLabel);
+}
+
+TEST(ObjectLayout, OtherClassesArePassedOver)
+{
+  const TestFolder folder;
+  const auto scan = cloud<mrpt::maps::CPointsMapXYZI>();
+  const std::string image = bytesOf(*picture());
+  CSensoryFrame frame;
+  frame.insert(named(CObservationIMU::Create()));
+  frame.insert(scan);
+  frame.insert(picture());
+  CActionCollection actions;
+  const std::string path = folder.write(
+      "a.rawlog", image + bytesOf(actions) + bytesOf(frame) + image + bytesOf(*scan) + image);
+  const auto read = readStream(path);
+  std::vector<std::string> classes;
+  for (const auto& observation : read)
+  {
+    const std::string name = observation->GetRuntimeClass()->className;
+    classes.push_back(name.substr(name.rfind(':') + 1));
+    EXPECT_EQ(classes.back() != "CObservationPointCloud",
+              observation->timestamp == INVALID_TIMESTAMP);
+  }
+  EXPECT_EQ(
+      (std::vector<std::string>{"CObservationImage", "CObservationIMU", "CObservationPointCloud",
+                                "CObservationImage", "CObservationImage", "CObservationPointCloud",
+                                "CObservationImage"}),
+      classes);
+  // One that is cut short is told from the end.
+  const std::string cut = folder.write("b.rawlog", bytesOf(*scan) + image.substr(0, 5000));
+  EXPECT_THROW((void)readStream(cut), UserError);
+}
+
+TEST(ObjectLayout, NoCountTakesMemoryThatTheFileHasNot)
+{
+  const TestFolder folder;
+  const long before = mostMegabytes();
+  std::size_t refused = 0;
+  for (const auto& scan : scans())
+  {
+    const std::string whole = bytesOf(*scan);
+    for (const std::uint32_t count : {0xFFFFFFFFU, 0x7FFFFFF0U, 0x10000000U, 7U})
+    {
+      for (std::size_t at = 0; at + sizeof count <= whole.size(); ++at)
+      {
+        std::string damaged = whole;
+        std::memcpy(&damaged[at], &count, sizeof count);
+        try
+        {
+          RawlogSource source(folder.write("a.rawlog", damaged));
+          while (source.next())
+          {
+          }
+        }
+        catch (const UserError&)
+        {
+          ++refused;
+        }
+      }
+    }
+  }
+  EXPECT_GT(refused, 500U);
+  EXPECT_LT(mostMegabytes() - before, 100);
+}
+}  // namespace dyslam
