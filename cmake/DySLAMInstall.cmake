@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # Shared files, notices, doc, and what makes find_package(dyslam COMPONENTS ...) work.
-install(DIRECTORY share/dyslam DESTINATION ${CMAKE_INSTALL_DATADIR})
-install(FILES LICENSE NOTICE README.md DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/dyslam)
-install(DIRECTORY doc DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/dyslam)
+# Component `programs`: what users need; `development`: what programs of their own need beyond it.
+install(DIRECTORY share/dyslam DESTINATION ${CMAKE_INSTALL_DATADIR} COMPONENT programs)
+install(FILES LICENSE NOTICE README.md DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/dyslam COMPONENT programs)
+install(DIRECTORY doc DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/dyslam COMPONENT programs)
 if(DYSLAM_TRAIN_ONLY)
   return()
 endif()
@@ -66,9 +67,9 @@ set(DYSLAM_COMPONENTS ${installed})
 include(CMakePackageConfigHelpers)
 set(config_dir ${CMAKE_INSTALL_LIBDIR}/cmake/dyslam)
 set(DYSLAM_SHARE_DIR ${CMAKE_INSTALL_DATADIR}/dyslam)
-install(EXPORT dyslamTargets NAMESPACE dyslam:: DESTINATION ${config_dir})
+install(EXPORT dyslamTargets NAMESPACE dyslam:: DESTINATION ${config_dir} COMPONENT development)
 configure_package_config_file(${CMAKE_CURRENT_LIST_DIR}/dyslam-config.cmake.in
   ${CMAKE_BINARY_DIR}/dyslam-config.cmake INSTALL_DESTINATION ${config_dir} PATH_VARS DYSLAM_SHARE_DIR)
 write_basic_package_version_file(${CMAKE_BINARY_DIR}/dyslam-config-version.cmake COMPATIBILITY SameMinorVersion)
 install(FILES ${CMAKE_BINARY_DIR}/dyslam-config.cmake ${CMAKE_BINARY_DIR}/dyslam-config-version.cmake
-  DESTINATION ${config_dir})
+  DESTINATION ${config_dir} COMPONENT development)
