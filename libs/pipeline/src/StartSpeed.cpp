@@ -18,7 +18,11 @@ namespace dyslam
 {
 namespace
 {
-using mrpt::system::CTimeLogger;
+/** Times that nobody asks for. */
+struct NoTimes : mrpt::system::CTimeLogger
+{
+  NoTimes() : CTimeLogger(false, "start") {}
+};
 
 /** Speeds nearer to each other are the same [m/s]. */
 constexpr double same_speed = 0.3;
@@ -34,9 +38,8 @@ using StaticPriors = std::vector<std::vector<float>>;
 struct StartSearch
 {
   StartSearch(const std::vector<Frame>& first_frames, const Config& run_config)
-      : frames(first_frames), config(run_config), times(true, "start"), priors(frames.size())
+      : frames(first_frames), config(run_config), priors(frames.size())
   {
-    times.setMinLoggingLevel(mrpt::system::LVL_ERROR);  // it would print its table at the end
     ConfigLoader loader(config);
     options = loader.get<StartOptions>("start");
     threads = loader.get<PipelineOptions>("pipeline").threads;
@@ -44,14 +47,14 @@ struct StartSearch
 
   [[nodiscard]] bool isWanted() const;
   [[nodiscard]] Config startingAt(std::optional<double> speed) const;
-  [[nodiscard]] double speedAfter(std::optional<double> start);
+  [[nodiscard]] double speedAfter(std::optional<double> start) const;
+  [[nodiscard]] std::vector<double> speedsAfter(const std::vector<double>& starts) const;
   [[nodiscard]] double speedOfFrontEnd();
-  [[nodiscard]] bool isPulledTo(double speed);
-  [[nodiscard]] std::vector<SpeedDrift> drifts();
+  [[nodiscard]] bool isPulledTo(double speed) const;
+  [[nodiscard]] std::vector<SpeedDrift> drifts() const;
 
   const std::vector<Frame>& frames;
   const Config& config;
-  CTimeLogger times;
   StartOptions options;
   int threads = 0;
   StaticPriors priors;
@@ -85,11 +88,12 @@ double forwardSpeed(const Frame& frame)
 }
 
 /** Speed at the last frame after the registration alone, which began at a speed [m/s]. */
-double StartSearch::speedAfter(std::optional<double> start)
+double StartSearch::speedAfter(std::optional<double> start) const
 {
+  NoTimes times;
   const Config changed = startingAt(start);
   ConfigLoader loader(changed);
-  ThreadPool pool(threads);
+  ThreadPool pool(1);
   Preprocessor preprocessor(loader.get<PreprocessOptions>("preprocess"), pool);
   Odometry odometry(loader, pool, times);
   double speed = 0;
@@ -118,6 +122,7 @@ double StartSearch::speedAfter(std::optional<double> start)
 /** Speed at the last frame that the run would find [m/s]; keeps what looks static. */
 double StartSearch::speedOfFrontEnd()
 {
+  NoTimes times;
   ConfigLoader loader(config);
   FrontEnd front_end({threads, false}, loader, times);
   double speed = 0;
@@ -138,20 +143,41 @@ double StartSearch::speedOfFrontEnd()
   return speed;
 }
 
-/** Both a lower and a higher speed at the start end up here. */
-bool StartSearch::isPulledTo(double speed)
+std::vector<double> StartSearch::speedsAfter(const std::vector<double>& starts) const
 {
-  const auto arrives = [&](double start)
-  { return std::fabs(speedAfter(start) - speed) < same_speed; };
-  return arrives(speed + probe_distance) && arrives(speed - probe_distance);
+  std::vector<double> speeds(starts.size());
+  ThreadPool pool(threads);
+  pool.forChunks(starts.size(), 1,
+                 [&](std::size_t begin, std::size_t end, std::size_t)
+                 {
+                   for (std::size_t i = begin; i < end; ++i)
+                   {
+                     speeds[i] = speedAfter(starts[i]);
+                   }
+                 });
+  return speeds;
 }
 
-std::vector<SpeedDrift> StartSearch::drifts()
+/** Both a lower and a higher speed at the start end up here. */
+bool StartSearch::isPulledTo(double speed) const
 {
-  std::vector<SpeedDrift> result;
+  const auto speeds = speedsAfter({speed - probe_distance, speed + probe_distance});
+  return std::all_of(speeds.begin(), speeds.end(),
+                     [&](double after) { return std::fabs(after - speed) < same_speed; });
+}
+
+std::vector<SpeedDrift> StartSearch::drifts() const
+{
+  std::vector<double> starts;
   for (double speed = options.slowest; speed <= options.fastest; speed += options.step)
   {
-    result.push_back({speed, speedAfter(speed) - speed});
+    starts.push_back(speed);
+  }
+  const std::vector<double> speeds = speedsAfter(starts);
+  std::vector<SpeedDrift> result;
+  for (std::size_t i = 0; i < starts.size(); ++i)
+  {
+    result.push_back({starts[i], speeds[i] - starts[i]});
   }
   return result;
 }
