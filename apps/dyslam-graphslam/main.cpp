@@ -89,7 +89,7 @@ void optimizeFactorGraph(const Arguments& a,
   {
     for (const std::string& warning : warnings)
     {
-      std::fprintf(stderr, "warning: %s\n", printable(warning).c_str());
+      std::fprintf(stderr, "warning: %s\n", dyslam::printable(warning).c_str());
     }
   }
   if (a.slam.quiet())

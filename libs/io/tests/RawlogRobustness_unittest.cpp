@@ -287,7 +287,7 @@ TEST(RawlogRobustness, LongLabelsAreNoMatchAndPrintedWithoutEscapeCodes)
   const TestFolder folder;
   {
     RawlogWriter writer(folder.file("a.rawlog"));
-    for (const std::string label :
+    for (const std::string& label :
          {std::string(300000, 'a'), std::string("velodyne"), std::string("b\x1b[2J")})
     {
       Scan scan = someScan(label.size(), 10);
