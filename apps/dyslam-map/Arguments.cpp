@@ -7,6 +7,8 @@
 #include <dyslam/odometry/ScanMatcher.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
+#include <filesystem>
 
 #include "../common/Checks.h"
 
@@ -57,8 +59,15 @@ void declare(CLI::App& app, Arguments& a)
   app.add_option("-i,--input", a.rawlog, "rawlog of 3D LiDAR scans")->required();
   app.add_option("--trajectory", a.trajectory, "poses of the scans: TUM, or KITTI line by line")
       ->required();
-  app.add_option("-o,--output", a.outputs,
-                 "map.{pcd,ply,bt,ot,simplemap,3Dscene,png}; any number (png: grid with its yaml)");
+  app.add_option(
+      "-o,--output", a.outputs,
+      "map.{pcd,ply,las,bt,ot,simplemap,3Dscene,png,gridmap}; any number (png: grid with "
+      "its yaml)");
+  app.add_flag("--full", a.full, "clouds hold every static point (map_export.full_resolution)");
+  app.add_option("--picture", a.picture, "F.png: the map from above with paths and objects");
+  app.add_option("--compare", a.compare,
+                 "F.png: the map with everything that moved beside the clean one; what was removed "
+                 "is red");
   app.add_option("--labels", a.builder.labels,
                  "folder of .label files: moving points are left out");
   app.add_option("--tracks", a.builder.tracks, "tracks.txt: objects that move are left out");
@@ -114,15 +123,58 @@ void loadConfig(Arguments& a)
   a.builder.hindsight = loader.get<HindsightOptions>("labels");
   a.builder.preprocess = loader.get<PreprocessOptions>("preprocess");
   a.exports = loader.get<MapExportOptions>("map_export");
+  a.exports.full_resolution = a.exports.full_resolution || a.full;
   a.builder.keyframe_distance =
       a.keyframe_distance ? *a.keyframe_distance : keyframeDistance(config);
+  Config effective = loader.effective();
+  save(a.exports, effective, "map_export");
+  KeyframeOptions keyframes;
+  keyframes.distance = a.builder.keyframe_distance;
+  save(keyframes, effective, "backend");
+  a.effective = effective.toIni();
+}
+
+std::string effectiveIniOf(const Arguments& a)
+{
+  for (const std::string& path : {a.outputs.empty() ? "" : a.outputs.front(), a.picture, a.compare})
+  {
+    if (!path.empty())
+    {
+      return std::filesystem::path(path).replace_extension(".effective.ini").string();
+    }
+  }
+  return {};
+}
+
+bool needsWholeMap(const Arguments& a)
+{
+  const bool clouds_only =
+      std::all_of(a.outputs.begin(), a.outputs.end(),
+                  [](const auto& path) { return mapFormatOf(path) == MapFormat::cloud; });
+  return a.exports.tile_size == 0 || !clouds_only || !a.picture.empty() || !a.compare.empty();
+}
+
+bool needsScans(const Arguments& a)
+{
+  const bool clouds =
+      std::any_of(a.outputs.begin(), a.outputs.end(),
+                  [](const auto& path) { return mapFormatOf(path) == MapFormat::cloud; });
+  return clouds && (a.exports.full_resolution || a.exports.tile_size > 0);
 }
 
 void checkOutputs(const Arguments& a)
 {
-  if (a.outputs.empty() && a.labelled_map.empty())
+  if (a.outputs.empty() && a.labelled_map.empty() && a.picture.empty() && a.compare.empty())
   {
     throw UserError("nothing to write: give at least one --output");
+  }
+  for (const auto& path : {a.picture, a.compare})
+  {
+    if (!path.empty() && lowerExtension(path) != ".png")
+    {
+      throw UserError(path + ": pictures are .png");
+    }
+    requireFolderOf(path.empty() ? "." : path);
   }
   for (const auto& path : a.outputs)
   {

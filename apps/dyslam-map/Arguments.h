@@ -28,6 +28,10 @@ struct Arguments
   RawlogSourceOptions source;
   MapExportOptions exports;
   std::string labelled_map;
+  std::string picture;
+  std::string compare;
+  bool full = false;
+  std::string effective;  //!< every setting in force, as an ini
   std::optional<double> keyframe_distance;
   bool quiet = false;
 };
@@ -35,6 +39,12 @@ struct Arguments
 void declare(CLI::App& app, Arguments& a);
 /** Reads our sections of the ini; an ini of a whole run may hold others. \throws UserError. */
 void loadConfig(Arguments& a);
+/** File that the settings are written to: beside the first output; empty without any. */
+[[nodiscard]] std::string effectiveIniOf(const Arguments& a);
+/** Whether some output needs the map in memory as a whole: all but clouds in tiles. */
+[[nodiscard]] bool needsWholeMap(const Arguments& a);
+/** Whether some output needs the scans again after the map is built. */
+[[nodiscard]] bool needsScans(const Arguments& a);
 /** Finds bad endings, folders and flags before the work starts. \throws UserError. */
 void checkOutputs(const Arguments& a);
 }  // namespace dyslam

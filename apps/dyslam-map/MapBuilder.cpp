@@ -36,6 +36,37 @@ std::string labelFolder(const std::string& folder)
   }
   return result;
 }
+
+/** Whole kilometres of where the trajectory starts, if that is far from zero. */
+Eigen::Vector3d originOf(const Trajectory& trajectory)
+{
+  constexpr double far = 10000;
+  constexpr double step = 1000;
+  const Eigen::Vector3d start = trajectory[0].pose.translation();
+  if (!start.allFinite() || start.norm() <= far)
+  {
+    return Eigen::Vector3d::Zero();
+  }
+  return step * (start / step).array().floor();
+}
+
+Trajectory relativeTo(const Eigen::Vector3d& origin, const Trajectory& trajectory)
+{
+  Trajectory result;
+  for (const auto& [stamp, pose] : trajectory)
+  {
+    result.push_back(stamp, Eigen::Translation3d(-origin) * pose);
+  }
+  return result;
+}
+
+/** Nothing is taken out of it. */
+StaticMapOptions uncleaned(StaticMapOptions options)
+{
+  options.visibility = false;
+  options.min_hits = 1;
+  return options;
+}
 }  // namespace
 
 MapBuilder::MapBuilder(const Trajectory& trajectory, const MapBuilderOptions& options)
@@ -49,6 +80,16 @@ MapBuilder::MapBuilder(const Trajectory& trajectory, const MapBuilderOptions& op
   if (trajectory_.empty())
   {
     throw UserError("the trajectory has no poses");
+  }
+  origin_ = originOf(trajectory_);
+  trajectory_ = relativeTo(origin_, trajectory_);
+  if (!options_.scan_store.empty())
+  {
+    scans_.emplace(options_.scan_store, options_.map);
+  }
+  if (options_.uncleaned_map)
+  {
+    uncleaned_ = std::make_unique<Uncleaned>(uncleaned(options_.map));
   }
   if (options_.hindsight.hindsight && label_folder_.empty())
   {
@@ -238,9 +279,28 @@ void MapBuilder::add(Frame frame)
 
 void MapBuilder::insert(const Frame& frame)
 {
-  if (frame.is_keyframe)
+  if (!frame.is_keyframe)
+  {
+    return;
+  }
+  if (options_.whole_map)
   {
     map_.insert(frame);
+  }
+  if (scans_)
+  {
+    scans_->add(frame);
+  }
+  if (uncleaned_)
+  {
+    Frame all;
+    all.index = frame.index;
+    all.scan.stamp = frame.scan.stamp;
+    all.scan.T_vehicle_lidar = frame.scan.T_vehicle_lidar;
+    all.T_odom_vehicle = frame.T_odom_vehicle;
+    all.cloud = frame.cloud;
+    uncleaned_->keyframes.add(keyframeOf(all));
+    uncleaned_->map.insert(all);
   }
 }
 
@@ -250,6 +310,24 @@ void MapBuilder::finish()
   {
     hindsight_->finish([this](const Frame& f) { insert(f); });
   }
+}
+
+MapPictureContent MapBuilder::picture() const
+{
+  MapPictureContent content;
+  for (const auto& [stamp, pose] : trajectory_)
+  {
+    content.path.emplace_back(pose.translation());
+  }
+  for (const auto& [id, path] : object_paths_)
+  {
+    if (moves_.at(id))
+    {
+      const LabelledBox& last = last_boxes_.at(id);
+      content.objects.push_back({last.object_class, path, last.box});
+    }
+  }
+  return content;
 }
 
 SceneContent MapBuilder::scene() const

@@ -4,16 +4,19 @@
 #include <dyslam/core/Parallel.h>
 #include <dyslam/core/Trajectory.h>
 #include <dyslam/core/VoxelGrid.h>
+#include <dyslam/eval/MapPicture.h>
 #include <dyslam/formats/GroundTruth.h>
 #include <dyslam/formats/LabelFiles.h>
 #include <dyslam/io/SceneExport.h>
 #include <dyslam/mapping/HindsightLabels.h>
 #include <dyslam/mapping/MapExport.h>
+#include <dyslam/mapping/MapTiles.h>
 #include <dyslam/mapping/StaticMap.h>
 #include <dyslam/odometry/Preprocessor.h>
 
 #include <cstddef>
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -31,6 +34,9 @@ struct MapBuilderOptions
   double tolerance = 0.01;         //!< of time stamps against the trajectory's [s]
   int threads = 0;                 //!< 0: the machine's number
   bool labelled_map = false;       //!< collect labelledMap() as well
+  bool whole_map = true;           //!< build map()
+  bool uncleaned_map = false;      //!< build uncleanedMap() as well
+  std::string scan_store;          //!< keep the scans used in this file; empty: do not
 };
 
 /** Every point of a recording, thinned, with its true label: what maps are judged against. */
@@ -57,7 +63,18 @@ class MapBuilder
   /** After the last scan. */
   void finish();
 
+  /** Everything below is relative to this: where the trajectory starts, in whole kilometres, if it
+   * starts farther than 10 km from zero, where float32 would round. Else 0. */
+  [[nodiscard]] const Eigen::Vector3d& origin() const { return origin_; }
   [[nodiscard]] const StaticMap& map() const { return map_; }
+  /** The same with everything that moved. */
+  [[nodiscard]] const StaticMap& uncleanedMap() const { return uncleaned_->map; }
+  /** The scans that make the map; null without `scan_store`. */
+  [[nodiscard]] ScanStore* scans() { return scans_ ? &*scans_ : nullptr; }
+  [[nodiscard]] std::size_t keyframes() const { return keyframes_.size(); }
+  [[nodiscard]] ThreadPool& pool() { return pool_; }
+  /** Path and last box of each object that moves, and the path of the vehicle. */
+  [[nodiscard]] MapPictureContent picture() const;
   [[nodiscard]] std::size_t skipped() const { return skipped_; }
   /** What a scene shows: the map, the trajectory, the moving objects. */
   [[nodiscard]] SceneContent scene() const;
@@ -74,7 +91,16 @@ class MapBuilder
   void collectLabelled(const Frame& frame);
   void insert(const Frame& frame);
 
+  /** What moved is in it. */
+  struct Uncleaned
+  {
+    explicit Uncleaned(const StaticMapOptions& options) : map(options, keyframes) {}
+    KeyframeStore keyframes;
+    StaticMap map;
+  };
+
   Trajectory trajectory_;
+  Eigen::Vector3d origin_ = Eigen::Vector3d::Zero();
   MapBuilderOptions options_;
   std::string label_folder_;
   std::multimap<int, LabelledBox> boxes_;  // by frame, lidar frame
@@ -85,6 +111,8 @@ class MapBuilder
   Preprocessor preprocessor_;
   KeyframeStore keyframes_;
   StaticMap map_;
+  std::unique_ptr<Uncleaned> uncleaned_;
+  std::optional<ScanStore> scans_;
   std::optional<HindsightLabels> hindsight_;  // where no labels say what moves
   std::optional<Pose> last_keyframe_;
   std::size_t skipped_ = 0;

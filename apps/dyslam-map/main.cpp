@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/Error.h>
+#include <dyslam/core/PendingFile.h>
 #include <dyslam/formats/ScanFiles.h>
 
 #include <cstdio>
@@ -9,41 +10,32 @@
 
 #include "../common/AppMain.h"
 #include "../common/Checks.h"
-#include "../common/Progress.h"
 #include "Arguments.h"
-#include "MapBuilder.h"
+#include "MapWriting.h"
 #include "ScanReading.h"
 
 namespace
 {
-void write(const dyslam::MapBuilder& builder, const std::string& path, const dyslam::Arguments& a)
+/** Formats whose coordinates are float32 or small keys. */
+void warnOfOrigin(const dyslam::MapBuilder& builder, const dyslam::Arguments& a)
 {
-  using dyslam::MapFormat;
-  const std::size_t keyframes = builder.map().keyframes().size();
-  dyslam::Progress progress(std::filesystem::path(path).filename().string(), "keyframes", a.quiet);
-  switch (dyslam::mapFormatOf(path))
+  const Eigen::Vector3d& origin = builder.origin();
+  if (origin.isZero(0))
   {
-    case MapFormat::pcd:
-    case MapFormat::ply:
-      dyslam::writeMapCloud(builder.map().points(), path);
-      break;
-    case MapFormat::octree:
-      dyslam::writeOctomap(
-          builder.map(), path, a.exports,
-          [&](std::size_t done)
-          { progress.update(static_cast<double>(done) / static_cast<double>(keyframes), done); });
-      break;
-    case MapFormat::simplemap:
-      dyslam::writeSimplemap(builder.map(), path);
-      break;
-    case MapFormat::scene:
-      dyslam::writeScene(builder.scene(), path);
-      break;
-    case MapFormat::grid:
-      dyslam::writeOccupancyGrid(builder.map(), path, a.exports);
-      break;
+    return;
   }
-  progress.finish(keyframes);
+  for (const auto& path : a.outputs)
+  {
+    const std::string ending = std::filesystem::path(path).extension().string();
+    if (ending != ".las" && ending != ".ply" && ending != ".simplemap" && ending != ".png")
+    {
+      std::fprintf(
+          stderr,
+          "warning: %s: coordinates so far from zero would be rounded: the map is relative "
+          "to %.0f %.0f %.0f\n",
+          path.c_str(), origin.x(), origin.y(), origin.z());
+    }
+  }
 }
 
 void run(dyslam::Arguments& a)
@@ -52,6 +44,9 @@ void run(dyslam::Arguments& a)
   dyslam::checkOutputs(a);
   dyslam::loadConfig(a);
   a.builder.labelled_map = !a.labelled_map.empty();
+  a.builder.whole_map = dyslam::needsWholeMap(a);
+  a.builder.uncleaned_map = !a.compare.empty();
+  a.builder.scan_store = dyslam::needsScans(a) ? a.outputs.front() + ".scans" : "";
   dyslam::RawlogSource source(a.rawlog, a.source);
   dyslam::MapBuilder builder(dyslam::readPoses(a), a.builder);
   if (!a.builder.tracks.empty())
@@ -72,14 +67,16 @@ void run(dyslam::Arguments& a)
   {
     throw dyslam::UserError(damage);
   }
-  if (builder.map().keyframes().size() == 0)
+  if (builder.keyframes() == 0)
   {
     throw dyslam::UserError(a.trajectory + ": has no pose for any scan of " + a.rawlog +
                             "; are they of one recording? (--tolerance)");
   }
-  for (const auto& path : a.outputs)
+  warnOfOrigin(builder, a);
+  const std::size_t points = dyslam::writeOutputs(builder, a);
+  if (const std::string ini = dyslam::effectiveIniOf(a); !ini.empty())
   {
-    write(builder, path, a);
+    dyslam::writeWhole(ini, a.effective);
   }
   if (!a.labelled_map.empty())
   {
@@ -93,9 +90,12 @@ void run(dyslam::Arguments& a)
     throw dyslam::UserError(damage + "; the map of the " + std::to_string(source.framesRead()) +
                             " scans before it was written");
   }
-  std::printf("%zu scans, %zu without a pose, %zu keyframes, %zu map points of %.2f m\n",
-              source.framesRead(), builder.skipped(), builder.map().keyframes().size(),
-              builder.map().points().size(), builder.map().voxelSize());
+  const double voxel = a.builder.whole_map ? builder.map().voxelSize() : a.builder.map.voxel_size;
+  std::printf("%zu scans, %zu without a pose, %zu keyframes, %zu map points%s\n",
+              source.framesRead(), builder.skipped(), builder.keyframes(), points,
+              a.exports.full_resolution
+                  ? ""
+                  : (" of " + std::to_string(voxel).substr(0, 4) + " m").c_str());
 }
 }  // namespace
 

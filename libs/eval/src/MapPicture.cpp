@@ -30,6 +30,7 @@ constexpr int line_bits = 4;  // of a pixel, for lines
 
 const cv::Scalar path_colour(190, 90, 20);  // all are blue, green, red
 const cv::Scalar loop_colour(200, 40, 200);
+const cv::Vec3b marked_colour(30, 30, 225);
 
 /** Colour and name of the kinds of objects that a picture tells apart. */
 struct ObjectStyle
@@ -170,34 +171,43 @@ class Ground
   std::unordered_map<std::int64_t, float> ground_;
 };
 
+/** Calls `paint` with every pixel of the dot that a point is drawn as. */
+template <typename Paint>
+void drawDot(const Eigen::Vector3f& p, const View& view, cv::Mat& page, const Paint& paint)
+{
+  const int side = std::clamp(static_cast<int>(std::lround(point_side * view.scale)), 2, 12);
+  const Eigen::Vector2d at = view.pixel(p.head<2>().cast<double>());
+  const cv::Rect dot = cv::Rect(static_cast<int>(at.x()) - side / 2,
+                                static_cast<int>(at.y()) - side / 2, side, side) &
+                       cv::Rect({0, 0}, view.size);
+  for (int y = dot.y; y < dot.y + dot.height; ++y)
+  {
+    for (int x = dot.x; x < dot.x + dot.width; ++x)
+    {
+      paint(page.at<cv::Vec3b>(y, x));
+    }
+  }
+}
+
 /** Every pixel as dark as the highest of its points over the ground. */
 void drawPoints(const std::vector<Eigen::Vector3f>& points, const View& view, cv::Mat& page)
 {
   const Ground ground(points);
-  const int side = std::clamp(static_cast<int>(std::lround(point_side * view.scale)), 2, 12);
-  const cv::Rect inside({0, 0}, view.size);
   for (const auto& p : points)
   {
     if (!p.allFinite())
     {
       continue;
     }
-    const Eigen::Vector2d at = view.pixel(p.head<2>().cast<double>());
     const double share = std::clamp(ground.heightOver(p) / full_height, 0.0, 1.0);
     const auto grey = static_cast<unsigned char>(lightest_grey +
                                                  (darkest_grey - lightest_grey) * std::sqrt(share));
-    const cv::Rect dot = cv::Rect(static_cast<int>(at.x()) - side / 2,
-                                  static_cast<int>(at.y()) - side / 2, side, side) &
-                         inside;
-    for (int y = dot.y; y < dot.y + dot.height; ++y)
-    {
-      for (int x = dot.x; x < dot.x + dot.width; ++x)
-      {
-        auto& pixel = page.at<cv::Vec3b>(y, x);
-        const unsigned char darker = std::min(pixel[0], grey);
-        pixel = {darker, darker, darker};
-      }
-    }
+    drawDot(p, view, page,
+            [grey](cv::Vec3b& pixel)
+            {
+              const unsigned char darker = std::min(pixel[0], grey);
+              pixel = {darker, darker, darker};
+            });
   }
 }
 
@@ -272,26 +282,33 @@ void drawLegendOf(const MapPictureContent& content, cv::Mat& page)
   cv::rectangle(page, box, white, cv::FILLED);
   drawLegend(page, {20 * supersampling, 26 * supersampling}, entries);
 }
-}  // namespace
-
-std::vector<std::uint8_t> renderMapPicture(const MapPictureContent& content,
-                                           const MapPictureOptions& options)
+void requireValid(const MapPictureOptions& options)
 {
   if (options.pixels <= 0 || !(options.margin > 0) || !(options.min_pixel > 0))
   {
     throw std::invalid_argument("renderMapPicture: an option is not positive");
   }
-  const bool any = std::any_of(content.path.begin(), content.path.end(),
-                               [](const auto& p) { return p.allFinite(); });
-  if (!any)
-  {
-    return {};
-  }
-  const View view = viewOf(content, options);
+}
+
+bool hasPath(const MapPictureContent& content)
+{
+  return std::any_of(content.path.begin(), content.path.end(),
+                     [](const auto& p) { return p.allFinite(); });
+}
+
+cv::Mat drawMap(const MapPictureContent& content, const View& view)
+{
   cv::Mat page(view.size, CV_8UC3, white);
   if (content.points != nullptr)
   {
     drawPoints(*content.points, view, page);
+  }
+  if (content.marked != nullptr)
+  {
+    for (const auto& p : *content.marked)
+    {
+      drawDot(p, view, page, [](cv::Vec3b& pixel) { pixel = marked_colour; });
+    }
   }
   for (const auto& object : content.objects)
   {
@@ -303,7 +320,53 @@ std::vector<std::uint8_t> renderMapPicture(const MapPictureContent& content,
   }
   drawPath(content.path, view, page, path_colour, 3 * supersampling);
   drawScale(view, page);
+  return page;
+}
+
+void drawTitle(const std::string& title, cv::Mat& page)
+{
+  constexpr int height = 30 * supersampling;
+  cv::rectangle(page, cv::Rect(0, 0, page.cols, height), white, cv::FILLED);
+  text(page, title, {page.cols / 2, height / 2}, Anchor::middle);
+}
+}  // namespace
+
+std::vector<std::uint8_t> renderMapPicture(const MapPictureContent& content,
+                                           const MapPictureOptions& options)
+{
+  requireValid(options);
+  if (!hasPath(content))
+  {
+    return {};
+  }
+  cv::Mat page = drawMap(content, viewOf(content, options));
   drawLegendOf(content, page);
   return encodePage(page);
+}
+
+std::vector<std::uint8_t> renderMapComparison(
+    const std::pair<std::string, MapPictureContent>& first,
+    const std::pair<std::string, MapPictureContent>& second,
+    const MapPictureOptions& options)
+{
+  requireValid(options);
+  if (!hasPath(first.second))
+  {
+    return {};
+  }
+  const View view = viewOf(first.second, options);
+  std::vector<cv::Mat> pages;
+  for (const auto* part : {&first, &second})
+  {
+    pages.push_back(drawMap(part->second, view));
+    drawTitle(part->first, pages.back());
+  }
+  const bool wide = view.size.width > view.size.height;
+  constexpr int gap = 6 * supersampling;
+  const cv::Size border = wide ? cv::Size(view.size.width, gap) : cv::Size(gap, view.size.height);
+  pages.insert(pages.begin() + 1, cv::Mat(border, CV_8UC3, ink));
+  cv::Mat both;
+  wide ? cv::vconcat(pages, both) : cv::hconcat(pages, both);
+  return encodePage(both);
 }
 }  // namespace dyslam

@@ -2,7 +2,10 @@
 #include <dyslam/core/Error.h>
 #include <dyslam/core/PendingFile.h>
 #include <dyslam/core/VoxelGrid.h>
+#include <dyslam/io/GzOutput.h>
 #include <dyslam/mapping/MapExport.h>
+#include <mrpt/maps/COccupancyGridMap2D.h>
+#include <mrpt/serialization/CArchive.h>
 
 #include <algorithm>
 #include <cmath>
@@ -155,7 +158,11 @@ void clearRay(Grid& grid, const Eigen::Vector2d& a, const Eigen::Vector2d& b)
 }
 
 /** In every direction the farthest thing seen below the obstacles' upper border clears its ray. */
-void clearRays(Grid& grid, const StaticMap& map, const Ground& ground, double highest)
+void clearRays(Grid& grid,
+               const StaticMap& map,
+               const Ground& ground,
+               double highest,
+               const MapProgress& on_keyframe)
 {
   constexpr double pi = 3.14159265358979323846;
   map.forEachStaticCloud(
@@ -189,6 +196,10 @@ void clearRays(Grid& grid, const StaticMap& map, const Ground& ground, double hi
             clearRay(grid, sensor, ends[bin]);
           }
         }
+        if (on_keyframe)
+        {
+          on_keyframe(k + 1);
+        }
       });
 }
 
@@ -210,20 +221,62 @@ void markPoints(Grid& grid, const MapPoints& map, const Ground& ground, const Ma
   }
 }
 
-std::string yamlOf(const Grid& grid, const std::string& image)
+std::string yamlOf(const Grid& grid, const std::string& image, const Eigen::Vector3d& origin)
 {
   char text[512];
   std::snprintf(text, sizeof text,
                 "image: %s\nmode: trinary\nresolution: %.6g\norigin: [%.6f, %.6f, 0.0]\n"
                 "negate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n",
-                image.c_str(), grid.resolution, grid.origin.x(), grid.origin.y());
+                image.c_str(), grid.resolution, grid.origin.x() + origin.x(),
+                grid.origin.y() + origin.y());
   return text;
+}
+
+void writePngAndYaml(const Grid& grid, const std::string& path, const Eigen::Vector3d& origin)
+{
+  std::vector<std::uint8_t> png;
+  if (!cv::imencode(".png", grid.cells, png))
+  {
+    throw UserError(path + ": encoding the picture failed");
+  }
+  writeWhole(path, std::string_view(reinterpret_cast<const char*>(png.data()), png.size()));
+  const std::filesystem::path file(path);
+  const std::string yaml = std::filesystem::path(path).replace_extension(".yaml").string();
+  writeWhole(yaml, yamlOf(grid, file.filename().string(), origin));
+}
+
+/** MRPT's cells hold the probability of being free. Its coordinates are float32, so that the grid
+ * stays relative to the origin. */
+void writeGridmap(const Grid& grid, const std::string& path)
+{
+  const auto side = [&](int cells) { return static_cast<float>(cells * grid.resolution); };
+  const auto x0 = static_cast<float>(grid.origin.x());
+  const auto y0 = static_cast<float>(grid.origin.y());
+  mrpt::maps::COccupancyGridMap2D map(x0, x0 + side(grid.cells.cols), y0,
+                                      y0 + side(grid.cells.rows),
+                                      static_cast<float>(grid.resolution));
+  for (int row = 0; row < grid.cells.rows; ++row)
+  {
+    for (int col = 0; col < grid.cells.cols; ++col)
+    {
+      const std::uint8_t cell = grid.cells.at<std::uint8_t>(row, col);
+      const float free = cell == occupied ? 0.02F : cell == free_space ? 0.98F : 0.5F;
+      map.setCell(col, grid.cells.rows - 1 - row, free);
+    }
+  }
+  constexpr int compression_level = 6;
+  GzOutput file(path, compression_level);
+  auto archive = mrpt::serialization::archiveFrom(file);
+  archive << map;
+  file.close();
 }
 }  // namespace
 
 void writeOccupancyGrid(const StaticMap& map,
                         const std::string& path,
-                        const MapExportOptions& options)
+                        const MapExportOptions& options,
+                        const Eigen::Vector3d& origin,
+                        const MapProgress& on_keyframe)
 {
   validate(options, "map_export");
   if (options.obstacle_min_height >= options.obstacle_max_height)
@@ -233,17 +286,15 @@ void writeOccupancyGrid(const StaticMap& map,
   const MapPoints points = map.points();
   Grid grid = emptyGrid(points, options);
   const Ground ground(points);
-  clearRays(grid, map, ground, options.obstacle_max_height);
+  clearRays(grid, map, ground, options.obstacle_max_height, on_keyframe);
   markPoints(grid, points, ground, options);
-
-  std::vector<std::uint8_t> png;
-  if (!cv::imencode(".png", grid.cells, png))
+  if (std::filesystem::path(path).extension() == ".gridmap")
   {
-    throw UserError(path + ": encoding the picture failed");
+    writeGridmap(grid, path);
   }
-  writeWhole(path, std::string_view(reinterpret_cast<const char*>(png.data()), png.size()));
-  const std::filesystem::path file(path);
-  const std::string yaml = std::filesystem::path(path).replace_extension(".yaml").string();
-  writeWhole(yaml, yamlOf(grid, file.filename().string()));
+  else
+  {
+    writePngAndYaml(grid, path, origin);
+  }
 }
 }  // namespace dyslam

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/Error.h>
-#include <dyslam/formats/ScanFiles.h>
 #include <dyslam/mapping/MapExport.h>
 
 #include <array>
@@ -12,6 +11,11 @@ namespace dyslam
 {
 void MapExportOptions::describe(OptionsVisitor& v)
 {
+  v.flag("full_resolution", full_resolution, "clouds with every static point, not one per voxel");
+  v.flag("normals", normals, "normals in clouds, towards the sensor");
+  v.real("normal_radius", normal_radius, 0.01, 100, "m, neighbours up to here make a normal");
+  v.real("tile_size", tile_size, 0, 100000,
+         "m, clouds in tiles of this side: one of them is in memory; 0: one file");
   v.real("octree_resolution", octree_resolution, 0.01, 10, "m, side of octomap's leaves");
   v.real("octree_range", octree_range, 1, 300, "m, rays are cut off here");
   v.real("grid_resolution", grid_resolution, 0.01, 10, "m, side of the occupancy grid's cells");
@@ -22,32 +26,18 @@ void MapExportOptions::describe(OptionsVisitor& v)
   v.integer("grid_max_cells", grid_max_cells, 100, 2000000000, "a larger grid gets coarser cells");
 }
 
-void writeMapCloud(const MapPoints& points, const std::string& path)
-{
-  if (mapFormatOf(path) == MapFormat::pcd)
-  {
-    writePcd(path, points.points, points.intensity);
-  }
-  else if (mapFormatOf(path) == MapFormat::ply)
-  {
-    writePly(path, points.points, points.intensity);
-  }
-  else
-  {
-    throw UserError(path + ": a map's points are written as .pcd or .ply");
-  }
-}
-
 MapFormat mapFormatOf(const std::string& path)
 {
-  constexpr std::array<std::pair<const char*, MapFormat>, 7> formats{
-      {{".pcd", MapFormat::pcd},
-       {".ply", MapFormat::ply},
+  constexpr std::array<std::pair<const char*, MapFormat>, 9> formats{
+      {{".pcd", MapFormat::cloud},
+       {".ply", MapFormat::cloud},
+       {".las", MapFormat::cloud},
        {".bt", MapFormat::octree},
        {".ot", MapFormat::octree},
        {".simplemap", MapFormat::simplemap},
        {".3Dscene", MapFormat::scene},
-       {".png", MapFormat::grid}}};
+       {".png", MapFormat::grid},
+       {".gridmap", MapFormat::grid}}};
   const std::string ending = std::filesystem::path(path).extension().string();
   std::vector<std::string> known;
   for (const auto& [name, format] : formats)
@@ -58,8 +48,13 @@ MapFormat mapFormatOf(const std::string& path)
     }
     known.emplace_back(name);
   }
+  if (ending == ".laz")
+  {
+    throw UserError(path + ": compressed LAS is not written; give .las and compress it after");
+  }
   const std::string near = nearestWord(ending, known);
-  throw UserError(path + ": the ending is none of .pcd .ply .bt .ot .simplemap .3Dscene .png" +
-                  (near.empty() || ending.empty() ? "" : "; did you mean " + near + "?"));
+  throw UserError(
+      path + ": the ending is none of .pcd .ply .las .bt .ot .simplemap .3Dscene .png .gridmap" +
+      (near.empty() || ending.empty() ? "" : "; did you mean " + near + "?"));
 }
 }  // namespace dyslam

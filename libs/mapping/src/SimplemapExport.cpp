@@ -55,7 +55,10 @@ mrpt::obs::CObservationPointCloud::Ptr observationOf(const Keyframe& keyframe,
 }
 }  // namespace
 
-void writeSimplemap(const StaticMap& map, const std::string& path)
+void writeSimplemap(const StaticMap& map,
+                    const std::string& path,
+                    const Eigen::Vector3d& origin,
+                    const MapProgress& on_keyframe)
 {
   mrpt::maps::CSimpleMap simplemap;
   map.forEachStaticCloud(
@@ -67,8 +70,13 @@ void writeSimplemap(const StaticMap& map, const std::string& path)
         }
         auto frame = mrpt::obs::CSensoryFrame::Create();
         frame->insert(observationOf(map.keyframes()[k], cloud));
-        auto pose = mrpt::poses::CPose3DPDFGaussian::Create(toMrpt(map.poses()[k]));
+        const Pose T = Eigen::Translation3d(origin) * map.poses()[k];
+        auto pose = mrpt::poses::CPose3DPDFGaussian::Create(toMrpt(T));
         simplemap.insert(pose, frame);
+        if (on_keyframe)
+        {
+          on_keyframe(k + 1);
+        }
       });
   constexpr int compression_level = 1;
   GzOutput file(path, compression_level);

@@ -7,6 +7,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "MovingInMap.h"
 #include "VisibilityImage.h"
 #include "VoxelMap.h"
 
@@ -14,45 +15,6 @@ namespace dyslam
 {
 namespace
 {
-bool inside(const Box& box, const Eigen::Vector3d& p, double margin)
-{
-  const Eigen::Vector3d d = p - box.center;
-  const double along = std::cos(box.yaw) * d.x() + std::sin(box.yaw) * d.y();
-  const double across = -std::sin(box.yaw) * d.x() + std::cos(box.yaw) * d.y();
-  return std::abs(along) <= 0.5 * box.size.x() + margin &&
-         std::abs(across) <= 0.5 * box.size.y() + margin &&
-         std::abs(d.z()) <= 0.5 * box.size.z() + margin;
-}
-
-/** Which points of the cloud stay out of the map: those that move, and those in the boxes of moving
- * objects. */
-std::vector<bool> movingInMap(const Frame& frame, const StaticMapOptions& options)
-{
-  std::vector<bool> moving = frame.moving;
-  moving.resize(frame.cloud.size(), false);
-  for (const auto& object : frame.objects)
-  {
-    if (!object.dynamic)
-    {
-      continue;
-    }
-    // The box stands on the ground: its lower side must not cut the road out of the map.
-    Box box = object.box;
-    constexpr double over_ground = 0.25;
-    box.center.z() += 0.5 * over_ground;
-    box.size.z() -= over_ground;
-    const double reach = 0.5 * box.size.norm() + 2 * options.box_margin;
-    const Eigen::Vector3d center = frame.T_odom_vehicle.inverse() * box.center;
-    for (std::size_t i = 0; i < moving.size(); ++i)
-    {
-      const Eigen::Vector3d p = frame.cloud.points[i].cast<double>();
-      moving[i] = moving[i] || ((p - center).squaredNorm() < reach * reach &&
-                                inside(box, frame.T_odom_vehicle * p, options.box_margin));
-    }
-  }
-  return moving;
-}
-
 /** A map as it was before it is stitched again. */
 struct Stitched
 {
@@ -86,8 +48,8 @@ void StaticMapOptions::describe(OptionsVisitor& v)
 
 struct StaticMap::Impl
 {
-  Impl(const StaticMapOptions& o, KeyframeStore& store)
-      : options(o), keyframes(store), map(o.voxel_size)
+  Impl(const StaticMapOptions& o, KeyframeStore& store, const MapRegion& part)
+      : options(o), keyframes(store), region(part), map(o.voxel_size)
   {
     validate(options, "map");
   }
@@ -102,6 +64,7 @@ struct StaticMap::Impl
 
   StaticMapOptions options;
   KeyframeStore& keyframes;
+  MapRegion region;
   std::size_t revision = 0;  //!< of the keyframes' poses that the map is stitched at
   std::vector<Pose> poses;   //!< these poses, one per keyframe inserted
   VoxelMap map;
@@ -161,6 +124,11 @@ void StaticMap::Impl::stitch(std::size_t keyframe, const Stitched* before)
     }
     const Eigen::Vector3d point = cloud.points[i].cast<double>();
     const Eigen::Vector3d p = T * point;
+    if (!region.contains(p))
+    {
+      keep[i] = false;
+      continue;
+    }
     Voxel& voxel = map.hit(p, static_cast<std::uint32_t>(keyframe));
     if (has_before)
     {
@@ -222,8 +190,10 @@ void StaticMap::Impl::keepWithinLimit()
   }
 }
 
-StaticMap::StaticMap(const StaticMapOptions& options, KeyframeStore& keyframes)
-    : impl_(std::make_unique<Impl>(options, keyframes))
+StaticMap::StaticMap(const StaticMapOptions& options,
+                     KeyframeStore& keyframes,
+                     const MapRegion& region)
+    : impl_(std::make_unique<Impl>(options, keyframes, region))
 {
 }
 StaticMap::~StaticMap() = default;
@@ -277,9 +247,16 @@ MapPoints StaticMap::points() const
       result.points.push_back(map.centroidOf(voxel).cast<float>());
       result.intensity.push_back(voxel.intensity / static_cast<float>(voxel.points));
       result.hits.push_back(voxel.hits);
+      result.voxel.push_back(static_cast<std::uint32_t>(i));
+      result.keyframe.push_back(voxel.last_keyframe);
     }
   }
   return result;
+}
+
+std::uint32_t StaticMap::voxelAt(const Eigen::Vector3d& p) const
+{
+  return impl_->map.find(p);
 }
 
 void StaticMap::forEachStaticCloud(

@@ -5,6 +5,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -22,6 +23,7 @@ struct PictureObject
 struct MapPictureContent
 {
   const std::vector<Eigen::Vector3f>* points = nullptr;  //!< of the static map; may be null
+  const std::vector<Eigen::Vector3f>* marked = nullptr;  //!< drawn in red over these; may be null
   std::vector<Eigen::Vector3d> path;                     //!< of the vehicle, in order of time
   std::vector<std::pair<Eigen::Vector3d, Eigen::Vector3d>> loops;  //!< the two places of each
   std::vector<PictureObject> objects;
@@ -41,4 +43,11 @@ struct MapPictureOptions
  */
 [[nodiscard]] std::vector<std::uint8_t> renderMapPicture(const MapPictureContent& content,
                                                          const MapPictureOptions& options = {});
+
+/** Two maps side by side, or one above the other if they are wide, each with a title; the part that
+ * the first one's paths show. \return no bytes without a path. \throws as renderMapPicture(). */
+[[nodiscard]] std::vector<std::uint8_t> renderMapComparison(
+    const std::pair<std::string, MapPictureContent>& first,
+    const std::pair<std::string, MapPictureContent>& second,
+    const MapPictureOptions& options = {});
 }  // namespace dyslam

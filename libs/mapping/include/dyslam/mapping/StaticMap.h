@@ -9,6 +9,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <memory>
 #include <vector>
 
@@ -37,14 +38,32 @@ struct StaticMapOptions : Options
   void describe(OptionsVisitor& visitor) override;
 };
 
-/** Points of a map, one per voxel. The arrays are of one length. */
+/** Points of a map: one per voxel, or (FullResolution) all of them. The arrays are of one length.
+ */
 struct MapPoints
 {
-  std::vector<Eigen::Vector3f> points;  //!< map frame, centroid of the voxel's points [m]
-  std::vector<float> intensity;         //!< mean, in [0, 1]
+  std::vector<Eigen::Vector3f> points;  //!< map frame; of a voxel the centroid of its points [m]
+  std::vector<float> intensity;         //!< in [0, 1]; of a voxel the mean
   std::vector<std::uint32_t> hits;      //!< keyframes that hit the voxel
+  std::vector<std::uint32_t> voxel;     //!< StaticMap::voxelAt() of the point
+  std::vector<std::uint32_t> keyframe;  //!< that saw it, of a voxel the last one
+  /** Unit vectors towards the sensor that saw the point, 0 where unknown; empty until
+   * estimateMapNormals(). */
+  std::vector<Eigen::Vector3f> normals;
 
   [[nodiscard]] std::size_t size() const { return points.size(); }
+};
+
+/** Part of the map plane, the upper borders excluded. */
+struct MapRegion
+{
+  Eigen::Vector2d low = Eigen::Vector2d::Constant(-std::numeric_limits<double>::infinity());
+  Eigen::Vector2d high = Eigen::Vector2d::Constant(std::numeric_limits<double>::infinity());
+
+  [[nodiscard]] bool contains(const Eigen::Vector3d& p) const
+  {
+    return (p.head<2>().array() >= low.array()).all() && (p.head<2>().array() < high.array()).all();
+  }
 };
 
 /** The static world stitched from keyframes, in memory bounded by the area seen, not by time.
@@ -57,8 +76,11 @@ struct MapPoints
 class StaticMap
 {
  public:
-  /** \param keyframes outlives the map, which keeps its points there and follows its poses. */
-  StaticMap(const StaticMapOptions& options, KeyframeStore& keyframes);
+  /** \param keyframes outlives the map, which keeps its points there and follows its poses.
+   * \param region the map holds what lies here, exactly as the whole map would. */
+  StaticMap(const StaticMapOptions& options,
+            KeyframeStore& keyframes,
+            const MapRegion& region = {});
   ~StaticMap();
   StaticMap(StaticMap&&) noexcept;
   StaticMap& operator=(StaticMap&&) noexcept;
@@ -77,6 +99,9 @@ class StaticMap
 
   /** The cleaned map, in the order in which voxels were first met. */
   [[nodiscard]] MapPoints points() const;
+
+  /** Number of the voxel around a point, VoxelHash::none if there is none; cleaned ones too. */
+  [[nodiscard]] std::uint32_t voxelAt(const Eigen::Vector3d& p) const;
 
   /** Calls `visit` with the points of every keyframe (vehicle frame) that are in the cleaned map,
    * keyframes in order; one cloud is in memory at a time. */

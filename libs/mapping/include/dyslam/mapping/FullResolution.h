@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <dyslam/core/Parallel.h>
+#include <dyslam/mapping/StaticMap.h>
+
+#include <cstdint>
+#include <vector>
+
+namespace dyslam
+{
+/** Fills in the normals: of the plane through the map points within `radius` [m] around a point,
+ * at most the 20 nearest, towards the sensor of its keyframe. */
+void estimateMapNormals(MapPoints& points, const StaticMap& map, double radius, ThreadPool& pool);
+
+/** The points of scans that are static: those in voxels of the cleaned map, or right beside one in
+ * a voxel of which the map knows nothing. */
+class FullResolution
+{
+ public:
+  /** \param map and \param points, its points(), outlive this. If these have normals, every point
+   * gets the one of its voxel, towards its own sensor. */
+  FullResolution(const StaticMap& map, const StaticMapOptions& options, const MapPoints& points);
+
+  /** Every static point of a scan within the ranges of the options and in the region, unthinned,
+   * in the order of its cloud; map frame. */
+  [[nodiscard]] MapPoints of(const Frame& frame, const MapRegion& region = {}) const;
+
+ private:
+  /** The map point that stands for what is at `p`; VoxelHash::none if that is not in the map. */
+  [[nodiscard]] std::uint32_t pointAt(const Eigen::Vector3d& p) const;
+
+  const StaticMap& map_;
+  StaticMapOptions options_;
+  const MapPoints& points_;
+  std::vector<std::uint32_t> point_of_voxel_;
+};
+}  // namespace dyslam

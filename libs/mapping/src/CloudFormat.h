@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <dyslam/mapping/StaticMap.h>
+
+#include <Eigen/Core>
+#include <array>
+#include <cstdint>
+#include <cstring>
+#include <limits>
+#include <memory>
+#include <string>
+
+namespace dyslam
+{
+/** What the header of a cloud says that is known at the end only. */
+struct CloudSummary
+{
+  std::uint64_t count = 0;
+  /** Of the coordinates relative to the origin [m]. */
+  Eigen::Vector3d low = Eigen::Vector3d::Constant(std::numeric_limits<double>::infinity());
+  Eigen::Vector3d high = Eigen::Vector3d::Constant(-std::numeric_limits<double>::infinity());
+};
+
+/** Binary layout of a kind of cloud: a header of one length whatever it says, then the points. */
+class CloudFormat
+{
+ public:
+  virtual ~CloudFormat() = default;
+  [[nodiscard]] virtual std::string header(const CloudSummary& summary) const = 0;
+  virtual void append(const MapPoints& points, std::size_t i, std::string& out) const = 0;
+};
+
+struct CloudLayout
+{
+  bool normals = false;
+  Eigen::Vector3d origin = Eigen::Vector3d::Zero();
+};
+
+std::unique_ptr<CloudFormat> makePcdFormat(const CloudLayout& layout);
+std::unique_ptr<CloudFormat> makePlyFormat(const CloudLayout& layout);
+std::unique_ptr<CloudFormat> makeLasFormat(const CloudLayout& layout);
+
+/** Appends a number as little-endian bytes. */
+template <typename T>
+void appendNumber(std::string& out, T value)
+{
+  std::array<char, sizeof value> bytes{};
+  std::memcpy(bytes.data(), &value, sizeof value);
+  out.append(bytes.data(), bytes.size());
+}
+}  // namespace dyslam

@@ -1,0 +1,184 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/Error.h>
+#include <dyslam/mapping/MapTiles.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cmath>
+#include <cstring>
+#include <set>
+#include <utility>
+
+#include "MovingInMap.h"
+
+namespace dyslam
+{
+namespace
+{
+/** A point as it lies in the file. */
+struct StoredPoint
+{
+  float x;
+  float y;
+  float z;
+  float intensity;
+};
+
+constexpr double tile_margin = 2.0;  // normals and the ground are right up to the border [m]
+
+double distanceTo(const MapRegion& region, const Eigen::Vector2d& p)
+{
+  return (p - p.cwiseMax(region.low).cwiseMin(region.high)).norm();
+}
+
+MapRegion widened(const MapRegion& region, double margin)
+{
+  return {region.low.array() - margin, region.high.array() + margin};
+}
+}  // namespace
+
+ScanStore::ScanStore(const std::string& path, const StaticMapOptions& options)
+    : options_(options), pending_(path)
+{
+  errno = 0;
+  file_.open(pending_.temporary(),
+             std::ios::in | std::ios::out | std::ios::binary | std::ios::trunc);
+  requireGood();
+}
+
+void ScanStore::requireGood() const
+{
+  if (!file_)
+  {
+    throw UserError(pending_.temporary() + ": the scans cannot be kept on disk: " +
+                    (errno != 0 ? std::strerror(errno) : "unknown reason"));
+  }
+}
+
+void ScanStore::add(const Frame& frame)
+{
+  const std::size_t count = frame.cloud.size();
+  const bool has_intensity = frame.cloud.intensity.size() == count;
+  std::vector<StoredPoint> points(count);
+  for (std::size_t i = 0; i < count; ++i)
+  {
+    const Eigen::Vector3f& p = frame.cloud.points[i];
+    points[i] = {p.x(), p.y(), p.z(), has_intensity ? frame.cloud.intensity[i] : 0.0F};
+  }
+  const std::vector<bool> moving = movingInMap(frame, options_);
+  const std::string flags(moving.begin(), moving.end());
+  entries_.push_back({frame.index, frame.scan.stamp, frame.T_map_vehicle(),
+                      frame.scan.T_vehicle_lidar, bytes_, count});
+  const std::size_t size = count * sizeof(StoredPoint);
+  file_.seekp(static_cast<std::streamoff>(bytes_));
+  file_.write(reinterpret_cast<const char*>(points.data()), static_cast<std::streamsize>(size));
+  file_.write(flags.data(), static_cast<std::streamsize>(count));
+  requireGood();
+  bytes_ += size + count;
+}
+
+Frame ScanStore::read(std::size_t scan)
+{
+  const Entry& entry = entries_[scan];
+  std::vector<StoredPoint> points(entry.points);
+  std::string flags(entry.points, '\0');
+  file_.seekg(static_cast<std::streamoff>(entry.offset));
+  file_.read(reinterpret_cast<char*>(points.data()),
+             static_cast<std::streamsize>(entry.points * sizeof(StoredPoint)));
+  file_.read(flags.data(), static_cast<std::streamsize>(entry.points));
+  requireGood();
+  Frame frame;
+  frame.index = entry.index;
+  frame.scan.stamp = entry.stamp;
+  frame.scan.T_vehicle_lidar = entry.T_vehicle_lidar;
+  frame.T_odom_vehicle = entry.T_map_vehicle;
+  frame.is_keyframe = true;
+  frame.cloud.points.reserve(entry.points);
+  frame.cloud.intensity.reserve(entry.points);
+  for (const StoredPoint& p : points)
+  {
+    frame.cloud.points.emplace_back(p.x, p.y, p.z);
+    frame.cloud.intensity.push_back(p.intensity);
+  }
+  frame.moving.assign(flags.begin(), flags.end());
+  return frame;
+}
+
+std::vector<MapTile> tilesOf(const ScanStore& scans, const StaticMapOptions& options, double size)
+{
+  std::set<std::pair<std::int64_t, std::int64_t>> tiles;
+  const auto cellOf = [size](double v) { return static_cast<std::int64_t>(std::floor(v / size)); };
+  const auto regionOf = [size](std::int64_t x, std::int64_t y)
+  {
+    const Eigen::Vector2d corner(static_cast<double>(x) * size, static_cast<double>(y) * size);
+    const auto end = [size](std::int64_t i) { return static_cast<double>(i + 1) * size; };
+    return MapRegion{corner, {end(x), end(y)}};
+  };
+  const double reach = options.max_range;
+  for (std::size_t k = 0; k < scans.size(); ++k)
+  {
+    if (!scans.pose(k).matrix().allFinite())
+    {
+      continue;
+    }
+    const Eigen::Vector2d at = scans.pose(k).translation().head<2>();
+    for (std::int64_t x = cellOf(at.x() - reach); x <= cellOf(at.x() + reach); ++x)
+    {
+      for (std::int64_t y = cellOf(at.y() - reach); y <= cellOf(at.y() + reach); ++y)
+      {
+        if (distanceTo(regionOf(x, y), at) <= reach)
+        {
+          tiles.emplace(x, y);
+        }
+      }
+    }
+  }
+  std::vector<MapTile> result;
+  for (const auto& [x, y] : tiles)
+  {
+    result.push_back({x, y, regionOf(x, y)});
+  }
+  return result;
+}
+
+TileMap::TileMap(ScanStore& store, const StaticMapOptions& options, const MapTile& tile)
+    : map(options, keyframes, widened(tile.region, tile_margin))
+{
+  const double reach = std::max(options.max_range, options.visibility_range) + tile_margin;
+  for (std::size_t k = 0; k < store.size(); ++k)
+  {
+    const Pose& T = store.pose(k);
+    if (T.matrix().allFinite() &&
+        distanceTo(tile.region, T.translation().head<2>()) <= reach + tile_margin)
+    {
+      const Frame frame = store.read(k);
+      scans.push_back(k);
+      keyframes.add(keyframeOf(frame));
+      map.insert(frame);
+    }
+  }
+}
+
+MapPoints pointsWithin(const MapPoints& points, const MapRegion& region)
+{
+  MapPoints result;
+  const bool has_normals = points.normals.size() == points.size();
+  for (std::size_t i = 0; i < points.size(); ++i)
+  {
+    if (!region.contains(points.points[i].cast<double>()))
+    {
+      continue;
+    }
+    result.points.push_back(points.points[i]);
+    result.intensity.push_back(points.intensity[i]);
+    result.hits.push_back(points.hits[i]);
+    result.voxel.push_back(points.voxel[i]);
+    result.keyframe.push_back(points.keyframe[i]);
+    if (has_normals)
+    {
+      result.normals.push_back(points.normals[i]);
+    }
+  }
+  return result;
+}
+}  // namespace dyslam
