@@ -20,9 +20,9 @@ namespace
 {
 namespace fs = std::filesystem;
 
-const std::array<const char*, 9> programs{"dyslam",       "dyslam-eval",  "dyslam-graphslam",
-                                          "dyslam-map",   "dyslam-sim",   "dyslam-train",
-                                          "kitti2rawlog", "scans2rawlog", "rawlog2kitti"};
+const std::array<const char*, 10> programs{
+    "dyslam",     "dyslam-batch", "dyslam-eval",  "dyslam-graphslam", "dyslam-map",
+    "dyslam-sim", "dyslam-train", "kitti2rawlog", "scans2rawlog",     "rawlog2kitti"};
 
 std::string temporary()
 {
