@@ -26,6 +26,7 @@ if(NOT DYSLAM_TRAIN_ONLY)
   find_package(PCL 1.13 REQUIRED COMPONENTS common kdtree search registration)
   find_package(OpenCV 4 REQUIRED COMPONENTS core imgproc imgcodecs)
   find_package(octomap REQUIRED)
+  find_package(OpenSSL 3 REQUIRED COMPONENTS Crypto)
 endif()
 
 if(DYSLAM_BUILD_TESTS)

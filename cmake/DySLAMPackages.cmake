@@ -24,9 +24,10 @@ if(DYSLAM_HELP_PAGES)
 endif()
 
 set(CPACK_GENERATOR DEB)
-set(CPACK_PACKAGE_VENDOR "DySLAM")
-set(CPACK_PACKAGE_CONTACT "DySLAM authors <dyslam@dyslam.invalid>" CACHE STRING
+set(DYSLAM_MAINTAINER "DySLAM authors <dyslam@dyslam.invalid>" CACHE STRING
   "Maintainer named in the packages")
+set(CPACK_PACKAGE_CONTACT ${DYSLAM_MAINTAINER})
+set(CPACK_PACKAGE_VENDOR "DySLAM")
 set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
 set(CPACK_INSTALL_DEFAULT_DIRECTORY_PERMISSIONS OWNER_READ OWNER_WRITE OWNER_EXECUTE GROUP_READ GROUP_EXECUTE
   WORLD_READ WORLD_EXECUTE)
@@ -53,7 +54,7 @@ set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_NAME libdyslam-dev)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SECTION non-free/libdevel)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS "dyslam (= ${PROJECT_VERSION}-${CPACK_DEBIAN_PACKAGE_RELEASE}), \
 libceres-dev, libeigen3-dev, libembree-dev, liblz4-dev, libmrpt-dev, liboctomap-dev, libopencv-dev, libpcap-dev, \
-libpcl-dev, libsqlite3-dev, libtbb-dev, libtorch-dev, libzstd-dev, libbz2-dev")
+libpcl-dev, libsqlite3-dev, libssl-dev, libtbb-dev, libtorch-dev, libzstd-dev, libbz2-dev")
 set(CPACK_DEBIAN_DEVELOPMENT_DESCRIPTION "Headers, static libraries and the CMake package of DySLAM, which replays
 recordings of 3D LiDAR scans: find_package(dyslam COMPONENTS odometry io).")
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/Error.h>
 #include <dyslam/core/Files.h>
+#include <dyslam/core/Shard.h>
 
 #include <algorithm>
 #include <filesystem>
@@ -23,7 +24,8 @@ struct Arguments
 {
   Recording recording;
   std::string world = "urban", sensor = "HDL64E", ego = "automatic";
-  std::string benchmark, only;
+  std::string benchmark, only, shard;
+  int count = 0;
   std::optional<double> seconds;
   bool no_noise = false, no_distortion = false, no_stops = false, no_flow = false, quiet = false;
 };
@@ -40,7 +42,10 @@ void declare(CLI::App& app, Arguments& a)
   app.add_option("--seconds", a.seconds,
                  "simulated time [s] (10); upper limit for the benchmark set");
   app.add_option("--seed", o.seed, "seed of world, traffic and noise (1)");
-  app.add_option("-o,--output", a.recording.output, "rawlog to write");
+  app.add_option("-o,--output", a.recording.output, "rawlog to write; with --count a folder");
+  app.add_option("--count", a.count,
+                 "so many recordings of the seeds from --seed on, named by world, sensor and seed")
+      ->check(CLI::Range(1, 1000000));
   app.add_option("--ego", a.ego,
                  "carrier of the sensor: car, robot or handheld (default of the world)");
   app.add_option("--speed", o.ego_speed, "cruising speed [m/s]; 0: default of the world (0)");
@@ -65,11 +70,14 @@ void declare(CLI::App& app, Arguments& a)
   for (const char* fixed :
        {"--world", "--sensor", "--traffic", "--seed", "--output", "--ego", "--speed", "--loop",
         "--start", "--start-time", "--one-loop", "--columns", "--max-range", "--compact",
-        "--no-flow", "--no-noise", "--no-distortion", "--no-stops"})
+        "--no-flow", "--no-noise", "--no-distortion", "--no-stops", "--count"})
   {
     benchmark->excludes(app.get_option(fixed));
   }
   app.add_option("--only", a.only, "a single recording of the benchmark set");
+  app.add_option(
+      "--shard", a.shard,
+      "K/N: only the K-th of every N recordings of --benchmark or --count, for N machines");
   app.add_flag("-q,--quiet", a.quiet, "no progress");
 }
 
@@ -107,6 +115,28 @@ void recordOne(const Recording& recording, bool quiet)
       result.objects, result.distance, result.loop_length, result.ground_truth.c_str());
 }
 
+/** Those of the shard that is asked for. */
+std::vector<NamedRecording> partOf(const Arguments& a, const std::vector<NamedRecording>& all)
+{
+  return a.shard.empty() ? all : Shard::fromText(a.shard).of(all);
+}
+
+/** --count recordings of consecutive seeds; each depends on its seed alone. */
+std::vector<NamedRecording> seriesOf(const Arguments& a)
+{
+  std::vector<NamedRecording> series;
+  for (int i = 0; i < a.count; ++i)
+  {
+    NamedRecording one;
+    one.recording = a.recording;
+    one.recording.simulator.seed += i;
+    one.name = a.world + "_" + a.sensor + "_" + std::to_string(one.recording.simulator.seed);
+    one.recording.output = a.recording.output + "/" + one.name + ".rawlog";
+    series.push_back(one);
+  }
+  return series;
+}
+
 void run(Arguments& a)
 {
   if (!(a.seconds.value_or(1) > 0))
@@ -116,7 +146,7 @@ void run(Arguments& a)
   if (!a.benchmark.empty())
   {
     dyslam::makeFolder(a.benchmark);
-    for (auto& named : benchmarkSet(a.benchmark, a.only))
+    for (auto& named : partOf(a, benchmarkSet(a.benchmark, a.only)))
     {
       named.recording.threads = a.recording.threads;
       named.recording.seconds =
@@ -133,7 +163,10 @@ void run(Arguments& a)
   {
     throw UserError("give the output with -o x.rawlog, or --benchmark DIR");
   }
-  requireFolderOf(a.recording.output);
+  if (!a.shard.empty() && a.count == 0)
+  {
+    throw UserError("--shard requires --count or --benchmark");
+  }
   a.recording.seconds = a.seconds.value_or(a.recording.seconds);
   SimulatorOptions& o = a.recording.simulator;
   o.world = worldKindFromString(a.world);
@@ -144,7 +177,17 @@ void run(Arguments& a)
   o.stops = !a.no_stops;
   a.recording.flow = !a.no_flow;
   a.recording.compression_level = a.recording.compact ? 9 : 1;
-  recordOne(a.recording, a.quiet);
+  if (a.count == 0)
+  {
+    requireFolderOf(a.recording.output);
+    recordOne(a.recording, a.quiet);
+    return;
+  }
+  dyslam::makeFolder(a.recording.output);
+  for (const NamedRecording& named : partOf(a, seriesOf(a)))
+  {
+    recordOne(named.recording, a.quiet);
+  }
 }
 }  // namespace
 

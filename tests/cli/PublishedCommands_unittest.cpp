@@ -20,9 +20,9 @@ namespace
 {
 namespace fs = std::filesystem;
 
-const std::array<const char*, 9> programs{"dyslam",       "dyslam-eval",  "dyslam-graphslam",
-                                          "dyslam-map",   "dyslam-sim",   "dyslam-train",
-                                          "kitti2rawlog", "scans2rawlog", "rawlog2kitti"};
+const std::array<const char*, 10> programs{
+    "dyslam",     "dyslam-batch", "dyslam-eval",  "dyslam-graphslam", "dyslam-map",
+    "dyslam-sim", "dyslam-train", "kitti2rawlog", "scans2rawlog",     "rawlog2kitti"};
 
 std::string temporary()
 {
@@ -165,10 +165,10 @@ TEST(PublishedCommands, OfTheGuideRun)
   const int status =
       std::system(("bash '" + (folder / "guide.sh").string() + "' > '" + log + "' 2>&1").c_str());
   EXPECT_EQ(status, 0) << contentOf(log);
-  for (const char* made :
-       {"out/guide/report.html", "out/guide/map.png", "out/guide/clean.pcd", "out/guide/grid.png",
-        "out/guide/grid.yaml", "out/guide/clean.simplemap", "out/static/static_scans.rawlog",
-        "out/tuned/report.json", "out/simulated.rawlog"})
+  for (const char* made : {"out/guide/report.html", "out/guide/map.png", "out/guide/clean.pcd",
+                           "out/guide/grid.png", "out/guide/grid.yaml", "out/guide/clean.simplemap",
+                           "out/static/static_scans.rawlog", "out/tuned/report.json",
+                           "out/simulated.rawlog", "out/batch/index.html", "out/batch/table.csv"})
   {
     EXPECT_TRUE(fs::exists(folder / made)) << made;
   }

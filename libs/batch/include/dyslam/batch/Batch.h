@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <dyslam/batch/Manifest.h>
+#include <dyslam/batch/Recordings.h>
+
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+namespace dyslam::batch
+{
+struct BatchSettings
+{
+  std::string output;                  //!< folder; each recording has one of its name in it
+  std::string program;                 //!< path of dyslam
+  std::vector<std::string> arguments;  //!< of dyslam, but for -i, -o and --force
+  Work common;                         //!< settings, version and checksum of the program
+  int jobs = 0;                        //!< at once; 0: as many as there are cores
+  std::uint64_t memory = 0;            //!< for all at once [bytes]; 0: what is available
+  std::string scratch;                 //!< folder to run in before results are moved; or none
+  int attempts = 2;                    //!< of a run that fails
+};
+
+/** What became of a recording. */
+struct BatchResult
+{
+  Recording recording;
+  Manifest manifest;
+  bool skipped = false;  //!< had been done before
+};
+
+struct BatchWatch
+{
+  std::function<bool()> stop;  //!< asked all the time: true ends the batch
+  /** Share of the bytes done, recordings ended. */
+  std::function<void(double, std::size_t)> progress;
+  std::function<void(const BatchResult&, std::size_t ended)> ended;  //!< after each recording
+};
+
+/** Folder of a recording's results. */
+[[nodiscard]] std::string folderOf(const BatchSettings& settings, const Recording& recording);
+
+/** Runs dyslam on every recording that is not done, as child processes, each on cores of its own;
+ * what failed is run once more after all others. One entry per recording, in their order; those not
+ * reached before a stop are `unknown` or `running`.
+ * \throws UserError if the output folder cannot be made. */
+std::vector<BatchResult> runBatch(const BatchSettings& settings,
+                                  const std::vector<Recording>& recordings,
+                                  const BatchWatch& watch);
+
+/** What is known of earlier runs, without running anything. */
+[[nodiscard]] std::vector<BatchResult> readBatch(const BatchSettings& settings,
+                                                 const std::vector<Recording>& recordings);
+}  // namespace dyslam::batch

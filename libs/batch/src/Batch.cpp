@@ -1,0 +1,247 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/batch/Batch.h>
+#include <dyslam/batch/ChildProcess.h>
+#include <dyslam/batch/MemoryBudget.h>
+#include <dyslam/core/Files.h>
+
+#include <algorithm>
+#include <chrono>
+#include <condition_variable>
+#include <deque>
+#include <exception>
+#include <filesystem>
+#include <mutex>
+#include <thread>
+
+#include "OneRun.h"
+
+namespace dyslam::batch
+{
+namespace
+{
+// A run on street64 with the network takes 0.9 GB, one of 1700 m 2 GB.
+constexpr std::uint64_t first_estimate = std::uint64_t{2} << 30U;
+constexpr double share_of_available = 0.9;
+
+struct Task
+{
+  std::size_t index = 0;
+  bool alone = false;  //!< it was killed before, perhaps for want of memory
+};
+
+/** What the threads share, one per run at a time. */
+class Runner
+{
+ public:
+  Runner(const BatchSettings& settings, std::vector<BatchResult>& results, const BatchWatch& watch)
+      : settings_(settings),
+        results_(results),
+        watch_(watch),
+        cores_(usableCores()),
+        slots_(std::min<std::size_t>(
+            results.size(),
+            settings.jobs > 0 ? static_cast<std::size_t>(settings.jobs) : cores_.size())),
+        budget_(settings.memory > 0
+                    ? settings.memory
+                    : static_cast<std::uint64_t>(share_of_available *
+                                                 static_cast<double>(availableMemory())),
+                first_estimate)
+  {
+    for (std::size_t i = 0; i < results.size(); ++i)
+    {
+      waiting_.push_back({i, false});
+    }
+  }
+
+  void run()
+  {
+    std::vector<std::thread> threads;
+    for (std::size_t slot = 0; slot < slots_; ++slot)
+    {
+      threads.emplace_back([this, slot] { work(coresOf(slot)); });
+    }
+    std::unique_lock<std::mutex> lock(mutex_);
+    while (ended_ < results_.size() && !stopped())
+    {
+      changed_.wait_for(lock, std::chrono::milliseconds(200));
+      if (watch_.progress)
+      {
+        watch_.progress(share(), ended_);
+      }
+    }
+    lock.unlock();
+    changed_.notify_all();
+    for (std::thread& thread : threads)
+    {
+      thread.join();
+    }
+  }
+
+ private:
+  [[nodiscard]] bool stopped() const { return watch_.stop && watch_.stop(); }
+
+  /** Equal parts; with more slots than cores, each has all. */
+  [[nodiscard]] std::vector<int> coresOf(std::size_t slot) const
+  {
+    const std::size_t each = cores_.size() / slots_;
+    if (each == 0)
+    {
+      return cores_;
+    }
+    const auto begin = cores_.begin() + static_cast<std::ptrdiff_t>(slot * each);
+    return {begin, slot + 1 == slots_ ? cores_.end() : begin + static_cast<std::ptrdiff_t>(each)};
+  }
+
+  [[nodiscard]] double share() const
+  {
+    double done = 0;
+    double all = 1;
+    for (const BatchResult& r : results_)
+    {
+      const auto bytes = static_cast<double>(r.recording.bytes);
+      all += bytes;
+      const bool runs = r.manifest.state == State::running;
+      done += bytes * (runs ? progressIn(workFolder(settings_, r.recording) + "/log.txt")
+                            : (r.manifest.state == State::unknown ? 0 : 1));
+    }
+    return std::min(done / all, 0.999);
+  }
+
+  /** Waits for something to do. \returns false when there is nothing left. */
+  bool next(Task& task)
+  {
+    std::unique_lock<std::mutex> lock(mutex_);
+    for (;;)
+    {
+      if (stopped() || ended_ == results_.size())
+      {
+        return false;
+      }
+      if (waiting_.empty() && !failed_.empty() && running_ == 0)
+      {
+        waiting_.swap(failed_);
+      }
+      if (!waiting_.empty() && budget_.fits(waiting_.front().alone))
+      {
+        task = waiting_.front();
+        waiting_.pop_front();
+        budget_.start(task.alone);
+        ++running_;
+        return true;
+      }
+      changed_.wait_for(lock, std::chrono::milliseconds(200));
+    }
+  }
+
+  void work(const std::vector<int>& cores)
+  {
+    for (Task task; next(task);)
+    {
+      BatchResult result;
+      {
+        const std::lock_guard<std::mutex> lock(mutex_);
+        result = results_[task.index];
+      }
+      const bool killed = attempt(result, cores, task.index);
+      const std::lock_guard<std::mutex> lock(mutex_);
+      --running_;
+      budget_.finish(result.skipped ? 0 : result.manifest.peak_memory);
+      results_[task.index] = result;
+      const State state = result.manifest.state;
+      if (state == State::failed && result.manifest.attempts < settings_.attempts)
+      {
+        failed_.push_back({task.index, killed});
+      }
+      else if (state != State::running)
+      {
+        ++ended_;
+        if (watch_.ended)
+        {
+          watch_.ended(result, ended_);
+        }
+      }
+      changed_.notify_all();
+    }
+  }
+
+  /** \returns whether a signal ended it. */
+  bool attempt(BatchResult& result, const std::vector<int>& cores, std::size_t index)
+  {
+    const std::string folder = folderOf(settings_, result.recording);
+    try
+    {
+      if (result.manifest.attempts == 0)
+      {
+        const auto known = readManifest(folder);
+        const Work work = workOn(result.recording.path, settings_.common, known);
+        if (isDone(folder, work, known))
+        {
+          result.manifest = *known;
+          result.skipped = true;
+          return false;
+        }
+        result.manifest.work = work;
+      }
+      {
+        const std::lock_guard<std::mutex> lock(mutex_);
+        results_[index].manifest.state = State::running;
+      }
+      return runOne(
+          settings_, cores, [this] { return stopped(); }, result);
+    }
+    catch (const std::exception& error)
+    {
+      result.manifest.attempts = settings_.attempts;
+      result.manifest.state = State::failed;
+      result.manifest.reason = error.what();
+      return false;
+    }
+  }
+
+  const BatchSettings& settings_;
+  std::vector<BatchResult>& results_;
+  const BatchWatch& watch_;
+  std::vector<int> cores_;
+  std::size_t slots_;
+
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  MemoryBudget budget_;
+  std::deque<Task> waiting_;
+  std::deque<Task> failed_;  //!< to be run again when all others have ended
+  std::size_t running_ = 0;
+  std::size_t ended_ = 0;
+};
+}  // namespace
+
+std::string folderOf(const BatchSettings& settings, const Recording& recording)
+{
+  return (std::filesystem::path(settings.output) / recording.name).string();
+}
+
+std::vector<BatchResult> runBatch(const BatchSettings& settings,
+                                  const std::vector<Recording>& recordings,
+                                  const BatchWatch& watch)
+{
+  makeFolder(settings.output, "choose another --output");
+  std::vector<BatchResult> results;
+  for (const Recording& recording : recordings)
+  {
+    results.push_back({recording, {}, false});
+  }
+  Runner(settings, results, watch).run();
+  return results;
+}
+
+std::vector<BatchResult> readBatch(const BatchSettings& settings,
+                                   const std::vector<Recording>& recordings)
+{
+  std::vector<BatchResult> results;
+  for (const Recording& recording : recordings)
+  {
+    const auto known = readManifest(folderOf(settings, recording));
+    results.push_back({recording, known.value_or(Manifest()), false});
+  }
+  return results;
+}
+}  // namespace dyslam::batch

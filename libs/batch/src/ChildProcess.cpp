@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/batch/ChildProcess.h>
+#include <dyslam/core/Error.h>
+#include <fcntl.h>
+#include <sched.h>
+#include <signal.h>
+#include <sys/prctl.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <chrono>
+#include <cstring>
+#include <fstream>
+#include <sstream>
+#include <thread>
+
+namespace dyslam::batch
+{
+namespace
+{
+constexpr int not_started = 127;
+
+/** After fork(): only calls that are allowed there. Never returns. */
+[[noreturn]] void become(char* const* arguments,
+                         const char* log,
+                         const cpu_set_t* cores,
+                         pid_t parent)
+{
+  ::prctl(PR_SET_PDEATHSIG, SIGKILL);
+  if (::getppid() != parent)
+  {
+    ::_exit(not_started);
+  }
+  ::setpgid(0, 0);  // Ctrl-C is for the parent, which then ends this one
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGPIPE})
+  {
+    ::signal(signal, SIG_DFL);
+  }
+  const int out = ::open(log, O_WRONLY | O_CREAT | O_APPEND, 0666);
+  const int in = ::open("/dev/null", O_RDONLY);
+  if (out < 0 || in < 0 || ::dup2(in, 0) < 0 || ::dup2(out, 1) < 0 || ::dup2(out, 2) < 0)
+  {
+    ::_exit(not_started);
+  }
+  if (CPU_COUNT(cores) > 0)
+  {
+    ::sched_setaffinity(0, sizeof *cores, cores);
+  }
+  ::execv(arguments[0], arguments);
+  ::_exit(not_started);
+}
+
+/** Bytes in the file, or nothing known: 0. */
+std::uint64_t numberIn(const std::string& path)
+{
+  std::uint64_t value = 0;
+  std::ifstream(path) >> value;
+  return value;
+}
+}  // namespace
+
+ChildOutcome runChild(const ChildCommand& command, const std::function<bool()>& stop)
+{
+  if (command.words.empty() || ::access(command.words[0].c_str(), X_OK) != 0)
+  {
+    throw UserError((command.words.empty() ? "" : command.words[0]) +
+                    ": is no program that can be run");
+  }
+  std::vector<char*> arguments;
+  for (const std::string& word : command.words)
+  {
+    arguments.push_back(const_cast<char*>(word.c_str()));
+  }
+  arguments.push_back(nullptr);
+  cpu_set_t cores;
+  CPU_ZERO(&cores);
+  for (const int core : command.cores)
+  {
+    CPU_SET(static_cast<std::size_t>(core), &cores);
+  }
+  const auto start = std::chrono::steady_clock::now();
+  const pid_t parent = ::getpid();
+  const pid_t child = ::fork();
+  if (child < 0)
+  {
+    throw UserError(command.words[0] + ": cannot be started: " + std::strerror(errno));
+  }
+  if (child == 0)
+  {
+    become(arguments.data(), command.log.c_str(), &cores, parent);
+  }
+  int status = 0;
+  struct rusage usage = {};
+  while (::wait4(child, &status, WNOHANG, &usage) == 0)
+  {
+    if (stop && stop())
+    {
+      ::kill(child, SIGKILL);
+    }
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  }
+  ChildOutcome outcome;
+  outcome.code = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+  outcome.signal = WIFSIGNALED(status) ? WTERMSIG(status) : 0;
+  outcome.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  outcome.peak_memory = static_cast<std::uint64_t>(usage.ru_maxrss) * 1024;
+  return outcome;
+}
+
+std::vector<int> usableCores()
+{
+  cpu_set_t set;
+  CPU_ZERO(&set);
+  ::sched_getaffinity(0, sizeof set, &set);
+  std::vector<int> cores;
+  for (int core = 0; core < CPU_SETSIZE; ++core)
+  {
+    if (CPU_ISSET(static_cast<std::size_t>(core), &set))
+    {
+      cores.push_back(core);
+    }
+  }
+  return cores;
+}
+
+std::uint64_t availableMemory()
+{
+  std::uint64_t available = 0;
+  std::ifstream info("/proc/meminfo");
+  for (std::string line; std::getline(info, line);)
+  {
+    if (line.rfind("MemAvailable:", 0) == 0)
+    {
+      std::istringstream(line.substr(13)) >> available;
+    }
+  }
+  available *= 1024;
+  // Of control groups (version 2) that this one is in, where they set a limit.
+  std::string group;
+  std::getline(std::ifstream("/proc/self/cgroup"), group);
+  if (group.rfind("0::", 0) == 0)
+  {
+    const std::string folder = "/sys/fs/cgroup" + group.substr(3);
+    const std::uint64_t limit = numberIn(folder + "/memory.max");
+    const std::uint64_t used = numberIn(folder + "/memory.current");
+    available = limit > used ? std::min(available, limit - used) : available;
+  }
+  return available;
+}
+}  // namespace dyslam::batch

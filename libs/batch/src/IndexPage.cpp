@@ -1,0 +1,155 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/batch/Summary.h>
+#include <dyslam/core/Files.h>
+
+#include <cstdio>
+#include <filesystem>
+#include <map>
+#include <nlohmann/json.hpp>
+
+namespace fs = std::filesystem;
+
+namespace dyslam::batch
+{
+namespace
+{
+using Json = nlohmann::ordered_json;
+
+std::string escaped(const std::string& text)
+{
+  std::string result;
+  for (const char c : text)
+  {
+    switch (c)
+    {
+      case '&':
+        result += "&amp;";
+        break;
+      case '<':
+        result += "&lt;";
+        break;
+      case '"':
+        result += "&quot;";
+        break;
+      default:
+        result += c;
+    }
+  }
+  return result;
+}
+
+/** A relative address of a file: all but letters, digits and a few others by their numbers. */
+std::string address(const std::string& path)
+{
+  std::string result;
+  for (const char c : path)
+  {
+    const bool plain = std::isalnum(static_cast<unsigned char>(c)) != 0 ||
+                       std::string("-_./").find(c) != std::string::npos;
+    char text[4];
+    std::snprintf(text, sizeof text, "%%%02X", static_cast<unsigned char>(c));
+    result += plain ? std::string(1, c) : text;
+  }
+  return result;
+}
+
+Json parsed(const fs::path& file)
+{
+  return fs::is_regular_file(file) ? Json::parse(readWhole(file.string()), nullptr, false) : Json();
+}
+
+std::string numberCell(const Json& json, const std::string& pointer, int digits)
+{
+  const Json::json_pointer at(pointer);
+  char text[40] = "";
+  if (json.is_object() && json.contains(at) && json.at(at).is_number())
+  {
+    std::snprintf(text, sizeof text, "%.*f", digits, json.at(at).get<double>());
+  }
+  return std::string("<td class=\"number\">") + text + "</td>";
+}
+
+std::string row(const BatchResult& r, const std::string& folder, const Json& errors)
+{
+  const fs::path results = fs::path(folder) / r.recording.name;
+  const Json report = parsed(results / "report.json");
+  const Manifest& m = r.manifest;
+  const std::string name = escaped(r.recording.name);
+  const std::string link = address(r.recording.name);
+  const bool has_page = fs::is_regular_file(results / "report.html");
+  std::string html = "<tr><td>";
+  html += has_page ? "<a href=\"" + link + "/report.html\">" + name + "</a>" : name;
+  const char* mark = m.state == State::done ? "good" : m.hasResults() ? "warn" : "bad";
+  html +=
+      std::string("</td><td><span class=\"") + mark + "\">" + toString(m.state) + "</span></td>";
+  html += numberCell(report, "/frames", 0) + numberCell(report, "/path_length_m", 1) +
+          numberCell(report, "/tracks", 0) + numberCell(report, "/loops", 0) +
+          numberCell(errors, "/trajectory/ate/translation_m/rmse", 3) +
+          numberCell(errors, "/trajectory/rpe/translation_m/rmse", 4) +
+          numberCell(errors, "/segmentation/iou", 3) + numberCell(report, "/ms_per_scan", 1) +
+          numberCell(Json{{"v", m.seconds}}, "/v", 0) +
+          numberCell(Json{{"v", static_cast<double>(m.peak_memory) / (1U << 30U)}}, "/v", 2);
+  const std::size_t warnings =
+      report.is_object() && report.contains("warnings") ? report["warnings"].size() : 0;
+  const std::string words =
+      m.reason.empty() && warnings > 0
+          ? std::to_string(warnings) + (warnings == 1 ? " warning" : " warnings")
+          : m.reason;
+  const bool has_log = fs::is_regular_file(results / "log.txt");
+  html += "<td class=\"words\">" + escaped(words) +
+          (has_log ? " <a href=\"" + link + "/log.txt\">log</a>" : "") + "</td></tr>\n";
+  return html;
+}
+}  // namespace
+
+std::string indexPage(const std::vector<BatchResult>& results,
+                      const std::string& folder,
+                      const std::string& style)
+{
+  std::map<std::string, Json> errors;
+  const Json table = parsed(fs::path(folder) / "table.json");
+  if (table.is_object() && table.contains("runs"))
+  {
+    for (const Json& run : table["runs"])
+    {
+      errors[run.value("name", "")] = run;
+    }
+  }
+  const std::string title = escaped(fs::path(folder).filename().string());
+  const Counts counts = countsOf(results);
+  const bool good = counts.done == results.size();
+  std::string html =
+      "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
+      "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<title>" +
+      title + " - DySLAM batch</title>\n<style>\n" + style +
+      "\n#runs td:first-child { white-space: nowrap; }\n#runs span { border-left: 4px solid; "
+      "padding: "
+      "1px 6px; }\n</style>\n</head>\n<body>\n<main>\n<header><h1>" +
+      title + "</h1><p>" + std::to_string(results.size()) +
+      " recordings, DySLAM</p></header>\n<section><h2>Runs</h2>\n<div class=\"verdict " +
+      (good                              ? "good"
+       : counts.failed + counts.open > 0 ? "bad"
+                                         : "warn") +
+      "\">" + toText(counts) +
+      "</div>\n<div class=\"scroll\"><table "
+      "id=\"runs\"><thead><tr><th>recording</th><th>state</th>";
+  for (const char* column : {"scans", "length [m]", "objects", "loops", "ATE [m]", "RPE [m]", "IoU",
+                             "ms/scan", "wall time [s]", "memory [GiB]"})
+  {
+    html += std::string("<th class=\"number\">") + column + "</th>";
+  }
+  html += "<th></th></tr></thead>\n<tbody>\n";
+  for (const BatchResult& r : results)
+  {
+    html += row(r, folder, errors[r.recording.name]);
+  }
+  html += "</tbody></table></div>\n<p>ATE, RPE and IoU where the recording has ground truth.";
+  for (const char* file : {"table.txt", "table.csv", "batch.json"})
+  {
+    html += fs::is_regular_file(fs::path(folder) / file)
+                ? std::string(" <a href=\"") + file + "\">" + file + "</a>"
+                : "";
+  }
+  return html + "</p>\n</section>\n</main>\n</body>\n</html>\n";
+}
+}  // namespace dyslam::batch

@@ -1,0 +1,206 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/batch/Manifest.h>
+#include <dyslam/core/Error.h>
+#include <dyslam/core/Files.h>
+#include <dyslam/core/PendingFile.h>
+#include <openssl/evp.h>
+#include <sys/stat.h>
+
+#include <algorithm>
+#include <array>
+#include <filesystem>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <vector>
+
+namespace fs = std::filesystem;
+
+namespace dyslam::batch
+{
+namespace
+{
+using Json = nlohmann::ordered_json;
+constexpr const char* file_name = "manifest.json";
+
+class Sha256
+{
+ public:
+  Sha256() : context_(EVP_MD_CTX_new(), EVP_MD_CTX_free)
+  {
+    EVP_DigestInit_ex(context_.get(), EVP_sha256(), nullptr);
+  }
+  void add(const char* data, std::size_t size) { EVP_DigestUpdate(context_.get(), data, size); }
+  std::string digits()
+  {
+    std::array<unsigned char, EVP_MAX_MD_SIZE> bytes = {};
+    unsigned size = 0;
+    EVP_DigestFinal_ex(context_.get(), bytes.data(), &size);
+    std::string text;
+    for (unsigned i = 0; i < size; ++i)
+    {
+      text += "0123456789abcdef"[bytes.at(i) >> 4U];
+      text += "0123456789abcdef"[bytes.at(i) & 15U];
+    }
+    return text;
+  }
+
+ private:
+  std::unique_ptr<EVP_MD_CTX, void (*)(EVP_MD_CTX*)> context_;
+};
+
+/** The rawlog and the files that it names, which stand in a folder beside it. */
+std::string checksumOfRecording(const std::string& path)
+{
+  const fs::path images = fs::path(path).replace_extension().string() + "_Images";
+  if (!fs::is_directory(images))
+  {
+    return checksumOfFile(path);
+  }
+  std::vector<std::string> files;
+  for (const auto& entry : fs::recursive_directory_iterator(images))
+  {
+    if (entry.is_regular_file())
+    {
+      files.push_back(entry.path().string());
+    }
+  }
+  std::sort(files.begin(), files.end());
+  std::string all = checksumOfFile(path);
+  for (const std::string& file : files)
+  {
+    all += fs::path(file).filename().string() + checksumOfFile(file);
+  }
+  return checksumOfText(all);
+}
+
+State stateFromText(const std::string& text)
+{
+  for (const State state : {State::running, State::done, State::unregistered, State::failed})
+  {
+    if (text == toString(state))
+    {
+      return state;
+    }
+  }
+  return State::unknown;
+}
+}  // namespace
+
+std::string checksumOfText(const std::string& text)
+{
+  Sha256 sum;
+  sum.add(text.data(), text.size());
+  return sum.digits();
+}
+
+std::string checksumOfFile(const std::string& path)
+{
+  auto file = openBinary(path);
+  Sha256 sum;
+  std::vector<char> part(1U << 20U);
+  while (file)
+  {
+    file.read(part.data(), static_cast<std::streamsize>(part.size()));
+    sum.add(part.data(), static_cast<std::size_t>(file.gcount()));
+  }
+  requireReadable(file, path);
+  return sum.digits();
+}
+
+const char* toString(State state)
+{
+  switch (state)
+  {
+    case State::running:
+      return "running";
+    case State::done:
+      return "done";
+    case State::unregistered:
+      return "unregistered";
+    case State::failed:
+      return "failed";
+    default:
+      return "not run";
+  }
+}
+
+std::optional<Manifest> readManifest(const std::string& folder)
+{
+  const fs::path path = fs::path(folder) / file_name;
+  if (!fs::is_regular_file(path))
+  {
+    return std::nullopt;
+  }
+  try
+  {
+    const Json json = Json::parse(readWhole(path.string()));
+    Manifest m;
+    m.state = stateFromText(json.at("state"));
+    m.reason = json.at("reason");
+    m.attempts = json.at("attempts");
+    m.seconds = json.at("seconds");
+    m.peak_memory = json.at("peak_memory_bytes");
+    m.settings_checksum = json.at("effective_ini_sha256");
+    m.work.input = json.at("input").at("path");
+    m.work.input_bytes = json.at("input").at("bytes");
+    m.work.input_time = json.at("input").at("changed_ns");
+    m.work.input_checksum = json.at("input").at("sha256");
+    m.work.settings = json.at("settings");
+    m.work.version = json.at("program").at("version");
+    m.work.program_checksum = json.at("program").at("sha256");
+    return m;
+  }
+  catch (const Json::exception&)
+  {
+    return std::nullopt;
+  }
+}
+
+void writeManifest(const std::string& folder, const Manifest& m)
+{
+  Json json;
+  json["state"] = toString(m.state);
+  json["reason"] = m.reason;
+  json["attempts"] = m.attempts;
+  json["seconds"] = m.seconds;
+  json["peak_memory_bytes"] = m.peak_memory;
+  json["input"] = {{"path", m.work.input},
+                   {"bytes", m.work.input_bytes},
+                   {"changed_ns", m.work.input_time},
+                   {"sha256", m.work.input_checksum}};
+  json["settings"] = m.work.settings;
+  json["effective_ini_sha256"] = m.settings_checksum;
+  json["program"] = {{"version", m.work.version}, {"sha256", m.work.program_checksum}};
+  writeWhole((fs::path(folder) / file_name).string(),
+             json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
+}
+
+Work workOn(const std::string& input, const Work& common, const std::optional<Manifest>& known)
+{
+  struct stat status = {};
+  if (::stat(input.c_str(), &status) != 0)
+  {
+    throw UserError(input + ": no such file");
+  }
+  Work work = common;
+  work.input = input;
+  work.input_bytes = static_cast<std::uintmax_t>(status.st_size);
+  work.input_time =
+      std::int64_t{status.st_mtim.tv_sec} * 1000000000 + std::int64_t{status.st_mtim.tv_nsec};
+  const bool same_file = known && known->work.input == work.input &&
+                         known->work.input_bytes == work.input_bytes &&
+                         known->work.input_time == work.input_time;
+  work.input_checksum = same_file ? known->work.input_checksum : checksumOfRecording(input);
+  return work;
+}
+
+bool isDone(const std::string& folder, const Work& work, const std::optional<Manifest>& known)
+{
+  const fs::path settings = fs::path(folder) / "effective.ini";
+  return known && known->hasResults() && known->work.input_checksum == work.input_checksum &&
+         known->work.settings == work.settings && known->work.version == work.version &&
+         known->work.program_checksum == work.program_checksum &&
+         fs::is_regular_file(fs::path(folder) / "report.json") && fs::is_regular_file(settings) &&
+         checksumOfFile(settings.string()) == known->settings_checksum;
+}
+}  // namespace dyslam::batch

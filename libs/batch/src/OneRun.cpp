@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "OneRun.h"
+
+#include <dyslam/batch/ChildProcess.h>
+#include <dyslam/core/Error.h>
+#include <dyslam/core/Files.h>
+
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+namespace fs = std::filesystem;
+
+namespace dyslam::batch
+{
+namespace
+{
+constexpr const char* log_name = "log.txt";
+
+std::string lastLine(const std::string& text)
+{
+  const auto end = text.find_last_not_of(" \r\n");
+  if (end == std::string::npos)
+  {
+    return "";
+  }
+  const auto begin = text.find_last_of('\n', end);
+  return text.substr(begin == std::string::npos ? 0 : begin + 1, end - begin);
+}
+
+std::string tailOf(const std::string& path)
+{
+  constexpr std::streamoff wanted = 2048;
+  std::ifstream file(path, std::ios::binary | std::ios::ate);
+  const std::streamoff size = file.tellg();
+  file.seekg(std::max<std::streamoff>(0, size - wanted));
+  std::ostringstream text;
+  text << file.rdbuf();
+  return text.str();
+}
+
+/** Results go to their folder as a whole: what stands there is replaced at the end. */
+void moveResults(const fs::path& from, const fs::path& to)
+{
+  const fs::path partial = to.string() + ".partial";
+  fs::remove_all(partial);
+  fs::copy(from, partial, fs::copy_options::recursive);
+  fs::remove_all(to);
+  fs::rename(partial, to);
+  fs::remove_all(from);
+}
+
+/** \throws UserError if the folder has something that no batch put there. */
+void requireOwnFolder(const std::string& folder)
+{
+  if (fs::exists(folder) && !fs::is_empty(folder) && !fs::exists(fs::path(folder) / log_name))
+  {
+    throw UserError(folder + ": has files that no batch wrote; choose another --output");
+  }
+}
+
+void judge(const ChildOutcome& outcome, bool stopped, const std::string& log, Manifest& m)
+{
+  m.seconds = outcome.seconds;
+  m.peak_memory = outcome.peak_memory;
+  m.reason.clear();
+  if (stopped)
+  {
+    m.state = State::running;
+  }
+  else if (outcome.code == 0)
+  {
+    m.state = State::done;
+  }
+  else if (outcome.code == 2)
+  {
+    m.state = State::unregistered;
+    m.reason = lastLine(tailOf(log));
+  }
+  else
+  {
+    m.state = State::failed;
+    m.reason = outcome.signal != 0
+                   ? std::string("ended by the signal ") + ::strsignal(outcome.signal)
+                   : lastLine(tailOf(log));
+  }
+}
+}  // namespace
+
+std::string workFolder(const BatchSettings& settings, const Recording& recording)
+{
+  return settings.scratch.empty() ? folderOf(settings, recording)
+                                  : (fs::path(settings.scratch) / recording.name).string();
+}
+
+double progressIn(const std::string& log)
+{
+  const std::string text = tailOf(log);
+  const auto percent = text.rfind("% ");
+  if (percent == std::string::npos)
+  {
+    return 0;
+  }
+  const auto begin = text.find_last_not_of("0123456789", percent - 1);
+  return std::atof(text.substr(begin == std::string::npos ? 0 : begin + 1).c_str()) / 100;
+}
+
+bool runOne(const BatchSettings& settings,
+            const std::vector<int>& cores,
+            const std::function<bool()>& stop,
+            BatchResult& result)
+{
+  const std::string folder = workFolder(settings, result.recording);
+  const std::string final_folder = folderOf(settings, result.recording);
+  requireOwnFolder(final_folder);
+  makeFolder(folder, "choose another --output");
+  Manifest& m = result.manifest;
+  ++m.attempts;
+  m.state = State::running;
+  ChildCommand command;
+  command.log = (fs::path(folder) / log_name).string();
+  if (m.attempts == 1)
+  {
+    std::error_code ignored;
+    fs::remove(command.log, ignored);
+  }
+  std::ofstream(command.log, std::ios::app) << "attempt " << m.attempts << '\n';
+  writeManifest(folder, m);
+  command.words = {settings.program, "-i", result.recording.path, "-o", folder, "--force"};
+  command.words.insert(command.words.end(), settings.arguments.begin(), settings.arguments.end());
+  command.cores = cores;
+  bool stopped = false;
+  const ChildOutcome outcome = runChild(command, [&] { return stopped = stopped || stop(); });
+  judge(outcome, stopped, command.log, m);
+  if (m.hasResults())
+  {
+    m.settings_checksum = checksumOfFile((fs::path(folder) / "effective.ini").string());
+  }
+  writeManifest(folder, m);
+  if (folder != final_folder && !stopped)
+  {
+    moveResults(folder, final_folder);
+  }
+  return outcome.signal != 0 && !stopped;
+}
+}  // namespace dyslam::batch

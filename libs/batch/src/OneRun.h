@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <dyslam/batch/Batch.h>
+
+#include <functional>
+#include <string>
+#include <vector>
+
+namespace dyslam::batch
+{
+/** Runs dyslam on one recording, with manifest and log. \param result work and attempts so far;
+ * gets the rest. \param cores to use \returns whether a signal that was not asked for ended it. */
+bool runOne(const BatchSettings& settings,
+            const std::vector<int>& cores,
+            const std::function<bool()>& stop,
+            BatchResult& result);
+
+/** Share of the work that a log's last line of progress tells, 0 to 1. */
+[[nodiscard]] double progressIn(const std::string& log);
+/** Where the run of a recording writes to while it lasts. */
+[[nodiscard]] std::string workFolder(const BatchSettings& settings, const Recording& recording);
+}  // namespace dyslam::batch

@@ -1,0 +1,168 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/batch/Recordings.h>
+#include <dyslam/core/Error.h>
+#include <dyslam/core/Files.h>
+#include <glob.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <map>
+#include <set>
+#include <sstream>
+
+namespace fs = std::filesystem;
+
+namespace dyslam::batch
+{
+namespace
+{
+constexpr int deepest_list = 8;  // lists within lists
+
+std::vector<std::string> within(const std::string& folder)
+{
+  std::vector<std::string> files;
+  for (const auto& entry : fs::recursive_directory_iterator(folder))
+  {
+    if (entry.is_regular_file() && entry.path().extension() == ".rawlog")
+    {
+      files.push_back(entry.path().string());
+    }
+  }
+  std::sort(files.begin(), files.end());
+  return files;
+}
+
+std::vector<std::string> matching(const std::string& pattern)
+{
+  glob_t found = {};
+  std::vector<std::string> files;
+  if (::glob(pattern.c_str(), 0, nullptr, &found) == 0)
+  {
+    files.assign(found.gl_pathv, found.gl_pathv + found.gl_pathc);
+  }
+  ::globfree(&found);
+  return files;
+}
+
+void expand(const std::string& entry, int depth, std::vector<std::string>& files);
+
+void expandList(const std::string& list, int depth, std::vector<std::string>& files)
+{
+  if (depth >= deepest_list)
+  {
+    throw UserError(list + ": lists within lists, without end; name recordings in it");
+  }
+  std::istringstream lines(readWhole(list));
+  for (std::string line; std::getline(lines, line);)
+  {
+    line.erase(std::min(line.find('#'), line.size()));
+    const auto begin = line.find_first_not_of(" \t\r");
+    if (begin != std::string::npos)
+    {
+      line = line.substr(begin, line.find_last_not_of(" \t\r") - begin + 1);
+      expand((fs::path(list).parent_path() / line).string(), depth + 1, files);
+    }
+  }
+}
+
+void expand(const std::string& entry, int depth, std::vector<std::string>& files)
+{
+  const std::size_t before = files.size();
+  std::string why = ": has no recordings (*.rawlog)";
+  if (fs::is_directory(entry))
+  {
+    const auto found = within(entry);
+    files.insert(files.end(), found.begin(), found.end());
+  }
+  else if (fs::is_regular_file(entry))
+  {
+    if (fs::path(entry).extension() == ".txt")
+    {
+      expandList(entry, depth, files);
+    }
+    else
+    {
+      files.push_back(entry);
+    }
+  }
+  else if (entry.find_first_of("*?[") != std::string::npos)
+  {
+    for (const std::string& one : matching(entry))
+    {
+      expand(one, depth, files);
+    }
+    why = ": no file matches";
+  }
+  else
+  {
+    why = ": no such file";
+  }
+  if (files.size() == before)
+  {
+    throw UserError(entry + why + "; give rawlogs, folders, patterns or lists (.txt) of them");
+  }
+}
+
+std::string nameWith(const fs::path& path, int folders)
+{
+  std::string name = path.stem().string();
+  fs::path folder = path.parent_path();
+  for (int i = 0; i < folders && folder.has_filename(); ++i, folder = folder.parent_path())
+  {
+    name = folder.filename().string() + "_" + name;
+  }
+  return name;
+}
+
+/** Names that occur once are taken, the others get a folder more. */
+void giveNames(std::vector<Recording>& recordings)
+{
+  std::set<std::string> taken;
+  for (int folders = 0; folders < 64; ++folders)
+  {
+    std::map<std::string, int> uses;
+    for (const Recording& r : recordings)
+    {
+      uses[nameWith(r.path, folders)] += r.name.empty() ? 1 : 0;
+    }
+    for (Recording& r : recordings)
+    {
+      const std::string name = nameWith(r.path, folders);
+      if (r.name.empty() && uses[name] == 1 && taken.insert(name).second)
+      {
+        r.name = name;
+      }
+    }
+  }
+  for (Recording& r : recordings)
+  {
+    for (int i = 2; r.name.empty(); ++i)
+    {
+      const std::string name = nameWith(r.path, 64) + "_" + std::to_string(i);
+      r.name = taken.insert(name).second ? name : "";
+    }
+  }
+}
+}  // namespace
+
+std::vector<Recording> listRecordings(const std::vector<std::string>& entries)
+{
+  std::vector<std::string> files;
+  for (const std::string& entry : entries)
+  {
+    expand(entry, 0, files);
+  }
+  std::vector<Recording> recordings;
+  std::set<std::string> seen;
+  for (const std::string& file : files)
+  {
+    const std::string path = fs::absolute(file).lexically_normal().string();
+    if (seen.insert(path).second)
+    {
+      recordings.push_back({"", path, fs::file_size(path)});
+    }
+  }
+  giveNames(recordings);
+  return recordings;
+}
+}  // namespace dyslam::batch

@@ -1,0 +1,179 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A batch with a script in place of dyslam, that does what each test needs.
+#include <dyslam/batch/Batch.h>
+#include <dyslam/batch/ChildProcess.h>
+#include <dyslam/batch/MemoryBudget.h>
+#include <dyslam/batch/Summary.h>
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <thread>
+
+#include "TestFolder.h"
+
+namespace fs = std::filesystem;
+
+namespace dyslam::batch
+{
+namespace
+{
+/** `$2` is the recording, `$4` the folder; each run leaves a line in runs.txt. */
+class Batch : public testing::Test
+{
+ protected:
+  Batch()
+  {
+    program("echo 1");
+    settings_.output = folder_.file("out");
+    settings_.program = folder_.file("dyslam");
+    settings_.memory = std::uint64_t{64} << 30U;
+    settings_.jobs = 2;
+    for (const char* name : {"a", "b", "c"})
+    {
+      names_.push_back(folder_.write(std::string("in/") + name + ".rawlog", name));
+    }
+  }
+
+  void program(const std::string& body)
+  {
+    const std::string path = folder_.write(
+        "dyslam", "#!/bin/bash\necho \"$(basename $2)\" >> '" + folder_.file("runs.txt") + "'\n" +
+                      body + "\n" +
+                      "echo '[output]' > \"$4/effective.ini\"; echo '{}' > \"$4/report.json\"\n");
+    fs::permissions(path, fs::perms::owner_all);
+  }
+
+  std::vector<BatchResult> run() { return runBatch(settings_, listRecordings(names_), watch_); }
+
+  std::size_t runs() const
+  {
+    const std::string lines = folder_.read("runs.txt");
+    return static_cast<std::size_t>(std::count(lines.begin(), lines.end(), '\n'));
+  }
+
+  TestFolder folder_;
+  BatchSettings settings_;
+  BatchWatch watch_;
+  std::vector<std::string> names_;
+};
+}  // namespace
+
+TEST_F(Batch, RunsEachOnceAndSkipsItTheNextTime)
+{
+  EXPECT_EQ(countsOf(run()).done, 3U);
+  EXPECT_EQ(runs(), 3U);
+  const auto again = run();
+  EXPECT_EQ(runs(), 3U);
+  EXPECT_EQ(toText(countsOf(again)), "3 done (3 before)");
+  folder_.write("in/b.rawlog", "changed");
+  run();
+  EXPECT_EQ(runs(), 4U);
+  settings_.common.settings = "--labels";
+  run();
+  EXPECT_EQ(runs(), 7U);
+}
+
+TEST_F(Batch, KeepsGoingAndRunsOnceMoreWhatFailed)
+{
+  program(
+      "if [[ $2 == */b.rawlog ]]; then echo 'dyslam: no scans' >&2; exit 1; fi\n"
+      "if [[ $2 == */c.rawlog && ! -e \"$4/tried\" ]]; then touch \"$4/tried\"; kill -9 $$; fi");
+  const auto results = run();
+  EXPECT_EQ(runs(), 5U);
+  EXPECT_EQ(results[0].manifest.attempts, 1);
+  EXPECT_EQ(results[1].manifest.state, State::failed);
+  EXPECT_EQ(results[1].manifest.reason, "dyslam: no scans");
+  EXPECT_EQ(results[2].manifest.state, State::done);
+  EXPECT_EQ(results[2].manifest.attempts, 2);
+  const auto read = readBatch(settings_, listRecordings(names_));
+  EXPECT_EQ(read[1].manifest.state, State::failed);
+  EXPECT_EQ(read[2].manifest.state, State::done);
+}
+
+TEST_F(Batch, UselessRunHasResultsAndIsNotRepeated)
+{
+  program(
+      "[[ $2 == */a.rawlog ]] && { echo '[output]' > \"$4/effective.ini\"; echo '{}' > "
+      "\"$4/report.json\"; echo 'dyslam: most scans could not be registered' >&2; exit 2; }");
+  EXPECT_EQ(run()[0].manifest.state, State::unregistered);
+  EXPECT_EQ(toText(countsOf(run())), "2 done, 1 mostly unregistered (3 before)");
+  EXPECT_EQ(runs(), 3U);
+}
+
+TEST_F(Batch, StoppedItEndsItsRunsAndGoesOnLater)
+{
+  program("[[ $2 == */a.rawlog ]] || sleep 60");
+  settings_.jobs = 1;
+  std::atomic<bool> stop{false};
+  watch_.stop = [&stop] { return stop.load(); };
+  watch_.ended = [&stop](const BatchResult&, std::size_t) { stop = true; };
+  const auto start = std::chrono::steady_clock::now();
+  const auto results = run();
+  EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(30));
+  EXPECT_EQ(toText(countsOf(results)), "1 done, 2 not run to the end");
+  program("");
+  watch_ = {};
+  EXPECT_EQ(toText(countsOf(run())), "3 done (1 before)");
+}
+
+TEST_F(Batch, ResultsMoveFromScratchAsAWhole)
+{
+  settings_.scratch = folder_.file("scratch");
+  program("[[ $4 == */scratch/* ]] || exit 1; echo x > \"$4/x\"");
+  EXPECT_EQ(countsOf(run()).done, 3U);
+  EXPECT_EQ(folder_.read("out/b/x"), "x\n");
+  EXPECT_TRUE(fs::is_empty(folder_.file("scratch")));
+  EXPECT_EQ(countsOf(run()).skipped, 3U);
+}
+
+TEST_F(Batch, ForeignFoldersStayAsTheyAre)
+{
+  folder_.write("out/b/thesis.txt", "mine");
+  const auto results = run();
+  EXPECT_EQ(results[1].manifest.state, State::failed);
+  EXPECT_TRUE(contains(results[1].manifest.reason, "no batch wrote"));
+  EXPECT_EQ(folder_.read("out/b/thesis.txt"), "mine");
+  EXPECT_EQ(countsOf(results).done, 2U);
+}
+
+TEST(MemoryBudget, LetsAsManyRunAsFit)
+{
+  MemoryBudget budget(1000, 400);
+  ASSERT_TRUE(budget.fits(false));
+  budget.start(false);
+  ASSERT_TRUE(budget.fits(false));
+  budget.start(false);
+  EXPECT_FALSE(budget.fits(false));
+  budget.finish(900);
+  EXPECT_FALSE(budget.fits(false)) << "one that may take 900 is running";
+  budget.finish(100);
+  EXPECT_TRUE(budget.fits(true));
+  budget.start(true);
+  EXPECT_FALSE(budget.fits(false)) << "nothing beside one that is to run alone";
+}
+
+TEST(ChildProcess, TellsHowItEnded)
+{
+  const TestFolder folder;
+  const auto outcome = runChild({{"/bin/sh", "-c", "echo said; exit 3"}, folder.file("log"), {}});
+  EXPECT_EQ(outcome.code, 3);
+  EXPECT_EQ(folder.read("log"), "said\n");
+  EXPECT_GT(outcome.peak_memory, 100000U);
+  EXPECT_EQ(runChild({{"/bin/sh", "-c", "kill -15 $$"}, folder.file("log"), {}}).signal, 15);
+}
+
+TEST(IndexPage, LinksReportsAndShowsNamesAsTheyAre)
+{
+  const TestFolder folder;
+  folder.write("a&<b/report.html", "");
+  folder.write("a&<b/report.json", "{\"frames\": 17, \"warnings\": [\"w\"]}");
+  BatchResult r;
+  r.recording.name = "a&<b";
+  r.manifest.state = State::done;
+  const std::string page = indexPage({r}, folder.path(), "body {}");
+  EXPECT_TRUE(contains(page, "<a href=\"a%26%3Cb/report.html\">a&amp;&lt;b</a>")) << page;
+  EXPECT_TRUE(contains(page, ">17</td>"));
+  EXPECT_TRUE(contains(page, "1 warning"));
+  EXPECT_FALSE(contains(page, "http"));
+}
+}  // namespace dyslam::batch

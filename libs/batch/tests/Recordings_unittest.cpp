@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/batch/Recordings.h>
+#include <dyslam/core/Error.h>
+#include <gtest/gtest.h>
+
+#include "TestFolder.h"
+
+namespace dyslam::batch
+{
+namespace
+{
+std::vector<std::string> namesOf(const std::vector<Recording>& recordings)
+{
+  std::vector<std::string> names;
+  for (const Recording& r : recordings)
+  {
+    names.push_back(r.name);
+  }
+  return names;
+}
+}  // namespace
+
+TEST(Recordings, AreFilesFoldersPatternsAndLists)
+{
+  const TestFolder folder;
+  folder.write("one/b.rawlog", "12");
+  folder.write("one/a.rawlog", "1");
+  folder.write("one/deep/c.rawlog", "");
+  folder.write("one/a.gt/poses_tum.txt", "");
+  folder.write("two/x1.rawlog", "");
+  folder.write("two/x2.rawlog", "");
+  folder.write("two/y.rawlog", "");
+  folder.write("list.txt", "# all\n\n  two/x?.rawlog # two\none\ninner.txt\r\n");
+  folder.write("inner.txt", "two/y.rawlog\ntwo/x1.rawlog\n");
+
+  const auto listed = listRecordings({folder.file("list.txt"), folder.file("one/a.rawlog")});
+  EXPECT_EQ(namesOf(listed), (std::vector<std::string>{"x1", "x2", "a", "b", "c", "y"}));
+  EXPECT_EQ(listed[3].bytes, 2U);
+  EXPECT_EQ(listed[0].path, folder.file("two/x1.rawlog"));
+}
+
+TEST(Recordings, OfOneNameAreToldApartByTheirFolders)
+{
+  const TestFolder folder;
+  const std::vector<std::string> files{
+      folder.write("mon/drive.rawlog", ""), folder.write("tue/drive.rawlog", ""),
+      folder.write("a/tue/drive.rawlog", ""), folder.write("b/other.rawlog", "")};
+  const auto names = namesOf(listRecordings(files));
+  EXPECT_EQ(names[0], "mon_drive");
+  EXPECT_NE(names[1], names[2]);
+  EXPECT_EQ(names[2], "a_tue_drive");
+  EXPECT_EQ(names[3], "other");
+}
+
+TEST(Recordings, SayWhatIsMissing)
+{
+  const TestFolder folder;
+  folder.write("empty/readme.md", "");
+  folder.write("circle.txt", "circle.txt\n");
+  const auto message = [](const std::string& entry)
+  { return messageOfError<UserError>([&] { (void)listRecordings({entry}); }); };
+  EXPECT_TRUE(contains(message(folder.file("none.rawlog")), "none.rawlog: no such file"));
+  EXPECT_TRUE(contains(message(folder.file("empty")), "has no recordings"));
+  EXPECT_TRUE(contains(message(folder.file("*.rawlog")), "no file matches"));
+  EXPECT_TRUE(contains(message(folder.file("circle.txt")), "lists within lists"));
+  EXPECT_TRUE(contains(message(folder.write("nothing.txt", "# none\n")), "has no recordings"));
+}
+}  // namespace dyslam::batch
