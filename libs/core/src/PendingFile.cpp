@@ -40,6 +40,10 @@ PendingFile::PendingFile(const std::string& path) : path_(path), temporary_(path
   {
     throw UserError(path + ": is a folder, give the name of a file");
   }
+  if (fs::is_symlink(fs::symlink_status(temporary_, ignored)))
+  {
+    fs::remove(temporary_, ignored);  // the link, never what it points to
+  }
 }
 
 PendingFile::~PendingFile()

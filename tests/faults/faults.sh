@@ -1,0 +1,156 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: BSD-3-Clause
+# The programs against faults of the machine and of files: faults.sh BIN_DIR SOURCE_DIR [CASE]
+# Every case says in one line what must happen; the script fails if one does not.
+set -u
+bin=$1
+source=$2
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+cd "$work" || exit 1
+recording=$source/rawlog/campus16.rawlog
+failed=0
+
+# slam OUTPUT [FLAGS...]: a short run without output. Only its errors are heard, in OUTPUT.err.
+slam() { timeout 120 "$bin/dyslam" -v ERROR -i "${input:-$recording}" -c vlp16.ini -o "$@" 2>"$1.err"; }
+# slam_in_background OUTPUT: waits until some scans are done and holds it there; sets `run`.
+slam_in_background() {
+  timeout 120 "$bin/dyslam" -v ERROR -i "${input:-$recording}" -c vlp16.ini -o "$1" 2>"$1.err" &
+  local guard=$!
+  until [[ $(wc -l <"$1/odometry_tum.txt.tmp" 2>/dev/null || echo 0) -ge ${scans:-5} ]]; do
+    kill -0 "$guard" 2>/dev/null || return 1
+    sleep 0.02
+  done
+  run=$(pgrep -P "$guard") && kill -STOP "$run"
+}
+go_on() { kill -CONT "$run" && wait %1; }
+check() { "$@" || { echo "      not so: $*" && wrong=1; }; }
+lacks() { ! grep -qs "$@"; }
+no_leftovers() { [[ -z $(find "$1" -name '*.tmp' -o -name '.dyslam.lock') ]]; }
+whole_results() { # of a run that came to an end, early or not
+  local file
+  for file in trajectory_tum.txt trajectory_kitti.txt odometry_tum.txt graph.graph graph.g2o \
+    factor_graph.txt scans.csv motions.csv tracks.csv tracks.txt report.json; do
+    check test -s "$1/$file" || return
+  done
+  check no_leftovers "$1"
+}
+
+disk_full() { # a disk that takes no file over 40 kB
+  (trap '' XFSZ; ulimit -f 40; slam a --only-first-n 10)
+  check test $? -eq 1
+  check grep -q 'replay.rawlog: cannot be written' a.err
+  check grep -q 'not_written' a/report.json
+  check test ! -e a/replay.rawlog -a ! -e a/map_static.ply
+  check test "$(wc -l <a/trajectory_tum.txt)" -eq 10
+  check test -s a/graph.g2o -a -s a/factor_graph.txt -a -s a/scans.csv
+  check no_leftovers a
+  check test "$(wc -l <a.err)" -eq 1
+}
+folder_removed() {
+  check slam_in_background b && rm -r b
+  kill -INT "$run" && go_on
+  check test $? -eq 1
+  check grep -q 'b: was removed during the run' b.err
+  check test -s b/trajectory_tum.txt -a -s b/graph.graph -a -s b/report.json
+}
+terminal_lost() {
+  check slam_in_background c
+  kill -HUP "$run" && go_on
+  check test $? -eq 1
+  check grep -q 'stopped; results of the' c.err
+  whole_results c
+}
+killed() {
+  local before
+  for scans in 1 4 9; do
+    check slam_in_background d
+    kill -KILL "$run"
+    wait %1 2>/dev/null
+    before=$(find d -type f ! -name '*.tmp' ! -name effective.ini ! -name .dyslam.lock)
+    check test -z "$before" # nothing has its name that is not whole
+    check test "$(wc -l <d/odometry_tum.txt.tmp)" -ge "$scans"
+  done
+  scans=5
+  check slam d --only-first-n 5
+  whole_results d
+}
+input_cut_in_mid_run() {
+  cp "$recording" e.rawlog
+  input=e.rawlog
+  check slam_in_background e
+  truncate -s $(($(stat -c %s e.rawlog) / 3)) e.rawlog
+  go_on
+  check test $? -eq 1
+  check grep -q 'e.rawlog: .*results of the .* scans before it are in e' e.err
+  whole_results e
+  unset input
+}
+links() {
+  echo mine >mine
+  check slam f --only-first-n 2
+  ln -sf ../mine f/trajectory_tum.txt
+  ln -sf ../mine f/odometry_tum.txt.tmp
+  check slam f --only-first-n 2
+  check grep -qx mine mine
+  check test -f f/trajectory_tum.txt -a ! -L f/trajectory_tum.txt
+  mkdir g && head -c 1600 /dev/zero >g/0.bin
+  ln -s mine g.rawlog.tmp
+  check "$bin/scans2rawlog" -q -i g -o g.rawlog >g.out
+  check grep -qx mine mine
+  check test ! -e g.rawlog.tmp
+}
+conversion_on_a_full_disk() {
+  mkdir h && head -c 4800000 /dev/urandom >h/0.bin && echo earlier >h.rawlog
+  (trap '' XFSZ; ulimit -f 40; "$bin/scans2rawlog" -q -i h -o h.rawlog >h.out 2>h.err)
+  check test $? -eq 1
+  check grep -q 'h.rawlog: cannot be written' h.err
+  check grep -qx earlier h.rawlog
+  check test ! -e h.rawlog.tmp
+}
+output_that_takes_nothing() {
+  "$bin/dyslam-eval" trajectory --reference "$source/rawlog/campus16.gt/poses_tum.txt" \
+    --estimate "$source/rawlog/campus16.gt/poses_tum.txt" >/dev/full 2>i.err
+  check test $? -eq 1
+  check grep -q 'cannot write to standard output' i.err
+}
+name_that_is_no_text() {
+  local name=$'j\xff\x1b[2J'
+  check slam "$name" --only-first-n 3
+  check timeout 60 "$bin/dyslam-eval" run "$name" --json j.json >j.out 2>&1
+  check python3 -c 'import json; json.load(open("j.json")); json.load(open(b"j\xff\x1b[2J/report.json"))'
+}
+wild_numbers() {
+  printf 'step,loss\n1e16,1\n10000000000000002,1e308\n' >k.csv
+  check timeout 20 "$bin/dyslam-eval" curves k.csv >k.out
+  printf '\x96CObservationPointCloud\0\xff\xff\xff\xff' >k.rawlog
+  (ulimit -v 20000000; input=k.rawlog slam k)
+  check test $? -eq 1
+  check grep -q 'k.rawlog: is not a rawlog, or is damaged in its first object' k.err
+  mkdir l && printf 'FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nWIDTH 4000000000\nHEIGHT 1\nDATA binary\nabc' >l/0.pcd
+  "$bin/scans2rawlog" -q -i l -o l.rawlog 2>l.err
+  check test $? -eq 1
+  check grep -q '0.pcd: is cut short: its header announces 4000000000 points' l.err
+  check test ! -e l.rawlog
+}
+
+must() { # CASE "what must happen"
+  [[ -n ${only:-} && ${only:-} != "$1" ]] && return
+  wrong=0
+  scans=5
+  local begin=$SECONDS
+  "$1" 2>&1
+  [[ $wrong == 0 ]] && echo "ok    $1: $2 ($((SECONDS - begin)) s)" || { echo "WRONG $1: $2"; failed=1; }
+}
+only=${3:-}
+must disk_full "the files that fit are whole, one line names the others, exit code 1"
+must folder_removed "what is written at the end is in a new folder, and the user is told"
+must terminal_lost "the run ends as by Ctrl-C, with all results of the scans so far"
+must killed "no file has its final name and is not whole; the next run takes the folder over"
+must input_cut_in_mid_run "all results of the scans before the cut, and the reason"
+must links "files that links point to stay as they are"
+must conversion_on_a_full_disk "the earlier file stays, nothing half is left, exit code 1"
+must output_that_takes_nothing "a full standard output is an error"
+must name_that_is_no_text "a folder's name that is no UTF-8 spoils no JSON"
+must wild_numbers "counts and steps that cannot be are refused at once, without memory"
+exit $failed

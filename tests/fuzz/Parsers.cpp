@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Parsers.h"
+
+#include <dyslam/core/Config.h>
+#include <dyslam/core/Error.h>
+#include <dyslam/formats/Bag.h>
+#include <dyslam/formats/GroundTruth.h>
+#include <dyslam/formats/KittiFiles.h>
+#include <dyslam/formats/KittiTracks.h>
+#include <dyslam/formats/LabelFiles.h>
+#include <dyslam/formats/MotionFiles.h>
+#include <dyslam/formats/RosMessages.h>
+#include <dyslam/formats/ScanFiles.h>
+#include <dyslam/formats/SustechFiles.h>
+#include <dyslam/formats/TrajectoryFiles.h>
+#include <dyslam/io/GraphFiles.h>
+#include <dyslam/io/PcapSource.h>
+#include <dyslam/io/RawlogSource.h>
+
+#include <fstream>
+#include <stdexcept>
+
+#include "VelodynePackets.h"
+
+namespace dyslam::fuzz
+{
+namespace
+{
+void readCloudFile(const std::string& path)
+{
+  (void)readCloud(path);
+}
+
+void readRawlog(const std::string& path)
+{
+  RawlogSource source(path);
+  while (source.next())
+  {
+  }
+  (void)source.warnings();
+}
+
+void readCapture(const std::string& path)
+{
+  PcapSource source(path);
+  while (source.next())
+  {
+  }
+}
+
+void readCalibration(const std::string& path)
+{
+  constexpr std::size_t lasers = 16;
+  (void)readVelodyneCalibration(path, lasers);
+}
+
+/** Every topic of a bag, through all decoders. */
+void readBag(const std::string& path)
+{
+  constexpr std::size_t most_messages = 2000;
+  const auto bag = openBag(path);
+  for (std::size_t i = 0; i < bag->topics().size() && i < 5; ++i)
+  {
+    const BagTopic topic = bag->topics()[i];
+    bag->select({i});
+    RosScanDecoder decoder;
+    BagMessage message;
+    for (std::size_t n = 0; n < most_messages && bag->next(message); ++n)
+    {
+      if (RosScanDecoder::reads(topic))
+      {
+        (void)decoder.decode(topic, message);
+      }
+      else if (isRosPose(topic))
+      {
+        (void)decodeRosPoses(topic, message);
+      }
+    }
+  }
+}
+}  // namespace
+
+const std::vector<Parser>& parsers()
+{
+  static const std::vector<Parser> all{
+      {"ini", "a.ini", [](const std::string& path) { (void)Config::fromFile(path); }},
+      {"bin", "a.bin", readCloudFile},
+      {"pcd", "a.pcd", readCloudFile},
+      {"ply", "a.ply", readCloudFile},
+      {"labels", "a.label", [](const std::string& path) { (void)readLabels(path); }},
+      {"trajectory", "a.txt", [](const std::string& path) { (void)readTrajectory(path); }},
+      {"times", "a.txt", [](const std::string& path) { (void)readTimesOrTimestamps(path); }},
+      {"tracks", "a.txt", [](const std::string& path) { (void)readTracks(path); }},
+      {"detections", "a.txt",
+       [](const std::string& path) { (void)readDetections(path, Pose::Identity()); }},
+      {"kitti_calib", "calib.txt", [](const std::string& path) { (void)readKittiCalib(path); }},
+      {"kitti_boxes", "a.txt",
+       [](const std::string& path) { (void)readKittiTracking(path, Pose::Identity()); }},
+      {"oxts", "a.txt", [](const std::string& path) { (void)readOxts(path); }},
+      {"motions", "a.csv", [](const std::string& path) { (void)readMotionFile(path); }},
+      {"sustech", "a.json", [](const std::string& path) { (void)readSustechJson(path, 0); }},
+      {"graph", "a.graph", [](const std::string& path) { (void)readPoseGraph(path); }},
+      {"g2o", "a.g2o", [](const std::string& path) { (void)readPoseGraph(path); }},
+      {"rawlog", "a.rawlog", readRawlog},
+      {"pcap", "a.pcap", readCapture},
+      {"pcapng", "a.pcapng", readCapture},
+      {"calibration_yaml", "a.yaml", readCalibration},
+      {"calibration_xml", "a.xml", readCalibration},
+      {"ros1_bag", "a.bag", readBag},
+      {"sqlite_bag", "a.db3", readBag},
+      {"mcap_bag", "a.mcap", readBag},
+  };
+  return all;
+}
+
+const Parser& parserNamed(const std::string& name)
+{
+  for (const Parser& parser : parsers())
+  {
+    if (name == parser.name)
+    {
+      return parser;
+    }
+  }
+  throw std::out_of_range(name + ": no such parser");
+}
+}  // namespace dyslam::fuzz
