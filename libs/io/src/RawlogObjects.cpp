@@ -4,6 +4,7 @@
 #include <mrpt/serialization/CArchive.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cstring>
 #include <stdexcept>
 
@@ -61,6 +62,12 @@ bool beginsObject(std::string_view bytes)
     return false;
   }
   const std::string_view name = bytes.substr(1, size);
+  const auto isOfName = [](char c)
+  { return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_' || c == ':'; };
+  if (!std::all_of(name.begin(), name.end(), isOfName))
+  {
+    return false;  // the name of the object behind it: a byte before that looked like a length
+  }
   if (name.find("CObservation") == std::string_view::npos &&
       name.find("CSensoryFrame") == std::string_view::npos &&
       name.find("CActionCollection") == std::string_view::npos)

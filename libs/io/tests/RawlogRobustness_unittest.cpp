@@ -4,6 +4,7 @@
 #include <mrpt/io/CFileGZOutputStream.h>
 #include <mrpt/maps/CSimpleMap.h>
 #include <mrpt/obs/CObservation2DRangeScan.h>
+#include <mrpt/obs/CObservationComment.h>
 #include <mrpt/obs/CObservationOdometry.h>
 #include <mrpt/obs/CObservationRotatingScan.h>
 #include <mrpt/serialization/CArchive.h>
@@ -312,5 +313,29 @@ TEST(RawlogRobustness, LongLabelsAreNoMatchAndPrintedWithoutEscapeCodes)
   EXPECT_TRUE(contains(told, "'b?[2J'")) << told;
   options.sensor_label = std::string(100000, '(');
   EXPECT_THROW(RawlogSource(folder.file("a.rawlog"), options), UserError);
+}
+// What ends such an object may look like the length of a name, followed by the name of the next.
+TEST(RawlogRobustness, ObjectsOfOtherKindsMayEndInAnyBytes)
+{
+  const TestFolder folder;
+  writeScans(folder.file("a.rawlog"), 4);
+  for (int length = 1; length < 120; ++length)
+  {
+    mrpt::obs::CObservationComment comment;
+    comment.timestamp = mrpt::Clock::now();
+    std::string ending(8, 'x');
+    ending += "\x88" + std::string(1, static_cast<char>(0x80 + length));
+    comment.text = ending + "1234567";
+    comment.sensorLabel = ending + "1234567";
+    {
+      mrpt::io::CFileGZOutputStream out(folder.file("comment"));
+      auto archive = mrpt::serialization::archiveFrom(out);
+      archive << comment;
+    }
+    const Outcome outcome = readAll(folder.write(
+        "b.rawlog", unzipped(folder.file("comment")) + unzipped(folder.file("a.rawlog"))));
+    EXPECT_EQ(4U, outcome.frames) << length;
+    EXPECT_EQ("", outcome.error) << length;
+  }
 }
 }  // namespace dyslam
