@@ -130,6 +130,7 @@ CObservation::Ptr picture()
 {
   auto image = CObservationImage::Create();
   image->image.resize(64, 48, mrpt::img::CH_RGB);
+  image->image.filledRectangle({0, 0}, {63, 47}, mrpt::img::TColor(10, 20, 30));
   return named(image);
 }
 

@@ -6,6 +6,7 @@
 
 #include <limits>
 
+#include "FullDisk.h"
 #include "SyntheticScans.h"
 #include "TestFolder.h"
 
@@ -305,9 +306,13 @@ TEST(RawlogWriter, RefusesWhatCannotBeWritten)
   RawlogWriterOptions options;
   options.compression_level = 12;
   EXPECT_THROW(RawlogWriter(folder.file("a.rawlog"), options), UserError);
-  if (std::filesystem::exists("/dev/full"))
+}
+
+TEST(RawlogWriter, SaysThatTheDiskIsFullAndLeavesNothing)
+{
+  const TestFolder folder;
+  const test::FullDisk full_disk(100000);
   {
-    std::filesystem::create_symlink("/dev/full", folder.file("full.rawlog.tmp"));
     RawlogWriter full(folder.file("full.rawlog"));
     EXPECT_THROW(
         {
@@ -319,6 +324,8 @@ TEST(RawlogWriter, RefusesWhatCannotBeWritten)
         },
         UserError);
   }
+  EXPECT_FALSE(std::filesystem::exists(folder.file("full.rawlog")));
+  EXPECT_FALSE(std::filesystem::exists(folder.file("full.rawlog.tmp")));
 }
 
 TEST(ReplayWriter, NothingWrittenLeavesTheEarlierFile)
@@ -340,13 +347,9 @@ TEST(ReplayWriter, NothingWrittenLeavesTheEarlierFile)
 
 TEST(ReplayWriter, SaysAtOnceThatTheDiskIsFull)
 {
-  if (!std::filesystem::exists("/dev/full"))
-  {
-    GTEST_SKIP() << "needs /dev/full";
-  }
   const TestFolder folder;
   folder.write("a.rawlog", "an earlier one");
-  std::filesystem::create_symlink("/dev/full", folder.file("a.rawlog.tmp"));
+  const test::FullDisk full_disk;
   {
     ReplayWriterOptions options;
     options.resolution = 0;
