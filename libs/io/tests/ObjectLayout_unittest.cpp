@@ -130,6 +130,13 @@ CObservation::Ptr picture()
 {
   auto image = CObservationImage::Create();
   image->image.resize(64, 48, mrpt::img::CH_RGB);
+  for (int row = 0; row < 48; ++row)
+  {
+    for (int column = 0; column < 64; ++column)
+    {
+      image->image.setPixel(column, row, {0x88, 0x88, 0xA1});
+    }
+  }
   return named(image);
 }
 
@@ -239,23 +246,21 @@ TEST(ObjectLayout, NoCountTakesMemoryThatTheFileHasNot)
   for (const auto& scan : scans())
   {
     const std::string whole = bytesOf(*scan);
-    for (const std::uint32_t count : {0xFFFFFFFFU, 0x7FFFFFF0U, 0x10000000U, 7U})
+    for (std::size_t at = 0; at + sizeof(std::uint32_t) <= whole.size(); ++at)
     {
-      for (std::size_t at = 0; at + sizeof count <= whole.size(); ++at)
+      const std::uint32_t count = at % 2 == 0 ? 0xFFFFFFFFU : 0x10000000U;
+      std::string damaged = whole;
+      std::memcpy(&damaged[at], &count, sizeof count);
+      try
       {
-        std::string damaged = whole;
-        std::memcpy(&damaged[at], &count, sizeof count);
-        try
+        RawlogSource source(folder.write("a.rawlog", damaged));
+        while (source.next())
         {
-          RawlogSource source(folder.write("a.rawlog", damaged));
-          while (source.next())
-          {
-          }
         }
-        catch (const UserError&)
-        {
-          ++refused;
-        }
+      }
+      catch (const UserError&)
+      {
+        ++refused;
       }
     }
   }
