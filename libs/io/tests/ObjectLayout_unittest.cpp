@@ -134,7 +134,7 @@ CObservation::Ptr picture()
   {
     for (int column = 0; column < 64; ++column)
     {
-      image->image.setPixel(column, row, {0x88, 0x88, 0xA1});
+      image->image.setPixel(column, row, 0x8888A1);
     }
   }
   return named(image);
