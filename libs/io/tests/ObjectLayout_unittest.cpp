@@ -233,8 +233,9 @@ TEST(ObjectLayout, OtherClassesArePassedOver)
                                 "CObservationImage", "CObservationImage", "CObservationPointCloud",
                                 "CObservationImage"}),
       classes);
-  // One that is cut short is told from the end.
-  const std::string cut = folder.write("b.rawlog", bytesOf(*scan) + image.substr(0, 5000));
+  // One that is cut short is told from the end by its last byte.
+  const std::size_t size = image.find('\xA1', 5000) + 1;
+  const std::string cut = folder.write("b.rawlog", bytesOf(*scan) + image.substr(0, size));
   EXPECT_THROW((void)readStream(cut), UserError);
 }
 
