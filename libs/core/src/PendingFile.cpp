@@ -40,7 +40,8 @@ PendingFile::PendingFile(const std::string& path) : path_(path), temporary_(path
   {
     throw UserError(path + ": is a folder, give the name of a file");
   }
-  if (fs::is_symlink(fs::symlink_status(temporary_, ignored)))
+  if (fs::is_symlink(fs::symlink_status(temporary_, ignored)) &&
+      (fs::is_regular_file(temporary_, ignored) || !fs::exists(temporary_, ignored)))
   {
     fs::remove(temporary_, ignored);  // the link, never what it points to
   }

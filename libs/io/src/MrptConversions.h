@@ -5,6 +5,7 @@
 #include <mrpt/core/Clock.h>
 #include <mrpt/poses/CPose3D.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <exception>
@@ -47,13 +48,18 @@ constexpr std::int64_t unix_epoch_ticks = 116444736000000000;
 /** UNIX seconds. Both ways round to the nearest, so that text stamps survive the journey. */
 [[nodiscard]] inline double toStamp(mrpt::Clock::time_point time)
 {
-  return static_cast<double>(time.time_since_epoch().count() - unix_epoch_ticks) / 1e7;
+  // Of a damaged file: anything. Unsigned numbers wrap, signed ones must not.
+  const auto ticks = static_cast<std::uint64_t>(time.time_since_epoch().count()) -
+                     static_cast<std::uint64_t>(unix_epoch_ticks);
+  return static_cast<double>(static_cast<std::int64_t>(ticks)) / 1e7;
 }
 
 [[nodiscard]] inline mrpt::Clock::time_point toMrptTime(double stamp)
 {
+  constexpr double farthest = 8e11;  // [s], 25 thousand years
+  const double seconds = std::isfinite(stamp) ? std::clamp(stamp, -farthest, farthest) : 0.0;
   return mrpt::Clock::time_point(
-      mrpt::Clock::duration(std::llround(stamp * 1e7) + unix_epoch_ticks));
+      mrpt::Clock::duration(std::llround(seconds * 1e7) + unix_epoch_ticks));
 }
 
 /** The line of an MRPT exception's text that says what happened. */

@@ -1,0 +1,31 @@
+#!/usr/bin/env bash
+# Runs the fuzzers of all readers (or of those named) and prints a table: fuzz.sh RUNS SEED [PARSER...]
+# Build them first: cmake --preset fuzz && cmake --build --preset fuzz. What is found is left in build/fuzz/found.
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+runs=$1
+seed=$2
+shift 2
+bin=$PWD/build/fuzz/bin
+found=$PWD/build/fuzz/found
+work=$(mktemp -d /dev/shm/dyslam_fuzz.XXXXXX)
+trap 'rm -rf "$work"' EXIT
+mkdir -p "$found"
+"$bin/fuzz_seeds" "$work/seeds"
+echo "| parser | inputs | seconds | result |"
+echo "|---|---|---|---|"
+for fuzzer in "$bin"/fuzz_*; do
+  name=${fuzzer##*/fuzz_}
+  [[ $name == seeds ]] && continue
+  [[ $# -gt 0 && " $* " != *" $name "* ]] && continue
+  mkdir -p "$work/corpus"
+  result=nothing
+  nice -n 19 "$fuzzer" -runs="$runs" -seed="$seed" -max_len=20000 -timeout=5 -rss_limit_mb=2000 -malloc_limit_mb=1000 \
+    -artifact_prefix="$found/$name-" -print_final_stats=1 "$work/corpus" "$work/seeds/$name" \
+    $( [[ -d tests/fuzz/corpus/$name ]] && echo "tests/fuzz/corpus/$name") >"$work/log" 2>&1 || result="found: see build/fuzz/found/$name.log"
+  cp "$work/log" "$found/$name.log"
+  done_runs=$(sed -n 's/^stat::number_of_executed_units: *//p' "$work/log")
+  seconds=$(sed -n 's/^Done .* in \([0-9]*\) second.*/\1/p' "$work/log")
+  echo "| $name | ${done_runs:-?} | ${seconds:-?} | $result |"
+  rm -rf "$work/corpus"
+done
