@@ -16,7 +16,8 @@ fail() { echo "$*" >&2; exit 1; }
 
 if [[ ${1:-} == --root ]]; then
   source "$here/../../scripts/dependencies.sh"
-  PACKAGES=() install_packages debootstrap
+  PACKAGES=()
+  install_packages debootstrap
   root=${2:?give a folder}
   mirror=${MIRROR:-http://deb.debian.org/debian}
   [[ -e $root/etc/debian_version ]] || debootstrap --variant=minbase bookworm "$root" "$mirror" >"$work/debootstrap.log" ||

@@ -102,8 +102,9 @@ TEST_F(Batch, UselessRunHasResultsAndIsNotRepeated)
 
 TEST_F(Batch, StoppedItEndsItsRunsAndGoesOnLater)
 {
-  program("[[ $2 == */a.rawlog ]] || sleep 60");
-  settings_.jobs = 1;
+  program("[[ $2 == */a.rawlog ]] && { until [[ -s '" + folder_.file("runs.txt") +
+          "' && $(wc -l < '" + folder_.file("runs.txt") +
+          "') == 2 ]]; do sleep 0.01; done; }\n[[ $2 == */a.rawlog ]] || sleep 60");
   std::atomic<bool> stop{false};
   watch_.stop = [&stop] { return stop.load(); };
   watch_.ended = [&stop](const BatchResult&, std::size_t) { stop = true; };
