@@ -194,6 +194,7 @@ class Runner
       result.manifest.attempts = settings_.attempts;
       result.manifest.state = State::failed;
       result.manifest.reason = error.what();
+      recordFailure(folder, result.manifest);
       return false;
     }
   }
