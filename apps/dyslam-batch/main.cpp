@@ -155,7 +155,12 @@ void stopOnSignals()
   sigemptyset(&action.sa_mask);
   for (const int signal : {SIGINT, SIGTERM, SIGHUP})
   {
-    sigaction(signal, &action, nullptr);
+    struct sigaction before = {};
+    sigaction(signal, nullptr, &before);
+    if (before.sa_handler != SIG_IGN)  // as nohup sets it
+    {
+      sigaction(signal, &action, nullptr);
+    }
   }
 }
 

@@ -80,6 +80,8 @@ TEST(Batch, HasTheBytesOfSingleRunsAndSkipsWhatIsDone)
       "dyslam-batch", recordings + settings + "-o " + folder.file("batch"), folder.path());
   EXPECT_EQ(again.code, 0) << again.err;
   EXPECT_TRUE(contains(again.out, "2 done (2 before)")) << again.out;
+  // Both recordings have ground truth: no figure of theirs is missing.
+  EXPECT_FALSE(contains(folder.read("batch/index.html"), "<td class=\"number\"></td>"));
 }
 
 TEST(Batch, StoppedAndStartedAgainItGoesOn)

@@ -16,7 +16,8 @@ fail() { echo "$*" >&2; exit 1; }
 
 if [[ ${1:-} == --root ]]; then
   source "$here/../../scripts/dependencies.sh"
-  PACKAGES=() install_packages debootstrap
+  PACKAGES=()
+  install_packages debootstrap
   root=${2:?give a folder}
   mirror=${MIRROR:-http://deb.debian.org/debian}
   [[ -e $root/etc/debian_version ]] || debootstrap --variant=minbase bookworm "$root" "$mirror" >"$work/debootstrap.log" ||
@@ -28,7 +29,7 @@ if [[ ${1:-} == --root ]]; then
   in_root() { chroot "$root" env -i PATH=/usr/bin:/bin:/usr/sbin:/sbin HOME=/root DEBIAN_FRONTEND=noninteractive "$@"; }
   mountpoint -q "$root/proc" || mount -t proc proc "$root/proc"
   trap 'umount "$root/proc" || true; rm -rf "$work"' EXIT
-  in_root apt-get update -qq
+  in_root apt-get update -qq 2>"$work/apt.log"
   in_root apt-get install -y -qq --no-install-recommends "/tmp/$(basename "${packages[0]}")" >"$work/apt.log" 2>&1 ||
     { tail -5 "$work/apt.log" >&2; exit 1; }
   examples=/usr/share/doc/dyslam/examples

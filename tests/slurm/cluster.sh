@@ -10,7 +10,7 @@ start_cluster() {
   dd if=/dev/urandom of="$folder/munge/key" bs=128 count=1 status=none
   chmod 400 "$folder/munge/key"
   munged --force --foreground --key-file="$folder/munge/key" --socket="$folder/munge/socket" \
-    --pid-file="$folder/munge/pid" --log-file="$folder/munge/log" --seed-file="$folder/munge/seed" &
+    --pid-file="$folder/munge/pid" --log-file="$folder/munge/log" --seed-file="$folder/munge/seed" >"$folder/log/munged.out" 2>&1 &
   cluster_pids=($!)
   cat >"$folder/slurm.conf" <<CONF
 ClusterName=test

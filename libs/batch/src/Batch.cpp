@@ -104,7 +104,7 @@ class Runner
       done += bytes * (runs ? progressIn(workFolder(settings_, r.recording) + "/log.txt")
                             : (r.manifest.state == State::unknown ? 0 : 1));
     }
-    return std::min(done / all, 0.999);
+    return std::min(done / all, 0.99);
   }
 
   /** Waits for something to do. \returns false when there is nothing left. */
@@ -194,6 +194,7 @@ class Runner
       result.manifest.attempts = settings_.attempts;
       result.manifest.state = State::failed;
       result.manifest.reason = error.what();
+      recordFailure(folder, result.manifest);
       return false;
     }
   }

@@ -98,7 +98,7 @@ ChildOutcome runChild(const ChildCommand& command, const std::function<bool()>& 
   {
     if (stop && stop())
     {
-      ::kill(child, SIGKILL);
+      ::kill(-child, SIGKILL);  // with what it has started
     }
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
   }

@@ -15,6 +15,10 @@ namespace
 {
 using Json = nlohmann::ordered_json;
 
+constexpr const char* own_style =
+    "\n#runs td:first-child { white-space: nowrap; }\n#runs a { color: var(--accent); }\n"
+    "#runs span { border-left-style: solid; border-left-width: 4px; padding: 1px 6px; }\n";
+
 std::string escaped(const std::string& text)
 {
   std::string result;
@@ -86,8 +90,8 @@ std::string row(const BatchResult& r, const std::string& folder, const Json& err
           numberCell(report, "/tracks", 0) + numberCell(report, "/loops", 0) +
           numberCell(errors, "/trajectory/ate/translation_m/rmse", 3) +
           numberCell(errors, "/trajectory/rpe/translation_m/rmse", 4) +
-          numberCell(errors, "/segmentation/iou", 3) + numberCell(report, "/ms_per_scan", 1) +
-          numberCell(Json{{"v", m.seconds}}, "/v", 0) +
+          numberCell(errors, "/segmentation/iou_moving", 3) +
+          numberCell(report, "/ms_per_scan", 1) + numberCell(Json{{"v", m.seconds}}, "/v", 0) +
           numberCell(Json{{"v", static_cast<double>(m.peak_memory) / (1U << 30U)}}, "/v", 2);
   const std::size_t warnings =
       report.is_object() && report.contains("warnings") ? report["warnings"].size() : 0;
@@ -121,11 +125,9 @@ std::string indexPage(const std::vector<BatchResult>& results,
   std::string html =
       "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
       "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<title>" +
-      title + " - DySLAM batch</title>\n<style>\n" + style +
-      "\n#runs td:first-child { white-space: nowrap; }\n#runs span { border-left: 4px solid; "
-      "padding: "
-      "1px 6px; }\n</style>\n</head>\n<body>\n<main>\n<header><h1>" +
-      title + "</h1><p>" + std::to_string(results.size()) +
+      title + " - DySLAM batch</title>\n<style>\n" + style + own_style +
+      "</style>\n</head>\n<body>\n<main>\n<header><h1>" + title + "</h1><p>" +
+      std::to_string(results.size()) +
       " recordings, DySLAM</p></header>\n<section><h2>Runs</h2>\n<div class=\"verdict " +
       (good                              ? "good"
        : counts.failed + counts.open > 0 ? "bad"

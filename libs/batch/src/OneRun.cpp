@@ -106,6 +106,14 @@ double progressIn(const std::string& log)
   return std::atof(text.substr(begin == std::string::npos ? 0 : begin + 1).c_str()) / 100;
 }
 
+void recordFailure(const std::string& folder, const Manifest& manifest)
+{
+  if (fs::exists(fs::path(folder) / log_name))
+  {
+    writeManifest(folder, manifest);
+  }
+}
+
 bool runOne(const BatchSettings& settings,
             const std::vector<int>& cores,
             const std::function<bool()>& stop,

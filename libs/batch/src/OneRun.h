@@ -16,6 +16,8 @@ bool runOne(const BatchSettings& settings,
             const std::function<bool()>& stop,
             BatchResult& result);
 
+/** Keeps what is known of a run that could not even be tried, if the folder is a batch's. */
+void recordFailure(const std::string& folder, const Manifest& manifest);
 /** Share of the work that a log's last line of progress tells, 0 to 1. */
 [[nodiscard]] double progressIn(const std::string& log);
 /** Where the run of a recording writes to while it lasts. */

@@ -102,8 +102,9 @@ TEST_F(Batch, UselessRunHasResultsAndIsNotRepeated)
 
 TEST_F(Batch, StoppedItEndsItsRunsAndGoesOnLater)
 {
-  program("[[ $2 == */a.rawlog ]] || sleep 60");
-  settings_.jobs = 1;
+  program("[[ $2 == */a.rawlog ]] && { until [[ -s '" + folder_.file("runs.txt") +
+          "' && $(wc -l < '" + folder_.file("runs.txt") +
+          "') == 2 ]]; do sleep 0.01; done; }\n[[ $2 == */a.rawlog ]] || sleep 60");
   std::atomic<bool> stop{false};
   watch_.stop = [&stop] { return stop.load(); };
   watch_.ended = [&stop](const BatchResult&, std::size_t) { stop = true; };
@@ -167,12 +168,19 @@ TEST(IndexPage, LinksReportsAndShowsNamesAsTheyAre)
   const TestFolder folder;
   folder.write("a&<b/report.html", "");
   folder.write("a&<b/report.json", "{\"frames\": 17, \"warnings\": [\"w\"]}");
+  folder.write("table.json",
+               R"({"runs": [{"name": "a&<b", "segmentation": {"iou_moving": 0.5},
+                   "trajectory": {"ate": {"translation_m": {"rmse": 0.25}},
+                                  "rpe": {"translation_m": {"rmse": 0.125}}}}]})");
   BatchResult r;
   r.recording.name = "a&<b";
   r.manifest.state = State::done;
   const std::string page = indexPage({r}, folder.path(), "body {}");
   EXPECT_TRUE(contains(page, "<a href=\"a%26%3Cb/report.html\">a&amp;&lt;b</a>")) << page;
-  EXPECT_TRUE(contains(page, ">17</td>"));
+  for (const char* figure : {">17</td>", ">0.500</td>", ">0.250</td>", ">0.1250</td>"})
+  {
+    EXPECT_TRUE(contains(page, figure)) << figure;
+  }
   EXPECT_TRUE(contains(page, "1 warning"));
   EXPECT_FALSE(contains(page, "http"));
 }
