@@ -313,7 +313,7 @@ void writePictures(const MapBuilder& builder, const Arguments& a)
   before.points = &all.points;
   before.marked = &removed;
   MapPictureOptions options;
-  options.pixels = 640;
+  options.pixels = 560;
   writePng(renderMapComparison({"everything that was seen; red: removed", before},
                                {"static map", content}, options),
            a.compare);

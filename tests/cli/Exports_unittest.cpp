@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Every file that dyslam-map writes is read back by a program that is not ours.
 #include <dyslam/core/Trajectory.h>
+#include <dyslam/formats/ScanFiles.h>
 #include <dyslam/formats/TrajectoryFiles.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -8,6 +9,7 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <limits>
 #include <map>
 #include <opencv2/imgcodecs.hpp>
 #include <sstream>
@@ -161,10 +163,10 @@ TEST_F(Exports, LasIsReadByLoadersGl)
   std::vector<double> low(3);
   words >> count >> low[0] >> low[1] >> low[2];
   EXPECT_EQ(count, points) << read.out;
-  double x = 0;
-  for (const auto& row : readAsciiPcd(folder + "/ascii.pcd").rows)
+  double x = std::numeric_limits<double>::infinity();
+  for (const auto& row : readCloud(folder + "/m.pcd").points)
   {
-    x = std::min(x, row[0]);
+    x = std::min(x, static_cast<double>(row.x()));
   }
   EXPECT_NEAR(low[0], x, 0.002);
 }
@@ -238,9 +240,10 @@ TEST_F(Exports, SimplemapIsReadByMrptsObservations2map)
   {
     GTEST_SKIP() << "needs mrpt-apps";
   }
-  std::ofstream(folder + "/map.ini") << "[map]\npointsMap_count = 1\n"
-                                        "[map_pointsMap_00_insertOpts]\nminDistBetweenLaserPoints"
-                                        " = 0\n";
+  std::ofstream(folder + "/map.ini") << "[MappingApplication]\npointsMap_count = 1\n"
+                                        "[MappingApplication_pointsMap_00_creationOpts]\n"
+                                        "[MappingApplication_pointsMap_00_insertOpts]\n"
+                                        "minDistBetweenLaserPoints = 0\nisPlanarMap = false\n";
   const Outcome read = runForeign(
       "cd " + folder + " && observations2map map.ini m.simplemap out " + "< /dev/null", folder);
   EXPECT_EQ(read.code, 0) << read.out;

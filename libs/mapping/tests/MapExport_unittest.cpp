@@ -11,11 +11,14 @@
 #include <mrpt/obs/CSensoryFrame.h>
 #include <mrpt/serialization/CArchive.h>
 #include <octomap/OcTree.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
+#include <csignal>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <opencv2/imgcodecs.hpp>
 #include <sstream>
 
@@ -390,17 +393,44 @@ TEST_F(MapExport, EmptyMapGivesValidFiles)
   EXPECT_EQ(cv::imread(path("e.png"), cv::IMREAD_UNCHANGED).total(), 1U);
 }
 
-TEST_F(MapExport, AFullDiskLeavesTheEarlierSimplemap)
+TEST_F(MapExport, AFullDiskLeavesTheEarlierFiles)
 {
-  if (!fs::exists("/dev/full"))
+  const MapPoints points = room().map.points();
+  for (const char* name : {"f.simplemap", "f.las", "f.pcd", "f.gridmap"})
   {
-    GTEST_SKIP() << "needs /dev/full";
+    std::ofstream(path(name)) << "an earlier one";
   }
-  std::ofstream(path("f.simplemap")) << "an earlier one";
-  fs::create_symlink("/dev/full", path("f.simplemap.tmp"));
-  // Few bytes: they are written by the close only.
-  EXPECT_THROW(writeSimplemap(test::TestMap().map, path("f.simplemap")), UserError);
-  EXPECT_EQ(bytes(path("f.simplemap")), "an earlier one");
+  // As a full disk, writing beyond ten bytes fails. Few bytes are written by the close only.
+  const auto earlier = std::signal(SIGXFSZ, SIG_IGN);
+  rlimit before{};
+  ASSERT_EQ(getrlimit(RLIMIT_FSIZE, &before), 0);
+  rlimit small = before;
+  small.rlim_cur = 10;
+  ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &small), 0);
+  const auto fails = [](const std::function<void()>& write)
+  {
+    try
+    {
+      write();
+      return false;
+    }
+    catch (const UserError&)
+    {
+      return true;
+    }
+  };
+  const bool simplemap = fails([&] { writeSimplemap(test::TestMap().map, path("f.simplemap")); });
+  const bool las = fails([&] { writeMapCloud(points, path("f.las")); });
+  const bool pcd = fails([&] { writeMapCloud({}, path("f.pcd")); });
+  const bool grid = fails([&] { writeOccupancyGrid(test::TestMap().map, path("f.gridmap"), {}); });
+  setrlimit(RLIMIT_FSIZE, &before);
+  std::signal(SIGXFSZ, earlier);
+  EXPECT_TRUE(simplemap && las && pcd && grid) << simplemap << las << pcd << grid;
+  for (const char* name : {"f.simplemap", "f.las", "f.pcd", "f.gridmap"})
+  {
+    EXPECT_EQ(bytes(path(name)), "an earlier one") << name;
+    EXPECT_FALSE(fs::exists(path(name) + ".tmp")) << name;
+  }
 }
 
 TEST_F(MapExport, UnwritableFoldersAndBadEndings)
