@@ -156,10 +156,15 @@ bool needsWholeMap(const Arguments& a)
 
 bool needsScans(const Arguments& a)
 {
-  const bool clouds =
-      std::any_of(a.outputs.begin(), a.outputs.end(),
-                  [](const auto& path) { return mapFormatOf(path) == MapFormat::cloud; });
-  return clouds && (a.exports.full_resolution || a.exports.tile_size > 0);
+  return std::any_of(
+      a.outputs.begin(), a.outputs.end(),
+      [&a](const auto& path)
+      {
+        const MapFormat format = mapFormatOf(path);
+        const bool is_cloud = format == MapFormat::cloud;
+        return (is_cloud && a.exports.tile_size > 0) ||
+               ((is_cloud || format == MapFormat::scene) && a.exports.full_resolution);
+      });
 }
 
 void checkOutputs(const Arguments& a)

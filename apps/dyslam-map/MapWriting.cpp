@@ -211,7 +211,38 @@ std::size_t writeTiles(MapBuilder& builder,
   return count;
 }
 
-void writeOther(const MapBuilder& builder, const std::string& path, const Arguments& a)
+/** With --full, a point per 0.1 m: what a viewer still turns smoothly. */
+SceneContent sceneOf(MapBuilder& builder, const Arguments& a)
+{
+  SceneContent scene = builder.scene();
+  if (builder.scans() == nullptr || !a.exports.full_resolution)
+  {
+    return scene;
+  }
+  constexpr double spacing = 0.1;
+  const MapPoints points = builder.map().points();
+  const FullResolution full(builder.map(), a.builder.map, points);
+  VoxelHash taken;
+  scene.points.clear();
+  scene.intensity.clear();
+  for (std::size_t k = 0; k < builder.scans()->size(); ++k)
+  {
+    const MapPoints part = full.of(builder.scans()->read(k));
+    for (std::size_t i = 0; i < part.size(); ++i)
+    {
+      const auto next = static_cast<std::uint32_t>(scene.points.size());
+      const auto cell = voxelCell(part.points[i], static_cast<float>(1 / spacing));
+      if (taken.findOrInsert(voxelKey(cell), next) == next)
+      {
+        scene.points.push_back(part.points[i]);
+        scene.intensity.push_back(part.intensity[i]);
+      }
+    }
+  }
+  return scene;
+}
+
+void writeOther(MapBuilder& builder, const std::string& path, const Arguments& a)
 {
   const std::size_t keyframes = builder.keyframes();
   Progress progress(fs::path(path).filename().string(), "keyframes", a.quiet);
@@ -228,7 +259,7 @@ void writeOther(const MapBuilder& builder, const std::string& path, const Argume
       writeSimplemap(builder.map(), path, builder.origin(), update);
       break;
     case MapFormat::scene:
-      writeScene(builder.scene(), path);
+      writeScene(sceneOf(builder, a), path);
       break;
     case MapFormat::grid:
       writeOccupancyGrid(builder.map(), path, a.exports, builder.origin(), update);
@@ -282,7 +313,7 @@ void writePictures(const MapBuilder& builder, const Arguments& a)
   before.points = &all.points;
   before.marked = &removed;
   MapPictureOptions options;
-  options.pixels = 900;
+  options.pixels = 560;
   writePng(renderMapComparison({"everything that was seen; red: removed", before},
                                {"static map", content}, options),
            a.compare);

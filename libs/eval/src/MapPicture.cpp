@@ -367,6 +367,7 @@ std::vector<std::uint8_t> renderMapComparison(
   pages.insert(pages.begin() + 1, cv::Mat(border, CV_8UC3, ink));
   cv::Mat both;
   wide ? cv::vconcat(pages, both) : cv::hconcat(pages, both);
-  return encodePage(both);
+  constexpr int levels = 8;
+  return encodePage(both, levels);
 }
 }  // namespace dyslam

@@ -198,12 +198,20 @@ void drawLegend(cv::Mat& page, cv::Point at, const std::vector<Curve>& curves)
   }
 }
 
-std::vector<std::uint8_t> encodePage(const cv::Mat& page)
+std::vector<std::uint8_t> encodePage(const cv::Mat& page, int levels)
 {
   cv::Mat picture;
   cv::resize(page, picture, {}, 1.0 / supersampling, 1.0 / supersampling, cv::INTER_AREA);
+  cv::Mat table(1, 256, CV_8U);
+  const double step = 255.0 / (levels - 1);
+  for (int v = 0; v < 256; ++v)
+  {
+    table.at<std::uint8_t>(v) = static_cast<std::uint8_t>(std::lround(std::round(v / step) * step));
+  }
+  cv::LUT(picture, table, picture);
+  constexpr int best_compression = 9;
   std::vector<std::uint8_t> bytes;
-  if (!cv::imencode(".png", picture, bytes))
+  if (!cv::imencode(".png", picture, bytes, {cv::IMWRITE_PNG_COMPRESSION, best_compression}))
   {
     throw std::runtime_error("a plot could not be encoded as PNG");
   }

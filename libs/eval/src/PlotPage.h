@@ -76,6 +76,7 @@ class Panel
 /** Legend: names with line samples, downwards from `at` [px]. */
 void drawLegend(cv::Mat& page, cv::Point at, const std::vector<Curve>& curves);
 
-/** The page at its final size as PNG bytes. */
-[[nodiscard]] std::vector<std::uint8_t> encodePage(const cv::Mat& page);
+/** The page at its final size as PNG bytes.
+ * \param levels of each colour channel: fewer make a smaller file */
+[[nodiscard]] std::vector<std::uint8_t> encodePage(const cv::Mat& page, int levels = 256);
 }  // namespace dyslam::plot

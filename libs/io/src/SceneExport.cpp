@@ -94,6 +94,26 @@ void insertBoxes(mrpt::opengl::COpenGLScene& scene, const SceneContent& content)
   }
 }
 
+/** The whole path and what is beside it, from behind and above. */
+void lookAt(const std::vector<Eigen::Vector3d>& path, mrpt::opengl::COpenGLScene& scene)
+{
+  Eigen::Vector3d low = path.front();
+  Eigen::Vector3d high = path.front();
+  for (const auto& p : path)
+  {
+    low = low.cwiseMin(p);
+    high = high.cwiseMax(p);
+  }
+  const Eigen::Vector3d middle = 0.5 * (low + high);
+  constexpr double beside = 30.0;  // [m]
+  auto& camera = scene.getViewport()->getCamera();
+  camera.setPointingAt(static_cast<float>(middle.x()), static_cast<float>(middle.y()),
+                       static_cast<float>(middle.z()));
+  camera.setZoomDistance(static_cast<float>((high - low).head<2>().norm() + 2 * beside));
+  camera.setAzimuthDegrees(-135.0F);
+  camera.setElevationDegrees(45.0F);
+}
+
 mrpt::opengl::COpenGLScene sceneOf(const SceneContent& content)
 {
   mrpt::opengl::COpenGLScene scene;
@@ -111,13 +131,7 @@ mrpt::opengl::COpenGLScene sceneOf(const SceneContent& content)
     auto corner = mrpt::opengl::stock_objects::CornerXYZSimple(3.0F, 3.0F);
     corner->setPose(toMrpt(content.trajectory[content.trajectory.size() - 1].pose));
     insert(scene, corner, "vehicle");
-    auto& camera = scene.getViewport()->getCamera();
-    const Eigen::Vector3d& end = path.back();
-    camera.setPointingAt(static_cast<float>(end.x()), static_cast<float>(end.y()),
-                         static_cast<float>(end.z()));
-    camera.setZoomDistance(60.0F);
-    camera.setAzimuthDegrees(-135.0F);
-    camera.setElevationDegrees(40.0F);
+    lookAt(path, scene);
   }
   insertBoxes(scene, content);
   for (const auto& [id, object_path] : content.object_paths)

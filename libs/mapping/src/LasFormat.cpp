@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// LAS 1.4 R15 (ASPRS), point data record format 6. Debian 12 has no library for it.
+// LAS 1.2 (ASPRS), point data record format 0, which every reader knows. Debian 12 has no library.
 #include <dyslam/core/Error.h>
 
 #include <algorithm>
@@ -12,10 +12,10 @@ namespace dyslam
 namespace
 {
 constexpr double scale = 0.001;  // coordinates are whole millimetres from the offset
-constexpr std::uint16_t header_size = 375;
+constexpr std::uint16_t header_size = 227;
 constexpr std::uint16_t vlr_header_size = 54;
 constexpr std::uint16_t extra_bytes_size = 192;  // of one description
-constexpr std::uint16_t record_size = 30;
+constexpr std::uint16_t record_size = 20;
 
 void appendText(std::string& out, const std::string& text, std::size_t size)
 {
@@ -23,7 +23,8 @@ void appendText(std::string& out, const std::string& text, std::size_t size)
   out.append(size - std::min(size, text.size()), '\0');
 }
 
-/** Describes one float32 behind the record (table 24 of the specification). */
+/** Describes one float32 behind the record, as LAS 1.4 specifies (table 24) and readers of older
+ * versions understand. */
 void appendExtraBytes(std::string& out, const std::string& name, const std::string& description)
 {
   constexpr char float32 = 9;
@@ -45,29 +46,28 @@ class LasFormat : public CloudFormat
   {
     const std::uint32_t vlrs = layout_.normals ? 1 : 0;
     const std::uint32_t data_at = header_size + vlrs * (vlr_header_size + 3U * extra_bytes_size);
+    const auto count = static_cast<std::uint32_t>(summary.count);
+    if (count != summary.count)
+    {
+      throw UserError("LAS 1.2 holds 4294967295 points, but the map has " +
+                      std::to_string(summary.count) + "; set map_export.tile_size");
+    }
     std::string out("LASF");
-    appendNumber<std::uint16_t>(out, 0);   // file source ID
-    appendNumber<std::uint16_t>(out, 16);  // global encoding: a CRS would be WKT, as format 6 wants
-    out.append(16, '\0');                  // GUID
+    out.append(4 + 16, '\0');  // source, encoding, GUID
     out.push_back(1);
-    out.push_back(4);
+    out.push_back(2);
     appendText(out, "EXTRACTION", 32);
     appendText(out, "DySLAM", 32);
-    appendNumber<std::uint16_t>(out, 0);  // day and year of creation: same map, same bytes
-    appendNumber<std::uint16_t>(out, 0);
+    out.append(4, '\0');  // day and year of creation: same map, same bytes
     appendNumber<std::uint16_t>(out, header_size);
     appendNumber<std::uint32_t>(out, data_at);
     appendNumber<std::uint32_t>(out, vlrs);
-    out.push_back(6);
+    out.push_back(0);  // point data record format
     appendNumber<std::uint16_t>(out, static_cast<std::uint16_t>(record_size + 12 * vlrs));
-    out.append(24, '\0');  // counts of older versions: 0 for format 6
+    appendNumber<std::uint32_t>(out, count);
+    appendNumber<std::uint32_t>(out, count);  // of first returns
+    out.append(4 * sizeof(std::uint32_t), '\0');
     appendBounds(out, summary);
-    appendNumber<std::uint64_t>(out, 0);  // waveforms
-    appendNumber<std::uint64_t>(out, 0);  // extended records, none
-    appendNumber<std::uint32_t>(out, 0);
-    appendNumber<std::uint64_t>(out, summary.count);
-    appendNumber<std::uint64_t>(out, summary.count);  // of first returns
-    out.append(14 * sizeof(std::uint64_t), '\0');
     if (layout_.normals)
     {
       appendNormalsRecord(out);
@@ -84,14 +84,10 @@ class LasFormat : public CloudFormat
     constexpr float brightest = 65535;
     const float intensity = std::clamp(points.intensity[i], 0.0F, 1.0F);
     appendNumber(out, static_cast<std::uint16_t>(std::lround(brightest * intensity)));
-    constexpr char only_return = 1 | 1 << 4;
+    constexpr char only_return = 1 | 1 << 3;
     out.push_back(only_return);
-    out.push_back(0);                     // flags
-    out.push_back(1);                     // class: unclassified
-    out.push_back(0);                     // user data
-    appendNumber<std::int16_t>(out, 0);   // scan angle
-    appendNumber<std::uint16_t>(out, 0);  // point source
-    appendNumber<double>(out, 0);         // GPS time
+    out.push_back(1);     // class: unclassified
+    out.append(4, '\0');  // scan angle, user data, point source
     for (int axis = 0; axis < 3 && layout_.normals; ++axis)
     {
       appendNumber(out, points.normals[i][axis]);

@@ -3,15 +3,20 @@
 #include <dyslam/formats/ScanFiles.h>
 #include <dyslam/mapping/MapExport.h>
 #include <gtest/gtest.h>
+#include <mrpt/io/CFileGZInputStream.h>
+#include <mrpt/maps/COccupancyGridMap2D.h>
 #include <mrpt/maps/CSimpleMap.h>
 #include <mrpt/maps/registerAllClasses.h>
 #include <mrpt/obs/CObservationPointCloud.h>
 #include <mrpt/obs/CSensoryFrame.h>
+#include <mrpt/serialization/CArchive.h>
 #include <octomap/OcTree.h>
 #include <unistd.h>
 
+#include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <opencv2/imgcodecs.hpp>
 #include <sstream>
 
@@ -100,6 +105,173 @@ TEST_F(MapExport, CloudsRoundTrip)
     EXPECT_EQ(bytes(path(name)), first);
   }
   EXPECT_THROW(writeMapCloud(points, path("m.xyz")), UserError);
+}
+
+template <typename T>
+T numberAt(const std::string& bytes, std::size_t at)
+{
+  T value{};
+  std::memcpy(&value, &bytes.at(at), sizeof value);
+  return value;
+}
+
+/** By the offsets of the specifications: LAS 1.2, and 1.4 for the extra bytes. */
+TEST_F(MapExport, LasIsAsSpecifiedAndExactFarFromZero)
+{
+  MapPoints points;
+  points.points = {{1.0004F, -2, 0.5F}, {-70.25F, 900.125F, -3}, {0, 0, 0}};
+  points.intensity = {0, 1, 0.5F};
+  points.normals = {{0, 0, 1}, {1, 0, 0}, {0, -1, 0}};
+  const Eigen::Vector3d origin(448000, 5428000, 0);
+  writeMapCloud(points, path("m.las"), origin);
+  const std::string las = bytes(path("m.las"));
+  ASSERT_GT(las.size(), 227U);
+  EXPECT_EQ(las.substr(0, 4), "LASF");
+  EXPECT_EQ(las.substr(24, 2), "\x01\x02");
+  EXPECT_EQ(numberAt<std::uint16_t>(las, 94), 227);
+  const auto data = numberAt<std::uint32_t>(las, 96);
+  EXPECT_EQ(data, 227U + 54 + 3 * 192);
+  EXPECT_EQ(numberAt<std::uint32_t>(las, 100), 1U);
+  EXPECT_EQ(las[104], 0);
+  const auto record = numberAt<std::uint16_t>(las, 105);
+  EXPECT_EQ(record, 20 + 12);
+  ASSERT_EQ(las.size(), data + 3U * record);
+  EXPECT_EQ(numberAt<std::uint32_t>(las, 107), 3U);
+  EXPECT_EQ(numberAt<std::uint32_t>(las, 111), 3U);
+  for (std::size_t i = 0; i < 3; ++i)
+  {
+    const std::size_t at = data + i * record;
+    for (std::size_t axis = 0; axis < 3; ++axis)
+    {
+      const double value =
+          numberAt<std::int32_t>(las, at + 4 * axis) * numberAt<double>(las, 131 + 8 * axis) +
+          numberAt<double>(las, 155 + 8 * axis);
+      const auto k = static_cast<Eigen::Index>(axis);
+      EXPECT_NEAR(value, origin[k] + static_cast<double>(points.points[i][k]), 0.00051);
+      EXPECT_GE(value, numberAt<double>(las, 187 + 16 * axis));
+      EXPECT_LE(value, numberAt<double>(las, 179 + 16 * axis));
+      EXPECT_EQ(numberAt<float>(las, at + 20 + 4 * axis), points.normals[i][k]);
+    }
+    EXPECT_NEAR(numberAt<std::uint16_t>(las, at + 12) / 65535.0,
+                static_cast<double>(points.intensity[i]), 1e-5);
+    EXPECT_EQ(las[at + 14], 0x09);
+  }
+  EXPECT_EQ(las.substr(227 + 2, 9), "LASF_Spec");
+  EXPECT_EQ(numberAt<std::uint16_t>(las, 227 + 18), 4);
+  for (std::size_t axis = 0; axis < 3; ++axis)
+  {
+    const std::size_t at = 227 + 54 + 192 * axis;
+    EXPECT_EQ(las[at + 2], 9);
+    EXPECT_EQ(las.substr(at + 4, 7), std::string("Normal") + "XYZ"[axis]);
+    EXPECT_EQ(las.substr(at + 160, 10), "towards th");
+  }
+}
+
+TEST_F(MapExport, CloudsFarFromZeroKeepTheirPrecision)
+{
+  MapPoints points;
+  points.points = {{1.25F, -2, 0.5F}};
+  points.intensity = {0.5F};
+  const Eigen::Vector3d origin(448000, 5428000, 0);
+  writeMapCloud(points, path("m.ply"), origin);
+  const std::string ply = bytes(path("m.ply"));
+  const std::size_t data = ply.find("end_header\n") + 11;
+  EXPECT_NE(ply.find("property double x\n"), std::string::npos);
+  EXPECT_EQ(numberAt<double>(ply, data), 448001.25);
+  EXPECT_EQ(numberAt<double>(ply, data + 8), 5427998.0);
+  writeMapCloud(points, path("m.pcd"), origin);
+  EXPECT_EQ(readCloud(path("m.pcd")).points, points.points);
+  EXPECT_NE(bytes(path("m.pcd")).find("VIEWPOINT 448000 5428000 0 1 0 0 0\n"), std::string::npos);
+}
+
+TEST_F(MapExport, OctomapIsWhatItsOwnInsertionMakes)
+{
+  const test::TestMap held = room();
+  MapExportOptions options;
+  options.octree_range = 6.0;  // some rays are cut off
+  writeOctomap(held.map, path("m.ot"), options);
+  octomap::OcTree tree(options.octree_resolution);
+  held.map.forEachStaticCloud(
+      [&](std::size_t k, const KeyframeCloud& cloud)
+      {
+        const Pose& T = held.map.poses()[k];
+        const auto toOctomap = [&](const Eigen::Vector3f& p)
+        {
+          const Eigen::Vector3f q = (T * p.cast<double>()).cast<float>();
+          return octomap::point3d(q.x(), q.y(), q.z());
+        };
+        octomap::Pointcloud points;
+        for (const auto& p : cloud.points)
+        {
+          points.push_back(toOctomap(p));
+        }
+        tree.insertPointCloud(points, toOctomap(held.map.keyframes()[k].sensor),
+                              options.octree_range, true, true);
+      });
+  tree.updateInnerOccupancy();
+  std::ostringstream expected;
+  ASSERT_TRUE(tree.write(expected));
+  EXPECT_EQ(bytes(path("m.ot")), expected.str());
+}
+
+TEST_F(MapExport, OctomapBeyondItsKeysIsAnError)
+{
+  test::TestMap map;
+  Frame frame;
+  frame.T_odom_vehicle = poseFromYpr(6540, 0, 0, 0, 0, 0);
+  for (int i = 0; i < 100; ++i)
+  {
+    frame.cloud.points.emplace_back(5.0F + 0.3F * static_cast<float>(i), 0.0F, 0.0F);
+    frame.cloud.source.push_back(0);
+  }
+  map.insert(frame);
+  try
+  {
+    writeOctomap(map.map, path("m.bt"), {});
+    FAIL() << "points were lost";
+  }
+  catch (const UserError& error)
+  {
+    EXPECT_NE(std::string(error.what()).find("octree_resolution=0.2; take 0.4"), std::string::npos)
+        << error.what();
+  }
+  MapExportOptions coarser;
+  coarser.octree_resolution = 0.4;
+  writeOctomap(map.map, path("m.bt"), coarser);
+  octomap::OcTree tree(0.4);
+  ASSERT_TRUE(tree.readBinary(path("m.bt")));
+  EXPECT_NE(tree.search(6540 + 20, 0, 0), nullptr);
+}
+
+TEST_F(MapExport, GridmapIsWhatMrptReads)
+{
+  const test::TestMap held = room();
+  writeOccupancyGrid(held.map, path("m.gridmap"), {});
+  mrpt::io::CFileGZInputStream file(path("m.gridmap"));
+  auto archive = mrpt::serialization::archiveFrom(file);
+  mrpt::maps::COccupancyGridMap2D grid;
+  archive >> grid;
+  EXPECT_FLOAT_EQ(grid.getResolution(), 0.1F);
+  writeOccupancyGrid(held.map, path("m.png"), {});
+  const cv::Mat image = cv::imread(path("m.png"), cv::IMREAD_UNCHANGED);
+  const std::string yaml = bytes(path("m.yaml"));
+  double x0 = 0;
+  double y0 = 0;
+  ASSERT_EQ(std::sscanf(yaml.c_str() + yaml.find("origin:"), "origin: [%lf, %lf", &x0, &y0), 2);
+  std::size_t occupied = 0;
+  for (int row = 0; row < image.rows; ++row)
+  {
+    for (int column = 0; column < image.cols; ++column)
+    {
+      const double x = x0 + (column + 0.5) * 0.1;
+      const double y = y0 + (image.rows - row - 0.5) * 0.1;
+      const float free = grid.getPos(static_cast<float>(x), static_cast<float>(y));
+      const int cell = image.at<std::uint8_t>(row, column);
+      ASSERT_NEAR(free, cell == 0 ? 0.02F : cell == 254 ? 0.98F : 0.5F, 0.01F) << x << " " << y;
+      occupied += free < 0.1F ? 1 : 0;
+    }
+  }
+  EXPECT_GT(occupied, 80U);
 }
 
 TEST_F(MapExport, SimplemapHoldsPosesAndClouds)
@@ -220,13 +392,26 @@ TEST_F(MapExport, EmptyMapGivesValidFiles)
   EXPECT_EQ(cv::imread(path("e.png"), cv::IMREAD_UNCHANGED).total(), 1U);
 }
 
-TEST_F(MapExport, AFullDiskLeavesTheEarlierSimplemap)
+TEST_F(MapExport, AFullDiskLeavesTheEarlierFiles)
 {
-  std::ofstream(path("f.simplemap")) << "an earlier one";
-  const test::FullDisk full_disk;
-  // Few bytes: they are written by the close only.
-  EXPECT_THROW(writeSimplemap(test::TestMap().map, path("f.simplemap")), UserError);
-  EXPECT_EQ(bytes(path("f.simplemap")), "an earlier one");
+  const MapPoints points = room().map.points();
+  for (const char* name : {"f.simplemap", "f.las", "f.pcd", "f.gridmap"})
+  {
+    std::ofstream(path(name)) << "an earlier one";
+  }
+  {
+    // Few bytes are written by the close only.
+    const test::FullDisk full_disk(10);
+    EXPECT_THROW(writeSimplemap(test::TestMap().map, path("f.simplemap")), UserError);
+    EXPECT_THROW(writeMapCloud(points, path("f.las")), UserError);
+    EXPECT_THROW(writeMapCloud({}, path("f.pcd")), UserError);
+    EXPECT_THROW(writeOccupancyGrid(test::TestMap().map, path("f.gridmap"), {}), UserError);
+  }
+  for (const char* name : {"f.simplemap", "f.las", "f.pcd", "f.gridmap"})
+  {
+    EXPECT_EQ(bytes(path(name)), "an earlier one") << name;
+    EXPECT_FALSE(fs::exists(path(name) + ".tmp")) << name;
+  }
 }
 
 TEST_F(MapExport, UnwritableFoldersAndBadEndings)

@@ -35,7 +35,7 @@ using MapProgress = std::function<void(std::size_t)>;
  */
 
 /** A cloud that is written part by part: `.pcd`, `.ply` (both binary; x y z intensity and normals)
- * or `.las` (1.4, format 6, millimetres; normals as extra bytes).
+ * or `.las` (1.2, format 0, millimetres; normals as extra bytes).
  *
  * With an origin other than 0, `.las` and `.ply` (then in float64) hold the coordinates in full;
  * `.pcd`, whose readers expect float32, stays relative to the origin and names it as its viewpoint.

@@ -1,0 +1,205 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/Error.h>
+#include <dyslam/mapping/FullResolution.h>
+#include <dyslam/mapping/MapTiles.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <tuple>
+
+#include "TestMap.h"
+
+namespace dyslam
+{
+namespace
+{
+namespace fs = std::filesystem;
+
+using Place = std::tuple<float, float, float, float, std::uint32_t>;
+
+std::vector<Place> placesOf(const MapPoints& points)
+{
+  std::vector<Place> places;
+  for (std::size_t i = 0; i < points.size(); ++i)
+  {
+    const auto& p = points.points[i];
+    places.emplace_back(p.x(), p.y(), p.z(), points.intensity[i], points.hits[i]);
+  }
+  return places;
+}
+
+/** A street along x between two walls; a box stands in the way of the first scans and is gone
+ * later. The last points of each scan move. */
+Frame streetScan(std::size_t k)
+{
+  Frame frame;
+  frame.index = 2 * k;
+  frame.scan.stamp = 100 + static_cast<double>(k);
+  frame.scan.T_vehicle_lidar.translation().z() = 1.7;
+  frame.T_odom_vehicle = poseFromYpr(1.5 * static_cast<double>(k), 0.3, 0, 0.02, 0, 0);
+  const Pose T_vehicle_map = frame.T_odom_vehicle.inverse();
+  const double at = frame.T_odom_vehicle.translation().x();
+  const auto add = [&](double x, double y, double z, bool moving)
+  {
+    frame.cloud.points.push_back((T_vehicle_map * Eigen::Vector3d(x, y, z)).cast<float>());
+    frame.cloud.intensity.push_back(static_cast<float>(std::abs(std::sin(x))));
+    frame.cloud.source.push_back(0);
+    frame.moving.push_back(moving);
+  };
+  for (double x = at - 25; x < at + 25; x += 0.17)
+  {
+    for (double y = -6; y < 6; y += 0.31)
+    {
+      add(x, y, 0.01, false);
+    }
+    for (double z = 0.1; z < 3; z += 0.23)
+    {
+      add(x, 6.05, z, false);
+      add(x, -6.05, z, false);
+    }
+  }
+  for (double z = 0.5; z < 1.5 && k < 3; z += 0.1)
+  {
+    add(12.1, 1.0, z, false);
+    add(14.1, 1.0 + z, z, true);
+  }
+  return frame;
+}
+
+class MapTiles : public testing::Test
+{
+ protected:
+  void SetUp() override
+  {
+    options_.max_range = 30;
+    options_.visibility_range = 30;
+    file_ = (fs::temp_directory_path() / ("dyslam_tiles_" + std::to_string(getpid()))).string();
+  }
+
+  StaticMapOptions options_;
+  std::string file_;
+  static constexpr std::size_t scans_ = 20;
+};
+
+TEST_F(MapTiles, TogetherAreTheWholeMap)
+{
+  test::TestMap whole(options_);
+  ScanStore store(file_, options_);
+  for (std::size_t k = 0; k < scans_; ++k)
+  {
+    const Frame frame = streetScan(k);
+    whole.insert(frame);
+    store.add(frame);
+  }
+  std::vector<Place> expected = placesOf(whole.map.points());
+  std::vector<Place> found;
+  const auto tiles = tilesOf(store, options_, 16.0);
+  for (const MapTile& tile : tiles)
+  {
+    const TileMap part(store, options_, tile);
+    EXPECT_LT(part.map.voxelCount(), whole.map.voxelCount() / 2);
+    const auto places = placesOf(pointsWithin(part.map.points(), tile.region));
+    found.insert(found.end(), places.begin(), places.end());
+  }
+  ASSERT_GT(tiles.size(), 8U);
+  ASSERT_GT(expected.size(), 5000U);
+  std::sort(expected.begin(), expected.end());
+  std::sort(found.begin(), found.end());
+  EXPECT_EQ(found, expected);
+}
+
+TEST_F(MapTiles, ScansComeBackFromDiskAndTheFileGoes)
+{
+  {
+    ScanStore store(file_, options_);
+    for (std::size_t k = 0; k < 4; ++k)
+    {
+      store.add(streetScan(k));
+    }
+    EXPECT_TRUE(fs::exists(file_ + ".tmp"));
+    for (const std::size_t k : {2U, 0U, 3U})
+    {
+      const Frame frame = streetScan(k);
+      const Frame back = store.read(k);
+      EXPECT_EQ(back.index, frame.index);
+      EXPECT_EQ(back.cloud.points, frame.cloud.points);
+      EXPECT_EQ(back.cloud.intensity, frame.cloud.intensity);
+      EXPECT_EQ(back.moving, frame.moving);
+      EXPECT_TRUE(back.T_map_vehicle().isApprox(frame.T_map_vehicle(), 0));
+    }
+    store.add(streetScan(4));
+    EXPECT_EQ(store.read(4).cloud.points, streetScan(4).cloud.points);
+  }
+  EXPECT_FALSE(fs::exists(file_ + ".tmp"));
+  EXPECT_THROW(ScanStore("/no/such/folder/scans", options_), UserError);
+}
+
+TEST_F(MapTiles, FullResolutionKeepsEveryStaticPointAndNothingElse)
+{
+  test::TestMap whole(options_);
+  for (std::size_t k = 0; k < scans_; ++k)
+  {
+    whole.insert(streetScan(k));
+  }
+  const MapPoints points = whole.map.points();
+  const FullResolution full(whole.map, options_, points);
+  for (const std::size_t k : {0U, 1U, 10U})
+  {
+    const Frame frame = streetScan(k);
+    std::size_t expected = 0;
+    for (std::size_t i = 0; i < frame.cloud.size(); ++i)
+    {
+      const auto range = static_cast<double>(frame.cloud.points[i].norm());
+      const Eigen::Vector3d p = frame.T_map_vehicle() * frame.cloud.points[i].cast<double>();
+      const bool in_box = std::abs(p.x() - 12.1) < 0.01 && std::abs(p.y() - 1) < 0.01;
+      expected += !frame.moving[i] && !in_box && range >= 2.5 && range <= 30 ? 1 : 0;
+    }
+    const MapPoints of = full.of(frame);
+    EXPECT_NEAR(static_cast<double>(of.size()), static_cast<double>(expected),
+                1e-3 * static_cast<double>(expected));
+    for (const auto& p : of.points)
+    {
+      ASSERT_FALSE(std::abs(p.x() - 12.1F) < 0.05F && std::abs(p.y() - 1) < 0.05F && p.z() > 0.6F)
+          << p.transpose();
+      const bool moved = std::abs(p.x() - 14.1F) < 0.05F && p.z() > 0.45F && std::abs(p.y()) < 5;
+      ASSERT_FALSE(moved) << p.transpose();
+    }
+  }
+}
+
+TEST_F(MapTiles, NormalsLookAtTheSensor)
+{
+  test::TestMap whole(options_);
+  for (std::size_t k = 0; k < scans_; ++k)
+  {
+    whole.insert(streetScan(k));
+  }
+  MapPoints points = whole.map.points();
+  ThreadPool pool(2);
+  estimateMapNormals(points, whole.map, 0.8, pool);
+  ASSERT_EQ(points.normals.size(), points.size());
+  std::size_t walls = 0;
+  std::size_t ground = 0;
+  for (std::size_t i = 0; i < points.size(); ++i)
+  {
+    const auto& p = points.points[i];
+    const auto& n = points.normals[i];
+    if (p.z() > 1 && std::abs(p.y()) > 6)
+    {
+      ++walls;
+      EXPECT_GT(-n.y() * p.y() / std::abs(p.y()), 0.99F) << n.transpose();
+    }
+    else if (p.z() < 0.02F && std::abs(p.y()) < 4)
+    {
+      ++ground;
+      EXPECT_GT(n.z(), 0.99F) << n.transpose();
+    }
+  }
+  EXPECT_GT(walls, 500U);
+  EXPECT_GT(ground, 500U);
+}
+}  // namespace
+}  // namespace dyslam
