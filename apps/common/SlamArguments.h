@@ -167,6 +167,11 @@ inline void print(const SlamRunReport& report, const std::string& folder, std::s
                 report.unconverged);
   }
   std::printf("%.1f ms per scan\n", report.ms_per_scan);
+  if (report.recording_time > 0)
+  {
+    std::printf("real-time factor %.2f: %.1f s of recording in %.1f s\n", report.realtimeFactor(),
+                report.recording_time, report.run_time);
+  }
   std::printf("results in %s:", folder.c_str());
   for (const auto& file : report.files)
   {

@@ -5,11 +5,18 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <string>
+#include <vector>
+
+struct libdeflate_decompressor;
 
 namespace dyslam
 {
-/** Reads a gzip or plain file, knowing a clean end from a cut. */
+/** Reads a gzip or plain file, knowing a clean end from a cut.
+ *
+ * Members as small as GzOutput writes them are unpacked whole, which takes a quarter of the time;
+ * from the first that is larger or damaged on, zlib reads the file as a stream. */
 class GzInput
 {
  public:
@@ -39,10 +46,25 @@ class GzInput
   [[nodiscard]] std::uint64_t fileSize() const { return size_; }
 
  private:
+  /** Unpacks the next member. False where the file ends or zlib has to go on. */
+  bool nextMember();
+  /** Nothing unpacked is left, nor a member to unpack. */
+  bool atEndOfMembers();
+  void fillPacked();
+  /** Hands the rest of the file to zlib. */
+  void startStream();
   void noteError();
 
   std::string path_;
-  gzFile file_ = nullptr;
+  int descriptor_ = -1;       //!< until zlib has it
+  std::vector<char> packed_;  //!< of the file, not yet unpacked
+  std::size_t packed_begin_ = 0;
+  std::uint64_t offset_ = 0;  //!< in the file of the byte at packed_begin_
+  bool any_member_ = false;
+  std::vector<char> content_;      //!< unpacked
+  std::size_t content_begin_ = 0;  //!< not yet read
+  std::unique_ptr<libdeflate_decompressor, void (*)(libdeflate_decompressor*)> decompressor_;
+  gzFile file_ = nullptr;  //!< null until zlib reads
   std::uint64_t size_ = 0;
   bool cut_ = false;
   bool broken_ = false;

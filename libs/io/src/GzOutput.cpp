@@ -1,37 +1,54 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/Error.h>
 #include <dyslam/io/GzOutput.h>
-#include <zlib.h>
+#include <libdeflate.h>
 
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
+#include <new>
 #include <stdexcept>
 
 namespace dyslam
 {
-namespace
+GzOutput::GzOutput(const std::string& path, int level)
+    : pending_(path),
+      compressor_(libdeflate_alloc_compressor(std::clamp(level, 0, 9)), &libdeflate_free_compressor)
 {
-constexpr unsigned buffer_size = 1U << 17U;
-constexpr std::size_t largest_step = 1U << 30U;
-}  // namespace
-
-GzOutput::GzOutput(const std::string& path, int level) : pending_(path)
-{
-  const std::string mode = "wb" + std::to_string(std::clamp(level, 0, 9));
-  file_ = gzopen(pending_.temporary().c_str(), mode.c_str());
+  if (!compressor_)
+  {
+    throw std::bad_alloc();
+  }
+  file_ = std::fopen(pending_.temporary().c_str(), "wb");
   if (file_ == nullptr)
   {
     throw UserError(path + ": cannot be written: " + std::strerror(errno));
   }
-  gzbuffer(file_, buffer_size);
+  std::setvbuf(file_, nullptr, _IONBF, 0);  // members are large
+  content_.reserve(member_size);
+  packed_.resize(libdeflate_gzip_compress_bound(compressor_.get(), member_size));
 }
 
 GzOutput::~GzOutput()
 {
   if (file_ != nullptr)
   {
-    gzclose_w(file_);
+    std::fclose(file_);
+  }
+}
+
+void GzOutput::writeMember(const char* content, std::size_t size)
+{
+  if (!failure_.empty())
+  {
+    return;
+  }
+  empty_ = false;
+  const std::size_t packed =
+      libdeflate_gzip_compress(compressor_.get(), content, size, packed_.data(), packed_.size());
+  if (std::fwrite(packed_.data(), 1, packed, file_) != packed)
+  {
+    failure_ = std::strerror(errno);
   }
 }
 
@@ -40,14 +57,20 @@ std::size_t GzOutput::Write(const void* buffer, std::size_t count)
   const auto* from = static_cast<const char*>(buffer);
   for (std::size_t done = 0; done < count;)
   {
-    const std::size_t step = std::min(count - done, largest_step);
-    if (!failure_.empty() ||
-        gzwrite(file_, from + done, static_cast<unsigned>(step)) != static_cast<int>(step))
+    if (content_.empty() && count - done >= member_size)
     {
-      failure_ = failure_.empty() ? std::strerror(errno) : failure_;
-      return count;
+      writeMember(from + done, member_size);
+      done += member_size;
+      continue;
     }
+    const std::size_t step = std::min(count - done, member_size - content_.size());
+    content_.insert(content_.end(), from + done, from + done + step);
     done += step;
+    if (content_.size() == member_size)
+    {
+      writeMember(content_.data(), content_.size());
+      content_.clear();
+    }
   }
   return count;
 }
@@ -71,10 +94,15 @@ void GzOutput::close()
   {
     return;
   }
-  const int code = gzclose_w(file_);
+  if (!content_.empty() || empty_)
+  {
+    writeMember(content_.data(), content_.size());
+    content_.clear();
+  }
+  const int code = std::fclose(file_);
   file_ = nullptr;
   check();
-  if (code != Z_OK)
+  if (code != 0)
   {
     throw UserError(pending_.path() + ": cannot be written to its end: " + std::strerror(errno));
   }

@@ -10,6 +10,7 @@
 #include <mrpt/opengl/stock_objects.h>
 #include <mrpt/serialization/CArchive.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <stdexcept>
@@ -38,13 +39,18 @@ struct Part
 float coarse(float v)
 {
   constexpr float steps = 64;
-  return std::round(v * steps) / steps;
+  // As std::round(), which is a call: half less the last bit, so that nothing below is rounded up.
+  constexpr float half = 0.49999997F;
+  return std::trunc(v * steps + std::copysign(half, v)) / steps;
 }
 
 Part partOf(const Frame& frame, const std::vector<bool>& moving, bool wanted, double voxel_size)
 {
   Part part;
   const bool has_intensity = frame.cloud.intensity.size() == frame.cloud.size();
+  const auto expected = static_cast<std::size_t>(std::count(moving.begin(), moving.end(), wanted));
+  part.points.reserve(expected);
+  part.intensity.reserve(expected);
   for (std::size_t i = 0; i < frame.cloud.size(); ++i)
   {
     if (moving[i] == wanted && frame.cloud.points[i].allFinite())
@@ -58,7 +64,10 @@ Part partOf(const Frame& frame, const std::vector<bool>& moving, bool wanted, do
     return part;
   }
   Part thinned;
-  for (const auto i : voxelDownsample(part.points, voxel_size).index)
+  const VoxelSample sample = voxelDownsample(part.points, voxel_size);
+  thinned.points.reserve(sample.index.size());
+  thinned.intensity.reserve(sample.index.size());
+  for (const auto i : sample.index)
   {
     thinned.points.push_back(part.points[i]);
     thinned.intensity.push_back(part.intensity[i]);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "SceneParts.h"
 
+#include <mrpt/core/bits_math.h>
 #include <mrpt/opengl/CArrow.h>
 #include <mrpt/opengl/CSetOfLines.h>
 #include <mrpt/opengl/CText.h>
@@ -8,6 +9,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <memory>
 
 #include "MrptConversions.h"
 
@@ -47,6 +49,23 @@ std::pair<float, float> heightRange(const std::vector<Eigen::Vector3f>& points)
   const float low = at(0.02);
   return {low, std::max(at(0.98), low + 1.0F)};
 }
+
+/** Is filled at once: MRPT's push_back() takes a lock and tells all viewers for every point. It is
+ * written and copied as its base class. */
+class FilledPoints : public mrpt::opengl::CPointCloudColoured
+{
+ public:
+  explicit FilledPoints(std::size_t expected)
+  {
+    m_vertex_buffer_data.reserve(expected);
+    m_color_buffer_data.reserve(expected);
+  }
+  void add(const Eigen::Vector3f& p, const TColor& colour)
+  {
+    m_vertex_buffer_data.emplace_back(p.x(), p.y(), p.z());
+    m_color_buffer_data.push_back(colour);
+  }
+};
 }  // namespace
 
 TColor rampColour(float share)
@@ -83,7 +102,7 @@ mrpt::opengl::CPointCloudColoured::Ptr heightColoured(const std::vector<Eigen::V
                                                       const std::vector<float>& intensity,
                                                       float point_size)
 {
-  auto cloud = mrpt::opengl::CPointCloudColoured::Create();
+  const auto cloud = std::make_shared<FilledPoints>(points.size());
   cloud->setPointSize(point_size);
   const auto [low, high] = heightRange(points);
   const bool has_intensity = intensity.size() == points.size();
@@ -97,9 +116,10 @@ mrpt::opengl::CPointCloudColoured::Ptr heightColoured(const std::vector<Eigen::V
     const TColor colour = rampColour((p.z() - low) / (high - low));
     const float lit = has_intensity ? 0.65F + 0.6F * std::clamp(intensity[i], 0.0F, 1.0F) : 1.0F;
     const auto part = [lit](std::uint8_t c)
-    { return static_cast<float>(toByte(lit * static_cast<float>(c))) / 255.0F; };
-    cloud->push_back(p.x(), p.y(), p.z(), part(colour.R), part(colour.G), part(colour.B));
+    { return mrpt::f2u8(static_cast<float>(toByte(lit * static_cast<float>(c))) / 255.0F); };
+    cloud->add(p, TColor(part(colour.R), part(colour.G), part(colour.B)));
   }
+  cloud->markAllPointsAsNew();
   return cloud;
 }
 
@@ -107,16 +127,18 @@ mrpt::opengl::CPointCloudColoured::Ptr plainColoured(const std::vector<Eigen::Ve
                                                      const TColor& colour,
                                                      float point_size)
 {
-  auto cloud = mrpt::opengl::CPointCloudColoured::Create();
+  const auto cloud = std::make_shared<FilledPoints>(points.size());
   cloud->setPointSize(point_size);
-  const mrpt::img::TColorf c(colour);
+  const mrpt::img::TColorf exact(colour);
+  const TColor c(mrpt::f2u8(exact.R), mrpt::f2u8(exact.G), mrpt::f2u8(exact.B));
   for (const auto& p : points)
   {
     if (p.allFinite())
     {
-      cloud->push_back(p.x(), p.y(), p.z(), c.R, c.G, c.B);
+      cloud->add(p, c);
     }
   }
+  cloud->markAllPointsAsNew();
   return cloud;
 }
 

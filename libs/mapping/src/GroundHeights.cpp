@@ -19,6 +19,15 @@ VoxelCell squareOf(const Eigen::Vector3f& p)
   return {static_cast<std::int32_t>(std::floor(p.x() / square)),
           static_cast<std::int32_t>(std::floor(p.y() / square)), 0};
 }
+
+/** The square that voxelKey() made this of. */
+VoxelCell squareOfKey(std::uint64_t key)
+{
+  constexpr std::uint64_t mask = (1ULL << 21) - 1;
+  constexpr std::int32_t offset = 1 << 20;
+  return {static_cast<std::int32_t>(key >> 42) - offset,
+          static_cast<std::int32_t>((key >> 21) & mask) - offset, 0};
+}
 }  // namespace
 
 LowestReturns::LowestReturns(const std::vector<Eigen::Vector3f>& points,
@@ -27,11 +36,15 @@ LowestReturns::LowestReturns(const std::vector<Eigen::Vector3f>& points,
   VoxelHash index;
   std::vector<std::array<float, 3>> lowest;
   std::vector<std::uint64_t> keys;
+  std::uint32_t found = VoxelHash::none;
   for (const Eigen::Vector3f& point : points)
   {
     const Eigen::Vector3f p = T_map_vehicle * point;
     const std::uint64_t key = voxelKey(squareOf(p));
-    const std::uint32_t found = index.findOrInsert(key, static_cast<std::uint32_t>(keys.size()));
+    if (found == VoxelHash::none || keys[found] != key)  // most are where the one before is
+    {
+      found = index.findOrInsert(key, static_cast<std::uint32_t>(keys.size()));
+    }
     if (found == keys.size())
     {
       keys.push_back(key);
@@ -55,6 +68,7 @@ LowestReturns::LowestReturns(const std::vector<Eigen::Vector3f>& points,
 GroundHeights::GroundHeights(const std::vector<const LowestReturns*>& scans)
 {
   std::vector<std::vector<float>> heights;
+  std::vector<VoxelCell> squares;
   for (const LowestReturns* scan : scans)
   {
     for (const auto& [key, z] : scan->heights())
@@ -64,6 +78,7 @@ GroundHeights::GroundHeights(const std::vector<const LowestReturns*>& scans)
       if (found == next)
       {
         heights.emplace_back();
+        squares.push_back(squareOfKey(key));
       }
       heights[found].push_back(z);
     }
@@ -74,23 +89,32 @@ GroundHeights::GroundHeights(const std::vector<const LowestReturns*>& scans)
     std::nth_element(z.begin(), low, z.end());
     height_.push_back(*low);
   }
+  for (std::size_t i = 0; i < squares.size(); ++i)
+  {
+    ground_.push_back(limited(squares[i], height_[i]));
+  }
 }
 
 float GroundHeights::at(const Eigen::Vector3f& p) const
 {
+  const VoxelCell square = squareOf(p);
+  const std::uint32_t found = index_.find(voxelKey(square));
+  return found != VoxelHash::none ? ground_[found] : limited(square, p.z());
+}
+
+/** \param own height of the square, no higher than its neighbours allow. */
+float GroundHeights::limited(const VoxelCell& square, float own) const
+{
   std::array<float, 9> around{};
   std::size_t count = 0;
-  float own = p.z();
-  const VoxelCell cell = squareOf(p);
   for (int dx = -1; dx <= 1; ++dx)
   {
     for (int dy = -1; dy <= 1; ++dy)
     {
-      const std::uint32_t found = index_.find(voxelKey({cell.x + dx, cell.y + dy, 0}));
+      const std::uint32_t found = index_.find(voxelKey({square.x + dx, square.y + dy, 0}));
       if (found != VoxelHash::none)
       {
         around[count++] = height_[found];
-        own = dx == 0 && dy == 0 ? height_[found] : own;
       }
     }
   }

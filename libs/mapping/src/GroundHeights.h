@@ -38,7 +38,10 @@ class GroundHeights
   [[nodiscard]] float at(const Eigen::Vector3f& p) const;
 
  private:
+  [[nodiscard]] float limited(const VoxelCell& square, float own) const;
+
   VoxelHash index_;
   std::vector<float> height_;
+  std::vector<float> ground_;  //!< at(), for each of `height_`
 };
 }  // namespace dyslam

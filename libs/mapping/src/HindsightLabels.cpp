@@ -4,9 +4,11 @@
 #include <dyslam/mapping/HindsightLabels.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <deque>
 #include <map>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -49,17 +51,18 @@ struct RayCounts
 /** One scan of the window. */
 struct WindowScan
 {
-  WindowScan(Frame given, bool is_wanted)
-      : frame(std::move(given)),
-        wanted(is_wanted),
-        T_odom_vehicle(frame.T_odom_vehicle),
-        image(frame.cloud, frame.scan.T_vehicle_lidar.translation().cast<float>()),
-        lowest(frame.cloud.points, T_odom_vehicle.cast<float>())
+  WindowScan(const Frame& given, bool wanted)
+      : T_odom_vehicle(given.T_odom_vehicle),
+        image(given.cloud, given.scan.T_vehicle_lidar.translation().cast<float>()),
+        lowest(given.cloud.points, T_odom_vehicle.cast<float>())
   {
+    if (wanted)
+    {
+      frame = given;
+    }
   }
 
-  Frame frame;  //!< empty once it is decided
-  bool wanted;
+  std::optional<Frame> frame;  //!< none if nobody wants it, and once it is decided
   Pose T_odom_vehicle;
   VisibilityImage image;
   LowestReturns lowest;
@@ -167,34 +170,41 @@ std::vector<RayCounts> HindsightLabels::Impl::lookAround(const Segments& segment
     }
   }
   std::vector<RayCounts> counts(segments.first_point.size());
+  std::vector<Eigen::Vector3f> places;
+  places.reserve(counts.size());
+  for (const std::uint32_t first : segments.first_point)
+  {
+    places.push_back(scan.frame->cloud.points[first]);
+  }
   const auto size = static_cast<float>(0.5 * options.voxel_size);
   const auto margin = static_cast<float>(options.margin);
-  pool.forChunks(counts.size(), chunk,
-                 [&](std::size_t begin, std::size_t end, std::size_t)
-                 {
-                   for (const Look& look : looks)
-                   {
-                     for (std::size_t g = begin; g < end; ++g)
-                     {
-                       const Eigen::Vector3f& p = scan.frame.cloud.points[segments.first_point[g]];
-                       RayCounts& c = counts[g];
-                       switch (look.image->at(look.T_other_this * p, size, margin))
-                       {
-                         case Evidence::free:
-                           ++(look.after ? c.free_after : c.free_before);
-                           c.free_near = static_cast<std::uint16_t>(c.free_near + look.near);
-                           break;
-                         case Evidence::occupied:
-                           ++c.occupied;
-                           c.occupied_near =
-                               static_cast<std::uint16_t>(c.occupied_near + look.near);
-                           break;
-                         case Evidence::none:
-                           break;
-                       }
-                     }
-                   }
-                 });
+  pool.forChunks(
+      counts.size(), chunk,
+      [&](std::size_t begin, std::size_t end, std::size_t)
+      {
+        std::array<Evidence, chunk> seen;
+        for (const Look& look : looks)
+        {
+          look.image->at(&places[begin], end - begin, look.T_other_this, size, margin, seen.data());
+          for (std::size_t g = begin; g < end; ++g)
+          {
+            RayCounts& c = counts[g];
+            switch (seen[g - begin])
+            {
+              case Evidence::free:
+                ++(look.after ? c.free_after : c.free_before);
+                c.free_near = static_cast<std::uint16_t>(c.free_near + look.near);
+                break;
+              case Evidence::occupied:
+                ++c.occupied;
+                c.occupied_near = static_cast<std::uint16_t>(c.occupied_near + look.near);
+                break;
+              case Evidence::none:
+                break;
+            }
+          }
+        }
+      });
   return counts;
 }
 
@@ -219,7 +229,7 @@ std::vector<float> HindsightLabels::Impl::trackedShare(const Frame& frame) const
 /** What is known of each place by itself. */
 std::vector<PlaceEvidence> HindsightLabels::Impl::evidenceOf(const Segments& segments)
 {
-  const Frame& frame = scans[next].frame;
+  const Frame& frame = *scans[next].frame;
   const std::vector<RayCounts> counts = lookAround(segments);
   std::vector<PlaceEvidence> evidence(counts.size());
   for (std::size_t g = 0; g < counts.size(); ++g)
@@ -273,28 +283,33 @@ void HindsightLabels::Impl::noteTracks(const Frame& frame)
   }
 }
 
-/** Hands the next frame on, and forgets the oldest scan. */
+/** Hands the next frame on, if it is wanted, and forgets the oldest scan. */
 void HindsightLabels::Impl::handOn(const Use& use)
 {
-  Frame frame;
-  std::swap(frame, scans[next].frame);
+  std::optional<Frame> frame = std::exchange(scans[next].frame, std::nullopt);
   ++next;
   if (next > static_cast<std::size_t>(options.window))
   {
     scans.pop_front();
     --next;
   }
-  use(std::move(frame));
+  if (frame)
+  {
+    use(std::move(*frame));
+  }
 }
 
 void HindsightLabels::Impl::decide(WindowScan& scan)
 {
-  Frame& frame = scan.frame;
+  Frame& frame = *scan.frame;
   const GroundHeights heights_of_ground = ground();
   const Eigen::Isometry3f T = scan.T_odom_vehicle.cast<float>();
   std::vector<Eigen::Vector3f> points;
   std::vector<float> heights;
   std::vector<bool> use_point;
+  points.reserve(frame.cloud.size());
+  heights.reserve(frame.cloud.size());
+  use_point.reserve(frame.cloud.size());
   for (const Eigen::Vector3f& p : frame.cloud.points)
   {
     points.push_back(T * p);
@@ -325,7 +340,7 @@ void HindsightLabels::Impl::decide(WindowScan& scan)
 
 void HindsightLabels::Impl::decideNext(const Use& use)
 {
-  if (scans[next].wanted)
+  if (scans[next].frame)
   {
     decide(scans[next]);
   }
@@ -338,11 +353,11 @@ HindsightLabels::HindsightLabels(const HindsightOptions& options, int threads)
 }
 HindsightLabels::~HindsightLabels() = default;
 
-void HindsightLabels::add(Frame frame, bool wanted, const Use& use)
+void HindsightLabels::add(const Frame& frame, bool wanted, const Use& use)
 {
   Impl& m = *impl_;
   m.noteTracks(frame);
-  m.scans.emplace_back(std::move(frame), wanted);
+  m.scans.emplace_back(frame, wanted);
   if (m.scans.size() - m.next > static_cast<std::size_t>(m.options.window))
   {
     m.decideNext(use);

@@ -5,6 +5,7 @@
 #include <dyslam/core/FastAngle.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -18,33 +19,64 @@ constexpr float horizon = 0.5F * row_height;  // row 0 begins there
 constexpr int widest_window = 4;              // pixels to each side
 constexpr float nearest = 0.5F;               // [m]
 
-/** Rows above the horizon. */
-int rowOf(const Eigen::Vector3f& ray)
-{
-  const float elevation =
-      2 * pi * turnsOf(ray.z(), std::sqrt(ray.x() * ray.x() + ray.y() * ray.y()));
-  return static_cast<int>(std::floor((elevation - horizon) / row_height));
-}
+constexpr std::size_t block = 128;  // rays looked at together
 }  // namespace
 
-int VisibilityImage::columnOf(const Eigen::Vector3f& ray)
+/** Rays of several points: arrays, for vector instructions. */
+struct VisibilityImage::Rays
 {
-  return static_cast<int>((turnsOf(ray.y(), ray.x()) + 0.5F) * cols) % cols;
-}
+  std::size_t count = 0;
+  std::array<float, block> x, y, z;  //!< of the points [m]
+  std::array<float, block> range;    //!< [m]
+  std::array<int, block> row;        //!< above the horizon
+  std::array<int, block> col;
+
+  void set(std::size_t i, const Eigen::Vector3f& ray)
+  {
+    x[i] = ray.x();
+    y[i] = ray.y();
+    z[i] = ray.z();
+  }
+  void findColumns()
+  {
+    for (std::size_t i = 0; i < count; ++i)
+    {
+      const int c = static_cast<int>((turnsOf(y[i], x[i]) + 0.5F) * cols);
+      col[i] = c >= 0 && c < cols ? c : 0;  // straight behind, or not finite
+    }
+  }
+  void findRows()
+  {
+    for (std::size_t i = 0; i < count; ++i)
+    {
+      const float elevation = 2 * pi * turnsOf(z[i], std::sqrt(x[i] * x[i] + y[i] * y[i]));
+      row[i] = static_cast<int>(std::floor((elevation - horizon) / row_height));
+      range[i] = Eigen::Vector3f(x[i], y[i], z[i]).norm();
+    }
+  }
+};
 
 void VisibilityImage::setRows(const std::vector<Eigen::Vector3f>& points)
 {
   int highest = 0;
   bool any = false;
-  for (const Eigen::Vector3f& p : points)
+  Rays rays;
+  for (std::size_t begin = 0; begin < points.size(); begin += block)
   {
-    const Eigen::Vector3f ray = p - sensor_;
-    if (ray.allFinite() && ray.norm() >= nearest)
+    rays.count = std::min(block, points.size() - begin);
+    for (std::size_t i = 0; i < rays.count; ++i)
     {
-      const int row = rowOf(ray);
-      lowest_ = any ? std::min(lowest_, row) : row;
-      highest = any ? std::max(highest, row) : row;
-      any = true;
+      rays.set(i, points[begin + i] - sensor_);
+    }
+    rays.findRows();
+    for (std::size_t i = 0; i < rays.count; ++i)
+    {
+      if (std::isfinite(rays.range[i]) && rays.range[i] >= nearest)
+      {
+        lowest_ = any ? std::min(lowest_, rays.row[i]) : rays.row[i];
+        highest = any ? std::max(highest, rays.row[i]) : rays.row[i];
+        any = true;
+      }
     }
   }
   lowest_ -= widest_window;
@@ -60,26 +92,40 @@ VisibilityImage::VisibilityImage(const Cloud& cloud, const Eigen::Vector3f& sens
   const SweepMotion sweep(cloud.T_sweep, 0);
   std::vector<Eigen::Vector3f> sum(timed ? cols : 0, Eigen::Vector3f::Zero());
   std::vector<int> count(timed ? cols : 0, 0);
-  for (std::size_t i = 0; i < cloud.size(); ++i)
+  std::vector<Eigen::Vector3f> origin(block, sensor);
+  Rays rays;
+  for (std::size_t begin = 0; begin < cloud.size(); begin += block)
   {
-    const Eigen::Vector3f origin = timed ? sweep.toReference(sensor, cloud.phase[i]) : sensor;
-    const Eigen::Vector3f ray = cloud.points[i] - origin;
-    const float range = ray.norm();
-    if (!std::isfinite(range) || range < nearest)
+    rays.count = std::min(block, cloud.size() - begin);
+    for (std::size_t i = 0; i < rays.count; ++i)
     {
-      continue;
+      if (timed)
+      {
+        origin[i] = sweep.toReference(sensor, cloud.phase[begin + i]);
+      }
+      rays.set(i, cloud.points[begin + i] - origin[i]);
     }
-    const int col = columnOf(ray);
-    if (timed)
+    rays.findColumns();
+    rays.findRows();
+    for (std::size_t i = 0; i < rays.count; ++i)
     {
-      sum[static_cast<std::size_t>(col)] += origin;
-      ++count[static_cast<std::size_t>(col)];
-    }
-    const int row = rowOf(ray) - lowest_;
-    if (row >= 0 && row < rows_)
-    {
-      float& cell = range_[static_cast<std::size_t>(row * cols + col)];
-      cell = std::min(cell, range);
+      const float range = rays.range[i];
+      if (!std::isfinite(range) || range < nearest)
+      {
+        continue;
+      }
+      const int col = rays.col[i];
+      if (timed)
+      {
+        sum[static_cast<std::size_t>(col)] += origin[i];
+        ++count[static_cast<std::size_t>(col)];
+      }
+      const int row = rays.row[i] - lowest_;
+      if (row >= 0 && row < rows_)
+      {
+        float& cell = range_[static_cast<std::size_t>(row * cols + col)];
+        cell = std::min(cell, range);
+      }
     }
   }
   setColumnOrigins(sum, count);
@@ -98,39 +144,57 @@ void VisibilityImage::setColumnOrigins(const std::vector<Eigen::Vector3f>& sum,
   }
 }
 
-Evidence VisibilityImage::at(const Eigen::Vector3f& p, float size, float margin) const
+/** From points to the rays that look at them: their columns, rows and ranges. */
+void VisibilityImage::aim(Rays& rays) const
 {
-  constexpr float pixel = 2 * pi / cols;
-  Eigen::Vector3f ray = p - sensor_;
-  if (!ray.allFinite())
+  std::array<float, block> px;
+  std::array<float, block> py;
+  std::array<float, block> pz;
+  std::copy_n(rays.x.begin(), rays.count, px.begin());
+  std::copy_n(rays.y.begin(), rays.count, py.begin());
+  std::copy_n(rays.z.begin(), rays.count, pz.begin());
+  for (std::size_t i = 0; i < rays.count; ++i)
   {
-    return Evidence::none;
+    rays.x[i] = px[i] - sensor_.x();
+    rays.y[i] = py[i] - sensor_.y();
+    rays.z[i] = pz[i] - sensor_.z();
   }
   if (!column_sensor_.empty())
   {
-    ray = p - column_sensor_[static_cast<std::size_t>(columnOf(ray))];
+    rays.findColumns();
+    for (std::size_t i = 0; i < rays.count; ++i)
+    {
+      const Eigen::Vector3f& origin = column_sensor_[static_cast<std::size_t>(rays.col[i])];
+      rays.x[i] = px[i] - origin.x();
+      rays.y[i] = py[i] - origin.y();
+      rays.z[i] = pz[i] - origin.z();
+    }
   }
-  const float range = ray.norm();
-  if (range < nearest)
+  rays.findColumns();
+  rays.findRows();
+}
+
+Evidence VisibilityImage::look(int row, int col, float range, float size, float margin) const
+{
+  constexpr float pixel = 2 * pi / cols;
+  if (!std::isfinite(range) || range < nearest)
   {
     return Evidence::none;
   }
-  const int row = rowOf(ray) - lowest_;
   const int half =
       std::clamp(static_cast<int>(std::ceil(0.5F * size / range / pixel)), 1, widest_window);
   if (row < half || row >= rows_ - half)
   {
     return Evidence::none;
   }
-  const int col = columnOf(ray);
   int passed = 0;
   bool stopped = false;
   for (int r = row - half; r <= row + half; ++r)
   {
+    const float* line = &range_[static_cast<std::size_t>(r * cols)];
     for (int c = col - half; c <= col + half; ++c)
     {
-      const int wrapped = c < 0 ? c + cols : (c >= cols ? c - cols : c);
-      const float seen = range_[static_cast<std::size_t>(r * cols + wrapped)];
+      const float seen = line[c < 0 ? c + cols : (c >= cols ? c - cols : c)];
       if (std::abs(seen - range) <= margin)
       {
         return Evidence::occupied;
@@ -140,5 +204,37 @@ Evidence VisibilityImage::at(const Eigen::Vector3f& p, float size, float margin)
     }
   }
   return !stopped && passed > half ? Evidence::free : Evidence::none;
+}
+
+void VisibilityImage::at(const Eigen::Vector3f* places,
+                         std::size_t count,
+                         const Eigen::Isometry3f& T,
+                         float size,
+                         float margin,
+                         Evidence* evidence) const
+{
+  Rays rays;
+  for (std::size_t begin = 0; begin < count; begin += block)
+  {
+    rays.count = std::min(block, count - begin);
+    for (std::size_t i = 0; i < rays.count; ++i)
+    {
+      rays.set(i, T * places[begin + i]);
+    }
+    aim(rays);
+    for (std::size_t i = 0; i < rays.count; ++i)
+    {
+      evidence[begin + i] = look(rays.row[i] - lowest_, rays.col[i], rays.range[i], size, margin);
+    }
+  }
+}
+
+Evidence VisibilityImage::at(const Eigen::Vector3f& p, float size, float margin) const
+{
+  Rays rays;
+  rays.count = 1;
+  rays.set(0, p);
+  aim(rays);
+  return look(rays.row[0] - lowest_, rays.col[0], rays.range[0], size, margin);
 }
 }  // namespace dyslam

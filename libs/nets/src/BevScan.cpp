@@ -79,6 +79,7 @@ BevGround::BevGround(const std::vector<Eigen::Vector3f>& points, float half_exte
       height_(at(width_ * width_), 0.0F)
 {
   std::vector<std::uint16_t> histogram(at(width_ * width_ * bins), 0);
+  std::vector<std::uint8_t> seen(height_.size(), 0);
   for (const auto& p : points)
   {
     if (!isReturn(p) || p.head<2>().norm() < min_ground_range || std::abs(p.x()) >= half_extent_ ||
@@ -91,11 +92,13 @@ BevGround::BevGround(const std::vector<Eigen::Vector3f>& points, float half_exte
     const int bin = std::min(static_cast<int>((p.z() - min_z) / bin_height), bins - 1);
     auto& count = histogram[at((iy * width_ + ix) * bins + bin)];
     count = static_cast<std::uint16_t>(std::min(count + 1, 60000));
+    seen[at(iy * width_ + ix)] = 1;
   }
   std::vector<std::uint8_t> known(height_.size(), 0);
   for (std::size_t i = 0; i < height_.size(); ++i)
   {
-    const float low = lowestSupportedHeight(&histogram[i * at(bins)]);
+    const float low =
+        seen[i] != 0 ? lowestSupportedHeight(&histogram[i * at(bins)]) : unknown_height;
     known[i] = low < unknown_height ? 1 : 0;
     height_[i] = known[i] != 0 ? low : 0;
   }
@@ -111,22 +114,20 @@ void BevGround::makeConsistent(const std::vector<std::uint8_t>& known)
   // From the sensor outwards, so that each cell has processed neighbours on its inner side.
   const float middle = 0.5F * static_cast<float>(width_ - 1);
   std::vector<int> order(height_.size());
+  std::vector<float> ring(height_.size());  // distance of a cell from the middle [cells]
   for (std::size_t i = 0; i < order.size(); ++i)
   {
     order[i] = static_cast<int>(i);
+    ring[i] = std::hypot(static_cast<float>(order[i] % width_) - middle,
+                         static_cast<float>(order[i] / width_) - middle);
   }
-  const auto ring = [&](int i)
-  {
-    return std::hypot(static_cast<float>(i % width_) - middle,
-                      static_cast<float>(i / width_) - middle);
-  };
-  std::sort(order.begin(), order.end(), [&](int a, int b) { return ring(a) < ring(b); });
+  std::sort(order.begin(), order.end(), [&](int a, int b) { return ring[at(a)] < ring[at(b)]; });
 
   // The seed is a median: an error of a single first cell would propagate to all others.
   std::vector<float> seed_heights;
   for (const int i : order)
   {
-    if (known[at(i)] != 0 && (seed_heights.size() < 3 || ring(i) * ground_cell < seed_radius))
+    if (known[at(i)] != 0 && (seed_heights.size() < 3 || ring[at(i)] * ground_cell < seed_radius))
     {
       seed_heights.push_back(height_[at(i)]);
     }
@@ -333,6 +334,7 @@ void fillFeatures(BevScan& scan)
     }
     const float count = static_cast<float>(end - begin);
     const float mean = sum / count;
+    const float density = 0.5F * std::log(count);
     const float x = scan.corner.x() + static_cast<float>(cell % scan.cells) * scan.cell_size + half;
     const float y = scan.corner.y() + static_cast<float>(cell / scan.cells) * scan.cell_size + half;
     for (std::size_t i = begin; i < end; ++i)
@@ -342,7 +344,7 @@ void fillFeatures(BevScan& scan)
       f[1] = (scan.points[i].y() - y) / half;
       f[2] = scan.height[i] - 1;
       f[3] = scan.height[i] - mean;
-      f[4] = 0.5F * std::log(count);
+      f[4] = density;
       f[5] = std::hypot(scan.points[i].x(), scan.points[i].y()) / 50;
       f[6] = high - 1;
       f[7] = low - 1;

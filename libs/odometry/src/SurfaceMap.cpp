@@ -147,6 +147,19 @@ Surface SurfaceMap::surfaceAt(const Eigen::Vector3f& p, const VoxelCell& base) c
   const auto wy = splineWeights(f.y());
   const auto wz = splineWeights(f.z());
 
+  // All cells are looked up before any is used, so that the memory's answers overlap.
+  constexpr int cells = 27;
+  std::array<const Moments*, cells> around;
+  for (int i = 0; i < cells; ++i)
+  {
+    const std::uint64_t key =
+        voxelKey({local.x + base.x + i / 9 - 1, local.y + base.y + i / 3 % 3 - 1,
+                  local.z + base.z + i % 3 - 1});
+    const Shard& shard = shards_[shardOf(key)];
+    const std::uint32_t slot = shard.hash.find(key);
+    around[static_cast<std::size_t>(i)] =
+        slot == VoxelHash::none ? nullptr : &shard.cells[slot].moments;
+  }
   float count = 0;
   Moments total;
   for (int dx = 0; dx < 3; ++dx)
@@ -155,15 +168,12 @@ Surface SurfaceMap::surfaceAt(const Eigen::Vector3f& p, const VoxelCell& base) c
     {
       for (int dz = 0; dz < 3; ++dz)
       {
-        const std::uint64_t key = voxelKey(
-            {local.x + base.x + dx - 1, local.y + base.y + dy - 1, local.z + base.z + dz - 1});
-        const Shard& shard = shards_[shardOf(key)];
-        const std::uint32_t slot = shard.hash.find(key);
-        if (slot == VoxelHash::none)
+        const Moments* const found = around[static_cast<std::size_t>(9 * dx + 3 * dy + dz)];
+        if (found == nullptr)
         {
           continue;
         }
-        const Moments& moments = shard.cells[slot].moments;
+        const Moments& moments = *found;
         const float w = wx[static_cast<std::size_t>(dx)] * wy[static_cast<std::size_t>(dy)] *
                         wz[static_cast<std::size_t>(dz)];
         const Eigen::Vector3f step(static_cast<float>(dx - 1), static_cast<float>(dy - 1),

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <chrono>
 #include <condition_variable>
 #include <cstddef>
 #include <deque>
@@ -11,6 +12,13 @@
 
 namespace dyslam
 {
+/** How long the two sides of a queue have waited for each other [s]. */
+struct QueueWaits
+{
+  double for_room = 0;   //!< the pushing side, as the queue was full
+  double for_items = 0;  //!< the taking side, as it was empty
+};
+
 /** Hands items from one thread to another, in order, at most `capacity` of them waiting.
  *
  * Either side may end it, with or without an error: close() ends it for the pushing side (what
@@ -27,7 +35,7 @@ class BoundedQueue
   bool push(T item)
   {
     std::unique_lock<std::mutex> lock(mutex_);
-    changed_.wait(lock, [&] { return ended_ || items_.size() < capacity_; });
+    wait(lock, waits_.for_room, [&] { return ended_ || items_.size() < capacity_; });
     if (ended_)
     {
       throwError();
@@ -42,7 +50,7 @@ class BoundedQueue
   [[nodiscard]] std::optional<T> pop()
   {
     std::unique_lock<std::mutex> lock(mutex_);
-    changed_.wait(lock, [&] { return ended_ || !items_.empty(); });
+    wait(lock, waits_.for_items, [&] { return ended_ || !items_.empty(); });
     if (items_.empty())
     {
       throwError();
@@ -61,7 +69,24 @@ class BoundedQueue
   /** No more items will be taken, because of this error if there is one. */
   void stop(std::exception_ptr error = {}) { end(std::move(error), true); }
 
+  [[nodiscard]] QueueWaits waits()
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    return waits_;
+  }
+
  private:
+  template <typename Ready>
+  void wait(std::unique_lock<std::mutex>& lock, double& waited, const Ready& ready)
+  {
+    if (!ready())
+    {
+      const auto begin = std::chrono::steady_clock::now();
+      changed_.wait(lock, ready);
+      waited += std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+    }
+  }
+
   void end(std::exception_ptr error, bool drop)
   {
     const std::lock_guard<std::mutex> lock(mutex_);
@@ -91,5 +116,6 @@ class BoundedQueue
   std::deque<T> items_;
   std::exception_ptr error_;
   bool ended_ = false;
+  QueueWaits waits_;
 };
 }  // namespace dyslam

@@ -76,15 +76,20 @@ Pipeline::~Pipeline() = default;
 void Pipeline::process(Frame& frame)
 {
   runFrontEnd(frame);
-  addOdometry(frame);
-  addLoops(frame);
-  optimise(frame);
-  addToMap(frame);
+  runBackEnd(frame);
 }
 
 void Pipeline::runFrontEnd(Frame& frame)
 {
   stages_->front_end.process(frame);
+}
+
+void Pipeline::runBackEnd(Frame& frame)
+{
+  addOdometry(frame);
+  addLoops(frame);
+  optimise(frame);
+  addToMap(frame);
 }
 
 bool Pipeline::addOdometry(Frame& frame)

@@ -11,20 +11,23 @@
 
 namespace dyslam
 {
-/** Reads frames in a thread of its own, a few ahead of whoever takes them; their order stays. */
+/** Gets frames in a thread of its own, a few ahead of whoever takes them; their order stays. What
+ * gets them may take them from another such thread, so that stages overlap. */
 class ReadAhead
 {
  public:
-  /** \param next gives the next frame or nothing at the end; called from the reading thread only.
+  /** \param next gives the next frame or nothing at the end; called from that thread only.
    *  \param depth frames that wait at most. */
   explicit ReadAhead(std::function<std::optional<Frame>()> next, std::size_t depth = 2);
   ~ReadAhead();
   ReadAhead(const ReadAhead&) = delete;
   ReadAhead& operator=(const ReadAhead&) = delete;
 
-  /** The next frame; nothing at the end. Throws what the reader threw, after all frames before it.
+  /** The next frame; nothing at the end. Throws what `next` threw, after all frames before it.
    */
   [[nodiscard]] std::optional<Frame> next() { return frames_.pop(); }
+
+  [[nodiscard]] QueueWaits waits() { return frames_.waits(); }
 
  private:
   BoundedQueue<Frame> frames_;

@@ -8,6 +8,7 @@
 #include <dyslam/mapping/StaticMap.h>
 #include <dyslam/pipeline/SlamRun.h>
 
+#include <chrono>
 #include <functional>
 #include <map>
 #include <memory>
@@ -28,8 +29,15 @@ struct RunResults
   std::vector<SmoothedObject> objects;  //!< of the graph, by scan, then id; empty without objects
   Trajectory reference;  //!< ground truth in the map frame, where the recording has it
   std::map<std::string, double> stage_ms;  //!< mean per frame [ms]
-  SlamRunReport report;                    //!< its `files`: those written so far
-  std::vector<std::string> failures;       //!< why outputs could not be written
+  std::map<std::string, double> wait_ms;   //!< of each thread for the others, mean per frame [ms]
+  std::chrono::steady_clock::time_point begin = std::chrono::steady_clock::now();  //!< of the run
+  SlamRunReport report;               //!< its `files`: those written so far
+  std::vector<std::string> failures;  //!< why outputs could not be written
+
+  [[nodiscard]] double runTime() const  //!< so far [s]
+  {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  }
 };
 
 /** A file that an output leaves in the run's folder, or a folder of numbered files. */

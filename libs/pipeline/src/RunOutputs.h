@@ -31,6 +31,8 @@ class RunOutputs
   [[nodiscard]] bool wantDecided() const;
   /** The same frame again, later, for the outputs that want it decided for good. */
   void addDecided(Frame frame);
+  /** How long the writing thread and those that hand over to it have waited for each other. */
+  [[nodiscard]] QueueWaits waits() const { return writer_->waits(); }
   /** Writes what is only known at the end; fills the report's files and the failures. */
   void finish(RunResults& results);
 

@@ -27,6 +27,8 @@ std::string Reasons::mostFrequent() const
 
 void RunStatistics::add(const Frame& frame)
 {
+  first_time = frames == 0 ? frame.time() : first_time;
+  last_time = frame.time();
   ++frames;
   if (!frame.motion.converged)
   {
@@ -47,6 +49,12 @@ void RunStatistics::add(const Frame& frame)
   {
     reference.push_back(frame.scan.stamp, *frame.T_world_vehicle_truth);
   }
+}
+
+double RunStatistics::recordingTime() const
+{
+  const auto n = static_cast<double>(frames);
+  return frames > 1 ? (last_time - first_time) * n / (n - 1) : 0;
 }
 
 Trajectory RunStatistics::referenceInMap(const Trajectory& trajectory) const

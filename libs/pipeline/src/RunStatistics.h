@@ -32,6 +32,10 @@ struct RunStatistics
 {
   void add(const Frame& frame);
 
+  /** From the first scan's start to the last one's end, if all last as long as they are apart [s].
+   */
+  [[nodiscard]] double recordingTime() const;
+
   /** Ground truth in the map frame, which begins at the trajectory's first pose. */
   [[nodiscard]] Trajectory referenceInMap(const Trajectory& trajectory) const;
 
@@ -43,6 +47,8 @@ struct RunStatistics
   [[nodiscard]] std::string failure() const;
 
   std::size_t frames = 0;
+  double first_time = 0;  //!< Frame::time() of the first frame [s]
+  double last_time = 0;
   Reasons registration_failures;  //!< of frames whose motion was predicted, not measured
   Reasons odometry_failures;
   std::set<int> moving_objects;  //!< ids of those reported

@@ -11,6 +11,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <chrono>
 #include <filesystem>
 #include <fstream>
 #include <map>
@@ -113,9 +114,11 @@ struct SlamRun::Impl
     }
   }
 
+  [[nodiscard]] std::map<std::string, double> waitMilliseconds() const;
   [[nodiscard]] RunResults results(const std::vector<std::string>& source_warnings) const;
   void fillReport(SlamRunReport& report, const RunResults& results) const;
 
+  std::chrono::steady_clock::time_point begin = std::chrono::steady_clock::now();
   SlamRunSettings settings;
   CTimeLogger times;
   ConfigLoader config;
@@ -125,11 +128,26 @@ struct SlamRun::Impl
   Pipeline pipeline;
   RunOutputs outputs;
   RunStatistics statistics;
+  std::map<std::string, double> waits;  //!< of the caller's threads [s]
 };
+
+std::map<std::string, double> SlamRun::Impl::waitMilliseconds() const
+{
+  std::map<std::string, double> seconds = waits;
+  const QueueWaits writing = outputs.waits();
+  seconds["back_end"] += writing.for_room;
+  seconds["writing"] += writing.for_items;
+  for (auto& [thread, wait] : seconds)
+  {
+    wait *= statistics.frames > 0 ? 1e3 / static_cast<double>(statistics.frames) : 0;
+  }
+  return seconds;
+}
 
 RunResults SlamRun::Impl::results(const std::vector<std::string>& source_warnings) const
 {
   RunResults results;
+  results.begin = begin;
   results.backend = &pipeline.backend();
   results.map = pipeline.map();
   results.map_points = results.map == nullptr ? MapPoints() : results.map->points();
@@ -137,6 +155,7 @@ RunResults SlamRun::Impl::results(const std::vector<std::string>& source_warning
   results.objects = pipeline.backend().smoothedObjects();
   results.reference = statistics.referenceInMap(results.trajectory);
   results.stage_ms = stageMilliseconds(times, statistics.frames);
+  results.wait_ms = waitMilliseconds();
   fillReport(results.report, results);
   append(results.report.warnings, settings.warnings);
   append(results.report.warnings, source_warnings);
@@ -166,6 +185,7 @@ void SlamRun::Impl::fillReport(SlamRunReport& report, const RunResults& results)
     report.ms_per_scan += ms;
   }
   report.has_reference = !results.reference.empty();
+  report.recording_time = statistics.recordingTime();
 }
 
 SlamRun::SlamRun(const SlamRunSettings& settings) : impl_(std::make_unique<Impl>(settings)) {}
@@ -198,6 +218,11 @@ std::size_t SlamRun::frames() const
   return impl_->statistics.frames;
 }
 
+void SlamRun::noteWait(const std::string& thread, double seconds)
+{
+  impl_->waits[thread] += seconds;
+}
+
 double SlamRun::progress(double read) const
 {
   const int limit = impl_->input.only_first_n;
@@ -209,6 +234,7 @@ SlamRunReport SlamRun::finish(const std::vector<std::string>& source_warnings,
 {
   RunResults results = impl_->results(source_warnings);
   impl_->outputs.finish(results);
+  results.report.run_time = results.runTime();
   if (!impl_->settings.profile_csv.empty())
   {
     impl_->times.saveToCSVFile(impl_->settings.profile_csv);
@@ -221,7 +247,33 @@ namespace
 {
 using OnFrame = std::function<void(double, std::size_t)>;
 
-/** Every frame through the pipeline and on to the outputs. */
+/** Tells the run in the end, however it comes, how long its threads have waited. */
+class NotedWaits
+{
+ public:
+  NotedWaits(SlamRun& run, ReadAhead& reader, ReadAhead& front_end)
+      : run_(run), reader_(reader), front_end_(front_end)
+  {
+  }
+  ~NotedWaits()
+  {
+    const QueueWaits scans = reader_.waits();
+    const QueueWaits frames = front_end_.waits();
+    run_.noteWait("reading", scans.for_room);
+    run_.noteWait("front_end", scans.for_items + frames.for_room);
+    run_.noteWait("back_end", frames.for_items);
+  }
+  NotedWaits(const NotedWaits&) = delete;
+  NotedWaits& operator=(const NotedWaits&) = delete;
+
+ private:
+  SlamRun& run_;
+  ReadAhead& reader_;
+  ReadAhead& front_end_;
+};
+
+/** Every frame through the pipeline and on to the outputs: reading, front end, back end and writing
+ * each in a thread of its own, all frames in order in each. */
 void replay(const SlamRunSettings& settings,
             RawlogSource& source,
             SlamRun& run,
@@ -235,9 +287,20 @@ void replay(const SlamRunSettings& settings,
         read = source.progress();
         return frame;
       });
-  while (auto frame = reader.next())
+  ReadAhead front_end(
+      [&]
+      {
+        auto frame = reader.next();
+        if (frame)
+        {
+          run.pipeline().runFrontEnd(*frame);
+        }
+        return frame;
+      });
+  const NotedWaits waits(run, reader, front_end);
+  while (auto frame = front_end.next())
   {
-    run.pipeline().process(*frame);
+    run.pipeline().runBackEnd(*frame);
     run.add(std::move(*frame));
     if (on_frame)
     {

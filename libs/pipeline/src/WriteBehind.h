@@ -26,6 +26,8 @@ class WriteBehind
   /** Waits for every job. Throws what a job threw, unless add() did. */
   void finish();
 
+  [[nodiscard]] QueueWaits waits() { return jobs_.waits(); }
+
  private:
   BoundedQueue<std::function<void()>> jobs_;
   std::thread thread_;

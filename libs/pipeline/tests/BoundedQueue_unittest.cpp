@@ -42,6 +42,17 @@ bool waits(Action action, Release release)
   return waited;
 }
 
+TEST(BoundedQueue, SaysWhichSideWaited)
+{
+  BoundedQueue<int> queue(1);
+  EXPECT_TRUE(waits([&] { (void)queue.pop(); }, [&] { queue.push(1); }));
+  EXPECT_GT(queue.waits().for_items, 0.03);
+  EXPECT_EQ(queue.waits().for_room, 0);
+  queue.push(1);
+  EXPECT_TRUE(waits([&] { queue.push(2); }, [&] { (void)queue.pop(); }));
+  EXPECT_GT(queue.waits().for_room, 0.03);
+}
+
 TEST(BoundedQueue, KeepsTheOrderOfManyItems)
 {
   BoundedQueue<int> queue(3);

@@ -55,6 +55,48 @@ TEST(ReadAhead, DeliversFramesBeforeTheError)
   EXPECT_FALSE(reader.next());
 }
 
+TEST(ReadAhead, StagesInARowKeepOrderAndErrors)
+{
+  std::size_t given = 0;
+  ReadAhead first(
+      [&]() -> std::optional<Frame>
+      {
+        if (given == 40)
+        {
+          throw std::runtime_error("cut");
+        }
+        Frame frame;
+        frame.index = given++;
+        return frame;
+      });
+  ReadAhead second(
+      [&]
+      {
+        auto frame = first.next();
+        if (frame)
+        {
+          frame->dt = 2.0 * static_cast<double>(frame->index);
+        }
+        return frame;
+      });
+  for (std::size_t i = 0; i < 40; ++i)
+  {
+    const auto frame = second.next();
+    ASSERT_TRUE(frame);
+    EXPECT_EQ(frame->index, i);
+    EXPECT_EQ(frame->dt, 2.0 * static_cast<double>(i));
+  }
+  EXPECT_THROW((void)second.next(), std::runtime_error);
+  EXPECT_FALSE(second.next());
+}
+
+TEST(ReadAhead, StagesInARowMayBeDroppedHalfway)
+{
+  ReadAhead first([] { return std::optional<Frame>(Frame()); });
+  ReadAhead second([&] { return first.next(); });
+  EXPECT_TRUE(second.next());
+}
+
 TEST(ReadAhead, MayBeDroppedHalfway)
 {
   ReadAhead reader([] { return std::optional<Frame>(Frame()); });

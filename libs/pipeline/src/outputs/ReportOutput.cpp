@@ -45,7 +45,8 @@ class ReportOutput : public RunOutput
  private:
   [[nodiscard]] Json jsonOf(const RunResults& results) const
   {
-    const SlamRunReport& report = results.report;
+    SlamRunReport report = results.report;
+    report.run_time = results.runTime();
     Json json;
     json["input"] = input_;
     json["sensor"] = sensor_;
@@ -64,6 +65,14 @@ class ReportOutput : public RunOutput
     {
       json["stage_ms"][stage] = rounded(ms);
     }
+    json["wait_ms"] = Json::object();
+    for (const auto& [thread, ms] : results.wait_ms)
+    {
+      json["wait_ms"][thread] = rounded(ms);
+    }
+    json["recording_time_s"] = rounded(report.recording_time);
+    json["run_time_s"] = rounded(report.run_time);
+    json["realtime_factor"] = rounded(report.realtimeFactor());
     json["failure"] = report.failure;
     json["warnings"] = report.warnings;
     json["not_written"] = results.failures;

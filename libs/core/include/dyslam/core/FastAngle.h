@@ -13,10 +13,6 @@ namespace dyslam
   const float ax = std::fabs(x);
   const float ay = std::fabs(y);
   const float high = std::max(ax, ay);
-  if (!(high > 0))
-  {
-    return 0;
-  }
   const float r = std::min(ax, ay) / high;
   const float r2 = r * r;
   constexpr float inverse_two_pi = 0.15915494309189535F;
@@ -25,6 +21,7 @@ namespace dyslam
       (0.9998660F + r2 * (-0.3302995F + r2 * (0.1801410F + r2 * (-0.0851330F + r2 * 0.0208351F))));
   turns = ay > ax ? 0.25F - turns : turns;
   turns = x < 0 ? 0.5F - turns : turns;
-  return y < 0 ? -turns : turns;
+  turns = y < 0 ? -turns : turns;
+  return high > 0 ? turns : 0;  // at the end: loops over points become vector instructions
 }
 }  // namespace dyslam

@@ -4,17 +4,25 @@
 #include <dyslam/core/PendingFile.h>
 
 #include <cstddef>
+#include <cstdio>
+#include <memory>
 #include <string>
+#include <vector>
 
-struct gzFile_s;  // zlib's
+struct libdeflate_compressor;
 
 namespace dyslam
 {
 /** Writes a gzip file for MRPT's archiveFrom(), as a PendingFile: it gets its name by close() and
- * is gone without. The header holds no time: same data, same bytes. */
+ * is gone without. The headers hold no time: same data, same bytes.
+ *
+ * The file is a row of gzip members of `member_size` bytes of content each, which is one gzip file
+ * to every reader (RFC 1952, 2.2) and lets each member be packed and unpacked in one go. */
 class GzOutput
 {
  public:
+  static constexpr std::size_t member_size = std::size_t{1} << 20U;
+
   /** \param level 0 (none) to 9. \throws UserError. */
   GzOutput(const std::string& path, int level);
   ~GzOutput();
@@ -31,8 +39,14 @@ class GzOutput
   void close();
 
  private:
+  void writeMember(const char* content, std::size_t size);
+
   PendingFile pending_;
-  gzFile_s* file_ = nullptr;
+  std::FILE* file_ = nullptr;
+  std::unique_ptr<libdeflate_compressor, void (*)(libdeflate_compressor*)> compressor_;
+  std::vector<char> content_;  //!< of the member being filled
+  std::vector<char> packed_;   //!< a member as it is in the file
+  bool empty_ = true;          //!< no member was written
   std::string failure_;
 };
 }  // namespace dyslam

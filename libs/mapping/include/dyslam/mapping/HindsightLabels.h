@@ -47,8 +47,8 @@ class HindsightLabels
   /** Takes the next frame, in order of time: cloud, moving, moving_probability, poses, detections
    * and objects are read. Calls `use` with each frame that is decided now: `moving` is the new
    * decision (one value per cloud point), and an object that was reported later is `reported`.
-   * \param wanted false: the frame is evidence for others, and keeps its causal decision. */
-  void add(Frame frame, bool wanted, const Use& use);
+   * \param wanted false: the frame is evidence for others only, and `use` never gets it. */
+  void add(const Frame& frame, bool wanted, const Use& use);
   /** Decides the frames that are left. */
   void finish(const Use& use);
 

@@ -43,14 +43,21 @@ class Pipeline
   Pipeline(ConfigLoader& config, mrpt::system::CTimeLogger& times);
   ~Pipeline();
 
-  /** Fills every part of the frame that the source left open. Frames come in order of time. */
+  /** Fills every part of the frame that the source left open: runFrontEnd(), then runBackEnd().
+   * Frames come in order of time. */
   void process(Frame& frame);
 
-  // The steps of process(), for callers that do something in between, as MRPT's graph-SLAM engine
-  // does: all of them for every frame, in this order.
+  // The two halves share nothing but the frame: one thread may run the front end on a frame while
+  // another runs the back end on the frame before. Each gets every frame, in order of time.
 
   /** FrontEnd::process(). */
   void runFrontEnd(Frame& frame);
+  /** addOdometry(), addLoops(), optimise() and addToMap(). */
+  void runBackEnd(Frame& frame);
+
+  // The steps of runBackEnd(), for callers that do something in between, as MRPT's graph-SLAM
+  // engine does: all of them for every frame, in this order.
+
   /** Backend::addOdometry(). \return whether the frame is a keyframe, and so a new node. */
   bool addOdometry(Frame& frame);
   /** Backend::addLoops(). \return how many were accepted. */

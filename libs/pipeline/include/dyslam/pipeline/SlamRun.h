@@ -44,11 +44,19 @@ struct SlamRunReport
   std::size_t map_points = 0;
   double path_length = 0;      //!< [m]
   double ms_per_scan = 0;      //!< mean of all stages, without reading and writing
+  double run_time = 0;         //!< from the construction of SlamRun to its last file [s]
+  double recording_time = 0;   //!< of the scans that were processed [s]
   bool has_reference = false;  //!< the recording had ground truth; reference_tum.txt was written
   /** Why the run is of no use, as most scans could not be registered; empty if it is. */
   std::string failure;
   std::vector<std::string> warnings;
   std::vector<std::string> files;  //!< written, in the output folder
+
+  /** Recording time over run time: above 1, the run kept up with the sensor. 0 if unknown. */
+  [[nodiscard]] double realtimeFactor() const
+  {
+    return run_time > 0 ? recording_time / run_time : 0;
+  }
 };
 
 /** The pipeline and the results of a run, for programs that hand over the frames themselves. */
@@ -69,6 +77,8 @@ class SlamRun
   /** A frame that the pipeline has processed: counted, and handed to the outputs. */
   void add(Frame frame);
   [[nodiscard]] std::size_t frames() const;
+  /** Notes for the report how long a thread of the caller's has waited for others [s]. */
+  void noteWait(const std::string& thread, double seconds);
   /** Share of the work done, given the share of the file read. */
   [[nodiscard]] double progress(double read) const;
   /** After Pipeline::finish(): writes all that is known at the end only.
