@@ -88,7 +88,10 @@ std::string arrayScript(const SlurmJob& job)
 {
   const std::string count = std::to_string(job.tasks);
   return header(job, "dyslam", "%a.log") + "#SBATCH --array=1-" + count +
-         "\nscratch=$(mktemp -d \"${TMPDIR:-/tmp}/dyslam.XXXXXX\") || exit 1\n"
+         "\n# A task that was killed has left its folder.\n"
+         "scratch=${TMPDIR:-/tmp}/dyslam.${SLURM_ARRAY_JOB_ID}_$SLURM_ARRAY_TASK_ID\n"
+         "rm -rf \"$scratch\"\n"
+         "mkdir -m 700 \"$scratch\" || exit 1\n"
          "trap 'rm -rf \"$scratch\"' EXIT\n" +
          commandOf(job) + " --shard \"$SLURM_ARRAY_TASK_ID/" + count +
          "\" --jobs 1 --scratch \"$scratch\" --no-summary\n"

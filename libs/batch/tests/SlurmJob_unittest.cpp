@@ -16,7 +16,8 @@ int runTask(const TestFolder& folder, const std::string& script)
   folder.write("array.sh", script);
   const std::string command =
       "cd '" + folder.path() + "' && PATH='" + folder.path() + ":'\"$PATH\" TMPDIR='" +
-      folder.path() + "' SLURM_ARRAY_TASK_ID=2 SLURM_JOB_ID=77 bash array.sh > out.txt 2>&1";
+      folder.path() +
+      "' SLURM_ARRAY_JOB_ID=70 SLURM_ARRAY_TASK_ID=2 SLURM_JOB_ID=77 bash array.sh > out.txt 2>&1";
   const int status = std::system(command.c_str());
   return WEXITSTATUS(status);
 }
@@ -44,8 +45,10 @@ TEST(SlurmJob, TaskRunsItsPartInScratchAndCleansUp)
 {
   const TestFolder folder;
   writeProgram(folder, "it's batch",
-               "printf '%s|' \"$@\"\nwhile [[ $1 != --scratch ]]; do shift; done\n[[ -d $2 ]] && "
+               "printf '%s|' \"$@\"\nwhile [[ $1 != --scratch ]]; do shift; done\n[[ -d $2 && ! -e "
+               "$2/left ]] && "
                "echo \"scratch $2\"\n");
+  folder.write("dyslam.70_2/left", "by one that was killed");
   const std::string script = arrayScript(jobIn(folder));
   EXPECT_EQ(runTask(folder, script), 0);
   const std::string said = folder.read("out.txt");
