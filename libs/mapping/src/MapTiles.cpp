@@ -22,6 +22,7 @@ struct StoredPoint
   float y;
   float z;
   float intensity;
+  float phase;
 };
 
 constexpr double tile_margin = 2.0;  // normals and the ground are right up to the border [m]
@@ -59,16 +60,18 @@ void ScanStore::add(const Frame& frame)
 {
   const std::size_t count = frame.cloud.size();
   const bool has_intensity = frame.cloud.intensity.size() == count;
+  const bool has_phase = frame.cloud.phase.size() == count;
   std::vector<StoredPoint> points(count);
   for (std::size_t i = 0; i < count; ++i)
   {
     const Eigen::Vector3f& p = frame.cloud.points[i];
-    points[i] = {p.x(), p.y(), p.z(), has_intensity ? frame.cloud.intensity[i] : 0.0F};
+    points[i] = {p.x(), p.y(), p.z(), has_intensity ? frame.cloud.intensity[i] : 0.0F,
+                 has_phase ? frame.cloud.phase[i] : 0.0F};
   }
   const std::vector<bool> moving = movingInMap(frame, options_);
   const std::string flags(moving.begin(), moving.end());
   entries_.push_back({frame.index, frame.scan.stamp, frame.T_map_vehicle(),
-                      frame.scan.T_vehicle_lidar, bytes_, count});
+                      frame.scan.T_vehicle_lidar, frame.cloud.T_sweep, has_phase, bytes_, count});
   const std::size_t size = count * sizeof(StoredPoint);
   file_.seekp(static_cast<std::streamoff>(bytes_));
   file_.write(reinterpret_cast<const char*>(points.data()), static_cast<std::streamsize>(size));
@@ -95,10 +98,15 @@ Frame ScanStore::read(std::size_t scan)
   frame.is_keyframe = true;
   frame.cloud.points.reserve(entry.points);
   frame.cloud.intensity.reserve(entry.points);
+  frame.cloud.T_sweep = entry.T_sweep;
   for (const StoredPoint& p : points)
   {
     frame.cloud.points.emplace_back(p.x, p.y, p.z);
     frame.cloud.intensity.push_back(p.intensity);
+    if (entry.has_phase)
+    {
+      frame.cloud.phase.push_back(p.phase);
+    }
   }
   frame.moving.assign(flags.begin(), flags.end());
   return frame;

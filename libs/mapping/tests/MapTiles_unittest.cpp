@@ -41,12 +41,14 @@ Frame streetScan(std::size_t k)
   frame.scan.T_vehicle_lidar.translation().z() = 1.7;
   frame.T_odom_vehicle = poseFromYpr(1.5 * static_cast<double>(k), 0.3, 0, 0.02, 0, 0);
   const Pose T_vehicle_map = frame.T_odom_vehicle.inverse();
+  frame.cloud.T_sweep = poseFromYpr(1.5, 0, 0, 0.01, 0, 0);
   const double at = frame.T_odom_vehicle.translation().x();
   const auto add = [&](double x, double y, double z, bool moving)
   {
     frame.cloud.points.push_back((T_vehicle_map * Eigen::Vector3d(x, y, z)).cast<float>());
     frame.cloud.intensity.push_back(static_cast<float>(std::abs(std::sin(x))));
     frame.cloud.source.push_back(0);
+    frame.cloud.phase.push_back(static_cast<float>(std::atan2(y, x - at) / 6.3));
     frame.moving.push_back(moving);
   };
   for (double x = at - 25; x < at + 25; x += 0.17)
@@ -127,6 +129,8 @@ TEST_F(MapTiles, ScansComeBackFromDiskAndTheFileGoes)
       EXPECT_EQ(back.index, frame.index);
       EXPECT_EQ(back.cloud.points, frame.cloud.points);
       EXPECT_EQ(back.cloud.intensity, frame.cloud.intensity);
+      EXPECT_EQ(back.cloud.phase, frame.cloud.phase);
+      EXPECT_TRUE(back.cloud.T_sweep.isApprox(frame.cloud.T_sweep, 0));
       EXPECT_EQ(back.moving, frame.moving);
       EXPECT_TRUE(back.T_map_vehicle().isApprox(frame.T_map_vehicle(), 0));
     }

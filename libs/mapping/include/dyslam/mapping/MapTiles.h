@@ -14,7 +14,7 @@
 
 namespace dyslam
 {
-/** Scans on disk, with their poses and what moves in them: 17 bytes a point in a temporary file.
+/** Scans on disk, with their poses and what moves in them: 21 bytes a point in a temporary file.
  * What a map is built from tile by tile, or in full resolution, without all scans in memory. */
 class ScanStore
 {
@@ -25,7 +25,7 @@ class ScanStore
   /** A scan at its final pose; moving objects' boxes count as moving points. \throws UserError. */
   void add(const Frame& frame);
   [[nodiscard]] std::size_t size() const { return entries_.size(); }
-  /** Index, stamp, pose, sensor, points, intensities and what moves. \throws UserError. */
+  /** Index, stamp, pose, sensor, points, intensities, phases and what moves. \throws UserError. */
   [[nodiscard]] Frame read(std::size_t scan);
   [[nodiscard]] const Pose& pose(std::size_t scan) const { return entries_[scan].T_map_vehicle; }
   [[nodiscard]] std::uint64_t bytes() const { return bytes_; }
@@ -37,6 +37,8 @@ class ScanStore
     double stamp = 0;
     Pose T_map_vehicle = Pose::Identity();
     Pose T_vehicle_lidar = Pose::Identity();
+    Pose T_sweep = Pose::Identity();
+    bool has_phase = false;
     std::uint64_t offset = 0;
     std::size_t points = 0;
   };
