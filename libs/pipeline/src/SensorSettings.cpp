@@ -210,6 +210,11 @@ ChosenSettings settingsFor(const RecordedSensor& sensor,
     chosen.config.merge(given);
     chosen.source = shipped ? shipped->name : "the defaults";
     chosen.source += name.empty() ? "" : " + " + name;
+    if (!shipped)
+    {
+      chosen.warnings.emplace_back(
+          "the shipped settings are not found; set DYSLAM_SHARE to the folder share/dyslam");
+    }
     return chosen;
   }
   chosen.config = given;
