@@ -72,6 +72,25 @@ ObjectHeader ObjectLayout::headerOf(const char* class_name, int newest)
   return found;
 }
 
+bool ObjectLayout::flag()
+{
+  const std::size_t place = in_.at();
+  const std::uint8_t value = in_.u8();
+  if (value > 1)
+  {
+    in_.replace(place, 1);
+  }
+  return value != 0;
+}
+
+void ObjectLayout::flags(int count)
+{
+  for (int i = 0; i < count; ++i)
+  {
+    (void)flag();
+  }
+}
+
 std::uint32_t ObjectLayout::numbers(std::size_t size)
 {
   const std::uint32_t count = in_.u32();
@@ -127,15 +146,17 @@ void ObjectLayout::pose()
 void ObjectLayout::genericMapParameters()
 {
   (void)headerOf("TMapGenericParams", 0);
-  in_.skip(3);
+  flags(3);
   end();
 }
 
 void ObjectLayout::insertionOptions()
 {
   requireVersion("TInsertionOptions", in_.u8(), 0, 0);
-  constexpr std::size_t flags = 6;
-  in_.skip(flags + 3 * sizeof(float));
+  in_.skip(sizeof(float));
+  flags(5);
+  in_.skip(2 * sizeof(float));
+  flags(1);
 }
 
 void ObjectLayout::likelihoodOptions()
@@ -196,7 +217,7 @@ void ObjectLayout::pointCloud()
   (void)in_.text();  // label
   in_.skip(time_stamp);
   pose();
-  const bool external = in_.u8() != 0;
+  const bool external = in_.u8() != 0;  // in one of several formats
   if (external)
   {
     (void)in_.text();
@@ -233,7 +254,8 @@ void ObjectLayout::rotatingScan()
   (void)in_.text();  // model
   in_.skip(2 * real);
   pose();
-  in_.skip(time_stamp + 1);
+  in_.skip(time_stamp);
+  flags(1);
   std::uint64_t pixels = 0;
   for (const std::size_t size : {sizeof(std::uint16_t), sizeof(std::uint8_t)})
   {
@@ -277,10 +299,7 @@ void ObjectLayout::velodyneScan(int version)
     fail("points whose coordinates are of different numbers");
   }
   (void)numbers(sizeof(std::uint8_t));  // intensity
-  if (version >= 1)
-  {
-    in_.skip(1);
-  }
+  flags(version >= 1 ? 1 : 0);
   if (version < 2)
   {
     return;
@@ -377,7 +396,7 @@ void ObjectLayout::droppedImage()
 
 void ObjectLayout::rangeScanImages(int version)
 {
-  const bool has_ranges = in_.u8() != 0;
+  const bool has_ranges = flag();
   in_.skip(version >= 9 ? sizeof(float) : 0);
   if (has_ranges)
   {
@@ -402,10 +421,11 @@ void ObjectLayout::rangeScanTail(int version)
   (void)in_.text();  // label
   for (int file = 0; version >= 3 && file < 2; ++file)
   {
-    in_.skip(1);
+    flags(1);
     (void)in_.text();
   }
-  in_.skip((version >= 5 ? 1 : 0) + (version >= 6 ? 1 : 0));
+  flags(version >= 5 ? 1 : 0);
+  in_.skip(version >= 6 ? 1 : 0);
   if (version >= 7 && in_.u8() != 0)
   {
     fail("a range image with labels of its pixels, which cannot be read");
@@ -422,7 +442,7 @@ void ObjectLayout::rangeScan(int version)
 {
   in_.skip(sizeof(float));
   pose();
-  if (version == 0 || in_.u8() != 0)
+  if (version == 0 || flag())
   {
     const std::uint32_t points = in_.u32();
     in_.skipAll(points, 3 * sizeof(float));

@@ -44,6 +44,9 @@ class ObjectLayout
 
  private:
   ObjectHeader headerOf(const char* class_name, int newest);
+  /** A byte that MRPT takes for a bool as it is: any but 0 and 1 becomes 1. */
+  bool flag();
+  void flags(int count);
   void pose();
   void genericMapParameters();
   void insertionOptions();

@@ -242,7 +242,7 @@ TEST(ObjectLayout, OtherClassesArePassedOver)
 TEST(ObjectLayout, NoCountTakesMemoryThatTheFileHasNot)
 {
   const TestFolder folder;
-  const long before = mostMegabytes();
+  [[maybe_unused]] const long before = mostMegabytes();
   std::size_t refused = 0;
   for (const auto& scan : scans())
   {
@@ -266,6 +266,8 @@ TEST(ObjectLayout, NoCountTakesMemoryThatTheFileHasNot)
     }
   }
   EXPECT_GT(refused, 500U);
+#ifndef __SANITIZE_ADDRESS__  // it keeps freed memory
   EXPECT_LT(mostMegabytes() - before, 100);
+#endif
 }
 }  // namespace dyslam
