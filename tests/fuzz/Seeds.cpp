@@ -12,7 +12,6 @@
 #include <mrpt/obs/CObservationRotatingScan.h>
 #include <mrpt/obs/CObservationVelodyneScan.h>
 #include <mrpt/obs/CSensoryFrame.h>
-#include <mrpt/serialization/CArchive.h>
 
 #include <cstdio>
 #include <filesystem>
@@ -20,6 +19,7 @@
 #include <map>
 
 #include "BagWriters.h"
+#include "MrptBytes.h"
 #include "SyntheticCapture.h"
 
 namespace fs = std::filesystem;
@@ -28,27 +28,7 @@ namespace dyslam
 {
 namespace
 {
-/** For archiveFrom(). */
-class Bytes
-{
- public:
-  std::size_t Write(const void* buffer, std::size_t count)
-  {
-    text.append(static_cast<const char*>(buffer), count);
-    return count;
-  }
-  static std::size_t Read(void*, std::size_t) { return 0; }
-  static std::string getStreamDescription() { return ""; }
-  std::string text;
-};
-
-std::string bytesOf(const mrpt::serialization::CSerializable& object)
-{
-  Bytes bytes;
-  auto archive = mrpt::serialization::archiveFrom(bytes);
-  archive << object;
-  return bytes.text;
-}
+using test::bytesOf;
 
 void write(const fs::path& path, const std::string& content)
 {

@@ -2,9 +2,9 @@
 // Optimisation of a factor graph, and covariances.
 #include <ceres/covariance.h>
 #include <dyslam/backend/FactorGraph.h>
+#include <dyslam/core/DisjointSets.h>
 
 #include <algorithm>
-#include <numeric>
 #include <stdexcept>
 #include <utility>
 
@@ -13,38 +13,6 @@
 
 namespace dyslam
 {
-namespace
-{
-/** Sets of joined numbers. */
-class DisjointSets
-{
- public:
-  explicit DisjointSets(std::size_t size) : parent_(size)
-  {
-    std::iota(parent_.begin(), parent_.end(), std::size_t{0});
-  }
-  std::size_t find(std::size_t i)
-  {
-    while (parent_[i] != i)
-    {
-      parent_[i] = parent_[parent_[i]];
-      i = parent_[i];
-    }
-    return i;
-  }
-  /** The smaller root stays. */
-  void join(std::size_t a, std::size_t b)
-  {
-    a = find(a);
-    b = find(b);
-    parent_[std::max(a, b)] = std::min(a, b);
-  }
-
- private:
-  std::vector<std::size_t> parent_;
-};
-}  // namespace
-
 void FactorGraph::holdLooseParts(std::vector<Key>& free, std::vector<std::string>& warnings) const
 {
   const auto indexOf = [&free](const Key& key)

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/batch/Summary.h>
 #include <dyslam/core/Files.h>
+#include <dyslam/core/Printable.h>
 
 #include <cstdio>
 #include <filesystem>
@@ -18,29 +19,6 @@ using Json = nlohmann::ordered_json;
 constexpr const char* own_style =
     "\n#runs td:first-child { white-space: nowrap; }\n#runs a { color: var(--accent); }\n"
     "#runs span { border-left-style: solid; border-left-width: 4px; padding: 1px 6px; }\n";
-
-std::string escaped(const std::string& text)
-{
-  std::string result;
-  for (const char c : text)
-  {
-    switch (c)
-    {
-      case '&':
-        result += "&amp;";
-        break;
-      case '<':
-        result += "&lt;";
-        break;
-      case '"':
-        result += "&quot;";
-        break;
-      default:
-        result += c;
-    }
-  }
-  return result;
-}
 
 /** A relative address of a file: all but letters, digits and a few others by their numbers. */
 std::string address(const std::string& path)
@@ -78,7 +56,7 @@ std::string row(const BatchResult& r, const std::string& folder, const Json& err
   const fs::path results = fs::path(folder) / r.recording.name;
   const Json report = parsed(results / "report.json");
   const Manifest& m = r.manifest;
-  const std::string name = escaped(r.recording.name);
+  const std::string name = escapedHtml(r.recording.name);
   const std::string link = address(r.recording.name);
   const bool has_page = fs::is_regular_file(results / "report.html");
   std::string html = "<tr><td>";
@@ -100,7 +78,7 @@ std::string row(const BatchResult& r, const std::string& folder, const Json& err
           ? std::to_string(warnings) + (warnings == 1 ? " warning" : " warnings")
           : m.reason;
   const bool has_log = fs::is_regular_file(results / "log.txt");
-  html += "<td class=\"words\">" + escaped(words) +
+  html += "<td class=\"words\">" + escapedHtml(words) +
           (has_log ? " <a href=\"" + link + "/log.txt\">log</a>" : "") + "</td></tr>\n";
   return html;
 }
@@ -119,7 +97,7 @@ std::string indexPage(const std::vector<BatchResult>& results,
       errors[run.value("name", "")] = run;
     }
   }
-  const std::string title = escaped(fs::path(folder).filename().string());
+  const std::string title = escapedHtml(fs::path(folder).filename().string());
   const Counts counts = countsOf(results);
   const bool good = counts.done == results.size();
   std::string html =

@@ -28,6 +28,32 @@ std::string printable(std::string text)
   return text;
 }
 
+std::string escapedHtml(const std::string& text)
+{
+  std::string result;
+  for (const char c : text)
+  {
+    switch (c)
+    {
+      case '&':
+        result += "&amp;";
+        break;
+      case '<':
+        result += "&lt;";
+        break;
+      case '>':
+        result += "&gt;";
+        break;
+      case '"':
+        result += "&quot;";
+        break;
+      default:
+        result += c;
+    }
+  }
+  return result;
+}
+
 bool isNestedDeeper(std::string_view json, std::size_t limit)
 {
   std::size_t depth = 0;

@@ -14,6 +14,11 @@ TEST(Printable, ControlCharactersOfBothRangesAreReplaced)
   EXPECT_EQ(503U, printable(std::string(1000, 'x')).size());
 }
 
+TEST(Printable, TextOfHtmlHasNoMarkup)
+{
+  EXPECT_EQ(escapedHtml("<a href=\"b\">&'c'"), "&lt;a href=&quot;b&quot;&gt;&amp;'c'");
+}
+
 TEST(Printable, DepthOfJsonCountsBracketsOutsideOfStrings)
 {
   EXPECT_FALSE(isNestedDeeper("[[]]", 2));

@@ -18,11 +18,11 @@
 #include <mrpt/obs/CObservationRotatingScan.h>
 #include <mrpt/obs/CObservationVelodyneScan.h>
 #include <mrpt/obs/CSensoryFrame.h>
-#include <mrpt/serialization/CArchive.h>
 #include <sys/resource.h>
 
 #include <cstring>
 
+#include "MrptBytes.h"
 #include "SyntheticScans.h"
 #include "TestFolder.h"
 
@@ -31,29 +31,7 @@ namespace dyslam
 namespace
 {
 using namespace mrpt::obs;
-using mrpt::serialization::CSerializable;
-
-/** Bytes of a serialized object. */
-class Bytes
-{
- public:
-  std::size_t Write(const void* buffer, std::size_t count)
-  {
-    text.append(static_cast<const char*>(buffer), count);
-    return count;
-  }
-  static std::size_t Read(void*, std::size_t) { return 0; }
-  static std::string getStreamDescription() { return ""; }
-  std::string text;
-};
-
-std::string bytesOf(const CSerializable& object)
-{
-  Bytes bytes;
-  auto archive = mrpt::serialization::archiveFrom(bytes);
-  archive << object;
-  return bytes.text;
-}
+using test::bytesOf;
 
 CObservation::Ptr named(CObservation::Ptr observation)
 {

@@ -1,45 +1,18 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Segments.h"
 
+#include <dyslam/core/DisjointSets.h>
+
 #include <algorithm>
-#include <numeric>
 
 namespace dyslam
 {
 namespace
 {
-/** Disjoint sets; the root is the smallest member. */
-class Sets
-{
- public:
-  explicit Sets(std::size_t count) : parent_(count)
-  {
-    std::iota(parent_.begin(), parent_.end(), 0U);
-  }
-  std::uint32_t root(std::uint32_t i)
-  {
-    while (parent_[i] != i)
-    {
-      parent_[i] = parent_[parent_[i]];
-      i = parent_[i];
-    }
-    return i;
-  }
-  void join(std::uint32_t a, std::uint32_t b)
-  {
-    const std::uint32_t ra = root(a);
-    const std::uint32_t rb = root(b);
-    parent_[std::max(ra, rb)] = std::min(ra, rb);
-  }
-
- private:
-  std::vector<std::uint32_t> parent_;
-};
-
 /** Joins the cells that touch. */
-Sets joined(const Segments& segments)
+DisjointSets joined(const Segments& segments)
 {
-  Sets sets(segments.cells.size());
+  DisjointSets sets(segments.cells.size());
   for (std::uint32_t i = 0; i < segments.cells.size(); ++i)
   {
     segments.forEachNeighbour(i, [&](std::uint32_t n) { sets.join(i, n); });
@@ -80,11 +53,11 @@ Segments findSegments(const std::vector<Eigen::Vector3f>& points,
       }
     }
   }
-  Sets sets = joined(result);
+  DisjointSets sets = joined(result);
   std::vector<std::uint32_t> number(result.cells.size(), Segments::none);
   for (const std::uint32_t cell : result.cell_of_group)
   {
-    std::uint32_t& n = number[sets.root(cell)];
+    std::uint32_t& n = number[sets.find(cell)];
     n = n == Segments::none ? static_cast<std::uint32_t>(result.segments++) : n;
     result.segment_of_group.push_back(n);
   }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/Error.h>
+#include <dyslam/core/Printable.h>
 #include <dyslam/report/RunPage.h>
 
 #include <stdexcept>
@@ -29,29 +30,6 @@ std::string withoutMarkup(const std::string& json)
     }
   }
   return text;
-}
-
-std::string escapedHtml(const std::string& text)
-{
-  std::string result;
-  for (const char c : text)
-  {
-    switch (c)
-    {
-      case '&':
-        result += "&amp;";
-        break;
-      case '<':
-        result += "&lt;";
-        break;
-      case '>':
-        result += "&gt;";
-        break;
-      default:
-        result += c;
-    }
-  }
-  return result;
 }
 
 /** Replaces the placeholder, which stands in the template once. */

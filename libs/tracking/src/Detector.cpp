@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/DisjointSets.h>
 #include <dyslam/tracking/Detector.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
-#include <numeric>
 #include <unordered_map>
 
 namespace dyslam
@@ -104,34 +104,6 @@ class GroundHeights
   std::unordered_map<std::int64_t, float> raw_;
 };
 
-/** Union-find; the representative of a set is its smallest member. */
-class DisjointSets
-{
- public:
-  explicit DisjointSets(std::size_t count) : parent_(count)
-  {
-    std::iota(parent_.begin(), parent_.end(), std::size_t{0});
-  }
-  std::size_t find(std::size_t i)
-  {
-    while (parent_[i] != i)
-    {
-      parent_[i] = parent_[parent_[i]];
-      i = parent_[i];
-    }
-    return i;
-  }
-  void unite(std::size_t a, std::size_t b)
-  {
-    a = find(a);
-    b = find(b);
-    parent_[std::max(a, b)] = std::min(a, b);
-  }
-
- private:
-  std::vector<std::size_t> parent_;
-};
-
 /** Points of one voxel, clustered as one. */
 struct Node
 {
@@ -206,7 +178,7 @@ std::vector<std::vector<std::uint32_t>> linkNodes(const std::vector<Node>& nodes
       if (other < n &&
           (nodes[n].position - nodes[other].position).squaredNorm() <= distance * distance)
       {
-        sets.unite(n, other);
+        sets.join(n, other);
       }
     }
   };

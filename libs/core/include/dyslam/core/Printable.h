@@ -11,6 +11,9 @@ namespace dyslam
  * cursor or worse, and not endless. */
 [[nodiscard]] std::string printable(std::string text);
 
+/** The text for a page or an attribute of HTML in double quotes. */
+[[nodiscard]] std::string escapedHtml(const std::string& text);
+
 /** Whether brackets in this JSON text are nested deeper than `limit`: whoever walks over a parsed
  * value by recursion runs out of stack. Says nothing about whether the text is JSON. */
 [[nodiscard]] bool isNestedDeeper(std::string_view json, std::size_t limit = 64);
