@@ -166,7 +166,7 @@ inline void print(const SlamRunReport& report, const std::string& folder, std::s
     std::printf("%zu scans could not be registered; their motion is predicted\n",
                 report.unconverged);
   }
-  std::printf("%.1f ms per scan\n", report.ms_per_scan);
+  std::printf("%.1f ms per scan, all stages added up\n", report.ms_per_scan);
   if (report.recording_time > 0)
   {
     std::printf("real-time factor %.2f: %.1f s of recording in %.1f s\n", report.realtimeFactor(),

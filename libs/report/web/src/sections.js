@@ -50,8 +50,8 @@ function sentences(data) {
   }
   if (n > 1 && seconds > 0) {
     const period = 1000 * seconds / (n - 1);
-    result.push(`Processing took ${fixed(ms, 1)} ms per scan, reading and writing not counted; a scan ` +
-        `came every ${fixed(period, 0)} ms: ${fixed(period / ms, 1)} times real time.`);
+    result.push(`The stages took ${fixed(ms, 1)} ms per scan, added up, though some run side by side; ` +
+        `a scan came every ${fixed(period, 0)} ms.`);
   }
   return result;
 }
@@ -82,7 +82,7 @@ export function summary(data) {
           tile(fixed(data.length, 1), 'm', 'path'), tile(keyframes.toLocaleString('en'), '', 'keyframes'),
           tile(data.loops.length, '', 'loops'), tile(data.objects.length, '', 'moving objects'),
           tile(data.map.of.toLocaleString('en'), '', 'map points'),
-          tile(fixed(ms, 1), 'ms', 'per scan')),
+          tile(fixed(ms, 1), 'ms', 'per scan, all stages')),
       h('ul', {class: 'sentences'}, sentences(data).map((line) => h('li', {}, line))));
 }
 
