@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/backend/Backend.h>
+#include <dyslam/core/RuntimeModule.h>
+#include <dyslam/dyseg/MovingSegmenter.h>
 #include <dyslam/mapping/HindsightLabels.h>
 #include <dyslam/mapping/StaticMap.h>
+#include <dyslam/odometry/Odometry.h>
 #include <dyslam/pipeline/FrontEnd.h>
 #include <dyslam/pipeline/Pipeline.h>
 #include <mrpt/system/CTimeLogger.h>
@@ -20,6 +23,19 @@ void PipelineOptions::describe(OptionsVisitor& v)
   v.integer("threads", threads, 0, 256, "threads of the stages' loops; 0: all cores");
   v.flag("tracking", tracking, "detect and track moving objects");
   v.flag("mapping", mapping, "build the static map");
+}
+
+std::future<void> loadAhead(const Config& config)
+{
+  MovingSegmenterOptions segmentation;
+  OdometryOptions odometry;
+  load(segmentation, config, "dyseg");
+  load(odometry, config, "odometry");
+  if (segmentation.method == "network" || odometry.method == "dylo")
+  {
+    return loadRuntimeModuleAhead("networks");
+  }
+  return {};
 }
 
 struct Pipeline::Stages

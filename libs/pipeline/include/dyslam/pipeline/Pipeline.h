@@ -7,6 +7,7 @@
 
 #include <cstddef>
 #include <functional>
+#include <future>
 #include <memory>
 #include <string>
 #include <vector>
@@ -28,6 +29,11 @@ struct PipelineOptions : Options
   bool mapping = true;   //!< build the static map
   void describe(OptionsVisitor& visitor) override;
 };
+
+/** Begins to load what the config's methods need beyond the program itself, in a thread of its own:
+ * the networks. \return to be kept until the pipeline is there. \throws UserError for a bad config.
+ */
+[[nodiscard]] std::future<void> loadAhead(const Config& config);
 
 /** The stages put together (the paper's Fig. 1): a scan goes in; its pose, moving points and
  * objects come out.
