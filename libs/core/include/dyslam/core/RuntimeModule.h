@@ -30,7 +30,8 @@ template <typename F>
 }
 
 /** Begins to load a module in a thread of its own, so that a later runtimeModuleFunction() finds it
- * loaded. Errors are left to that call. \return to be kept until then: its end waits for the thread.
+ * loaded. Errors are left to that call. \return to be kept until then: its end waits for the
+ * thread.
  */
 [[nodiscard]] std::future<void> loadRuntimeModuleAhead(const std::string& module);
 
