@@ -79,7 +79,7 @@ RegistrationTarget LoopCloser::State::submapAround(std::size_t id) const
   std::vector<Eigen::Vector3f> points;
   for (std::size_t i = first; i <= last; ++i)
   {
-    append(keyframes[i].loop_cloud, between(id, i), points);
+    append(keyframes.loopCloud(i), between(id, i), points);
   }
   return RegistrationTarget(voxelDownsample(points, options.voxel_size, VoxelPick::centroid).points,
                             {});
@@ -284,7 +284,7 @@ void LoopCloser::add(const std::vector<Eigen::Vector3f>& static_points)
   }
   KeyframeCloud sampled;
   sampled.points = voxelDownsample(static_points, s.options.voxel_size, VoxelPick::centroid).points;
-  s.keyframes[next].loop_cloud = PackedCloud(sampled, range_limit);
+  s.keyframes.setLoopCloud(next, PackedCloud(sampled, range_limit));
   s.candidates.add(static_points);
 }
 
@@ -299,7 +299,7 @@ std::vector<Loop> LoopCloser::search()
   const std::size_t newest = s.candidates.size() - 1;
   if (newest % static_cast<std::size_t>(s.options.interval) == 0)
   {
-    const std::vector<Eigen::Vector3f> source = s.keyframes[newest].loop_cloud.unpacked().points;
+    const std::vector<Eigen::Vector3f> source = s.keyframes.loopCloud(newest).unpacked().points;
     if (!s.searchNear(source, result) && s.options.appearance)
     {
       s.searchAlike(source, result);

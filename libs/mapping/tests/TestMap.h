@@ -29,9 +29,9 @@ struct TestMap
   [[nodiscard]] std::size_t pointCount() const
   {
     std::size_t count = 0;
-    for (const Keyframe& keyframe : *keyframes)
+    for (std::size_t k = 0; k < keyframes->size(); ++k)
     {
-      count += keyframe.map_cloud.size();
+      count += keyframes->mapCloud(k).size();
     }
     return count;
   }

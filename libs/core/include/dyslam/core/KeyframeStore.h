@@ -3,11 +3,15 @@
 
 #include <dyslam/core/Frame.h>
 #include <dyslam/core/Pose.h>
+#include <dyslam/core/SwappedStore.h>
 
 #include <Eigen/Core>
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <string>
+#include <string_view>
+#include <utility>
 #include <vector>
 
 namespace dyslam
@@ -40,6 +44,11 @@ class PackedCloud
    * point. */
   void keepOnly(const std::vector<bool>& keep);
 
+  // For SwappedStore.
+  [[nodiscard]] std::size_t memory() const;
+  [[nodiscard]] std::string toBytes() const;
+  [[nodiscard]] static PackedCloud fromBytes(std::string_view bytes);
+
  private:
   float scale_ = 1;
   std::vector<std::array<std::int16_t, 3>> points_;
@@ -47,8 +56,7 @@ class PackedCloud
   std::vector<std::uint8_t> is_static_;
 };
 
-/** A keyframe. Loop closure and map each keep what they need of its points: a loop is looked for in
- * all that was seen from there, coarsely; the map drops what it has from elsewhere. */
+/** A keyframe without its points. */
 struct Keyframe
 {
   std::size_t frame = 0;                             //!< Frame::index
@@ -56,20 +64,26 @@ struct Keyframe
   double path_length = 0;                            //!< driven since the start [m]
   Eigen::Vector3f sensor = Eigen::Vector3f::Zero();  //!< lidar's origin, vehicle frame [m]
   Pose T_map_vehicle = Pose::Identity();
-  PackedCloud loop_cloud;  //!< points alone; about 30 kB
-  PackedCloud map_cloud;   //!< bounded by the area seen, all keyframes together
 };
 
 /** Index, time, sensor and present pose of a frame, without its points. */
 [[nodiscard]] Keyframe keyframeOf(const Frame& frame);
 
 /** The keyframes of a run with their poses, in order of time; the number of a keyframe is its node
- * in the pose graph. Backend and map share one store. Not thread-safe. */
+ * in the pose graph. Backend and map share one store. Not thread-safe.
+ *
+ * Loop closure and map each keep what they need of a keyframe's points: a loop is looked for in all
+ * that was seen from there, coarsely; the map drops what it has from elsewhere. Clouds that were
+ * not used lately are on disk. A reference to one is valid until the next use of one of its kind.
+ */
 class KeyframeStore
 {
  public:
+  /** \param memory of backend and map together: a quarter of it is for clouds */
+  explicit KeyframeStore(const MemoryLimit& memory = {});
+
   /** \return the keyframe's number: 0, 1, 2, ... */
-  std::size_t add(Keyframe keyframe);
+  std::size_t add(const Keyframe& keyframe);
 
   [[nodiscard]] std::size_t size() const { return keyframes_.size(); }
   [[nodiscard]] bool empty() const { return keyframes_.empty(); }
@@ -79,6 +93,16 @@ class KeyframeStore
   [[nodiscard]] auto begin() const { return keyframes_.begin(); }
   [[nodiscard]] auto end() const { return keyframes_.end(); }
 
+  /** Points alone; about 30 kB. Empty until set. */
+  [[nodiscard]] const PackedCloud& loopCloud(std::size_t i) const { return loop_clouds_.get(i); }
+  void setLoopCloud(std::size_t i, PackedCloud cloud) { loop_clouds_.edit(i) = std::move(cloud); }
+  /** Bounded by the area seen, all keyframes together. Empty until set. */
+  [[nodiscard]] const PackedCloud& mapCloud(std::size_t i) const { return map_clouds_.get(i); }
+  [[nodiscard]] PackedCloud& editMapCloud(std::size_t i) { return map_clouds_.edit(i); }
+
+  /** How much backend and map together may have in memory. */
+  [[nodiscard]] const MemoryLimit& memory() const { return memory_; }
+
   /** Gives the keyframes from number `first` on corrected poses. \throws std::invalid_argument
    * unless there is one each. */
   void correct(const std::vector<Pose>& T_map_vehicle, std::size_t first = 0);
@@ -86,7 +110,10 @@ class KeyframeStore
   [[nodiscard]] std::size_t revision() const { return revision_; }
 
  private:
+  MemoryLimit memory_;
   std::vector<Keyframe> keyframes_;
+  SwappedStore<PackedCloud> loop_clouds_;
+  SwappedStore<PackedCloud> map_clouds_;
   std::size_t revision_ = 0;
 };
 }  // namespace dyslam
