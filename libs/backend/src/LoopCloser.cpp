@@ -17,6 +17,7 @@ namespace
 {
 constexpr double range_limit = 131.068;      // of stored coordinates: steps of 4 mm [m]
 constexpr double correlation_range = 5;      // around the initial guess [m]
+constexpr double descriptor_share = 0.05;    // of the memory
 constexpr double correlation_heading = 0.1;  // nearly a sector of the descriptor [rad]
 
 /** Adds a stored cloud, moved to another frame. */
@@ -42,7 +43,7 @@ struct LoopCloser::State
   State(const LoopCloserOptions& given, KeyframeStore& store)
       : options(given),
         keyframes(store),
-        candidates(given),
+        candidates(given, store.memory().part(descriptor_share)),
         agreement(given.min_support, given.appearance_support, given.support_window)
   {
     validate(options, "loop");

@@ -12,7 +12,10 @@ namespace dyslam::test
 /** A map with its keyframes; every frame is one. */
 struct TestMap
 {
-  explicit TestMap(const StaticMapOptions& options = {}) : map(options, *keyframes) {}
+  explicit TestMap(const StaticMapOptions& options = {}, const MemoryLimit& memory = {})
+      : keyframes(std::make_unique<KeyframeStore>(memory)), map(options, *keyframes)
+  {
+  }
 
   void insert(const Frame& frame)
   {
@@ -36,7 +39,7 @@ struct TestMap
     return count;
   }
 
-  std::unique_ptr<KeyframeStore> keyframes = std::make_unique<KeyframeStore>();
+  std::unique_ptr<KeyframeStore> keyframes;
   StaticMap map;
 };
 }  // namespace dyslam::test

@@ -40,10 +40,13 @@ std::future<void> loadAhead(const Config& config)
 
 struct Pipeline::Stages
 {
-  Stages(ConfigLoader& config, mrpt::system::CTimeLogger& time_logger)
+  Stages(ConfigLoader& config,
+         mrpt::system::CTimeLogger& time_logger,
+         const std::string& temporary_folder)
       : times(time_logger),
         options(config.get<PipelineOptions>("pipeline")),
         front_end({options.threads, options.tracking}, config, times),
+        keyframes({config.get<MemoryOptions>("memory"), temporary_folder}),
         backend(
             {config.get<BackendOptions>("backend"), config.get<LoopCloserOptions>("loop"),
              config.get<ObjectGraphOptions>("objects"), config.get<FactorGraphOptions>("solver")},
@@ -82,8 +85,10 @@ void Pipeline::Stages::use(const Frame& decided)
   }
 }
 
-Pipeline::Pipeline(ConfigLoader& config, mrpt::system::CTimeLogger& times)
-    : stages_(std::make_unique<Stages>(config, times))
+Pipeline::Pipeline(ConfigLoader& config,
+                   mrpt::system::CTimeLogger& times,
+                   const std::string& temporary_folder)
+    : stages_(std::make_unique<Stages>(config, times, temporary_folder))
 {
 }
 
@@ -195,6 +200,10 @@ std::vector<std::string> Pipeline::warnings() const
   std::vector<std::string> result = stages_->front_end.warnings();
   const std::vector<std::string> more = stages_->backend.warnings();
   result.insert(result.end(), more.begin(), more.end());
+  if (const std::string& problem = stages_->keyframes.memory().file->problem(); !problem.empty())
+  {
+    result.push_back(problem);
+  }
   return result;
 }
 }  // namespace dyslam

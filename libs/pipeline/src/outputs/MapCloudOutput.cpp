@@ -16,7 +16,10 @@ class MapCloudOutput : public RunOutput
   {
     if (results.map != nullptr)
     {
-      writeMapCloud(results.map_points, path(names().front().name));
+      constexpr bool normals = false;
+      MapCloudFile file(path(names().front().name), normals);
+      results.map->forEachPart([&](const MapPoints& part) { file.add(part); });
+      file.close();
     }
   }
 };

@@ -100,6 +100,11 @@ class KeyframeStore
   [[nodiscard]] const PackedCloud& mapCloud(std::size_t i) const { return map_clouds_.get(i); }
   [[nodiscard]] PackedCloud& editMapCloud(std::size_t i) { return map_clouds_.edit(i); }
 
+  /** Of the clouds in memory [bytes]. */
+  [[nodiscard]] std::size_t cloudMemory() const
+  {
+    return loop_clouds_.memory() + map_clouds_.memory();
+  }
   /** How much backend and map together may have in memory. */
   [[nodiscard]] const MemoryLimit& memory() const { return memory_; }
 

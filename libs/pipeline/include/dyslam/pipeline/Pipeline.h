@@ -44,9 +44,12 @@ struct PipelineOptions : Options
 class Pipeline
 {
  public:
-  /** Builds every stage. \param times gets the time of each stage. \throws UserError for a bad
-   * config. */
-  Pipeline(ConfigLoader& config, mrpt::system::CTimeLogger& times);
+  /** Builds every stage. \param times gets the time of each stage \param temporary_folder where
+   * map and keyframes beyond `memory.limit` go, in a file without a name; exists at the first frame
+   * \throws UserError for a bad config. */
+  Pipeline(ConfigLoader& config,
+           mrpt::system::CTimeLogger& times,
+           const std::string& temporary_folder = "");
   ~Pipeline();
 
   /** Fills every part of the frame that the source left open: runFrontEnd(), then runBackEnd().
