@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/VoxelGrid.h>
+#include <dyslam/mapping/MovingInMap.h>
 #include <dyslam/mapping/StaticMap.h>
 
 #include <algorithm>
@@ -7,7 +8,6 @@
 #include <stdexcept>
 #include <utility>
 
-#include "MovingInMap.h"
 #include "VisibilityImage.h"
 #include "VoxelMap.h"
 
