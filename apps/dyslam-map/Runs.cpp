@@ -117,10 +117,6 @@ Run readRun(const std::string& argument, double tolerance)
   };
   run.scans.labels = optional("labels");
   run.scans.tracks = run.scans.labels.empty() ? optional("tracks.txt") : "";
-  if (const std::string truth = optional("reference_tum.txt"); !truth.empty())
-  {
-    run.truth = readTum(truth);
-  }
   return run;
 }
 
@@ -185,7 +181,7 @@ std::vector<Eigen::Vector3f> staticPoints(const RunScans& scans, Frame& frame, s
   return points;
 }
 
-void addRun(const Run& run, ThreadPool& pool, bool quiet, RunMerger& merger)
+void addRun(Run& run, ThreadPool& pool, bool quiet, RunMerger& merger)
 {
   merger.addRun(run.graph);
   const RunScans scans(run.trajectory, run.scans, pool);
@@ -196,6 +192,10 @@ void addRun(const Run& run, ThreadPool& pool, bool quiet, RunMerger& merger)
       readScans(source, "dyslam-map (" + run.name + ")", quiet,
                 [&](Frame frame)
                 {
+                  if (frame.T_world_vehicle_truth)
+                  {
+                    run.truth.push_back(frame.scan.stamp, *frame.T_world_vehicle_truth);
+                  }
                   const auto stamp = [&](std::size_t k) { return run.keyframe_stamps[k]; };
                   while (next < run.keyframe_stamps.size() &&
                          stamp(next) < frame.scan.stamp - run.scans.tolerance)
@@ -241,14 +241,11 @@ std::vector<Run> readRuns(const std::vector<std::string>& folders, double tolera
   return runs;
 }
 
-RunMerge mergeRuns(const std::vector<Run>& runs,
-                   const RunMergerConfig& config,
-                   int threads,
-                   bool quiet)
+RunMerge mergeRuns(std::vector<Run>& runs, const RunMergerConfig& config, int threads, bool quiet)
 {
   ThreadPool pool(threads);
   RunMerger merger(config);
-  for (const Run& run : runs)
+  for (Run& run : runs)
   {
     addRun(run, pool, quiet, merger);
   }

@@ -22,7 +22,7 @@ struct Run
   Trajectory trajectory;
   FactorGraph graph;
   std::vector<double> keyframe_stamps;
-  Trajectory truth;  //!< empty where the recording has none
+  Trajectory truth;  //!< in the world of the recording; empty where it has none
   RawlogSourceOptions source;
   RunScansOptions scans;
 };
@@ -31,9 +31,9 @@ struct Run
  * \throws UserError naming what is missing. */
 [[nodiscard]] std::vector<Run> readRuns(const std::vector<std::string>& folders, double tolerance);
 
-/** Finds how the runs lie to each other. Reads every recording once.
+/** Finds how the runs lie to each other. Reads every recording once, and enters its ground truth.
  * \param threads 0: the machine's number \throws UserError for a recording that cannot be read. */
-[[nodiscard]] RunMerge mergeRuns(const std::vector<Run>& runs,
+[[nodiscard]] RunMerge mergeRuns(std::vector<Run>& runs,
                                  const RunMergerConfig& config,
                                  int threads,
                                  bool quiet);

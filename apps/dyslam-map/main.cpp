@@ -160,7 +160,7 @@ std::size_t addRuns(const std::vector<dyslam::Run>& runs,
 
 void runMerged(dyslam::Arguments& a)
 {
-  const std::vector<dyslam::Run> runs = dyslam::readRuns(a.runs, a.scans.tolerance);
+  std::vector<dyslam::Run> runs = dyslam::readRuns(a.runs, a.scans.tolerance);
   prepare(a);
   const dyslam::RunMerge merge = dyslam::mergeRuns(runs, a.merger, a.builder.threads, a.quiet);
   const std::string unjoined = dyslam::namesOfUnjoined(runs, merge);
