@@ -19,14 +19,30 @@ namespace
 /** What an ini may hold: our own sections, and those of dyslam, which may have made it. */
 std::vector<std::string> knownSections()
 {
-  std::vector<std::string> known{"map",      "labels", "preprocess", "map_export", "input",
-                                 "pipeline", "dyseg",  "residual",   "odometry",   "dyseg_network",
-                                 "refine",   "motion", "detector",   "tracker",    "dyseg_filter",
-                                 "solver",   "loop",   "backend",    "output",     "replay",
-                                 "fusion",   "sensor", "objects",    "uncertainty"};
+  std::vector<std::string> known{
+      "map",          "labels",   "preprocess",    "map_export", "input",   "pipeline",   "dyseg",
+      "residual",     "odometry", "dyseg_network", "refine",     "motion",  "detector",   "tracker",
+      "dyseg_filter", "solver",   "loop",          "backend",    "output",  "replay",     "merge",
+      "start",        "report",   "fusion",        "sensor",     "objects", "uncertainty"};
   const auto methods = scanMatcherNames();
   known.insert(known.end(), methods.begin(), methods.end());
   return known;
+}
+
+/** Those that --set may change: of merged runs each has its own [preprocess]. */
+std::vector<std::string> ownSections(const Arguments& a)
+{
+  return a.runs.empty()
+             ? std::vector<std::string>{"map", "labels", "preprocess", "map_export"}
+             : std::vector<std::string>{"map", "labels", "map_export", "loop", "solver", "merge"};
+}
+
+/** \param run as given to --merge */
+std::string effectiveIniOfRun(const std::string& run)
+{
+  const std::string folder =
+      std::filesystem::is_directory(run) ? run : run.substr(0, run.rfind('='));
+  return (std::filesystem::path(folder) / "effective.ini").string();
 }
 
 /** Of [backend], the one key that counts here. */
@@ -55,10 +71,14 @@ double keyframeDistance(const Config& config)
 
 void declare(CLI::App& app, Arguments& a)
 {
-  app.description("Builds the static map of a rawlog along a trajectory");
-  app.add_option("-i,--input", a.rawlog, "rawlog of 3D LiDAR scans")->required();
-  app.add_option("--trajectory", a.trajectory, "poses of the scans: TUM, or KITTI line by line")
-      ->required();
+  app.description(
+      "Builds the static map of a rawlog along a trajectory, or one map of several runs");
+  app.add_option("-i,--input", a.rawlog, "rawlog of 3D LiDAR scans");
+  app.add_option("--trajectory", a.trajectory, "poses of the scans: TUM, or KITTI line by line");
+  CLI::Option* merge = app.add_option(
+      "--merge", a.runs,
+      "RUN RUN...: instead, output folders of dyslam of one place, in order of time: one map and "
+      "one trajectory each, in the first run's frame (RUN=RAWLOG where the recording was moved)");
   app.add_option(
       "-o,--output", a.outputs,
       "map.{pcd,ply,las,bt,ot,simplemap,3Dscene,png,gridmap}; any number (png: grid with "
@@ -68,9 +88,8 @@ void declare(CLI::App& app, Arguments& a)
   app.add_option("--compare", a.compare,
                  "F.png: the map with everything that moved beside the clean one; what was removed "
                  "is red");
-  app.add_option("--labels", a.builder.labels,
-                 "folder of .label files: moving points are left out");
-  app.add_option("--tracks", a.builder.tracks, "tracks.txt: objects that move are left out");
+  app.add_option("--labels", a.scans.labels, "folder of .label files: moving points are left out");
+  app.add_option("--tracks", a.scans.tracks, "tracks.txt: objects that move are left out");
   app.add_option("-c,--config", a.config,
                  "ini file with [map], [labels], [preprocess], [map_export] and "
                  "backend.keyframe_distance");
@@ -81,7 +100,7 @@ void declare(CLI::App& app, Arguments& a)
                  "a scan is used after this distance [m], or a turn of 0.17 rad; 0: every scan; "
                  "default: the ini's backend.keyframe_distance, else 1")
       ->check(notNegative());
-  app.add_option("--tolerance", a.builder.tolerance, "largest difference of time stamps [s]")
+  app.add_option("--tolerance", a.scans.tolerance, "largest difference of time stamps [s]")
       ->check(notNegative())
       ->capture_default_str();
   app.add_option("--skip-first-n", a.source.skip_first_n, "scans to pass over")
@@ -96,24 +115,36 @@ void declare(CLI::App& app, Arguments& a)
       ->check(CLI::Range(0, 256))
       ->capture_default_str();
   app.add_flag("-q,--quiet", a.quiet, "no progress");
+  for (const char* single : {"--input", "--trajectory", "--labels", "--tracks", "--skip-first-n",
+                             "--only-first-n", "--labelled-map"})
+  {
+    merge->excludes(app.get_option(single));
+  }
 }
 
 void loadConfig(Arguments& a)
 {
   Config config;
-  if (!a.config.empty())
+  const std::string ini =
+      a.config.empty() && !a.runs.empty() ? effectiveIniOfRun(a.runs.front()) : a.config;
+  if (!ini.empty())
   {
-    config = Config::fromFile(findGivenOrShared(a.config, "config_files", ".ini"));
+    config = Config::fromFile(findGivenOrShared(ini, "config_files", ".ini"));
     config.requireFor("dyslam");
   }
   for (const auto& assignment : a.assignments)
   {
     const std::string section = assignment.substr(0, assignment.find('.'));
-    if (section != "map" && section != "labels" && section != "preprocess" &&
-        section != "map_export")
+    const auto own = ownSections(a);
+    if (std::find(own.begin(), own.end(), section) == own.end())
     {
-      throw UserError("--set " + assignment +
-                      ": dyslam-map has the sections map, labels, preprocess and map_export");
+      std::string names;
+      for (const std::string& name : own)
+      {
+        names += (names.empty() ? "" : name == own.back() ? " and " : ", ") + name;
+      }
+      throw UserError("--set " + assignment + ": dyslam-map has the sections " + names +
+                      (a.runs.empty() ? "" : " (--merge)"));
     }
     config.set(assignment);
   }
@@ -121,7 +152,16 @@ void loadConfig(Arguments& a)
   ConfigLoader loader(config);
   a.builder.map = loader.get<StaticMapOptions>("map");
   a.builder.hindsight = loader.get<HindsightOptions>("labels");
-  a.builder.preprocess = loader.get<PreprocessOptions>("preprocess");
+  if (a.runs.empty())
+  {
+    a.scans.preprocess = loader.get<PreprocessOptions>("preprocess");
+  }
+  else
+  {
+    a.merger.loops = loader.get<LoopCloserOptions>("loop");
+    a.merger.solver = loader.get<FactorGraphOptions>("solver");
+    a.merger.merge = loader.get<RunMergerOptions>("merge");
+  }
   a.exports = loader.get<MapExportOptions>("map_export");
   a.exports.full_resolution = a.exports.full_resolution || a.full;
   a.builder.keyframe_distance =
@@ -134,16 +174,21 @@ void loadConfig(Arguments& a)
   a.effective = effective.toIni();
 }
 
-std::string effectiveIniOf(const Arguments& a)
+std::string besideOutput(const Arguments& a, const std::string& ending)
 {
   for (const std::string& path : {a.outputs.empty() ? "" : a.outputs.front(), a.picture, a.compare})
   {
     if (!path.empty())
     {
-      return std::filesystem::path(path).replace_extension(".effective.ini").string();
+      return std::filesystem::path(path).replace_extension("").string() + ending;
     }
   }
   return {};
+}
+
+std::string effectiveIniOf(const Arguments& a)
+{
+  return besideOutput(a, ".effective.ini");
 }
 
 bool needsWholeMap(const Arguments& a)
@@ -169,6 +214,12 @@ bool needsScans(const Arguments& a)
 
 void checkOutputs(const Arguments& a)
 {
+  if (a.runs.empty() && (a.rawlog.empty() || a.trajectory.empty()))
+  {
+    throw UserError(std::string(a.rawlog.empty() ? "--input" : "--trajectory") +
+                    " is required: give a recording and its trajectory, or --merge RUN RUN (see "
+                    "dyslam-map --help)");
+  }
   if (a.outputs.empty() && a.labelled_map.empty() && a.picture.empty() && a.compare.empty())
   {
     throw UserError("nothing to write: give at least one --output");
@@ -195,7 +246,7 @@ void checkOutputs(const Arguments& a)
     throw UserError("--labelled-map " + a.labelled_map +
                     ": the ending is none of .ply, .pcd and .bin");
   }
-  if (a.builder.labels.empty() && a.builder.tracks.empty())
+  if (a.scans.labels.empty() && a.scans.tracks.empty())
   {
     throw UserError("--labelled-map " + a.labelled_map +
                     ": nothing says what moves; give --labels or --tracks");

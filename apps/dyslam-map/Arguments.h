@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <dyslam/backend/RunMerger.h>
 #include <dyslam/io/RawlogSource.h>
 
 #include <optional>
@@ -21,10 +22,13 @@ struct Arguments
 {
   std::string rawlog;
   std::string trajectory;
+  std::vector<std::string> runs;  //!< to be merged; then there is no rawlog and no trajectory
   std::string config;
   std::vector<std::string> assignments;
   std::vector<std::string> outputs;
   MapBuilderOptions builder;
+  RunScansOptions scans;
+  RunMergerConfig merger;
   RawlogSourceOptions source;
   MapExportOptions exports;
   std::string labelled_map;
@@ -39,7 +43,9 @@ struct Arguments
 void declare(CLI::App& app, Arguments& a);
 /** Reads our sections of the ini; an ini of a whole run may hold others. \throws UserError. */
 void loadConfig(Arguments& a);
-/** File that the settings are written to: beside the first output; empty without any. */
+/** `map.las` and `_tum.txt` become `map_tum.txt`: beside the first output; empty without any. */
+[[nodiscard]] std::string besideOutput(const Arguments& a, const std::string& ending);
+/** File that the settings are written to; empty without any output. */
 [[nodiscard]] std::string effectiveIniOf(const Arguments& a);
 /** Whether some output needs the map in memory as a whole: all but clouds in tiles. */
 [[nodiscard]] bool needsWholeMap(const Arguments& a);

@@ -1,41 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "MapBuilder.h"
 
-#include <dyslam/core/BoxOverlap.h>
-#include <dyslam/core/Error.h>
 #include <dyslam/core/Labels.h>
 
-#include <algorithm>
-#include <cstdio>
-#include <filesystem>
+#include <cmath>
 #include <utility>
 
 namespace dyslam
 {
 namespace
 {
-namespace fs = std::filesystem;
-
-constexpr double min_distance = 1.0;     // from its start, beyond which an object moves [m]
 constexpr double keyframe_angle = 0.17;  // a scan is used after this turn, wherever it is [rad]
 constexpr double labelled_voxel = 0.1;   // of the labelled map [m]
-
-std::string labelFolder(const std::string& folder)
-{
-  if (folder.empty())
-  {
-    return folder;
-  }
-  const fs::path inner = fs::path(folder) / "labels";
-  const std::string result = fs::is_directory(inner) ? inner.string() : folder;
-  const auto isLabelFile = [](const fs::path& path) { return path.extension() == ".label"; };
-  if (!fs::is_directory(result) ||
-      std::none_of(fs::directory_iterator(result), fs::directory_iterator(), isLabelFile))
-  {
-    throw UserError(folder + ": is not a folder of .label files (--labels)");
-  }
-  return result;
-}
 
 /** Whole kilometres of where the trajectory starts, if that is far from zero. */
 Eigen::Vector3d originOf(const Trajectory& trajectory)
@@ -69,20 +45,9 @@ StaticMapOptions uncleaned(StaticMapOptions options)
 }
 }  // namespace
 
-MapBuilder::MapBuilder(const Trajectory& trajectory, const MapBuilderOptions& options)
-    : trajectory_(trajectory),
-      options_(options),
-      label_folder_(labelFolder(options.labels)),
-      pool_(options.threads),
-      preprocessor_(options.preprocess, pool_),
-      map_(options.map, keyframes_)
+MapBuilder::MapBuilder(const MapBuilderOptions& options)
+    : options_(options), pool_(options.threads), map_(options.map, keyframes_)
 {
-  if (trajectory_.empty())
-  {
-    throw UserError("the trajectory has no poses");
-  }
-  origin_ = originOf(trajectory_);
-  trajectory_ = relativeTo(origin_, trajectory_);
   if (!options_.scan_store.empty())
   {
     scans_.emplace(options_.scan_store, options_.map);
@@ -91,24 +56,22 @@ MapBuilder::MapBuilder(const Trajectory& trajectory, const MapBuilderOptions& op
   {
     uncleaned_ = std::make_unique<Uncleaned>(uncleaned(options_.map));
   }
-  if (options_.hindsight.hindsight && label_folder_.empty())
+}
+
+void MapBuilder::beginRun(const Trajectory& trajectory, const RunScansOptions& options)
+{
+  finish();
+  if (runs_.empty() && !trajectory.empty())
+  {
+    origin_ = originOf(trajectory);
+  }
+  runs_.emplace_back(relativeTo(origin_, trajectory), options, pool_);
+  last_keyframe_.reset();
+  hindsight_.reset();
+  if (options_.hindsight.hindsight && !runs_.back().hasLabels())
   {
     hindsight_.emplace(options_.hindsight, options_.threads);
   }
-  if (options_.tracks.empty())
-  {
-    return;
-  }
-  for (const auto& box : readTracks(options_.tracks))
-  {
-    boxes_.emplace(box.frame, box);
-    moves_[box.id] = false;
-  }
-}
-
-std::optional<std::size_t> MapBuilder::poseOf(const Frame& frame) const
-{
-  return trajectory_.nearest(frame.scan.stamp, options_.tolerance);
 }
 
 bool MapBuilder::isKeyframe(const Pose& T_map_vehicle) const
@@ -122,88 +85,11 @@ bool MapBuilder::isKeyframe(const Pose& T_map_vehicle) const
          rotationAngle(moved) >= keyframe_angle;
 }
 
-void MapBuilder::fillCloud(Frame& frame, std::size_t pose) const
-{
-  const Trajectory& t = trajectory_;
-  Pose T_previous_current = Pose::Identity();
-  double dt = 0;
-  if (t.size() > 1)
-  {
-    const std::size_t current = std::max<std::size_t>(pose, 1);
-    T_previous_current = t[current - 1].pose.inverse() * t[current].pose;
-    dt = t[current].stamp - t[current - 1].stamp;
-  }
-  frame.cloud = preprocessor_.prepare(frame.scan, T_previous_current, dt);
-}
-
-/** One label per point of the cloud. */
-std::vector<Label> MapBuilder::labelsOf(const Frame& frame) const
-{
-  char name[32];
-  std::snprintf(name, sizeof name, "%06zu.label", frame.index);
-  const std::string path = (fs::path(label_folder_) / name).string();
-  if (!fs::exists(path))
-  {
-    throw UserError(path + ": no such file, but scan " + std::to_string(frame.index) +
-                    " needs its labels; give --labels of this recording, and the --skip-first-n "
-                    "and --only-first-n of the run that wrote them");
-  }
-  const auto labels = readLabels(path, frame.scan.size());
-  std::vector<Label> result;
-  result.reserve(frame.cloud.size());
-  for (const auto i : frame.cloud.source)
-  {
-    result.push_back(labels[i]);
-  }
-  return result;
-}
-
-void MapBuilder::fillMoving(Frame& frame) const
-{
-  if (!label_folder_.empty())
-  {
-    for (const Label label : labelsOf(frame))
-    {
-      frame.moving.push_back(isMovingLabel(label));
-    }
-  }
-  const auto [begin, end] = boxes_.equal_range(static_cast<int>(frame.index));
-  for (auto it = begin; it != end; ++it)
-  {
-    TrackedObject object;
-    object.id = it->second.id;
-    object.box = transformed(it->second.box, frame.T_odom_vehicle * frame.scan.T_vehicle_lidar);
-    object.object_class = it->second.object_class;
-    object.dynamic = moves_.at(object.id);
-    frame.objects.push_back(object);
-  }
-}
-
-void MapBuilder::noteObjects(const Frame& frame)
-{
-  const auto pose = poseOf(frame);
-  if (!pose)
-  {
-    return;
-  }
-  const Pose T_map_lidar = trajectory_[*pose].pose * frame.scan.T_vehicle_lidar;
-  const auto [begin, end] = boxes_.equal_range(static_cast<int>(frame.index));
-  for (auto it = begin; it != end; ++it)
-  {
-    LabelledBox box = it->second;
-    box.box = transformed(box.box, T_map_lidar);
-    auto& path = object_paths_[box.id];
-    path.push_back(box.box.center);
-    last_boxes_[box.id] = box;
-    moves_[box.id] = moves_[box.id] || (path.back() - path.front()).norm() > min_distance;
-  }
-}
-
 void MapBuilder::collectLabelled(const Frame& frame)
 {
-  std::vector<Label> labels = label_folder_.empty()
-                                  ? std::vector<Label>(frame.cloud.size(), label_static)
-                                  : labelsOf(frame);
+  std::vector<Label> labels = runs_.back().hasLabels()
+                                  ? runs_.back().labelsOf(frame)
+                                  : std::vector<Label>(frame.cloud.size(), label_static);
   constexpr double margin = 0.1;
   for (const auto& object : frame.objects)
   {
@@ -245,23 +131,24 @@ void MapBuilder::collectLabelled(const Frame& frame)
 
 void MapBuilder::add(Frame frame)
 {
-  const auto pose = poseOf(frame);
+  RunScans& run = runs_.back();
+  const auto pose = run.poseOf(frame);
   if (!pose)
   {
     ++skipped_;
     return;
   }
-  frame.T_odom_vehicle = trajectory_[*pose].pose;
+  frame.T_odom_vehicle = run.trajectory()[*pose].pose;
   frame.is_keyframe = isKeyframe(frame.T_odom_vehicle);
   if (!frame.is_keyframe && !hindsight_)
   {
     return;
   }
-  fillCloud(frame, *pose);
+  run.fillCloud(frame, *pose);
   if (frame.is_keyframe)
   {
     last_keyframe_ = frame.T_odom_vehicle;
-    fillMoving(frame);
+    run.fillMoving(frame);
     if (options_.labelled_map)
     {
       collectLabelled(frame);
@@ -315,16 +202,19 @@ void MapBuilder::finish()
 MapPictureContent MapBuilder::picture() const
 {
   MapPictureContent content;
-  for (const auto& [stamp, pose] : trajectory_)
+  for (const RunScans& run : runs_)
   {
-    content.path.emplace_back(pose.translation());
-  }
-  for (const auto& [id, path] : object_paths_)
-  {
-    if (moves_.at(id))
+    if (!content.path.empty())
     {
-      const LabelledBox& last = last_boxes_.at(id);
-      content.objects.push_back({last.object_class, path, last.box});
+      content.path.emplace_back(Eigen::Vector3d::Constant(NAN));  // not joined to the run before
+    }
+    for (const auto& [stamp, pose] : run.trajectory())
+    {
+      content.path.emplace_back(pose.translation());
+    }
+    for (const auto& [id, object] : run.movingObjects())
+    {
+      content.objects.push_back({object.last.object_class, object.path, object.last.box});
     }
   }
   return content;
@@ -336,13 +226,16 @@ SceneContent MapBuilder::scene() const
   const MapPoints points = map_.points();
   scene.points = points.points;
   scene.intensity = points.intensity;
-  scene.trajectory = trajectory_;
-  for (const auto& [id, path] : object_paths_)
+  for (const RunScans& run : runs_)
   {
-    if (moves_.at(id))
+    const bool first = scene.trajectory.empty();
+    (first ? scene.trajectory : scene.other_trajectories.emplace_back()) = run.trajectory();
+    for (const auto& [id, object] : run.movingObjects())
     {
-      scene.object_paths[id] = path;
-      scene.boxes.push_back(last_boxes_.at(id));
+      const int free_id = scene.object_paths.empty() ? id : scene.object_paths.rbegin()->first + 1;
+      scene.object_paths[first ? id : free_id] = object.path;
+      scene.boxes.push_back(object.last);
+      scene.boxes.back().id = first ? id : free_id;
     }
   }
   return scene;

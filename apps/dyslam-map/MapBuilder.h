@@ -5,21 +5,21 @@
 #include <dyslam/core/Trajectory.h>
 #include <dyslam/core/VoxelGrid.h>
 #include <dyslam/eval/MapPicture.h>
-#include <dyslam/formats/GroundTruth.h>
 #include <dyslam/formats/LabelFiles.h>
 #include <dyslam/io/SceneExport.h>
 #include <dyslam/mapping/HindsightLabels.h>
 #include <dyslam/mapping/MapExport.h>
 #include <dyslam/mapping/MapTiles.h>
 #include <dyslam/mapping/StaticMap.h>
-#include <dyslam/odometry/Preprocessor.h>
 
 #include <cstddef>
-#include <map>
+#include <deque>
 #include <memory>
 #include <optional>
 #include <string>
 #include <vector>
+
+#include "RunScans.h"
 
 namespace dyslam
 {
@@ -27,11 +27,7 @@ struct MapBuilderOptions
 {
   StaticMapOptions map;
   HindsightOptions hindsight;
-  PreprocessOptions preprocess;
-  std::string labels;              //!< folder of NNNNNN.label, or one with such a `labels` folder
-  std::string tracks;              //!< objects' boxes; those that move are left out of the map
   double keyframe_distance = 1.0;  //!< [m]
-  double tolerance = 0.01;         //!< of time stamps against the trajectory's [s]
   int threads = 0;                 //!< 0: the machine's number
   bool labelled_map = false;       //!< collect labelledMap() as well
   bool whole_map = true;           //!< build map()
@@ -46,17 +42,17 @@ struct LabelledMap
   std::vector<Label> labels;            //!< a voxel that ever held something static is static
 };
 
-/** Builds the static map of a recording along a known trajectory. */
+/** Builds the static map of a recording along a known trajectory, or of several of one place. */
 class MapBuilder
 {
  public:
-  /** Reads labels' folder and tracks. \param trajectory has the times of the scans.
-   * \throws UserError. */
-  MapBuilder(const Trajectory& trajectory, const MapBuilderOptions& options);
+  explicit MapBuilder(const MapBuilderOptions& options);
 
-  /** First pass, if there are tracks: the objects of a scan. Every scan comes here before the first
-   * add(), for an object that moves at all is left out of all scans. */
-  void noteObjects(const Frame& frame);
+  /** The next recording, the first one also. \throws UserError as RunScans. */
+  void beginRun(const Trajectory& trajectory, const RunScansOptions& options);
+
+  /** First pass, if there are tracks: RunScans::noteObjects(). */
+  void noteObjects(const Frame& frame) { runs_.back().noteObjects(frame); }
 
   /** The next scan of the recording, in order. Those the trajectory has no pose for are skipped. */
   void add(Frame frame);
@@ -82,12 +78,7 @@ class MapBuilder
   [[nodiscard]] const LabelledMap& labelledMap() const { return labelled_; }
 
  private:
-  /** Position of the scan's pose in the trajectory. */
-  [[nodiscard]] std::optional<std::size_t> poseOf(const Frame& frame) const;
   [[nodiscard]] bool isKeyframe(const Pose& T_map_vehicle) const;
-  void fillCloud(Frame& frame, std::size_t pose) const;
-  [[nodiscard]] std::vector<Label> labelsOf(const Frame& frame) const;
-  void fillMoving(Frame& frame) const;
   void collectLabelled(const Frame& frame);
   void insert(const Frame& frame);
 
@@ -99,16 +90,10 @@ class MapBuilder
     StaticMap map;
   };
 
-  Trajectory trajectory_;
   Eigen::Vector3d origin_ = Eigen::Vector3d::Zero();
   MapBuilderOptions options_;
-  std::string label_folder_;
-  std::multimap<int, LabelledBox> boxes_;  // by frame, lidar frame
-  std::map<int, std::vector<Eigen::Vector3d>> object_paths_;
-  std::map<int, LabelledBox> last_boxes_;  // map frame
-  std::map<int, bool> moves_;              // by object
   ThreadPool pool_;
-  Preprocessor preprocessor_;
+  std::deque<RunScans> runs_;
   KeyframeStore keyframes_;
   StaticMap map_;
   std::unique_ptr<Uncleaned> uncleaned_;

@@ -302,7 +302,7 @@ void writePictures(const MapBuilder& builder, const Arguments& a)
   {
     writePng(renderMapPicture(content), a.picture);
   }
-  if (a.compare.empty())
+  if (a.compare.empty() || !a.runs.empty())
   {
     return;
   }

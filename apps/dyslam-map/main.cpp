@@ -2,16 +2,20 @@
 #include <dyslam/core/Error.h>
 #include <dyslam/core/PendingFile.h>
 #include <dyslam/formats/ScanFiles.h>
+#include <dyslam/formats/TrajectoryFiles.h>
 
 #include <cstdio>
 #include <filesystem>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "../common/AppMain.h"
 #include "../common/Checks.h"
 #include "Arguments.h"
 #include "MapWriting.h"
+#include "MergeReport.h"
+#include "Runs.h"
 #include "ScanReading.h"
 
 namespace
@@ -38,18 +42,58 @@ void warnOfOrigin(const dyslam::MapBuilder& builder, const dyslam::Arguments& a)
   }
 }
 
-void run(dyslam::Arguments& a)
+void printWarnings(const dyslam::RawlogSource& source)
 {
-  dyslam::requireConverted(a.rawlog);
+  for (const auto& warning : source.warnings())
+  {
+    std::fprintf(stderr, "warning: %s\n", warning.c_str());
+  }
+}
+
+/** Settings of the run of this program that its flags imply. */
+void prepare(dyslam::Arguments& a)
+{
   dyslam::checkOutputs(a);
   dyslam::loadConfig(a);
   a.builder.labelled_map = !a.labelled_map.empty();
   a.builder.whole_map = dyslam::needsWholeMap(a);
-  a.builder.uncleaned_map = !a.compare.empty();
+  a.builder.uncleaned_map = !a.compare.empty() && a.runs.empty();
   a.builder.scan_store = dyslam::needsScans(a) ? a.outputs.front() + ".scans" : "";
+}
+
+/** Everything but what says how it was made. \return points written */
+std::size_t writeMap(dyslam::MapBuilder& builder, const dyslam::Arguments& a)
+{
+  warnOfOrigin(builder, a);
+  const std::size_t points = dyslam::writeOutputs(builder, a);
+  if (const std::string ini = dyslam::effectiveIniOf(a); !ini.empty())
+  {
+    dyslam::writeWhole(ini, a.effective);
+  }
+  return points;
+}
+
+void printCounts(const dyslam::MapBuilder& builder,
+                 const dyslam::Arguments& a,
+                 std::size_t scans,
+                 std::size_t points)
+{
+  const double voxel = a.builder.whole_map ? builder.map().voxelSize() : a.builder.map.voxel_size;
+  std::printf("%zu scans, %zu without a pose, %zu keyframes, %zu map points%s\n", scans,
+              builder.skipped(), builder.keyframes(), points,
+              a.exports.full_resolution
+                  ? ""
+                  : (" of " + std::to_string(voxel).substr(0, 4) + " m").c_str());
+}
+
+void runSingle(dyslam::Arguments& a)
+{
+  dyslam::requireConverted(a.rawlog);
+  prepare(a);
+  dyslam::MapBuilder builder(a.builder);
   dyslam::RawlogSource source(a.rawlog, a.source);
-  dyslam::MapBuilder builder(dyslam::readPoses(a), a.builder);
-  if (!a.builder.tracks.empty())
+  builder.beginRun(dyslam::readPoses(a), a.scans);
+  if (!a.scans.tracks.empty())
   {
     // Boxes know the number of their scan alone: stamps and the lidar's place are in the rawlog.
     dyslam::RawlogSource first_pass(a.rawlog, a.source);
@@ -58,10 +102,7 @@ void run(dyslam::Arguments& a)
   }
   const std::string damage = dyslam::readScans(
       source, "dyslam-map", a.quiet, [&](dyslam::Frame frame) { builder.add(std::move(frame)); });
-  for (const auto& warning : source.warnings())
-  {
-    std::fprintf(stderr, "warning: %s\n", warning.c_str());
-  }
+  printWarnings(source);
   builder.finish();
   if (!damage.empty() && source.framesRead() == 0)
   {
@@ -72,12 +113,7 @@ void run(dyslam::Arguments& a)
     throw dyslam::UserError(a.trajectory + ": has no pose for any scan of " + a.rawlog +
                             "; are they of one recording? (--tolerance)");
   }
-  warnOfOrigin(builder, a);
-  const std::size_t points = dyslam::writeOutputs(builder, a);
-  if (const std::string ini = dyslam::effectiveIniOf(a); !ini.empty())
-  {
-    dyslam::writeWhole(ini, a.effective);
-  }
+  const std::size_t points = writeMap(builder, a);
   if (!a.labelled_map.empty())
   {
     const auto& labelled = builder.labelledMap();
@@ -90,12 +126,97 @@ void run(dyslam::Arguments& a)
     throw dyslam::UserError(damage + "; the map of the " + std::to_string(source.framesRead()) +
                             " scans before it was written");
   }
-  const double voxel = a.builder.whole_map ? builder.map().voxelSize() : a.builder.map.voxel_size;
-  std::printf("%zu scans, %zu without a pose, %zu keyframes, %zu map points%s\n",
-              source.framesRead(), builder.skipped(), builder.keyframes(), points,
-              a.exports.full_resolution
-                  ? ""
-                  : (" of " + std::to_string(voxel).substr(0, 4) + " m").c_str());
+  printCounts(builder, a, source.framesRead(), points);
+}
+
+/** Reads the recordings of the joined runs into the map. \return scans; damage is added to it */
+std::size_t addRuns(const std::vector<dyslam::Run>& runs,
+                    const std::vector<dyslam::Trajectory>& merged,
+                    bool quiet,
+                    dyslam::MapBuilder& builder,
+                    std::string& damage)
+{
+  std::size_t scans = 0;
+  for (std::size_t r = 0; r < runs.size(); ++r)
+  {
+    if (merged[r].empty())
+    {
+      continue;
+    }
+    dyslam::RunScansOptions options = runs[r].scans;
+    options.tracks.clear();  // labels or hindsight tell what moves
+    builder.beginRun(merged[r], options);
+    dyslam::RawlogSource source(runs[r].rawlog, runs[r].source);
+    const std::string one =
+        dyslam::readScans(source, "dyslam-map (map, " + runs[r].name + ")", quiet,
+                          [&](dyslam::Frame frame) { builder.add(std::move(frame)); });
+    printWarnings(source);
+    damage = damage.empty() ? one : damage;
+    scans += source.framesRead();
+  }
+  builder.finish();
+  return scans;
+}
+
+void runMerged(dyslam::Arguments& a)
+{
+  std::vector<dyslam::Run> runs = dyslam::readRuns(a.runs, a.scans.tolerance);
+  prepare(a);
+  const dyslam::RunMerge merge = dyslam::mergeRuns(runs, a.merger, a.builder.threads, a.quiet);
+  const std::string unjoined = dyslam::namesOfUnjoined(runs, merge);
+  std::vector<dyslam::Trajectory> merged;
+  std::size_t joined = 0;
+  for (std::size_t r = 0; r < runs.size(); ++r)
+  {
+    joined += merge.joined(r) ? 1 : 0;
+    merged.push_back(merge.joined(r) ? dyslam::mergedTrajectory(runs[r], merge.poses[r])
+                                     : dyslam::Trajectory());
+  }
+  const std::string problem = unjoined + ": no place in common with " + runs.front().folder +
+                              (runs.size() > 2 ? " or with a run joined to it" : "") +
+                              " was recognised";
+  if (joined < 2)
+  {
+    throw dyslam::UserError(problem + "; nothing was written");
+  }
+  std::string damage;
+  dyslam::MapBuilder builder(a.builder);
+  const std::size_t scans = addRuns(runs, merged, a.quiet, builder, damage);
+  const std::size_t points = writeMap(builder, a);
+  for (std::size_t r = 0; r < runs.size(); ++r)
+  {
+    if (merge.joined(r))
+    {
+      dyslam::writeTum(dyslam::besideOutput(a, "_" + runs[r].name + "_tum.txt"), merged[r]);
+      dyslam::writeKittiPoses(dyslam::besideOutput(a, "_" + runs[r].name + "_kitti.txt"),
+                              merged[r]);
+    }
+  }
+  const dyslam::Table table = dyslam::mergeTable(runs, merge, merged);
+  dyslam::writeWhole(dyslam::besideOutput(a, "_merge.csv"), table.toCsv());
+  if (!a.compare.empty())
+  {
+    dyslam::writeRunComparison(runs, merge, builder, a.compare);
+  }
+  std::printf("%s%zu of %zu runs joined, ", table.toText().c_str(), joined, runs.size());
+  printCounts(builder, a, scans, points);
+  if (!unjoined.empty() || !damage.empty())
+  {
+    throw dyslam::UserError((unjoined.empty() ? damage : problem) +
+                            "; the map of the rest was written");
+  }
+}
+
+void run(dyslam::Arguments& a)
+{
+  if (a.runs.empty())
+  {
+    runSingle(a);
+  }
+  else
+  {
+    runMerged(a);
+  }
 }
 }  // namespace
 

@@ -42,15 +42,21 @@ void declare(CLI::App& app, Arguments& a)
   app.add_option("--seconds", a.seconds,
                  "simulated time [s] (10); upper limit for the benchmark set");
   app.add_option("--seed", o.seed, "seed of world, traffic and noise (1)");
+  app.add_option("--traffic-seed", o.traffic_seed,
+                 "seed of traffic, the ego's motion and noise, in the world of --seed: another "
+                 "recording of the same place (--seed)");
   app.add_option("-o,--output", a.recording.output, "rawlog to write; with --count a folder");
   app.add_option("--count", a.count,
-                 "so many recordings of the seeds from --seed on, named by world, sensor and seed")
+                 "so many recordings of the seeds from --seed (--traffic-seed) on, named by world, "
+                 "sensor and seed")
       ->check(CLI::Range(1, 1000000));
   app.add_option("--ego", a.ego,
                  "carrier of the sensor: car, robot or handheld (default of the world)");
   app.add_option("--speed", o.ego_speed, "cruising speed [m/s]; 0: default of the world (0)");
   app.add_option("--loop", o.loop_length, "approximate length of the closed loop [m] (400)");
   app.add_option("--start", o.start_fraction, "start of the ego on the loop, 0 to 1 (0)");
+  app.add_flag("--reverse", o.reverse,
+               "go round the loop the other way; not on a highway or in a tunnel");
   app.add_option("--start-time", o.start_time, "traffic simulated before the first scan [s] (5)");
   app.add_flag("--one-loop", a.recording.one_loop,
                "stop when the loop is closed, or after --seconds");
@@ -68,9 +74,11 @@ void declare(CLI::App& app, Arguments& a)
   CLI::Option* benchmark = app.add_option(
       "--benchmark", a.benchmark, "write the standing benchmark set to this folder instead");
   for (const char* fixed :
-       {"--world", "--sensor", "--traffic", "--seed", "--output", "--ego", "--speed", "--loop",
-        "--start", "--start-time", "--one-loop", "--columns", "--max-range", "--compact",
-        "--no-flow", "--no-noise", "--no-distortion", "--no-stops", "--count"})
+       {"--world",   "--sensor",     "--traffic",  "--seed",          "--traffic-seed",
+        "--reverse", "--output",     "--ego",      "--speed",         "--loop",
+        "--start",   "--start-time", "--one-loop", "--columns",       "--max-range",
+        "--compact", "--no-flow",    "--no-noise", "--no-distortion", "--no-stops",
+        "--count"})
   {
     benchmark->excludes(app.get_option(fixed));
   }
@@ -121,7 +129,8 @@ std::vector<NamedRecording> partOf(const Arguments& a, const std::vector<NamedRe
   return a.shard.empty() ? all : Shard::fromText(a.shard).of(all);
 }
 
-/** --count recordings of consecutive seeds; each depends on its seed alone. */
+/** --count recordings of consecutive seeds, of the traffic where that has its own; each depends on
+ * its seeds alone. */
 std::vector<NamedRecording> seriesOf(const Arguments& a)
 {
   std::vector<NamedRecording> series;
@@ -129,8 +138,11 @@ std::vector<NamedRecording> seriesOf(const Arguments& a)
   {
     NamedRecording one;
     one.recording = a.recording;
-    one.recording.simulator.seed += i;
-    one.name = a.world + "_" + a.sensor + "_" + std::to_string(one.recording.simulator.seed);
+    SimulatorOptions& o = one.recording.simulator;
+    const bool same_world = o.traffic_seed >= 0;
+    (same_world ? o.traffic_seed : o.seed) += i;
+    one.name = a.world + "_" + a.sensor + "_" + std::to_string(o.seed) +
+               (same_world ? "_" + std::to_string(o.traffic_seed) : "");
     one.recording.output = a.recording.output + "/" + one.name + ".rawlog";
     series.push_back(one);
   }

@@ -10,8 +10,8 @@ namespace
 {
 constexpr std::size_t near_shortlist = 12;   // compared in full per keyframe
 constexpr std::size_t alike_shortlist = 16;  // ... for each viewpoint
-/** Viewpoints beside the vehicle that a place may have been seen from: another lane [m]. */
-constexpr float viewpoints[] = {2, -2, 4, -4};
+/** Viewpoints at and beside the vehicle that a place may have been seen from: another lane [m]. */
+constexpr float viewpoints[] = {0, 2, -2, 4, -4};
 
 float difference(const PolarDescriptor::RingMeans& a, const PolarDescriptor::RingMeans& b)
 {
@@ -29,6 +29,14 @@ double searchRadius(const LoopCloserOptions& options, double path)
 {
   return std::min(options.max_search_radius,
                   options.search_radius + options.drift_per_metre * path);
+}
+
+PlaceViews::PlaceViews(const std::vector<Eigen::Vector3f>& points, double range)
+{
+  for (const float y : viewpoints)
+  {
+    views.push_back({static_cast<double>(y), PolarDescriptor(points, range, {0, y})});
+  }
 }
 
 void LoopCandidates::add(const std::vector<Eigen::Vector3f>& points)
@@ -84,50 +92,62 @@ std::vector<LoopCandidate> LoopCandidates::near(const KeyframeStore& keyframes) 
   return candidates;
 }
 
-void LoopCandidates::addAlike(const KeyframeStore& keyframes,
-                              const PolarDescriptor& view,
-                              double y,
+void LoopCandidates::addAlike(const PlaceViews::View& view,
+                              const std::vector<std::size_t>& eligible,
                               std::vector<LoopCandidate>& found) const
 {
-  const std::size_t newest = descriptors_.size() - 1;
-  const Keyframe& now = keyframes[newest];
   std::vector<Ranked> ranked;
-  for (std::size_t i = 0; i < newest; ++i)
+  for (const std::size_t i : eligible)
   {
-    const double path = now.path_length - keyframes[i].path_length;
-    if (path < options_.min_path)
-    {
-      break;
-    }
-    const double distance =
-        (keyframes[i].T_map_vehicle.translation() - now.T_map_vehicle.translation()).norm();
-    if (distance >= searchRadius(options_, path))
-    {
-      ranked.push_back({i, static_cast<double>(difference(ring_means_[i], view.ringMeans()))});
-    }
+    ranked.push_back(
+        {i, static_cast<double>(difference(ring_means_[i], view.descriptor.ringMeans()))});
   }
   shortlist(ranked, alike_shortlist);
-  const PolarDescriptor::Columns ours = view.columns();
+  const PolarDescriptor::Columns ours = view.descriptor.columns();
   for (const Ranked& one : ranked)
   {
     const auto match = PolarDescriptor::match(descriptors_.get(one.id).columns(), ours);
     if (match.distance <= options_.appearance_descriptor_distance)
     {
       // The heading is that of the viewpoint; the vehicle stands beside it.
-      found.push_back({one.id, match.distance,
-                       poseFromYpr(0, 0, 0, match.heading, 0, 0) * poseFromYpr(0, -y, 0, 0, 0, 0)});
+      found.push_back(
+          {one.id, match.distance,
+           poseFromYpr(0, 0, 0, match.heading, 0, 0) * poseFromYpr(0, -view.y, 0, 0, 0, 0)});
     }
   }
 }
 
 std::vector<LoopCandidate> LoopCandidates::alike(const KeyframeStore& keyframes) const
 {
-  std::vector<LoopCandidate> found;
-  addAlike(keyframes, PolarDescriptor(descriptors_.get(descriptors_.size() - 1)), 0, found);
-  for (const float y : viewpoints)
+  const std::size_t newest = descriptors_.size() - 1;
+  const Keyframe& now = keyframes[newest];
+  return alike(keyframes, PlaceViews(points_, options_.descriptor_range),
+               [&](std::size_t i)
+               {
+                 const double path = now.path_length - keyframes[i].path_length;
+                 return path >= options_.min_path &&
+                        (keyframes[i].T_map_vehicle.translation() - now.T_map_vehicle.translation())
+                                .norm() >= searchRadius(options_, path);
+               });
+}
+
+std::vector<LoopCandidate> LoopCandidates::alike(
+    const KeyframeStore& keyframes,
+    const PlaceViews& now,
+    const std::function<bool(std::size_t)>& is_eligible) const
+{
+  std::vector<std::size_t> eligible;
+  for (std::size_t i = 0; i < descriptors_.size(); ++i)
   {
-    const PolarDescriptor view(points_, options_.descriptor_range, Eigen::Vector2f(0, y));
-    addAlike(keyframes, view, static_cast<double>(y), found);
+    if (is_eligible(i))
+    {
+      eligible.push_back(i);
+    }
+  }
+  std::vector<LoopCandidate> found;
+  for (const PlaceViews::View& view : now.views)
+  {
+    addAlike(view, eligible, found);
   }
   std::sort(found.begin(), found.end(), isMoreSimilar);
   const auto distance = [&](const LoopCandidate& a, const LoopCandidate& b)

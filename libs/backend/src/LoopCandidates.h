@@ -5,12 +5,16 @@
 #include <dyslam/core/SwappedStore.h>
 
 #include <cstddef>
+#include <functional>
 #include <vector>
 
 #include "PolarDescriptor.h"
 
 namespace dyslam
 {
+/** Of the memory of backend and map, for the descriptors. */
+constexpr double descriptor_share = 0.05;
+
 /** How far the estimate may be off after `path` metres [m]. */
 [[nodiscard]] double searchRadius(const LoopCloserOptions& options, double path);
 
@@ -19,6 +23,21 @@ struct LoopCandidate
   std::size_t id = 0;  //!< of the older keyframe
   double descriptor_distance = 1;
   Pose T_from_to = Pose::Identity();  //!< as the descriptors suggest
+};
+
+/** What a place looks like from the vehicle, and would from beside it: another lane. */
+struct PlaceViews
+{
+  PlaceViews() = default;
+  /** \param points vehicle frame [m] */
+  PlaceViews(const std::vector<Eigen::Vector3f>& points, double range);
+
+  struct View
+  {
+    double y = 0;  //!< of the viewpoint, vehicle frame [m]
+    PolarDescriptor descriptor;
+  };
+  std::vector<View> views;
 };
 
 /** The appearance of all keyframes, and which older ones the newest may have come back to. */
@@ -39,6 +58,11 @@ class LoopCandidates
   /** Keyframes anywhere else that look like the newest one, the most similar first, one of each
    * place. */
   [[nodiscard]] std::vector<LoopCandidate> alike(const KeyframeStore& keyframes) const;
+  /** The same of any keyframe, among those that are eligible. */
+  [[nodiscard]] std::vector<LoopCandidate> alike(
+      const KeyframeStore& keyframes,
+      const PlaceViews& now,
+      const std::function<bool(std::size_t)>& eligible) const;
 
  private:
   struct Ranked
@@ -46,10 +70,9 @@ class LoopCandidates
     std::size_t id = 0;
     double difference = 0;  //!< of the mean heights per ring
   };
-  /** Adds what looks like the newest keyframe seen from `y` metres beside it. */
-  void addAlike(const KeyframeStore& keyframes,
-                const PolarDescriptor& view,
-                double y,
+  /** Adds the eligible keyframes that look like this view. */
+  void addAlike(const PlaceViews::View& view,
+                const std::vector<std::size_t>& eligible,
                 std::vector<LoopCandidate>& found) const;
   /** The `limit` smallest differences, by rising difference. */
   static void shortlist(std::vector<Ranked>& ranked, std::size_t limit);

@@ -1,43 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/backend/LoopCloser.h>
-#include <dyslam/core/VoxelGrid.h>
 
 #include <algorithm>
-#include <cmath>
 #include <stdexcept>
 #include <utility>
 
-#include "KeyframeRegistration.h"
 #include "LoopAgreement.h"
 #include "LoopCandidates.h"
+#include "LoopVerification.h"
 
 namespace dyslam
 {
-namespace
-{
-constexpr double range_limit = 131.068;      // of stored coordinates: steps of 4 mm [m]
-constexpr double correlation_range = 5;      // around the initial guess [m]
-constexpr double descriptor_share = 0.05;    // of the memory
-constexpr double correlation_heading = 0.1;  // nearly a sector of the descriptor [rad]
-
-/** Adds a stored cloud, moved to another frame. */
-void append(const PackedCloud& cloud,
-            const Pose& T_target_source,
-            std::vector<Eigen::Vector3f>& target)
-{
-  const Eigen::Isometry3f T = T_target_source.cast<float>();
-  for (const Eigen::Vector3f& p : cloud.unpacked().points)
-  {
-    target.emplace_back(T * p);
-  }
-}
-
-double tiltOf(const Pose& T)
-{
-  return std::acos(std::clamp(T.linear()(2, 2), -1.0, 1.0));
-}
-}  // namespace
-
 struct LoopCloser::State
 {
   State(const LoopCloserOptions& given, KeyframeStore& store)
@@ -61,7 +34,6 @@ struct LoopCloser::State
   [[nodiscard]] Loop verify(const LoopCandidate& candidate,
                             const std::vector<Eigen::Vector3f>& source,
                             bool by_appearance) const;
-  [[nodiscard]] RegistrationTarget submapAround(std::size_t id) const;
   [[nodiscard]] LoopVerdict judge(const Loop& loop,
                                   const KeyframeRegistrationResult& registration,
                                   const Pose& T_from_to_estimate) const;
@@ -72,41 +44,15 @@ struct LoopCloser::State
   LoopAgreement agreement;
 };
 
-RegistrationTarget LoopCloser::State::submapAround(std::size_t id) const
-{
-  const auto reach = static_cast<std::size_t>(options.submap_keyframes);
-  const std::size_t first = id > reach ? id - reach : 0;
-  const std::size_t last = std::min(id + reach, keyframes.size() - 1);
-  std::vector<Eigen::Vector3f> points;
-  for (std::size_t i = first; i <= last; ++i)
-  {
-    append(keyframes.loopCloud(i), between(id, i), points);
-  }
-  return RegistrationTarget(voxelDownsample(points, options.voxel_size, VoxelPick::centroid).points,
-                            {});
-}
-
 LoopVerdict LoopCloser::State::judge(const Loop& loop,
                                      const KeyframeRegistrationResult& registration,
                                      const Pose& T_from_to_estimate) const
 {
   const bool alike = loop.by_appearance;
-  if (!registration.converged)
+  const LoopVerdict fit = judgeFit(registration, limitsOf(options, alike));
+  if (fit != LoopVerdict::accepted)
   {
-    return LoopVerdict::not_converged;
-  }
-  if (registration.overlap < (alike ? options.appearance_overlap : options.min_overlap))
-  {
-    return LoopVerdict::no_overlap;
-  }
-  if (registration.rmse > (alike ? options.appearance_rmse : options.max_rmse))
-  {
-    return LoopVerdict::bad_fit;
-  }
-  if (registration.observability <
-      (alike ? options.appearance_observability : options.min_observability))
-  {
-    return LoopVerdict::degenerate;
+    return fit;
   }
   const Pose correction = T_from_to_estimate.inverse() * loop.T_from_to;
   const double path = keyframes[loop.to].path_length - keyframes[loop.from].path_length;
@@ -136,26 +82,17 @@ Loop LoopCloser::State::verify(const LoopCandidate& candidate,
     loop.verdict = LoopVerdict::appearance;
     return loop;
   }
-  RegistrationTarget target = submapAround(candidate.id);
-  const auto alignFrom = [&](const Pose& start)
-  {
-    return target.align(source, correlateFromAbove(source, target.points(), start,
-                                                   correlation_range, correlation_heading)
-                                    .value_or(start));
-  };
-  KeyframeRegistrationResult registration = alignFrom(candidate.T_from_to);
+  RegistrationTarget target = submapAround(keyframes, candidate.id, {0, keyframes.size()}, options);
+  KeyframeRegistrationResult registration = registerFrom(target, source, candidate.T_from_to);
   if (!by_appearance && (!registration.converged || registration.overlap < options.min_overlap))
   {
-    const KeyframeRegistrationResult other = alignFrom(estimate);
+    const KeyframeRegistrationResult other = registerFrom(target, source, estimate);
     if (other.converged && other.overlap > registration.overlap)
     {
       registration = other;
     }
   }
-  loop.T_from_to = registration.T_target_source;
-  loop.information = registration.information;
-  loop.overlap = registration.overlap;
-  loop.rmse = registration.rmse;
+  fillFrom(registration, loop);
   loop.verdict = judge(loop, registration, estimate);
   return loop;
 }
@@ -283,9 +220,7 @@ void LoopCloser::add(const std::vector<Eigen::Vector3f>& static_points)
     throw std::invalid_argument("LoopCloser: keyframe " + std::to_string(next) +
                                 " is next, but there are " + std::to_string(s.keyframes.size()));
   }
-  KeyframeCloud sampled;
-  sampled.points = voxelDownsample(static_points, s.options.voxel_size, VoxelPick::centroid).points;
-  s.keyframes.setLoopCloud(next, PackedCloud(sampled, range_limit));
+  s.keyframes.setLoopCloud(next, loopCloudOf(static_points, s.options));
   s.candidates.add(static_points);
 }
 

@@ -218,15 +218,19 @@ void drawPath(const std::vector<Eigen::Vector3d>& path,
               int thickness,
               bool closed = false)
 {
-  std::vector<cv::Point> line;
+  std::vector<std::vector<cv::Point>> pieces(1);
   for (const auto& p : path)
   {
     if (p.allFinite())
     {
-      line.push_back(view.fine(p.head<2>()));
+      pieces.back().push_back(view.fine(p.head<2>()));
+    }
+    else if (!pieces.back().empty())
+    {
+      pieces.emplace_back();
     }
   }
-  cv::polylines(page, line, closed, colour, thickness, cv::LINE_AA, line_bits);
+  cv::polylines(page, pieces, closed, colour, thickness, cv::LINE_AA, line_bits);
 }
 
 void drawObject(const PictureObject& object, const View& view, cv::Mat& page)

@@ -126,6 +126,11 @@ mrpt::opengl::COpenGLScene sceneOf(const SceneContent& content)
   }
   insert(scene, polyline(positions(content.reference), reference_colour, 2.0F), "reference");
   insert(scene, polyline(path, estimate_colour, 3.0F), "trajectory");
+  for (std::size_t i = 0; i < content.other_trajectories.size(); ++i)
+  {
+    insert(scene, polyline(positions(content.other_trajectories[i]), estimate_colour, 3.0F),
+           "trajectory " + std::to_string(i + 2));
+  }
   if (!path.empty())
   {
     auto corner = mrpt::opengl::stock_objects::CornerXYZSimple(3.0F, 3.0F);

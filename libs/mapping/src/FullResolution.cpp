@@ -3,10 +3,9 @@
 #include <dyslam/core/Normals.h>
 #include <dyslam/core/VoxelGrid.h>
 #include <dyslam/mapping/FullResolution.h>
+#include <dyslam/mapping/MovingInMap.h>
 
 #include <algorithm>
-
-#include "MovingInMap.h"
 
 namespace dyslam
 {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/Error.h>
 #include <dyslam/mapping/MapTiles.h>
+#include <dyslam/mapping/MovingInMap.h>
 
 #include <algorithm>
 #include <cerrno>
@@ -8,8 +9,6 @@
 #include <cstring>
 #include <set>
 #include <utility>
-
-#include "MovingInMap.h"
 
 namespace dyslam
 {

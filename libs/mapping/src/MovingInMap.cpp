@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "MovingInMap.h"
+#include <dyslam/mapping/MovingInMap.h>
 
 #include <cmath>
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/VoxelGrid.h>
+#include <dyslam/mapping/MovingInMap.h>
 #include <dyslam/mapping/StaticMap.h>
 
 #include <algorithm>
@@ -9,7 +10,6 @@
 #include <utility>
 
 #include "CleanedMap.h"
-#include "MovingInMap.h"
 #include "VisibilityImage.h"
 #include "VoxelMap.h"
 

@@ -33,7 +33,7 @@ class HighwayTraffic : public Crowd::Group
       : crowd_(crowd),
         world_(crowd.world()),
         window_(std::min(kWindow, 0.9 * world_.highway.length())),
-        rng_(combine(static_cast<std::uint64_t>(crowd.options().seed), 0x419)),
+        rng_(combine(crowd.options().trafficSeed(), 0x419)),
         lanes_(world_.highway_lanes)
   {
     Car ego;

@@ -43,7 +43,7 @@ struct Simulator::Impl
         model(sensorFor(o)),
         pool(threads),
         crowd(*world, options),
-        ego_motion(carrierOf(o), static_cast<std::uint64_t>(o.seed)),
+        ego_motion(carrierOf(o), o.trafficSeed()),
         T_vehicle_lidar(EgoMotion::mounting(carrierOf(o))),
         moving_scene(world->device.handle())
   {
@@ -216,7 +216,7 @@ SimulatedScan Simulator::Impl::next()
   sweep.T_map_lidar = scan.T_map_vehicle * T_vehicle_lidar;
   sweep.T_map_lidar_next = scan.T_map_vehicle_next * T_vehicle_lidar;
   sweep.start = model.period * static_cast<double>(index);
-  sweep.seed = combine(combine(static_cast<std::uint64_t>(options.seed), 0x5CA7), index);
+  sweep.seed = combine(combine(options.trafficSeed(), 0x5CA7), index);
   sweep.on_car = options.noise && carrierOf(options) == EgoKind::car;
   sweep.noise = options.noise;
   sweep.motion_distortion = options.motion_distortion;

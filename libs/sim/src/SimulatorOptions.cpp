@@ -32,6 +32,8 @@ void SimulatorOptions::describe(OptionsVisitor& visitor)
                  "LiDAR");
   visitor.real("traffic", traffic, 0, 1, "density, from 0 (nothing moves) to 1 (jam)");
   visitor.integer("seed", seed, 0, 2147483647, "seed of world, traffic and noise");
+  visitor.integer("traffic_seed", traffic_seed, -1, 2147483647,
+                  "seed of traffic and noise in the world of seed; -1: seed");
   visitor.choice("ego", ego,
                  {{"automatic", EgoKind::automatic},
                   {"car", EgoKind::car},
@@ -43,6 +45,7 @@ void SimulatorOptions::describe(OptionsVisitor& visitor)
   visitor.real("loop_length", loop_length, 50, 10000, "approximate length of the ego's loop [m]");
   visitor.real("start_time", start_time, 0, 600, "time simulated before the first scan [s]");
   visitor.real("start_fraction", start_fraction, 0, 1, "start of the ego on its loop");
+  visitor.flag("reverse", reverse, "the ego goes round its loop the other way; not on a highway");
   visitor.flag("stops", stops, "the ego stops at random times");
   visitor.flag("motion_distortion", motion_distortion,
                "points are measured while the sensor moves");

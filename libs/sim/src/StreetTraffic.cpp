@@ -35,7 +35,7 @@ class StreetTraffic : public Crowd::Group
   StreetTraffic(Crowd& crowd, bool with_ego)
       : crowd_(crowd),
         net_(crowd.world().roads),
-        rng_(combine(static_cast<std::uint64_t>(crowd.options().seed), 0x57AF)),
+        rng_(combine(crowd.options().trafficSeed(), 0x57AF)),
         with_ego_(with_ego)
   {
     if (with_ego_)

@@ -413,7 +413,7 @@ void buildUrban(World& world, const SimulatorOptions& options)
   {
     builder.street(s, false, streets.minU(), streets.maxU(), streets.along_v);
   }
-  world.roads = makeLanes(streets, 1, 1, ring_u, ring_v, rng.chance(0.5));
+  world.roads = makeLanes(streets, 1, 1, ring_u, ring_v, rng.chance(0.5) != options.reverse);
   world.walks = makeWalks(streets);
   world.bicycle_loops = makeBicycleLoops(streets);
   for (const int lane : world.roads.ego_route)

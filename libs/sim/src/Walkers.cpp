@@ -79,7 +79,7 @@ class Walkers : public Crowd::Group
   explicit Walkers(Crowd& crowd)
       : crowd_(crowd),
         net_(crowd.world().walks),
-        rng_(combine(static_cast<std::uint64_t>(crowd.options().seed), 0x3A1C))
+        rng_(combine(crowd.options().trafficSeed(), 0x3A1C))
   {
     if (net_.links.empty() || crowd.options().traffic <= 0)
     {
@@ -306,7 +306,7 @@ class Bicycles : public Crowd::Group
 {
  public:
   explicit Bicycles(Crowd& crowd)
-      : crowd_(crowd), rng_(combine(static_cast<std::uint64_t>(crowd.options().seed), 0xB1C1))
+      : crowd_(crowd), rng_(combine(crowd.options().trafficSeed(), 0xB1C1))
   {
     for (const auto& loop : crowd.world().bicycle_loops)
     {
@@ -379,7 +379,7 @@ class PathEgo : public Crowd::Group
 {
  public:
   explicit PathEgo(Crowd& crowd)
-      : crowd_(crowd), rng_(combine(static_cast<std::uint64_t>(crowd.options().seed), 0xE605))
+      : crowd_(crowd), rng_(combine(crowd.options().trafficSeed(), 0xE605))
   {
     s_ = crowd.options().start_fraction * crowd.world().ego_path.length();
     next_stop_ = rng_.uniform(15, 40);
@@ -397,7 +397,7 @@ class PathEgo : public Crowd::Group
     }
     desired_speed = crowd_.time() < stop_until_ ? 0 : desired_speed;
     const double heading_change =
-        std::abs(wrapToPi(path.at(s_ + 1.5).heading - path.at(s_).heading));
+        std::abs(wrapToPi(path.at(s_ + 1.5 * sense()).heading - path.at(s_).heading));
     desired_speed = std::min(desired_speed,
                              heading_change > 0.2
                                  ? std::max(0.6, 0.5 * egoCruise(crowd_.world(), crowd_.options()))
@@ -410,15 +410,18 @@ class PathEgo : public Crowd::Group
     }
     stuck_ = v_ < 0.1 && who >= 0 ? stuck_ + dt : std::max(0.0, stuck_ - 0.5 * dt);
     v_ = std::max(0.0, v_ + std::clamp(desired_speed - v_, -1.8 * dt, 0.9 * dt));
-    s_ += v_ * dt;
+    s_ += sense() * v_ * dt;
     place();
   }
 
  private:
+  /** 1 along the path, -1 the other way. */
+  double sense() const { return crowd_.options().reverse ? -1 : 1; }
+
   void place()
   {
     const Path& path = crowd_.world().ego_path;
-    const auto front = path.at(s_ + 0.4), back = path.at(s_ - 0.4);
+    const auto front = path.at(s_ + 0.4 * sense()), back = path.at(s_ - 0.4 * sense());
     const Eigen::Vector2d d = front.position - back.position;
     crowd_.ego() = {0.5 * (front.position + back.position), std::atan2(d.y(), d.x()), v_};
   }

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "World.h"
 
+#include <dyslam/core/Error.h>
+
 #include "Random.h"
 #include "Shapes.h"
 
@@ -203,6 +205,12 @@ std::pair<std::uint16_t, std::uint16_t> semanticClasses(ObjectClass object_class
 std::shared_ptr<const World> makeWorld(const SimulatorOptions& options)
 {
   validate(options, "simulator");
+  if (options.reverse &&
+      (options.world == WorldKind::highway || options.world == WorldKind::tunnel))
+  {
+    throw UserError("simulator.reverse: a " + toString(options.world) +
+                    " has one direction; choose urban, campus or field");
+  }
   auto world = std::make_shared<World>(options.world, static_cast<std::uint64_t>(options.seed));
   Rng rng(combine(world->seed, 0xB0D1E5));
   addBodies(*world, rng);

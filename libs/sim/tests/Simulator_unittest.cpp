@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/Error.h>
 #include <dyslam/sim/ClipGenerator.h>
 #include <dyslam/sim/Simulator.h>
 #include <gtest/gtest.h>
@@ -80,6 +81,59 @@ TEST(Simulator, EqualSeedsGiveEqualBytesOnAnyNumberOfThreads)
       EXPECT_FALSE(sameScan(a, c)) << toString(world) << " scan " << i;
     }
   }
+}
+
+TEST(Simulator, TheSameWorldWithOtherTraffic)
+{
+  SimulatorOptions options = small(WorldKind::urban, 0.6);
+  Simulator first(options, 2);
+  options.traffic_seed = 77;
+  Simulator second(options, 2);
+  options.seed = 6;
+  Simulator elsewhere(options, 2);
+  EXPECT_EQ(first.loopLength(), second.loopLength());
+  EXPECT_NE(first.loopLength(), elsewhere.loopLength());
+  const SimulatedScan a = first.next();
+  const SimulatedScan b = second.next();
+  EXPECT_FALSE(sameScan(a, b));
+  const auto nearest = [](const SimulatedScan& scan)
+  {
+    double range = 1e9;
+    for (const SimulatedObject& object : scan.objects)
+    {
+      range = std::min(range, object.box.center.norm());
+    }
+    return range;
+  };
+  EXPECT_NE(nearest(a), nearest(b));
+}
+
+TEST(Simulator, TheLoopTheOtherWayRound)
+{
+  for (const WorldKind world : {WorldKind::urban, WorldKind::campus, WorldKind::field})
+  {
+    SimulatorOptions options = small(world, 0);
+    options.stops = false;
+    const auto turnedLeft = [](const SimulatorOptions& o)
+    {
+      Simulator simulator(o, 2);
+      double angle = 0;  // about the middle of the loop
+      Eigen::Vector3d last = simulator.next().T_map_vehicle.translation();
+      for (int i = 0; i < 20; ++i)
+      {
+        const Eigen::Vector3d now = simulator.next().T_map_vehicle.translation();
+        angle += last.cross(now).z();
+        last = now;
+      }
+      return angle > 0;
+    };
+    SimulatorOptions other = options;
+    other.reverse = true;
+    EXPECT_NE(turnedLeft(options), turnedLeft(other)) << toString(world);
+  }
+  SimulatorOptions highway = small(WorldKind::highway, 0);
+  highway.reverse = true;
+  EXPECT_THROW(Simulator(highway, 1), UserError);
 }
 
 TEST(Simulator, StaticFlowEqualsTheEgoMotion)

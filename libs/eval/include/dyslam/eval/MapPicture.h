@@ -24,7 +24,8 @@ struct MapPictureContent
 {
   const std::vector<Eigen::Vector3f>* points = nullptr;  //!< of the static map; may be null
   const std::vector<Eigen::Vector3f>* marked = nullptr;  //!< drawn in red over these; may be null
-  std::vector<Eigen::Vector3d> path;                     //!< of the vehicle, in order of time
+  /** Of the vehicle, in order of time; interrupted where a position is not finite. */
+  std::vector<Eigen::Vector3d> path;
   std::vector<std::pair<Eigen::Vector3d, Eigen::Vector3d>> loops;  //!< the two places of each
   std::vector<PictureObject> objects;
 };

@@ -17,9 +17,10 @@ struct SceneContent
   std::vector<Eigen::Vector3f> points;
   std::vector<float> intensity;  //!< one per point, or empty
   Trajectory trajectory;
-  Trajectory reference;                     //!< ground truth, drawn beside
-  std::vector<LabelledBox> boxes;           //!< objects, with their ids
-  std::vector<Eigen::Vector3d> velocities;  //!< one per box, drawn as arrows, or empty [m/s]
+  std::vector<Trajectory> other_trajectories;  //!< of other runs in the same map
+  Trajectory reference;                        //!< ground truth, drawn beside
+  std::vector<LabelledBox> boxes;              //!< objects, with their ids
+  std::vector<Eigen::Vector3d> velocities;     //!< one per box, drawn as arrows, or empty [m/s]
   /** Paths of moving objects by id, drawn as lines of the box's colour. */
   std::map<int, std::vector<Eigen::Vector3d>> object_paths;
 };

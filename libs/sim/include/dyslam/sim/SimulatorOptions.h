@@ -4,6 +4,7 @@
 #include <dyslam/core/Options.h>
 #include <dyslam/sim/Sensor.h>
 
+#include <cstdint>
 #include <string>
 
 namespace dyslam::sim
@@ -33,6 +34,7 @@ struct SimulatorOptions : Options
   SensorKind sensor = SensorKind::hdl64e;
   double traffic = 0.4;  //!< density, from 0 (nothing moves) to 1 (jam)
   int seed = 1;
+  int traffic_seed = -1;  //!< of what moves and of noise; below 0: seed, which is then the world's
   EgoKind ego = EgoKind::automatic;
 
   double ego_speed = 0;  //!< cruising speed [m/s]; 0 for the default of the world
@@ -40,6 +42,7 @@ struct SimulatorOptions : Options
       400;  //!< approximate length of the ego's closed loop [m]; sets the world's size
   double start_time = 5;      //!< time simulated before the first scan [s]
   double start_fraction = 0;  //!< start of the ego on its loop, in [0, 1)
+  bool reverse = false;       //!< the ego goes round its loop the other way; not on a highway
   bool stops = true;          //!< the ego stops at random times
 
   bool motion_distortion = true;  //!< false: all points are measured at the stamp
@@ -48,6 +51,11 @@ struct SimulatorOptions : Options
   double max_range = 0;           //!< [m]; 0 for the sensor's
   double moving_speed = 0.2;      //!< speed above which bodies are labelled moving [m/s]
 
+  /** Seed of traffic, motion of the ego and noise. */
+  [[nodiscard]] std::uint64_t trafficSeed() const
+  {
+    return static_cast<std::uint64_t>(traffic_seed < 0 ? seed : traffic_seed);
+  }
   void describe(OptionsVisitor& visitor) override;
 };
 

@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "RunScans.h"
+
+#include <dyslam/core/BoxOverlap.h>
+#include <dyslam/core/Error.h>
+#include <dyslam/core/Labels.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+
+namespace dyslam
+{
+namespace
+{
+namespace fs = std::filesystem;
+
+constexpr double min_distance = 1.0;  // from its start, beyond which an object moves [m]
+
+std::string labelFolder(const std::string& folder)
+{
+  if (folder.empty())
+  {
+    return folder;
+  }
+  const fs::path inner = fs::path(folder) / "labels";
+  const std::string result = fs::is_directory(inner) ? inner.string() : folder;
+  const auto isLabelFile = [](const fs::path& path) { return path.extension() == ".label"; };
+  if (!fs::is_directory(result) ||
+      std::none_of(fs::directory_iterator(result), fs::directory_iterator(), isLabelFile))
+  {
+    throw UserError(folder + ": is not a folder of .label files (--labels)");
+  }
+  return result;
+}
+}  // namespace
+
+RunScans::RunScans(const Trajectory& trajectory, const RunScansOptions& options, ThreadPool& pool)
+    : trajectory_(trajectory),
+      options_(options),
+      label_folder_(labelFolder(options.labels)),
+      preprocessor_(options.preprocess, pool)
+{
+  if (trajectory_.empty())
+  {
+    throw UserError("the trajectory has no poses");
+  }
+  if (options_.tracks.empty())
+  {
+    return;
+  }
+  for (const auto& box : readTracks(options_.tracks))
+  {
+    boxes_.emplace(box.frame, box);
+    moves_[box.id] = false;
+  }
+}
+
+std::optional<std::size_t> RunScans::poseOf(const Frame& frame) const
+{
+  return trajectory_.nearest(frame.scan.stamp, options_.tolerance);
+}
+
+void RunScans::fillCloud(Frame& frame, std::size_t pose) const
+{
+  const Trajectory& t = trajectory_;
+  Pose T_previous_current = Pose::Identity();
+  double dt = 0;
+  if (t.size() > 1)
+  {
+    const std::size_t current = std::max<std::size_t>(pose, 1);
+    T_previous_current = t[current - 1].pose.inverse() * t[current].pose;
+    dt = t[current].stamp - t[current - 1].stamp;
+  }
+  frame.cloud = preprocessor_.prepare(frame.scan, T_previous_current, dt);
+}
+
+/** One label per point of the cloud. */
+std::vector<Label> RunScans::labelsOf(const Frame& frame) const
+{
+  char name[32];
+  std::snprintf(name, sizeof name, "%06zu.label", frame.index);
+  const std::string path = (fs::path(label_folder_) / name).string();
+  if (!fs::exists(path))
+  {
+    throw UserError(path + ": no such file, but scan " + std::to_string(frame.index) +
+                    " needs its labels; give --labels of this recording, and the --skip-first-n "
+                    "and --only-first-n of the run that wrote them");
+  }
+  const auto labels = readLabels(path, frame.scan.size());
+  std::vector<Label> result;
+  result.reserve(frame.cloud.size());
+  for (const auto i : frame.cloud.source)
+  {
+    result.push_back(labels[i]);
+  }
+  return result;
+}
+
+void RunScans::fillMoving(Frame& frame) const
+{
+  if (!label_folder_.empty())
+  {
+    for (const Label label : labelsOf(frame))
+    {
+      frame.moving.push_back(isMovingLabel(label));
+    }
+  }
+  const auto [begin, end] = boxes_.equal_range(static_cast<int>(frame.index));
+  for (auto it = begin; it != end; ++it)
+  {
+    TrackedObject object;
+    object.id = it->second.id;
+    object.box = transformed(it->second.box, frame.T_odom_vehicle * frame.scan.T_vehicle_lidar);
+    object.object_class = it->second.object_class;
+    object.dynamic = moves_.at(object.id);
+    frame.objects.push_back(object);
+  }
+}
+
+void RunScans::noteObjects(const Frame& frame)
+{
+  const auto pose = poseOf(frame);
+  if (!pose)
+  {
+    return;
+  }
+  const Pose T_map_lidar = trajectory_[*pose].pose * frame.scan.T_vehicle_lidar;
+  const auto [begin, end] = boxes_.equal_range(static_cast<int>(frame.index));
+  for (auto it = begin; it != end; ++it)
+  {
+    LabelledBox box = it->second;
+    box.box = transformed(box.box, T_map_lidar);
+    ObjectPath& object = objects_[box.id];
+    object.path.push_back(box.box.center);
+    object.last = box;
+    const double moved = (object.path.back() - object.path.front()).norm();
+    moves_[box.id] = moves_[box.id] || moved > min_distance;
+  }
+}
+
+std::map<int, ObjectPath> RunScans::movingObjects() const
+{
+  std::map<int, ObjectPath> result;
+  for (const auto& [id, object] : objects_)
+  {
+    if (moves_.at(id))
+    {
+      result.emplace(id, object);
+    }
+  }
+  return result;
+}
+}  // namespace dyslam

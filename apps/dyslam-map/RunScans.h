@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <dyslam/core/Frame.h>
+#include <dyslam/core/Parallel.h>
+#include <dyslam/core/Trajectory.h>
+#include <dyslam/formats/GroundTruth.h>
+#include <dyslam/formats/LabelFiles.h>
+#include <dyslam/odometry/Preprocessor.h>
+
+#include <cstddef>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace dyslam
+{
+/** What is known of a recording beside its scans. */
+struct RunScansOptions
+{
+  PreprocessOptions preprocess;
+  std::string labels;       //!< folder of NNNNNN.label, or one with such a `labels` folder
+  std::string tracks;       //!< objects' boxes; those that move are left out of the map
+  double tolerance = 0.01;  //!< of time stamps against the trajectory's [s]
+};
+
+/** A moving object: its path and where it was last. */
+struct ObjectPath
+{
+  std::vector<Eigen::Vector3d> path;  //!< of the box's centre, map frame
+  LabelledBox last;                   //!< map frame
+};
+
+/** The scans of a recording along its trajectory: their clouds, and what moves in them. */
+class RunScans
+{
+ public:
+  /** Reads labels' folder and tracks. \param trajectory has the times of the scans \param pool
+   * outlives this \throws UserError. */
+  RunScans(const Trajectory& trajectory, const RunScansOptions& options, ThreadPool& pool);
+
+  [[nodiscard]] const Trajectory& trajectory() const { return trajectory_; }
+  /** Position of the scan's pose in the trajectory. */
+  [[nodiscard]] std::optional<std::size_t> poseOf(const Frame& frame) const;
+  [[nodiscard]] bool hasLabels() const { return !label_folder_.empty(); }
+  [[nodiscard]] bool hasTracks() const { return !options_.tracks.empty(); }
+
+  /** First pass, if there are tracks: the objects of a scan. Every scan comes here before
+   * fillMoving(), for an object that moves at all moves in all scans. */
+  void noteObjects(const Frame& frame);
+  /** The cloud at the scan's pose. */
+  void fillCloud(Frame& frame, std::size_t pose) const;
+  /** What moves by labels, and the objects. \pre cloud and T_odom_vehicle */
+  void fillMoving(Frame& frame) const;
+  /** One label per point of the cloud. \pre hasLabels() \throws UserError. */
+  [[nodiscard]] std::vector<Label> labelsOf(const Frame& frame) const;
+
+  /** By id, those that move. */
+  [[nodiscard]] std::map<int, ObjectPath> movingObjects() const;
+
+ private:
+  Trajectory trajectory_;
+  RunScansOptions options_;
+  std::string label_folder_;
+  Preprocessor preprocessor_;
+  std::multimap<int, LabelledBox> boxes_;  // by frame, lidar frame
+  std::map<int, ObjectPath> objects_;
+  std::map<int, bool> moves_;
+};
+}  // namespace dyslam

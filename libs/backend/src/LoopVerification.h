@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <dyslam/backend/LoopCloser.h>
+#include <dyslam/core/KeyframeStore.h>
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <vector>
+
+#include "KeyframeRegistration.h"
+
+namespace dyslam
+{
+/** What a registration must reach to be a loop. */
+struct LoopLimits
+{
+  double overlap = 0;
+  double rmse = 0;  //!< [m]
+  double observability = 0;
+};
+/** Of loops nearby, or of those by appearance, where position gives no evidence. */
+[[nodiscard]] LoopLimits limitsOf(const LoopCloserOptions& options, bool by_appearance);
+
+/** Keyframes [begin, end) of a store. */
+struct KeyframeRange
+{
+  std::size_t begin = 0;
+  std::size_t end = 0;
+
+  [[nodiscard]] bool contains(std::size_t keyframe) const
+  {
+    return keyframe >= begin && keyframe < end;
+  }
+};
+
+/** What the loop closer keeps of a keyframe's points. \param static_points vehicle frame [m] */
+[[nodiscard]] PackedCloud loopCloudOf(const std::vector<Eigen::Vector3f>& static_points,
+                                      const LoopCloserOptions& options);
+
+/** Points around keyframe `id` from it and its neighbours within `range`, in its frame, ready to be
+ * registered to. */
+[[nodiscard]] RegistrationTarget submapAround(const KeyframeStore& keyframes,
+                                              std::size_t id,
+                                              const KeyframeRange& range,
+                                              const LoopCloserOptions& options);
+
+/** Registers a keyframe's points; the search begins with the best placement seen from above within
+ * 5 m of the initial pose. */
+[[nodiscard]] KeyframeRegistrationResult registerFrom(RegistrationTarget& target,
+                                                      const std::vector<Eigen::Vector3f>& source,
+                                                      const Pose& T_target_source_initial);
+
+/** Accepted, or what the registration falls short of. */
+[[nodiscard]] LoopVerdict judgeFit(const KeyframeRegistrationResult& registration,
+                                   const LoopLimits& limits);
+
+/** Enters the registration into the loop. */
+void fillFrom(const KeyframeRegistrationResult& registration, Loop& loop);
+
+/** Angle between the two vertical axes [rad]. */
+[[nodiscard]] double tiltOf(const Pose& T);
+}  // namespace dyslam

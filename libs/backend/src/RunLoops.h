@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <dyslam/backend/LoopCloser.h>
+#include <dyslam/core/KeyframeStore.h>
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <vector>
+
+#include "LoopCandidates.h"
+#include "LoopVerification.h"
+
+namespace dyslam
+{
+/** Loops found near one another, by the present poses. */
+struct NearLoops
+{
+  std::vector<Loop> accepted;
+  std::size_t tried = 0;      //!< keyframes with one of the other run within `search_radius`
+  std::size_t confirmed = 0;  //!< of those, registered and agreed with
+};
+
+/** Finds loops between the keyframes of different runs, which lie in one store one after the other.
+ * Deterministic; not thread-safe. */
+class RunLoops
+{
+ public:
+  /** \param keyframes outlives this */
+  RunLoops(const LoopCloserOptions& options, KeyframeStore& keyframes);
+
+  /** Makes the store's next keyframe ready. \param static_points vehicle frame [m] */
+  void add(const std::vector<Eigen::Vector3f>& static_points);
+
+  /** Loops from keyframes of one run to another's, by appearance alone: positions are not compared,
+   * for nothing is known of how the two runs lie to each other. */
+  [[nodiscard]] std::vector<Loop> alike(const KeyframeRange& older, const KeyframeRange& newer);
+
+  /** Loops to the nearest keyframe of the other run. \param reach for every keyframe of `newer`,
+   * how far the poses may be off [m] */
+  [[nodiscard]] NearLoops near(const KeyframeRange& older,
+                               const KeyframeRange& newer,
+                               const std::vector<double>& reach);
+
+  /** Whether two loops between the same runs place these alike, but for the drift in between. */
+  [[nodiscard]] bool agree(const Loop& a, const Loop& b) const;
+
+ private:
+  [[nodiscard]] Loop verify(const LoopCandidate& candidate,
+                            std::size_t keyframe,
+                            const KeyframeRange& older,
+                            bool by_appearance) const;
+  [[nodiscard]] Pose between(std::size_t from, std::size_t to) const;
+
+  LoopCloserOptions options_;
+  KeyframeStore& keyframes_;
+  LoopCandidates candidates_;
+  std::vector<PlaceViews> views_;  //!< of every keyframe
+};
+}  // namespace dyslam

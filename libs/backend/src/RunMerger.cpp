@@ -1,0 +1,402 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/backend/RunMerger.h>
+#include <dyslam/backend/factors/LoopFactor.h>
+#include <dyslam/backend/factors/OdometryFactor.h>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+#include <stdexcept>
+#include <utility>
+
+#include "RunLoops.h"
+
+namespace dyslam
+{
+namespace
+{
+/** A factor between two keyframes of one run, by their numbers in the store. */
+struct Edge
+{
+  bool is_loop = false;
+  std::size_t from = 0;
+  std::size_t to = 0;
+  Pose T_from_to = Pose::Identity();
+  Matrix6 information = Matrix6::Identity();
+};
+
+struct Run
+{
+  KeyframeRange range;
+  std::vector<Edge> edges;
+  bool joined = false;
+};
+
+/** Loops that place a run alike, the one with the most agreement first. */
+struct Placement
+{
+  std::size_t run = 0;
+  std::vector<Loop> loops;
+};
+}  // namespace
+
+void RunMergerOptions::describe(OptionsVisitor& visitor)
+{
+  visitor.real("min_confirmed", min_confirmed, 0, 1,
+               "share of the keyframes near another run's that a registration must confirm");
+}
+
+struct RunMerger::State
+{
+  explicit State(const RunMergerConfig& given) : config(given), finder(given.loops, keyframes)
+  {
+    validate(config.merge, "merge");
+    validate(config.loops, "loop");
+    validate(config.solver, "solver");
+  }
+
+  /** Seeds of all pairs of runs. */
+  void findSeeds();
+  /** The best supported placement of a run that is not joined. */
+  [[nodiscard]] Placement bestPlacement() const;
+  [[nodiscard]] std::vector<Loop> largestGroup(const std::vector<Loop>& seeds) const;
+  /** \return false: the rest of the path contradicts it, nothing is changed */
+  [[nodiscard]] bool join(const Placement& placement);
+  void refuse(const Placement& placement);
+  void place(const Placement& placement);
+  /** Loops of the run to all joined ones, from the present poses. */
+  [[nodiscard]] NearLoops loopsAround(const Run& run, const std::vector<Loop>& known) const;
+  [[nodiscard]] std::vector<double> reachOf(const Run& run, const std::vector<Loop>& known) const;
+  /** Solves the joined runs and these loops between them; moves the keyframes. */
+  void solve();
+  [[nodiscard]] std::size_t runOf(std::size_t keyframe) const;
+  [[nodiscard]] RunMerge result() const;
+
+  RunMergerConfig config;
+  KeyframeStore keyframes;
+  mutable RunLoops finder;
+  std::vector<Run> runs;
+  std::size_t ready = 0;                 //!< keyframes with points
+  std::vector<std::vector<Loop>> seeds;  //!< of each pair of runs
+  std::vector<std::pair<std::size_t, std::size_t>> pairs;
+  std::vector<Loop> loops;            //!< between joined runs
+  std::set<std::size_t> false_loops;  //!< of those, by number
+  OptimisationResult optimisation;
+};
+
+std::size_t RunMerger::State::runOf(std::size_t keyframe) const
+{
+  std::size_t run = 0;
+  while (!runs[run].range.contains(keyframe))
+  {
+    ++run;
+  }
+  return run;
+}
+
+void RunMerger::State::findSeeds()
+{
+  for (std::size_t b = 1; b < runs.size(); ++b)
+  {
+    for (std::size_t a = 0; a < b; ++a)
+    {
+      pairs.emplace_back(a, b);
+      seeds.push_back(finder.alike(runs[a].range, runs[b].range));
+    }
+  }
+}
+
+std::vector<Loop> RunMerger::State::largestGroup(const std::vector<Loop>& all) const
+{
+  std::vector<Loop> largest;
+  for (const Loop& seed : all)
+  {
+    std::vector<Loop> group{seed};
+    for (const Loop& other : all)
+    {
+      if (other.to != seed.to && finder.agree(seed, other))
+      {
+        group.push_back(other);
+      }
+    }
+    if (group.size() > largest.size())
+    {
+      largest = std::move(group);
+    }
+  }
+  return largest;
+}
+
+Placement RunMerger::State::bestPlacement() const
+{
+  Placement best;
+  for (std::size_t p = 0; p < pairs.size(); ++p)
+  {
+    const auto [a, b] = pairs[p];
+    if (runs[a].joined == runs[b].joined)
+    {
+      continue;
+    }
+    std::vector<Loop> group = largestGroup(seeds[p]);
+    if (group.size() >
+        std::max<std::size_t>(best.loops.size(),
+                              static_cast<std::size_t>(config.loops.appearance_support)))
+    {
+      best = {runs[a].joined ? b : a, std::move(group)};
+    }
+  }
+  return best;
+}
+
+void RunMerger::State::refuse(const Placement& placement)
+{
+  const auto isRefused = [&](const Loop& loop)
+  {
+    return std::any_of(placement.loops.begin(), placement.loops.end(),
+                       [&](const Loop& other)
+                       { return other.from == loop.from && other.to == loop.to; });
+  };
+  for (std::vector<Loop>& some : seeds)
+  {
+    some.erase(std::remove_if(some.begin(), some.end(), isRefused), some.end());
+  }
+}
+
+void RunMerger::State::place(const Placement& placement)
+{
+  const Loop& seed = placement.loops.front();
+  const KeyframeRange& range = runs[placement.run].range;
+  const Pose T_map_to = keyframes[seed.from].T_map_vehicle * seed.T_from_to;
+  const Pose T_map_run = range.contains(seed.to)
+                             ? T_map_to * keyframes[seed.to].T_map_vehicle.inverse()
+                             : keyframes[seed.to].T_map_vehicle * seed.T_from_to.inverse() *
+                                   keyframes[seed.from].T_map_vehicle.inverse();
+  for (std::size_t k = range.begin; k < range.end; ++k)
+  {
+    keyframes[k].T_map_vehicle = orthonormalized(T_map_run * keyframes[k].T_map_vehicle);
+  }
+}
+
+std::vector<double> RunMerger::State::reachOf(const Run& run, const std::vector<Loop>& known) const
+{
+  std::vector<double> reach;
+  for (std::size_t k = run.range.begin; k < run.range.end; ++k)
+  {
+    double path = known.empty() ? 0 : 1e9;
+    for (const Loop& loop : known)
+    {
+      const std::size_t end = run.range.contains(loop.to) ? loop.to : loop.from;
+      path = std::min(path, std::abs(keyframes[k].path_length - keyframes[end].path_length));
+    }
+    reach.push_back(searchRadius(config.loops, path));
+  }
+  return reach;
+}
+
+NearLoops RunMerger::State::loopsAround(const Run& run, const std::vector<Loop>& known) const
+{
+  NearLoops all;
+  const std::vector<double> reach = reachOf(run, known);
+  for (const Run& other : runs)
+  {
+    if (!other.joined || other.range.begin == run.range.begin)
+    {
+      continue;
+    }
+    const NearLoops some = finder.near(other.range, run.range, reach);
+    all.accepted.insert(all.accepted.end(), some.accepted.begin(), some.accepted.end());
+    all.tried += some.tried;
+    all.confirmed += some.confirmed;
+  }
+  return all;
+}
+
+void RunMerger::State::solve()
+{
+  FactorGraph graph;
+  for (const Run& run : runs)
+  {
+    for (std::size_t k = run.range.begin; run.joined && k < run.range.end; ++k)
+    {
+      graph.addPose(Key::ego(k), keyframes[k].T_map_vehicle);
+    }
+    for (const Edge& e : run.edges)
+    {
+      if (run.joined && e.is_loop)
+      {
+        graph.add(std::make_unique<LoopFactor>(e.from, e.to, e.T_from_to, e.information));
+      }
+      else if (run.joined)
+      {
+        graph.add(std::make_unique<OdometryFactor>(e.from, e.to, e.T_from_to, e.information));
+      }
+    }
+  }
+  graph.setFixed(Key::ego(0), true);
+  std::vector<FactorGraph::FactorId> ids;
+  for (const Loop& loop : loops)
+  {
+    ids.push_back(graph.add(
+        std::make_unique<LoopFactor>(loop.from, loop.to, loop.T_from_to, loop.information)));
+  }
+  optimisation = graph.optimise(config.solver);
+  false_loops.clear();
+  for (std::size_t i = 0; i < ids.size(); ++i)
+  {
+    if (graph.isLeftOut(ids[i]))
+    {
+      false_loops.insert(i);
+    }
+  }
+  for (const Run& run : runs)
+  {
+    for (std::size_t k = run.range.begin; run.joined && k < run.range.end; ++k)
+    {
+      keyframes[k].T_map_vehicle = graph.pose(Key::ego(k));
+    }
+  }
+}
+
+bool RunMerger::State::join(const Placement& placement)
+{
+  Run& run = runs[placement.run];
+  std::vector<Pose> before;
+  for (const Keyframe& keyframe : keyframes)
+  {
+    before.push_back(keyframe.T_map_vehicle);
+  }
+  const std::vector<Loop> joined_loops = loops;
+  const std::set<std::size_t> joined_false = false_loops;
+  const auto solveWith = [&](const std::vector<Loop>& more)
+  {
+    loops = joined_loops;
+    loops.insert(loops.end(), more.begin(), more.end());
+    solve();
+  };
+  place(placement);
+  run.joined = true;
+  solveWith(placement.loops);
+  // From the places that look alike along the path, as far as the drift allows; then once more from
+  // the poses that come of it.
+  solveWith(loopsAround(run, placement.loops).accepted);
+  const NearLoops found = loopsAround(run, {});
+  solveWith(found.accepted);
+  const std::size_t added = found.accepted.size();
+  const auto left_out = static_cast<std::size_t>(
+      std::distance(false_loops.lower_bound(joined_loops.size()), false_loops.end()));
+  const bool is_confirmed = static_cast<double>(found.confirmed) >=
+                            config.merge.min_confirmed * static_cast<double>(found.tried);
+  if (is_confirmed && added > left_out + static_cast<std::size_t>(config.loops.appearance_support))
+  {
+    return true;
+  }
+  run.joined = false;
+  loops = joined_loops;
+  false_loops = joined_false;
+  keyframes.correct(before);
+  return false;
+}
+
+RunMerge RunMerger::State::result() const
+{
+  RunMerge merge;
+  merge.optimisation = optimisation;
+  for (const Run& run : runs)
+  {
+    merge.poses.emplace_back();
+    for (std::size_t k = run.range.begin; run.joined && k < run.range.end; ++k)
+    {
+      merge.poses.back().push_back(keyframes[k].T_map_vehicle);
+    }
+  }
+  for (std::size_t i = 0; i < loops.size(); ++i)
+  {
+    RunLoop entry{runOf(loops[i].from), runOf(loops[i].to), loops[i], false_loops.count(i) != 0};
+    const Pose T =
+        keyframes[loops[i].from].T_map_vehicle.inverse() * keyframes[loops[i].to].T_map_vehicle;
+    entry.residual = (loops[i].T_from_to.inverse() * T).translation().norm();
+    entry.loop.from -= runs[entry.run_from].range.begin;
+    entry.loop.to -= runs[entry.run_to].range.begin;
+    merge.loops.push_back(std::move(entry));
+  }
+  return merge;
+}
+
+RunMerger::RunMerger(const RunMergerConfig& config) : state_(std::make_unique<State>(config)) {}
+RunMerger::~RunMerger() = default;
+RunMerger::RunMerger(RunMerger&&) noexcept = default;
+RunMerger& RunMerger::operator=(RunMerger&&) noexcept = default;
+
+void RunMerger::addRun(const FactorGraph& graph)
+{
+  State& s = *state_;
+  Run run;
+  run.range.begin = s.keyframes.size();
+  if (s.ready != run.range.begin)
+  {
+    throw std::invalid_argument("RunMerger: keyframe " + std::to_string(s.ready) +
+                                " of the runs before has no points yet");
+  }
+  Keyframe keyframe;
+  for (std::size_t k = 0; graph.contains(Key::ego(k)); ++k)
+  {
+    const Pose pose = graph.pose(Key::ego(k));
+    keyframe.path_length +=
+        k == 0 ? 0 : (pose.translation() - keyframe.T_map_vehicle.translation()).norm();
+    keyframe.frame = k;
+    keyframe.T_map_vehicle = pose;
+    s.keyframes.add(keyframe);
+  }
+  run.range.end = s.keyframes.size();
+  for (const FactorGraph::FactorId id : graph.factorIds())
+  {
+    const Factor& factor = graph.factor(id);
+    if (factor.kind() == FactorKind::odometry || factor.kind() == FactorKind::loop)
+    {
+      run.edges.push_back({factor.kind() == FactorKind::loop,
+                           run.range.begin + static_cast<std::size_t>(factor.keys()[0].index),
+                           run.range.begin + static_cast<std::size_t>(factor.keys()[1].index),
+                           factor.measurement(), factor.information()});
+    }
+  }
+  for (const Edge& edge : run.edges)
+  {
+    if (edge.from >= run.range.end || edge.to >= run.range.end)
+    {
+      throw std::invalid_argument("RunMerger: the keyframes of the graph are not numbered 0, 1, 2");
+    }
+  }
+  if (run.range.begin == run.range.end)
+  {
+    throw std::invalid_argument("RunMerger: the graph has no keyframe 0");
+  }
+  s.runs.push_back(std::move(run));
+}
+
+void RunMerger::addKeyframe(const std::vector<Eigen::Vector3f>& static_points)
+{
+  State& s = *state_;
+  if (s.ready == s.keyframes.size())
+  {
+    throw std::invalid_argument("RunMerger: the run has no further keyframe");
+  }
+  s.finder.add(static_points);
+  ++s.ready;
+}
+
+RunMerge RunMerger::merge()
+{
+  State& s = *state_;
+  s.runs.front().joined = true;
+  s.solve();
+  s.findSeeds();
+  for (Placement next = s.bestPlacement(); !next.loops.empty(); next = s.bestPlacement())
+  {
+    if (!s.join(next))
+    {
+      s.refuse(next);
+    }
+  }
+  return s.result();
+}
+}  // namespace dyslam

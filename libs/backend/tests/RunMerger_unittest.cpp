@@ -1,0 +1,227 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/backend/RunMerger.h>
+#include <dyslam/backend/factors/OdometryFactor.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <memory>
+#include <random>
+#include <stdexcept>
+#include <utility>
+
+#include "SyntheticScans.h"
+
+namespace dyslam
+{
+namespace
+{
+using test::BoxWorld;
+using test::driveAround;
+
+/** A run as its own odometry has it: it starts at the identity and errs a little with every step.
+ */
+struct TestRun
+{
+  TestRun(const BoxWorld& world, std::vector<Pose> poses, unsigned seed) : truth(std::move(poses))
+  {
+    std::mt19937 rng(seed);
+    std::normal_distribution<double> n;
+    Vector6 sigmas;
+    sigmas << Eigen::Vector3d::Constant(0.01), Eigen::Vector3d::Constant(0.0005);
+    const Matrix6 information = sigmas.array().square().inverse().matrix().asDiagonal();
+    Pose pose = Pose::Identity();
+    graph.addPose(Key::ego(0), pose);
+    for (std::size_t k = 1; k < truth.size(); ++k)
+    {
+      const Vector6 noise = sigmas.cwiseProduct(Vector6::NullaryExpr([&] { return n(rng); }));
+      const Pose step = truth[k - 1].inverse() * truth[k] * expSE3(noise);
+      pose = pose * step;
+      graph.addPose(Key::ego(k), pose);
+      graph.add(std::make_unique<OdometryFactor>(k - 1, k, step, information));
+    }
+    for (std::size_t k = 0; k < truth.size(); ++k)
+    {
+      scans.push_back(world.scan(truth[k], 1000 * seed + static_cast<unsigned>(k)));
+    }
+  }
+
+  std::vector<Pose> truth;
+  FactorGraph graph;
+  std::vector<std::vector<Eigen::Vector3f>> scans;
+};
+
+RunMerge merged(const std::vector<const TestRun*>& runs, const RunMergerConfig& config = {})
+{
+  RunMerger merger(config);
+  for (const TestRun* run : runs)
+  {
+    merger.addRun(run->graph);
+    for (const auto& scan : run->scans)
+    {
+      merger.addKeyframe(scan);
+    }
+  }
+  return merger.merge();
+}
+
+/** Greatest error of the relative pose of keyframes of two runs that are within 5 m [m]. */
+double errorBetween(const RunMerge& merge,
+                    const std::vector<const TestRun*>& runs,
+                    std::size_t a,
+                    std::size_t b)
+{
+  double worst = 0;
+  int compared = 0;
+  for (std::size_t i = 0; i < merge.poses[a].size(); ++i)
+  {
+    for (std::size_t j = 0; j < merge.poses[b].size(); ++j)
+    {
+      const Pose T_true = runs[a]->truth[i].inverse() * runs[b]->truth[j];
+      if (T_true.translation().norm() < 5)
+      {
+        const Pose T = merge.poses[a][i].inverse() * merge.poses[b][j];
+        worst = std::max(worst, (T_true.inverse() * T).translation().norm());
+        ++compared;
+      }
+    }
+  }
+  return compared > 0 ? worst : 1e9;
+}
+
+std::vector<Pose> part(const std::vector<Pose>& poses, std::size_t begin, std::size_t end)
+{
+  return {poses.begin() + static_cast<std::ptrdiff_t>(begin),
+          poses.begin() + static_cast<std::ptrdiff_t>(end)};
+}
+
+/** The same street in the other lane and direction. */
+std::vector<Pose> turnedRound(std::vector<Pose> poses)
+{
+  std::reverse(poses.begin(), poses.end());
+  for (Pose& pose : poses)
+  {
+    pose = pose * poseFromYpr(0, -2.5, 0, M_PI, 0, 0);
+  }
+  return poses;
+}
+
+TEST(RunMerger, TwoHalvesOfOneDriveMeetWhereTheyOverlap)
+{
+  const BoxWorld world(11, 30, 20);
+  const std::vector<Pose> drive = driveAround(30, 20, 150, 1.5);
+  const TestRun first(world, part(drive, 0, 60), 1);
+  const TestRun second(world, part(drive, 40, 100), 2);
+  const RunMerge merge = merged({&first, &second});
+  ASSERT_TRUE(merge.joined(1));
+  EXPECT_TRUE(merge.poses[0][0].isApprox(Pose::Identity(), 1e-9)) << "the first run's map frame";
+  EXPECT_LT(errorBetween(merge, {&first, &second}, 0, 1), 0.06);
+  ASSERT_GT(merge.loops.size(), 5U);
+  for (const RunLoop& loop : merge.loops)
+  {
+    EXPECT_EQ(loop.run_from, 0U);
+    EXPECT_EQ(loop.run_to, 1U);
+    EXPECT_LT(loop.loop.to, 25U) << "keyframes of the second run that lie in the overlap";
+    EXPECT_GE(loop.loop.from, 35U);
+  }
+}
+
+TEST(RunMerger, TheOtherDirectionFromAnotherStart)
+{
+  const BoxWorld world(12, 30, 20);
+  const std::vector<Pose> drive = driveAround(30, 20, 120, 1.5);
+  const TestRun first(world, part(drive, 0, 60), 3);
+  const TestRun second(world, turnedRound(part(drive, 20, 75)), 4);
+  const RunMerge merge = merged({&first, &second});
+  ASSERT_TRUE(merge.joined(1));
+  EXPECT_LT(errorBetween(merge, {&first, &second}, 0, 1), 0.08);
+}
+
+TEST(RunMerger, OneRunIsThePrefixOfAnother)
+{
+  const BoxWorld world(13, 30, 20);
+  const std::vector<Pose> drive = driveAround(30, 20, 90, 1.5);
+  const TestRun whole(world, drive, 5);
+  const TestRun prefix(world, part(drive, 0, 25), 6);
+  for (const auto& runs : {std::vector<const TestRun*>{&whole, &prefix}, {&prefix, &whole}})
+  {
+    const RunMerge merge = merged(runs);
+    ASSERT_TRUE(merge.joined(1));
+    EXPECT_LT(errorBetween(merge, runs, 0, 1), 0.06);
+  }
+}
+
+TEST(RunMerger, AChainIsJoinedWhateverTheOrder)
+{
+  const BoxWorld world(14, 30, 20);
+  const std::vector<Pose> drive = driveAround(30, 20, 156, 1.5);
+  const TestRun a(world, part(drive, 0, 40), 7);
+  const TestRun b(world, part(drive, 25, 80), 8);
+  const TestRun c(world, part(drive, 65, 104), 9);  // shares no place with a
+  const RunMerge merge = merged({&a, &c, &b});
+  ASSERT_TRUE(merge.joined(1));
+  ASSERT_TRUE(merge.joined(2));
+  EXPECT_LT(errorBetween(merge, {&a, &c, &b}, 0, 2), 0.08);
+  EXPECT_LT(errorBetween(merge, {&a, &c, &b}, 1, 2), 0.08);
+  const auto between_a_and_c = [](const RunLoop& loop)
+  { return loop.run_from == 0 && loop.run_to == 1; };
+  EXPECT_EQ(std::count_if(merge.loops.begin(), merge.loops.end(), between_a_and_c), 0);
+}
+
+TEST(RunMerger, RunsWithoutACommonPlaceAreNotJoined)
+{
+  const std::vector<Pose> drive = driveAround(30, 20, 75, 1.5);
+  const TestRun here(BoxWorld(15, 30, 20), drive, 10);
+  const TestRun elsewhere(BoxWorld(16, 30, 20), drive, 11);
+  const RunMerge merge = merged({&here, &elsewhere});
+  EXPECT_TRUE(merge.joined(0));
+  EXPECT_FALSE(merge.joined(1));
+  EXPECT_TRUE(merge.loops.empty());
+}
+
+TEST(RunMerger, APlaceThatExistsFourTimesIsNoEvidence)
+{
+  const BoxWorld world = BoxWorld::square(21, 30);
+  const std::vector<Pose> drive = driveAround(30, 30, 225, 1.5);
+  const TestRun round(world, drive, 12);
+  const TestRun side(world, part(drive, 5, 28), 13);
+  EXPECT_FALSE(merged({&round, &side}).joined(1));
+}
+
+TEST(RunMerger, AStreetThatLooksLikeAnotherForAWhileIsFoundOut)
+{
+  const std::vector<Pose> drive = driveAround(30, 20, 75, 1.5);
+  const TestRun here(BoxWorld(17, 30, 20), drive, 14);
+  TestRun alike(BoxWorld(18, 30, 20), drive, 15);
+  for (std::size_t k = 0; k < 14; ++k)
+  {
+    alike.scans[k] = here.scans[k];
+  }
+  EXPECT_FALSE(merged({&here, &alike}).joined(1));
+  RunMergerConfig believing;
+  believing.merge.min_confirmed = 0;
+  EXPECT_TRUE(merged({&here, &alike}, believing).joined(1)) << "what the check is there for";
+}
+
+TEST(RunMerger, FalseUseIsRefused)
+{
+  const BoxWorld world(19, 30, 20);
+  const TestRun run(world, driveAround(30, 20, 6, 1.5), 16);
+  RunMerger merger{RunMergerConfig{}};
+  EXPECT_THROW(merger.addRun(FactorGraph()), std::invalid_argument);
+  EXPECT_THROW(merger.addKeyframe({}), std::invalid_argument);
+  merger.addRun(run.graph);
+  EXPECT_THROW(merger.addRun(run.graph), std::invalid_argument) << "its points are missing";
+  for (std::size_t k = 0; k < run.truth.size(); ++k)
+  {
+    merger.addKeyframe({});
+  }
+  EXPECT_THROW(merger.addKeyframe({}), std::invalid_argument);
+  merger.addRun(run.graph);
+  for (std::size_t k = 0; k < run.truth.size(); ++k)
+  {
+    merger.addKeyframe({});
+  }
+  EXPECT_FALSE(merger.merge().joined(1)) << "keyframes without points show nothing";
+}
+}  // namespace
+}  // namespace dyslam
