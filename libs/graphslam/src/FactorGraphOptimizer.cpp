@@ -36,6 +36,10 @@ void FactorGraphOptimizer::optimizeGraph()
     {
       node = view.nodes.at(id);
     }
+    if (m_graph->edgeCount() != view.edgeCount())
+    {
+      m_graph->edges = view.edges;  // a loop is left out, or used again
+    }
   }
   reset_ = context_->frame()->is_keyframe;
 }
