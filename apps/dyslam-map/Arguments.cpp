@@ -20,10 +20,11 @@ namespace
 std::vector<std::string> knownSections()
 {
   std::vector<std::string> known{
-      "map",          "labels",   "preprocess",    "map_export", "input",   "pipeline",   "dyseg",
-      "residual",     "odometry", "dyseg_network", "refine",     "motion",  "detector",   "tracker",
-      "dyseg_filter", "solver",   "loop",          "backend",    "output",  "replay",     "merge",
-      "start",        "report",   "fusion",        "sensor",     "objects", "uncertainty"};
+      "map",      "labels",   "preprocess",   "map_export",    "input",  "pipeline",
+      "dyseg",    "residual", "odometry",     "dyseg_network", "refine", "motion",
+      "detector", "tracker",  "dyseg_filter", "solver",        "loop",   "backend",
+      "output",   "replay",   "merge",        "start",         "report", "fusion",
+      "sensor",   "objects",  "uncertainty",  "memory"};
   const auto methods = scanMatcherNames();
   known.insert(known.end(), methods.begin(), methods.end());
   return known;
@@ -33,8 +34,9 @@ std::vector<std::string> knownSections()
 std::vector<std::string> ownSections(const Arguments& a)
 {
   return a.runs.empty()
-             ? std::vector<std::string>{"map", "labels", "preprocess", "map_export"}
-             : std::vector<std::string>{"map", "labels", "map_export", "loop", "solver", "merge"};
+             ? std::vector<std::string>{"map", "labels", "preprocess", "map_export", "memory"}
+             : std::vector<std::string>{"map",  "labels", "map_export", "memory",
+                                        "loop", "solver", "merge"};
 }
 
 /** \param run as given to --merge */
@@ -91,7 +93,7 @@ void declare(CLI::App& app, Arguments& a)
   app.add_option("--labels", a.scans.labels, "folder of .label files: moving points are left out");
   app.add_option("--tracks", a.scans.tracks, "tracks.txt: objects that move are left out");
   app.add_option("-c,--config", a.config,
-                 "ini file with [map], [labels], [preprocess], [map_export] and "
+                 "ini file with [map], [labels], [preprocess], [map_export], [memory] and "
                  "backend.keyframe_distance");
   app.add_option("--set", a.assignments, "section.key=value, as if it stood in the ini; repeatable")
       ->take_all()
@@ -163,6 +165,7 @@ void loadConfig(Arguments& a)
     a.merger.merge = loader.get<RunMergerOptions>("merge");
   }
   a.exports = loader.get<MapExportOptions>("map_export");
+  a.builder.memory = loader.get<MemoryOptions>("memory");
   a.exports.full_resolution = a.exports.full_resolution || a.full;
   a.builder.keyframe_distance =
       a.keyframe_distance ? *a.keyframe_distance : keyframeDistance(config);

@@ -46,7 +46,12 @@ StaticMapOptions uncleaned(StaticMapOptions options)
 }  // namespace
 
 MapBuilder::MapBuilder(const MapBuilderOptions& options)
-    : options_(options), pool_(options.threads), map_(options.map, keyframes_)
+    : options_(options),
+      pool_(options.threads),
+      memory_(MemoryLimit(options.memory, options.temporary_folder)
+                  .part(options.uncleaned_map ? 0.5 : 1.0)),
+      keyframes_(memory_),
+      map_(options.map, keyframes_)
 {
   if (!options_.scan_store.empty())
   {
@@ -54,7 +59,7 @@ MapBuilder::MapBuilder(const MapBuilderOptions& options)
   }
   if (options_.uncleaned_map)
   {
-    uncleaned_ = std::make_unique<Uncleaned>(uncleaned(options_.map));
+    uncleaned_ = std::make_unique<Uncleaned>(uncleaned(options_.map), memory_);
   }
 }
 

@@ -27,6 +27,8 @@ struct MapBuilderOptions
 {
   StaticMapOptions map;
   HindsightOptions hindsight;
+  MemoryOptions memory;
+  std::string temporary_folder;    //!< where the map beyond `memory` goes, in a file without a name
   double keyframe_distance = 1.0;  //!< [m]
   int threads = 0;                 //!< 0: the machine's number
   bool labelled_map = false;       //!< collect labelledMap() as well
@@ -68,6 +70,8 @@ class MapBuilder
   /** The scans that make the map; null without `scan_store`. */
   [[nodiscard]] ScanStore* scans() { return scans_ ? &*scans_ : nullptr; }
   [[nodiscard]] std::size_t keyframes() const { return keyframes_.size(); }
+  /** Why the map stayed in memory; empty if all is well. */
+  [[nodiscard]] const std::string& memoryProblem() const { return memory_.file->problem(); }
   [[nodiscard]] ThreadPool& pool() { return pool_; }
   /** Path and last box of each object that moves, and the path of the vehicle. */
   [[nodiscard]] MapPictureContent picture() const;
@@ -85,7 +89,10 @@ class MapBuilder
   /** What moved is in it. */
   struct Uncleaned
   {
-    explicit Uncleaned(const StaticMapOptions& options) : map(options, keyframes) {}
+    Uncleaned(const StaticMapOptions& options, const MemoryLimit& memory)
+        : keyframes(memory), map(options, keyframes)
+    {
+    }
     KeyframeStore keyframes;
     StaticMap map;
   };
@@ -94,6 +101,7 @@ class MapBuilder
   MapBuilderOptions options_;
   ThreadPool pool_;
   std::deque<RunScans> runs_;
+  MemoryLimit memory_;
   KeyframeStore keyframes_;
   StaticMap map_;
   std::unique_ptr<Uncleaned> uncleaned_;

@@ -20,6 +20,11 @@ namespace
 {
 namespace fs = std::filesystem;
 
+bool isWhole(const MapRegion& region)
+{
+  return region.low.array().isInf().all() && region.high.array().isInf().all();
+}
+
 /** Calls `use` with the points that a cloud of this region gets, part by part. */
 void forCloudParts(const StaticMap& map,
                    const std::vector<std::size_t>& scans,
@@ -28,6 +33,11 @@ void forCloudParts(const StaticMap& map,
                    const Arguments& a,
                    const std::function<void(const MapPoints&, std::size_t scans_done)>& use)
 {
+  if (!a.exports.full_resolution && !a.exports.normals)
+  {
+    map.forEachPart([&](const MapPoints& part) { use(pointsWithin(part, region), scans.size()); });
+    return;
+  }
   MapPoints points = map.points();
   if (a.exports.normals)
   {
@@ -35,7 +45,14 @@ void forCloudParts(const StaticMap& map,
   }
   if (!a.exports.full_resolution)
   {
-    use(pointsWithin(points, region), scans.size());
+    if (isWhole(region))
+    {
+      use(points, scans.size());
+    }
+    else
+    {
+      use(pointsWithin(points, region), scans.size());
+    }
     return;
   }
   const FullResolution full(map, a.builder.map, points);
@@ -322,7 +339,7 @@ void writePictures(const MapBuilder& builder, const Arguments& a)
 
 std::size_t writeOutputs(MapBuilder& builder, const Arguments& a)
 {
-  std::size_t points = needsWholeMap(a) ? builder.map().points().size() : 0;
+  std::size_t points = needsWholeMap(a) ? builder.map().pointCount() : 0;
   const std::vector<std::string> clouds = cloudsOf(a);
   if (!clouds.empty())
   {

@@ -59,6 +59,9 @@ void prepare(dyslam::Arguments& a)
   a.builder.whole_map = dyslam::needsWholeMap(a);
   a.builder.uncleaned_map = !a.compare.empty() && a.runs.empty();
   a.builder.scan_store = dyslam::needsScans(a) ? a.outputs.front() + ".scans" : "";
+  const std::string ini = dyslam::effectiveIniOf(a);
+  a.builder.temporary_folder =
+      std::filesystem::absolute(ini.empty() ? a.labelled_map : ini).parent_path().string();
 }
 
 /** Everything but what says how it was made. \return points written */
@@ -66,6 +69,10 @@ std::size_t writeMap(dyslam::MapBuilder& builder, const dyslam::Arguments& a)
 {
   warnOfOrigin(builder, a);
   const std::size_t points = dyslam::writeOutputs(builder, a);
+  if (!builder.memoryProblem().empty())
+  {
+    std::fprintf(stderr, "warning: %s\n", builder.memoryProblem().c_str());
+  }
   if (const std::string ini = dyslam::effectiveIniOf(a); !ini.empty())
   {
     dyslam::writeWhole(ini, a.effective);

@@ -165,6 +165,7 @@ class LinearEgoGraph
     const auto size = 6 * static_cast<Eigen::Index>(columns_.size());
     jacobian_.resize(rows_, size);
     jacobian_.setFromTriplets(triplets_.begin(), triplets_.end());
+    triplets_ = {};
     by_row_ = jacobian_;
     SparseMatrix information = jacobian_.transpose() * jacobian_;
     for (Eigen::Index i = 0; i < size; ++i)

@@ -4,9 +4,11 @@
 #include <dyslam/mapping/StaticMap.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <memory>
 #include <stdexcept>
 
 #include "TestMap.h"
