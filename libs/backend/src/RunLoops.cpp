@@ -34,7 +34,9 @@ void takeAccepted(std::vector<Loop>&& decided, std::vector<Loop>& accepted)
 }  // namespace
 
 RunLoops::RunLoops(const LoopCloserOptions& options, KeyframeStore& keyframes)
-    : options_(options), keyframes_(keyframes), candidates_(withoutPoints(options), keyframes.memory().part(descriptor_share))
+    : options_(options),
+      keyframes_(keyframes),
+      candidates_(withoutPoints(options), keyframes.memory().part(descriptor_share))
 {
 }
 
