@@ -66,9 +66,17 @@ MapBuilder::MapBuilder(const MapBuilderOptions& options)
 void MapBuilder::beginRun(const Trajectory& trajectory, const RunScansOptions& options)
 {
   finish();
-  if (runs_.empty() && !trajectory.empty())
+  if (runs_.empty())
   {
-    origin_ = originOf(trajectory);
+    origin_ = trajectory.empty() ? origin_ : originOf(trajectory);
+  }
+  else
+  {
+    map_.beginRun();
+    if (scans_)
+    {
+      scans_->beginRun();
+    }
   }
   runs_.emplace_back(relativeTo(origin_, trajectory), options, pool_);
   last_keyframe_.reset();

@@ -70,7 +70,8 @@ void ScanStore::add(const Frame& frame)
   const std::vector<bool> moving = movingInMap(frame, options_);
   const std::string flags(moving.begin(), moving.end());
   entries_.push_back({frame.index, frame.scan.stamp, frame.T_map_vehicle(),
-                      frame.scan.T_vehicle_lidar, frame.cloud.T_sweep, has_phase, bytes_, count});
+                      frame.scan.T_vehicle_lidar, frame.cloud.T_sweep, has_phase, bytes_, count,
+                      run_});
   const std::size_t size = count * sizeof(StoredPoint);
   file_.seekp(static_cast<std::streamoff>(bytes_));
   file_.write(reinterpret_cast<const char*>(points.data()), static_cast<std::streamsize>(size));
@@ -159,6 +160,10 @@ TileMap::TileMap(ScanStore& store, const StaticMapOptions& options, const MapTil
         distanceTo(tile.region, T.translation().head<2>()) <= reach + tile_margin)
     {
       const Frame frame = store.read(k);
+      if (!scans.empty() && store.run(k) != store.run(scans.back()))
+      {
+        map.beginRun();
+      }
       scans.push_back(k);
       keyframes.add(keyframeOf(frame));
       map.insert(frame);

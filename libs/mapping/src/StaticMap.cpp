@@ -64,6 +64,8 @@ void StaticMapOptions::describe(OptionsVisitor& v)
   v.real("visibility_ratio", visibility_ratio, 0, 1000, "and this many times as many as hit it");
   v.real("ground_clearance", ground_clearance, 0, 10,
          "m, voxels this near to the lowest of their column stay");
+  v.choice("changes", changes, {{"latest", MapChanges::latest}, {"all", MapChanges::all}},
+           "of several runs: the latest that saw a place counts, or all keyframes alike");
 }
 
 struct StaticMap::Impl
@@ -258,6 +260,15 @@ void StaticMap::insert(const Frame& frame)
   }
   m.stitch(m.poses.size() - 1, nullptr);
   m.keepWithinLimit();
+}
+
+void StaticMap::beginRun()
+{
+  if (impl_->options.changes == MapChanges::latest)
+  {
+    impl_->map.beginRun(static_cast<std::uint32_t>(impl_->poses.size()),
+                        std::max(1, impl_->options.min_hits));
+  }
 }
 
 void StaticMap::correct()

@@ -83,10 +83,20 @@ Voxel& VoxelMap::hit(const Eigen::Vector3d& p, std::uint32_t keyframe)
   }
   if (voxel.last_keyframe != keyframe)
   {
+    startAfresh(voxel);
     voxel.last_keyframe = keyframe;
     countUp(voxel.hits);
   }
   return voxel;
+}
+
+void VoxelMap::startAfresh(Voxel& voxel) const
+{
+  if (voxel.last_keyframe < run_begin_ && voxel.hits > earlier_hits_)
+  {
+    voxel.hits = static_cast<std::uint16_t>(earlier_hits_);
+    voxel.observed_free = 0;
+  }
 }
 
 void VoxelMap::addPoint(Voxel& voxel, const Eigen::Vector3d& p, float intensity) const
@@ -142,6 +152,7 @@ void VoxelMap::countObservedFree(const VisibilityImage& image,
             image.observesFree(p, static_cast<float>(voxel_size_),
                                static_cast<float>(options.visibility_margin)))
         {
+          startAfresh(voxel);
           countUp(voxel.observed_free);
         }
       }

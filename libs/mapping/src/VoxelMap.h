@@ -35,6 +35,13 @@ class VoxelMap
 
   /** The voxel around a point that a keyframe saw; it is made where there is none. */
   Voxel& hit(const Eigen::Vector3d& p, std::uint32_t keyframe);
+  /** What keyframes before this one saw of a voxel counts as `hits` of them, and no free view, from
+   * the first keyframe on that sees it again, whether as free or not. */
+  void beginRun(std::uint32_t keyframe, int hits)
+  {
+    run_begin_ = keyframe;
+    earlier_hits_ = hits;
+  }
   void addPoint(Voxel& voxel, const Eigen::Vector3d& p, float intensity) const;
   /** Carries over the evidence of an earlier map about the voxel of the same point. */
   static void carryEvidence(const Voxel& old, Voxel& voxel);
@@ -60,7 +67,12 @@ class VoxelMap
   [[nodiscard]] std::vector<bool> nearGround(const std::vector<Voxel>& suspects,
                                              const StaticMapOptions& options) const;
 
+  /** Reduces the evidence of earlier runs, once. */
+  void startAfresh(Voxel& voxel) const;
+
   double voxel_size_;
+  std::uint32_t run_begin_ = 0;  //!< first keyframe of the run
+  int earlier_hits_ = 1;
   std::size_t size_ = 0;
   VoxelHash tile_index_;
   SwappedStore<VoxelTile> tiles_;

@@ -143,6 +143,40 @@ TEST(StaticMap, KeepsAParkedCar)
             0.97 * static_cast<double>(carPoints(raw.map.points())));
 }
 
+/** The street driven along twice. \param first, second where the parked car is in each run */
+std::size_t carPointsOfTwoRuns(double first, double second, MapChanges changes, int min_hits = 1)
+{
+  StaticMapOptions options;
+  options.changes = changes;
+  options.min_hits = min_hits;
+  TestMap map(options);
+  for (const double car : {first, second})
+  {
+    if (!map.keyframes->empty())
+    {
+      map.map.beginRun();
+    }
+    for (std::size_t i = 0; i < 12; ++i)
+    {
+      map.insert(scanAt(i, static_cast<double>(i) * 0.8, car));
+    }
+  }
+  return carPoints(map.map.points());
+}
+
+TEST(StaticMap, OfTwoRunsTheLatestThatSawAPlaceCounts)
+{
+  constexpr double there = 12;
+  const std::size_t parked = carPointsOfTwoRuns(there, there, MapChanges::latest);
+  ASSERT_GT(parked, 100U);
+  EXPECT_EQ(carPointsOfTwoRuns(there, there, MapChanges::all), parked);
+  EXPECT_LT(carPointsOfTwoRuns(there, kNoCar, MapChanges::latest), parked / 10);
+  EXPECT_GT(carPointsOfTwoRuns(there, kNoCar, MapChanges::all), parked / 4);
+  EXPECT_GT(carPointsOfTwoRuns(kNoCar, there, MapChanges::latest), parked / 2);
+  EXPECT_EQ(carPointsOfTwoRuns(there, there, MapChanges::latest, 3),
+            carPointsOfTwoRuns(there, there, MapChanges::all, 3));
+}
+
 TEST(StaticMap, CorrectionToTheSamePosesChangesNothing)
 {
   TestMap map;

@@ -24,6 +24,9 @@ class ScanStore
 
   /** A scan at its final pose; moving objects' boxes count as moving points. \throws UserError. */
   void add(const Frame& frame);
+  /** The scans from here on are of another run: StaticMap::beginRun(). */
+  void beginRun() { ++run_; }
+  [[nodiscard]] std::size_t run(std::size_t scan) const { return entries_[scan].run; }
   [[nodiscard]] std::size_t size() const { return entries_.size(); }
   /** Index, stamp, pose, sensor, points, intensities, phases and what moves. \throws UserError. */
   [[nodiscard]] Frame read(std::size_t scan);
@@ -41,6 +44,7 @@ class ScanStore
     bool has_phase = false;
     std::uint64_t offset = 0;
     std::size_t points = 0;
+    std::size_t run = 0;
   };
 
   void requireGood() const;
@@ -50,6 +54,7 @@ class ScanStore
   std::fstream file_;
   std::vector<Entry> entries_;
   std::uint64_t bytes_ = 0;
+  std::size_t run_ = 0;
 };
 
 /** A square of the map plane. */

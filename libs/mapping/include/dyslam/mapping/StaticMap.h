@@ -15,6 +15,13 @@
 
 namespace dyslam
 {
+/** What counts where runs of one place differ: a car that was parked there in one of them. */
+enum class MapChanges
+{
+  latest,  //!< the latest run that saw the place
+  all,     //!< all keyframes alike, of whatever run
+};
+
 struct StaticMapOptions : Options
 {
   double voxel_size = 0.2;      //!< one map point per cube of this side [m]
@@ -34,6 +41,7 @@ struct StaticMapOptions : Options
   int visibility_min_views = 3;    //!< keyframes that observed it as free, at least ...
   double visibility_ratio = 1.5;   //!< ... and this many times as many as hit it
   double ground_clearance = 0.3;   //!< voxels this near to the lowest of their column stay [m]
+  MapChanges changes = MapChanges::latest;  //!< of maps of several runs
 
   void describe(OptionsVisitor& visitor) override;
 };
@@ -94,6 +102,10 @@ class StaticMap
    * map yet.
    */
   void insert(const Frame& frame);
+
+  /** The keyframes inserted from here on are of another run of the same place, later than those
+   * before. */
+  void beginRun();
 
   /** Stitches the map again at the poses of the store, if these were corrected since. */
   void correct();

@@ -1,0 +1,155 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// dyslam-map --merge: recordings of one place, from the simulator to one map.
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "RunProgram.h"
+
+namespace dyslam
+{
+namespace
+{
+namespace fs = std::filesystem;
+
+/** Two drives past the same houses, the second from a little further on among other people, and one
+ * elsewhere. */
+class MergeRuns : public testing::Test
+{
+ protected:
+  static void SetUpTestSuite()
+  {
+    folder = (fs::temp_directory_path() / ("dyslam_merge_" + std::to_string(getpid()))).string();
+    fs::create_directories(folder);
+    make("first", "--seed 42 --traffic-seed 1");
+    make("second", "--seed 42 --traffic-seed 2 --start 0.03");
+    make("elsewhere", "--seed 7");
+  }
+  static void TearDownTestSuite() { fs::remove_all(folder); }
+
+  static void make(const std::string& name, const std::string& flags)
+  {
+    const std::string rawlog = at(name + ".rawlog");
+    const Outcome simulated =
+        runProgram("dyslam-sim",
+                   "--world campus --sensor VLP16 --columns 600 --loop 240 --speed 3 --seconds 11 "
+                   "--no-flow --no-stops -q -o " +
+                       rawlog + " " + flags,
+                   folder);
+    ASSERT_EQ(simulated.code, 0) << simulated.err;
+    const Outcome run =
+        runProgram("dyslam",
+                   "-i " + rawlog + " -c vlp16.ini -o " + at(name) +
+                       " -v ERROR --set output.replay=false --set output.page=false",
+                   folder);
+    ASSERT_EQ(run.code, 0) << run.err;
+  }
+  static std::string at(const std::string& name) { return folder + "/" + name; }
+  static Outcome merge(const std::string& rest)
+  {
+    return runProgram("dyslam-map", "-q --set labels.hindsight=false --merge " + rest, folder);
+  }
+  static void expectRefusal(const std::string& rest, const std::vector<std::string>& words)
+  {
+    const Outcome outcome = merge(rest);
+    EXPECT_EQ(outcome.code, 1) << rest;
+    EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
+    for (const std::string& word : words)
+    {
+      EXPECT_NE(outcome.err.find(word), std::string::npos) << outcome.err << "lacks " << word;
+    }
+  }
+
+  static inline std::string folder;
+};
+
+/** Numbers of the first row of a table under its header. */
+std::vector<std::string> firstRow(const std::string& csv)
+{
+  std::stringstream text(csv);
+  std::string line;
+  std::getline(text, line);
+  std::getline(text, line);
+  std::vector<std::string> cells;
+  std::stringstream words(line);
+  for (std::string cell; std::getline(words, cell, ',');)
+  {
+    cells.push_back(cell);
+  }
+  return cells;
+}
+
+TEST_F(MergeRuns, OneMapAndATrajectoryOfEach)
+{
+  const std::string runs = at("first") + " " + at("second");
+  const Outcome one = merge(runs + " --threads 1 -o " + at("one.ply"));
+  ASSERT_EQ(one.code, 0) << one.err;
+  EXPECT_NE(one.out.find("2 of 2 runs joined, 220 scans, 0 without a pose"), std::string::npos)
+      << one.out;
+  const std::vector<std::string> row = firstRow(contentOf(at("one_merge.csv")));
+  ASSERT_EQ(row.size(), 8U);
+  EXPECT_EQ(row[0], "first - second");
+  EXPECT_GE(std::stoi(row[1]), 4) << "loops";
+  EXPECT_GE(std::stoi(row[4]), 8) << "places";
+  EXPECT_LT(std::stod(row[6]), 0.05) << "RMSE [m]";
+  for (const char* run : {"first", "second"})
+  {
+    const std::string tum = contentOf(at(std::string("one_") + run + "_tum.txt"));
+    const std::string kitti = contentOf(at(std::string("one_") + run + "_kitti.txt"));
+    EXPECT_EQ(std::count(tum.begin(), tum.end(), '\n'), 110) << run;
+    EXPECT_EQ(std::count(kitti.begin(), kitti.end(), '\n'), 110) << run;
+  }
+  const Outcome two = merge(runs + " --threads 2 -o " + at("two.ply"));
+  ASSERT_EQ(two.code, 0) << two.err;
+  for (const char* ending : {".ply", "_merge.csv", "_first_tum.txt", "_second_tum.txt"})
+  {
+    EXPECT_EQ(contentOf(at("one") + ending), contentOf(at("two") + ending)) << ending;
+  }
+}
+
+TEST_F(MergeRuns, ARunOfAnotherPlaceIsNamed)
+{
+  expectRefusal(
+      at("first") + " " + at("elsewhere") + " -o " + at("never.ply"),
+      {at("elsewhere") + ": no place in common with " + at("first"), "nothing was written"});
+  EXPECT_FALSE(fs::exists(at("never.ply")));
+  expectRefusal(at("first") + " " + at("elsewhere") + " " + at("second") + " -o " + at("rest.ply"),
+                {at("elsewhere") + ": no place in common", "the map of the rest was written"});
+  EXPECT_TRUE(fs::exists(at("rest.ply")));
+  EXPECT_TRUE(fs::exists(at("rest_second_tum.txt")));
+  EXPECT_FALSE(fs::exists(at("rest_elsewhere_tum.txt")));
+}
+
+TEST_F(MergeRuns, WhatIsNoRunIsRefused)
+{
+  const std::string out = " -o " + at("never.ply");
+  expectRefusal(at("first") + out, {"--merge: give two runs or more"});
+  expectRefusal(at("first") + " " + at("none") + out, {at("none") + ": is not a folder"});
+  expectRefusal(at("first") + " " + at("first") + out, {"is given twice"});
+  fs::create_directories(at("hollow"));
+  expectRefusal(at("first") + " " + at("hollow") + out, {at("hollow") + ": has no report.json"});
+  expectRefusal(at("first") + " " + at("second") + "=" + at("moved.rawlog") + out,
+                {at("moved.rawlog") + ": the recording of " + at("second") + " is not there"});
+  expectRefusal(at("first") + " " + at("second") + " -i " + at("first.rawlog") + out,
+                {"--merge", "--input"});
+  expectRefusal(at("first") + " " + at("second") + " --set preprocess.max_range=50" + out,
+                {"preprocess.max_range", "loop, solver and merge"});
+  expectRefusal(at("first") + " " + at("second") + "=" + at("elsewhere.rawlog") + out,
+                {at("second"), "no place in common"});
+  fs::copy(at("second"), at("torn"), fs::copy_options::recursive);
+  const std::string graph = contentOf(at("first/factor_graph.txt"));
+  std::ofstream(at("torn/factor_graph.txt")) << graph.substr(0, graph.find("EGO 3"));
+  expectRefusal(at("first") + " " + at("torn") + out, {"factor_graph.txt", "of one run?"});
+  EXPECT_FALSE(fs::exists(at("never.ply")));
+  const Outcome nothing = runProgram("dyslam-map", "-o " + at("never.ply"), folder);
+  EXPECT_EQ(nothing.code, 1);
+  EXPECT_NE(nothing.err.find("--input is required"), std::string::npos) << nothing.err;
+}
+}  // namespace
+}  // namespace dyslam
