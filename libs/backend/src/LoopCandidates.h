@@ -10,6 +10,8 @@
 
 namespace dyslam
 {
+class StateArchive;
+
 /** How far the estimate may be off after `path` metres [m]. */
 [[nodiscard]] double searchRadius(const LoopCloserOptions& options, double path);
 
@@ -35,6 +37,8 @@ class LoopCandidates
   /** Keyframes anywhere else that look like the newest one, the most similar first, one of each
    * place. */
   [[nodiscard]] std::vector<LoopCandidate> alike(const KeyframeStore& keyframes) const;
+
+  void exchangeState(StateArchive& archive);
 
  private:
   struct Ranked

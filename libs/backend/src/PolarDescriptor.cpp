@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "PolarDescriptor.h"
 
+#include <dyslam/core/StateArchive.h>
+
 #include <algorithm>
 #include <bitset>
 #include <cmath>
@@ -108,5 +110,10 @@ double PolarDescriptor::ringDifference(const PolarDescriptor& other) const
     sum += std::abs(static_cast<double>(ring_means_[r] - other.ring_means_[r]));
   }
   return sum / rings;
+}
+
+void PolarDescriptor::exchangeState(StateArchive& archive)
+{
+  archive(heights_, ring_means_);
 }
 }  // namespace dyslam

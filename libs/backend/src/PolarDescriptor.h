@@ -8,6 +8,8 @@
 
 namespace dyslam
 {
+class StateArchive;
+
 /** The appearance of a place from above: the greatest height over the ground in each cell of a
  * polar grid around the vehicle. A turn of the vehicle shifts its columns (the idea of Kim & Kim,
  * "Scan Context", IROS 2018). */
@@ -47,6 +49,8 @@ class PolarDescriptor
   /** Mean height per ring does not change with heading; this is how much it differs. */
   [[nodiscard]] double ringDifference(const PolarDescriptor& other) const;
   [[nodiscard]] const RingMeans& ringMeans() const { return ring_means_; }
+
+  void exchangeState(StateArchive& archive);
 
  private:
   std::array<std::uint8_t, rings * sectors> heights_{};  //!< 1/16 m, sector by sector

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/KeyframeStore.h>
+#include <dyslam/core/StateArchive.h>
 
 #include <algorithm>
 #include <cmath>
@@ -134,5 +135,15 @@ void KeyframeStore::correct(const std::vector<Pose>& T_map_vehicle, std::size_t 
     keyframes_[first + i].T_map_vehicle = T_map_vehicle[i];
   }
   ++revision_;
+}
+
+void PackedCloud::exchangeState(StateArchive& archive)
+{
+  archive(scale_, points_, intensity_, is_static_);
+}
+
+void KeyframeStore::exchangeState(StateArchive& archive)
+{
+  archive(keyframes_, revision_);
 }
 }  // namespace dyslam

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/StateArchive.h>
 #include <dyslam/core/VoxelGrid.h>
 #include <dyslam/mapping/StaticMap.h>
 
@@ -297,5 +298,10 @@ double StaticMap::voxelSize() const
 std::size_t StaticMap::voxelCount() const
 {
   return impl_->map.voxels().size();
+}
+
+void StaticMap::exchangeState(StateArchive& archive)
+{
+  archive(impl_->revision, impl_->poses, impl_->map);
 }
 }  // namespace dyslam

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "VoxelMap.h"
 
+#include <dyslam/core/StateArchive.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -49,6 +51,35 @@ std::uint32_t VoxelMap::find(const Eigen::Vector3d& p) const
   return index_.find(voxelKey(cellOf(p)));
 }
 
+void VoxelMap::list(const VoxelCell& cell, std::uint32_t number)
+{
+  const Eigen::Vector3d corner = cornerOf(cell);
+  const auto next_block = static_cast<std::uint32_t>(blocks_.size());
+  const std::uint32_t block =
+      block_index_.findOrInsert(squareOf(corner.x(), corner.y(), block_size), next_block);
+  if (block == next_block)
+  {
+    blocks_.emplace_back();
+  }
+  blocks_[block].push_back(number);
+}
+
+void VoxelMap::exchangeState(StateArchive& archive)
+{
+  archive(voxel_size_, voxels_);
+  if (archive.isLoading())
+  {
+    index_ = VoxelHash(voxels_.size());
+    block_index_ = VoxelHash();
+    blocks_.clear();
+    for (std::size_t i = 0; i < voxels_.size(); ++i)
+    {
+      (void)index_.findOrInsert(voxelKey(voxels_[i].cell), static_cast<std::uint32_t>(i));
+      list(voxels_[i].cell, static_cast<std::uint32_t>(i));
+    }
+  }
+}
+
 Voxel& VoxelMap::hit(const Eigen::Vector3d& p, std::uint32_t keyframe)
 {
   const VoxelCell cell = cellOf(p);
@@ -59,15 +90,7 @@ Voxel& VoxelMap::hit(const Eigen::Vector3d& p, std::uint32_t keyframe)
     Voxel voxel;
     voxel.cell = cell;
     voxels_.push_back(voxel);
-    const Eigen::Vector3d corner = cornerOf(cell);
-    const auto next_block = static_cast<std::uint32_t>(blocks_.size());
-    const std::uint32_t block =
-        block_index_.findOrInsert(squareOf(corner.x(), corner.y(), block_size), next_block);
-    if (block == next_block)
-    {
-      blocks_.emplace_back();
-    }
-    blocks_[block].push_back(found);
+    list(cell, found);
   }
   Voxel& voxel = voxels_[found];
   if (voxel.last_keyframe != keyframe)

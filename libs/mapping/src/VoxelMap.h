@@ -13,6 +13,8 @@
 
 namespace dyslam
 {
+class StateArchive;
+
 struct Voxel
 {
   Eigen::Vector3f corner_offset =
@@ -59,8 +61,12 @@ class VoxelMap
   /** For each voxel, whether it is part of the cleaned map. */
   [[nodiscard]] std::vector<bool> cleaned(const StaticMapOptions& options) const;
 
+  void exchangeState(StateArchive& archive);
+
  private:
   [[nodiscard]] VoxelCell cellOf(const Eigen::Vector3d& p) const;
+  /** Puts voxel `number`, which is in that cell, into the list of its square. */
+  void list(const VoxelCell& cell, std::uint32_t number);
   [[nodiscard]] Eigen::Vector3d cornerOf(const VoxelCell& cell) const;
   [[nodiscard]] std::vector<float> groundHeights(VoxelHash& columns) const;
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "SurfaceMap.h"
 
+#include <dyslam/core/StateArchive.h>
+
 #include <Eigen/Eigenvalues>
 #include <cmath>
 
@@ -233,6 +235,15 @@ SurfaceMap SurfaceMap::coarser(int factor) const
   return coarse;
 }
 
+void SurfaceMap::Shard::indexCells()
+{
+  hash.clear();
+  for (std::size_t i = 0; i < cells.size(); ++i)
+  {
+    hash.findOrInsert(cells[i].key, static_cast<std::uint32_t>(i));
+  }
+}
+
 void SurfaceMap::crop(const Eigen::Vector3d& center, double radius)
 {
   const auto radius2 = radius * radius;
@@ -254,11 +265,7 @@ void SurfaceMap::crop(const Eigen::Vector3d& center, double radius)
                       return;
                     }
                     shard.cells.swap(kept);
-                    shard.hash.clear();
-                    for (std::size_t i = 0; i < shard.cells.size(); ++i)
-                    {
-                      shard.hash.findOrInsert(shard.cells[i].key, static_cast<std::uint32_t>(i));
-                    }
+                    shard.indexCells();
                   });
 }
 
@@ -296,5 +303,17 @@ std::vector<Eigen::Vector3f> SurfaceMap::means() const
     }
   }
   return result;
+}
+
+void SurfaceMap::exchangeState(StateArchive& archive)
+{
+  for (Shard& shard : shards_)
+  {
+    archive(shard.cells);
+    if (archive.isLoading())
+    {
+      shard.indexCells();
+    }
+  }
 }
 }  // namespace dyslam

@@ -12,6 +12,13 @@ class MapCloudOutput : public RunOutput
 {
  public:
   using RunOutput::RunOutput;
+  void checkpoint(const RunResults& results) override
+  {
+    if (results.map_points.size() > 0)
+    {
+      finish(results);
+    }
+  }
   void finish(const RunResults& results) override
   {
     if (results.map != nullptr)

@@ -4,6 +4,7 @@
 #include <dyslam/core/Files.h>
 #include <dyslam/core/PendingFile.h>
 #include <dyslam/core/SharedFiles.h>
+#include <dyslam/core/StateArchive.h>
 #include <dyslam/eval/MapPicture.h>
 #include <dyslam/report/RunPage.h>
 
@@ -56,6 +57,12 @@ class PageOutput : public RunOutput
     }
     odometry_.push_back(frame.scan.stamp, frame.T_odom_vehicle);
     scans_.push_back(scanOf(frame));
+  }
+
+  void exchangeState(StateArchive& archive) override
+  {
+    archive(odometry_, scans_, moving_);
+    open();
   }
 
   void finish(const RunResults& results) override

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/BoxOverlap.h>
+#include <dyslam/core/StateArchive.h>
 #include <dyslam/core/VoxelGrid.h>
 #include <dyslam/io/SceneExport.h>
 
@@ -37,6 +38,8 @@ class SceneOutput : public RunOutput
       }
     }
   }
+
+  void exchangeState(StateArchive& archive) override { archive(T_odom_vehicle_, moving_); }
 
   void finish(const RunResults& results) override
   {

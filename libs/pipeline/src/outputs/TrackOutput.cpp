@@ -95,6 +95,20 @@ class TrackOutput : public RunOutput
     scans_.push_back(scanOf(frame));
     rows_.write(rows);
   }
+  void checkpoint(const RunResults& /*results*/) override
+  {
+    std::vector<LabelledBox> boxes;
+    for (const auto& [ordinal, object] : reported_)
+    {
+      boxes.push_back(labelledBox(object, scans_[ordinal]));
+    }
+    writeTracks(path(kitti), boxes);
+  }
+  void exchangeState(StateArchive& archive) override
+  {
+    archive(scans_, reported_);
+    rows_.exchangeState(path(table), archive);
+  }
   void finish(const RunResults& results) override
   {
     std::vector<LabelledBox> boxes;

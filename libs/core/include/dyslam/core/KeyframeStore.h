@@ -12,6 +12,8 @@
 
 namespace dyslam
 {
+class StateArchive;
+
 /** Points of one keyframe. The arrays are of one length, or empty where nothing is kept of it. */
 struct KeyframeCloud
 {
@@ -39,6 +41,7 @@ class PackedCloud
   /** Removes the points whose flag is false. \throws std::invalid_argument unless there is one per
    * point. */
   void keepOnly(const std::vector<bool>& keep);
+  void exchangeState(StateArchive& archive);
 
  private:
   float scale_ = 1;
@@ -84,6 +87,7 @@ class KeyframeStore
   void correct(const std::vector<Pose>& T_map_vehicle, std::size_t first = 0);
   /** Number of corrections so far. */
   [[nodiscard]] std::size_t revision() const { return revision_; }
+  void exchangeState(StateArchive& archive);
 
  private:
   std::vector<Keyframe> keyframes_;

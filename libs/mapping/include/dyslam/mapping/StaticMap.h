@@ -15,6 +15,8 @@
 
 namespace dyslam
 {
+class StateArchive;
+
 struct StaticMapOptions : Options
 {
   double voxel_size = 0.2;    //!< one map point per cube of this side [m]
@@ -115,6 +117,9 @@ class StaticMap
   [[nodiscard]] double voxelSize() const;
   /** Voxels held, cleaned ones too. */
   [[nodiscard]] std::size_t voxelCount() const;
+
+  /** The voxels; the keyframes are saved by themselves. */
+  void exchangeState(StateArchive& archive);
 
  private:
   struct Impl;
