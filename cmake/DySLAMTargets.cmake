@@ -51,15 +51,24 @@ function(dyslam_add_library)
   install(DIRECTORY include/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT development ${left_out})
 endfunction()
 
-# dyslam_add_app(NAME <app-name> LIBRARIES <targets> [SOURCES <files in apps/<app-name>>])
-# Builds apps/<app-name>/main.cpp and the other sources given.
+# The module `networks` is built with a target that may load it while it runs.
+function(dyslam_may_load_networks target networks)
+  if(networks AND DYSLAM_HAVE_TORCH)
+    add_dependencies(${target} dyslam_networks)
+    target_compile_definitions(${target} PRIVATE DYSLAM_HAVE_TORCH)
+  endif()
+endfunction()
+
+# dyslam_add_app(NAME <app-name> LIBRARIES <targets> [SOURCES <files in apps/<app-name>>] [NETWORKS])
+# Builds apps/<app-name>/main.cpp and the other sources given. NETWORKS: it may ask for a network.
 function(dyslam_add_app)
-  cmake_parse_arguments(ARG "" "NAME;HEADERS" "LIBRARIES;SOURCES" ${ARGN})
+  cmake_parse_arguments(ARG "NETWORKS" "NAME;HEADERS" "LIBRARIES;SOURCES" ${ARGN})
   list(TRANSFORM ARG_SOURCES PREPEND ${ARG_NAME}/)
   add_executable(${ARG_NAME} ${ARG_NAME}/main.cpp ${ARG_SOURCES})
   target_link_libraries(${ARG_NAME} PRIVATE ${ARG_LIBRARIES})
   dyslam_set_warnings(${ARG_NAME})
   dyslam_use_headers_or(${ARG_NAME} "${ARG_HEADERS}" apps)
+  dyslam_may_load_networks(${ARG_NAME} ${ARG_NETWORKS})
   set_property(GLOBAL APPEND PROPERTY DYSLAM_APPS ${ARG_NAME})
   install(TARGETS ${ARG_NAME} RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT programs)
 endfunction()

@@ -28,14 +28,15 @@ function(dyslam_add_test_entries name target source labels)
   endforeach()
 endfunction()
 
-# dyslam_add_test(NAME <module> SOURCES <tests/...> [LIBRARIES <targets>] [HEADERS <kind>] [PROGRAMS <targets>])
+# dyslam_add_test(NAME <module> SOURCES <tests/...> [LIBRARIES <targets>] [HEADERS <kind>] [PROGRAMS <targets>]
+#   [NETWORKS])
 # One GTest program per module: <module>_tests. Its entries have the label <module>, and `unit` unless it
-# runs PROGRAMS; the target unit_tests builds those.
+# runs PROGRAMS; the target unit_tests builds those. NETWORKS: it may ask for a network while it runs.
 function(dyslam_add_test)
   if(NOT DYSLAM_BUILD_TESTS)
     return()
   endif()
-  cmake_parse_arguments(ARG "" "NAME;HEADERS" "SOURCES;LIBRARIES;PROGRAMS" ${ARGN})
+  cmake_parse_arguments(ARG "NETWORKS" "NAME;HEADERS" "SOURCES;LIBRARIES;PROGRAMS" ${ARGN})
   if(NOT TARGET dyslam_test_main)
     add_library(dyslam_test_main STATIC ${PROJECT_SOURCE_DIR}/tests/common/TestMain.cpp)
     target_link_libraries(dyslam_test_main PUBLIC GTest::gtest)
@@ -48,6 +49,7 @@ function(dyslam_add_test)
   target_link_libraries(${target} PRIVATE ${ARG_LIBRARIES} dyslam_test_main)
   dyslam_set_warnings(${target})
   dyslam_use_headers_or(${target} "${ARG_HEADERS}" tests)
+  dyslam_may_load_networks(${target} ${ARG_NETWORKS})
   set(labels ${ARG_NAME})
   if(ARG_PROGRAMS)
     add_dependencies(${target} ${ARG_PROGRAMS})

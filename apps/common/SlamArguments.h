@@ -3,6 +3,7 @@
 
 #include <dyslam/core/SharedFiles.h>
 #include <dyslam/io/RawlogSource.h>
+#include <dyslam/pipeline/Pipeline.h>
 #include <dyslam/pipeline/SensorSettings.h>
 #include <dyslam/pipeline/SlamRun.h>
 #include <dyslam/pipeline/StartSpeed.h>
@@ -11,6 +12,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <functional>
+#include <future>
 #include <optional>
 #include <string>
 #include <vector>
@@ -32,6 +34,7 @@ struct SlamArguments
   std::optional<int> skip_first_n;
   std::optional<int> only_first_n;
   bool resume = false;            //!< go on with a run that was killed
+  std::future<void> loading;      //!< loadAhead()
   std::vector<std::string> said;  //!< about sensor and settings, at the first scan
 
   [[nodiscard]] bool quiet() const { return verbosity == "ERROR"; }
@@ -121,6 +124,7 @@ inline void chooseSettings(const std::string& program, SlamArguments& a)
   const ChosenSettings chosen = settingsFor(sensor, given, name);
   a.settings.config = chosen.config;
   applyFlags(a, a.settings.config);
+  a.loading = loadAhead(a.settings.config);
   a.settings.sensor = sensor.summary();
   a.settings.warnings = chosen.warnings;
   a.said.push_back(program + ": " + sensor.summary() + "; settings: " + chosen.source);

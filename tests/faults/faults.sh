@@ -48,6 +48,13 @@ disk_full() { # a disk that takes no file over 40 kB
   check no_leftovers a
   check test "$(wc -l <a.err)" -eq 1
 }
+disk_too_small_for_memory() { # what should go to disk does not fit there
+  slam n && (trap '' XFSZ; ulimit -f 600; slam o --set memory.limit=1 --set output.replay=false)
+  check test $? -le 1 # the larger results may not fit either
+  check cmp n/trajectory_tum.txt o/trajectory_tum.txt
+  check cmp n/keyframes.simplemap o/keyframes.simplemap
+  check grep -q 'temporary file for what exceeds memory.limit cannot be written' o/report.json
+}
 folder_removed() {
   check slam_in_background b && rm -r b
   kill -INT "$run" && go_on
@@ -150,6 +157,7 @@ must terminal_lost "the run ends as by Ctrl-C, with all results of the scans so 
 must killed "no file has its final name and is not whole; the next run takes the folder over"
 must input_cut_in_mid_run "all results of the scans before the cut, and the reason"
 must links "files that links point to stay as they are"
+must disk_too_small_for_memory "memory grows instead, the results are the same, a warning says so"
 must conversion_on_a_full_disk "the earlier file stays, nothing half is left, exit code 1"
 must output_that_takes_nothing "a full standard output is an error"
 must name_that_is_no_text "a folder's name that is no UTF-8 spoils no JSON"

@@ -189,7 +189,7 @@ TEST_F(SlamRun, LabelsAreOnePerInputPoint)
   EXPECT_EQ(readLabels(s.output_folder + "/labels/000039.label").size(), truth_size(39));
 }
 
-TEST_F(SlamRun, SameBytesTwiceAndForAnyThreadCount)
+TEST_F(SlamRun, SameBytesTwiceAndForAnyThreadCountAndMemory)
 {
   auto one = settings("one");
   one.config.set("pipeline.threads=1");
@@ -200,8 +200,15 @@ TEST_F(SlamRun, SameBytesTwiceAndForAnyThreadCount)
   auto three = settings("three");
   three.config.set("pipeline.threads=3");
   (void)runSlam(three);
+  auto little = settings("little");
+  little.config.set("memory.limit=1");
+  (void)runSlam(little);
+  const auto report = contentOf(little.output_folder + "/report.json");
+  EXPECT_EQ(report.find("\"temporary_file\": 0.0"), std::string::npos) << report;
+  EXPECT_NE(contentOf(one.output_folder + "/report.json").find("\"temporary_file\": 0.0"),
+            std::string::npos);
   const auto expected = filesOf(one.output_folder);
-  for (const auto* folder : {&again.output_folder, &three.output_folder})
+  for (const auto* folder : {&again.output_folder, &three.output_folder, &little.output_folder})
   {
     const auto files = filesOf(*folder);
     ASSERT_EQ(files.size(), expected.size());

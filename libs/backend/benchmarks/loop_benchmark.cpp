@@ -48,7 +48,7 @@ int main()
     Keyframe keyframe;
     keyframe.path_length = 1.5 * static_cast<double>(i);
     keyframe.T_map_vehicle = dyslam::poseFromYpr(keyframe.path_length, 0, 0, 0, 0, 0);
-    keyframes.add(std::move(keyframe));
+    keyframes.add(keyframe);
     const std::vector<Eigen::Vector3f> points = randomPlace(rng);
     const std::clock_t start = std::clock();
     closer.add(points);

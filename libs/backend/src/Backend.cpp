@@ -155,7 +155,7 @@ void Backend::State::addKeyframe(const Frame& frame)
     odometry.push_back(graph.add(
         std::make_unique<OdometryFactor>(id - 1, id, since_keyframe.motion(), information)));
   }
-  keyframes.add(std::move(keyframe));
+  keyframes.add(keyframe);
   T_odom_keyframe = frame.T_odom_vehicle;
   since_keyframe.restart();
 }

@@ -35,8 +35,9 @@ double searchRadius(const LoopCloserOptions& options, double path)
 
 void LoopCandidates::add(const std::vector<Eigen::Vector3f>& points)
 {
-  descriptors_.emplace_back(points, options_.descriptor_range);
-  ring_means_.push_back(descriptors_.back().ringMeans());
+  const PolarDescriptor descriptor(points, options_.descriptor_range);
+  ring_means_.push_back(descriptor.ringMeans());
+  descriptors_.add(descriptor);
   if (options_.appearance)
   {
     points_ = points;
@@ -69,15 +70,15 @@ std::vector<LoopCandidate> LoopCandidates::near(const KeyframeStore& keyframes) 
         (keyframes[i].T_map_vehicle.translation() - now.T_map_vehicle.translation()).norm();
     if (distance < searchRadius(options_, path))
     {
-      ranked.push_back({i, descriptors_[i].ringDifference(descriptors_[newest])});
+      ranked.push_back({i, PolarDescriptor::ringDifference(ring_means_[i], ring_means_[newest])});
     }
   }
   shortlist(ranked, near_shortlist);
-  const PolarDescriptor::Columns ours = descriptors_[newest].columns();
+  const PolarDescriptor::Columns ours = descriptors_.get(newest).columns();
   std::vector<LoopCandidate> candidates;
   for (const Ranked& one : ranked)
   {
-    const auto match = PolarDescriptor::match(descriptors_[one.id].columns(), ours);
+    const auto match = PolarDescriptor::match(descriptors_.get(one.id).columns(), ours);
     candidates.push_back({one.id, match.distance, poseFromYpr(0, 0, 0, match.heading, 0, 0)});
   }
   std::sort(candidates.begin(), candidates.end(), isMoreSimilar);
@@ -111,7 +112,7 @@ void LoopCandidates::addAlike(const KeyframeStore& keyframes,
   const PolarDescriptor::Columns ours = view.columns();
   for (const Ranked& one : ranked)
   {
-    const auto match = PolarDescriptor::match(descriptors_[one.id].columns(), ours);
+    const auto match = PolarDescriptor::match(descriptors_.get(one.id).columns(), ours);
     if (match.distance <= options_.appearance_descriptor_distance)
     {
       // The heading is that of the viewpoint; the vehicle stands beside it.
@@ -124,7 +125,7 @@ void LoopCandidates::addAlike(const KeyframeStore& keyframes,
 std::vector<LoopCandidate> LoopCandidates::alike(const KeyframeStore& keyframes) const
 {
   std::vector<LoopCandidate> found;
-  addAlike(keyframes, descriptors_.back(), 0, found);
+  addAlike(keyframes, PolarDescriptor(descriptors_.get(descriptors_.size() - 1)), 0, found);
   for (const float y : viewpoints)
   {
     const PolarDescriptor view(points_, options_.descriptor_range, Eigen::Vector2f(0, y));

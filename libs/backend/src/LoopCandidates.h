@@ -2,6 +2,7 @@
 #pragma once
 
 #include <dyslam/backend/LoopCloser.h>
+#include <dyslam/core/SwappedStore.h>
 
 #include <cstddef>
 #include <vector>
@@ -26,7 +27,10 @@ struct LoopCandidate
 class LoopCandidates
 {
  public:
-  explicit LoopCandidates(const LoopCloserOptions& options) : options_(options) {}
+  LoopCandidates(const LoopCloserOptions& options, const MemoryLimit& memory)
+      : options_(options), descriptors_(memory)
+  {
+  }
 
   /** The next keyframe's static points, vehicle frame [m]. */
   void add(const std::vector<Eigen::Vector3f>& points);
@@ -56,7 +60,7 @@ class LoopCandidates
 
   LoopCloserOptions options_;
   std::vector<Eigen::Vector3f> points_;  //!< of the newest keyframe, where appearance is in use
-  std::vector<PolarDescriptor> descriptors_;            //!< of keyframes
+  SwappedStore<PolarDescriptor> descriptors_;           //!< of keyframes
   std::vector<PolarDescriptor::RingMeans> ring_means_;  //!< theirs, side by side in memory
 };
 }  // namespace dyslam

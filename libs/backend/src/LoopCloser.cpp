@@ -18,6 +18,7 @@ namespace
 {
 constexpr double range_limit = 131.068;      // of stored coordinates: steps of 4 mm [m]
 constexpr double correlation_range = 5;      // around the initial guess [m]
+constexpr double descriptor_share = 0.05;    // of the memory
 constexpr double correlation_heading = 0.1;  // nearly a sector of the descriptor [rad]
 
 /** Adds a stored cloud, moved to another frame. */
@@ -43,7 +44,7 @@ struct LoopCloser::State
   State(const LoopCloserOptions& given, KeyframeStore& store)
       : options(given),
         keyframes(store),
-        candidates(given),
+        candidates(given, store.memory().part(descriptor_share)),
         agreement(given.min_support, given.appearance_support, given.support_window)
   {
     validate(options, "loop");
@@ -80,7 +81,7 @@ RegistrationTarget LoopCloser::State::submapAround(std::size_t id) const
   std::vector<Eigen::Vector3f> points;
   for (std::size_t i = first; i <= last; ++i)
   {
-    append(keyframes[i].loop_cloud, between(id, i), points);
+    append(keyframes.loopCloud(i), between(id, i), points);
   }
   return RegistrationTarget(voxelDownsample(points, options.voxel_size, VoxelPick::centroid).points,
                             {});
@@ -285,7 +286,7 @@ void LoopCloser::add(const std::vector<Eigen::Vector3f>& static_points)
   }
   KeyframeCloud sampled;
   sampled.points = voxelDownsample(static_points, s.options.voxel_size, VoxelPick::centroid).points;
-  s.keyframes[next].loop_cloud = PackedCloud(sampled, range_limit);
+  s.keyframes.setLoopCloud(next, PackedCloud(sampled, range_limit));
   s.candidates.add(static_points);
 }
 
@@ -300,7 +301,7 @@ std::vector<Loop> LoopCloser::search()
   const std::size_t newest = s.candidates.size() - 1;
   if (newest % static_cast<std::size_t>(s.options.interval) == 0)
   {
-    const std::vector<Eigen::Vector3f> source = s.keyframes[newest].loop_cloud.unpacked().points;
+    const std::vector<Eigen::Vector3f> source = s.keyframes.loopCloud(newest).unpacked().points;
     if (!s.searchNear(source, result) && s.options.appearance)
     {
       s.searchAlike(source, result);

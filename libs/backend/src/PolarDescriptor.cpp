@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "PolarDescriptor.h"
 
-#include <dyslam/core/StateArchive.h>
-
 #include <algorithm>
 #include <bitset>
 #include <cmath>
+#include <cstring>
 
 #include "GroundHeight.h"
 
@@ -102,18 +101,27 @@ PolarDescriptor::Match PolarDescriptor::match(const Columns& ours, const Columns
   return best;
 }
 
-double PolarDescriptor::ringDifference(const PolarDescriptor& other) const
+double PolarDescriptor::ringDifference(const RingMeans& a, const RingMeans& b)
 {
   double sum = 0;
   for (std::size_t r = 0; r < rings; ++r)
   {
-    sum += std::abs(static_cast<double>(ring_means_[r] - other.ring_means_[r]));
+    sum += std::abs(static_cast<double>(a[r] - b[r]));
   }
   return sum / rings;
 }
 
-void PolarDescriptor::exchangeState(StateArchive& archive)
+std::string PolarDescriptor::toBytes() const
 {
-  archive(heights_, ring_means_);
+  std::string bytes(reinterpret_cast<const char*>(heights_.data()), heights_.size());
+  return bytes.append(reinterpret_cast<const char*>(ring_means_.data()), sizeof ring_means_);
+}
+
+PolarDescriptor PolarDescriptor::fromBytes(std::string_view bytes)
+{
+  PolarDescriptor descriptor;
+  std::memcpy(descriptor.heights_.data(), bytes.data(), sizeof heights_);
+  std::memcpy(descriptor.ring_means_.data(), bytes.data() + sizeof heights_, sizeof ring_means_);
+  return descriptor;
 }
 }  // namespace dyslam

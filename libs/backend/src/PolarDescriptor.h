@@ -4,12 +4,12 @@
 #include <Eigen/Core>
 #include <array>
 #include <cstdint>
+#include <string>
+#include <string_view>
 #include <vector>
 
 namespace dyslam
 {
-class StateArchive;
-
 /** The appearance of a place from above: the greatest height over the ground in each cell of a
  * polar grid around the vehicle. A turn of the vehicle shifts its columns (the idea of Kim & Kim,
  * "Scan Context", IROS 2018). */
@@ -47,10 +47,13 @@ class PolarDescriptor
   [[nodiscard]] static Match match(const Columns& ours, const Columns& other);
 
   /** Mean height per ring does not change with heading; this is how much it differs. */
-  [[nodiscard]] double ringDifference(const PolarDescriptor& other) const;
+  [[nodiscard]] static double ringDifference(const RingMeans& a, const RingMeans& b);
   [[nodiscard]] const RingMeans& ringMeans() const { return ring_means_; }
 
-  void exchangeState(StateArchive& archive);
+  // For SwappedStore.
+  [[nodiscard]] static std::size_t memory() { return 0; }  // all of it is in the object
+  [[nodiscard]] std::string toBytes() const;
+  [[nodiscard]] static PolarDescriptor fromBytes(std::string_view bytes);
 
  private:
   std::array<std::uint8_t, rings * sectors> heights_{};  //!< 1/16 m, sector by sector

@@ -51,7 +51,7 @@ std::vector<Loop> runThrough(const BoxWorld& world,
     Keyframe keyframe;
     keyframe.path_length = path;
     keyframe.T_map_vehicle = estimate[i];
-    keyframes.add(std::move(keyframe));
+    keyframes.add(keyframe);
     closer.add(world.scan(truth[i], static_cast<unsigned>(i)));
     const std::vector<Loop> found = closer.search();
     loops.insert(loops.end(), found.begin(), found.end());
@@ -229,7 +229,7 @@ TEST(LoopCloser, EmptyCloudsMakeNoLoops)
     }
     Keyframe keyframe;
     keyframe.path_length = static_cast<double>(i);
-    keyframes.add(std::move(keyframe));
+    keyframes.add(keyframe);
     closer.add(points);
     for (const Loop& loop : closer.search())
     {

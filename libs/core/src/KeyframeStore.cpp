@@ -4,10 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <limits>
 #include <stdexcept>
 #include <string>
-#include <utility>
 
 namespace dyslam
 {
@@ -107,6 +107,31 @@ void PackedCloud::keepOnly(const std::vector<bool>& keep)
   keepFlagged(is_static_, keep);
 }
 
+std::size_t PackedCloud::memory() const
+{
+  return points_.capacity() * sizeof points_[0] + intensity_.capacity() + is_static_.capacity();
+}
+
+std::string PackedCloud::toBytes() const
+{
+  std::string bytes(reinterpret_cast<const char*>(&scale_), sizeof scale_);
+  appendBytes(bytes, points_);
+  appendBytes(bytes, intensity_);
+  appendBytes(bytes, is_static_);
+  return bytes;
+}
+
+PackedCloud PackedCloud::fromBytes(std::string_view bytes)
+{
+  PackedCloud cloud;
+  std::memcpy(&cloud.scale_, bytes.data(), sizeof cloud.scale_);
+  bytes.remove_prefix(sizeof cloud.scale_);
+  takeBytes(bytes, cloud.points_);
+  takeBytes(bytes, cloud.intensity_);
+  takeBytes(bytes, cloud.is_static_);
+  return cloud;
+}
+
 Keyframe keyframeOf(const Frame& frame)
 {
   Keyframe keyframe;
@@ -117,9 +142,16 @@ Keyframe keyframeOf(const Frame& frame)
   return keyframe;
 }
 
-std::size_t KeyframeStore::add(Keyframe keyframe)
+KeyframeStore::KeyframeStore(const MemoryLimit& memory)
+    : memory_(memory), loop_clouds_(memory.part(0.125)), map_clouds_(memory.part(0.125))
 {
-  keyframes_.push_back(std::move(keyframe));
+}
+
+std::size_t KeyframeStore::add(const Keyframe& keyframe)
+{
+  keyframes_.push_back(keyframe);
+  loop_clouds_.add({});
+  map_clouds_.add({});
   return keyframes_.size() - 1;
 }
 
@@ -137,13 +169,8 @@ void KeyframeStore::correct(const std::vector<Pose>& T_map_vehicle, std::size_t 
   ++revision_;
 }
 
-void PackedCloud::exchangeState(StateArchive& archive)
-{
-  archive(scale_, points_, intensity_, is_static_);
-}
-
 void KeyframeStore::exchangeState(StateArchive& archive)
 {
-  archive(keyframes_, revision_);
+  archive(keyframes_, loop_clouds_, map_clouds_, revision_);
 }
 }  // namespace dyslam

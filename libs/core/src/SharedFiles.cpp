@@ -2,10 +2,11 @@
 #include <dyslam/core/Error.h>
 #include <dyslam/core/SharedFiles.h>
 
-#include <cstdlib>
 #include <filesystem>
 #include <map>
 #include <vector>
+
+#include "ProgramFolders.h"
 
 namespace fs = std::filesystem;
 
@@ -15,24 +16,9 @@ namespace
 {
 std::vector<fs::path> sharedFolders()
 {
-  std::vector<fs::path> folders;
-  if (const char* given = std::getenv("DYSLAM_SHARE"))
-  {
-    folders.emplace_back(given);
-  }
-  std::error_code ignored;
-  const fs::path bin = fs::read_symlink("/proc/self/exe", ignored).parent_path();
-  if (!bin.empty() && fs::equivalent(bin, DYSLAM_BUILD_BIN, ignored))
-  {
-    folders.emplace_back(DYSLAM_SOURCE_SHARE);
-    return folders;
-  }
-  if (!bin.empty())
-  {
-    folders.push_back(bin.parent_path() / "share" / "dyslam");
-  }
-  folders.emplace_back(DYSLAM_INSTALLED_SHARE);
-  return folders;
+  return ProgramFolders{"DYSLAM_SHARE", DYSLAM_SOURCE_SHARE, fs::path("share") / "dyslam",
+                        DYSLAM_INSTALLED_SHARE}
+      .candidates();
 }
 
 std::string namesIn(const std::string& folder, const std::string& extension)

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <dyslam/core/Error.h>
 #include <dyslam/core/Registry.h>
+#include <dyslam/core/RuntimeModule.h>
 #include <dyslam/dyseg/MovingSegmenter.h>
 #include <dyslam/dyseg/NetworkSegmenter.h>
 #include <dyslam/dyseg/ResidualSegmenter.h>
@@ -20,18 +20,14 @@ Factory residual(const ResidualSegmenterOptions& options)
   { return std::make_unique<ResidualSegmenter>(options, pool); };
 }
 
-Factory network([[maybe_unused]] const NetworkSegmenterOptions& options)
+Factory network(const NetworkSegmenterOptions& options)
 {
-#ifdef DYSLAM_HAVE_TORCH
-  return [=](ThreadPool&) -> Segmenter { return std::make_unique<NetworkSegmenter>(options); };
-#else
-  return [](ThreadPool&) -> Segmenter
+  return [=](ThreadPool&) -> Segmenter
   {
-    throw UserError(
-        "dyseg.method: network needs a build with libtorch; use residual or none, or install "
-        "libtorch-dev and build again");
+    auto* make = runtimeModuleFunction<MakeNetworkSegmenter>(
+        "networks", "dyslam_make_network_segmenter", "dyseg.method: network");
+    return Segmenter(make(options));
   };
-#endif
 }
 
 /** One row per segmenter. */

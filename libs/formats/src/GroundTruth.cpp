@@ -36,31 +36,36 @@ std::vector<LabelledBox> readTracks(const std::string& path)
   return boxes;
 }
 
+std::string trackLine(const LabelledBox& box)
+{
+  std::string text = std::to_string(box.frame) + ' ' + std::to_string(box.id) + ' ' +
+                     (box.type.empty() ? toString(box.object_class) : box.type) + ' ' +
+                     std::to_string(box.truncated) + ' ' + std::to_string(box.occluded);
+  const auto append = [&text](double value)
+  {
+    text += ' ';
+    appendNumber(text, value, 9);
+  };
+  append(-10);  // alpha, an angle of the camera's: unknown
+  for (int i = 0; i < 4; ++i)
+  {
+    append(box.image_box[i]);
+  }
+  const Box& b = box.box;
+  for (const double value : {b.size.z(), b.size.y(), b.size.x(), b.center.x(), b.center.y(),
+                             b.center.z(), b.yaw, box.score})
+  {
+    append(value);
+  }
+  return text + '\n';
+}
+
 void writeTracks(const std::string& path, const std::vector<LabelledBox>& boxes)
 {
   std::string text;
   for (const LabelledBox& box : boxes)
   {
-    text += std::to_string(box.frame) + ' ' + std::to_string(box.id) + ' ' +
-            (box.type.empty() ? toString(box.object_class) : box.type) + ' ' +
-            std::to_string(box.truncated) + ' ' + std::to_string(box.occluded);
-    const auto append = [&text](double value)
-    {
-      text += ' ';
-      appendNumber(text, value, 9);
-    };
-    append(-10);  // alpha, an angle of the camera's: unknown
-    for (int i = 0; i < 4; ++i)
-    {
-      append(box.image_box[i]);
-    }
-    const Box& b = box.box;
-    for (const double value : {b.size.z(), b.size.y(), b.size.x(), b.center.x(), b.center.y(),
-                               b.center.z(), b.yaw, box.score})
-    {
-      append(value);
-    }
-    text += '\n';
+    text += trackLine(box);
   }
   writeWhole(path, text);
 }

@@ -5,6 +5,7 @@
 #include <dyslam/formats/TrajectoryFiles.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <filesystem>
 #include <map>
@@ -208,6 +209,25 @@ KittiCalib readKittiCalib(const std::string& file_or_folder)
   return calib;
 }
 
+namespace
+{
+/** \throws UserError unless year, month, day, hour and minute are those of a date and time. */
+void requireDate(const TextFile& file)
+{
+  constexpr std::array<const char*, 5> names{"year", "month", "day", "hour", "minute"};
+  constexpr std::array<int, 5> least{1, 1, 1, 0, 0};
+  constexpr std::array<int, 5> most{9999, 12, 31, 23, 59};
+  for (std::size_t i = 0; i < names.size(); ++i)
+  {
+    if (file.integer(i) < least[i] || file.integer(i) > most[i])
+    {
+      file.fail(std::string(names[i]) + " is " + std::to_string(file.integer(i)) + ", not " +
+                std::to_string(least[i]) + " to " + std::to_string(most[i]));
+    }
+  }
+}
+}  // namespace
+
 std::vector<double> readKittiTimestamps(const std::string& path)
 {
   TextFile file(path, " \t\r-:");
@@ -215,6 +235,7 @@ std::vector<double> readKittiTimestamps(const std::string& path)
   while (file.next())
   {
     file.requireFields(6, "a date and time");
+    requireDate(file);
     const int year = file.integer(0) - (file.integer(1) <= 2 ? 1 : 0);
     // Days since 1970 of a Gregorian date, with March as the year's first month.
     const int month = (file.integer(1) + 9) % 12;

@@ -173,6 +173,11 @@ TEST(KittiTimestamps, AreSecondsSince1970)
   EXPECT_NEAR(1317042145.951199, times[1], 1e-6);
   EXPECT_NEAR(1709164801.5, times[2], 1e-6);
   EXPECT_THROW((void)readKittiTimestamps(folder.write("u.txt", "2011-09-26\n")), UserError);
+  for (const char* wrong : {"20119002-09-26 13:02:25.9", "2011-13-26 13:02:25.9",
+                            "2011-09-32 13:02:25.9", "2011-09-26 24:02:25.9"})
+  {
+    EXPECT_THROW((void)readKittiTimestamps(folder.write("u.txt", wrong)), UserError) << wrong;
+  }
 }
 
 TEST(KittiOxts, FilesAndFolders)

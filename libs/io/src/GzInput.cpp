@@ -3,9 +3,8 @@
 
 #include <dyslam/core/Error.h>
 #include <dyslam/formats/TextFile.h>
-#include <dyslam/io/GzOutput.h>
 #include <fcntl.h>
-#include <libdeflate.h>
+#include <isa-l/igzip_lib.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -18,19 +17,12 @@ namespace dyslam
 {
 namespace
 {
-constexpr unsigned buffer_size = 1U << 17U;
-constexpr std::size_t largest_step = 1U << 30U;
-constexpr std::size_t largest_content = GzOutput::member_size;
-constexpr std::size_t largest_member = largest_content + largest_content / 8;
-
-bool isGzip(const char* bytes, std::size_t count)
-{
-  return count >= 2 && bytes[0] == '\x1f' && bytes[1] == '\x8b';
-}
+constexpr std::size_t packed_size = 1U << 17U;
+constexpr std::size_t content_size = 1U << 18U;
 }  // namespace
 
 GzInput::GzInput(const std::string& path)
-    : path_(path), decompressor_(libdeflate_alloc_decompressor(), &libdeflate_free_decompressor)
+    : path_(path), packed_(packed_size), content_(content_size)
 {
   (void)openBinary(path);
   std::error_code ignored;
@@ -41,111 +33,100 @@ GzInput::GzInput(const std::string& path)
     throw UserError(path + ": cannot be read (" + std::strerror(errno) +
                     "); check its permissions");
   }
+  (void)beginMember();
 }
 
 GzInput::~GzInput()
 {
-  if (file_ != nullptr)
-  {
-    gzclose_r(file_);
-  }
-  if (descriptor_ >= 0)
-  {
-    ::close(descriptor_);
-  }
+  ::close(descriptor_);
 }
 
-/** Reads on until a whole member of the usual size is there, or the file ends. */
-void GzInput::fillPacked()
+bool GzInput::fillPacked(std::size_t count)
 {
-  if (packed_.size() - packed_begin_ >= largest_member)
+  if (packedSize() >= count)
   {
-    return;
+    return true;
   }
-  packed_.erase(packed_.begin(), packed_.begin() + static_cast<std::ptrdiff_t>(packed_begin_));
+  std::copy(packed_.begin() + static_cast<std::ptrdiff_t>(packed_begin_),
+            packed_.begin() + static_cast<std::ptrdiff_t>(packed_end_), packed_.begin());
+  packed_end_ -= packed_begin_;
   packed_begin_ = 0;
-  std::size_t have = packed_.size();
-  const std::uint64_t left = size_ - std::min<std::uint64_t>(size_, offset_);
-  packed_.resize(std::max<std::size_t>(have, std::min<std::uint64_t>(left, 2 * largest_member)));
-  for (ssize_t got = 1; have < packed_.size() && got > 0; have += static_cast<std::size_t>(got))
+  while (packed_end_ < count && read_error_.empty())
   {
-    // An error shows again where zlib reads on.
-    got = std::max<ssize_t>(0, ::read(descriptor_, &packed_[have], packed_.size() - have));
-  }
-  packed_.resize(have);
-}
-
-bool GzInput::nextMember()
-{
-  if (file_ != nullptr || !decompressor_)
-  {
-    return false;
-  }
-  fillPacked();
-  const char* packed = packed_.data() + packed_begin_;
-  const std::size_t available = packed_.size() - packed_begin_;
-  if (!isGzip(packed, available))
-  {
-    return false;
-  }
-  content_.resize(largest_content);
-  content_begin_ = 0;
-  std::size_t used = 0;
-  std::size_t unpacked = 0;
-  const bool good =
-      libdeflate_gzip_decompress_ex(decompressor_.get(), packed, available, content_.data(),
-                                    content_.size(), &used, &unpacked) == LIBDEFLATE_SUCCESS;
-  content_.resize(good ? unpacked : 0);
-  packed_begin_ += good ? used : 0;
-  offset_ += good ? used : 0;
-  any_member_ = any_member_ || good;
-  return good;
-}
-
-bool GzInput::atEndOfMembers()
-{
-  while (content_begin_ == content_.size())
-  {
-    if (!nextMember())
+    const ssize_t got =
+        ::read(descriptor_, packed_.data() + packed_end_, packed_.size() - packed_end_);
+    if (got < 0 && errno != EINTR)
     {
-      return true;
+      read_error_ = std::strerror(errno);
     }
+    if (got == 0)
+    {
+      return false;
+    }
+    packed_end_ += static_cast<std::size_t>(std::max<ssize_t>(0, got));
+    offset_ += static_cast<std::uint64_t>(std::max<ssize_t>(0, got));
   }
-  return false;
+  return read_error_.empty();
 }
 
-void GzInput::startStream()
+bool GzInput::beginMember()
 {
-  const std::size_t available = packed_.size() - packed_begin_;
-  const bool at_member = isGzip(packed_.data() + packed_begin_, available);
-  // As zlib does, what follows the last member and is none is passed over.
-  const std::uint64_t from = any_member_ && !at_member ? size_ : offset_;
-  if (::lseek(descriptor_, static_cast<off_t>(from), SEEK_SET) < 0 ||
-      (file_ = gzdopen(descriptor_, "rb")) == nullptr)
+  if (!fillPacked(2) || packed_[packed_begin_] != 0x1f || packed_[packed_begin_ + 1] != 0x8b)
   {
-    throw std::runtime_error(path_ + ": " + std::strerror(errno));
+    return false;
   }
-  descriptor_ = -1;
-  gzbuffer(file_, buffer_size);
-  packed_ = {};
-  packed_begin_ = 0;
+  if (inflate_ == nullptr)
+  {
+    inflate_ = std::make_unique<inflate_state>();
+    isal_inflate_init(inflate_.get());
+  }
+  isal_inflate_reset(inflate_.get());
+  inflate_->crc_flag = ISAL_GZIP;
+  return true;
 }
 
-void GzInput::noteError()
+void GzInput::unpackSome()
 {
-  int code = Z_OK;
-  const std::string message = gzerror(file_, &code);
-  if (code == Z_ERRNO)
-  {
-    read_error_ = message;
-  }
-  else if (code == Z_BUF_ERROR || code == Z_OK)
-  {
-    cut_ = true;
-  }
-  else if (code != Z_STREAM_END)
+  inflate_->next_in = packed_.data() + packed_begin_;
+  inflate_->avail_in = static_cast<std::uint32_t>(packedSize());
+  inflate_->next_out = content_.data();
+  inflate_->avail_out = static_cast<std::uint32_t>(content_.size());
+  const int result = isal_inflate(inflate_.get());
+  packed_begin_ = packed_end_ - inflate_->avail_in;
+  content_end_ = content_.size() - inflate_->avail_out;
+  if (result < 0)
   {
     broken_ = true;
+    ended_ = true;
+  }
+  else if (inflate_->block_state == ISAL_BLOCK_FINISH)
+  {
+    ended_ = !beginMember();
+  }
+}
+
+void GzInput::fillContent()
+{
+  while (content_begin_ == content_end_ && !ended_)
+  {
+    content_begin_ = 0;
+    content_end_ = 0;
+    const bool more = fillPacked(1);
+    if (inflate_ == nullptr)
+    {
+      content_end_ = packedSize();
+      std::copy_n(packed_.begin() + static_cast<std::ptrdiff_t>(packed_begin_), content_end_,
+                  content_.begin());
+      packed_begin_ = packed_end_;
+      ended_ = !more;
+      continue;
+    }
+    unpackSome();
+    if (!more && content_end_ == 0 && !ended_)
+    {
+      ended_ = true;
+      cut_ = cut_ || read_error_.empty();
+    }
   }
 }
 
@@ -157,7 +138,7 @@ std::size_t GzInput::Read(void* buffer, std::size_t count)
     const std::size_t got = readSome(to + done, count - done);
     if (got == 0)
     {
-      noteError();
+      cut_ = cut_ || (!broken_ && read_error_.empty());
       throw std::runtime_error("unexpected end of data");
     }
     done += got;
@@ -167,57 +148,22 @@ std::size_t GzInput::Read(void* buffer, std::size_t count)
 
 std::size_t GzInput::readSome(void* buffer, std::size_t count)
 {
-  if (atEndOfMembers() && file_ == nullptr)
-  {
-    startStream();
-  }
-  if (content_begin_ < content_.size())
-  {
-    const std::size_t step = std::min(count, content_.size() - content_begin_);
-    std::memcpy(buffer, &content_[content_begin_], step);
-    content_begin_ += step;
-    return step;
-  }
-  const int got = gzread(file_, buffer, static_cast<unsigned>(std::min(count, largest_step)));
-  int code = Z_OK;
-  gzerror(file_, &code);
-  if (code != Z_OK)
-  {
-    noteError();
-  }
-  return got > 0 ? static_cast<std::size_t>(got) : 0;
+  fillContent();
+  const std::size_t step = std::min(count, content_end_ - content_begin_);
+  std::memcpy(buffer, content_.data() + content_begin_, step);
+  content_begin_ += step;
+  return step;
 }
 
 bool GzInput::atEnd()
 {
-  if (!atEndOfMembers())
-  {
-    return false;
-  }
-  if (file_ == nullptr)
-  {
-    startStream();
-  }
-  const int byte = gzgetc(file_);
-  if (byte != -1)
-  {
-    gzungetc(byte, file_);
-    return false;
-  }
-  int code = Z_OK;
-  gzerror(file_, &code);
-  if (code != Z_OK)
-  {
-    noteError();
-  }
-  return true;
+  fillContent();
+  return content_begin_ == content_end_;
 }
 
 double GzInput::progress() const
 {
-  const auto at = file_ == nullptr ? static_cast<std::int64_t>(offset_)
-                                   : static_cast<std::int64_t>(gzoffset(file_));
-  return size_ == 0 || at < 0 ? 1.0
-                              : std::min(1.0, static_cast<double>(at) / static_cast<double>(size_));
+  const std::uint64_t at = offset_ - packedSize();
+  return size_ == 0 ? 1.0 : std::min(1.0, static_cast<double>(at) / static_cast<double>(size_));
 }
 }  // namespace dyslam

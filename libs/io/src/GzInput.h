@@ -1,22 +1,18 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <zlib.h>
-
 #include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <string>
 #include <vector>
 
-struct libdeflate_decompressor;
+struct inflate_state;
 
 namespace dyslam
 {
-/** Reads a gzip or plain file, knowing a clean end from a cut.
- *
- * Members as small as GzOutput writes them are unpacked whole, which takes a quarter of the time;
- * from the first that is larger or damaged on, zlib reads the file as a stream. */
+/** Reads a gzip or plain file, knowing a clean end from a cut. Unpacked by ISA-L, in a third of
+ * zlib's time. What follows the last gzip member and is none is passed over, as zlib does. */
 class GzInput
 {
  public:
@@ -46,26 +42,28 @@ class GzInput
   [[nodiscard]] std::uint64_t fileSize() const { return size_; }
 
  private:
-  /** Unpacks the next member. False where the file ends or zlib has to go on. */
-  bool nextMember();
-  /** Nothing unpacked is left, nor a member to unpack. */
-  bool atEndOfMembers();
-  void fillPacked();
-  /** Hands the rest of the file to zlib. */
-  void startStream();
-  void noteError();
+  /** Unpacks the next piece where nothing unpacked is left. */
+  void fillContent();
+  /** Reads on until `count` bytes are there, or the file ends. \return whether they are. */
+  bool fillPacked(std::size_t count);
+  /** Begins the gzip member that comes next. \return false if none does. */
+  bool beginMember();
+  void unpackSome();
+
+  [[nodiscard]] std::size_t packedSize() const { return packed_end_ - packed_begin_; }
 
   std::string path_;
-  int descriptor_ = -1;       //!< until zlib has it
-  std::vector<char> packed_;  //!< of the file, not yet unpacked
+  int descriptor_ = -1;
+  std::uint64_t size_ = 0;            //!< of the file
+  std::uint64_t offset_ = 0;          //!< in the file, of what is read next
+  std::vector<std::uint8_t> packed_;  //!< of the file; not yet unpacked from packed_begin_ on
   std::size_t packed_begin_ = 0;
-  std::uint64_t offset_ = 0;  //!< in the file of the byte at packed_begin_
-  bool any_member_ = false;
-  std::vector<char> content_;      //!< unpacked
-  std::size_t content_begin_ = 0;  //!< not yet read
-  std::unique_ptr<libdeflate_decompressor, void (*)(libdeflate_decompressor*)> decompressor_;
-  gzFile file_ = nullptr;  //!< null until zlib reads
-  std::uint64_t size_ = 0;
+  std::size_t packed_end_ = 0;
+  std::vector<std::uint8_t> content_;  //!< unpacked; not yet read from content_begin_ on
+  std::size_t content_begin_ = 0;
+  std::size_t content_end_ = 0;
+  std::unique_ptr<inflate_state> inflate_;  //!< null: the file is not compressed
+  bool ended_ = false;                      //!< nothing more can be unpacked
   bool cut_ = false;
   bool broken_ = false;
   std::string read_error_;

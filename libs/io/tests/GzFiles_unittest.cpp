@@ -114,6 +114,24 @@ TEST(GzFiles, AStreamOfOneLargeMemberIsRead)
   EXPECT_TRUE(readByUs(folder.file("x.gz"), 1024) == text);
 }
 
+TEST(GzFiles, ADamagedMemberIsBrokenNotCut)
+{
+  const TestFolder folder;
+  const std::string text = content(3 * GzOutput::member_size);
+  write(folder.file("x.gz"), text, text.size());
+  std::string bytes = bytesOf(folder.file("x.gz"));
+  for (std::size_t i = bytes.size() / 2; i < bytes.size() / 2 + 100; ++i)
+  {
+    bytes[i] = static_cast<char>(~bytes[i]);
+  }
+  std::ofstream(folder.file("x.gz"), std::ios::binary) << bytes;
+  GzInput file(folder.file("x.gz"));
+  std::string read(text.size(), ' ');
+  EXPECT_THROW(file.Read(read.data(), read.size()), std::runtime_error);
+  EXPECT_TRUE(file.broken());
+  EXPECT_FALSE(file.cut());
+}
+
 TEST(GzFiles, PlainFilesAreRead)
 {
   const TestFolder folder;

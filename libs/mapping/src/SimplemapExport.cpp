@@ -53,6 +53,18 @@ mrpt::obs::CObservationPointCloud::Ptr observationOf(const Keyframe& keyframe,
   observation->pointcloud = points;  // vehicle frame: the sensor's pose stays the identity
   return observation;
 }
+
+constexpr std::uint8_t end_of_object = 0x88;  // as MRPT's archives mark it
+
+/** What a CSimpleMap of `count` keyframes begins with: the whole of it would be in memory. */
+void writeStart(mrpt::serialization::CArchive& archive, std::uint32_t count)
+{
+  std::vector<std::uint8_t> empty;  // its start, the count and the end
+  const mrpt::maps::CSimpleMap none;
+  mrpt::serialization::ObjectToOctetVector(&none, empty);
+  archive.WriteBuffer(empty.data(), empty.size() - sizeof count - sizeof end_of_object);
+  archive << count;
+}
 }  // namespace
 
 void writeSimplemap(const StaticMap& map,
@@ -60,7 +72,12 @@ void writeSimplemap(const StaticMap& map,
                     const Eigen::Vector3d& origin,
                     const MapProgress& on_keyframe)
 {
-  mrpt::maps::CSimpleMap simplemap;
+  constexpr int compression_level = 1;
+  GzOutput file(path, compression_level);
+  auto archive = mrpt::serialization::archiveFrom(file);
+  writeStart(archive, static_cast<std::uint32_t>(
+                          std::count_if(map.poses().begin(), map.poses().end(),
+                                        [](const Pose& T) { return T.matrix().allFinite(); })));
   map.forEachStaticCloud(
       [&](std::size_t k, const KeyframeCloud& cloud)
       {
@@ -68,20 +85,16 @@ void writeSimplemap(const StaticMap& map,
         {
           return;
         }
-        auto frame = mrpt::obs::CSensoryFrame::Create();
-        frame->insert(observationOf(map.keyframes()[k], cloud));
+        mrpt::obs::CSensoryFrame frame;
+        frame.insert(observationOf(map.keyframes()[k], cloud));
         const Pose T = Eigen::Translation3d(origin) * map.poses()[k];
-        auto pose = mrpt::poses::CPose3DPDFGaussian::Create(toMrpt(T));
-        simplemap.insert(pose, frame);
+        archive << mrpt::poses::CPose3DPDFGaussian(toMrpt(T)) << frame;
         if (on_keyframe)
         {
           on_keyframe(k + 1);
         }
       });
-  constexpr int compression_level = 1;
-  GzOutput file(path, compression_level);
-  auto archive = mrpt::serialization::archiveFrom(file);
-  archive << simplemap;
+  archive << end_of_object;
   file.close();
 }
 }  // namespace dyslam

@@ -5,9 +5,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <stdexcept>
 #include <utility>
 
+#include "CleanedMap.h"
 #include "MovingInMap.h"
 #include "VisibilityImage.h"
 #include "VoxelMap.h"
@@ -16,12 +18,30 @@ namespace dyslam
 {
 namespace
 {
+// Shares of the memory: while a map is stitched again, both are there.
+constexpr double map_share = 0.3;
+constexpr double cleaned_share = 0.1;
+
 /** A map as it was before it is stitched again. */
 struct Stitched
 {
   std::vector<Pose> poses;
   VoxelMap map;
 };
+template <typename Value>
+void append(const std::vector<Value>& part, std::vector<Value>& all)
+{
+  all.insert(all.end(), part.begin(), part.end());
+}
+
+void append(const MapPoints& part, MapPoints& all)
+{
+  append(part.points, all.points);
+  append(part.intensity, all.intensity);
+  append(part.hits, all.hits);
+  append(part.voxel, all.voxel);
+  append(part.keyframe, all.keyframe);
+}
 }  // namespace
 
 void StaticMapOptions::describe(OptionsVisitor& v)
@@ -50,7 +70,10 @@ void StaticMapOptions::describe(OptionsVisitor& v)
 struct StaticMap::Impl
 {
   Impl(const StaticMapOptions& o, KeyframeStore& store, const MapRegion& part)
-      : options(o), keyframes(store), region(part), map(o.voxel_size)
+      : options(o),
+        keyframes(store),
+        region(part),
+        map(o.voxel_size, store.memory().part(map_share))
   {
     validate(options, "map");
   }
@@ -62,6 +85,7 @@ struct StaticMap::Impl
   [[nodiscard]] double largestCorrection() const;
   void correct();
   void keepWithinLimit();
+  [[nodiscard]] const CleanedMap& cleanedMap() const;
 
   StaticMapOptions options;
   KeyframeStore& keyframes;
@@ -69,6 +93,7 @@ struct StaticMap::Impl
   std::size_t revision = 0;  //!< of the keyframes' poses that the map is stitched at
   std::vector<Pose> poses;   //!< these poses, one per keyframe inserted
   VoxelMap map;
+  mutable std::optional<CleanedMap> cleaned;  //!< until the map changes
 };
 
 KeyframeCloud StaticMap::Impl::thinned(const Frame& frame) const
@@ -114,8 +139,7 @@ void StaticMap::Impl::stitch(std::size_t keyframe, const Stitched* before)
     return;
   }
   const bool has_before = before != nullptr && before->poses[keyframe].matrix().allFinite();
-  PackedCloud& packed = keyframes[keyframe].map_cloud;
-  const KeyframeCloud cloud = packed.unpacked();
+  const KeyframeCloud cloud = keyframes.mapCloud(keyframe).unpacked();
   std::vector<bool> keep(cloud.size(), true);
   for (std::size_t i = 0; i < cloud.size(); ++i)
   {
@@ -133,10 +157,10 @@ void StaticMap::Impl::stitch(std::size_t keyframe, const Stitched* before)
     Voxel& voxel = map.hit(p, static_cast<std::uint32_t>(keyframe));
     if (has_before)
     {
-      const std::uint32_t old = before->map.find(before->poses[keyframe] * point);
-      if (old != VoxelHash::none)
+      const Voxel* old = before->map.find(before->poses[keyframe] * point);
+      if (old != nullptr)
       {
-        VoxelMap::carryEvidence(before->map.voxels()[old], voxel);
+        VoxelMap::carryEvidence(*old, voxel);
       }
     }
     keep[i] = voxel.points < options.points_per_voxel;
@@ -145,14 +169,19 @@ void StaticMap::Impl::stitch(std::size_t keyframe, const Stitched* before)
       map.addPoint(voxel, p, cloud.intensity[i]);
     }
   }
-  packed.keepOnly(keep);
+  if (std::find(keep.begin(), keep.end(), false) != keep.end())
+  {
+    keyframes.editMapCloud(keyframe).keepOnly(keep);
+  }
 }
 
 /** The same keyframes at their present poses, in voxels of this size. */
 void StaticMap::Impl::restitch(double voxel_size)
 {
-  const Stitched before{std::exchange(poses, {}),
-                        std::exchange(map, VoxelMap(voxel_size, map.voxels().size()))};
+  cleaned.reset();
+  const Stitched before{
+      std::exchange(poses, {}),
+      std::exchange(map, VoxelMap(voxel_size, keyframes.memory().part(map_share)))};
   for (std::size_t k = 0; k < before.poses.size(); ++k)
   {
     poses.push_back(keyframes[k].T_map_vehicle);
@@ -185,7 +214,7 @@ void StaticMap::Impl::correct()
 
 void StaticMap::Impl::keepWithinLimit()
 {
-  while (map.voxels().size() > static_cast<std::size_t>(options.max_voxels))
+  while (map.size() > static_cast<std::size_t>(options.max_voxels))
   {
     restitch(2 * map.voxelSize());
   }
@@ -214,13 +243,15 @@ void StaticMap::insert(const Frame& frame)
   {
     m.correct();
   }
-  Keyframe& keyframe = m.keyframes[m.poses.size()];
+  m.cleaned.reset();
+  const Keyframe& keyframe = m.keyframes[m.poses.size()];
   m.poses.push_back(keyframe.T_map_vehicle);
   if (!keyframe.T_map_vehicle.matrix().allFinite())
   {
     return;
   }
-  keyframe.map_cloud = PackedCloud(m.thinned(frame), m.options.max_range + 1.0);
+  m.keyframes.editMapCloud(m.poses.size() - 1) =
+      PackedCloud(m.thinned(frame), m.options.max_range + 1.0);
   if (m.options.visibility)
   {
     m.map.countObservedFree(VisibilityImage(frame.cloud, keyframe.sensor), keyframe.T_map_vehicle,
@@ -235,44 +266,51 @@ void StaticMap::correct()
   impl_->correct();
 }
 
+const CleanedMap& StaticMap::Impl::cleanedMap() const
+{
+  if (!cleaned)
+  {
+    cleaned.emplace(map, options, keyframes.memory().part(cleaned_share));
+  }
+  return *cleaned;
+}
+
+std::size_t StaticMap::pointCount() const
+{
+  return impl_->cleanedMap().size();
+}
+
+void StaticMap::forEachPart(const std::function<void(const MapPoints&)>& use) const
+{
+  impl_->cleanedMap().forEachPart(use);
+}
+
 MapPoints StaticMap::points() const
 {
-  const VoxelMap& map = impl_->map;
-  const std::vector<bool> kept = map.cleaned(impl_->options);
   MapPoints result;
-  for (std::size_t i = 0; i < kept.size(); ++i)
-  {
-    const Voxel& voxel = map.voxels()[i];
-    if (kept[i])
-    {
-      result.points.push_back(map.centroidOf(voxel).cast<float>());
-      result.intensity.push_back(voxel.intensity / static_cast<float>(voxel.points));
-      result.hits.push_back(voxel.hits);
-      result.voxel.push_back(static_cast<std::uint32_t>(i));
-      result.keyframe.push_back(voxel.last_keyframe);
-    }
-  }
+  forEachPart([&](const MapPoints& part) { append(part, result); });
   return result;
 }
 
 std::uint32_t StaticMap::voxelAt(const Eigen::Vector3d& p) const
 {
-  return impl_->map.find(p);
+  const Voxel* voxel = impl_->map.find(p);
+  return voxel == nullptr ? VoxelHash::none : voxel->number;
 }
 
 void StaticMap::forEachStaticCloud(
     const std::function<void(std::size_t, const KeyframeCloud&)>& visit) const
 {
   const Impl& m = *impl_;
-  const std::vector<bool> kept = m.map.cleaned(m.options);
+  const CleanedMap& cleaned = m.cleanedMap();
   for (std::size_t k = 0; k < m.poses.size(); ++k)
   {
-    const KeyframeCloud all = m.keyframes[k].map_cloud.unpacked();
+    const KeyframeCloud all = m.keyframes.mapCloud(k).unpacked();
     KeyframeCloud cloud;
     for (std::size_t i = 0; i < all.size() && m.poses[k].matrix().allFinite(); ++i)
     {
-      const std::uint32_t voxel = m.map.find(m.poses[k] * all.points[i].cast<double>());
-      if (all.is_static[i] != 0 && voxel != VoxelHash::none && kept[voxel])
+      const Voxel* voxel = m.map.find(m.poses[k] * all.points[i].cast<double>());
+      if (all.is_static[i] != 0 && voxel != nullptr && cleaned.contains(voxel->number))
       {
         cloud.points.push_back(all.points[i]);
         cloud.intensity.push_back(all.intensity[i]);
@@ -297,11 +335,19 @@ double StaticMap::voxelSize() const
 }
 std::size_t StaticMap::voxelCount() const
 {
-  return impl_->map.voxels().size();
+  return impl_->map.size();
+}
+std::size_t StaticMap::memory() const
+{
+  return impl_->map.memory();
 }
 
 void StaticMap::exchangeState(StateArchive& archive)
 {
   archive(impl_->revision, impl_->poses, impl_->map);
+  if (archive.isLoading())
+  {
+    impl_->cleaned.reset();
+  }
 }
 }  // namespace dyslam

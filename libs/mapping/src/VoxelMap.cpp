@@ -11,8 +11,8 @@ namespace dyslam
 {
 namespace
 {
-constexpr double block_size = 8.0;   // voxels are listed by squares of this side [m]
-constexpr float column_size = 1.0F;  // of the columns whose lowest voxel is the ground [m]
+constexpr double tile_size = 8.0;    // of the squares that are in memory or not as a whole [m]
+constexpr double column_size = 1.0;  // of the columns whose lowest voxel is the ground [m]
 
 /** 2D cell of a point in squares, as a key. */
 std::uint64_t squareOf(double x, double y, double size)
@@ -42,57 +42,52 @@ Eigen::Vector3d VoxelMap::cornerOf(const VoxelCell& cell) const
 
 Eigen::Vector3d VoxelMap::centroidOf(const Voxel& voxel) const
 {
-  return cornerOf(voxel.cell) +
-         (voxel.corner_offset / std::max<float>(voxel.points, 1)).cast<double>();
+  const Eigen::Vector3f offset = Eigen::Map<const Eigen::Vector3f>(voxel.corner_offset.data());
+  return cornerOf(voxel.cell) + (offset / std::max<float>(voxel.points, 1)).cast<double>();
 }
 
-std::uint32_t VoxelMap::find(const Eigen::Vector3d& p) const
-{
-  return index_.find(voxelKey(cellOf(p)));
-}
-
-void VoxelMap::list(const VoxelCell& cell, std::uint32_t number)
+std::uint32_t VoxelMap::tileOf(const VoxelCell& cell) const
 {
   const Eigen::Vector3d corner = cornerOf(cell);
-  const auto next_block = static_cast<std::uint32_t>(blocks_.size());
-  const std::uint32_t block =
-      block_index_.findOrInsert(squareOf(corner.x(), corner.y(), block_size), next_block);
-  if (block == next_block)
+  return tile_index_.find(squareOf(corner.x(), corner.y(), tile_size));
+}
+
+const Voxel* VoxelMap::find(const Eigen::Vector3d& p) const
+{
+  const VoxelCell cell = cellOf(p);
+  const std::uint32_t number = tileOf(cell);
+  if (number == VoxelHash::none)
   {
-    blocks_.emplace_back();
+    return nullptr;
   }
-  blocks_[block].push_back(number);
+  const VoxelTile& tile = tiles_.get(number);
+  const std::uint32_t found = tile.find(cell);
+  return found == VoxelHash::none ? nullptr : &tile.voxels()[found];
 }
 
 void VoxelMap::exchangeState(StateArchive& archive)
 {
-  archive(voxel_size_, voxels_);
-  if (archive.isLoading())
-  {
-    index_ = VoxelHash(voxels_.size());
-    block_index_ = VoxelHash();
-    blocks_.clear();
-    for (std::size_t i = 0; i < voxels_.size(); ++i)
-    {
-      (void)index_.findOrInsert(voxelKey(voxels_[i].cell), static_cast<std::uint32_t>(i));
-      list(voxels_[i].cell, static_cast<std::uint32_t>(i));
-    }
-  }
+  archive(voxel_size_, size_, tile_index_, tiles_);
 }
 
 Voxel& VoxelMap::hit(const Eigen::Vector3d& p, std::uint32_t keyframe)
 {
   const VoxelCell cell = cellOf(p);
-  const auto next = static_cast<std::uint32_t>(voxels_.size());
-  const std::uint32_t found = index_.findOrInsert(voxelKey(cell), next);
-  if (found == next)
+  const Eigen::Vector3d corner = cornerOf(cell);
+  const auto next = static_cast<std::uint32_t>(tiles_.size());
+  const std::uint32_t number =
+      tile_index_.findOrInsert(squareOf(corner.x(), corner.y(), tile_size), next);
+  if (number == next)
   {
-    Voxel voxel;
-    voxel.cell = cell;
-    voxels_.push_back(voxel);
-    list(cell, found);
+    tiles_.add({});
   }
-  Voxel& voxel = voxels_[found];
+  VoxelTile& tile = tiles_.edit(number);
+  const std::uint32_t found = tile.find(cell);
+  Voxel& voxel = found == VoxelHash::none ? tile.add(cell) : tile.voxels()[found];
+  if (found == VoxelHash::none)
+  {
+    voxel.number = static_cast<std::uint32_t>(size_++);
+  }
   if (voxel.last_keyframe != keyframe)
   {
     voxel.last_keyframe = keyframe;
@@ -103,7 +98,8 @@ Voxel& VoxelMap::hit(const Eigen::Vector3d& p, std::uint32_t keyframe)
 
 void VoxelMap::addPoint(Voxel& voxel, const Eigen::Vector3d& p, float intensity) const
 {
-  voxel.corner_offset += (p - cornerOf(voxel.cell)).cast<float>();
+  Eigen::Map<Eigen::Vector3f>(voxel.corner_offset.data()) +=
+      (p - cornerOf(voxel.cell)).cast<float>();
   voxel.intensity += intensity;
   countUp(voxel.points);
 }
@@ -119,9 +115,12 @@ void VoxelMap::carryEvidence(const Voxel& old, Voxel& voxel)
 
 void VoxelMap::mergeOldHits()
 {
-  for (Voxel& voxel : voxels_)
+  for (std::size_t t = 0; t < tiles_.size(); ++t)
   {
-    voxel.hits = std::max(voxel.hits, voxel.old_hits);
+    for (Voxel& voxel : tiles_.edit(t).voxels())
+    {
+      voxel.hits = std::max(voxel.hits, voxel.old_hits);
+    }
   }
 }
 
@@ -131,21 +130,20 @@ void VoxelMap::countObservedFree(const VisibilityImage& image,
 {
   const Eigen::Isometry3f T_vehicle_map = T_map_vehicle.inverse().cast<float>();
   const Eigen::Vector3d at = T_map_vehicle.translation();
-  const int reach = static_cast<int>(std::ceil(options.visibility_range / block_size));
+  const int reach = static_cast<int>(std::ceil(options.visibility_range / tile_size));
   const auto limit = static_cast<float>(options.visibility_range * options.visibility_range);
-  for (int bx = -reach; bx <= reach; ++bx)
+  for (int tx = -reach; tx <= reach; ++tx)
   {
-    for (int by = -reach; by <= reach; ++by)
+    for (int ty = -reach; ty <= reach; ++ty)
     {
-      const std::uint32_t block = block_index_.find(
-          squareOf(at.x() + bx * block_size, at.y() + by * block_size, block_size));
-      if (block == VoxelHash::none)
+      const std::uint32_t tile =
+          tile_index_.find(squareOf(at.x() + tx * tile_size, at.y() + ty * tile_size, tile_size));
+      if (tile == VoxelHash::none)
       {
         continue;
       }
-      for (const std::uint32_t v : blocks_[block])
+      for (Voxel& voxel : tiles_.edit(tile).voxels())
       {
-        Voxel& voxel = voxels_[v];
         const Eigen::Vector3f p = T_vehicle_map * centroidOf(voxel).cast<float>();
         if (p.squaredNorm() <= limit &&
             image.observesFree(p, static_cast<float>(voxel_size_),
@@ -158,53 +156,88 @@ void VoxelMap::countObservedFree(const VisibilityImage& image,
   }
 }
 
-/** Height of the ground by column: the lowest voxel hit more than once, else the lowest. */
-std::vector<float> VoxelMap::groundHeights(VoxelHash& columns) const
+bool VoxelMap::wasObservedFree(const Voxel& voxel, const StaticMapOptions& options)
 {
-  constexpr float nothing = std::numeric_limits<float>::infinity();
-  std::vector<float> sure;
-  std::vector<float> any;
-  for (const Voxel& voxel : voxels_)
-  {
-    const Eigen::Vector3d c = centroidOf(voxel);
-    const auto next = static_cast<std::uint32_t>(any.size());
-    const std::uint32_t column = columns.findOrInsert(squareOf(c.x(), c.y(), column_size), next);
-    if (column == next)
-    {
-      sure.push_back(nothing);
-      any.push_back(nothing);
-    }
-    const auto z = static_cast<float>(c.z());
-    any[column] = std::min(any[column], z);
-    sure[column] = voxel.hits > 1 ? std::min(sure[column], z) : sure[column];
-  }
-  for (std::size_t i = 0; i < any.size(); ++i)
-  {
-    any[i] = sure[i] < nothing ? sure[i] : any[i];
-  }
-  return any;
+  return options.visibility && voxel.observed_free >= options.visibility_min_views &&
+         voxel.observed_free >= options.visibility_ratio * voxel.hits;
 }
 
-std::vector<bool> VoxelMap::cleaned(const StaticMapOptions& options) const
+std::vector<bool> VoxelMap::nearGround(const std::vector<Voxel>& suspects,
+                                       const StaticMapOptions& options) const
 {
-  VoxelHash columns;
-  const std::vector<float> ground =
-      options.visibility ? groundHeights(columns) : std::vector<float>();
-  std::vector<bool> kept(voxels_.size());
-  for (std::size_t i = 0; i < voxels_.size(); ++i)
+  // Height of the ground by column: the lowest voxel hit more than once, else the lowest.
+  constexpr float nothing = std::numeric_limits<float>::infinity();
+  VoxelHash columns(suspects.size());
+  Eigen::Vector2d low = Eigen::Vector2d::Constant(static_cast<double>(nothing));
+  Eigen::Vector2d high = -low;
+  for (const Voxel& voxel : suspects)
   {
-    const Voxel& voxel = voxels_[i];
-    kept[i] = voxel.hits >= options.min_hits;
-    const bool observed_free = options.visibility &&
-                               voxel.observed_free >= options.visibility_min_views &&
-                               voxel.observed_free >= options.visibility_ratio * voxel.hits;
-    if (observed_free)
+    const Eigen::Vector3d c = centroidOf(voxel);
+    columns.findOrInsert(squareOf(c.x(), c.y(), column_size),
+                         static_cast<std::uint32_t>(columns.size()));
+    low = low.cwiseMin(c.head<2>());
+    high = high.cwiseMax(c.head<2>());
+  }
+  std::vector<float> sure(columns.size(), nothing);
+  std::vector<float> any(columns.size(), nothing);
+  // Voxels with a point in one of these columns; they are listed by their corners.
+  const double reach = column_size + voxel_size_;
+  const auto tileAt = [](double v) { return static_cast<int>(std::floor(v / tile_size)); };
+  for (int x = tileAt(low.x() - 1.01 * reach); x <= tileAt(high.x() + reach); ++x)
+  {
+    for (int y = tileAt(low.y() - 1.01 * reach); y <= tileAt(high.y() + reach); ++y)
     {
-      const Eigen::Vector3d c = centroidOf(voxel);
-      const float floor = ground[columns.find(squareOf(c.x(), c.y(), column_size))];
-      kept[i] = kept[i] && c.z() <= static_cast<double>(floor) + options.ground_clearance;
+      const std::uint32_t tile = tile_index_.find(voxelKey({x, y, 0}));
+      if (tile == VoxelHash::none)
+      {
+        continue;
+      }
+      for (const Voxel& voxel : tiles_.get(tile).voxels())
+      {
+        const Eigen::Vector3d c = centroidOf(voxel);
+        const std::uint32_t column = columns.find(squareOf(c.x(), c.y(), column_size));
+        if (column != VoxelHash::none)
+        {
+          const auto z = static_cast<float>(c.z());
+          any[column] = std::min(any[column], z);
+          sure[column] = voxel.hits > 1 ? std::min(sure[column], z) : sure[column];
+        }
+      }
     }
   }
-  return kept;
+  std::vector<bool> result;
+  for (const Voxel& voxel : suspects)
+  {
+    const Eigen::Vector3d c = centroidOf(voxel);
+    const std::uint32_t column = columns.find(squareOf(c.x(), c.y(), column_size));
+    const float floor = sure[column] < nothing ? sure[column] : any[column];
+    result.push_back(c.z() <= static_cast<double>(floor) + options.ground_clearance);
+  }
+  return result;
+}
+
+void VoxelMap::forEachCleaned(const StaticMapOptions& options,
+                              const std::function<void(const Voxel&)>& use) const
+{
+  for (std::size_t t = 0; t < tiles_.size(); ++t)
+  {
+    std::vector<Voxel> suspects;
+    for (const Voxel& voxel : tiles_.get(t).voxels())
+    {
+      if (voxel.hits >= options.min_hits)
+      {
+        wasObservedFree(voxel, options) ? suspects.push_back(voxel) : use(voxel);
+      }
+    }
+    const std::vector<bool> stay =
+        suspects.empty() ? std::vector<bool>() : nearGround(suspects, options);
+    for (std::size_t i = 0; i < suspects.size(); ++i)
+    {
+      if (stay[i])
+      {
+        use(suspects[i]);
+      }
+    }
+  }
 }
 }  // namespace dyslam

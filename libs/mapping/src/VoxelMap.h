@@ -2,49 +2,38 @@
 #pragma once
 
 #include <dyslam/core/Pose.h>
+#include <dyslam/core/SwappedStore.h>
 #include <dyslam/core/VoxelGrid.h>
 #include <dyslam/mapping/StaticMap.h>
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 #include "VisibilityImage.h"
+#include "VoxelTile.h"
 
 namespace dyslam
 {
 class StateArchive;
 
-struct Voxel
-{
-  Eigen::Vector3f corner_offset =
-      Eigen::Vector3f::Zero();  //!< sum over points, from the cell's corner
-  float intensity = 0;          //!< sum over points
-  VoxelCell cell;
-  std::uint32_t last_keyframe = 0xFFFFFFFFU;  //!< that hit it
-  std::uint16_t points = 0;                   //!< kept with their keyframes
-  std::uint16_t hits = 0;                     //!< keyframes that hit it
-  std::uint16_t old_hits = 0;       //!< in the map before the last correction, of the points in it
-  std::uint16_t observed_free = 0;  //!< keyframes that observed it as free
-  bool has_evidence = false;        //!< carried over from the map before the last correction
-};
-
-/** The voxels of the static map and what speaks for and against each. */
+/** The voxels of the static map and what speaks for and against each. Squares of it that were not
+ * used lately are on disk. References to voxels are valid until the next call. */
 class VoxelMap
 {
  public:
-  /** \param expected number of voxels to make room for */
-  explicit VoxelMap(double voxel_size, std::size_t expected = 0)
-      : voxel_size_(voxel_size), index_(expected)
+  VoxelMap(double voxel_size, const MemoryLimit& memory) : voxel_size_(voxel_size), tiles_(memory)
   {
-    voxels_.reserve(expected);
   }
 
   [[nodiscard]] double voxelSize() const { return voxel_size_; }
-  [[nodiscard]] const std::vector<Voxel>& voxels() const { return voxels_; }
+  [[nodiscard]] std::size_t size() const { return size_; }
+  /** Of the squares in memory [bytes]. */
+  [[nodiscard]] std::size_t memory() const { return tiles_.memory(); }
   [[nodiscard]] Eigen::Vector3d centroidOf(const Voxel& voxel) const;
-  /** Number of the voxel around a point; VoxelHash::none if there is none. */
-  [[nodiscard]] std::uint32_t find(const Eigen::Vector3d& p) const;
+  /** The voxel around a point; null if there is none. */
+  [[nodiscard]] const Voxel* find(const Eigen::Vector3d& p) const;
 
   /** The voxel around a point that a keyframe saw; it is made where there is none. */
   Voxel& hit(const Eigen::Vector3d& p, std::uint32_t keyframe);
@@ -58,22 +47,26 @@ class VoxelMap
                          const Pose& T_map_vehicle,
                          const StaticMapOptions& options);
 
-  /** For each voxel, whether it is part of the cleaned map. */
-  [[nodiscard]] std::vector<bool> cleaned(const StaticMapOptions& options) const;
+  /** Calls `use` with every voxel of the cleaned map, square by square. */
+  void forEachCleaned(const StaticMapOptions& options,
+                      const std::function<void(const Voxel&)>& use) const;
 
   void exchangeState(StateArchive& archive);
 
  private:
   [[nodiscard]] VoxelCell cellOf(const Eigen::Vector3d& p) const;
-  /** Puts voxel `number`, which is in that cell, into the list of its square. */
-  void list(const VoxelCell& cell, std::uint32_t number);
   [[nodiscard]] Eigen::Vector3d cornerOf(const VoxelCell& cell) const;
-  [[nodiscard]] std::vector<float> groundHeights(VoxelHash& columns) const;
+  /** Number of the square that a voxel belongs to; VoxelHash::none if there is none. */
+  [[nodiscard]] std::uint32_t tileOf(const VoxelCell& cell) const;
+  /** Whether rays observed the voxel as free often enough to remove it. */
+  [[nodiscard]] static bool wasObservedFree(const Voxel& voxel, const StaticMapOptions& options);
+  /** Of voxels above the ground among `suspects`, whether they lie that near to it. */
+  [[nodiscard]] std::vector<bool> nearGround(const std::vector<Voxel>& suspects,
+                                             const StaticMapOptions& options) const;
 
   double voxel_size_;
-  std::vector<Voxel> voxels_;
-  VoxelHash index_;
-  VoxelHash block_index_;
-  std::vector<std::vector<std::uint32_t>> blocks_;  //!< voxels by squares of the map
+  std::size_t size_ = 0;
+  VoxelHash tile_index_;
+  SwappedStore<VoxelTile> tiles_;
 };
 }  // namespace dyslam

@@ -302,6 +302,31 @@ TEST_F(MapExport, SimplemapHoldsPosesAndClouds)
   EXPECT_EQ(points, held.pointCount());
 }
 
+TEST_F(MapExport, SimplemapIsWhatMrptWouldWrite)
+{
+  mrpt::maps::registerAllClasses_mrpt_maps();
+  writeSimplemap(room().map, path("a.simplemap"), {1000, 2000, 0});
+  mrpt::maps::CSimpleMap map;
+  ASSERT_TRUE(map.loadFromFile(path("a.simplemap")));
+  std::vector<std::uint8_t> expected;
+  mrpt::serialization::ObjectToOctetVector(&map, expected);
+  mrpt::io::CFileGZInputStream file(path("a.simplemap"));
+  std::vector<std::uint8_t> written(2 * expected.size());
+  written.resize(file.Read(written.data(), written.size()));
+  EXPECT_EQ(written, expected);
+}
+
+TEST_F(MapExport, ThinnedPointsAreAsManyAsAskedFor)
+{
+  const MapPoints all = room().map.points();
+  EXPECT_EQ(thinnedPoints(room().map, all.size()).points, all.points);
+  const MapPoints few = thinnedPoints(room().map, all.size() / 3);
+  EXPECT_LE(few.size(), all.size() / 3);
+  EXPECT_GT(few.size(), all.size() / 8);
+  EXPECT_EQ(few.intensity.size(), few.size());
+  EXPECT_THROW((void)thinnedPoints(room().map, 0), std::invalid_argument);
+}
+
 TEST_F(MapExport, OctomapKnowsOccupiedAndFree)
 {
   const test::TestMap held = room();

@@ -265,6 +265,42 @@ TEST(StaticMap, CorrectedHalfwayIsAsGoodAsStitchedAtTheEnd)
   EXPECT_GT(shareNear(b, a, 0.2), 0.999);
 }
 
+TEST(StaticMap, PartlyOnDiskItIsTheSame)
+{
+  MemoryLimit tiny;
+  tiny.file = std::make_shared<SwapFile>(testing::TempDir());
+  tiny.bytes = 1000;
+  StaticMapOptions options;
+  options.visibility_min_views = 2;
+  TestMap on_disk(options, tiny);
+  TestMap in_memory(options);
+  for (TestMap* map : {&on_disk, &in_memory})
+  {
+    constexpr std::size_t count = 12;
+    for (std::size_t i = 0; i < count; ++i)
+    {
+      map->insert(scanAt(i, static_cast<double>(i), i < 3 ? 8 : kNoCar));
+    }
+    std::vector<Pose> corrected = posesOf(count, 1);
+    for (std::size_t i = 6; i < count; ++i)
+    {
+      corrected[i].translation().y() += 0.3;
+    }
+    map->correct(corrected);
+  }
+  const MapPoints a = on_disk.map.points();
+  const MapPoints b = in_memory.map.points();
+  EXPECT_GT(a.size(), 1000U);
+  EXPECT_EQ(a.points, b.points);
+  EXPECT_EQ(a.intensity, b.intensity);
+  EXPECT_EQ(a.hits, b.hits);
+  EXPECT_EQ(a.voxel, b.voxel);
+  EXPECT_EQ(a.keyframe, b.keyframe);
+  EXPECT_TRUE(std::is_sorted(a.voxel.begin(), a.voxel.end()));
+  EXPECT_EQ(on_disk.pointCount(), in_memory.pointCount());
+  EXPECT_GT(tiny.file->size(), 10 * on_disk.map.memory());
+}
+
 TEST(StaticMap, FollowsALoopBeforeTheNextKeyframeIfItIsWorthIt)
 {
   for (const double shift : {0.04, 0.4})

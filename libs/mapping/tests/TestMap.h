@@ -12,7 +12,10 @@ namespace dyslam::test
 /** A map with its keyframes; every frame is one. */
 struct TestMap
 {
-  explicit TestMap(const StaticMapOptions& options = {}) : map(options, *keyframes) {}
+  explicit TestMap(const StaticMapOptions& options = {}, const MemoryLimit& memory = {})
+      : keyframes(std::make_unique<KeyframeStore>(memory)), map(options, *keyframes)
+  {
+  }
 
   void insert(const Frame& frame)
   {
@@ -29,14 +32,14 @@ struct TestMap
   [[nodiscard]] std::size_t pointCount() const
   {
     std::size_t count = 0;
-    for (const Keyframe& keyframe : *keyframes)
+    for (std::size_t k = 0; k < keyframes->size(); ++k)
     {
-      count += keyframe.map_cloud.size();
+      count += keyframes->mapCloud(k).size();
     }
     return count;
   }
 
-  std::unique_ptr<KeyframeStore> keyframes = std::make_unique<KeyframeStore>();
+  std::unique_ptr<KeyframeStore> keyframes;
   StaticMap map;
 };
 }  // namespace dyslam::test

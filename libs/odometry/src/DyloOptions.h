@@ -32,4 +32,8 @@ struct DyloOptions : Options
 
   void describe(OptionsVisitor& visitor) override;
 };
+
+class ScanMatcher;
+/** dyslam_make_dylo_odometry() of the module `networks`; the caller owns the matcher. */
+using MakeDyloOdometry = ScanMatcher*(const DyloOptions&);
 }  // namespace dyslam

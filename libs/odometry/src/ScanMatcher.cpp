@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/Registry.h>
+#include <dyslam/core/RuntimeModule.h>
 #include <dyslam/odometry/ScanMatcher.h>
 
 #include "DyloOptions.h"
@@ -7,9 +8,6 @@
 #include "IcpOdometry.h"
 #include "LoamOdometry.h"
 #include "SimpleOdometry.h"
-#ifdef DYSLAM_HAVE_TORCH
-#include "DyloOdometry.h"
-#endif
 
 namespace dyslam
 {
@@ -41,18 +39,14 @@ Factory gicp(const GicpOptions& options)
   return [=](ThreadPool& pool) -> Matcher { return std::make_unique<GicpOdometry>(options, pool); };
 }
 
-Factory dylo([[maybe_unused]] const DyloOptions& options)
+Factory dylo(const DyloOptions& options)
 {
-#ifdef DYSLAM_HAVE_TORCH
-  return [=](ThreadPool&) -> Matcher { return std::make_unique<DyloOdometry>(options); };
-#else
-  return [](ThreadPool&) -> Matcher
+  return [=](ThreadPool&) -> Matcher
   {
-    throw UserError(
-        "odometry.method: dylo needs a build with libtorch; use constant_velocity or loam, or "
-        "install libtorch-dev and build again");
+    auto* make = runtimeModuleFunction<MakeDyloOdometry>("networks", "dyslam_make_dylo_odometry",
+                                                         "odometry.method: dylo");
+    return Matcher(make(options));
   };
-#endif
 }
 
 /** One row per matcher. */

@@ -49,16 +49,40 @@ void SurfaceMap::Moments::add(const Eigen::Vector3f& o, float weight)
   products[5] += weight * o.z() * o.z();
 }
 
-SurfaceMap::Moments& SurfaceMap::momentsOf(std::uint64_t key, const VoxelCell& cell)
+std::uint32_t& SurfaceMap::Shard::numberOf(const VoxelCell& cell)
 {
-  Shard& shard = shards_[shardOf(key)];
-  const auto next = static_cast<std::uint32_t>(shard.cells.size());
-  const std::uint32_t slot = shard.hash.findOrInsert(key, next);
-  if (slot == next)
+  const auto next = static_cast<std::uint32_t>(blocks.size());
+  const std::uint32_t block = block_numbers.findOrInsert(voxelKey(blockOf(cell)), next);
+  if (block == next)
   {
-    shard.cells.push_back({key, cell, Moments()});
+    blocks.emplace_back().fill(VoxelHash::none);
   }
-  return shard.cells[slot].moments;
+  std::uint32_t& number = blocks[block][placeOf(cell)];
+  if (number == VoxelHash::none)
+  {
+    number = static_cast<std::uint32_t>(cells.size());
+  }
+  return number;
+}
+
+void SurfaceMap::Shard::indexCells()
+{
+  block_numbers.clear();
+  blocks.clear();
+  for (std::size_t i = 0; i < cells.size(); ++i)
+  {
+    numberOf(cells[i].cell) = static_cast<std::uint32_t>(i);
+  }
+}
+
+SurfaceMap::Moments& SurfaceMap::momentsOf(Shard& shard, const VoxelCell& cell)
+{
+  const std::uint32_t number = shard.numberOf(cell);
+  if (number == shard.cells.size())
+  {
+    shard.cells.push_back({cell, Moments()});
+  }
+  return shard.cells[number].moments;
 }
 
 SurfaceMap::SurfaceMap(double cell_size, double max_count, ThreadPool& pool)
@@ -115,8 +139,7 @@ void SurfaceMap::add(const std::vector<Eigen::Vector3f>& points,
                           p.y() - (static_cast<float>(c.y) + 0.5F) * size_,
                           p.z() - (static_cast<float>(c.z) + 0.5F) * size_);
                       const VoxelCell cell{c.x + base.x, c.y + base.y, c.z + base.z};
-                      const std::uint64_t key = voxelKey(cell);
-                      bucket[shardOf(key)].push_back({key, cell, offset, weight});
+                      bucket[shardOf(voxelKey(blockOf(cell)))].push_back({cell, offset, weight});
                     }
                   });
   pool_.forChunks(shard_count, 1,
@@ -126,7 +149,7 @@ void SurfaceMap::add(const std::vector<Eigen::Vector3f>& points,
                     {
                       for (const Item& item : buckets_[chunk][s])
                       {
-                        Moments& moments = momentsOf(item.key, item.cell);
+                        Moments& moments = momentsOf(shards_[s], item.cell);
                         if (moments.count < max_count_)
                         {
                           moments.add(item.offset, item.weight);
@@ -134,6 +157,79 @@ void SurfaceMap::add(const std::vector<Eigen::Vector3f>& points,
                       }
                     }
                   });
+}
+
+namespace
+{
+/** The cells before, at and after a place along one axis. */
+struct Along
+{
+  explicit Along(std::int32_t cell, int bits) : low((cell - 1) >> 2), high((cell + 1) >> 2)
+  {
+    for (std::int32_t i = 0; i < 3; ++i)
+    {
+      const auto at = static_cast<std::size_t>(i);
+      block[at] = ((cell - 1 + i) >> 2) - low;
+      place[at] = static_cast<std::size_t>((cell - 1 + i) & 3) << bits;
+    }
+  }
+
+  std::int32_t low, high;             //!< their blocks
+  std::array<std::int32_t, 3> block;  //!< 0: in `low`, 1: in `high`
+  std::array<std::size_t, 3> place;   //!< in the block
+};
+}  // namespace
+
+std::array<SurfaceMap::Found, 8> SurfaceMap::findBlocks(const VoxelCell& low,
+                                                        const VoxelCell& high) const
+{
+  std::array<Found, 8> blocks;
+  for (std::int32_t x = low.x; x <= high.x; ++x)
+  {
+    for (std::int32_t y = low.y; y <= high.y; ++y)
+    {
+      for (std::int32_t z = low.z; z <= high.z; ++z)
+      {
+        const std::uint64_t key = voxelKey({x, y, z});
+        const Shard& shard = shards_[shardOf(key)];
+        const std::uint32_t number = shard.block_numbers.find(key);
+        if (number != VoxelHash::none)
+        {
+          blocks[static_cast<std::size_t>(4 * (x - low.x) + 2 * (y - low.y) + z - low.z)] = {
+              shard.blocks[number].data(), shard.cells.data()};
+        }
+      }
+    }
+  }
+  return blocks;
+}
+
+int SurfaceMap::findAround(const VoxelCell& cell, std::array<Neighbour, 27>& found) const
+{
+  const Along x(cell.x, 4);
+  const Along y(cell.y, 2);
+  const Along z(cell.z, 0);
+  const auto blocks = findBlocks({x.low, y.low, z.low}, {x.high, y.high, z.high});
+  int count = 0;
+  for (std::size_t i = 0; i < 3; ++i)
+  {
+    for (std::size_t j = 0; j < 3; ++j)
+    {
+      for (std::size_t k = 0; k < 3; ++k)
+      {
+        const Found& block =
+            blocks[static_cast<std::size_t>(4 * x.block[i] + 2 * y.block[j] + z.block[k])];
+        const std::uint32_t number = block.numbers == nullptr
+                                         ? VoxelHash::none
+                                         : block.numbers[x.place[i] | y.place[j] | z.place[k]];
+        if (number != VoxelHash::none)
+        {
+          found[static_cast<std::size_t>(count++)] = {&block.cells[number].moments, i, j, k};
+        }
+      }
+    }
+  }
+  return count;
 }
 
 Surface SurfaceMap::surfaceAt(const Eigen::Vector3f& p, const VoxelCell& base) const
@@ -150,40 +246,17 @@ Surface SurfaceMap::surfaceAt(const Eigen::Vector3f& p, const VoxelCell& base) c
   const auto wz = splineWeights(f.z());
 
   // All cells are looked up before any is used, so that the memory's answers overlap.
-  constexpr int cells = 27;
-  std::array<const Moments*, cells> around;
-  for (int i = 0; i < cells; ++i)
-  {
-    const std::uint64_t key =
-        voxelKey({local.x + base.x + i / 9 - 1, local.y + base.y + i / 3 % 3 - 1,
-                  local.z + base.z + i % 3 - 1});
-    const Shard& shard = shards_[shardOf(key)];
-    const std::uint32_t slot = shard.hash.find(key);
-    around[static_cast<std::size_t>(i)] =
-        slot == VoxelHash::none ? nullptr : &shard.cells[slot].moments;
-  }
+  std::array<Neighbour, 27> around;
+  const int found = findAround({local.x + base.x, local.y + base.y, local.z + base.z}, around);
   float count = 0;
   Moments total;
-  for (int dx = 0; dx < 3; ++dx)
+  for (int i = 0; i < found; ++i)
   {
-    for (int dy = 0; dy < 3; ++dy)
-    {
-      for (int dz = 0; dz < 3; ++dz)
-      {
-        const Moments* const found = around[static_cast<std::size_t>(9 * dx + 3 * dy + dz)];
-        if (found == nullptr)
-        {
-          continue;
-        }
-        const Moments& moments = *found;
-        const float w = wx[static_cast<std::size_t>(dx)] * wy[static_cast<std::size_t>(dy)] *
-                        wz[static_cast<std::size_t>(dz)];
-        const Eigen::Vector3f step(static_cast<float>(dx - 1), static_cast<float>(dy - 1),
-                                   static_cast<float>(dz - 1));
-        count += moments.count;
-        total.add(moments, w, step * size_);
-      }
-    }
+    const Neighbour& cell = around[static_cast<std::size_t>(i)];
+    const Eigen::Vector3f step(static_cast<float>(cell.x) - 1, static_cast<float>(cell.y) - 1,
+                               static_cast<float>(cell.z) - 1);
+    count += cell.moments->count;
+    total.add(*cell.moments, wx[cell.x] * wy[cell.y] * wz[cell.z], step * size_);
   }
   if (count < fewest_points)
   {
@@ -221,7 +294,6 @@ SurfaceMap SurfaceMap::coarser(int factor) const
     for (const Cell& cell : from.cells)
     {
       const VoxelCell target{downTo(cell.cell.x), downTo(cell.cell.y), downTo(cell.cell.z)};
-      const std::uint64_t key = voxelKey(target);
       // Moments move from the middle of the small cell to that of the large one.
       const Eigen::Vector3f d =
           Eigen::Vector3f(static_cast<float>(cell.cell.x - target.x * factor),
@@ -229,19 +301,11 @@ SurfaceMap SurfaceMap::coarser(int factor) const
                           static_cast<float>(cell.cell.z - target.z * factor)) *
               size_ +
           Eigen::Vector3f::Constant(0.5F * size_ * static_cast<float>(1 - factor));
-      coarse.momentsOf(key, target).add(cell.moments, 1, d);
+      Shard& to = coarse.shards_[shardOf(voxelKey(blockOf(target)))];
+      momentsOf(to, target).add(cell.moments, 1, d);
     }
   }
   return coarse;
-}
-
-void SurfaceMap::Shard::indexCells()
-{
-  hash.clear();
-  for (std::size_t i = 0; i < cells.size(); ++i)
-  {
-    hash.findOrInsert(cells[i].key, static_cast<std::uint32_t>(i));
-  }
 }
 
 void SurfaceMap::crop(const Eigen::Vector3d& center, double radius)
@@ -273,8 +337,8 @@ void SurfaceMap::clear()
 {
   for (Shard& shard : shards_)
   {
-    shard.hash.clear();
     shard.cells.clear();
+    shard.indexCells();
   }
 }
 

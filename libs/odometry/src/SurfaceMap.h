@@ -26,10 +26,10 @@ struct Surface
 /** A map of surfaces: moments of the points in each cell of a voxel hash.
  *
  * A surface is read from the 3x3x3 cells around a place, weighted by a quadratic B-spline, so that
- * it changes smoothly with the place instead of jumping at cell borders. Cells are spread over a
- * fixed number of shards, so that threads can add points without locks and with the same result
- * for any number of threads. Positions are kept relative to their cell: no precision is lost far
- * from the origin.
+ * it changes smoothly with the place instead of jumping at cell borders. Cells are found by blocks
+ * of 4x4x4, of which a place's 27 cells touch one to eight. Blocks are spread over a fixed number
+ * of shards, so that threads can add points without locks and with the same result for any number
+ * of threads. Positions are kept relative to their cell: no precision is lost far from the origin.
  */
 class SurfaceMap
 {
@@ -74,33 +74,63 @@ class SurfaceMap
   };
   struct Cell
   {
-    std::uint64_t key = 0;
     VoxelCell cell;
     Moments moments;
   };
+  /** Number of each of a block's cells, or VoxelHash::none. */
+  using Block = std::array<std::uint32_t, 64>;
   struct Shard
   {
-    VoxelHash hash;
+    VoxelHash block_numbers;
+    std::vector<Block> blocks;
     std::vector<Cell> cells;
 
-    /** Makes the hash of the cells anew. */
+    /** The cell's number; that of the next one where it has none yet. */
+    std::uint32_t& numberOf(const VoxelCell& cell);
+    /** Finds the cells' numbers anew. */
     void indexCells();
+  };
+  /** A block's cells. */
+  struct Found
+  {
+    const std::uint32_t* numbers = nullptr;  //!< null: there is no such block
+    const Cell* cells = nullptr;
+  };
+  /** A cell of the 3x3x3 around another, and where among them, 0 to 2 along each axis. */
+  struct Neighbour
+  {
+    const Moments* moments;
+    std::size_t x, y, z;
   };
   struct Item
   {
-    std::uint64_t key;
     VoxelCell cell;
     Eigen::Vector3f offset;
     float weight;
   };
   static constexpr std::size_t shard_count = 8;
 
+  /** The blocks from `low` to `high`, at most two along each axis; number 4x + 2y + z from `low`.
+   */
+  [[nodiscard]] std::array<Found, 8> findBlocks(const VoxelCell& low, const VoxelCell& high) const;
+  /** The cells around one that have points. \return how many */
+  int findAround(const VoxelCell& cell, std::array<Neighbour, 27>& found) const;
   /** The cell's moments, new ones where it has none yet. */
-  Moments& momentsOf(std::uint64_t key, const VoxelCell& cell);
+  static Moments& momentsOf(Shard& shard, const VoxelCell& cell);
 
-  [[nodiscard]] static std::size_t shardOf(std::uint64_t key)
+  [[nodiscard]] static VoxelCell blockOf(const VoxelCell& cell)
   {
-    return static_cast<std::size_t>((key ^ (key >> 21) ^ (key >> 42)) % shard_count);
+    return {cell.x >> 2, cell.y >> 2, cell.z >> 2};
+  }
+  /** Of a cell within its block. */
+  [[nodiscard]] static std::size_t placeOf(const VoxelCell& cell)
+  {
+    return static_cast<std::size_t>(((cell.x & 3) << 4) | ((cell.y & 3) << 2) | (cell.z & 3));
+  }
+  [[nodiscard]] static std::size_t shardOf(std::uint64_t block_key)
+  {
+    return static_cast<std::size_t>((block_key ^ (block_key >> 21) ^ (block_key >> 42)) %
+                                    shard_count);
   }
 
   float size_;

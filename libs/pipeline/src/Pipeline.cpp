@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/backend/Backend.h>
+#include <dyslam/core/RuntimeModule.h>
 #include <dyslam/core/StateArchive.h>
+#include <dyslam/dyseg/MovingSegmenter.h>
 #include <dyslam/mapping/HindsightLabels.h>
 #include <dyslam/mapping/StaticMap.h>
+#include <dyslam/odometry/Odometry.h>
 #include <dyslam/pipeline/FrontEnd.h>
 #include <dyslam/pipeline/Pipeline.h>
 #include <mrpt/system/CTimeLogger.h>
@@ -23,12 +26,28 @@ void PipelineOptions::describe(OptionsVisitor& v)
   v.flag("mapping", mapping, "build the static map");
 }
 
+std::future<void> loadAhead(const Config& config)
+{
+  MovingSegmenterOptions segmentation;
+  OdometryOptions odometry;
+  load(segmentation, config, "dyseg");
+  load(odometry, config, "odometry");
+  if (segmentation.method == "network" || odometry.method == "dylo")
+  {
+    return loadRuntimeModuleAhead("networks");
+  }
+  return {};
+}
+
 struct Pipeline::Stages
 {
-  Stages(ConfigLoader& config, mrpt::system::CTimeLogger& time_logger)
+  Stages(ConfigLoader& config,
+         mrpt::system::CTimeLogger& time_logger,
+         const std::string& temporary_folder)
       : times(time_logger),
         options(config.get<PipelineOptions>("pipeline")),
         front_end({options.threads, options.tracking}, config, times),
+        keyframes({config.get<MemoryOptions>("memory"), temporary_folder}),
         backend(
             {config.get<BackendOptions>("backend"), config.get<LoopCloserOptions>("loop"),
              config.get<ObjectGraphOptions>("objects"), config.get<FactorGraphOptions>("solver")},
@@ -67,8 +86,10 @@ void Pipeline::Stages::use(const Frame& decided)
   }
 }
 
-Pipeline::Pipeline(ConfigLoader& config, mrpt::system::CTimeLogger& times)
-    : stages_(std::make_unique<Stages>(config, times))
+Pipeline::Pipeline(ConfigLoader& config,
+                   mrpt::system::CTimeLogger& times,
+                   const std::string& temporary_folder)
+    : stages_(std::make_unique<Stages>(config, times, temporary_folder))
 {
 }
 
@@ -195,6 +216,10 @@ std::vector<std::string> Pipeline::warnings() const
   std::vector<std::string> result = stages_->front_end.warnings();
   const std::vector<std::string> more = stages_->backend.warnings();
   result.insert(result.end(), more.begin(), more.end());
+  if (const std::string& problem = stages_->keyframes.memory().file->problem(); !problem.empty())
+  {
+    result.push_back(problem);
+  }
   return result;
 }
 }  // namespace dyslam

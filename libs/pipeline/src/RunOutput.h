@@ -20,18 +20,21 @@ namespace dyslam
 class StateArchive;
 
 class Backend;
+class RunHistory;
 
 /** What a run has come to after its last frame. */
 struct RunResults
 {
   const Backend* backend = nullptr;
   const StaticMap* map = nullptr;       //!< null if mapping is off
-  MapPoints map_points;                 //!< of the map
-  Trajectory trajectory;                //!< of the vehicle in the map frame, a pose per frame
+  const RunHistory* history = nullptr;  //!< of all scans
+  MapPoints map_points;   //!< of the map; a few millions of them, evenly, if it has more
+  Trajectory trajectory;  //!< of the vehicle in the map frame, a pose per frame
   std::vector<SmoothedObject> objects;  //!< of the graph, by scan, then id; empty without objects
   Trajectory reference;  //!< ground truth in the map frame, where the recording has it
-  std::map<std::string, double> stage_ms;  //!< mean per frame [ms]
-  std::map<std::string, double> wait_ms;   //!< of each thread for the others, mean per frame [ms]
+  std::map<std::string, double> stage_ms;   //!< mean per frame [ms]
+  std::map<std::string, double> wait_ms;    //!< of each thread for the others, mean per frame [ms]
+  std::map<std::string, double> memory_mb;  //!< by part, at the end; `largest`: of the process
   std::chrono::steady_clock::time_point begin = std::chrono::steady_clock::now();  //!< of the run
   SlamRunReport report;               //!< its `files`: those written so far
   std::vector<std::string> failures;  //!< why outputs could not be written

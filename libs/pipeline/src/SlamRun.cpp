@@ -4,12 +4,13 @@
 #include <dyslam/core/StateArchive.h>
 #include <dyslam/core/Version.h>
 #include <dyslam/io/RawlogSource.h>
-#include <dyslam/mapping/StaticMap.h>
+#include <dyslam/mapping/MapExport.h>
 #include <dyslam/pipeline/Pipeline.h>
 #include <dyslam/pipeline/SensorSettings.h>
 #include <dyslam/pipeline/SlamRun.h>
 #include <dyslam/pipeline/StartSpeed.h>
 #include <mrpt/system/CTimeLogger.h>
+#include <sys/resource.h>
 
 #include <algorithm>
 #include <atomic>
@@ -20,6 +21,7 @@
 #include <utility>
 
 #include "ReadAhead.h"
+#include "RunHistory.h"
 #include "RunOutputs.h"
 #include "RunStatistics.h"
 #include "SavedRun.h"
@@ -29,6 +31,9 @@ namespace dyslam
 namespace
 {
 using mrpt::system::CTimeLogger;
+
+constexpr double history_share = 0.05;             // of the memory
+constexpr std::size_t max_shown_points = 4000000;  // of the map, in pictures, page and scene
 
 /** \throws UserError unless the profile can be written and is none of the files read. */
 void requireProfileWritable(const SlamRunSettings& settings)
@@ -52,6 +57,28 @@ void requireProfileWritable(const SlamRunSettings& settings)
   {
     throw UserError(profile + ": cannot be written; choose another --profile");
   }
+}
+
+/** What is in memory, part by part [MB]. */
+std::map<std::string, double> memoryOf(const Pipeline& pipeline)
+{
+  constexpr double megabyte = 1 << 20;
+  const KeyframeStore& keyframes = pipeline.backend().keyframes();
+  std::map<std::string, double> bytes{
+      {"keyframe_clouds", static_cast<double>(keyframes.cloudMemory())},
+      {"temporary_file", static_cast<double>(keyframes.memory().file->size())}};
+  if (pipeline.map() != nullptr)
+  {
+    bytes["map"] = static_cast<double>(pipeline.map()->memory());
+  }
+  for (auto& [part, size] : bytes)
+  {
+    size /= megabyte;
+  }
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  bytes["largest"] = static_cast<double>(usage.ru_maxrss) / 1024;  // kilobytes on Linux
+  return bytes;
 }
 
 std::map<std::string, double> stageMilliseconds(const CTimeLogger& times, std::size_t frames)
@@ -106,7 +133,8 @@ struct SlamRun::Impl
         sensor(config.get<SensorOptions>("sensor")),
         start(config.get<StartOptions>("start")),
         input(config.get<RawlogSourceOptions>("input")),
-        pipeline(config, times),
+        pipeline(config, times, settings.output_folder),
+        history(pipeline.backend().keyframes().memory().part(history_share)),
         outputs(settings, config)
   {
     times.setMinLoggingLevel(mrpt::system::LVL_ERROR);  // it would print its table at the end
@@ -132,6 +160,7 @@ struct SlamRun::Impl
   StartOptions start;
   RawlogSourceOptions input;
   Pipeline pipeline;
+  RunHistory history;
   RunOutputs outputs;
   RunStatistics statistics;
   std::map<std::string, double> waits;  //!< of the caller's threads [s]
@@ -156,12 +185,15 @@ RunResults SlamRun::Impl::results(const std::vector<std::string>& source_warning
   results.begin = begin;
   results.backend = &pipeline.backend();
   results.map = pipeline.map();
-  results.map_points = results.map == nullptr ? MapPoints() : results.map->points();
+  results.history = &history;
+  results.map_points =
+      results.map == nullptr ? MapPoints() : thinnedPoints(*results.map, max_shown_points);
   results.trajectory = pipeline.trajectory();
   results.objects = pipeline.backend().smoothedObjects();
   results.reference = statistics.referenceInMap(results.trajectory);
   results.stage_ms = stageMilliseconds(times, statistics.frames);
   results.wait_ms = waitMilliseconds();
+  results.memory_mb = memoryOf(pipeline);
   fillReport(results.report, results);
   append(results.report.warnings, settings.warnings);
   append(results.report.warnings, source_warnings);
@@ -183,7 +215,7 @@ void SlamRun::Impl::fillReport(SlamRunReport& report, const RunResults& results)
       std::count_if(loops.begin(), loops.end(),
                     [](const Loop& loop) { return loop.verdict == LoopVerdict::accepted; }));
   report.tracks = statistics.moving_objects.size();
-  report.map_points = results.map_points.size();
+  report.map_points = results.map == nullptr ? 0 : results.map->pointCount();
   const auto lengths = results.trajectory.pathLengths();
   report.path_length = lengths.empty() ? 0 : lengths.back();
   for (const auto& [stage, ms] : results.stage_ms)
@@ -220,10 +252,11 @@ RunResults SlamRun::Impl::resultsSoFar() const
   results.begin = begin;
   results.backend = &pipeline.backend();
   results.map = pipeline.map();
-  if (results.map != nullptr && results.map->voxelCount() <= most_voxels)
+  if (results.map != nullptr && results.map->voxelCount() > most_voxels)
   {
-    results.map_points = results.map->points();
+    results.map = nullptr;
   }
+  results.history = &history;
   results.trajectory = pipeline.trajectory();
   results.reference = statistics.referenceInMap(results.trajectory);
   fillReport(results.report, results);
@@ -241,7 +274,7 @@ void SlamRun::checkpoint(std::string front_end, const ScanSum& scans)
   Impl& m = *impl_;
   StateArchive back_end;
   m.pipeline.exchangeBackEndState(back_end);
-  back_end(m.statistics);
+  back_end(m.statistics, m.history);
   const RunResults results = m.resultsSoFar();
   RunState state;
   state.run.version = DYSLAM_VERSION;
@@ -291,7 +324,7 @@ void SlamRun::resume(RunToResume& saved)
   front_end.requireEnd();
   StateArchive back_end(saved.state.back_end);
   m.pipeline.exchangeBackEndState(back_end);
-  back_end(m.statistics);
+  back_end(m.statistics, m.history);
   back_end.requireEnd();
   m.begin -= std::chrono::duration_cast<std::chrono::steady_clock::duration>(
       std::chrono::duration<double>(saved.state.run.seconds));
@@ -301,6 +334,7 @@ void SlamRun::resume(RunToResume& saved)
 void SlamRun::add(Frame frame)
 {
   impl_->statistics.add(frame);
+  impl_->history.add(frame);
   impl_->outputs.add(std::move(frame));
 }
 

@@ -62,6 +62,8 @@ void RunPageOptions::describe(OptionsVisitor& v)
 {
   v.integer("max_points", max_points, 1, 100000000,
             "map points in the 3D view of report.html; of more, one per larger cube is taken");
+  v.integer("max_scans", max_scans, 2, 100000000,
+            "scans in the plots of report.html; of more, every second, third ... is taken");
 }
 
 std::string renderRunPage(const RunPage& page,
@@ -79,7 +81,7 @@ std::string renderRunPage(const RunPage& page,
     points = packPoints(*page.map_points, page.map_intensity,
                         static_cast<std::size_t>(options.max_points));
   }
-  const auto json = runPageJson(page, points);
+  const auto json = runPageJson(page, points, static_cast<std::size_t>(options.max_scans));
   const std::string_view picture(reinterpret_cast<const char*>(page.picture.data()),
                                  page.picture.size());
   Template html(page_template);

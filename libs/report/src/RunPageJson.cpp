@@ -67,7 +67,73 @@ Json posesJson(const Trajectory& trajectory, const Pose& T = Pose::Identity())
   return json;
 }
 
-Json driftJson(const PosePairs& pairs)
+/** Of how many entries one is shown so that at most `most` are. */
+std::size_t stepFor(std::size_t count, std::size_t most)
+{
+  return std::max<std::size_t>(1, (count + most - 1) / most);
+}
+
+template <typename Values>
+Values everyNth(const Values& values, std::size_t step)
+{
+  Values result;
+  for (std::size_t i = 0; i < values.size(); i += step)
+  {
+    result.push_back(values[i]);
+  }
+  return result;
+}
+
+Trajectory everyNth(const Trajectory& trajectory, std::size_t step)
+{
+  Trajectory result;
+  for (std::size_t i = 0; i < trajectory.size(); i += step)
+  {
+    result.push_back(trajectory[i].stamp, trajectory[i].pose);
+  }
+  return result;
+}
+
+/** Its states at every n-th scan, by the number among these; the first one where there is none. */
+PageObject everyNth(const PageObject& object, std::size_t step)
+{
+  PageObject result{object.id, object.object_class, {}};
+  for (const PageObjectState& state : object.states)
+  {
+    if (state.scan % step == 0)
+    {
+      result.states.push_back(state);
+    }
+  }
+  if (result.states.empty())
+  {
+    result.states.push_back(object.states.front());
+  }
+  for (PageObjectState& state : result.states)
+  {
+    state.scan /= step;
+  }
+  return result;
+}
+
+/** What the series of the page show. */
+RunPage shownPart(const RunPage& page, std::size_t max_scans)
+{
+  const std::size_t step = stepFor(page.scans.size(), max_scans);
+  RunPage shown;
+  shown.scans = everyNth(page.scans, step);
+  shown.trajectory = everyNth(page.trajectory, step);
+  shown.odometry = everyNth(page.odometry, step);
+  shown.reference = everyNth(page.reference, stepFor(page.reference.size(), max_scans));
+  shown.loops = everyNth(page.loops, stepFor(page.loops.size(), max_scans));
+  for (const PageObject& object : page.objects)
+  {
+    shown.objects.push_back(everyNth(object, step));
+  }
+  return shown;
+}
+
+Json driftJson(const PosePairs& pairs, std::size_t max_scans)
 {
   const PoseDrift drift = poseDrift(pairs);
   std::vector<double> heading_deg;
@@ -75,10 +141,28 @@ Json driftJson(const PosePairs& pairs)
   {
     heading_deg.push_back(angle * 180 / M_PI);
   }
-  return {{"distance", rounded(drift.distance, 0.01)},
-          {"position", rounded(drift.position, 1e-4)},
-          {"height", rounded(drift.height, 1e-4)},
-          {"heading", rounded(heading_deg, 1e-4)}};
+  const std::size_t step = stepFor(drift.distance.size(), max_scans);
+  return {{"distance", rounded(everyNth(drift.distance, step), 0.01)},
+          {"position", rounded(everyNth(drift.position, step), 1e-4)},
+          {"height", rounded(everyNth(drift.height, step), 1e-4)},
+          {"heading", rounded(everyNth(heading_deg, step), 1e-4)}};
+}
+
+/** Counts over all scans, not those shown alone. */
+Json totalsJson(const RunPage& page)
+{
+  const auto count = [&](bool PageScan::*flag)
+  {
+    return std::count_if(page.scans.begin(), page.scans.end(),
+                         [flag](const PageScan& scan) { return scan.*flag; });
+  };
+  const Trajectory& t = page.trajectory;
+  const double seconds = t.empty() ? 0 : t[t.size() - 1].stamp - t[0].stamp;
+  return {{"scans", page.scans.size()},
+          {"registered", count(&PageScan::registered)},
+          {"keyframes", count(&PageScan::keyframe)},
+          {"loops", page.loops.size()},
+          {"seconds", rounded(seconds, millimetre)}};
 }
 
 Json scansJson(const RunPage& page)
@@ -127,7 +211,7 @@ Json objectJson(const PageObject& object)
 
 /** Errors and drift against the ground truth; without one, of the odometry against the final
  * trajectory. */
-void addErrors(const RunPage& page, Json& json)
+void addErrors(const RunPage& page, std::size_t max_scans, Json& json)
 {
   json["errors"] = Json::array();
   json["drift"] = Json::object();
@@ -147,7 +231,7 @@ void addErrors(const RunPage& page, Json& json)
     {
       continue;
     }
-    json["drift"][name] = driftJson(pairs);
+    json["drift"][name] = driftJson(pairs, max_scans);
     if (has_truth)
     {
       reports.push_back(evaluateTrajectory(name, pairs));
@@ -167,8 +251,6 @@ void addTrajectories(const RunPage& page, Json& json)
                               : page.trajectory[0].pose * page.odometry[0].pose.inverse();
   json["odometry"] = posesJson(page.odometry, T_map_odom);
   json["reference"] = page.reference.empty() ? Json() : posesJson(page.reference);
-  const auto lengths = page.trajectory.pathLengths();
-  json["length"] = rounded(lengths.empty() ? 0 : lengths.back(), 0.01);
 }
 
 /** Where the points are, and the heights that the colours go over. */
@@ -207,8 +289,11 @@ Json mapJson(const RunPage& page, const PackedPoints& points)
 }
 }  // namespace
 
-nlohmann::ordered_json runPageJson(const RunPage& page, const PackedPoints& points)
+nlohmann::ordered_json runPageJson(const RunPage& page,
+                                   const PackedPoints& points,
+                                   std::size_t max_scans)
 {
+  const RunPage shown = shownPart(page, max_scans);
   Json json;
   json["version"] = DYSLAM_VERSION;
   json["title"] = page.title;
@@ -224,18 +309,21 @@ nlohmann::ordered_json runPageJson(const RunPage& page, const PackedPoints& poin
   {
     json["stage_ms"][stage] = rounded(ms, 1e-4);
   }
-  json["scans"] = scansJson(page);
-  addTrajectories(page, json);
-  addErrors(page, json);
+  json["totals"] = totalsJson(page);
+  json["scans"] = scansJson(shown);
+  addTrajectories(shown, json);
+  const auto lengths = page.trajectory.pathLengths();
+  json["length"] = rounded(lengths.empty() ? 0 : lengths.back(), 0.01);
+  addErrors(page, max_scans, json);
   json["loops"] = Json::array();
-  for (const PageLoop& loop : page.loops)
+  for (const PageLoop& loop : shown.loops)
   {
     json["loops"].push_back({{"from", vectorJson(loop.from, millimetre)},
                              {"to", vectorJson(loop.to, millimetre)},
                              {"by_appearance", loop.by_appearance}});
   }
   json["objects"] = Json::array();
-  for (const PageObject& object : page.objects)
+  for (const PageObject& object : shown.objects)
   {
     json["objects"].push_back(objectJson(object));
   }

@@ -51,6 +51,44 @@ TEST(PoseDrift, IsMeasuredFromTheFirstPose)
   EXPECT_NEAR(drift.heading[2], 0.1, 1e-12);
 }
 
+TEST(RunPage, LongRunsAreThinnedButCountedInFull)
+{
+  RunPage page;
+  constexpr int count = 1001;
+  for (int i = 0; i < count; ++i)
+  {
+    page.scans.push_back({static_cast<std::size_t>(i), 1000, 0, i > 0, i % 2 == 0});
+    page.trajectory.push_back(0.1 * i, poseFromYpr(i, 0, 0, 0, 0, 0));
+    page.odometry.push_back(0.1 * i, poseFromYpr(i, 0, 0, 0, 0, 0));
+    page.loops.push_back({});
+  }
+  page.objects.push_back({3, ObjectClass::car, {}});
+  page.objects.push_back({4, ObjectClass::car, {}});
+  for (std::size_t i = 100; i < 200; ++i)
+  {
+    page.objects[0].states.push_back({i, {}, {}});
+  }
+  page.objects[1].states.push_back({57, {}, {}});
+  RunPageOptions options;
+  options.max_scans = 100;
+  const auto json = dataOf(renderRunPage(page, page_template, options));
+  EXPECT_EQ(json["totals"]["scans"], count);
+  EXPECT_EQ(json["totals"]["registered"], count - 1);
+  EXPECT_EQ(json["totals"]["keyframes"], count / 2 + 1);
+  EXPECT_EQ(json["totals"]["loops"], count);
+  EXPECT_NEAR(json["totals"]["seconds"].get<double>(), 100, 1e-9);
+  EXPECT_NEAR(json["length"].get<double>(), count - 1, 1e-9);
+  ASSERT_EQ(json["scans"]["index"].size(), 91U);  // every 11th
+  EXPECT_EQ(json["scans"]["index"][90], 990);
+  EXPECT_EQ(json["final"]["x"].size(), 91U);
+  EXPECT_EQ(json["odometry"]["x"].size(), 91U);
+  EXPECT_EQ(json["drift"]["odometry"]["distance"].size(), 91U);
+  EXPECT_EQ(json["loops"].size(), 91U);
+  EXPECT_EQ(json["objects"][0]["scan"][0], 10);  // scan 110
+  EXPECT_EQ(json["objects"][0]["scan"].size(), 9U);
+  EXPECT_EQ(json["objects"][1]["scan"][0], 5);  // its only scan lies between two shown ones
+}
+
 TEST(RunPage, WithoutTruthHasTheDriftOfTheOdometryAgainstTheFinalTrajectory)
 {
   const auto json = dataOf(renderRunPage(smallRun(), page_template));

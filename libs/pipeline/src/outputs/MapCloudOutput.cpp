@@ -12,18 +12,15 @@ class MapCloudOutput : public RunOutput
 {
  public:
   using RunOutput::RunOutput;
-  void checkpoint(const RunResults& results) override
-  {
-    if (results.map_points.size() > 0)
-    {
-      finish(results);
-    }
-  }
+  void checkpoint(const RunResults& results) override { finish(results); }
   void finish(const RunResults& results) override
   {
     if (results.map != nullptr)
     {
-      writeMapCloud(results.map_points, path(names().front().name));
+      constexpr bool normals = false;
+      MapCloudFile file(path(names().front().name), normals);
+      results.map->forEachPart([&](const MapPoints& part) { file.add(part); });
+      file.close();
     }
   }
 };

@@ -4,7 +4,6 @@
 #include <dyslam/core/Files.h>
 #include <dyslam/core/PendingFile.h>
 #include <dyslam/core/SharedFiles.h>
-#include <dyslam/core/StateArchive.h>
 #include <dyslam/eval/MapPicture.h>
 #include <dyslam/report/RunPage.h>
 
@@ -14,6 +13,7 @@
 #include <string_view>
 #include <utility>
 
+#include "../RunHistory.h"
 #include "../RunOutput.h"
 #include "SmoothedTracks.h"
 
@@ -23,13 +23,6 @@ namespace
 {
 constexpr const char* html = "report.html";
 constexpr const char* png = "map.png";
-
-PageScan scanOf(const Frame& frame)
-{
-  const auto moving = std::count(frame.moving.begin(), frame.moving.end(), true);
-  return {frame.index, frame.cloud.size(), static_cast<std::size_t>(moving), frame.motion.converged,
-          frame.is_keyframe};
-}
 
 /** `map.png`, the map from above, and `report.html`, the run in a browser. */
 class PageOutput : public RunOutput
@@ -46,24 +39,7 @@ class PageOutput : public RunOutput
 
   void open() override { settings_ = config_.effective().toIni(); }
 
-  void add(const Frame& frame) override
-  {
-    for (const TrackedObject& object : frame.objects)
-    {
-      if (object.reported && object.dynamic)
-      {
-        moving_[object.id].emplace_back(scans_.size(), object);
-      }
-    }
-    odometry_.push_back(frame.scan.stamp, frame.T_odom_vehicle);
-    scans_.push_back(scanOf(frame));
-  }
-
-  void exchangeState(StateArchive& archive) override
-  {
-    archive(odometry_, scans_, moving_);
-    open();
-  }
+  void exchangeState(StateArchive& /*archive*/) override { open(); }
 
   void finish(const RunResults& results) override
   {
@@ -92,9 +68,13 @@ class PageOutput : public RunOutput
     page.files = results.report.files;
     page.odometry_failed = results.report.odometry_failed;
     page.stage_ms = results.stage_ms;
-    page.scans = scans_;
+    for (const PastScan& scan : results.history->scans())
+    {
+      page.scans.push_back(
+          {scan.index, scan.points, scan.moving_points, scan.registered, scan.keyframe});
+      page.odometry.push_back(scan.stamp, scan.T_odom_vehicle);
+    }
     page.trajectory = results.trajectory;
-    page.odometry = odometry_;
     page.reference = results.reference;
     page.loops = loopsOf(*results.backend);
     page.objects = objectsOf(results);
@@ -121,27 +101,37 @@ class PageOutput : public RunOutput
     return loops;
   }
 
-  [[nodiscard]] std::vector<PageObject> objectsOf(const RunResults& results) const
+  static std::vector<PageObject> objectsOf(const RunResults& results)
   {
-    std::vector<PageObject> objects;
-    for (const auto& [id, reports] : moving_)
-    {
-      PageObject object{id, reports.back().second.object_class, {}};
-      for (const auto& [scan, reported] : reports)
-      {
-        // Loops closed since have moved the odometry frame of each scan.
-        const Pose T_map_odom = results.trajectory[scan].pose * odometry_[scan].pose.inverse();
-        TrackedObject state = reported;
-        if (const SmoothedObject* smoothed = findSmoothed(results.objects, scans_[scan].index, id))
+    std::map<int, PageObject> objects;
+    results.history->forEachReported(
+        [&](const ReportedObject& report)
         {
-          state = smoothedTrack(reported, *smoothed, T_map_odom.inverse());
-        }
-        object.states.push_back(
-            {scan, transformed(state.box, T_map_odom), T_map_odom.linear() * state.velocity});
-      }
-      objects.push_back(std::move(object));
+          if (!report.dynamic)
+          {
+            return;
+          }
+          // Loops closed since have moved the odometry frame of each scan.
+          const PastScan& scan = results.history->scans()[report.scan];
+          const Pose T_map_odom =
+              results.trajectory[report.scan].pose * scan.T_odom_vehicle.inverse();
+          TrackedObject state = report.tracked();
+          if (const SmoothedObject* smoothed = findSmoothed(results.objects, scan.index, report.id))
+          {
+            state = smoothedTrack(state, *smoothed, T_map_odom.inverse());
+          }
+          PageObject& object = objects[report.id];
+          object.id = report.id;
+          object.object_class = report.object_class;
+          object.states.push_back({report.scan, transformed(state.box, T_map_odom),
+                                   T_map_odom.linear() * state.velocity});
+        });
+    std::vector<PageObject> result;
+    for (auto& [id, object] : objects)
+    {
+      result.push_back(std::move(object));
     }
-    return objects;
+    return result;
   }
 
   static MapPictureContent pictureOf(const RunPage& page)
@@ -173,10 +163,6 @@ class PageOutput : public RunOutput
   std::string folder_;
   std::string input_;
   std::string settings_;
-  Trajectory odometry_;
-  std::vector<PageScan> scans_;
-  /** By id: position of the scan, and the object as it was reported there, odometry frame. */
-  std::map<int, std::vector<std::pair<std::size_t, TrackedObject>>> moving_;
 };
 }  // namespace
 

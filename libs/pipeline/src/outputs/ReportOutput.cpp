@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/PendingFile.h>
 
+#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
@@ -73,6 +74,11 @@ class ReportOutput : public RunOutput
     for (const auto& [thread, ms] : results.wait_ms)
     {
       json["wait_ms"][thread] = rounded(ms);
+    }
+    json["memory_mb"] = Json::object();
+    for (const auto& [part, mb] : results.memory_mb)
+    {
+      json["memory_mb"][part] = std::round(10 * mb) / 10;
     }
     json["recording_time_s"] = rounded(report.recording_time);
     json["run_time_s"] = rounded(report.run_time);

@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/BoxOverlap.h>
-#include <dyslam/core/StateArchive.h>
 #include <dyslam/core/VoxelGrid.h>
 #include <dyslam/io/SceneExport.h>
 
 #include <Eigen/Core>
 #include <map>
 #include <utility>
-#include <vector>
 
+#include "../RunHistory.h"
 #include "../RunOutput.h"
 #include "SmoothedTracks.h"
 
@@ -26,20 +25,6 @@ class SceneOutput : public RunOutput
       : RunOutput(context, {file}), voxel_size_(context.scene_voxel_size)
   {
   }
-
-  void add(const Frame& frame) override
-  {
-    T_odom_vehicle_.push_back(frame.T_odom_vehicle);
-    for (const TrackedObject& object : frame.objects)
-    {
-      if (object.reported && object.dynamic)
-      {
-        moving_[object.id].push_back({T_odom_vehicle_.size() - 1, frame.index, object});
-      }
-    }
-  }
-
-  void exchangeState(StateArchive& archive) override { archive(T_odom_vehicle_, moving_); }
 
   void finish(const RunResults& results) override
   {
@@ -61,45 +46,39 @@ class SceneOutput : public RunOutput
   }
 
  private:
-  /** An object as it was reported at one scan, odometry frame. */
-  struct Report
+  static void addMovingObjects(const RunResults& results, SceneContent& scene)
   {
-    std::size_t ordinal;  //!< of the frame
-    std::size_t scan;     //!< Frame::index
-    TrackedObject object;
-  };
-
-  void addMovingObjects(const RunResults& results, SceneContent& scene) const
-  {
-    // Loops closed since have moved the odometry frame of each scan.
-    const auto T_map_odom = [&](std::size_t ordinal)
-    { return results.trajectory[ordinal].pose * T_odom_vehicle_[ordinal].inverse(); };
-    for (const auto& [id, reports] : moving_)
-    {
-      TrackedObject last;
-      Pose T = Pose::Identity();
-      for (const Report& report : reports)
-      {
-        T = T_map_odom(report.ordinal);
-        last = report.object;
-        if (const SmoothedObject* smoothed = findSmoothed(results.objects, report.scan, id))
+    std::map<int, std::pair<LabelledBox, Eigen::Vector3d>> last;  // and velocity, map frame
+    results.history->forEachReported(
+        [&](const ReportedObject& report)
         {
-          last = smoothedTrack(report.object, *smoothed, T.inverse());
-        }
-        scene.object_paths[id].push_back(T * last.box.center);
-      }
-      LabelledBox box;
-      box.id = id;
-      box.object_class = last.object_class;
-      box.box = transformed(last.box, T);
-      scene.boxes.push_back(box);
-      scene.velocities.push_back(T.linear() * last.velocity);
+          if (!report.dynamic)
+          {
+            return;
+          }
+          // Loops closed since have moved the odometry frame of each scan.
+          const PastScan& scan = results.history->scans()[report.scan];
+          const Pose T = results.trajectory[report.scan].pose * scan.T_odom_vehicle.inverse();
+          TrackedObject object = report.tracked();
+          if (const SmoothedObject* smoothed = findSmoothed(results.objects, scan.index, report.id))
+          {
+            object = smoothedTrack(object, *smoothed, T.inverse());
+          }
+          scene.object_paths[report.id].push_back(T * object.box.center);
+          auto& [box, velocity] = last[report.id];
+          box.id = report.id;
+          box.object_class = object.object_class;
+          box.box = transformed(object.box, T);
+          velocity = T.linear() * object.velocity;
+        });
+    for (const auto& [id, state] : last)
+    {
+      scene.boxes.push_back(state.first);
+      scene.velocities.push_back(state.second);
     }
   }
 
   double voxel_size_;
-  std::vector<Pose> T_odom_vehicle_;  //!< of every frame
-  std::map<int, std::vector<Report>> moving_;
 };
 }  // namespace
 

@@ -4,10 +4,10 @@
 
 #include <cmath>
 #include <cstdio>
+#include <functional>
 #include <string>
-#include <utility>
-#include <vector>
 
+#include "../RunHistory.h"
 #include "../RunOutput.h"
 #include "SmoothedTracks.h"
 #include "StreamedFile.h"
@@ -21,24 +21,10 @@ constexpr const char* kitti = "tracks.txt";
 constexpr const char* header =
     "frame,stamp,id,class,x,y,z,length,width,height,yaw,vx,vy,vz,speed,dynamic,observed,score\n";
 
-/** Where and when a scan was taken. */
-struct ScanPlace
-{
-  std::size_t index = 0;
-  double stamp = 0;  //!< [s]
-  Pose T_odom_vehicle = Pose::Identity();
-  Pose T_vehicle_lidar = Pose::Identity();
-};
-
-ScanPlace scanOf(const Frame& frame)
-{
-  return {frame.index, frame.scan.stamp, frame.T_odom_vehicle, frame.scan.T_vehicle_lidar};
-}
-
 /** Box of the odometry frame in the lidar frame of a scan. */
-Box inLidarFrame(const Box& box, const ScanPlace& scan)
+Box inLidarFrame(const Box& box, const PastScan& scan, const Pose& T_vehicle_lidar)
 {
-  const Pose T_lidar_odom = (scan.T_odom_vehicle * scan.T_vehicle_lidar).inverse();
+  const Pose T_lidar_odom = (scan.T_odom_vehicle * T_vehicle_lidar).inverse();
   Box result = box;
   result.center = T_lidar_odom * box.center;
   const Eigen::Vector3d heading =
@@ -47,19 +33,21 @@ Box inLidarFrame(const Box& box, const ScanPlace& scan)
   return result;
 }
 
-LabelledBox labelledBox(const TrackedObject& object, const ScanPlace& scan)
+LabelledBox labelledBox(const TrackedObject& object,
+                        const PastScan& scan,
+                        const Pose& T_vehicle_lidar)
 {
   LabelledBox box;
   box.frame = static_cast<int>(scan.index);
   box.id = object.id;
   box.object_class = object.object_class;
   box.type = toString(object.object_class);
-  box.box = inLidarFrame(object.box, scan);
+  box.box = inLidarFrame(object.box, scan, T_vehicle_lidar);
   box.score = object.score;
   return box;
 }
 
-std::string rowOf(const TrackedObject& object, const ScanPlace& scan)
+std::string rowOf(const TrackedObject& object, std::size_t scan, double stamp)
 {
   const auto& c = object.box.center;
   const auto& s = object.box.size;
@@ -67,9 +55,9 @@ std::string rowOf(const TrackedObject& object, const ScanPlace& scan)
   char text[512];
   std::snprintf(
       text, sizeof text,
-      "%zu,%.6f,%d,%s,%.3f,%.3f,%.3f,%.2f,%.2f,%.2f,%.4f,%.3f,%.3f,%.3f,%.3f,%d,%d,%.3f\n",
-      scan.index, scan.stamp, object.id, toString(object.object_class).c_str(), c.x(), c.y(), c.z(),
-      s.x(), s.y(), s.z(), object.box.yaw, v.x(), v.y(), v.z(), v.norm(), object.dynamic ? 1 : 0,
+      "%zu,%.6f,%d,%s,%.3f,%.3f,%.3f,%.2f,%.2f,%.2f,%.4f,%.3f,%.3f,%.3f,%.3f,%d,%d,%.3f\n", scan,
+      stamp, object.id, toString(object.object_class).c_str(), c.x(), c.y(), c.z(), s.x(), s.y(),
+      s.z(), object.box.yaw, v.x(), v.y(), v.z(), v.norm(), object.dynamic ? 1 : 0,
       object.observed ? 1 : 0, object.score);
   return text;
 }
@@ -88,57 +76,68 @@ class TrackOutput : public RunOutput
     {
       if (object.reported)
       {
-        reported_.push_back({scans_.size(), object});
-        rows += rowOf(object, scanOf(frame));
+        rows += rowOf(object, frame.index, frame.scan.stamp);
       }
     }
-    scans_.push_back(scanOf(frame));
     rows_.write(rows);
   }
-  void checkpoint(const RunResults& /*results*/) override
-  {
-    std::vector<LabelledBox> boxes;
-    for (const auto& [ordinal, object] : reported_)
-    {
-      boxes.push_back(labelledBox(object, scans_[ordinal]));
-    }
-    writeTracks(path(kitti), boxes);
-  }
-  void exchangeState(StateArchive& archive) override
-  {
-    archive(scans_, reported_);
-    rows_.exchangeState(path(table), archive);
-  }
+  void checkpoint(const RunResults& results) override { writeBoxes(results); }
+  void exchangeState(StateArchive& archive) override { rows_.exchangeState(path(table), archive); }
   void finish(const RunResults& results) override
   {
-    std::vector<LabelledBox> boxes;
-    std::string text = header;
-    for (auto& [ordinal, object] : reported_)
-    {
-      const ScanPlace& scan = scans_[ordinal];
-      if (const SmoothedObject* smoothed = findSmoothed(results.objects, scan.index, object.id))
-      {
-        object = smoothedTrack(object, *smoothed,
-                               scan.T_odom_vehicle * results.trajectory[ordinal].pose.inverse());
-      }
-      boxes.push_back(labelledBox(object, scan));
-      text += rowOf(object, scan);
-    }
-    eachByItself({[&] { writeTracks(path(kitti), boxes); },
+    eachByItself({[&] { writeBoxes(results); },
                   [&]
                   {
                     rows_.close();
                     if (!results.objects.empty())
                     {
-                      writeWhole(path(table), text);
+                      writeWhole(path(table),
+                                 [&](std::ostream& out)
+                                 {
+                                   out << header;
+                                   forEach(results,
+                                           [&](const TrackedObject& object, const PastScan& scan)
+                                           { out << rowOf(object, scan.index, scan.stamp); });
+                                 });
                     }
                   }});
   }
 
  private:
+  void writeBoxes(const RunResults& results) const
+  {
+    writeWhole(path(kitti),
+               [&](std::ostream& out)
+               {
+                 forEach(results,
+                         [&](const TrackedObject& object, const PastScan& scan)
+                         {
+                           const Pose& T_vehicle_lidar = results.history->mounts()[scan.mount];
+                           out << trackLine(labelledBox(object, scan, T_vehicle_lidar));
+                         });
+               });
+  }
+
+  /** Every reported object as it is known by now. */
+  static void forEach(const RunResults& results,
+                      const std::function<void(const TrackedObject&, const PastScan&)>& use)
+  {
+    results.history->forEachReported(
+        [&](const ReportedObject& report)
+        {
+          const PastScan& scan = results.history->scans()[report.scan];
+          TrackedObject object = report.tracked();
+          if (const SmoothedObject* smoothed = findSmoothed(results.objects, scan.index, object.id))
+          {
+            object =
+                smoothedTrack(object, *smoothed,
+                              scan.T_odom_vehicle * results.trajectory[report.scan].pose.inverse());
+          }
+          use(object, scan);
+        });
+  }
+
   StreamedFile rows_;
-  std::vector<ScanPlace> scans_;
-  std::vector<std::pair<std::size_t, TrackedObject>> reported_;  //!< with the scan's ordinal
 };
 }  // namespace
 

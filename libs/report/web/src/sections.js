@@ -21,9 +21,8 @@ function largestCorrection(data) {
 }
 
 function sentences(data) {
-  const n = data.scans.index.length;
-  const lost = data.scans.registered.filter((r) => !r).length;
-  const seconds = n > 0 ? data.scans.time[n - 1] : 0;
+  const {scans: n, seconds} = data.totals;
+  const lost = n - data.totals.registered;
   const ms = Object.values(data.stage_ms).reduce((sum, v) => sum + v, 0);
   const result = [];
   result.push(`${count(n, 'scan')} of ${fixed(seconds, 1)} s were processed; the sensor travelled ` +
@@ -32,11 +31,11 @@ function sentences(data) {
       'The motion of every scan was found by registration.' :
       `${lost} of ${count(n, 'scan')} could not be registered: their motion was predicted from ` +
       'the motion before. The first scan of a recording that starts in motion is often among them.');
-  if (data.loops.length === 0) {
+  if (data.totals.loops === 0) {
     result.push('No place was recognised a second time (no loops), so nothing corrects the drift of ' +
         'the odometry.');
   } else {
-    result.push(`${count(data.loops.length, 'loop')}: places recognised a second time. They moved the ` +
+    result.push(`${count(data.totals.loops, 'loop')}: places recognised a second time. They moved the ` +
         `trajectory by up to ${fixed(largestCorrection(data), 2)} m.`);
   }
   result.push(data.objects.length === 0 ? 'No moving object was tracked.' :
@@ -74,13 +73,12 @@ function tile(value, unit, name) {
 }
 
 export function summary(data) {
-  const n = data.scans.index.length;
+  const {scans: n, keyframes, loops} = data.totals;
   const ms = Object.values(data.stage_ms).reduce((sum, v) => sum + v, 0);
-  const keyframes = data.scans.keyframe.filter((k) => k).length;
   return h('section', {id: 'summary'}, h('h2', {}, 'Summary'), verdict(data),
       h('div', {class: 'tiles'}, tile(n.toLocaleString('en'), '', 'scans'),
           tile(fixed(data.length, 1), 'm', 'path'), tile(keyframes.toLocaleString('en'), '', 'keyframes'),
-          tile(data.loops.length, '', 'loops'), tile(data.objects.length, '', 'moving objects'),
+          tile(loops, '', 'loops'), tile(data.objects.length, '', 'moving objects'),
           tile(data.map.of.toLocaleString('en'), '', 'map points'),
           tile(fixed(ms, 1), 'ms', 'per scan, all stages')),
       h('ul', {class: 'sentences'}, sentences(data).map((line) => h('li', {}, line))));

@@ -3,11 +3,15 @@
 
 #include <dyslam/core/Frame.h>
 #include <dyslam/core/Pose.h>
+#include <dyslam/core/SwappedStore.h>
 
 #include <Eigen/Core>
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <string>
+#include <string_view>
+#include <utility>
 #include <vector>
 
 namespace dyslam
@@ -41,7 +45,11 @@ class PackedCloud
   /** Removes the points whose flag is false. \throws std::invalid_argument unless there is one per
    * point. */
   void keepOnly(const std::vector<bool>& keep);
-  void exchangeState(StateArchive& archive);
+
+  // For SwappedStore.
+  [[nodiscard]] std::size_t memory() const;
+  [[nodiscard]] std::string toBytes() const;
+  [[nodiscard]] static PackedCloud fromBytes(std::string_view bytes);
 
  private:
   float scale_ = 1;
@@ -50,8 +58,7 @@ class PackedCloud
   std::vector<std::uint8_t> is_static_;
 };
 
-/** A keyframe. Loop closure and map each keep what they need of its points: a loop is looked for in
- * all that was seen from there, coarsely; the map drops what it has from elsewhere. */
+/** A keyframe without its points. */
 struct Keyframe
 {
   std::size_t frame = 0;                             //!< Frame::index
@@ -59,20 +66,26 @@ struct Keyframe
   double path_length = 0;                            //!< driven since the start [m]
   Eigen::Vector3f sensor = Eigen::Vector3f::Zero();  //!< lidar's origin, vehicle frame [m]
   Pose T_map_vehicle = Pose::Identity();
-  PackedCloud loop_cloud;  //!< points alone; about 30 kB
-  PackedCloud map_cloud;   //!< bounded by the area seen, all keyframes together
 };
 
 /** Index, time, sensor and present pose of a frame, without its points. */
 [[nodiscard]] Keyframe keyframeOf(const Frame& frame);
 
 /** The keyframes of a run with their poses, in order of time; the number of a keyframe is its node
- * in the pose graph. Backend and map share one store. Not thread-safe. */
+ * in the pose graph. Backend and map share one store. Not thread-safe.
+ *
+ * Loop closure and map each keep what they need of a keyframe's points: a loop is looked for in all
+ * that was seen from there, coarsely; the map drops what it has from elsewhere. Clouds that were
+ * not used lately are on disk. A reference to one is valid until the next use of one of its kind.
+ */
 class KeyframeStore
 {
  public:
+  /** \param memory of backend and map together: a quarter of it is for clouds */
+  explicit KeyframeStore(const MemoryLimit& memory = {});
+
   /** \return the keyframe's number: 0, 1, 2, ... */
-  std::size_t add(Keyframe keyframe);
+  std::size_t add(const Keyframe& keyframe);
 
   [[nodiscard]] std::size_t size() const { return keyframes_.size(); }
   [[nodiscard]] bool empty() const { return keyframes_.empty(); }
@@ -82,6 +95,21 @@ class KeyframeStore
   [[nodiscard]] auto begin() const { return keyframes_.begin(); }
   [[nodiscard]] auto end() const { return keyframes_.end(); }
 
+  /** Points alone; about 30 kB. Empty until set. */
+  [[nodiscard]] const PackedCloud& loopCloud(std::size_t i) const { return loop_clouds_.get(i); }
+  void setLoopCloud(std::size_t i, PackedCloud cloud) { loop_clouds_.edit(i) = std::move(cloud); }
+  /** Bounded by the area seen, all keyframes together. Empty until set. */
+  [[nodiscard]] const PackedCloud& mapCloud(std::size_t i) const { return map_clouds_.get(i); }
+  [[nodiscard]] PackedCloud& editMapCloud(std::size_t i) { return map_clouds_.edit(i); }
+
+  /** Of the clouds in memory [bytes]. */
+  [[nodiscard]] std::size_t cloudMemory() const
+  {
+    return loop_clouds_.memory() + map_clouds_.memory();
+  }
+  /** How much backend and map together may have in memory. */
+  [[nodiscard]] const MemoryLimit& memory() const { return memory_; }
+
   /** Gives the keyframes from number `first` on corrected poses. \throws std::invalid_argument
    * unless there is one each. */
   void correct(const std::vector<Pose>& T_map_vehicle, std::size_t first = 0);
@@ -90,7 +118,10 @@ class KeyframeStore
   void exchangeState(StateArchive& archive);
 
  private:
+  MemoryLimit memory_;
   std::vector<Keyframe> keyframes_;
+  SwappedStore<PackedCloud> loop_clouds_;
+  SwappedStore<PackedCloud> map_clouds_;
   std::size_t revision_ = 0;
 };
 }  // namespace dyslam

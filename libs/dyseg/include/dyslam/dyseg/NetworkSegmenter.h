@@ -45,6 +45,8 @@ struct SceneFlow
  * themselves, and a drifting odometry cannot harm it; it is given as Frame::segmenter_motion. Until
  * `first_gap` scans have been seen, Frame::static_prior is given too. The first scan is all static,
  * as are points beyond the network's grid (102 m to each side with the shipped weights).
+ *
+ * In the library dyslam::dyseg_network; makeSegmenter() loads it with the module `networks`.
  */
 class NetworkSegmenter : public MovingSegmenter
 {
@@ -67,4 +69,7 @@ class NetworkSegmenter : public MovingSegmenter
   struct Impl;
   std::unique_ptr<Impl> impl_;
 };
+
+/** dyslam_make_network_segmenter() of the module `networks`; the caller owns the segmenter. */
+using MakeNetworkSegmenter = MovingSegmenter*(const NetworkSegmenterOptions&);
 }  // namespace dyslam

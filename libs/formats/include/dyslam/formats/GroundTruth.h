@@ -23,6 +23,8 @@ namespace dyslam
  * [score]`; x y z is the box's centre (half height), yaw the heading about +z from +x. See
  * doc/formats.md. \throws UserError "file:line: what". */
 [[nodiscard]] std::vector<LabelledBox> readTracks(const std::string& path);
+/** One line of such a file. */
+[[nodiscard]] std::string trackLine(const LabelledBox& box);
 void writeTracks(const std::string& path, const std::vector<LabelledBox>& boxes);
 
 /** Reads the sidecar of a rawlog; per-point files are read when asked for. Frames are counted as

@@ -66,6 +66,9 @@ void writeMapCloud(const MapPoints& points,
                    const std::string& path,
                    const Eigen::Vector3d& origin = Eigen::Vector3d::Zero());
 
+/** The points of the map; if it has more than `most`, one of each cube, as large as it takes. */
+[[nodiscard]] MapPoints thinnedPoints(const StaticMap& map, std::size_t most);
+
 /** MRPT's CSimpleMap: per keyframe its pose and the static points as CObservationPointCloud. */
 void writeSimplemap(const StaticMap& map,
                     const std::string& path,

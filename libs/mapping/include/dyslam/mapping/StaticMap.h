@@ -19,13 +19,13 @@ class StateArchive;
 
 struct StaticMapOptions : Options
 {
-  double voxel_size = 0.2;    //!< one map point per cube of this side [m]
-  double min_range = 2.5;     //!< nearer returns (own vehicle) are left out [m]
-  double max_range = 80.0;    //!< farther returns are left out [m]
-  double box_margin = 0.2;    //!< dynamic tracks' boxes are widened by this on each side [m]
-  int points_per_voxel = 5;   //!< keyframe points kept per voxel: later ones add nothing
-  int max_voxels = 10000000;  //!< beyond, the voxel size doubles
-  int min_hits = 1;           //!< voxels hit by fewer keyframes are not part of the map
+  double voxel_size = 0.2;      //!< one map point per cube of this side [m]
+  double min_range = 2.5;       //!< nearer returns (own vehicle) are left out [m]
+  double max_range = 80.0;      //!< farther returns are left out [m]
+  double box_margin = 0.2;      //!< dynamic tracks' boxes are widened by this on each side [m]
+  int points_per_voxel = 5;     //!< keyframe points kept per voxel: later ones add nothing
+  int max_voxels = 1000000000;  //!< beyond, the voxel size doubles
+  int min_hits = 1;             //!< voxels hit by fewer keyframes are not part of the map
   /** insert() first corrects the map where a loop has moved one of its keyframes this far [m]. */
   double correction_distance = 0.05;
 
@@ -68,7 +68,8 @@ struct MapRegion
   }
 };
 
-/** The static world stitched from keyframes, in memory bounded by the area seen, not by time.
+/** The static world stitched from keyframes. Its size is bounded by the area seen, not by time, and
+ * its memory by that of the keyframe store: parts that were not used lately are on disk.
  *
  * Each voxel keeps a few points in all, so that going round a block again adds nothing; the points
  * stay with their keyframes, so that the map can be stitched again after a loop. Left out are
@@ -101,6 +102,10 @@ class StaticMap
 
   /** The cleaned map, in the order in which voxels were first met. */
   [[nodiscard]] MapPoints points() const;
+  /** The same in parts, one of which is in memory at a time. */
+  void forEachPart(const std::function<void(const MapPoints&)>& use) const;
+  /** Number of points of the cleaned map. */
+  [[nodiscard]] std::size_t pointCount() const;
 
   /** Number of the voxel around a point, VoxelHash::none if there is none; cleaned ones too. */
   [[nodiscard]] std::uint32_t voxelAt(const Eigen::Vector3d& p) const;
@@ -117,6 +122,8 @@ class StaticMap
   [[nodiscard]] double voxelSize() const;
   /** Voxels held, cleaned ones too. */
   [[nodiscard]] std::size_t voxelCount() const;
+  /** Of the voxels in memory [bytes]. */
+  [[nodiscard]] std::size_t memory() const;
 
   /** The voxels; the keyframes are saved by themselves. */
   void exchangeState(StateArchive& archive);

@@ -7,6 +7,7 @@
 
 #include <cstddef>
 #include <functional>
+#include <future>
 #include <memory>
 #include <string>
 #include <vector>
@@ -31,6 +32,11 @@ struct PipelineOptions : Options
   void describe(OptionsVisitor& visitor) override;
 };
 
+/** Begins to load what the config's methods need beyond the program itself, in a thread of its own:
+ * the networks. \return to be kept until the pipeline is there. \throws UserError for a bad config.
+ */
+[[nodiscard]] std::future<void> loadAhead(const Config& config);
+
 /** The stages put together (the paper's Fig. 1): a scan goes in; its pose, moving points and
  * objects come out.
  *
@@ -40,9 +46,12 @@ struct PipelineOptions : Options
 class Pipeline
 {
  public:
-  /** Builds every stage. \param times gets the time of each stage. \throws UserError for a bad
-   * config. */
-  Pipeline(ConfigLoader& config, mrpt::system::CTimeLogger& times);
+  /** Builds every stage. \param times gets the time of each stage \param temporary_folder where
+   * map and keyframes beyond `memory.limit` go, in a file without a name; exists at the first frame
+   * \throws UserError for a bad config. */
+  Pipeline(ConfigLoader& config,
+           mrpt::system::CTimeLogger& times,
+           const std::string& temporary_folder = "");
   ~Pipeline();
 
   /** Fills every part of the frame that the source left open: runFrontEnd(), then runBackEnd().

@@ -77,6 +77,7 @@ struct RunPage
 struct RunPageOptions : Options
 {
   int max_points = 1000000;  //!< map points in the 3D view; of more, one per larger cube is taken
+  int max_scans = 10000;     //!< poses and figures of so many scans, evenly taken
   void describe(OptionsVisitor& visitor) override;
 };
 

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <future>
+#include <string>
+
+namespace dyslam
+{
+/** A function of a library of DySLAM's own that is loaded when it is first needed, and stays
+ * loaded: lib/dyslam/libdyslam-<module>.so. So a program that needs no network does not spend the
+ * time that libtorch takes to load.
+ *
+ * The library is looked for in $DYSLAM_MODULES, then, for a program of the build folder, there; for
+ * any other in the library folder beside the program's folder (an installed tree), then in the
+ * prefix that DySLAM was configured to be installed in.
+ * \param needed_by the setting that asks for it, for the message, e.g. "dyseg.method: network"
+ * \throws UserError if there is no such library, if it cannot be loaded, or if it is of another
+ * version than the program. */
+[[nodiscard]] void* runtimeModuleFunction(const std::string& module,
+                                          const std::string& function,
+                                          const std::string& needed_by);
+
+/** As runtimeModuleFunction(), as a pointer to a function of type F. */
+template <typename F>
+[[nodiscard]] F* runtimeModuleFunction(const std::string& module,
+                                       const std::string& function,
+                                       const std::string& needed_by)
+{
+  return reinterpret_cast<F*>(runtimeModuleFunction(module, function, needed_by));
+}
+
+/** Begins to load a module in a thread of its own, so that a later runtimeModuleFunction() finds it
+ * loaded. Errors are left to that call. \return to be kept until then: its end waits for the
+ * thread.
+ */
+[[nodiscard]] std::future<void> loadRuntimeModuleAhead(const std::string& module);
+
+/** What every module exports as dyslam_module_version(). */
+using RuntimeModuleVersion = const char*();
+}  // namespace dyslam

@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <dyslam/core/Options.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <map>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace dyslam
+{
+/** Room on the disk for what does not fit into memory.
+ *
+ * The file has no name: nothing of it is left when the program ends, however it ends. It is made
+ * with the first write. Not thread-safe.
+ */
+class SwapFile
+{
+ public:
+  /** Where something is. */
+  struct Slot
+  {
+    std::uint64_t offset = 0;
+    std::uint32_t size = 0;      //!< [bytes]
+    std::uint32_t capacity = 0;  //!< [bytes]; 0: nothing was written yet
+  };
+
+  /** \param folder where the file is made; exists when something is written */
+  explicit SwapFile(std::string folder);
+  ~SwapFile();
+  SwapFile(const SwapFile&) = delete;
+  SwapFile& operator=(const SwapFile&) = delete;
+
+  /** Writes to the slot, which moves if it is too small.
+   * \return false if the disk is full or fails; the slot is then as it was, and nothing is written
+   * any more: problem() has the reason. */
+  bool write(std::string_view bytes, Slot& slot);
+  /** \throws UserError if it can't be read. */
+  [[nodiscard]] std::string read(const Slot& slot) const;
+  /** Its room may be used again. */
+  void release(Slot& slot);
+
+  /** Length of the file [bytes]. */
+  [[nodiscard]] std::uint64_t size() const { return end_; }
+  /** Why nothing is written any more, one sentence; empty as long as all is well. */
+  [[nodiscard]] const std::string& problem() const { return problem_; }
+
+ private:
+  [[nodiscard]] bool open();
+  [[nodiscard]] bool fail(int error);
+
+  std::string folder_;
+  int file_ = -1;
+  std::uint64_t end_ = 0;
+  std::map<std::uint32_t, std::vector<std::uint64_t>> unused_;  //!< offsets by capacity
+  std::string problem_;
+};
+
+/** Ini section `[memory]`. */
+struct MemoryOptions : Options
+{
+  /** Clouds of keyframes, voxels of the map and the like beyond this are kept on disk [MB]. */
+  int limit = 512;
+  void describe(OptionsVisitor& visitor) override;
+};
+
+/** How much may be held in memory, and where the rest goes. */
+struct MemoryLimit
+{
+  MemoryLimit() = default;
+  /** \param folder of the temporary file */
+  MemoryLimit(const MemoryOptions& options, const std::string& folder);
+  /** The same file with `share` of the bytes. */
+  [[nodiscard]] MemoryLimit part(double share) const;
+
+  std::shared_ptr<SwapFile> file;  //!< null: everything stays in memory
+  std::size_t bytes = std::numeric_limits<std::size_t>::max();
+};
+}  // namespace dyslam

@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dlfcn.h>
+#include <dyslam/core/Error.h>
+#include <dyslam/core/RuntimeModule.h>
+#include <dyslam/core/Version.h>
+
+#include "ProgramFolders.h"
+
+namespace dyslam
+{
+namespace
+{
+/** What dlerror() says, without the path that every message names already. */
+std::string loadError(const std::string& path)
+{
+  const char* said = dlerror();
+  std::string text = said != nullptr ? said : "cannot be loaded";
+  if (text.rfind(path + ": ", 0) == 0)
+  {
+    text.erase(0, path.size() + 2);
+  }
+  return text;
+}
+
+std::string fileOf(const std::string& module)
+{
+  return "libdyslam-" + module + ".so";
+}
+
+std::vector<std::filesystem::path> moduleFolders()
+{
+  return ProgramFolders{"DYSLAM_MODULES", DYSLAM_BUILD_MODULES, DYSLAM_RELATIVE_MODULES,
+                        DYSLAM_INSTALLED_MODULES}
+      .candidates();
+}
+
+/** \return empty if there is none. */
+std::string findModule(const std::string& module)
+{
+  for (const auto& folder : moduleFolders())
+  {
+    if (std::filesystem::is_regular_file(folder / fileOf(module)))
+    {
+      return (folder / fileOf(module)).string();
+    }
+  }
+  return "";
+}
+
+std::string notFound(const std::string& module, const std::string& needed_by)
+{
+  std::string tried;
+  for (const auto& folder : moduleFolders())
+  {
+    tried += (tried.empty() ? "" : ", ") + folder.string();
+  }
+  return needed_by + " needs " + fileOf(module) +
+         ", which a build with libtorch has, and which is not in " + tried;
+}
+}  // namespace
+
+void* runtimeModuleFunction(const std::string& module,
+                            const std::string& function,
+                            const std::string& needed_by)
+{
+  const std::string path = findModule(module);
+  if (path.empty())
+  {
+    throw UserError(notFound(module, needed_by));
+  }
+  void* library = dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL);
+  if (library == nullptr)
+  {
+    throw UserError(path + ": " + loadError(path));
+  }
+  auto* version = reinterpret_cast<RuntimeModuleVersion*>(dlsym(library, "dyslam_module_version"));
+  const std::string found = version != nullptr ? version() : "unknown";
+  if (found != DYSLAM_VERSION)
+  {
+    throw UserError(path + ": is of version " + found + ", the program of " + DYSLAM_VERSION +
+                    "; install both from one build");
+  }
+  void* address = dlsym(library, function.c_str());
+  if (address == nullptr)
+  {
+    throw UserError(path + ": has no function " + function);
+  }
+  return address;
+}
+
+std::future<void> loadRuntimeModuleAhead(const std::string& module)
+{
+  return std::async(std::launch::async,
+                    [path = findModule(module)]
+                    {
+                      if (!path.empty())
+                      {
+                        (void)dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL);
+                      }
+                    });
+}
+}  // namespace dyslam

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/Error.h>
+#include <dyslam/core/RuntimeModule.h>
+#include <gtest/gtest.h>
+
+#include <string>
+
+namespace dyslam
+{
+namespace
+{
+std::string errorOf(const std::string& module, const std::string& function)
+{
+  try
+  {
+    (void)runtimeModuleFunction(module, function, "dyseg.method: network");
+  }
+  catch (const UserError& error)
+  {
+    return error.what();
+  }
+  return "none";
+}
+
+TEST(RuntimeModule, GivesItsFunction)
+{
+  auto* square = runtimeModuleFunction<int(int)>("test", "dyslam_test_square", "the test");
+  EXPECT_EQ(square(7), 49);
+}
+
+TEST(RuntimeModule, MissingOneNamesTheSettingAndTheFile)
+{
+  const std::string error = errorOf("nothing", "dyslam_test_square");
+  EXPECT_EQ(error.find("dyseg.method: network needs libdyslam-nothing.so"), 0U) << error;
+}
+
+TEST(RuntimeModule, OfAnotherVersionIsRefused)
+{
+  const std::string error = errorOf("old_test", "dyslam_test_square");
+  EXPECT_NE(error.find("libdyslam-old_test.so: is of version 0.0.0"), std::string::npos) << error;
+}
+
+TEST(RuntimeModule, MissingFunctionIsNamed)
+{
+  const std::string error = errorOf("test", "dyslam_test_cube");
+  EXPECT_NE(error.find("has no function dyslam_test_cube"), std::string::npos) << error;
+}
+}  // namespace
+}  // namespace dyslam

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/VoxelGrid.h>
+#include <dyslam/mapping/MapExport.h>
+
+#include <optional>
+#include <stdexcept>
+
+namespace dyslam
+{
+namespace
+{
+/** The first point of every cube; nothing if these are more than `most`. */
+std::optional<MapPoints> onePerCube(const StaticMap& map, double size, std::size_t most)
+{
+  const auto inverse = static_cast<float>(1 / size);
+  VoxelHash cubes;
+  MapPoints result;
+  map.forEachPart(
+      [&](const MapPoints& part)
+      {
+        for (std::size_t i = 0; i < part.size() && result.size() <= most; ++i)
+        {
+          const std::uint64_t cube = voxelKey(voxelCell(part.points[i], inverse));
+          const auto next = static_cast<std::uint32_t>(result.size());
+          if (cubes.findOrInsert(cube, next) == next)
+          {
+            result.points.push_back(part.points[i]);
+            result.intensity.push_back(part.intensity[i]);
+            result.hits.push_back(part.hits[i]);
+            result.voxel.push_back(part.voxel[i]);
+            result.keyframe.push_back(part.keyframe[i]);
+          }
+        }
+      });
+  return result.size() <= most ? std::optional<MapPoints>(std::move(result)) : std::nullopt;
+}
+}  // namespace
+
+MapPoints thinnedPoints(const StaticMap& map, std::size_t most)
+{
+  if (most == 0)
+  {
+    throw std::invalid_argument("thinnedPoints: at least one point");
+  }
+  if (map.pointCount() <= most)
+  {
+    return map.points();
+  }
+  constexpr double growth = 1.25;
+  for (double size = growth * map.voxelSize();; size *= growth)
+  {
+    if (auto points = onePerCube(map, size, most))
+    {
+      return std::move(*points);
+    }
+  }
+}
+}  // namespace dyslam

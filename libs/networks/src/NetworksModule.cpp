@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/RuntimeModule.h>
+#include <dyslam/core/Version.h>
+#include <dyslam/dyseg/NetworkSegmenter.h>
+
+#include "DyloOdometry.h"
+
+// The functions of the module `networks`, by which dyseg and odometry get the stages that need
+// libtorch.
+extern "C"
+{
+  dyslam::RuntimeModuleVersion dyslam_module_version;
+  dyslam::MakeNetworkSegmenter dyslam_make_network_segmenter;
+  dyslam::MakeDyloOdometry dyslam_make_dylo_odometry;
+
+  const char* dyslam_module_version()
+  {
+    return DYSLAM_VERSION;
+  }
+
+  dyslam::MovingSegmenter* dyslam_make_network_segmenter(
+      const dyslam::NetworkSegmenterOptions& options)
+  {
+    return new dyslam::NetworkSegmenter(options);
+  }
+
+  dyslam::ScanMatcher* dyslam_make_dylo_odometry(const dyslam::DyloOptions& options)
+  {
+    return new dyslam::DyloOdometry(options);
+  }
+}

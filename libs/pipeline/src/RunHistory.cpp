@@ -1,0 +1,145 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "RunHistory.h"
+
+#include <algorithm>
+
+namespace dyslam
+{
+namespace
+{
+constexpr std::size_t part_size = 4096;
+
+ReportedObject reportOf(const TrackedObject& object, std::size_t scan)
+{
+  ReportedObject report;
+  report.scan = scan;
+  report.id = object.id;
+  report.object_class = object.object_class;
+  report.box = object.box;
+  report.velocity = object.velocity;
+  report.score = object.score;
+  report.dynamic = object.dynamic;
+  report.observed = object.observed;
+  return report;
+}
+
+/** One value after the other: objects have members of Eigen, and gaps. */
+template <typename Value>
+void put(std::string& bytes, const Value& value)
+{
+  bytes.append(reinterpret_cast<const char*>(&value), sizeof value);
+}
+template <typename Value>
+void take(std::string_view& bytes, Value& value)
+{
+  std::memcpy(&value, bytes.data(), sizeof value);
+  bytes.remove_prefix(sizeof value);
+}
+
+/** Calls `field` with every number of an object. */
+template <typename Object, typename Field>
+void forEachField(Object& o, const Field& field)
+{
+  field(o.scan);
+  field(o.id);
+  field(o.object_class);
+  for (int i = 0; i < 3; ++i)
+  {
+    field(o.box.center[i]);
+    field(o.box.size[i]);
+    field(o.velocity[i]);
+  }
+  field(o.box.yaw);
+  field(o.score);
+  field(o.dynamic);
+  field(o.observed);
+}
+}  // namespace
+
+TrackedObject ReportedObject::tracked() const
+{
+  TrackedObject object;
+  object.id = id;
+  object.object_class = object_class;
+  object.box = box;
+  object.velocity = velocity;
+  object.score = score;
+  object.dynamic = dynamic;
+  object.observed = observed;
+  object.reported = true;
+  return object;
+}
+
+std::string RunHistory::Part::toBytes() const
+{
+  std::string bytes;
+  for (const ReportedObject& object : objects)
+  {
+    forEachField(object, [&bytes](const auto& value) { put(bytes, value); });
+  }
+  return bytes;
+}
+
+RunHistory::Part RunHistory::Part::fromBytes(std::string_view bytes)
+{
+  Part part;
+  while (!bytes.empty())
+  {
+    part.objects.emplace_back();
+    forEachField(part.objects.back(), [&bytes](auto& value) { take(bytes, value); });
+  }
+  return part;
+}
+
+void RunHistory::add(const Frame& frame)
+{
+  const auto mount = std::find_if(mounts_.begin(), mounts_.end(),
+                                  [&](const Pose& T)
+                                  { return T.matrix() == frame.scan.T_vehicle_lidar.matrix(); });
+  PastScan scan;
+  scan.index = frame.index;
+  scan.stamp = frame.scan.stamp;
+  scan.T_odom_vehicle = frame.T_odom_vehicle;
+  scan.points = static_cast<std::uint32_t>(frame.cloud.size());
+  scan.moving_points =
+      static_cast<std::uint32_t>(std::count(frame.moving.begin(), frame.moving.end(), true));
+  scan.mount = static_cast<std::uint32_t>(mount - mounts_.begin());
+  scan.registered = frame.motion.converged;
+  scan.keyframe = frame.is_keyframe;
+  if (mount == mounts_.end())
+  {
+    mounts_.push_back(frame.scan.T_vehicle_lidar);
+  }
+  for (const TrackedObject& object : frame.objects)
+  {
+    if (!object.reported)
+    {
+      continue;
+    }
+    if (objects_.size() == 0 || in_last_part_ == part_size)
+    {
+      objects_.add({});
+      in_last_part_ = 0;
+    }
+    objects_.edit(objects_.size() - 1).objects.push_back(reportOf(object, scans_.size()));
+    ++in_last_part_;
+  }
+  scans_.push_back(scan);
+}
+
+void RunHistory::forEachReported(const std::function<void(const ReportedObject&)>& use) const
+{
+  for (std::size_t i = 0; i < objects_.size(); ++i)
+  {
+    for (const ReportedObject& object : objects_.get(i).objects)
+    {
+      use(object);
+    }
+  }
+}
+
+void RunHistory::exchangeState(StateArchive& archive)
+{
+  archive(scans_, mounts_, objects_, in_last_part_);
+}
+}  // namespace dyslam

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "../src/RunHistory.h"
+
+#include <gtest/gtest.h>
+
+#include <vector>
+
+namespace dyslam
+{
+namespace
+{
+TEST(RunHistory, KeepsReportedObjectsOnDisk)
+{
+  MemoryLimit tiny;
+  tiny.file = std::make_shared<SwapFile>(testing::TempDir());
+  tiny.bytes = 1;
+  RunHistory history(tiny);
+  constexpr std::size_t scans = 5000;
+  for (std::size_t i = 0; i < scans; ++i)
+  {
+    Frame frame;
+    frame.index = 10 + i;
+    frame.scan.stamp = static_cast<double>(i);
+    frame.scan.T_vehicle_lidar.translation().z() = i < 3 ? 1.5 : 1.7;
+    frame.moving = {true, false, true};
+    frame.cloud.points.resize(3);
+    for (int id = 0; id < 3; ++id)
+    {
+      TrackedObject object;
+      object.id = id;
+      object.reported = id != 1;
+      object.dynamic = id == 2;
+      object.box.center.x() = static_cast<double>(i);
+      object.velocity.y() = 0.5;
+      object.score = 0.25;
+      frame.objects.push_back(object);
+    }
+    history.add(frame);
+  }
+  ASSERT_EQ(history.scans().size(), scans);
+  EXPECT_EQ(history.scans()[7].index, 17U);
+  EXPECT_EQ(history.scans()[7].moving_points, 2U);
+  EXPECT_EQ(history.mounts().size(), 2U);
+  EXPECT_EQ(history.scans()[7].mount, 1U);
+  EXPECT_GT(tiny.file->size(), 100000U);
+  std::size_t count = 0;
+  history.forEachReported(
+      [&](const ReportedObject& object)
+      {
+        EXPECT_EQ(object.scan, count / 2);
+        EXPECT_EQ(object.id, count % 2 == 0 ? 0 : 2);
+        EXPECT_EQ(object.box.center.x(), static_cast<double>(count / 2));
+        EXPECT_EQ(object.tracked().velocity.y(), 0.5);
+        EXPECT_EQ(object.score, 0.25);
+        EXPECT_EQ(object.dynamic, count % 2 == 1);
+        EXPECT_TRUE(object.tracked().reported);
+        ++count;
+      });
+  EXPECT_EQ(count, 2 * scans);
+}
+}  // namespace
+}  // namespace dyslam

@@ -1,0 +1,70 @@
+#!/bin/sh
+# SPDX-License-Identifier: BSD-3-Clause
+# What a run costs by points per scan, by objects in view and by length: one line of a table for each
+# simulated recording.
+set -eu
+usage="Usage: speed_table.sh [-k SENSORS] [-t TRAFFIC] [-l SECONDS] [-c INI] [-o DIR]
+
+  -k  sensors (VLP16 OS1-32 OS1-64 HDL64E OS1-128)
+  -t  shares of traffic (0.4)
+  -l  seconds of the recordings (10)
+  -c  settings (those that fit the sensor)
+  -o  folder for recordings and runs (./speed_table); recordings that are there are not made again
+
+Recordings are urban, seed 31. The programs are taken from \$DYSLAM_BIN, else from the PATH. Times are those of
+the machine: let nothing else run."
+sensors="VLP16 OS1-32 OS1-64 HDL64E OS1-128"
+traffic=0.4
+lengths=10
+settings=
+output=speed_table
+while getopts k:t:l:c:o:h option; do
+  case $option in
+    k) sensors=$OPTARG ;;
+    t) traffic=$OPTARG ;;
+    l) lengths=$OPTARG ;;
+    c) settings=$OPTARG ;;
+    o) output=$OPTARG ;;
+    h) echo "$usage"; exit 0 ;;
+    *) echo "$usage" >&2; exit 2 ;;
+  esac
+done
+bin=${DYSLAM_BIN:+$DYSLAM_BIN/}
+mkdir -p "$output"
+
+# Runs the program and prints the row: row RUN SENSOR TRAFFIC COMMAND...
+row() {
+  python3 - "$@" <<'PY'
+import json, resource, subprocess, sys
+run, sensor, traffic = sys.argv[1:4]
+subprocess.run(sys.argv[4:], check=True)
+used = resource.getrusage(resource.RUSAGE_CHILDREN)
+report = json.load(open(run + "/report.json"))
+scans = report["frames"]
+table = [line.split(",") for line in open(run + "/scans.csv").read().splitlines()]
+points = sum(int(row[table[0].index("points")]) for row in table[1:]) / scans
+objects = (len(open(run + "/tracks.csv").readlines()) - 1) / scans
+stages = dict.fromkeys(["preprocess", "dyseg", "refine", "tracking", "backend", "hindsight", "map"], 0)
+for name, value in report["stage_ms"].items():
+    if name.split(".")[0] in stages:
+        stages[name.split(".")[0]] += value
+wall, cpu = report["run_time_s"] / scans, (used.ru_utime + used.ru_stime) / scans
+print("| {} | {} | {} | {:.0f} | {:.1f} | {} | {:.1f} | {:.1f} | {:.0f} |".format(
+    sensor, traffic, scans, points, objects, " | ".join("{:.1f}".format(value) for value in stages.values()),
+    1e3 * wall, 1e3 * cpu, used.ru_maxrss / 1024), flush=True)
+PY
+}
+
+echo "| sensor | traffic | scans | points | objects | preprocess | dyseg | refine | tracking | backend | hindsight | map | wall | CPU | memory |"
+echo "|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|"
+for seconds in $lengths; do
+  for share in $traffic; do
+    for sensor in $sensors; do
+      run=$output/$sensor-$share-$seconds
+      [ -f "$run.rawlog" ] || "${bin}dyslam-sim" -q --world urban --sensor "$sensor" --seed 31 --traffic "$share" \
+        --seconds "$seconds" --no-flow -o "$run.rawlog" > "$run.log"
+      rm -rf "$run"
+      row "$run" "$sensor" "$share" "${bin}dyslam" -i "$run.rawlog" -o "$run" -v ERROR ${settings:+-c "$settings"}
+    done
+  done
+done
