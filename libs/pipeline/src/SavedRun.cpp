@@ -5,6 +5,7 @@
 #include <dyslam/core/StateArchive.h>
 #include <dyslam/core/Version.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <string_view>
 #include <utility>
@@ -77,8 +78,10 @@ void ScanSum::add(const Frame& frame)
 
 bool Checkpoints::due()
 {
+  constexpr double share = 0.05;  // of the time
   const auto now = std::chrono::steady_clock::now();
-  if (seconds_ <= 0 || std::chrono::duration<double>(now - last_).count() < seconds_)
+  const double least = std::max(seconds_, cost_ / share);
+  if (seconds_ <= 0 || std::chrono::duration<double>(now - last_).count() < least)
   {
     return false;
   }

@@ -4,6 +4,7 @@
 #include <dyslam/core/Frame.h>
 #include <dyslam/pipeline/SlamRun.h>
 
+#include <atomic>
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
@@ -90,11 +91,16 @@ class Checkpoints
   [[nodiscard]] bool due();
   void begin(std::size_t frame, Begun begun);
 
-  /** The back end's thread: what was begun at this frame. */
+  // The back end's thread:
+  /** How long one has held up the run [s]: the next ones come so seldom that all together take a
+   * twentieth of the time at most, however large the state has become. */
+  void took(double seconds) { cost_ = seconds; }
+  /** What was begun at this frame. */
   [[nodiscard]] std::optional<Begun> take(std::size_t frame);
 
  private:
   double seconds_;
+  std::atomic<double> cost_ = 0;
   std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
   std::mutex mutex_;
   std::map<std::size_t, Begun> begun_;  //!< by Frame::index

@@ -450,7 +450,10 @@ void replay(const SlamRunSettings& settings,
     run.add(std::move(*frame));
     if (auto begun = checkpoints.take(index))
     {
+      const auto start = std::chrono::steady_clock::now();
       run.checkpoint(std::move(begun->front_end), begun->scans);
+      checkpoints.took(
+          std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
     }
     if (on_frame)
     {
