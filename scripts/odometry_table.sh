@@ -40,7 +40,7 @@ for rawlog in "$@"; do
   for method in $methods; do
     folder=$output/$name/$method
     folders="$folders $folder"
-    [ -f "$folder/report.json" ] && continue
+    grep -qs '"finished": true' "$folder/report.json" && continue
     refine=none
     case $method in *+refine) refine=point_to_plane ;; esac
     segmenter=none

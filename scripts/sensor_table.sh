@@ -44,7 +44,7 @@ for seed in $seeds; do
       [ "$sensor" = AVIA ] && columns=0
       [ -f "$run.rawlog" ] || "${bin}dyslam-sim" -q --world "$world" --sensor "$sensor" --seed "$seed" \
         --traffic 0.3 --seconds "$seconds" --columns "$columns" --no-flow -o "$run.rawlog" > "$run.log"
-      [ -f "$run/report.json" ] || "${bin}dyslam" -i "$run.rawlog" -o "$run" -v ERROR > "$run.log" 2>&1 \
+      grep -qs '"finished": true' "$run/report.json" || "${bin}dyslam" -i "$run.rawlog" -o "$run" -v ERROR > "$run.log" 2>&1 \
         || [ -f "$run/scans.csv" ]
       "${bin}dyslam-eval" trajectory --reference "$run.gt/poses_tum.txt" --estimate "$run/trajectory_tum.txt" \
         --lengths "$lengths" --align first --csv "$run/trajectory.csv" > /dev/null

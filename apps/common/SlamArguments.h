@@ -33,6 +33,7 @@ struct SlamArguments
   std::string verbosity = "INFO";
   std::optional<int> skip_first_n;
   std::optional<int> only_first_n;
+  bool resume = false;            //!< go on with a run that was killed
   std::future<void> loading;      //!< loadAhead()
   std::vector<std::string> said;  //!< about sensor and settings, at the first scan
 
@@ -141,6 +142,27 @@ inline void chooseSettings(const std::string& program, SlamArguments& a)
   beginInMotion(program, input, a);
 }
 
+/** Fills the config with what is given, for a run that is resumed and has all settings.
+ * \throws UserError. */
+inline void checkSettings(SlamArguments& a)
+{
+  if (!a.config.empty())
+  {
+    a.settings.config = Config::fromFile(findGivenOrShared(a.config, "config_files", ".ini"));
+    a.settings.config.requireFor("dyslam");
+  }
+  applyFlags(a, a.settings.config);
+}
+
+/** \throws UserError */
+inline void requireGiven(const std::string& rawlog)
+{
+  if (rawlog.empty())
+  {
+    throw UserError("--input is required; see --help");
+  }
+}
+
 /** Says on stderr what was recognised and chosen, once. */
 inline void sayAtFirstScan(SlamArguments& a)
 {
@@ -194,8 +216,16 @@ using SlamRunner = std::function<SlamRunReport(
 /** Runs, shows how far it is and says what came of it. \throws UserError, UselessResult. */
 inline void runSlamProgram(const std::string& program, SlamArguments& a, const SlamRunner& run)
 {
-  requireConverted(a.settings.rawlog);
-  chooseSettings(program, a);
+  if (a.resume)
+  {
+    checkSettings(a);
+  }
+  else
+  {
+    requireGiven(a.settings.rawlog);
+    requireConverted(a.settings.rawlog);
+    chooseSettings(program, a);
+  }
   stopOnSignals();
   a.settings.stop = [] { return stop_asked.load(); };
   SlamRunReport report;

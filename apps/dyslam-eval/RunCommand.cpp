@@ -71,6 +71,26 @@ Json readReport(const fs::path& folder)
   return report.value_or(Json::object());
 }
 
+/** Says of a run that was killed how far it had come. */
+void noteUnfinished(const std::string& folder, const Json& report, const std::string& truth)
+{
+  const auto finished = report.find("finished");
+  if (finished == report.end() || !finished->is_boolean() || finished->get<bool>())
+  {
+    return;
+  }
+  const auto frames = report.find("frames");
+  std::string scans =
+      frames != report.end() && frames->is_number() ? std::to_string(frames->get<long>()) : "?";
+  const fs::path poses = fs::path(truth) / "poses_tum.txt";
+  if (!truth.empty() && fs::exists(poses))
+  {
+    scans += " of " + std::to_string(readTum(poses.string()).size());
+  }
+  std::cerr << "note: " << folder << ": unfinished: " << scans << " scans; dyslam --resume -o "
+            << folder << " goes on\n";
+}
+
 /** Nothing, with a note, if the run has no or too little ground truth. */
 std::optional<TrajectoryReport> evaluate(const fs::path& folder,
                                          const char* file,
@@ -131,7 +151,10 @@ RunScores scoresOf(const std::string& folder, const Arguments& a)
   }
   if (!fs::exists(fs::path(folder) / "trajectory_tum.txt"))
   {
-    throw UserError(folder + ": has no trajectory_tum.txt: is it the output folder of a run?");
+    throw UserError(folder +
+                    (fs::exists(fs::path(folder) / "odometry_tum.txt.tmp")
+                         ? ": unfinished, without a checkpoint: has no trajectory_tum.txt"
+                         : ": has no trajectory_tum.txt: is it the output folder of a run?"));
   }
   RunScores scores;
   scores.report = readReport(folder);
@@ -142,6 +165,7 @@ RunScores scoresOf(const std::string& folder, const Arguments& a)
     scores.consistency = evaluateConsistency(folder);
   }
   const std::string truth = truthFolder(a, scores.report);
+  noteUnfinished(folder, scores.report, truth);
   if (fs::is_directory(fs::path(folder) / "labels"))
   {
     if (!truth.empty() && fs::is_directory(fs::path(truth) / "labels"))

@@ -9,8 +9,11 @@ namespace
 void declare(CLI::App& app, dyslam::SlamArguments& a)
 {
   app.description("Replays a rawlog of 3D LiDAR scans: trajectory, moving objects, static map");
-  app.add_option("-i,--input", a.settings.rawlog, "rawlog to replay")->required();
+  app.add_option("-i,--input", a.settings.rawlog, "rawlog to replay");
   app.add_option("-o,--output", a.settings.output_folder, "folder for the results")->required();
+  app.add_flag("--resume", a.resume,
+               "go on with the run in --output that was killed, from its last checkpoint "
+               "(output.checkpoint_seconds); --input only if the rawlog has been moved");
   dyslam::declareSlamArguments(app, a);
 }
 }  // namespace
@@ -21,5 +24,6 @@ int main(int argc, char** argv)
   dyslam::SlamArguments a;
   return dyslam::runApp(
       argc, argv, [&](CLI::App& app) { declare(app, a); },
-      [&] { dyslam::runSlamProgram("dyslam", a, dyslam::runSlam); });
+      [&]
+      { dyslam::runSlamProgram("dyslam", a, a.resume ? dyslam::resumeSlam : dyslam::runSlam); });
 }

@@ -83,6 +83,59 @@ killed() {
   check slam d --only-first-n 5
   whole_results d
 }
+same_results() { # FOLDER OTHER: every file, but for times of the clock
+  check diff -rq -x report.json -x report.html -x effective.ini "$1" "$2"
+  check diff <(grep -E '"(frames|keyframes|loops|tracks|map_points|path_length_m)"' "$1/report.json") \
+    <(grep -E '"(frames|keyframes|loops|tracks|map_points|path_length_m)"' "$2/report.json")
+}
+killed_and_resumed() { # at random moments, three times in one run
+  local flags=(--only-first-n 25 --labels --static-scans --set labels.window=6 --set backend.mode=full)
+  local often=(--set output.checkpoint_seconds=0.02) run code tries=0
+  check slam m "${flags[@]}"
+  for round in 1 2 3; do
+    rm -rf n
+    timeout 120 "$bin/dyslam" -v ERROR -i "$recording" -c vlp16.ini -o n "${flags[@]}" "${often[@]}" 2>n.err &
+    until [[ -e n/resume.state ]] || ! kill -0 $! 2>/dev/null; do sleep 0.01; done
+    for kill in 1 2 3; do
+      sleep 0.$((RANDOM % 9))$((RANDOM % 10))
+      run=$(pgrep -P $!) && kill -KILL "$run"
+      wait $! 2>/dev/null
+      [[ -e n/resume.state ]] || break # it had ended
+      tries=$((tries + 1))
+      grep -q '"finished": false' n/report.json || check test ! -e n/report.json
+      timeout 120 "$bin/dyslam" -v ERROR --resume -o n 2>n.err &
+    done
+    wait $! 2>/dev/null
+    code=$?
+    check test "$code" -eq 0 -o "$code" -eq 127
+    check no_leftovers n
+    same_results m n
+  done
+  check test "$tries" -ge 3
+}
+killed_at_a_checkpoint() { # while the state is being written
+  local run
+  timeout 120 "$bin/dyslam" -v ERROR -i "$recording" -c vlp16.ini -o o --only-first-n 25 --labels \
+    --set output.checkpoint_seconds=0.001 2>o.err &
+  until [[ -e o/resume.state && -e o/resume.state.tmp ]] || ! kill -0 $! 2>/dev/null; do :; done
+  run=$(pgrep -P $!) && kill -KILL "$run"
+  wait $! 2>/dev/null
+  check test -s o/resume.state -a -s o/trajectory_tum.txt
+  check "$bin/dyslam-eval" run o >o.out 2>o.err
+  check grep -q 'o: unfinished: [0-9]* of [0-9]* scans' o.err
+  cp -r o p
+  printf '\x55' | dd of=p/resume.state bs=1 seek=$(($(stat -c %s p/resume.state) / 2)) conv=notrunc 2>/dev/null
+  find p -type f | sort >p.before
+  "$bin/dyslam" -v ERROR --resume -o p 2>p.err
+  check test $? -eq 1
+  check grep -q 'p/resume.state: is damaged' p.err
+  check diff p.before <(find p -type f | sort)
+  check timeout 120 "$bin/dyslam" -v ERROR --resume -o o
+  whole_results o
+  "$bin/dyslam" --resume -o o 2>o.err
+  check test $? -eq 1
+  check grep -q 'nothing to resume' o.err
+}
 input_cut_in_mid_run() {
   cp "$recording" e.rawlog
   input=e.rawlog
@@ -155,6 +208,8 @@ must disk_full "the files that fit are whole, one line names the others, exit co
 must folder_removed "what is written at the end is in a new folder, and the user is told"
 must terminal_lost "the run ends as by Ctrl-C, with all results of the scans so far"
 must killed "no file has its final name and is not whole; the next run takes the folder over"
+must killed_and_resumed "the resumed run gives the same bytes as one that was not interrupted"
+must killed_at_a_checkpoint "the state before it is whole; a damaged one is an error and nothing is removed"
 must input_cut_in_mid_run "all results of the scans before the cut, and the reason"
 must links "files that links point to stay as they are"
 must disk_too_small_for_memory "memory grows instead, the results are the same, a warning says so"

@@ -3,6 +3,9 @@
 
 #include <dyslam/core/Config.h>
 #include <dyslam/core/Error.h>
+#include <dyslam/core/Files.h>
+#include <dyslam/core/Frame.h>
+#include <dyslam/core/StateArchive.h>
 #include <dyslam/formats/Bag.h>
 #include <dyslam/formats/GroundTruth.h>
 #include <dyslam/formats/KittiFiles.h>
@@ -18,8 +21,10 @@
 #include <dyslam/io/RawlogSource.h>
 
 #include <fstream>
+#include <map>
 #include <stdexcept>
 
+#include "StateFile.h"
 #include "VelodynePackets.h"
 
 namespace dyslam::fuzz
@@ -52,6 +57,22 @@ void readCalibration(const std::string& path)
 {
   constexpr std::size_t lasers = 16;
   (void)readVelodyneCalibration(path, lasers);
+}
+
+/** As a run is saved: frames, containers, numbers. */
+void readArchive(const std::string& path)
+{
+  const std::string bytes = readWhole(path);
+  StateArchive archive(bytes);
+  std::vector<Frame> frames;
+  std::map<int, std::vector<std::string>> names;
+  archive(frames, names);
+  archive.requireEnd();
+}
+
+void readState(const std::string& path)
+{
+  (void)readStateFile(path, 2);
 }
 
 /** Every topic of a bag, through all decoders. */
@@ -109,6 +130,8 @@ const std::vector<Parser>& parsers()
       {"ros1_bag", "a.bag", readBag},
       {"sqlite_bag", "a.db3", readBag},
       {"mcap_bag", "a.mcap", readBag},
+      {"state", "resume.state", readState},
+      {"state_archive", "a.state", readArchive},
   };
   return all;
 }

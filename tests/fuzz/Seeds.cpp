@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // fuzz_seeds <folder>: small good files for every parser, <folder>/<parser>/*.
+#include <dyslam/core/Frame.h>
+#include <dyslam/core/StateArchive.h>
 #include <dyslam/formats/GroundTruth.h>
 #include <dyslam/formats/ScanFiles.h>
 #include <dyslam/io/RawlogWriter.h>
@@ -20,6 +22,7 @@
 
 #include "BagWriters.h"
 #include "MrptBytes.h"
+#include "StateFile.h"
 #include "SyntheticCapture.h"
 
 namespace fs = std::filesystem;
@@ -203,6 +206,21 @@ void writeBags(const fs::path& folder)
     test::writeBag(path, messages);
   }
 }
+
+void writeStates(const fs::path& folder)
+{
+  std::vector<Frame> frames(2);
+  frames[1].scan = someScan();
+  frames[1].cloud.points = frames[1].scan.points;
+  frames[1].moving = {true, false, true};
+  frames[1].objects.resize(1);
+  std::map<int, std::vector<std::string>> names{{1, {"a", "b"}}, {2, {}}};
+  StateArchive archive;
+  archive(frames, names);
+  write(folder / "state_archive/a", archive.bytes());
+  fs::create_directories(folder / "state");
+  writeStateFile((folder / "state/a").string(), {archive.bytes(), "second"});
+}
 }  // namespace
 }  // namespace dyslam
 
@@ -218,6 +236,7 @@ int main(int argc, char** argv)
   dyslam::writeClouds(folder);
   dyslam::writeTexts(folder);
   dyslam::writeBags(folder);
+  dyslam::writeStates(folder);
   const std::string capture = dyslam::captured(110);
   dyslam::write(folder / "pcap/a", capture);
   // A pcapng of one section and one interface, with a block for the first packet.

@@ -3,6 +3,7 @@
 #include <dyslam/backend/factors/LoopFactor.h>
 #include <dyslam/backend/factors/OdometryFactor.h>
 #include <dyslam/core/MotionAccumulator.h>
+#include <dyslam/core/StateArchive.h>
 #include <mrpt/graphs/CNetworkOfPoses.h>
 
 #include <Eigen/Dense>
@@ -391,5 +392,13 @@ std::vector<std::string> Backend::warnings() const
     result.insert(result.end(), more.begin(), more.end());
   }
   return result;
+}
+
+void Backend::exchangeState(StateArchive& archive)
+{
+  State& s = *state_;
+  archive(s.closer, s.graph, s.objects, s.odometry, s.frames, s.loops, s.last_result, s.problems,
+          s.T_odom_keyframe, s.since_keyframe, s.T_odom_previous, s.path_length, s.drift,
+          s.drift_angle, s.waiting_loops, s.worst_residual);
 }
 }  // namespace dyslam

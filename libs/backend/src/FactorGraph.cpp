@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/backend/FactorGraph.h>
+#include <dyslam/core/StateArchive.h>
 
 #include <algorithm>
 #include <stdexcept>
 #include <utility>
+
+#include "SavedFactor.h"
 
 namespace dyslam
 {
@@ -229,5 +232,25 @@ double FactorGraph::chi2() const
     sum += residual * residual;
   }
   return sum;
+}
+
+void FactorGraph::exchangeState(StateArchive& archive)
+{
+  archive(variables_, unused_, factor_count_, left_out_);
+  std::size_t count = factors_.size();
+  archive(count);
+  if (archive.isLoading())
+  {
+    factors_.clear();
+  }
+  for (std::size_t i = 0; i < count; ++i)
+  {
+    SavedFactor saved = archive.isLoading() ? SavedFactor() : savedFrom(factors_[i].get());
+    archive(saved);
+    if (archive.isLoading())
+    {
+      factors_.push_back(made(saved));
+    }
+  }
 }
 }  // namespace dyslam

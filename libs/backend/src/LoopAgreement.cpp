@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "LoopAgreement.h"
 
+#include <dyslam/core/StateArchive.h>
+
 #include <algorithm>
 #include <utility>
 
@@ -82,5 +84,10 @@ std::vector<Loop> LoopAgreement::finish()
   }
   entries_.clear();
   return decided;
+}
+
+void LoopAgreement::exchangeState(StateArchive& archive)
+{
+  archive(entries_);
 }
 }  // namespace dyslam

@@ -9,6 +9,8 @@
 
 namespace dyslam
 {
+class StateArchive;
+
 /** Holds loops back until other loops of nearby keyframes agree with them. */
 class LoopAgreement
 {
@@ -27,6 +29,8 @@ class LoopAgreement
   [[nodiscard]] std::vector<Loop> decide(std::size_t newest_keyframe);
   /** The loops that still wait, as unsupported. */
   [[nodiscard]] std::vector<Loop> finish();
+
+  void exchangeState(StateArchive& archive);
 
  private:
   struct Entry

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "LoopCandidates.h"
 
+#include <dyslam/core/StateArchive.h>
+
 #include <algorithm>
 #include <utility>
 
@@ -168,5 +170,10 @@ std::vector<LoopCandidate> LoopCandidates::alike(
     }
   }
   return places;
+}
+
+void LoopCandidates::exchangeState(StateArchive& archive)
+{
+  archive(points_, descriptors_, ring_means_);
 }
 }  // namespace dyslam

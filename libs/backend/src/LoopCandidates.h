@@ -12,6 +12,8 @@
 
 namespace dyslam
 {
+class StateArchive;
+
 /** Of the memory of backend and map, for the descriptors. */
 constexpr double descriptor_share = 0.05;
 
@@ -63,6 +65,8 @@ class LoopCandidates
       const KeyframeStore& keyframes,
       const PlaceViews& now,
       const std::function<bool(std::size_t)>& eligible) const;
+
+  void exchangeState(StateArchive& archive);
 
  private:
   struct Ranked

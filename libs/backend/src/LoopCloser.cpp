@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/backend/LoopCloser.h>
+#include <dyslam/core/StateArchive.h>
 
 #include <algorithm>
 #include <stdexcept>
@@ -251,5 +252,10 @@ std::vector<Loop> LoopCloser::search()
 std::vector<Loop> LoopCloser::finish()
 {
   return state_->agreement.finish();
+}
+
+void LoopCloser::exchangeState(StateArchive& archive)
+{
+  archive(state_->candidates, state_->agreement);
 }
 }  // namespace dyslam

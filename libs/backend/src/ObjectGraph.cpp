@@ -4,6 +4,7 @@
 #include <dyslam/backend/factors/ObjectMotionFactor.h>
 #include <dyslam/backend/factors/ObservationFactor.h>
 #include <dyslam/backend/factors/SmoothMotionFactor.h>
+#include <dyslam/core/StateArchive.h>
 
 #include <Eigen/Dense>
 #include <algorithm>
@@ -378,5 +379,10 @@ std::vector<std::string> ObjectGraph::warnings() const
                      " m (objects.max_jump): nothing joins them across");
   }
   return result;
+}
+
+void ObjectGraph::exchangeState(StateArchive& archive)
+{
+  archive(objects_, sighting_, unusable_, jumps_);
 }
 }  // namespace dyslam

@@ -17,6 +17,8 @@
 
 namespace dyslam
 {
+class StateArchive;
+
 /** Puts the observations of tracked objects into a factor graph.
  *
  * An object is kept back until it is clear whether it stands or moves. One that stands is one
@@ -59,6 +61,9 @@ class ObjectGraph
   [[nodiscard]] std::vector<SmoothedObject> smoothed() const;
   /** Observations that were left out, in words. */
   [[nodiscard]] std::vector<std::string> warnings() const;
+
+  /** What is kept of the objects; the graph is saved by itself. */
+  void exchangeState(StateArchive& archive);
 
  private:
   enum class State

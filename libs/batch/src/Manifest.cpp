@@ -194,12 +194,16 @@ Work workOn(const std::string& input, const Work& common, const std::optional<Ma
   return work;
 }
 
+bool isSame(const Work& a, const Work& b)
+{
+  return a.input_checksum == b.input_checksum && a.settings == b.settings &&
+         a.version == b.version && a.program_checksum == b.program_checksum;
+}
+
 bool isDone(const std::string& folder, const Work& work, const std::optional<Manifest>& known)
 {
   const fs::path settings = fs::path(folder) / "effective.ini";
-  return known && known->hasResults() && known->work.input_checksum == work.input_checksum &&
-         known->work.settings == work.settings && known->work.version == work.version &&
-         known->work.program_checksum == work.program_checksum &&
+  return known && known->hasResults() && isSame(known->work, work) &&
          fs::is_regular_file(fs::path(folder) / "report.json") && fs::is_regular_file(settings) &&
          checksumOfFile(settings.string()) == known->settings_checksum;
 }

@@ -17,6 +17,7 @@ namespace dyslam::batch
 namespace
 {
 constexpr const char* log_name = "log.txt";
+constexpr const char* by_signal = "ended by the signal ";
 
 std::string lastLine(const std::string& text)
 {
@@ -81,10 +82,17 @@ void judge(const ChildOutcome& outcome, bool stopped, const std::string& log, Ma
   else
   {
     m.state = State::failed;
-    m.reason = outcome.signal != 0
-                   ? std::string("ended by the signal ") + ::strsignal(outcome.signal)
-                   : lastLine(tailOf(log));
+    m.reason = outcome.signal != 0 ? std::string(by_signal) + ::strsignal(outcome.signal)
+                                   : lastLine(tailOf(log));
   }
+}
+/** Whether the folder has a run of the same work that was killed, with a checkpoint. */
+bool canResume(const std::string& folder, const Work& work)
+{
+  const auto known = readManifest(folder);
+  const bool killed =
+      known && (known->state == State::running || known->reason.rfind(by_signal, 0) == 0);
+  return killed && isSame(known->work, work) && fs::exists(fs::path(folder) / "resume.state");
 }
 }  // namespace
 
@@ -126,6 +134,7 @@ bool runOne(const BatchSettings& settings,
   Manifest& m = result.manifest;
   ++m.attempts;
   m.state = State::running;
+  const bool resume = canResume(folder, m.work);
   ChildCommand command;
   command.log = (fs::path(folder) / log_name).string();
   if (m.attempts == 1)
@@ -135,8 +144,16 @@ bool runOne(const BatchSettings& settings,
   }
   std::ofstream(command.log, std::ios::app) << "attempt " << m.attempts << '\n';
   writeManifest(folder, m);
-  command.words = {settings.program, "-i", result.recording.path, "-o", folder, "--force"};
-  command.words.insert(command.words.end(), settings.arguments.begin(), settings.arguments.end());
+  command.words = {settings.program, "-i", result.recording.path, "-o", folder};
+  if (resume)
+  {
+    command.words.emplace_back("--resume");
+  }
+  else
+  {
+    command.words.emplace_back("--force");
+    command.words.insert(command.words.end(), settings.arguments.begin(), settings.arguments.end());
+  }
   command.cores = cores;
   bool stopped = false;
   const ChildOutcome outcome = runChild(command, [&] { return stopped = stopped || stop(); });

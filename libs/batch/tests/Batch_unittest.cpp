@@ -58,6 +58,29 @@ class Batch : public testing::Test
 };
 }  // namespace
 
+TEST_F(Batch, KilledRunsAreResumed)
+{
+  program(
+      "if [[ $5 == --resume ]]; then echo resumed > \"$4/how\"; rm \"$4/resume.state\"\n"
+      "elif [[ $2 == */c.rawlog ]]; then touch \"$4/resume.state\"; kill -9 $$; fi");
+  const auto results = run();
+  EXPECT_EQ(countsOf(results).done, 3U);
+  EXPECT_EQ(runs(), 4U);
+  EXPECT_EQ(folder_.read("out/c/how"), "resumed\n");
+}
+
+TEST_F(Batch, RunsThatCannotBeResumedBeginAnew)
+{
+  program(
+      "if [[ $5 == --resume ]]; then echo 'dyslam: is damaged' >&2; exit 1\n"
+      "elif [[ $2 == */c.rawlog && ! -e \"$4/tried\" ]]; then\n"
+      "touch \"$4/resume.state\" \"$4/tried\"; kill -9 $$; fi");
+  settings_.attempts = 3;
+  const auto results = run();
+  EXPECT_EQ(countsOf(results).done, 3U);
+  EXPECT_EQ(runs(), 5U);
+}
+
 TEST_F(Batch, RunsEachOnceAndSkipsItTheNextTime)
 {
   EXPECT_EQ(countsOf(run()).done, 3U);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/KeyframeStore.h>
+#include <dyslam/core/StateArchive.h>
 
 #include <algorithm>
 #include <cmath>
@@ -166,5 +167,10 @@ void KeyframeStore::correct(const std::vector<Pose>& T_map_vehicle, std::size_t 
     keyframes_[first + i].T_map_vehicle = T_map_vehicle[i];
   }
   ++revision_;
+}
+
+void KeyframeStore::exchangeState(StateArchive& archive)
+{
+  archive(keyframes_, loop_clouds_, map_clouds_, revision_);
 }
 }  // namespace dyslam

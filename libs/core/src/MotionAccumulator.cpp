@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/MotionAccumulator.h>
+#include <dyslam/core/StateArchive.h>
 
 #include <Eigen/Eigenvalues>
 
@@ -49,5 +50,10 @@ Matrix6 MotionAccumulator::covariance() const
     return Matrix6::Zero();
   }
   return drift_ + carried(noise_of_start_, T_start_now_) + noise_now_;
+}
+
+void MotionAccumulator::exchangeState(StateArchive& archive)
+{
+  archive(T_start_now_, drift_, noise_of_start_, noise_now_, moved_);
 }
 }  // namespace dyslam

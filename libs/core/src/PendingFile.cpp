@@ -49,7 +49,7 @@ PendingFile::PendingFile(const std::string& path) : path_(path), temporary_(path
 
 PendingFile::~PendingFile()
 {
-  if (!committed_)
+  if (!committed_ && !kept_)
   {
     std::error_code ignored;
     fs::remove(temporary_, ignored);
@@ -103,5 +103,25 @@ void writeWhole(const std::string& path, std::string_view content, Durable durab
       [content](std::ostream& out)
       { out.write(content.data(), static_cast<std::streamsize>(content.size())); },
       durable);
+}
+
+void cutPending(const PendingFile& pending, std::uint64_t size)
+{
+  const std::string& path = pending.temporary();
+  std::error_code error;
+  const std::uint64_t found = fs::file_size(path, error);
+  if (!error && found < size)
+  {
+    throw UserError(path + ": has " + std::to_string(found) + " of the " + std::to_string(size) +
+                    " bytes that the run had written; it cannot be resumed");
+  }
+  if (!error)
+  {
+    fs::resize_file(path, size, error);
+  }
+  if (error)
+  {
+    throw UserError(path + ": cannot be resumed: " + error.message());
+  }
 }
 }  // namespace dyslam

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/StateArchive.h>
 #include <dyslam/core/Trajectory.h>
 
 #include <algorithm>
@@ -67,5 +68,10 @@ std::vector<double> Trajectory::pathLengths() const
         lengths[i - 1] + (poses_[i].pose.translation() - poses_[i - 1].pose.translation()).norm();
   }
   return lengths;
+}
+
+void Trajectory::exchangeState(StateArchive& archive)
+{
+  archive(poses_);
 }
 }  // namespace dyslam

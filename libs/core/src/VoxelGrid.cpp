@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/StateArchive.h>
 #include <dyslam/core/VoxelGrid.h>
 
 #include <algorithm>
@@ -89,5 +90,10 @@ VoxelSample voxelDownsample(const std::vector<Eigen::Vector3f>& points,
     sample.points[v] += sums[v] / static_cast<float>(counts[v]);
   }
   return sample;
+}
+
+void VoxelHash::exchangeState(StateArchive& archive)
+{
+  archive(slots_, mask_, shift_, size_);
 }
 }  // namespace dyslam

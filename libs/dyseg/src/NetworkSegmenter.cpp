@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/SharedFiles.h>
+#include <dyslam/core/StateArchive.h>
 #include <dyslam/dyseg/NetworkSegmenter.h>
 #include <dyslam/nets/DysegModel.h>
 
@@ -57,6 +58,7 @@ struct NetworkSegmenter::Impl
     std::size_t index = 0;
     std::shared_ptr<const DysegModel::Encoded> encoded;
     PlanarMotion from_current;  //!< static motion from the scan at hand to this one, in steps
+    std::vector<Eigen::Vector3f> points;  //!< that were encoded
   };
 
   NetworkSegmenterOptions options;
@@ -107,6 +109,27 @@ void NetworkSegmenter::reset()
 {
   impl_->past.clear();
   impl_->flow.reset();
+}
+
+void NetworkSegmenter::exchangeState(StateArchive& archive)
+{
+  Impl& s = *impl_;
+  std::size_t count = s.past.size();
+  archive(count);
+  if (archive.isLoading())
+  {
+    reset();
+  }
+  for (std::size_t i = 0; i < count; ++i)
+  {
+    Impl::Past past = archive.isLoading() ? Impl::Past() : s.past[i];
+    archive(past.index, past.from_current, past.points);
+    if (archive.isLoading())
+    {
+      past.encoded = s.model.encode(past.points);
+      s.past.push_back(std::move(past));
+    }
+  }
 }
 
 const SceneFlow* NetworkSegmenter::sceneFlow() const
@@ -241,7 +264,7 @@ void NetworkSegmenter::segment(Frame& frame)
     groups.min_points = s.options.min_points;
     keepMovingGroups(points, s.seen, groups, frame.moving_probability);
   }
-  s.past.push_front({frame.index, encoded, PlanarMotion()});
+  s.past.push_front({frame.index, encoded, PlanarMotion(), std::move(points)});
   if (s.past.size() > static_cast<std::size_t>(std::max(s.options.first_gap, s.options.second_gap)))
   {
     s.past.pop_back();

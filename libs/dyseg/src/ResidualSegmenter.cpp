@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/Deskew.h>
+#include <dyslam/core/StateArchive.h>
 #include <dyslam/dyseg/ResidualSegmenter.h>
 
 #include <algorithm>
@@ -202,5 +203,10 @@ void ResidualSegmenter::segment(Frame& frame)
   {
     past_.pop_back();
   }
+}
+
+void ResidualSegmenter::exchangeState(StateArchive& archive)
+{
+  archive(past_);
 }
 }  // namespace dyslam

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/Scan.h>
+#include <dyslam/core/StateArchive.h>
 #include <dyslam/dyseg/TemporalFilter.h>
 
 #include <algorithm>
@@ -158,5 +159,10 @@ void TemporalFilter::forgetOld()
   {
     i = i->second.scan + memory < scan_ ? cells_.erase(i) : std::next(i);
   }
+}
+
+void TemporalFilter::exchangeState(StateArchive& archive)
+{
+  archive(cells_, scan_);
 }
 }  // namespace dyslam

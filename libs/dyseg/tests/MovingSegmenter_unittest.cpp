@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // One contract for every segmenter, and the decision of what moves.
 #include <dyslam/core/Error.h>
+#include <dyslam/core/StateArchive.h>
 #include <dyslam/dyseg/MovingSegmenter.h>
 #include <gtest/gtest.h>
 
@@ -146,6 +147,39 @@ TEST_P(EverySegmenter, EmptyAndInvalidFramesDoNoHarm)
   Frame after = streetWith(8, 3, 2);
   segmenter->segment(after);
   expectProbabilities(after);
+}
+
+TEST_P(EverySegmenter, GoesOnFromItsState)
+{
+  const auto at = [](std::size_t i)
+  { return streetWith(14 - 0.8F * static_cast<float>(i), i, static_cast<unsigned>(i)); };
+  const auto segmenter = make();
+  for (std::size_t i = 0; i < 9; ++i)
+  {
+    Frame frame = at(i);
+    segmenter->segment(frame);
+  }
+  StateArchive saved;
+  saved(*segmenter);
+  const auto loaded = make();
+  StateArchive archive(saved.bytes());
+  archive(*loaded);
+  archive.requireEnd();
+  for (std::size_t i = 9; i < 12; ++i)
+  {
+    Frame a = at(i);
+    Frame b = a;
+    segmenter->segment(a);
+    loaded->segment(b);
+    EXPECT_EQ(a.moving_probability, b.moving_probability) << i;
+    ASSERT_EQ(a.segmenter_motion.has_value(), b.segmenter_motion.has_value()) << i;
+    if (a.segmenter_motion)
+    {
+      EXPECT_EQ(a.segmenter_motion->T_previous_current.matrix(),
+                b.segmenter_motion->T_previous_current.matrix())
+          << i;
+    }
+  }
 }
 
 TEST_P(EverySegmenter, ResetForgets)

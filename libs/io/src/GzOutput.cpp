@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/Error.h>
+#include <dyslam/core/StateArchive.h>
 #include <dyslam/io/GzOutput.h>
 #include <libdeflate.h>
 
@@ -15,14 +16,39 @@ GzOutput::GzOutput(const std::string& path, int level)
     : pending_(path),
       compressor_(libdeflate_alloc_compressor(std::clamp(level, 0, 9)), &libdeflate_free_compressor)
 {
+  open("wb");
+}
+
+GzOutput::GzOutput(const std::string& path, int level, StateArchive& saved)
+    : pending_(path),
+      compressor_(libdeflate_alloc_compressor(std::clamp(level, 0, 9)), &libdeflate_free_compressor)
+{
+  pending_.keep();
+  exchangeState(saved);
+}
+
+void GzOutput::exchangeState(StateArchive& archive)
+{
+  check();
+  std::uint64_t size = archive.isLoading() ? 0 : static_cast<std::uint64_t>(std::ftell(file_));
+  archive(size, content_, empty_);
+  if (archive.isLoading())
+  {
+    cutPending(pending_, size);
+    open("ab");
+  }
+}
+
+void GzOutput::open(const char* mode)
+{
   if (!compressor_)
   {
     throw std::bad_alloc();
   }
-  file_ = std::fopen(pending_.temporary().c_str(), "wb");
+  file_ = std::fopen(pending_.temporary().c_str(), mode);
   if (file_ == nullptr)
   {
-    throw UserError(path + ": cannot be written: " + std::strerror(errno));
+    throw UserError(pending_.path() + ": cannot be written: " + std::strerror(errno));
   }
   std::setvbuf(file_, nullptr, _IONBF, 0);  // members are large
   content_.reserve(member_size);

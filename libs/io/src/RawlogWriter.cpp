@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/Error.h>
+#include <dyslam/core/StateArchive.h>
 #include <dyslam/formats/TextFile.h>
 #include <dyslam/io/GzOutput.h>
 #include <dyslam/io/RawlogWriter.h>
@@ -110,6 +111,11 @@ struct RawlogWriter::Impl
       fs::remove_all(pendingFolder());  // of a killed program
       makeFolder(pendingFolder());
     }
+  }
+  Impl(const std::string& path_in, const RawlogWriterOptions& options_in, StateArchive& saved)
+      : path(path_in), options(options_in), file(path_in, options_in.compression_level, saved)
+  {
+    saved(frames, external);
   }
   ~Impl()
   {
@@ -257,5 +263,17 @@ void RawlogWriter::abandon()
 std::size_t RawlogWriter::framesWritten() const
 {
   return impl_->frames;
+}
+
+RawlogWriter::RawlogWriter(const std::string& path,
+                           const RawlogWriterOptions& options,
+                           StateArchive& saved)
+    : impl_(std::make_unique<Impl>(path, options, saved))
+{
+}
+
+void RawlogWriter::saveState(StateArchive& archive)
+{
+  archive(impl_->file, impl_->frames, impl_->external);
 }
 }  // namespace dyslam

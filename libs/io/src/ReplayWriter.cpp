@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/StateArchive.h>
 #include <dyslam/core/VoxelGrid.h>
 #include <dyslam/io/GzOutput.h>
 #include <dyslam/io/ReplayWriter.h>
@@ -157,6 +158,12 @@ struct ReplayWriter::Impl
   {
   }
 
+  Impl(const std::string& path, const ReplayWriterOptions& options_in, StateArchive& saved)
+      : options(options_in), file(path, options_in.compression_level, saved)
+  {
+    saved(seen, written, path_stride, odometry_path);
+  }
+
   void put(const mrpt::serialization::CSerializable& object)
   {
     auto archive = mrpt::serialization::archiveFrom(file);
@@ -311,5 +318,17 @@ void ReplayWriter::close()
 std::size_t ReplayWriter::framesWritten() const
 {
   return impl_->written;
+}
+
+ReplayWriter::ReplayWriter(const std::string& path,
+                           const ReplayWriterOptions& options,
+                           StateArchive& saved)
+    : impl_(std::make_unique<Impl>(path, options, saved))
+{
+}
+
+void ReplayWriter::saveState(StateArchive& archive)
+{
+  archive(impl_->file, impl_->seen, impl_->written, impl_->path_stride, impl_->odometry_path);
 }
 }  // namespace dyslam

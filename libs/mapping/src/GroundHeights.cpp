@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "GroundHeights.h"
 
+#include <dyslam/core/StateArchive.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -121,5 +123,10 @@ float GroundHeights::limited(const VoxelCell& square, float own) const
   const auto middle = around.begin() + static_cast<std::ptrdiff_t>(count / 2);
   std::nth_element(around.begin(), middle, around.begin() + static_cast<std::ptrdiff_t>(count));
   return count == 0 ? own : std::min(own, *middle + step);
+}
+
+void LowestReturns::exchangeState(StateArchive& archive)
+{
+  archive(heights_);
 }
 }  // namespace dyslam

@@ -10,6 +10,8 @@
 
 namespace dyslam
 {
+class StateArchive;
+
 /** Lowest returns of one scan in squares of the map. */
 class LowestReturns
 {
@@ -24,6 +26,7 @@ class LowestReturns
   {
     return heights_;
   }
+  void exchangeState(StateArchive& archive);
 
  private:
   std::vector<std::pair<std::uint64_t, float>> heights_;

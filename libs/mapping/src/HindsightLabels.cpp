@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/Parallel.h>
 #include <dyslam/core/Pose.h>
+#include <dyslam/core/StateArchive.h>
 #include <dyslam/mapping/HindsightLabels.h>
 
 #include <algorithm>
@@ -51,6 +52,7 @@ struct RayCounts
 /** One scan of the window. */
 struct WindowScan
 {
+  WindowScan() = default;
   WindowScan(const Frame& given, bool wanted)
       : T_odom_vehicle(given.T_odom_vehicle),
         image(given.cloud, given.scan.T_vehicle_lidar.translation().cast<float>()),
@@ -63,9 +65,11 @@ struct WindowScan
   }
 
   std::optional<Frame> frame;  //!< none if nobody wants it, and once it is decided
-  Pose T_odom_vehicle;
+  Pose T_odom_vehicle = Pose::Identity();
   VisibilityImage image;
   LowestReturns lowest;
+
+  void exchangeState(StateArchive& archive) { archive(frame, T_odom_vehicle, image, lowest); }
 };
 
 /** What is near the ground moves if what stands above it does. */
@@ -370,5 +374,10 @@ void HindsightLabels::finish(const Use& use)
   {
     impl_->decideNext(use);
   }
+}
+
+void HindsightLabels::exchangeState(StateArchive& archive)
+{
+  archive(impl_->scans, impl_->next, impl_->dynamic_until, impl_->reported_until);
 }
 }  // namespace dyslam

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/StateArchive.h>
 #include <dyslam/core/VoxelGrid.h>
 #include <dyslam/mapping/MovingInMap.h>
 #include <dyslam/mapping/StaticMap.h>
@@ -350,5 +351,14 @@ std::size_t StaticMap::voxelCount() const
 std::size_t StaticMap::memory() const
 {
   return impl_->map.memory();
+}
+
+void StaticMap::exchangeState(StateArchive& archive)
+{
+  archive(impl_->revision, impl_->poses, impl_->map);
+  if (archive.isLoading())
+  {
+    impl_->cleaned.reset();
+  }
 }
 }  // namespace dyslam

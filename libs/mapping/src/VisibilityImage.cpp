@@ -3,6 +3,7 @@
 
 #include <dyslam/core/Deskew.h>
 #include <dyslam/core/FastAngle.h>
+#include <dyslam/core/StateArchive.h>
 
 #include <algorithm>
 #include <array>
@@ -236,5 +237,10 @@ Evidence VisibilityImage::at(const Eigen::Vector3f& p, float size, float margin)
   rays.set(0, p);
   aim(rays);
   return look(rays.row[0] - lowest_, rays.col[0], rays.range[0], size, margin);
+}
+
+void VisibilityImage::exchangeState(StateArchive& archive)
+{
+  archive(sensor_, lowest_, rows_, column_sensor_, range_);
 }
 }  // namespace dyslam

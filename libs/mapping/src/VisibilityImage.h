@@ -10,6 +10,8 @@
 
 namespace dyslam
 {
+class StateArchive;
+
 /** What the rays of one scan say about a place. */
 enum class Evidence
 {
@@ -27,6 +29,8 @@ class VisibilityImage
    * \param cloud returns and \param sensor the lidar's origin at the cloud's stamp, both in the
    * vehicle frame. */
   VisibilityImage(const Cloud& cloud, const Eigen::Vector3f& sensor);
+  /** Without rays, for exchangeState(). */
+  VisibilityImage() = default;
 
   /** The rays near the direction of a cube of side `size` at `p` (vehicle frame). The place is free
    * if all of them ended more than `margin` behind it, and there were such rays: directions without
@@ -45,6 +49,8 @@ class VisibilityImage
     return at(p, size, margin) == Evidence::free;
   }
 
+  void exchangeState(StateArchive& archive);
+
  private:
   static constexpr int cols = 900;
 
@@ -55,7 +61,7 @@ class VisibilityImage
   void setRows(const std::vector<Eigen::Vector3f>& points);
   void setColumnOrigins(const std::vector<Eigen::Vector3f>& sum, const std::vector<int>& count);
 
-  Eigen::Vector3f sensor_;
+  Eigen::Vector3f sensor_ = Eigen::Vector3f::Zero();
   int lowest_ = 0;                              // rows below the horizon where the image begins
   int rows_ = 0;                                // the field of view and a margin
   std::vector<Eigen::Vector3f> column_sensor_;  // where the sensor was for each column, or empty

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "VoxelMap.h"
 
+#include <dyslam/core/StateArchive.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -61,6 +63,11 @@ const Voxel* VoxelMap::find(const Eigen::Vector3d& p) const
   const VoxelTile& tile = tiles_.get(number);
   const std::uint32_t found = tile.find(cell);
   return found == VoxelHash::none ? nullptr : &tile.voxels()[found];
+}
+
+void VoxelMap::exchangeState(StateArchive& archive)
+{
+  archive(voxel_size_, size_, tile_index_, tiles_);
 }
 
 Voxel& VoxelMap::hit(const Eigen::Vector3d& p, std::uint32_t keyframe)

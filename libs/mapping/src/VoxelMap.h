@@ -16,6 +16,8 @@
 
 namespace dyslam
 {
+class StateArchive;
+
 /** The voxels of the static map and what speaks for and against each. Squares of it that were not
  * used lately are on disk. References to voxels are valid until the next call. */
 class VoxelMap
@@ -55,6 +57,8 @@ class VoxelMap
   /** Calls `use` with every voxel of the cleaned map, square by square. */
   void forEachCleaned(const StaticMapOptions& options,
                       const std::function<void(const Voxel&)>& use) const;
+
+  void exchangeState(StateArchive& archive);
 
  private:
   [[nodiscard]] VoxelCell cellOf(const Eigen::Vector3d& p) const;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/Deskew.h>
+#include <dyslam/core/StateArchive.h>
 #include <dyslam/nets/DyloFile.h>
 #include <dyslam/nets/DyloMatcher.h>
 #include <dyslam/nets/Threads.h>
@@ -45,6 +46,9 @@ struct MatcherScan
   PreparedScan prepared;
   EncodedScan encoded;
   bool motion_known = false;  //!< `encoded` is deskewed with the scan's own motion
+  // How `encoded` came about, to make it again:
+  std::optional<Pose> T_encoded;     //!< it was encoded from deskewedBy() this; none: from `points`
+  std::optional<Pose> T_redeskewed;  //!< and redeskew()ed by this
 
   [[nodiscard]] bool empty() const { return prepared.empty(); }
   /** The given points, deskewed by `T_sweep` instead of T_given. */
@@ -91,6 +95,7 @@ void MatcherScan::redeskew(const Pose& T_sweep)
           });
   updatePoints(prepared, encoded.scan);
   encoded.T_sweep = T_sweep;
+  T_redeskewed = T_sweep;
 }
 
 struct DyloMatcher::Impl
@@ -130,6 +135,7 @@ void DyloMatcher::Impl::encodeScan(MatcherScan& scan,
 {
   scan.prepared = prepareScan(points);
   scan.encoded = EncodedScan();
+  scan.T_redeskewed.reset();
   if (scan.prepared.empty())
   {
     return;
@@ -176,6 +182,7 @@ std::size_t DyloMatcher::setCurrent(const std::vector<Eigen::Vector3f>& points,
   s.current.phase = phase.size() == points.size() ? phase : std::vector<float>();
   s.current.T_given = T_sweep;
   s.current.motion_known = s.current.phase.empty();
+  s.current.T_encoded.reset();
   s.nodes.clear();
   s.encodeScan(s.current, points, T_sweep);
   return s.current.prepared.valid_points;
@@ -199,6 +206,33 @@ void DyloMatcher::keepAsReference(const std::optional<Pose>& T_sweep)
 void DyloMatcher::clearReference()
 {
   impl_->reference = MatcherScan();
+}
+
+void DyloMatcher::exchangeState(StateArchive& archive)
+{
+  const torch::NoGradGuard no_grad;
+  Impl& s = *impl_;
+  MatcherScan& scan = s.reference;
+  archive(scan.points, scan.phase, scan.T_given, scan.motion_known, scan.T_encoded,
+          scan.T_redeskewed);
+  if (!archive.isLoading())
+  {
+    return;
+  }
+  useTorchThreads(s.threads);
+  const std::optional<Pose> T_redeskewed = scan.T_redeskewed;
+  if (scan.T_encoded)
+  {
+    s.encodeScan(scan, scan.deskewedBy(*scan.T_encoded), *scan.T_encoded);
+  }
+  else
+  {
+    s.encodeScan(scan, scan.points, scan.T_given);
+  }
+  if (T_redeskewed)
+  {
+    scan.redeskew(*T_redeskewed);
+  }
 }
 
 /** Matches, re-deskews by the estimate and repeats. A scan whose deskewing changes too much to keep
@@ -237,6 +271,7 @@ std::vector<DyloStage> DyloMatcher::Impl::search(const Pose& start,
       target = &redeskewed_reference;
     }
     encodeScan(current, current.deskewedBy(estimate), estimate);
+    current.T_encoded = estimate;
   }
 }
 

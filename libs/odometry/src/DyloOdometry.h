@@ -2,6 +2,7 @@
 #pragma once
 
 #include <dyslam/core/Options.h>
+#include <dyslam/core/StateArchive.h>
 #include <dyslam/nets/DyloMatcher.h>
 
 #include <string>
@@ -27,6 +28,7 @@ class DyloOdometry : public ScanToScan
   MotionEstimate align(const Pose& T_reference_current_guess) override;
   void accept(const Pose& T_reference_current) override;
   void clear() override;
+  void exchangeReference(StateArchive& archive) override { archive(matcher_); }
   [[nodiscard]] std::vector<float> staticConfidence() const override { return confidence_; }
 
   [[nodiscard]] std::string doubts(const DyloMatch& match) const;

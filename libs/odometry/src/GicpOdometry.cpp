@@ -3,6 +3,7 @@
 
 #include <dyslam/core/Normals.h>
 #include <dyslam/core/PoseGaussNewton.h>
+#include <dyslam/core/StateArchive.h>
 #include <dyslam/core/VoxelGrid.h>
 #include <pcl/point_types.h>
 #include <pcl/registration/gicp.h>
@@ -16,6 +17,16 @@ namespace
 using PclCloud = pcl::PointCloud<pcl::PointXYZ>;
 /** Points that the information is taken from. */
 constexpr std::size_t information_points = 3000;
+
+PclCloud::Ptr toPcl(const std::vector<Eigen::Vector3f>& points)
+{
+  auto cloud = pcl::make_shared<PclCloud>();
+  for (const Eigen::Vector3f& p : points)
+  {
+    cloud->push_back(pcl::PointXYZ(p.x(), p.y(), p.z()));
+  }
+  return cloud;
+}
 }  // namespace
 
 void GicpOptions::describe(OptionsVisitor& v)
@@ -46,16 +57,14 @@ std::string GicpOdometry::extract(const Frame& frame)
   const std::vector<float> weights = pointWeights(frame);
   const VoxelSample sample = voxelDownsample(frame.cloud.points, options_.sample_size);
   points_.clear();
-  pcl_->source = pcl::make_shared<PclCloud>();
   for (std::size_t i = 0; i < sample.index.size(); ++i)
   {
     if (weights.empty() || weights[sample.index[i]] >= 0.5F)
     {
-      const Eigen::Vector3f& p = sample.points[i];
-      points_.push_back(p);
-      pcl_->source->push_back(pcl::PointXYZ(p.x(), p.y(), p.z()));
+      points_.push_back(sample.points[i]);
     }
   }
+  pcl_->source = toPcl(points_);
   // PCL's GICP reads as many neighbours without asking whether there are that many.
   const auto needed = static_cast<std::size_t>(options_.neighbours) + 1;
   if (points_.size() < needed)
@@ -149,5 +158,16 @@ void GicpOdometry::clear()
   pcl_ = std::make_unique<Pcl>();
   reference_.clear();
   tree_ = KdTree();
+}
+
+void GicpOdometry::exchangeReference(StateArchive& archive)
+{
+  bool is_there = pcl_->target != nullptr;
+  archive(reference_, is_there);
+  if (archive.isLoading())
+  {
+    tree_ = KdTree(reference_);
+    pcl_->target = is_there ? toPcl(reference_) : nullptr;
+  }
 }
 }  // namespace dyslam

@@ -35,6 +35,7 @@ class GicpOdometry final : public ScanToScan
   MotionEstimate align(const Pose& T_reference_current_guess) override;
   void accept(const Pose& T_reference_current) override;
   void clear() override;
+  void exchangeReference(StateArchive& archive) override;
 
  private:
   struct Pcl;

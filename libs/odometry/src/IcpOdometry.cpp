@@ -2,6 +2,7 @@
 #include "IcpOdometry.h"
 
 #include <dyslam/core/PoseGaussNewton.h>
+#include <dyslam/core/StateArchive.h>
 #include <dyslam/core/VoxelGrid.h>
 
 namespace dyslam
@@ -101,6 +102,15 @@ void IcpOdometry::accept(const Pose& /*T_reference_current*/)
     reference_.shapes = estimateNormals(
         reference_.points, reference_.tree, static_cast<std::size_t>(options_.neighbours),
         static_cast<float>(options_.normal_radius), Eigen::Vector3f::Zero(), pool_);
+  }
+}
+
+void IcpOdometry::exchangeReference(StateArchive& archive)
+{
+  archive(reference_.points, reference_.shapes);
+  if (archive.isLoading())
+  {
+    reference_.tree = KdTree(reference_.points);
   }
 }
 }  // namespace dyslam

@@ -53,6 +53,7 @@ class IcpOdometry final : public ScanToScan
   MotionEstimate align(const Pose& T_reference_current_guess) override;
   void accept(const Pose& T_reference_current) override;
   void clear() override { reference_ = Reference(); }
+  void exchangeReference(StateArchive& archive) override;
 
  private:
   struct Reference

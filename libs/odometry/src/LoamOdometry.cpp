@@ -2,6 +2,7 @@
 #include "LoamOdometry.h"
 
 #include <dyslam/core/Normals.h>
+#include <dyslam/core/StateArchive.h>
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
@@ -298,5 +299,19 @@ void LoamOdometry::clear()
   edge_map_ = FeatureMap();
   plane_map_ = FeatureMap();
   T_map_reference_.setIdentity();
+}
+
+void LoamOdometry::Target::exchangeState(StateArchive& archive)
+{
+  archive(points, rings);
+  if (archive.isLoading())
+  {
+    tree = KdTree(points);
+  }
+}
+
+void LoamOdometry::exchangeReference(StateArchive& archive)
+{
+  archive(edges_, planes_, edge_map_.target, plane_map_.target, T_map_reference_);
 }
 }  // namespace dyslam

@@ -25,6 +25,7 @@ class LoamOdometry final : public ScanToScan
   MotionEstimate align(const Pose& T_reference_current_guess) override;
   void accept(const Pose& T_reference_current) override;
   void clear() override;
+  void exchangeReference(StateArchive& archive) override;
 
  private:
   /** Points of one kind of feature that others are registered to. */
@@ -35,6 +36,7 @@ class LoamOdometry final : public ScanToScan
     KdTree tree;
 
     void set(const std::vector<LoamPoint>& features);
+    void exchangeState(StateArchive& archive);
   };
   /** Map points of one kind, one per cube. */
   struct FeatureMap

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/ScanPattern.h>
+#include <dyslam/core/StateArchive.h>
 #include <dyslam/odometry/LocalMapRegistration.h>
 
 #include <Eigen/Eigenvalues>
@@ -497,5 +498,12 @@ std::vector<Eigen::Vector3f> LocalMapRegistration::mapPoints() const
 void LocalMapRegistration::reset()
 {
   state_ = std::make_unique<State>(RefineOptions(state_->options), state_->pool);
+}
+
+void LocalMapRegistration::exchangeState(StateArchive& archive)
+{
+  State& s = *state_;
+  archive(s.map, s.cropped_at, s.spacing, s.cell_size, s.levels, s.frames, s.failures,
+          s.guess_error2, s.usual_inliers, s.first, s.T_odom_previous, s.T_odom_vehicle, s.pending);
 }
 }  // namespace dyslam

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/StateArchive.h>
 #include <dyslam/odometry/MotionFilter.h>
 
 #include <Eigen/Cholesky>
@@ -110,5 +111,10 @@ void MotionFilter::follow(double dt, const Pose& T_previous_current)
   }
   velocity_ = logSE3(T_previous_current) / dt;
   covariance_.setZero();
+}
+
+void MotionFilter::exchangeState(StateArchive& archive)
+{
+  archive(velocity_, covariance_);
 }
 }  // namespace dyslam

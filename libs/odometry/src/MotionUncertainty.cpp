@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "MotionUncertainty.h"
 
+#include <dyslam/core/StateArchive.h>
+
 #include <Eigen/Cholesky>
 #include <algorithm>
 
@@ -113,5 +115,10 @@ void MotionUncertainty::calibrateMatch(double dt, const Matrix6& prior, MotionEs
     information += motion.information / own_share;
   }
   state(Matrix6::Zero(), symmetric(information.llt().solve(Matrix6::Identity())), motion);
+}
+
+void MotionUncertainty::exchangeState(StateArchive& archive)
+{
+  archive(velocity_, acceleration_, jitter_, motions_, samples_, noise_before_);
 }
 }  // namespace dyslam

@@ -6,6 +6,8 @@
 
 namespace dyslam
 {
+class StateArchive;
+
 /** Ini section `[uncertainty]`: the covariance that the odometry reports. Calibrated on recordings
  * with ground truth, so that the mean of e' * information * e is near 6. */
 struct UncertaintyOptions : Options
@@ -53,6 +55,9 @@ class MotionUncertainty
    * \param prior its information, positive definite: a direction that no point fixes stays as the
    * prior has it */
   void calibrateMatch(double dt, const Matrix6& prior, MotionEstimate& motion);
+
+  /** What is kept from frame to frame. */
+  void exchangeState(StateArchive& archive);
 
  private:
   void measureJitter(double dt, const MotionEstimate& motion);

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/StateArchive.h>
 #include <dyslam/odometry/LocalMapRegistration.h>
 #include <dyslam/odometry/MotionFilter.h>
 #include <dyslam/odometry/Odometry.h>
@@ -403,6 +404,13 @@ void Odometry::integrate(const Frame& frame)
 {
   const CTimeLoggerEntry timed(state_->times, "refine");
   state_->registration.integrate(frame);
+}
+
+void Odometry::exchangeState(StateArchive& archive)
+{
+  State& s = *state_;
+  archive(s.filter, *s.matcher, s.registration, s.uncertainty, s.clock, s.started, s.registered,
+          s.T_odom_previous, s.T_sweep_previous, s.segmenter_frames, s.segmenter_failures);
 }
 
 std::string Odometry::name() const

@@ -2,6 +2,7 @@
 #include "ScanClock.h"
 
 #include <dyslam/core/Motion.h>
+#include <dyslam/core/StateArchive.h>
 #include <dyslam/odometry/MotionFilter.h>
 
 #include <algorithm>
@@ -129,5 +130,11 @@ bool showsClockStep(const MotionFilter& filter,
     return distanceAfter(filter, period, Pose::Identity()) > gate;  // it does not stand
   }
   return distanceAfter(filter, interval, T_previous_current) > by_period + margin;
+}
+
+void ScanClock::exchangeState(StateArchive& archive)
+{
+  archive(started_, stamp_, interval_, offset_, regular_, scans_, steps_, first_step_,
+          largest_step_);
 }
 }  // namespace dyslam

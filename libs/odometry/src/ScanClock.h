@@ -9,6 +9,8 @@
 
 namespace dyslam
 {
+class StateArchive;
+
 class MotionFilter;
 
 /** The time between scans. Stamps are believed, except where an interval does not fit the sensor's
@@ -34,6 +36,8 @@ class ScanClock
   [[nodiscard]] double offset() const { return offset_; }
   /** What was found, in words; empty if the clock was never set. */
   [[nodiscard]] std::string warning() const;
+  /** What is kept from frame to frame. */
+  void exchangeState(StateArchive& archive);
 
  private:
   bool started_ = false;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "ScanToScan.h"
 
+#include <dyslam/core/StateArchive.h>
+
 #include <algorithm>
 
 #include "SimpleOdometry.h"
@@ -74,6 +76,12 @@ void ScanToScan::reset()
   T_reference_previous_.setIdentity();
   failures_ = 0;
   clear();
+}
+
+void ScanToScan::exchangeState(StateArchive& archive)
+{
+  archive(has_reference_, T_reference_previous_, failures_);
+  exchangeReference(archive);
 }
 
 std::vector<float> pointWeights(const Frame& frame)

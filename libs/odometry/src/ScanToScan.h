@@ -12,6 +12,7 @@ class ScanToScan : public ScanMatcher
  public:
   [[nodiscard]] ScanMatch match(const Frame& frame, const MotionPrior& prior) final;
   void reset() final;
+  void exchangeState(StateArchive& archive) final;
 
  protected:
   /** Prepares what align() and accept() need of the frame, and forgets what was kept of the one
@@ -23,6 +24,8 @@ class ScanToScan : public ScanMatcher
   /** The frame becomes the reference. \param T_reference_current the motion found, or the guess */
   virtual void accept(const Pose& T_reference_current) = 0;
   virtual void clear() = 0;
+  /** The reference, and what else is kept of it. */
+  virtual void exchangeReference(StateArchive& archive) = 0;
   /** As ScanMatch::static_confidence, of the frame last extracted and aligned. */
   [[nodiscard]] virtual std::vector<float> staticConfidence() const { return {}; }
   /** Whether there is a reference, with no motion between it and the frame before this one. */

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <dyslam/core/StateArchive.h>
 #include <dyslam/odometry/ScanMatcher.h>
 
 namespace dyslam
@@ -25,6 +26,7 @@ class SimpleOdometry : public ScanMatcher
 
   [[nodiscard]] ScanMatch match(const Frame& frame, const MotionPrior& prior) override;
   void reset() override { first_ = true; }
+  void exchangeState(StateArchive& archive) override { archive(first_); }
   [[nodiscard]] std::string name() const override;
 
  private:

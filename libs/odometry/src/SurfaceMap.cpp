@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "SurfaceMap.h"
 
+#include <dyslam/core/StateArchive.h>
+
 #include <Eigen/Eigenvalues>
 #include <cmath>
 
@@ -365,5 +367,17 @@ std::vector<Eigen::Vector3f> SurfaceMap::means() const
     }
   }
   return result;
+}
+
+void SurfaceMap::exchangeState(StateArchive& archive)
+{
+  for (Shard& shard : shards_)
+  {
+    archive(shard.cells);
+    if (archive.isLoading())
+    {
+      shard.indexCells();
+    }
+  }
 }
 }  // namespace dyslam

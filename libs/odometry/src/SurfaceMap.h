@@ -11,6 +11,8 @@
 
 namespace dyslam
 {
+class StateArchive;
+
 /** The local surface around a place, told relative to a base point. */
 struct Surface
 {
@@ -55,6 +57,8 @@ class SurfaceMap
   [[nodiscard]] std::size_t size() const;
   [[nodiscard]] std::vector<Eigen::Vector3f> means() const;
   [[nodiscard]] float cellSize() const { return size_; }
+  /** The cells; of a map with cells of the same size. */
+  void exchangeState(StateArchive& archive);
 
  private:
   /** Sums over points: weights, offsets from the cell's middle and their products. */

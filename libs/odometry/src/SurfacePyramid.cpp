@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "SurfacePyramid.h"
 
+#include <dyslam/core/Error.h>
+#include <dyslam/core/StateArchive.h>
+
 #include <algorithm>
 #include <utility>
 
@@ -93,6 +96,25 @@ void SurfacePyramid::clear()
   for (SurfaceMap& level : levels_)
   {
     level.clear();
+  }
+}
+
+void SurfacePyramid::exchangeState(StateArchive& archive)
+{
+  double cell_size = cell_size_;
+  int count = levels();
+  archive(cell_size, count);
+  if (archive.isLoading())
+  {
+    if (!(cell_size > 0) || count < 1 || count > max_levels)
+    {
+      throw UserError("the state of the run has a local map that makes no sense");
+    }
+    restart(cell_size, count);
+  }
+  for (SurfaceMap& level : levels_)
+  {
+    archive(level);
   }
 }
 }  // namespace dyslam

@@ -9,6 +9,8 @@
 
 namespace dyslam
 {
+class StateArchive;
+
 /** Maps of the same points in cells of one, two, four ... times a size. Where a sensor's rings are
  * too far apart for the small cells to hold a surface, a larger cell holds one. */
 class SurfacePyramid
@@ -47,6 +49,8 @@ class SurfacePyramid
   [[nodiscard]] std::vector<Eigen::Vector3f> means() const { return levels_.front().means(); }
   [[nodiscard]] float cellSize() const { return levels_.front().cellSize(); }
   [[nodiscard]] int levels() const { return static_cast<int>(levels_.size()); }
+  /** Levels, size and content of the cells. */
+  void exchangeState(StateArchive& archive);
 
  private:
   double cell_size_;

@@ -41,6 +41,7 @@ class ScriptedMatcher : public ScanMatcher
   }
   [[nodiscard]] bool usesPrior() const override { return script_.uses_prior; }
   void reset() override {}
+  void exchangeState(StateArchive& /*archive*/) override {}
   [[nodiscard]] std::string name() const override { return "scripted"; }
 
  private:

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // One contract for every scan matcher.
 #include <dyslam/core/Error.h>
+#include <dyslam/core/StateArchive.h>
 #include <dyslam/odometry/ScanMatcher.h>
 #include <gtest/gtest.h>
 
@@ -108,6 +109,34 @@ TEST_P(EveryMatcher, FirstFrameStandsStill)
   const MotionEstimate first = matchFrom(*matcher, scene_.frame(T_, 0.01, 1), T_);
   EXPECT_TRUE(first.converged);
   EXPECT_TRUE(first.T_previous_current.isApprox(Pose::Identity()));
+}
+
+TEST_P(EveryMatcher, GoesOnFromItsState)
+{
+  const auto matcher = make(GetParam().name, pool_);
+  Pose T = Pose::Identity();
+  for (unsigned i = 0; i < 3; ++i)
+  {
+    (void)matchFrom(*matcher, scene_.frame(T, 0.01, i), i == 0 ? Pose::Identity() : T_);
+    T = T * T_;
+  }
+  StateArchive saved;
+  saved(*matcher);
+  const auto loaded = make(GetParam().name, pool_);
+  StateArchive archive(saved.bytes());
+  archive(*loaded);
+  archive.requireEnd();
+  for (unsigned i = 3; i < 6; ++i)
+  {
+    const Frame frame = scene_.frame(T, 0.01, i);
+    const ScanMatch a = matcher->match(frame, priorAt(T_));
+    const ScanMatch b = loaded->match(frame, priorAt(T_));
+    EXPECT_EQ(a.motion.T_previous_current.matrix(), b.motion.T_previous_current.matrix()) << i;
+    EXPECT_EQ(a.motion.information, b.motion.information) << i;
+    EXPECT_EQ(a.motion.converged, b.motion.converged) << i;
+    EXPECT_EQ(a.static_confidence, b.static_confidence) << i;
+    T = T * T_;
+  }
 }
 
 TEST_P(EveryMatcher, FindsKnownMotionForwardAndInverse)

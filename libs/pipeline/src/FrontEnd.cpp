@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/Parallel.h>
+#include <dyslam/core/StateArchive.h>
 #include <dyslam/dyseg/MovingSegmenter.h>
 #include <dyslam/dyseg/TemporalFilter.h>
 #include <dyslam/odometry/Odometry.h>
@@ -105,6 +106,16 @@ void FrontEnd::Stages::track(Frame& frame)
     detector.detect(frame);
     tracker.update(frame);
   }
+}
+
+void FrontEnd::exchangeState(StateArchive& archive)
+{
+  Stages& s = *stages_;
+  if (s.segmenter)
+  {
+    archive(*s.segmenter);
+  }
+  archive(s.filter, s.odometry, s.tracker);
 }
 
 std::string FrontEnd::summary() const

@@ -38,6 +38,8 @@ class OutputFolder
                const std::vector<OutputName>& names,
                const std::vector<std::string>& inputs,
                bool force);
+  /** The folder of a run that goes on, locked, with all that is in it. \throws UserError. */
+  explicit OutputFolder(const std::string& folder) : lock_(folder) {}
 
  private:
   FolderLock lock_;

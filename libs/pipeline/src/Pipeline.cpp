@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/backend/Backend.h>
 #include <dyslam/core/RuntimeModule.h>
+#include <dyslam/core/StateArchive.h>
 #include <dyslam/dyseg/MovingSegmenter.h>
 #include <dyslam/mapping/HindsightLabels.h>
 #include <dyslam/mapping/StaticMap.h>
@@ -172,6 +173,21 @@ void Pipeline::finish()
   {
     const CTimeLoggerEntry timed(s.times, "map.finish");
     s.map.correct();
+  }
+}
+
+void Pipeline::exchangeFrontEndState(StateArchive& archive)
+{
+  archive(stages_->front_end);
+}
+
+void Pipeline::exchangeBackEndState(StateArchive& archive)
+{
+  Stages& s = *stages_;
+  archive(s.keyframes, s.backend, s.map);
+  if (s.hindsight)
+  {
+    archive(*s.hindsight);
   }
 }
 

@@ -137,4 +137,9 @@ void RunHistory::forEachReported(const std::function<void(const ReportedObject&)
     }
   }
 }
+
+void RunHistory::exchangeState(StateArchive& archive)
+{
+  archive(scans_, mounts_, objects_, in_last_part_);
+}
 }  // namespace dyslam

@@ -13,6 +13,8 @@
 
 namespace dyslam
 {
+class StateArchive;
+
 /** What is kept of a scan until the end of the run. */
 struct PastScan
 {
@@ -49,6 +51,7 @@ class RunHistory
   explicit RunHistory(const MemoryLimit& memory = {}) : objects_(memory) {}
 
   void add(const Frame& frame);
+  void exchangeState(StateArchive& archive);
 
   [[nodiscard]] const std::vector<PastScan>& scans() const { return scans_; }
   /** T_vehicle_lidar, the different ones. */

@@ -17,6 +17,8 @@
 
 namespace dyslam
 {
+class StateArchive;
+
 class Backend;
 class RunHistory;
 
@@ -93,6 +95,12 @@ class RunOutput
   /** Before the first frame, in the folder without this output's files. */
   virtual void open() {}
   virtual void add(const Frame& /*frame*/) {}
+  /** Between two frames: writes what is worth keeping if the run is killed, complete by itself. It
+   * changes nothing of what finish() writes. Not called for slow outputs. */
+  virtual void checkpoint(const RunResults& /*results so far*/) {}
+  /** What is kept from frame to frame, and how far files have come that grow. Loading it stands for
+   * open() and all frames so far. */
+  virtual void exchangeState(StateArchive& /*archive*/) {}
   /** After the last frame. */
   virtual void finish(const RunResults& /*results*/) {}
 

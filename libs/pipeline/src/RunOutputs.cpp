@@ -2,6 +2,9 @@
 #include "RunOutputs.h"
 
 #include <dyslam/core/Error.h>
+#include <dyslam/core/StateArchive.h>
+#include <fcntl.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <exception>
@@ -10,6 +13,7 @@
 #include <utility>
 
 #include "OutputFolder.h"
+#include "StateFile.h"
 
 namespace fs = std::filesystem;
 
@@ -41,10 +45,13 @@ struct OutputOptions : Options
     }
     v.real("scene_voxel_size", scene_voxel_size, 0.01, 100,
            "m, one map point of the scene per cube");
+    v.real("checkpoint_seconds", checkpoint_seconds, 0, 1e6,
+           "s between checkpoints, from which --resume goes on after a kill; 0: none");
   }
 
   std::map<std::string, bool> on;  //!< by RunOutputKind::key
   double scene_voxel_size = 0.4;   //!< of the map points in the scene [m]
+  double checkpoint_seconds = 60;  //!< between checkpoints [s]; 0: none
 };
 
 /** Values of a config that are files, such as weights and detections. */
@@ -98,6 +105,8 @@ RunOutputs::RunOutputs(const SlamRunSettings& settings,
   inputs_ = settings.inputs;
   inputs_.push_back(settings.rawlog);
   const auto options = config.get<OutputOptions>("output");
+  checkpoint_seconds_ = options.checkpoint_seconds;
+  names_.emplace_back(state_file_name);
   for (const RunOutputKind& kind : kinds)
   {
     Entry entry;
@@ -123,6 +132,99 @@ void RunOutputs::open()
   for (const Entry& entry : entries_)
   {
     entry.output->open();
+  }
+  writer_ = std::make_unique<WriteBehind>();
+}
+
+namespace
+{
+/** Waits until all that was written in the folder is on the disk. */
+void synchronise(const std::string& folder)
+{
+  const int file = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (file >= 0)
+  {
+    ::syncfs(file);
+    ::close(file);
+  }
+}
+}  // namespace
+
+void RunOutputs::exchangeState(StateArchive& archive, bool slow)
+{
+  for (Entry& entry : entries_)
+  {
+    if (entry.slow != slow)
+    {
+      continue;
+    }
+    bool goes_on = entry.output != nullptr;
+    archive(goes_on, entry.failure);
+    if (goes_on)
+    {
+      entry.output->exchangeState(archive);
+    }
+    else
+    {
+      entry.output.reset();
+    }
+  }
+}
+
+void RunOutputs::checkpoint(RunState state, const RunResults& results)
+{
+  RunResults so_far = results;
+  for (Entry& entry : entries_)
+  {
+    try
+    {
+      if (entry.output && !entry.slow)
+      {
+        entry.output->checkpoint(so_far);
+      }
+    }
+    catch (const std::exception&)
+    {
+      // finish() will tell, if it is still so.
+    }
+    listFiles(entry, so_far.report);
+  }
+  try
+  {
+    StateArchive archive;
+    exchangeState(archive, false);
+    state.outputs = archive.bytes();
+  }
+  catch (const UserError&)
+  {
+    return;  // the state before stays
+  }
+  writer_->add(
+      [this, shared = std::make_shared<RunState>(std::move(state))]
+      {
+        try
+        {
+          StateArchive archive;
+          exchangeState(archive, true);
+          shared->slow_outputs = archive.bytes();
+          synchronise(folder_);
+          writeRunState(folder_, *shared);
+        }
+        catch (const UserError&)
+        {
+          // the state before stays
+        }
+      });
+}
+
+void RunOutputs::resume(RunToResume& run)
+{
+  made_ = std::move(run.lock);
+  for (const bool slow : {false, true})
+  {
+    StateArchive archive(slow ? run.state.slow_outputs : run.state.outputs);
+    exchangeState(archive, slow);
+    archive.requireEnd();
   }
   writer_ = std::make_unique<WriteBehind>();
 }
@@ -184,12 +286,19 @@ void RunOutputs::finish(RunResults& results)
     {
       results.failures.push_back(entry.failure);
     }
-    for (const OutputName& name : entry.names)
+    listFiles(entry, results.report);
+  }
+  std::error_code ignored;
+  fs::remove(fs::path(folder_) / state_file_name, ignored);
+}
+
+void RunOutputs::listFiles(const Entry& entry, SlamRunReport& report) const
+{
+  for (const OutputName& name : entry.names)
+  {
+    if (fs::exists(fs::path(folder_) / name.name))
     {
-      if (fs::exists(fs::path(folder_) / name.name))
-      {
-        results.report.files.push_back(name.name);
-      }
+      report.files.push_back(name.name);
     }
   }
 }

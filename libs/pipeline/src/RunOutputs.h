@@ -7,6 +7,7 @@
 
 #include "OutputFolder.h"
 #include "RunOutput.h"
+#include "SavedRun.h"
 #include "WriteBehind.h"
 
 namespace dyslam
@@ -31,6 +32,14 @@ class RunOutputs
   [[nodiscard]] bool wantDecided() const;
   /** The same frame again, later, for the outputs that want it decided for good. */
   void addDecided(Frame frame);
+  /** Seconds between checkpoints, 0: none. */
+  [[nodiscard]] double checkpointSeconds() const { return checkpoint_seconds_; }
+  /** Between two frames: writes what is worth keeping, and the state, which gets its name in the
+   * writing thread once all frames so far are written. What cannot be written is left for the next
+   * checkpoint. \param state all but the outputs' parts */
+  void checkpoint(RunState state, const RunResults& results);
+  /** Instead of open(): goes on with the files of a run that was killed. \throws UserError. */
+  void resume(RunToResume& run);
   /** How long the writing thread and those that hand over to it have waited for each other. */
   [[nodiscard]] QueueWaits waits() const { return writer_->waits(); }
   /** Writes what is only known at the end; fills the report's files and the failures. */
@@ -48,9 +57,14 @@ class RunOutputs
 
   void add(Frame frame, bool decided);
   void addTo(const Frame& frame, bool slow, bool decided);
+  /** Adds those files of the output that are there. */
+  void listFiles(const Entry& entry, SlamRunReport& report) const;
+  /** State of the outputs of one thread. */
+  void exchangeState(StateArchive& archive, bool slow);
 
   std::string folder_;
   bool force_;
+  double checkpoint_seconds_ = 0;
   const ConfigLoader& config_;       // other parts of the run load theirs until open()
   std::vector<std::string> inputs_;  //!< files that the run reads
   std::unique_ptr<OutputFolder> made_;

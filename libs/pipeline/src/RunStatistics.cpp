@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "RunStatistics.h"
 
+#include <dyslam/core/StateArchive.h>
+
 #include <algorithm>
 #include <cctype>
 
@@ -105,5 +107,16 @@ std::string RunStatistics::failure() const
          registration_failures.mostFrequent() +
          "; try the settings that fit the sensor (no -c), -c handheld.ini for one in the hand, or "
          "odometry.start_speed for a recording that begins at speed";
+}
+
+void Reasons::exchangeState(StateArchive& archive)
+{
+  archive(kinds_, total_);
+}
+
+void RunStatistics::exchangeState(StateArchive& archive)
+{
+  archive(frames, first_time, last_time, registration_failures, odometry_failures, moving_objects,
+          reference);
 }
 }  // namespace dyslam

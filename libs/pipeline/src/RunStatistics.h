@@ -13,6 +13,8 @@
 
 namespace dyslam
 {
+class StateArchive;
+
 /** Why scans failed, reasons that differ in their numbers alone counted together. */
 class Reasons
 {
@@ -21,6 +23,7 @@ class Reasons
   [[nodiscard]] std::size_t total() const { return total_; }
   /** An example of the most frequent kind; empty if there was none. */
   [[nodiscard]] std::string mostFrequent() const;
+  void exchangeState(StateArchive& archive);
 
  private:
   std::map<std::string, std::pair<std::size_t, std::string>> kinds_;  //!< count, example
@@ -31,6 +34,7 @@ class Reasons
 struct RunStatistics
 {
   void add(const Frame& frame);
+  void exchangeState(StateArchive& archive);
 
   /** From the first scan's start to the last one's end, if all last as long as they are apart [s].
    */

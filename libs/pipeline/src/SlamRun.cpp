@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/backend/Backend.h>
 #include <dyslam/core/Error.h>
+#include <dyslam/core/StateArchive.h>
+#include <dyslam/core/Version.h>
 #include <dyslam/io/RawlogSource.h>
 #include <dyslam/mapping/MapExport.h>
 #include <dyslam/pipeline/Pipeline.h>
@@ -22,6 +24,7 @@
 #include "RunHistory.h"
 #include "RunOutputs.h"
 #include "RunStatistics.h"
+#include "SavedRun.h"
 
 namespace dyslam
 {
@@ -144,6 +147,9 @@ struct SlamRun::Impl
 
   [[nodiscard]] std::map<std::string, double> waitMilliseconds() const;
   [[nodiscard]] RunResults results(const std::vector<std::string>& source_warnings) const;
+  [[nodiscard]] RunResults resultsSoFar() const;
+  /** \throws UserError if the settings are not those of the state. */
+  void requireSame(const SavedRun& saved) const;
   void fillReport(SlamRunReport& report, const RunResults& results) const;
 
   std::chrono::steady_clock::time_point begin = std::chrono::steady_clock::now();
@@ -239,6 +245,92 @@ void SlamRun::open()
   impl_->outputs.open();
 }
 
+RunResults SlamRun::Impl::resultsSoFar() const
+{
+  constexpr std::size_t most_voxels = 2000000;  // beyond, writing the map takes seconds
+  RunResults results;  // without times and warnings of the front end, which runs on
+  results.begin = begin;
+  results.backend = &pipeline.backend();
+  results.map = pipeline.map();
+  if (results.map != nullptr && results.map->voxelCount() > most_voxels)
+  {
+    results.map = nullptr;
+  }
+  results.history = &history;
+  results.trajectory = pipeline.trajectory();
+  results.reference = statistics.referenceInMap(results.trajectory);
+  fillReport(results.report, results);
+  append(results.report.warnings, settings.warnings);
+  return results;
+}
+
+double SlamRun::checkpointSeconds() const
+{
+  return impl_->outputs.checkpointSeconds();
+}
+
+void SlamRun::checkpoint(std::string front_end, const ScanSum& scans)
+{
+  Impl& m = *impl_;
+  StateArchive back_end;
+  m.pipeline.exchangeBackEndState(back_end);
+  back_end(m.statistics, m.history);
+  const RunResults results = m.resultsSoFar();
+  RunState state;
+  state.run.version = DYSLAM_VERSION;
+  state.run.rawlog = std::filesystem::absolute(m.settings.rawlog).lexically_normal().string();
+  state.run.rawlog_size = std::filesystem::file_size(m.settings.rawlog);
+  state.run.settings = m.config.effective().toIni();
+  state.run.inputs = m.settings.inputs;
+  state.run.sensor = m.settings.sensor;
+  state.run.warnings = m.settings.warnings;
+  state.run.static_scans = m.settings.static_scans;
+  state.run.labels = m.settings.labels;
+  state.run.scans = scans.scans();
+  state.run.scans_checksum = scans.sum();
+  state.run.seconds = results.runTime();
+  state.front_end = std::move(front_end);
+  state.back_end = back_end.bytes();
+  m.outputs.checkpoint(std::move(state), results);
+}
+
+void SlamRun::Impl::requireSame(const SavedRun& saved) const
+{
+  const Config now = config.effective();
+  const Config had = Config::fromText(saved.settings, "the state's settings");
+  for (const std::string& section : now.sectionNames())
+  {
+    for (const auto& [key, value] : now.section(section))
+    {
+      const std::string before =
+          had.has(section, key) ? had.section(section).at(key).text : "not there";
+      if (value.text != before)
+      {
+        throw UserError(section + "." + key + " is " + value.text +
+                        ", in the run to resume it is " + before +
+                        "; leave --config and --set out, or start anew");
+      }
+    }
+  }
+}
+
+void SlamRun::resume(RunToResume& saved)
+{
+  Impl& m = *impl_;
+  m.requireSame(saved.state.run);
+  requireProfileWritable(m.settings);
+  StateArchive front_end(saved.state.front_end);
+  m.pipeline.exchangeFrontEndState(front_end);
+  front_end.requireEnd();
+  StateArchive back_end(saved.state.back_end);
+  m.pipeline.exchangeBackEndState(back_end);
+  back_end(m.statistics, m.history);
+  back_end.requireEnd();
+  m.begin -= std::chrono::duration_cast<std::chrono::steady_clock::duration>(
+      std::chrono::duration<double>(saved.state.run.seconds));
+  m.outputs.resume(saved);
+}
+
 void SlamRun::add(Frame frame)
 {
   impl_->statistics.add(frame);
@@ -305,14 +397,32 @@ class NotedWaits
   ReadAhead& front_end_;
 };
 
+/** Saves the front end, in its thread, where a checkpoint is due after this frame. */
+void beginCheckpoint(Pipeline& pipeline,
+                     std::size_t frame,
+                     const ScanSum& scans,
+                     Checkpoints& checkpoints)
+{
+  if (checkpoints.due())
+  {
+    StateArchive archive;
+    pipeline.exchangeFrontEndState(archive);
+    checkpoints.begin(frame, {archive.bytes(), scans});
+  }
+}
+
 /** Every frame through the pipeline and on to the outputs: reading, front end, back end and writing
- * each in a thread of its own, all frames in order in each. */
+ * each in a thread of its own, all frames in order in each. A checkpoint passes through them with
+ * the frame behind which it is made; none waits for another.
+ * \param scans those before, of a run that is resumed */
 void replay(const SlamRunSettings& settings,
             RawlogSource& source,
             SlamRun& run,
+            ScanSum scans,
             const OnFrame& on_frame)
 {
   std::atomic<double> read = 0;  // share of the file; only the reading thread may ask the source
+  Checkpoints checkpoints(run.checkpointSeconds());
   ReadAhead reader(
       [&]
       {
@@ -326,15 +436,25 @@ void replay(const SlamRunSettings& settings,
         auto frame = reader.next();
         if (frame)
         {
+          scans.add(*frame);
           run.pipeline().runFrontEnd(*frame);
+          beginCheckpoint(run.pipeline(), frame->index, scans, checkpoints);
         }
         return frame;
       });
   const NotedWaits waits(run, reader, front_end);
   while (auto frame = front_end.next())
   {
+    const std::size_t index = frame->index;
     run.pipeline().runBackEnd(*frame);
     run.add(std::move(*frame));
+    if (auto begun = checkpoints.take(index))
+    {
+      const auto start = std::chrono::steady_clock::now();
+      run.checkpoint(std::move(begun->front_end), begun->scans);
+      checkpoints.took(
+          std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
+    }
     if (on_frame)
     {
       on_frame(run.progress(read), run.frames());
@@ -345,17 +465,18 @@ void replay(const SlamRunSettings& settings,
     }
   }
 }
-}  // namespace
 
-SlamRunReport runSlam(const SlamRunSettings& settings, const OnFrame& on_frame)
+/** The rest of a run that has been opened or resumed. */
+SlamRunReport replayToTheEnd(const SlamRunSettings& settings,
+                             RawlogSource& source,
+                             SlamRun& run,
+                             const ScanSum& scans,
+                             const OnFrame& on_frame)
 {
-  SlamRun run(settings);
-  RawlogSource source(settings.rawlog, run.input());
-  run.open();
   std::string damage;
   try
   {
-    replay(settings, source, run, on_frame);
+    replay(settings, source, run, scans, on_frame);
   }
   catch (const std::exception& error)  // of a library, too
   {
@@ -367,5 +488,66 @@ SlamRunReport runSlam(const SlamRunSettings& settings, const OnFrame& on_frame)
   }
   run.pipeline().finish();
   return run.finish(source.warnings(), damage);
+}
+
+/** The settings of the run, as far as they are not given anew. */
+SlamRunSettings settingsOf(const SavedRun& saved, const SlamRunSettings& given)
+{
+  SlamRunSettings settings = given;
+  settings.rawlog = given.rawlog.empty() ? saved.rawlog : given.rawlog;
+  settings.config = Config::fromText(saved.settings, "the state's settings");
+  settings.config.merge(given.config);
+  settings.inputs = saved.inputs;
+  settings.sensor = saved.sensor;
+  settings.warnings = saved.warnings;
+  settings.static_scans = saved.static_scans;
+  settings.labels = saved.labels;
+  return settings;
+}
+
+/** Passes over the scans that the run has seen. \throws UserError if they are others. */
+ScanSum skipSeen(const SavedRun& saved, const std::string& rawlog, RawlogSource& source)
+{
+  const std::string advice = "; give the recording that the run had, or start anew";
+  if (std::filesystem::file_size(rawlog) != saved.rawlog_size)
+  {
+    throw UserError(rawlog + ": has another size than when the run began" + advice);
+  }
+  ScanSum scans;
+  while (scans.scans() < saved.scans)
+  {
+    const auto frame = source.next();
+    if (!frame)
+    {
+      break;
+    }
+    scans.add(*frame);
+  }
+  if (scans.scans() != saved.scans || scans.sum() != saved.scans_checksum)
+  {
+    throw UserError(rawlog + ": its first " + std::to_string(saved.scans) +
+                    " scans are not those that the run has seen" + advice);
+  }
+  return scans;
+}
+}  // namespace
+
+SlamRunReport runSlam(const SlamRunSettings& settings, const OnFrame& on_frame)
+{
+  SlamRun run(settings);
+  RawlogSource source(settings.rawlog, run.input());
+  run.open();
+  return replayToTheEnd(settings, source, run, ScanSum(), on_frame);
+}
+
+SlamRunReport resumeSlam(const SlamRunSettings& given, const OnFrame& on_frame)
+{
+  RunToResume saved(given.output_folder);
+  const SlamRunSettings settings = settingsOf(saved.state.run, given);
+  SlamRun run(settings);
+  RawlogSource source(settings.rawlog, run.input());
+  const ScanSum scans = skipSeen(saved.state.run, settings.rawlog, source);
+  run.resume(saved);
+  return replayToTheEnd(settings, source, run, scans, on_frame);
 }
 }  // namespace dyslam

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/StateArchive.h>
 #include <dyslam/tracking/AdaptivePredictor.h>
 
 #include <Eigen/Cholesky>
@@ -324,5 +325,12 @@ MotionPrediction AdaptivePredictor::predict(double stamp) const
   prediction.covariance *= steps;
   prediction.covariance += manoeuvre * manoeuvre * Eigen::Matrix2d::Identity();
   return prediction;
+}
+
+void AdaptivePredictor::exchangeState(StateArchive& archive)
+{
+  archive(options_, history_, coefficients_, velocity_leverage_, noise_gain_, unclipped_position_,
+          origin_, time_scale_, error_covariance_, error_count_, combined_error_covariance_,
+          weights_, velocity_weights_);
 }
 }  // namespace dyslam

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/StateArchive.h>
 #include <dyslam/tracking/KalmanMotion.h>
 
 #include <Eigen/LU>
@@ -103,5 +104,10 @@ void KalmanMotion::shift(const Eigen::Vector2d& offset)
   {
     observation.position += offset;
   }
+}
+
+void KalmanMotion::exchangeState(StateArchive& archive)
+{
+  archive(options_, history_, state_, covariance_, noise_);
 }
 }  // namespace dyslam

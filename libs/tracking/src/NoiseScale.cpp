@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "NoiseScale.h"
 
+#include <dyslam/core/StateArchive.h>
+
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
@@ -41,5 +43,10 @@ void NoiseScale::add(double white_noise)
 double NoiseScale::factor() const
 {
   return std::clamp(sum_ / weight_, 1.0, 10.0);
+}
+
+void NoiseScale::exchangeState(StateArchive& archive)
+{
+  archive(sum_, weight_);
 }
 }  // namespace dyslam

@@ -8,6 +8,8 @@
 
 namespace dyslam
 {
+class StateArchive;
+
 /** Size of the last four observations' white noise relative to `covariance` [m^2], from their third
  * difference, in which smooth motions cancel; 1 is expected of noise of that covariance. Nothing
  * unless they are equally spaced in time. */
@@ -22,6 +24,8 @@ class NoiseScale
   /** Factor on standard deviations, 1 to 10. Errors that are alike from scan to scan do not show
    * in differences, therefore it is not below 1. */
   [[nodiscard]] double factor() const;
+
+  void exchangeState(StateArchive& archive);
 
  private:
   static constexpr double prior_weight = 20;

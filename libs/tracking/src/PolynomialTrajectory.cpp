@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/StateArchive.h>
 #include <dyslam/tracking/PolynomialTrajectory.h>
 
 #include <Eigen/QR>
@@ -142,5 +143,10 @@ MotionPrediction PolynomialTrajectory::predict(double stamp) const
     prediction.covariance += horizon * horizon * prediction.velocity_covariance;
   }
   return prediction;
+}
+
+void PolynomialTrajectory::exchangeState(StateArchive& archive)
+{
+  archive(options_, history_);
 }
 }  // namespace dyslam

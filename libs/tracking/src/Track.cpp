@@ -2,6 +2,7 @@
 #include "Track.h"
 
 #include <dyslam/core/BoxOverlap.h>
+#include <dyslam/core/StateArchive.h>
 #include <dyslam/tracking/Detector.h>
 
 #include <Eigen/LU>
@@ -393,5 +394,20 @@ TrackedObject Track::object() const
   const double zeros = classOptions().score_prior + classOptions().miss_prior * total_misses_;
   object.score = recent_scores_ * (hits_ / score_weight_) / (hits_ + zeros);
   return object;
+}
+
+Track::Track(const TrackerOptions& options)
+    : options_(&options), id_(-1), stamp_(0), motion_(makeMotion(options, ObjectClass::unknown))
+{
+}
+
+void Track::exchangeState(StateArchive& archive)
+{
+  std::visit([&](auto& motion) { archive(motion); }, motion_);
+  archive(id_, stamp_, box_, velocity_, velocity_covariance_, position_covariance_,
+          vertical_velocity_, z_variance_, yaw_variance_, reversed_observations_, class_votes_,
+          object_class_, score_sum_, recent_scores_, score_weight_, hits_, misses_, total_misses_,
+          age_, confirmed_, dynamic_, has_moved_, change_count_, detection_, observed_,
+          observed_covariance_);
 }
 }  // namespace dyslam

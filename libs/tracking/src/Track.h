@@ -11,6 +11,8 @@
 
 namespace dyslam
 {
+class StateArchive;
+
 /** A detection transformed to the odometry frame. */
 struct Observation
 {
@@ -33,6 +35,8 @@ class Track
 {
  public:
   Track(int id, double stamp, const Observation& observation, const TrackerOptions& options);
+  /** A track that exchangeState() fills. */
+  explicit Track(const TrackerOptions& options);
 
   /** Predicts the state at `stamp` [s]; to be called once per scan, before match() or miss(). */
   void predict(double stamp);
@@ -40,6 +44,8 @@ class Track
   void match(const Observation& observation);
   /** Records a scan without an associated observation. */
   void miss();
+  /** What is kept from scan to scan. */
+  void exchangeState(StateArchive& archive);
 
   /** The observation's box as one of this object: axes assigned as the track's, clusters enlarged
    * behind their visible sides to the track's size. */

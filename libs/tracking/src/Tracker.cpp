@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/Assignment.h>
 #include <dyslam/core/BoxOverlap.h>
+#include <dyslam/core/StateArchive.h>
 #include <dyslam/tracking/Tracker.h>
 
 #include <Eigen/Geometry>
@@ -287,4 +288,27 @@ std::vector<TrackedObject> Tracker::update(double stamp,
   return objects;
 }
 
+void Tracker::exchangeState(StateArchive& archive)
+{
+  Implementation& self = *implementation_;
+  std::size_t count = self.tracks.size();
+  archive(self.next_id, self.started, self.stamp, count);
+  if (archive.isLoading())
+  {
+    self.tracks.clear();
+  }
+  for (std::size_t i = 0; i < count; ++i)
+  {
+    if (archive.isLoading())
+    {
+      self.tracks.emplace_back(self.options);
+    }
+    archive(self.tracks[i]);
+  }
+  for (const ClassTracking* kind :
+       {&self.options.vehicle, &self.options.cyclist, &self.options.pedestrian})
+  {
+    archive(self.noise[kind]);
+  }
+}
 }  // namespace dyslam

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/BoxOverlap.h>
+#include <dyslam/core/StateArchive.h>
 #include <dyslam/tracking/Tracker.h>
 #include <gtest/gtest.h>
 
@@ -133,6 +134,47 @@ TEST(Tracker, followsOneCarWithItsVelocity)
 }
 
 /** The sensor moves and turns; tracks are in the odometry frame. */
+TEST(Tracker, goesOnFromItsState)
+{
+  for (const TrackMotion motion :
+       {TrackMotion::adaptive, TrackMotion::kalman, TrackMotion::polynomial})
+  {
+    TrackerOptions options;
+    options.motion = motion;
+    Tracker tracker(options);
+    Tracker loaded(options);
+    const auto detections = [](int scan)
+    {
+      const double x = 0.9 * scan;
+      std::vector<Detection> all{carAt({x, 3}), clusterAt({20 - 0.5 * x, -4})};
+      all.back().points.clear();
+      all.push_back(clusterAt({5 + 0.02 * x, 8}));
+      return all;
+    };
+    for (int scan = 0; scan < 25; ++scan)
+    {
+      if (scan == 12)
+      {
+        StateArchive saved;
+        saved(tracker);
+        StateArchive archive(saved.bytes());
+        archive(loaded);
+        archive.requireEnd();
+      }
+      auto a = tracker.update(dt * scan, detections(scan), Pose::Identity());
+      if (scan >= 12)
+      {
+        auto b = loaded.update(dt * scan, detections(scan), Pose::Identity());
+        StateArchive of_a;
+        StateArchive of_b;
+        of_a(a);
+        of_b(b);
+        EXPECT_EQ(of_a.bytes(), of_b.bytes()) << scan;
+      }
+    }
+  }
+}
+
 TEST(Tracker, compensatesEgoMotion)
 {
   const auto sensor = [](double t) { return poseFromYpr(10 * t, 0.5 * t, 0, 0.4 * t, 0, 0); };

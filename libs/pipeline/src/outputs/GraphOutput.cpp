@@ -22,6 +22,7 @@ class GraphOutput : public RunOutput
       : RunOutput(context, {mrpt_file, g2o_file, factor_graph_file})
   {
   }
+  void checkpoint(const RunResults& results) override { finish(results); }
   void finish(const RunResults& results) override
   {
     const PoseGraph graph = results.backend->graph();

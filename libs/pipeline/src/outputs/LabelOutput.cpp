@@ -21,6 +21,7 @@ class LabelOutput : public RunOutput
   [[nodiscard]] bool isSlow() const override { return true; }
   [[nodiscard]] bool wantsDecided() const override { return true; }
   void open() override { makeFolder(path(folder)); }
+  void exchangeState(StateArchive& /*archive*/) override { open(); }
   void add(const Frame& frame) override
   {
     writeLabels(numberedPath(path(folder), frame, extension), scanLabels(frame));

@@ -12,6 +12,7 @@ class MapCloudOutput : public RunOutput
 {
  public:
   using RunOutput::RunOutput;
+  void checkpoint(const RunResults& results) override { finish(results); }
   void finish(const RunResults& results) override
   {
     if (results.map != nullptr)

@@ -31,6 +31,7 @@ class MotionOutput : public RunOutput
   explicit MotionOutput(const RunOutputContext& context) : RunOutput(context, {name}) {}
   void open() override { file_.open(path(name), motionFileHeader()); }
   void add(const Frame& frame) override { file_.write(motionFileRow(covarianceOf(frame))); }
+  void exchangeState(StateArchive& archive) override { file_.exchangeState(path(name), archive); }
   void finish(const RunResults& /*results*/) override { file_.close(); }
 
  private:

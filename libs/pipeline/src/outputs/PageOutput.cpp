@@ -39,6 +39,8 @@ class PageOutput : public RunOutput
 
   void open() override { settings_ = config_.effective().toIni(); }
 
+  void exchangeState(StateArchive& /*archive*/) override { open(); }
+
   void finish(const RunResults& results) override
   {
     RunPage page = pageOf(results);

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/StateArchive.h>
 #include <dyslam/io/ReplayWriter.h>
 
 #include <optional>
@@ -21,6 +22,17 @@ class ReplayOutput : public RunOutput
   }
   [[nodiscard]] bool isSlow() const override { return true; }
   void open() override { writer_.emplace(path(rawlog), options_); }
+  void exchangeState(StateArchive& archive) override
+  {
+    if (archive.isLoading())
+    {
+      writer_.emplace(path(rawlog), options_, archive);
+    }
+    else
+    {
+      writer_->saveState(archive);
+    }
+  }
   void add(const Frame& frame) override { writer_->write(frame); }
   void finish(const RunResults& /*results*/) override { writer_->close(); }
 

@@ -24,8 +24,8 @@ double rounded(double value)
   return std::strtod(text, nullptr);
 }
 
-/** `report.json`: figures of the run. It is written last: a folder that has it is of a run that
- * came to its end, and the report says which files could not be written. */
+/** `report.json`: figures of the run. It is written last: it says whether the run came to its end,
+ * and which files could not be written. */
 class ReportOutput : public RunOutput
 {
  public:
@@ -35,16 +35,19 @@ class ReportOutput : public RunOutput
         sensor_(context.settings.sensor)
   {
   }
-  void finish(const RunResults& results) override
+  void checkpoint(const RunResults& results) override { write(results, false); }
+  void finish(const RunResults& results) override { write(results, true); }
+
+ private:
+  void write(const RunResults& results, bool finished) const
   {
     constexpr int indent = 2;
     const std::string text =
-        jsonOf(results).dump(indent, ' ', false, Json::error_handler_t::replace);
+        jsonOf(results, finished).dump(indent, ' ', false, Json::error_handler_t::replace);
     writeWhole(path(name), text + "\n");
   }
 
- private:
-  [[nodiscard]] Json jsonOf(const RunResults& results) const
+  [[nodiscard]] Json jsonOf(const RunResults& results, bool finished) const
   {
     SlamRunReport report = results.report;
     report.run_time = results.runTime();
@@ -52,6 +55,7 @@ class ReportOutput : public RunOutput
     json["input"] = input_;
     json["sensor"] = sensor_;
     json["method"] = report.method;
+    json["finished"] = finished;
     json["frames"] = report.frames;
     json["unconverged"] = report.unconverged;
     json["odometry_failed"] = report.odometry_failed;

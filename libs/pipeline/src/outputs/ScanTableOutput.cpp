@@ -47,6 +47,7 @@ class ScanTableOutput : public RunOutput
   explicit ScanTableOutput(const RunOutputContext& context) : RunOutput(context, {table}) {}
   void open() override { file_.open(path(table), header); }
   void add(const Frame& frame) override { file_.write(rowOf(frame)); }
+  void exchangeState(StateArchive& archive) override { file_.exchangeState(path(table), archive); }
   void finish(const RunResults& /*results*/) override { file_.close(); }
 
  private:

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/Files.h>
+#include <dyslam/core/StateArchive.h>
 #include <dyslam/formats/ScanFiles.h>
 #include <dyslam/io/RawlogWriter.h>
 
@@ -61,6 +62,18 @@ class StaticScanOutput : public RunOutput
   {
     makeFolder(path(folder));
     writer_.emplace(path(rawlog));
+  }
+  void exchangeState(StateArchive& archive) override
+  {
+    makeFolder(path(folder));
+    if (archive.isLoading())
+    {
+      writer_.emplace(path(rawlog), RawlogWriterOptions(), archive);
+    }
+    else
+    {
+      writer_->saveState(archive);
+    }
   }
   void add(const Frame& frame) override
   {

@@ -3,7 +3,9 @@
 
 #include <dyslam/core/Error.h>
 #include <dyslam/core/PendingFile.h>
+#include <dyslam/core/StateArchive.h>
 
+#include <cstdint>
 #include <fstream>
 #include <optional>
 #include <string>
@@ -27,7 +29,28 @@ class StreamedFile
     write(header);
   }
   /** Only close() tells whether it could be written. */
-  void write(const std::string& text) { file_ << text << std::flush; }
+  void write(const std::string& text)
+  {
+    file_ << text << std::flush;
+    size_ += text.size();
+  }
+  /** Saves how long the file is, or goes on with the file that was saved.
+   * \throws UserError if it is not all there. */
+  void exchangeState(const std::string& path, StateArchive& archive)
+  {
+    if (!archive.isLoading() && !file_)
+    {
+      throw UserError(path + ": not everything could be written; is the disk full?");
+    }
+    archive(size_);
+    if (archive.isLoading())
+    {
+      pending_.emplace(path);
+      pending_->keep();
+      cutPending(*pending_, size_);
+      file_.open(pending_->temporary(), std::ios::app);
+    }
+  }
   /** \throws UserError if not all could be written. */
   void close()
   {
@@ -42,5 +65,6 @@ class StreamedFile
  private:
   std::optional<PendingFile> pending_;
   std::ofstream file_;
+  std::uint64_t size_ = 0;
 };
 }  // namespace dyslam

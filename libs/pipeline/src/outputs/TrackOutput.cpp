@@ -81,39 +81,44 @@ class TrackOutput : public RunOutput
     }
     rows_.write(rows);
   }
+  void checkpoint(const RunResults& results) override { writeBoxes(results); }
+  void exchangeState(StateArchive& archive) override { rows_.exchangeState(path(table), archive); }
   void finish(const RunResults& results) override
   {
-    eachByItself(
-        {[&]
-         {
-           writeWhole(path(kitti),
-                      [&](std::ostream& out)
-                      {
-                        forEach(results,
-                                [&](const TrackedObject& object, const PastScan& scan) {
-                                  out << trackLine(labelledBox(
-                                      object, scan, results.history->mounts()[scan.mount]));
-                                });
-                      });
-         },
-         [&]
-         {
-           rows_.close();
-           if (!results.objects.empty())
-           {
-             writeWhole(path(table),
-                        [&](std::ostream& out)
-                        {
-                          out << header;
-                          forEach(results, [&](const TrackedObject& object, const PastScan& scan)
-                                  { out << rowOf(object, scan.index, scan.stamp); });
-                        });
-           }
-         }});
+    eachByItself({[&] { writeBoxes(results); },
+                  [&]
+                  {
+                    rows_.close();
+                    if (!results.objects.empty())
+                    {
+                      writeWhole(path(table),
+                                 [&](std::ostream& out)
+                                 {
+                                   out << header;
+                                   forEach(results,
+                                           [&](const TrackedObject& object, const PastScan& scan)
+                                           { out << rowOf(object, scan.index, scan.stamp); });
+                                 });
+                    }
+                  }});
   }
 
  private:
-  /** Every reported object as it is known at the end. */
+  void writeBoxes(const RunResults& results) const
+  {
+    writeWhole(path(kitti),
+               [&](std::ostream& out)
+               {
+                 forEach(results,
+                         [&](const TrackedObject& object, const PastScan& scan)
+                         {
+                           const Pose& T_vehicle_lidar = results.history->mounts()[scan.mount];
+                           out << trackLine(labelledBox(object, scan, T_vehicle_lidar));
+                         });
+               });
+  }
+
+  /** Every reported object as it is known by now. */
   static void forEach(const RunResults& results,
                       const std::function<void(const TrackedObject&, const PastScan&)>& use)
   {

@@ -40,21 +40,32 @@ class TrajectoryOutput : public RunOutput
   {
     odometry_.write(tumLine(frame.scan.stamp, frame.T_odom_vehicle));
   }
+  void checkpoint(const RunResults& results) override { eachByItself(writers(results)); }
+  void exchangeState(StateArchive& archive) override
+  {
+    odometry_.exchangeState(path(odometry), archive);
+  }
   void finish(const RunResults& results) override
   {
-    eachByItself({[&] { writeTum(path(tum), results.trajectory); },
-                  [&] { writeKittiPoses(path(kitti), results.trajectory); },
-                  [&]
-                  {
-                    if (!results.reference.empty())
-                    {
-                      writeTum(path(reference), results.reference);
-                    }
-                  },
-                  [&] { odometry_.close(); }});
+    std::vector<std::function<void()>> all = writers(results);
+    all.emplace_back([&] { odometry_.close(); });
+    eachByItself(all);
   }
 
  private:
+  [[nodiscard]] std::vector<std::function<void()>> writers(const RunResults& results) const
+  {
+    return {[&] { writeTum(path(tum), results.trajectory); },
+            [&] { writeKittiPoses(path(kitti), results.trajectory); },
+            [&]
+            {
+              if (!results.reference.empty())
+              {
+                writeTum(path(reference), results.reference);
+              }
+            }};
+  }
+
   StreamedFile odometry_;
 };
 }  // namespace

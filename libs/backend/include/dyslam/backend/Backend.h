@@ -18,6 +18,8 @@
 
 namespace dyslam
 {
+class StateArchive;
+
 /** What the graph holds; the paper's ablation (Table 6). */
 enum class BackendMode
 {
@@ -89,6 +91,8 @@ class Backend
   [[nodiscard]] const FactorGraph& factorGraph() const;
   /** The odometry factor that leads to a keyframe. \pre keyframe >= 1 */
   [[nodiscard]] const Factor& odometryFactor(std::size_t keyframe) const;
+  /** What is kept from frame to frame; the keyframes are saved by themselves. */
+  void exchangeState(StateArchive& archive);
   /** View of the ego poses, odometry and accepted loops as MRPT has them; built for the caller. */
   [[nodiscard]] PoseGraph graph() const;
   [[nodiscard]] const KeyframeStore& keyframes() const;

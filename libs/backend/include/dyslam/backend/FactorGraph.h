@@ -14,6 +14,8 @@
 
 namespace dyslam
 {
+class StateArchive;
+
 /** Robust loss, of the squared whitened residual. */
 enum class RobustLoss
 {
@@ -117,6 +119,9 @@ class FactorGraph
    * \throws std::runtime_error where the factors leave a direction open. */
   [[nodiscard]] std::vector<Matrix6> covariances(const std::vector<Key>& keys,
                                                  const std::set<Key>& free = {});
+
+  /** Variables, factors and their ids. */
+  void exchangeState(StateArchive& archive);
 
  private:
   void requireNew(const Key& key) const;

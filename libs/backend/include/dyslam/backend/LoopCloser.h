@@ -12,6 +12,8 @@
 
 namespace dyslam
 {
+class StateArchive;
+
 struct LoopCloserOptions : Options
 {
   double min_path = 30;           //!< driven between the two keyframes, at least [m]
@@ -103,6 +105,9 @@ class LoopCloser
 
   /** The loops still waiting for agreement, as unsupported. */
   [[nodiscard]] std::vector<Loop> finish();
+
+  /** Appearances and waiting loops; the keyframes are saved by themselves. */
+  void exchangeState(StateArchive& archive);
 
  private:
   struct State;

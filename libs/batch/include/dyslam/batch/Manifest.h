@@ -63,6 +63,8 @@ void writeManifest(const std::string& folder, const Manifest& manifest);
                           const Work& common,
                           const std::optional<Manifest>& known);
 
+/** Whether both give the same results. */
+[[nodiscard]] bool isSame(const Work& a, const Work& b);
 /** Whether a folder holds the results of this work, unchanged. */
 [[nodiscard]] bool isDone(const std::string& folder,
                           const Work& work,

@@ -16,6 +16,8 @@
 
 namespace dyslam
 {
+class StateArchive;
+
 /** Points of one keyframe. The arrays are of one length, or empty where nothing is kept of it. */
 struct KeyframeCloud
 {
@@ -113,6 +115,7 @@ class KeyframeStore
   void correct(const std::vector<Pose>& T_map_vehicle, std::size_t first = 0);
   /** Number of corrections so far. */
   [[nodiscard]] std::size_t revision() const { return revision_; }
+  void exchangeState(StateArchive& archive);
 
  private:
   MemoryLimit memory_;

@@ -5,6 +5,8 @@
 
 namespace dyslam
 {
+class StateArchive;
+
 /** What the odometry states of the error of one motion; tangents are [translation, rotation]. */
 struct MotionCovariance
 {
@@ -35,6 +37,7 @@ class MotionAccumulator
   [[nodiscard]] const Pose& motion() const { return T_start_now_; }
   /** Over the tangent of motion(); zero where nothing has been added since the start. */
   [[nodiscard]] Matrix6 covariance() const;
+  void exchangeState(StateArchive& archive);
 
  private:
   Pose T_start_now_ = Pose::Identity();

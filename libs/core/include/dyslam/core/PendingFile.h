@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <iosfwd>
 #include <string>
@@ -34,6 +35,8 @@ class PendingFile
   [[nodiscard]] const std::string& path() const { return path_; }
   /** `<path>.tmp` */
   [[nodiscard]] const std::string& temporary() const { return temporary_; }
+  /** Whatever happens, what there is stays: a run that is resumed may have to be resumed again. */
+  void keep() { kept_ = true; }
   /** Gives the closed file its name. \throws UserError. */
   void commit(Durable durable = Durable::yes);
 
@@ -41,6 +44,7 @@ class PendingFile
   std::string path_;
   std::string temporary_;
   bool committed_ = false;
+  bool kept_ = false;
 };
 
 /** Writes a file by `write`, as a PendingFile: no half file is ever seen. \throws UserError. */
@@ -48,4 +52,8 @@ void writeWhole(const std::string& path,
                 const std::function<void(std::ostream&)>& write,
                 Durable durable = Durable::yes);
 void writeWhole(const std::string& path, std::string_view content, Durable durable = Durable::yes);
+
+/** Cuts what a killed program left under a temporary name to the size that is known to be good.
+ * \throws UserError if there is less. */
+void cutPending(const PendingFile& pending, std::uint64_t size);
 }  // namespace dyslam

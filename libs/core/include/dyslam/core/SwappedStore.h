@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <dyslam/core/StateArchive.h>
 #include <dyslam/core/SwapFile.h>
 
 #include <cstddef>
@@ -74,6 +75,31 @@ class SwappedStore
     entries_.clear();
     newest_ = oldest_ = edited_ = none;
     memory_ = 0;
+  }
+
+  /** All values, those on disk too; which ones are in memory stays as it is. */
+  void exchangeState(StateArchive& archive)
+  {
+    std::size_t count = entries_.size();
+    archive(count);
+    if (archive.isLoading())
+    {
+      clear();
+    }
+    for (std::size_t i = 0; i < count; ++i)
+    {
+      std::string bytes;
+      if (!archive.isLoading())
+      {
+        const Entry& entry = entries_[i];
+        bytes = entry.value != nullptr ? entry.value->toBytes() : limit_.file->read(entry.slot);
+      }
+      archive(bytes);
+      if (archive.isLoading())
+      {
+        (void)add(T::fromBytes(bytes));
+      }
+    }
   }
 
   [[nodiscard]] const MemoryLimit& limit() const { return limit_; }

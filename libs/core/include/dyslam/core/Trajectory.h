@@ -8,6 +8,8 @@
 
 namespace dyslam
 {
+class StateArchive;
+
 struct StampedPose
 {
   double stamp = 0;  //!< UNIX time [s]
@@ -35,6 +37,7 @@ class Trajectory
   [[nodiscard]] std::optional<std::size_t> nearest(double stamp, double tolerance) const;
   /** Distance travelled up to each pose [m]. */
   [[nodiscard]] std::vector<double> pathLengths() const;
+  void exchangeState(StateArchive& archive);
 
  private:
   std::vector<StampedPose> poses_;

@@ -9,6 +9,8 @@
 
 namespace dyslam
 {
+class StateArchive;
+
 /** Integer cell of a point in a grid of cubes. */
 struct VoxelCell
 {
@@ -50,6 +52,7 @@ class VoxelHash
   /** Makes room for this many entries without rehashing. */
   void reserve(std::size_t expected);
   [[nodiscard]] std::size_t size() const { return size_; }
+  void exchangeState(StateArchive& archive);
 
   /** The value stored under `key`, or `none`. */
   [[nodiscard]] std::uint32_t find(std::uint64_t key) const

@@ -11,6 +11,8 @@
 
 namespace dyslam
 {
+class StateArchive;
+
 /** Finds the points of a frame that belong to moving things. */
 class MovingSegmenter
 {
@@ -30,6 +32,8 @@ class MovingSegmenter
 
   /** Forget the past scans. */
   virtual void reset() = 0;
+  /** What is kept from frame to frame. */
+  virtual void exchangeState(StateArchive& archive) = 0;
 };
 
 struct MovingSegmenterOptions : Options

@@ -59,6 +59,8 @@ class NetworkSegmenter : public MovingSegmenter
   [[nodiscard]] bool needsPose() const override { return false; }
   void segment(Frame& frame) override;
   void reset() override;
+  /** The past scans: their points, which are encoded again when they are loaded. */
+  void exchangeState(StateArchive& archive) override;
 
   /** Of the last segment(), to the scan `first_gap` back; null before two scans were seen. */
   [[nodiscard]] const SceneFlow* sceneFlow() const;

@@ -45,6 +45,7 @@ class ResidualSegmenter : public MovingSegmenter
   [[nodiscard]] bool needsPose() const override { return true; }
   void segment(Frame& frame) override;
   void reset() override { past_.clear(); }
+  void exchangeState(StateArchive& archive) override;
 
  private:
   /** Nearest range per direction as one earlier scan saw it. */

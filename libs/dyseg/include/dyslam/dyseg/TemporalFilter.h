@@ -9,6 +9,8 @@
 
 namespace dyslam
 {
+class StateArchive;
+
 struct TemporalFilterOptions : Options
 {
   double cell_size = 0.4;         //!< side of a cell [m]
@@ -37,6 +39,8 @@ class TemporalFilter
    * probabilities stays as it is. */
   void apply(Frame& frame);
   void reset();
+  /** What is kept from frame to frame. */
+  void exchangeState(StateArchive& archive);
 
  private:
   struct Cell

@@ -13,6 +13,8 @@ struct libdeflate_compressor;
 
 namespace dyslam
 {
+class StateArchive;
+
 /** Writes a gzip file for MRPT's archiveFrom(), as a PendingFile: it gets its name by close() and
  * is gone without. The headers hold no time: same data, same bytes.
  *
@@ -25,6 +27,8 @@ class GzOutput
 
   /** \param level 0 (none) to 9. \throws UserError. */
   GzOutput(const std::string& path, int level);
+  /** Goes on where exchangeState() saved another one. */
+  GzOutput(const std::string& path, int level, StateArchive& saved);
   ~GzOutput();
   GzOutput(const GzOutput&) = delete;
   GzOutput& operator=(const GzOutput&) = delete;
@@ -35,10 +39,13 @@ class GzOutput
   [[nodiscard]] std::string getStreamDescription() const { return pending_.path(); }
   /** \throws UserError if something could not be written. */
   void check() const;
+  /** Length of the file so far, and the content that is not packed yet. */
+  void exchangeState(StateArchive& archive);
   /** \throws UserError if not all could be written. */
   void close();
 
  private:
+  void open(const char* mode);
   void writeMember(const char* content, std::size_t size);
 
   PendingFile pending_;

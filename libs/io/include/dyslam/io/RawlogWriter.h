@@ -12,6 +12,8 @@
 
 namespace dyslam
 {
+class StateArchive;
+
 struct RawlogWriterOptions : Options
 {
   bool external_storage = false;       //!< clouds as .bin files in `<name>_Images/`
@@ -42,6 +44,8 @@ class RawlogWriter
  public:
   /** \throws UserError if the file cannot be made. */
   explicit RawlogWriter(const std::string& path, const RawlogWriterOptions& options = {});
+  /** Goes on where exchangeState() saved another one. \throws UserError. */
+  RawlogWriter(const std::string& path, const RawlogWriterOptions& options, StateArchive& saved);
   ~RawlogWriter();
   RawlogWriter(RawlogWriter&&) noexcept;
   RawlogWriter& operator=(RawlogWriter&&) noexcept;
@@ -56,6 +60,8 @@ class RawlogWriter
   void abandon();
 
   [[nodiscard]] std::size_t framesWritten() const;
+  /** Saves how far the file has come. */
+  void saveState(StateArchive& archive);
 
  private:
   struct Impl;

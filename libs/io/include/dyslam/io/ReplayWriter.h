@@ -10,6 +10,8 @@
 
 namespace dyslam
 {
+class StateArchive;
+
 struct ReplayWriterOptions : Options
 {
   int every = 1;                 //!< 1: every scan; the others are left out
@@ -37,6 +39,8 @@ class ReplayWriter
  public:
   /** \throws UserError if the file cannot be made. */
   explicit ReplayWriter(const std::string& path, const ReplayWriterOptions& options = {});
+  /** Goes on where exchangeState() saved another one. \throws UserError. */
+  ReplayWriter(const std::string& path, const ReplayWriterOptions& options, StateArchive& saved);
   ~ReplayWriter();
   ReplayWriter(ReplayWriter&&) noexcept;
   ReplayWriter& operator=(ReplayWriter&&) noexcept;
@@ -48,6 +52,8 @@ class ReplayWriter
   void close();
 
   [[nodiscard]] std::size_t framesWritten() const;
+  /** Saves how far the file has come. */
+  void saveState(StateArchive& archive);
 
  private:
   struct Impl;

@@ -10,6 +10,8 @@
 
 namespace dyslam
 {
+class StateArchive;
+
 /** Ini section `[labels]`. */
 struct HindsightOptions : Options
 {
@@ -51,6 +53,9 @@ class HindsightLabels
   void add(const Frame& frame, bool wanted, const Use& use);
   /** Decides the frames that are left. */
   void finish(const Use& use);
+
+  /** The scans of the window. */
+  void exchangeState(StateArchive& archive);
 
  private:
   struct Impl;

@@ -15,6 +15,8 @@
 
 namespace dyslam
 {
+class StateArchive;
+
 /** What counts where runs of one place differ: a car that was parked there in one of them. */
 enum class MapChanges
 {
@@ -134,6 +136,9 @@ class StaticMap
   [[nodiscard]] std::size_t voxelCount() const;
   /** Of the voxels in memory [bytes]. */
   [[nodiscard]] std::size_t memory() const;
+
+  /** The voxels; the keyframes are saved by themselves. */
+  void exchangeState(StateArchive& archive);
 
  private:
   struct Impl;

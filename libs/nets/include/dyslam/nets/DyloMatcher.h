@@ -13,6 +13,8 @@
 
 namespace dyslam
 {
+class StateArchive;
+
 /** Result of matching two scans with DyLO. */
 struct DyloMatch
 {
@@ -53,6 +55,8 @@ class DyloMatcher
   /** Makes the current scan the reference; re-deskews it by `T_sweep` if its motion is known. */
   void keepAsReference(const std::optional<Pose>& T_sweep = {});
   void clearReference();
+  /** The reference. It is encoded again when it is loaded, which gives the same. */
+  void exchangeState(StateArchive& archive);
 
   /** Estimates the pose of the current scan in the frame of the reference; both must be set.
    * \param start initial guess

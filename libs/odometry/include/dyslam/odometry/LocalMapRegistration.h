@@ -13,6 +13,8 @@
 
 namespace dyslam
 {
+class StateArchive;
+
 enum class RefineMethod
 {
   none,            //!< no registration; no map is kept
@@ -129,6 +131,8 @@ class LocalMapRegistration
   /** Mean points of the map's cells, odom frame [m]; in a fixed order. */
   [[nodiscard]] std::vector<Eigen::Vector3f> mapPoints() const;
   void reset();
+  /** What is kept between one frame's integrate() and the next registerFrame(). */
+  void exchangeState(StateArchive& archive);
 
  private:
   struct State;

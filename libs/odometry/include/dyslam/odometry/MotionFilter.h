@@ -8,6 +8,8 @@
 
 namespace dyslam
 {
+class StateArchive;
+
 /** Ini section `[motion]`. */
 struct MotionFilterOptions : Options
 {
@@ -50,6 +52,8 @@ class MotionFilter
               const Vector6& prior_weight = Vector6::Ones());
   /** Update with a motion that is taken for exact. */
   void follow(double dt, const Pose& T_previous_current);
+  /** What is kept from frame to frame. */
+  void exchangeState(StateArchive& archive);
 
  private:
   using Matrix12 = Eigen::Matrix<double, 12, 12>;

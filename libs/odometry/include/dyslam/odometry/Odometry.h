@@ -17,6 +17,8 @@ class CTimeLogger;
 
 namespace dyslam
 {
+class StateArchive;
+
 class ScanMatcher;
 
 /** Ini section `[odometry]`. */
@@ -94,6 +96,8 @@ class Odometry
   /** Adds the frame of the last estimate() to the local map, weighted by what it knows now of what
    * moves. */
   void integrate(const Frame& frame);
+  /** What is kept from frame to frame. */
+  void exchangeState(StateArchive& archive);
 
   /** The methods in force, e.g. "constant_velocity + point_to_plane". */
   [[nodiscard]] std::string name() const;

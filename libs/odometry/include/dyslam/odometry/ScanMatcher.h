@@ -11,6 +11,8 @@
 
 namespace dyslam
 {
+class StateArchive;
+
 /** What a scan matcher found. */
 struct ScanMatch
 {
@@ -43,6 +45,8 @@ class ScanMatcher
   [[nodiscard]] virtual bool usesPrior() const { return false; }
   /** Forget all frames: the next one is a first frame. */
   virtual void reset() = 0;
+  /** What is kept from frame to frame. */
+  virtual void exchangeState(StateArchive& archive) = 0;
   [[nodiscard]] virtual std::string name() const = 0;
 };
 

@@ -15,6 +15,8 @@ class CTimeLogger;
 
 namespace dyslam
 {
+class StateArchive;
+
 struct FrontEndOptions
 {
   int threads = 0;       //!< 0: as many as the machine has
@@ -37,6 +39,8 @@ class FrontEnd
 
   /** Fills every part of the frame between source and backend. Frames come in order of time. */
   void process(Frame& frame);
+  /** What is kept from frame to frame. */
+  void exchangeState(StateArchive& archive);
 
   /** The methods in force, as "network + constant_velocity + point_to_plane". */
   [[nodiscard]] std::string summary() const;

@@ -19,6 +19,8 @@ class CTimeLogger;
 
 namespace dyslam
 {
+class StateArchive;
+
 class Backend;
 class StaticMap;
 
@@ -83,6 +85,11 @@ class Pipeline
 
   /** After the last frame: optimises once more and corrects the map. */
   void finish();
+
+  // What is kept from frame to frame, of each half, for its own thread. It is loaded before the
+  // first frame, into a pipeline with the same config.
+  void exchangeFrontEndState(StateArchive& archive);
+  void exchangeBackEndState(StateArchive& archive);
 
   [[nodiscard]] const Backend& backend() const;
   /** The static map; null if mapping is off. */

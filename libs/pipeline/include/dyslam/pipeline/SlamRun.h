@@ -14,6 +14,9 @@ namespace dyslam
 {
 class Pipeline;
 struct RawlogSourceOptions;
+class Checkpoints;
+class ScanSum;
+struct RunToResume;
 
 /** What one run is asked to do. Everything else is in the config. */
 struct SlamRunSettings
@@ -74,6 +77,14 @@ class SlamRun
   /** Before the first frame: makes the output folder, and removes what an earlier run left in it.
    * \throws UserError if it cannot be written. */
   void open();
+  /** Instead of open(): sets pipeline, counts and outputs to a saved state.
+   * \throws UserError if that cannot be. */
+  void resume(RunToResume& saved);
+  /** Between two frames: writes what is worth keeping if the run is killed, and the state.
+   * \param front_end Pipeline::exchangeFrontEndState() after the last frame \param scans so far */
+  void checkpoint(std::string front_end, const ScanSum& scans);
+  /** `output.checkpoint_seconds` */
+  [[nodiscard]] double checkpointSeconds() const;
   /** A frame that the pipeline has processed: counted, and handed to the outputs. */
   void add(Frame frame);
   [[nodiscard]] std::size_t frames() const;
@@ -100,4 +111,16 @@ class SlamRun
  * frames. \throws UserError for bad input, config or output folder. */
 SlamRunReport runSlam(const SlamRunSettings& settings,
                       const std::function<void(double, std::size_t)>& on_frame = {});
+
+/** Goes on with a run that was killed, from its last checkpoint: the files become those of a run
+ * that was not interrupted, byte for byte, but for times in the reports.
+ *
+ * Settings and recording are those that the run had; its scans are read again up to the checkpoint
+ * and must be the same.
+ * \param given `output_folder` of the run; `rawlog` if the recording has been moved, else empty;
+ *   `config` with those of its settings that are to be checked; `stop` and `profile_csv`
+ * \throws UserError as runSlam(), and if there is nothing to resume, the state is damaged, or
+ *   recording, settings or program differ. Nothing is removed then. */
+SlamRunReport resumeSlam(const SlamRunSettings& given,
+                         const std::function<void(double, std::size_t)>& on_frame = {});
 }  // namespace dyslam

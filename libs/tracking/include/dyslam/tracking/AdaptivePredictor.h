@@ -9,6 +9,8 @@
 
 namespace dyslam
 {
+class StateArchive;
+
 struct AdaptiveOptions
 {
   double forgetting_factor = 0.97;  //!< factor on the weight of past errors per observation, (0, 1]
@@ -73,6 +75,9 @@ class AdaptivePredictor
   using Positions = Eigen::Matrix<double, members, 2>;
   /** Predicted position of each member [m]. The history must not be empty. */
   [[nodiscard]] Positions memberPredictions(double stamp) const;
+
+  /** All that it is, options included. */
+  void exchangeState(StateArchive& archive);
 
  private:
   static constexpr int terms = PolynomialTrajectory::max_degree + 1;

@@ -8,6 +8,8 @@
 
 namespace dyslam
 {
+class StateArchive;
+
 struct KalmanOptions
 {
   double speed_sigma = 8;    //!< standard deviation of the speed before the first observation [m/s]
@@ -35,6 +37,9 @@ class KalmanMotion
 
   /** The last observations. */
   [[nodiscard]] const std::deque<TimedPosition>& history() const { return history_; }
+
+  /** All that it is, options included. */
+  void exchangeState(StateArchive& archive);
 
  private:
   void propagate(double dt, Eigen::Vector4d& state, Eigen::Matrix4d& covariance) const;

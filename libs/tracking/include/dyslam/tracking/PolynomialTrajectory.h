@@ -7,6 +7,8 @@
 
 namespace dyslam
 {
+class StateArchive;
+
 /** An observed position of an object's centre. */
 struct TimedPosition
 {
@@ -70,6 +72,9 @@ class PolynomialTrajectory
   [[nodiscard]] std::size_t size() const { return history_.size(); }
   [[nodiscard]] bool full() const;
   [[nodiscard]] const std::deque<TimedPosition>& history() const { return history_; }
+
+  /** All that it is, options included. */
+  void exchangeState(StateArchive& archive);
 
  private:
   PolynomialOptions options_;

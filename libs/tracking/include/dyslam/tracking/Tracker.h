@@ -9,6 +9,8 @@
 
 namespace dyslam
 {
+class StateArchive;
+
 /** Track lifecycle and association of one class of objects. */
 struct ClassTracking : Options
 {
@@ -101,6 +103,9 @@ class Tracker
   [[nodiscard]] std::vector<TrackedObject> update(double stamp,
                                                   const std::vector<Detection>& detections,
                                                   const Pose& T_odom_vehicle);
+
+  /** What is kept from scan to scan. */
+  void exchangeState(StateArchive& archive);
 
  private:
   struct Implementation;

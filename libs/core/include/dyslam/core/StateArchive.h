@@ -1,0 +1,254 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <dyslam/core/Fields.h>
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <map>
+#include <optional>
+#include <set>
+#include <string>
+#include <string_view>
+#include <type_traits>
+#include <unordered_map>
+#include <utility>
+#include <vector>
+
+namespace dyslam
+{
+class StateArchive;
+
+namespace state
+{
+template <typename T, typename = void>
+struct HasOwn : std::false_type
+{
+};
+template <typename T>
+struct HasOwn<
+    T,
+    std::void_t<decltype(std::declval<T&>().exchangeState(std::declval<StateArchive&>()))>>
+    : std::true_type
+{
+};
+
+/** Values whose bytes are all that they are, without gaps. */
+template <typename T>
+struct IsPlain
+    : std::bool_constant<(std::is_arithmetic_v<T> && !std::is_same_v<T, bool>) || std::is_enum_v<T>>
+{
+};
+template <typename Scalar, int Rows, int Cols, int Options, int MaxRows, int MaxCols>
+struct IsPlain<Eigen::Matrix<Scalar, Rows, Cols, Options, MaxRows, MaxCols>>
+    : std::bool_constant<Rows != Eigen::Dynamic && Cols != Eigen::Dynamic &&
+                         sizeof(Eigen::Matrix<Scalar, Rows, Cols, Options, MaxRows, MaxCols>) ==
+                             sizeof(Scalar) * static_cast<std::size_t>(Rows) *
+                                 static_cast<std::size_t>(Cols)>
+{
+};
+template <typename T, std::size_t N>
+struct IsPlain<std::array<T, N>> : IsPlain<T>
+{
+};
+}  // namespace state
+
+/** The state of objects as bytes: of a run that may have to go on in another process.
+ *
+ * One function for both directions: a class has `void exchangeState(StateArchive&)`, which hands
+ * over what the object keeps, and what is saved is what is loaded. Aggregates, containers, Eigen's
+ * types and numbers need none. Options are not part of a state: whoever loads makes the object from
+ * the same ones. Bytes are those of this machine's numbers; StateFile guards them against damage.
+ */
+class StateArchive
+{
+ public:
+  /** Saves. */
+  StateArchive() = default;
+  /** Loads. \param bytes must outlive the archive. */
+  explicit StateArchive(std::string_view bytes) : loading_(true), given_(bytes) {}
+
+  [[nodiscard]] bool isLoading() const { return loading_; }
+  /** What was saved. */
+  [[nodiscard]] const std::string& bytes() const { return saved_; }
+
+  /** Saves the values, or sets them to what was saved. \throws UserError for bytes that end early
+   * or make no sense; no memory is taken for more than there is. */
+  template <typename... T>
+  void operator()(T&... values)
+  {
+    (exchange(values), ...);
+  }
+  /** A number that must be the same when it is loaded, as a mark between parts.
+   * \throws UserError where it is not. */
+  void mark(std::uint32_t expected);
+  /** \throws UserError unless all has been loaded. */
+  void requireEnd() const;
+
+ private:
+  [[noreturn]] static void fail();
+  void raw(void* data, std::size_t size);
+  /** Number of elements; when loading, not more than there are bytes for. */
+  [[nodiscard]] std::size_t count(std::size_t size, std::size_t bytes_each);
+
+  template <typename T>
+  void exchange(T& value)
+  {
+    if constexpr (state::IsPlain<T>::value)
+    {
+      raw(&value, sizeof value);
+    }
+    else if constexpr (state::HasOwn<T>::value)
+    {
+      value.exchangeState(*this);
+    }
+    else
+    {
+      visitFields(value, [this](auto&... each) { (exchange(each), ...); });
+    }
+  }
+
+  void exchange(bool& value);
+  void exchange(std::string& value);
+  void exchange(std::vector<bool>& values);
+  template <typename Scalar, int Dim, int Mode, int Options>
+  void exchange(Eigen::Transform<Scalar, Dim, Mode, Options>& value)
+  {
+    exchange(value.matrix());
+  }
+  template <typename Scalar, int Options>
+  void exchange(Eigen::Quaternion<Scalar, Options>& value)
+  {
+    exchange(value.coeffs());
+  }
+  template <typename Scalar, int Rows, int Cols, int Options, int MaxRows, int MaxCols>
+  void exchange(Eigen::Matrix<Scalar, Rows, Cols, Options, MaxRows, MaxCols>& value)
+  {
+    static_assert(Rows != Eigen::Dynamic && Cols != Eigen::Dynamic);
+    raw(value.data(), sizeof(Scalar) * static_cast<std::size_t>(Rows * Cols));
+  }
+  template <typename T, std::size_t N>
+  void exchange(std::array<T, N>& values)
+  {
+    if constexpr (state::IsPlain<T>::value)
+    {
+      raw(values.data(), sizeof(T) * N);
+    }
+    else
+    {
+      for (T& value : values)
+      {
+        exchange(value);
+      }
+    }
+  }
+  template <typename T>
+  void exchange(std::vector<T>& values)
+  {
+    if constexpr (state::IsPlain<T>::value)
+    {
+      values.resize(count(values.size(), sizeof(T)));
+      raw(values.data(), sizeof(T) * values.size());
+    }
+    else
+    {
+      exchangeEach(values);
+    }
+  }
+  template <typename T>
+  void exchange(std::deque<T>& values)
+  {
+    exchangeEach(values);
+  }
+  template <typename T>
+  void exchange(std::optional<T>& value)
+  {
+    bool is_there = value.has_value();
+    exchange(is_there);
+    if (loading_)
+    {
+      value.reset();
+      if (is_there)
+      {
+        value.emplace();
+      }
+    }
+    if (is_there)
+    {
+      exchange(*value);
+    }
+  }
+  template <typename A, typename B>
+  void exchange(std::pair<A, B>& value)
+  {
+    exchange(value.first);
+    exchange(value.second);
+  }
+  template <typename Key, typename T, typename Less, typename Allocator>
+  void exchange(std::map<Key, T, Less, Allocator>& values)
+  {
+    exchangeMap(values);
+  }
+  template <typename Key, typename T, typename Hash, typename Equal, typename Allocator>
+  void exchange(std::unordered_map<Key, T, Hash, Equal, Allocator>& values)
+  {
+    exchangeMap(values);  // in another order when it is loaded
+  }
+  template <typename T>
+  void exchange(std::set<T>& values)
+  {
+    std::vector<T> all(values.begin(), values.end());
+    exchange(all);
+    values = std::set<T>(all.begin(), all.end());
+  }
+
+  template <typename Sequence>
+  void exchangeEach(Sequence& values)
+  {
+    const std::size_t size = count(values.size(), 1);
+    if (loading_)
+    {
+      values.clear();
+    }
+    for (std::size_t i = 0; i < size; ++i)
+    {
+      if (loading_)
+      {
+        values.emplace_back();
+      }
+      exchange(values[i]);
+    }
+  }
+  template <typename Map>
+  void exchangeMap(Map& values)
+  {
+    const std::size_t size = count(values.size(), 1);
+    if (!loading_)
+    {
+      for (auto& [key, value] : values)
+      {
+        auto copy = key;
+        exchange(copy);
+        exchange(value);
+      }
+      return;
+    }
+    values.clear();
+    for (std::size_t i = 0; i < size; ++i)
+    {
+      typename Map::key_type key{};
+      exchange(key);
+      exchange(values[key]);
+    }
+  }
+
+  bool loading_ = false;
+  std::string saved_;
+  std::string_view given_;
+  std::size_t position_ = 0;
+};
+}  // namespace dyslam

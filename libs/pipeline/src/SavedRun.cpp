@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "SavedRun.h"
+
+#include <dyslam/core/Error.h>
+#include <dyslam/core/StateArchive.h>
+#include <dyslam/core/Version.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <string_view>
+#include <utility>
+
+#include "StateFile.h"
+
+namespace dyslam
+{
+namespace fs = std::filesystem;
+
+namespace
+{
+constexpr std::size_t part_count = 5;
+
+template <typename T>
+std::string_view bytesOf(const std::vector<T>& values)
+{
+  return {reinterpret_cast<const char*>(values.data()), sizeof(T) * values.size()};
+}
+}  // namespace
+
+void writeRunState(const std::string& folder, RunState& state)
+{
+  StateArchive archive;
+  archive(state.run);
+  writeStateFile(
+      (fs::path(folder) / state_file_name).string(),
+      {archive.bytes(), state.front_end, state.back_end, state.outputs, state.slow_outputs});
+}
+
+RunToResume::RunToResume(const std::string& folder)
+{
+  const fs::path path = fs::path(folder) / state_file_name;
+  std::error_code ignored;
+  if (!fs::is_regular_file(path, ignored))
+  {
+    throw UserError(folder + ": nothing to resume: there is no " + state_file_name +
+                    "; the run has ended, or was killed before its first checkpoint "
+                    "(output.checkpoint_seconds)");
+  }
+  lock = std::make_unique<OutputFolder>(folder);
+  std::vector<std::string> parts = readStateFile(path.string(), part_count);
+  StateArchive archive(parts[0]);
+  archive(state.run);
+  archive.requireEnd();
+  if (state.run.version != DYSLAM_VERSION)
+  {
+    throw UserError(path.string() + ": is of DySLAM " + state.run.version + ", this is " +
+                    DYSLAM_VERSION + "; resume with that one, or start the run anew");
+  }
+  state.front_end = std::move(parts[1]);
+  state.back_end = std::move(parts[2]);
+  state.outputs = std::move(parts[3]);
+  state.slow_outputs = std::move(parts[4]);
+}
+
+void ScanSum::add(const Frame& frame)
+{
+  const Scan& scan = frame.scan;
+  const auto number = [](const auto& value)
+  { return std::string_view(reinterpret_cast<const char*>(&value), sizeof value); };
+  for (const std::string_view bytes :
+       {number(frame.index), number(scan.stamp), bytesOf(scan.points), bytesOf(scan.intensity),
+        bytesOf(scan.time), bytesOf(scan.ring)})
+  {
+    sum_ = checksum(bytes, sum_);
+  }
+  ++scans_;
+}
+
+bool Checkpoints::due()
+{
+  constexpr double share = 0.05;  // of the time
+  const auto now = std::chrono::steady_clock::now();
+  const double least = std::max(seconds_, cost_ / share);
+  if (seconds_ <= 0 || std::chrono::duration<double>(now - last_).count() < least)
+  {
+    return false;
+  }
+  last_ = now;
+  return true;
+}
+
+void Checkpoints::begin(std::size_t frame, Begun begun)
+{
+  const std::lock_guard<std::mutex> lock(mutex_);
+  begun_[frame] = std::move(begun);
+}
+
+std::optional<Checkpoints::Begun> Checkpoints::take(std::size_t frame)
+{
+  const std::lock_guard<std::mutex> lock(mutex_);
+  const auto found = begun_.find(frame);
+  if (found == begun_.end())
+  {
+    return std::nullopt;
+  }
+  Begun begun = std::move(found->second);
+  begun_.erase(found);
+  return begun;
+}
+}  // namespace dyslam

@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <dyslam/core/Frame.h>
+#include <dyslam/pipeline/SlamRun.h>
+
+#include <atomic>
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "OutputFolder.h"
+
+namespace dyslam
+{
+/** Which run a state is of, and how far it had come. */
+struct SavedRun
+{
+  std::string version;  //!< of the program
+  std::string rawlog;   //!< absolute
+  std::uint64_t rawlog_size = 0;
+  std::string settings;  //!< all of them, as an ini
+  std::vector<std::string> inputs;
+  std::string sensor;
+  std::vector<std::string> warnings;
+  bool static_scans = false;
+  bool labels = false;
+  std::size_t scans = 0;             //!< done
+  std::uint32_t scans_checksum = 0;  //!< ScanSum of these
+  double seconds = 0;                //!< that the run has taken
+};
+
+/** The state of a run, in parts that different threads make. */
+struct RunState
+{
+  SavedRun run;
+  std::string front_end;
+  std::string back_end;      //!< and what is counted
+  std::string outputs;       //!< those of the back end's thread
+  std::string slow_outputs;  //!< those of the writing thread
+};
+
+/** \throws UserError */
+void writeRunState(const std::string& folder, RunState& state);
+
+/** A folder that is locked, with the state that its run left. */
+struct RunToResume
+{
+  /** \throws UserError if there is no state, it cannot be used, or another run writes there. */
+  explicit RunToResume(const std::string& folder);
+
+  std::unique_ptr<OutputFolder> lock;
+  RunState state;
+};
+
+/** Checksum of the scans of a recording, one after the other. */
+class ScanSum
+{
+ public:
+  void add(const Frame& frame);
+  [[nodiscard]] std::size_t scans() const { return scans_; }
+  [[nodiscard]] std::uint32_t sum() const { return sum_; }
+
+ private:
+  std::size_t scans_ = 0;
+  std::uint32_t sum_ = 0;
+};
+
+/** Decides when there is a checkpoint, and hands the front end's part of it from its thread to that
+ * of the back end. */
+class Checkpoints
+{
+ public:
+  struct Begun
+  {
+    std::string front_end;
+    ScanSum scans;
+  };
+
+  /** \param seconds between checkpoints; 0: none. */
+  explicit Checkpoints(double seconds) : seconds_(seconds) {}
+
+  // The front end's thread:
+  /** Whether a checkpoint is due; if so, the next one is in so many seconds. */
+  [[nodiscard]] bool due();
+  void begin(std::size_t frame, Begun begun);
+
+  // The back end's thread:
+  /** How long one has held up the run [s]: the next ones come so seldom that all together take a
+   * twentieth of the time at most, however large the state has become. */
+  void took(double seconds) { cost_ = seconds; }
+  /** What was begun at this frame. */
+  [[nodiscard]] std::optional<Begun> take(std::size_t frame);
+
+ private:
+  double seconds_;
+  std::atomic<double> cost_ = 0;
+  std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
+  std::mutex mutex_;
+  std::map<std::size_t, Begun> begun_;  //!< by Frame::index
+};
+}  // namespace dyslam

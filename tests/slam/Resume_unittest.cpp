@@ -1,0 +1,313 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Runs that were killed go on from their last checkpoint to the same bytes.
+#include <dyslam/core/Error.h>
+#include <dyslam/io/RawlogWriter.h>
+#include <dyslam/pipeline/SlamRun.h>
+#include <dyslam/sim/Simulator.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <map>
+#include <sstream>
+#include <string>
+#include <thread>
+#include <vector>
+
+namespace fs = std::filesystem;
+
+namespace dyslam
+{
+namespace
+{
+constexpr int scan_count = 36;
+constexpr const char* state_name = "resume.state";
+
+std::string contentOf(const fs::path& path)
+{
+  std::ifstream file(path, std::ios::binary);
+  std::stringstream text;
+  text << file.rdbuf();
+  return text.str();
+}
+
+/** Without the lines that hold times of the clock. */
+std::string figuresOf(const std::string& report)
+{
+  std::string figures;
+  std::istringstream lines(report);
+  bool timed = false;
+  for (std::string line; std::getline(lines, line);)
+  {
+    timed = timed || line.find("_ms\": {") != std::string::npos;
+    const bool time = timed || line.find("run_time") != std::string::npos ||
+                      line.find("realtime") != std::string::npos ||
+                      line.find("ms_per_scan") != std::string::npos;
+    figures += time ? "" : line + "\n";
+    timed = timed && line.find('}') == std::string::npos;
+  }
+  return figures;
+}
+
+/** Every file of a run by name, without times of the clock and the settings of checkpoints. */
+std::map<std::string, std::string> filesOf(const fs::path& folder)
+{
+  std::map<std::string, std::string> files;
+  for (const auto& entry : fs::recursive_directory_iterator(folder))
+  {
+    const std::string name = fs::relative(entry.path(), folder).string();
+    if (!entry.is_regular_file() || name == "effective.ini")
+    {
+      continue;
+    }
+    const std::string content = contentOf(entry.path());
+    files[name] = name == "report.json"   ? figuresOf(content)
+                  : name == "report.html" ? content.substr(content.find("\"scans\":"))
+                                          : content;
+  }
+  return files;
+}
+
+void expectSameFiles(const fs::path& a, const fs::path& b)
+{
+  const auto files = filesOf(a);
+  const auto others = filesOf(b);
+  for (const auto& [name, content] : files)
+  {
+    const auto other = others.find(name);
+    ASSERT_TRUE(other != others.end()) << name << " is missing in " << b;
+    EXPECT_TRUE(other->second == content) << name << " differs in " << b;
+  }
+  for (const auto& [name, content] : others)
+  {
+    EXPECT_EQ(files.count(name), 1U) << name << " is only in " << b;
+  }
+}
+
+class Resume : public ::testing::Test
+{
+ protected:
+  static void SetUpTestSuite()
+  {
+    folder_ = fs::temp_directory_path() / ("dyslam_resume_" + std::to_string(::getpid()));
+    fs::create_directories(folder_);
+    sim::SimulatorOptions town;
+    town.sensor = sim::SensorKind::vlp16;
+    town.columns = 600;
+    town.traffic = 0.5;
+    town.seed = 11;
+    sim::Simulator simulator(town, 1);
+    RawlogWriter writer(recording());
+    for (int i = 0; i < scan_count; ++i)
+    {
+      const auto simulated = simulator.next();
+      writer.write(simulated.scan, simulated.T_map_vehicle);
+    }
+    writer.close();
+  }
+  static void TearDownTestSuite() { fs::remove_all(folder_); }
+
+  static std::string recording() { return (folder_ / "town.rawlog").string(); }
+
+  static SlamRunSettings settings(const std::string& output,
+                                  const std::vector<std::string>& assignments)
+  {
+    SlamRunSettings s;
+    s.rawlog = recording();
+    s.output_folder = (folder_ / output).string();
+    s.config =
+        Config::fromFile(std::string(DYSLAM_SOURCE_DIR) + "/share/dyslam/config_files/vlp16.ini");
+    s.labels = true;
+    s.static_scans = true;
+    for (const std::string& assignment : assignments)
+    {
+      s.config.set(assignment);
+    }
+    return s;
+  }
+
+  /** The folder as a kill would leave it now: the state first, for the rest may be ahead of it. */
+  static void snapshot(const fs::path& from, const fs::path& to)
+  {
+    while (!fs::exists(from / state_name))
+    {
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    fs::create_directories(to);
+    fs::copy_file(from / state_name, to / state_name);
+    for (const auto& entry : fs::recursive_directory_iterator(from))
+    {
+      const fs::path target = to / fs::relative(entry.path(), from);
+      std::error_code ignored;  // a file may get its name just now
+      if (entry.is_directory(ignored))
+      {
+        fs::create_directories(target);
+      }
+      else if (entry.path().filename() != state_name)
+      {
+        fs::copy_file(entry.path(), target, ignored);
+      }
+    }
+  }
+
+  static SlamRunReport resume(const fs::path& run)
+  {
+    SlamRunSettings s;
+    s.output_folder = run.string();
+    return resumeSlam(s);
+  }
+
+  /** Runs with a checkpoint at every scan, and resumes from where it was after each of `stops`. */
+  static void expectResumes(const std::string& name,
+                            std::vector<std::string> assignments,
+                            const std::vector<std::size_t>& stops)
+  {
+    SlamRunSettings whole = settings(name, assignments);
+    whole.config.set("output.checkpoint_seconds=0");
+    const SlamRunReport report = runSlam(whole);
+    EXPECT_EQ(report.frames, static_cast<std::size_t>(scan_count));
+    EXPECT_FALSE(fs::exists(fs::path(whole.output_folder) / state_name));
+
+    assignments.emplace_back("output.checkpoint_seconds=1e-6");
+    const SlamRunSettings killed = settings(name + "_killed", assignments);
+    const auto copyOf = [&](std::size_t stop)
+    { return folder_ / (name + "_" + std::to_string(stop)); };
+    (void)runSlam(killed,
+                  [&](double, std::size_t scans)
+                  {
+                    if (std::find(stops.begin(), stops.end(), scans) != stops.end())
+                    {
+                      snapshot(killed.output_folder, copyOf(scans));
+                    }
+                  });
+    expectSameFiles(whole.output_folder, killed.output_folder);  // checkpoints change nothing
+    for (const std::size_t stop : stops)
+    {
+      SCOPED_TRACE(name + ", killed after scan " + std::to_string(stop));
+      EXPECT_NE(contentOf(copyOf(stop) / "report.json").find("\"finished\": false"),
+                std::string::npos);
+      EXPECT_EQ(resume(copyOf(stop)).frames, static_cast<std::size_t>(scan_count));
+      expectSameFiles(whole.output_folder, copyOf(stop));
+    }
+  }
+
+  static inline fs::path folder_;
+};
+
+TEST_F(Resume, ObjectsLoopsAndHindsightGiveTheSameBytes)
+{
+  expectResumes("full",
+                {"backend.mode=full", "backend.keyframe_distance=0.5", "labels.window=6",
+                 "loop.min_path=1", "loop.interval=1", "loop.min_support=0"},
+                {2, 9, 17, 30});
+  std::ifstream graph(folder_ / "full" / "factor_graph.txt");
+  const std::string text((std::istreambuf_iterator<char>(graph)), std::istreambuf_iterator<char>());
+  EXPECT_NE(text.find("LOOP "), std::string::npos) << "no loop was closed";
+  EXPECT_NE(text.find("OBSERVATION "), std::string::npos) << "no object is in the graph";
+}
+
+TEST_F(Resume, FirstScanIsEnough)
+{
+  expectResumes("first", {"backend.mode=ego", "dyseg.method=residual"}, {1});
+}
+
+TEST_F(Resume, EveryScanMatcherGoesOn)
+{
+  for (const std::string method : {"icp_po2pl", "loam", "gicp", "zero_motion"})
+  {
+    expectResumes(method,
+                  {"odometry.method=" + method, "dyseg.method=residual", "dyseg.filter=true",
+                   "input.skip_first_n=0"},
+                  {11});
+  }
+}
+
+TEST_F(Resume, ResumedRunsCanBeKilledAgain)
+{
+  const std::vector<std::string> some{"output.checkpoint_seconds=1e-6", "labels.window=6"};
+  const SlamRunSettings whole = settings("again", some);
+  const fs::path first = folder_ / "again_1";
+  const fs::path second = folder_ / "again_2";
+  (void)runSlam(whole,
+                [&](double, std::size_t scans)
+                {
+                  if (scans == 8)
+                  {
+                    snapshot(whole.output_folder, first);
+                  }
+                });
+  SlamRunSettings s;
+  s.output_folder = first.string();
+  (void)resumeSlam(s,
+                   [&](double, std::size_t scans)
+                   {
+                     if (scans == 20)
+                     {
+                       snapshot(first, second);
+                     }
+                   });
+  expectSameFiles(whole.output_folder, first);
+  (void)resume(second);
+  expectSameFiles(whole.output_folder, second);
+}
+
+TEST_F(Resume, DamageAndDifferencesAreErrorsThatRemoveNothing)
+{
+  const SlamRunSettings run = settings("odd", {"output.checkpoint_seconds=1e-6"});
+  const fs::path killed = folder_ / "odd_killed";
+  (void)runSlam(run,
+                [&](double, std::size_t scans)
+                {
+                  if (scans == 6)
+                  {
+                    snapshot(run.output_folder, killed);
+                  }
+                });
+  const auto before = filesOf(killed);
+  const std::string state = contentOf(killed / state_name);
+  const auto write = [&](const std::string& bytes)
+  { std::ofstream(killed / state_name, std::ios::binary) << bytes; };
+  const auto expectRefused = [&](SlamRunSettings s, const std::string& why)
+  {
+    s.output_folder = killed.string();
+    try
+    {
+      (void)resumeSlam(s);
+      ADD_FAILURE() << why;
+    }
+    catch (const UserError& error)
+    {
+      EXPECT_NE(std::string(error.what()).find(why), std::string::npos) << error.what();
+    }
+  };
+  std::string damaged = state;
+  damaged[damaged.size() / 2] = static_cast<char>(damaged[damaged.size() / 2] ^ 1);
+  write(damaged);
+  expectRefused({}, "is damaged");
+  write(state.substr(0, state.size() - 1));
+  expectRefused({}, "is cut short");
+  write("");
+  expectRefused({}, "is cut short");
+  write("x" + state);
+  expectRefused({}, "no state of a run");
+  write(state);
+  SlamRunSettings other;
+  other.config.set("map.voxel_size=0.7");
+  expectRefused(other, "map.voxel_size is 0.7");
+  other = {};
+  other.rawlog = std::string(DYSLAM_SOURCE_DIR) + "/rawlog/campus16.rawlog";
+  expectRefused(other, "has another size");
+  fs::rename(killed / "scans.csv.tmp", folder_ / "scans.csv.tmp");
+  expectRefused({}, "scans.csv.tmp");
+  fs::rename(folder_ / "scans.csv.tmp", killed / "scans.csv.tmp");
+  EXPECT_EQ(filesOf(killed), before);
+  (void)resume(killed);
+  expectSameFiles(run.output_folder, killed);
+  expectRefused({}, "nothing to resume");
+}
+}  // namespace
+}  // namespace dyslam
