@@ -81,6 +81,8 @@ struct StaticMap::Impl
   }
 
   [[nodiscard]] KeyframeCloud thinned(const Frame& frame) const;
+  /** Takes the pose of the next keyframe. */
+  void takeNext(const Frame& frame);
   void stitch(std::size_t keyframe, const Stitched* before);
   void restitch(double voxel_size);
   /** How far the store's poses have moved from those that the map is stitched at, at most [m]. */
@@ -232,22 +234,27 @@ StaticMap::~StaticMap() = default;
 StaticMap::StaticMap(StaticMap&&) noexcept = default;
 StaticMap& StaticMap::operator=(StaticMap&&) noexcept = default;
 
+void StaticMap::Impl::takeNext(const Frame& frame)
+{
+  if (keyframes.size() <= poses.size() || keyframes[poses.size()].frame != frame.index)
+  {
+    throw std::invalid_argument("StaticMap: scan " + std::to_string(frame.index) +
+                                " is not keyframe " + std::to_string(poses.size()) + " of " +
+                                std::to_string(keyframes.size()));
+  }
+  if (revision != keyframes.revision() && largestCorrection() > options.correction_distance)
+  {
+    correct();
+  }
+  poses.push_back(keyframes[poses.size()].T_map_vehicle);
+}
+
 void StaticMap::insert(const Frame& frame)
 {
   Impl& m = *impl_;
-  if (m.keyframes.size() <= m.poses.size() || m.keyframes[m.poses.size()].frame != frame.index)
-  {
-    throw std::invalid_argument("StaticMap: scan " + std::to_string(frame.index) +
-                                " is not keyframe " + std::to_string(m.poses.size()) + " of " +
-                                std::to_string(m.keyframes.size()));
-  }
-  if (m.revision != m.keyframes.revision() && m.largestCorrection() > m.options.correction_distance)
-  {
-    m.correct();
-  }
+  m.takeNext(frame);
   m.cleaned.reset();
-  const Keyframe& keyframe = m.keyframes[m.poses.size()];
-  m.poses.push_back(keyframe.T_map_vehicle);
+  const Keyframe& keyframe = m.keyframes[m.poses.size() - 1];
   if (!keyframe.T_map_vehicle.matrix().allFinite())
   {
     return;
@@ -261,6 +268,11 @@ void StaticMap::insert(const Frame& frame)
   }
   m.stitch(m.poses.size() - 1, nullptr);
   m.keepWithinLimit();
+}
+
+void StaticMap::passOver(const Frame& frame)
+{
+  impl_->takeNext(frame);
 }
 
 void StaticMap::beginRun()

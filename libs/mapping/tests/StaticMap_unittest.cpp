@@ -47,6 +47,25 @@ std::vector<Pose> posesOf(std::size_t count, double step)
   return poses;
 }
 
+TEST(StaticMap, KeyframesThatArePassedOverLeaveNoPoints)
+{
+  TestMap map;
+  Frame frame;
+  frame.cloud.points = {{5, 0, 0}};
+  map.insert(frame);
+  Frame unregistered;
+  unregistered.cloud.points = {{10, 0, 0}};
+  map.keyframes->add(keyframeOf(unregistered));
+  map.map.passOver(unregistered);
+  EXPECT_EQ(map.map.points().size(), 1U);
+  frame.cloud.points = {{15, 0, 0}};
+  map.insert(frame);
+  EXPECT_EQ(map.map.points().size(), 2U);
+  map.correct(posesOf(3, 1));
+  EXPECT_EQ(map.map.points().size(), 2U);
+  EXPECT_EQ(map.map.keyframes().size(), 3U);
+}
+
 TEST(StaticMap, EmptyOnePointAndNotFinite)
 {
   TestMap map;

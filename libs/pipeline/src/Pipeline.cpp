@@ -78,7 +78,14 @@ void Pipeline::Stages::use(const Frame& decided)
   if (options.mapping && decided.is_keyframe)
   {
     const CTimeLoggerEntry timed(times, "map");
-    map.insert(decided);
+    if (decided.motion.converged)
+    {
+      map.insert(decided);
+    }
+    else
+    {
+      map.passOver(decided);
+    }
   }
   if (on_decided)
   {

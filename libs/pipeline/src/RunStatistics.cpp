@@ -35,6 +35,7 @@ void RunStatistics::add(const Frame& frame)
   if (!frame.motion.converged)
   {
     registration_failures.add(frame.motion.reason);
+    unregistered_keyframes += frame.is_keyframe ? 1U : 0U;
   }
   if (!frame.odometry.converged)
   {
@@ -93,6 +94,12 @@ std::vector<std::string> RunStatistics::warnings() const
         std::to_string(registration_failures.total()) + of_all +
         " could not be registered, most often because: " + registration_failures.mostFrequent());
   }
+  if (unregistered_keyframes > 0)
+  {
+    result.push_back("the points of " + std::to_string(unregistered_keyframes) +
+                     (unregistered_keyframes == 1 ? " keyframe" : " keyframes") +
+                     " are not in the map, as these scans could not be registered");
+  }
   return result;
 }
 
@@ -116,7 +123,7 @@ void Reasons::exchangeState(StateArchive& archive)
 
 void RunStatistics::exchangeState(StateArchive& archive)
 {
-  archive(frames, first_time, last_time, registration_failures, odometry_failures, moving_objects,
-          reference);
+  archive(frames, first_time, last_time, registration_failures, unregistered_keyframes,
+          odometry_failures, moving_objects, reference);
 }
 }  // namespace dyslam

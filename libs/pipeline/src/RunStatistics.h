@@ -54,6 +54,7 @@ struct RunStatistics
   double first_time = 0;  //!< Frame::time() of the first frame [s]
   double last_time = 0;
   Reasons registration_failures;  //!< of frames whose motion was predicted, not measured
+  std::size_t unregistered_keyframes = 0;
   Reasons odometry_failures;
   std::set<int> moving_objects;  //!< ids of those reported
   Trajectory reference;          //!< ground truth as recorded

@@ -104,6 +104,9 @@ class StaticMap
    * map yet.
    */
   void insert(const Frame& frame);
+  /** The next keyframe, without its points: where it was is not known well enough.
+   * \throws std::invalid_argument as insert(). */
+  void passOver(const Frame& frame);
 
   /** The keyframes inserted from here on are of another run of the same place, later than those
    * before. */
