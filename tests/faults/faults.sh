@@ -12,7 +12,7 @@ recording=$source/rawlog/campus16.rawlog
 failed=0
 
 # slam OUTPUT [FLAGS...]: a short run without output. Only its errors are heard, in OUTPUT.err.
-slam() { timeout 120 "$bin/dyslam" -v ERROR -i "${input:-$recording}" -c vlp16.ini -o "$@" 2>"$1.err"; }
+slam() { mkdir -p "$(dirname "$1")" && timeout 120 "$bin/dyslam" -v ERROR -i "${input:-$recording}" -c vlp16.ini -o "$@" 2>"$1.err"; }
 # slam_in_background OUTPUT: waits until some scans are done and holds it there; sets `run`.
 slam_in_background() {
   timeout 120 "$bin/dyslam" -v ERROR -i "${input:-$recording}" -c vlp16.ini -o "$1" 2>"$1.err" &
@@ -95,25 +95,25 @@ same_results() { # FOLDER OTHER: every file, but for times of the clock
 killed_and_resumed() { # at random moments, three times in one run
   local flags=(--only-first-n 25 --labels --static-scans --set labels.window=6 --set backend.mode=full)
   local often=(--set output.checkpoint_seconds=0.02) run code tries=0
-  check slam m "${flags[@]}"
+  check slam m/run "${flags[@]}" # pictures have the name of the last folder
   for round in 1 2 3; do
-    rm -rf n
-    timeout 120 "$bin/dyslam" -v ERROR -i "$recording" -c vlp16.ini -o n "${flags[@]}" "${often[@]}" 2>n.err &
-    until [[ -e n/resume.state ]] || ! kill -0 $! 2>/dev/null; do sleep 0.01; done
+    rm -rf n && mkdir n
+    timeout 120 "$bin/dyslam" -v ERROR -i "$recording" -c vlp16.ini -o n/run "${flags[@]}" "${often[@]}" 2>n.err &
+    until [[ -e n/run/resume.state ]] || ! kill -0 $! 2>/dev/null; do sleep 0.01; done
     for kill in 1 2 3; do
       sleep 0.$((RANDOM % 9))$((RANDOM % 10))
       run=$(pgrep -P $!) && kill -KILL "$run"
       wait $! 2>/dev/null
-      [[ -e n/resume.state ]] || break # it had ended
+      [[ -e n/run/resume.state ]] || break # it had ended
       tries=$((tries + 1))
-      grep -q '"finished": false' n/report.json || check test ! -e n/report.json
-      timeout 120 "$bin/dyslam" -v ERROR --resume -o n 2>n.err &
+      grep -q '"finished": false' n/run/report.json || check test ! -e n/run/report.json
+      timeout 120 "$bin/dyslam" -v ERROR --resume -o n/run 2>n.err &
     done
     wait $! 2>/dev/null
     code=$?
     check test "$code" -eq 0 -o "$code" -eq 127
     check no_leftovers n
-    same_results m n
+    same_results m/run n/run
   done
   check test "$tries" -ge 3
 }
@@ -129,7 +129,7 @@ killed_at_a_checkpoint() { # while the state is being written
   check grep -q 'o: unfinished: [0-9]* of [0-9]* scans' o.err
   cp -r o p
   printf '\x55' | dd of=p/resume.state bs=1 seek=$(($(stat -c %s p/resume.state) / 2)) conv=notrunc 2>/dev/null
-  find p -type f | sort >p.before
+  rm -f p/.dyslam.lock && find p -type f | sort >p.before
   "$bin/dyslam" -v ERROR --resume -o p 2>p.err
   check test $? -eq 1
   check grep -q 'p/resume.state: is damaged' p.err

@@ -36,6 +36,7 @@ void GzOutput::exchangeState(StateArchive& archive)
   {
     cutPending(pending_, size);
     open("ab");
+    std::fseek(file_, 0, SEEK_END);
   }
 }
 

@@ -185,6 +185,7 @@ void Pipeline::finish()
 
 void Pipeline::exchangeFrontEndState(StateArchive& archive)
 {
+  const CTimeLoggerEntry timed(stages_->times, "checkpoint.front_end");
   archive(stages_->front_end);
 }
 

@@ -195,7 +195,7 @@ void RunOutputs::checkpoint(RunState state, const RunResults& results)
     exchangeState(archive, false);
     state.outputs = archive.bytes();
   }
-  catch (const UserError&)
+  catch (const std::exception&)
   {
     return;  // the state before stays
   }
@@ -210,7 +210,7 @@ void RunOutputs::checkpoint(RunState state, const RunResults& results)
           synchronise(folder_);
           writeRunState(folder_, *shared);
         }
-        catch (const UserError&)
+        catch (const std::exception&)
         {
           // the state before stays
         }

@@ -272,6 +272,7 @@ double SlamRun::checkpointSeconds() const
 void SlamRun::checkpoint(std::string front_end, const ScanSum& scans)
 {
   Impl& m = *impl_;
+  const mrpt::system::CTimeLoggerEntry timed(m.times, "checkpoint.back_end");
   StateArchive back_end;
   m.pipeline.exchangeBackEndState(back_end);
   back_end(m.statistics, m.history);

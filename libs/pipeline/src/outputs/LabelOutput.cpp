@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/Files.h>
+#include <dyslam/core/StateArchive.h>
 
 #include "../RunOutput.h"
 #include "ScanLabels.h"
@@ -21,7 +22,13 @@ class LabelOutput : public RunOutput
   [[nodiscard]] bool isSlow() const override { return true; }
   [[nodiscard]] bool wantsDecided() const override { return true; }
   void open() override { makeFolder(path(folder)); }
-  void exchangeState(StateArchive& /*archive*/) override { open(); }
+  void exchangeState(StateArchive& archive) override
+  {
+    if (archive.isLoading())
+    {
+      open();
+    }
+  }
   void add(const Frame& frame) override
   {
     writeLabels(numberedPath(path(folder), frame, extension), scanLabels(frame));

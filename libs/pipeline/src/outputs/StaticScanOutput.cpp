@@ -65,9 +65,9 @@ class StaticScanOutput : public RunOutput
   }
   void exchangeState(StateArchive& archive) override
   {
-    makeFolder(path(folder));
     if (archive.isLoading())
     {
+      makeFolder(path(folder));
       writer_.emplace(path(rawlog), RawlogWriterOptions(), archive);
     }
     else
