@@ -16,6 +16,7 @@
 #include "GroundHeights.h"
 #include "PlaceFacts.h"
 #include "PlaceVerdict.h"
+#include "RayHistory.h"
 #include "Segments.h"
 #include "VisibilityImage.h"
 
@@ -23,31 +24,29 @@ namespace dyslam
 {
 namespace
 {
-constexpr int near_scans = 8;              // "just before and after"
-constexpr float lowest_of_object = 0.15F;  // over the ground [m]
-constexpr int ground_stride = 5;           // every so many scans of the window tell the ground
-constexpr std::size_t chunk = 256;         // of places in a thread
+constexpr float lowest_of_object = 0.1F;  // over the ground [m]
+constexpr int cells_above = 3;            // that tell whether a low point moves
+constexpr int ground_stride = 5;          // every so many scans of the window tell the ground
+constexpr int past_stride = 8;            // every so many scans before the window are asked
+constexpr double growth = 1.1;            // of the distances to those that are asked
+constexpr float sure_change = 3;          // scans that saw a place free: no more are needed
 
 /** Distances to the scans that are asked: all near ones, fewer far ones. */
 std::vector<int> scanOffsets(int window)
 {
   std::vector<int> offsets;
-  for (int o = 1; o <= window; o += std::max(1, o / 5))
+  for (int o = 1; o <= window; o += std::clamp(o / 2, 1, 5))
   {
     offsets.push_back(o);
   }
   return offsets;
 }
 
-/** What rays of other scans saw at a place. */
-struct RayCounts
+/** Of the scans that make it sure, at most 1. */
+float shareOf(std::uint16_t scans)
 {
-  std::uint16_t free_before = 0;
-  std::uint16_t free_after = 0;
-  std::uint16_t occupied = 0;
-  std::uint16_t free_near = 0;
-  std::uint16_t occupied_near = 0;
-};
+  return std::min(1.0F, static_cast<float>(scans) / sure_change);
+}
 
 /** One scan of the window. */
 struct WindowScan
@@ -61,6 +60,8 @@ struct WindowScan
     if (wanted)
     {
       frame = given;
+      frame->static_confidence = {};  // nobody asks for it any more
+      frame->static_prior = {};
     }
   }
 
@@ -70,6 +71,14 @@ struct WindowScan
   LowestReturns lowest;
 
   void exchangeState(StateArchive& archive) { archive(frame, T_odom_vehicle, image, lowest); }
+};
+
+/** One of the scans before the window. */
+struct PastScan
+{
+  std::size_t number;  //!< as they were added
+  Pose T_odom_vehicle;
+  VisibilityImage image;
 };
 
 /** What is near the ground moves if what stands above it does. */
@@ -89,7 +98,7 @@ void adaptLow(const Segments& segments,
     if (segments.group_of_point[i] == Segments::none)
     {
       moving[i] = false;
-      for (int above = 0; above < 2 && heights[i] > lowest_of_object; ++above)
+      for (int above = 0; above < cells_above && heights[i] > lowest_of_object; ++above)
       {
         const Eigen::Vector3f p =
             points[i] +
@@ -107,6 +116,7 @@ void HindsightOptions::describe(OptionsVisitor& v)
 {
   v.flag("hindsight", hindsight, "decide what moves from the scans before and after");
   v.integer("window", window, 1, 1000, "scans looked at on each side");
+  v.integer("history", history, 0, 100000, "scans before the window looked at, one in eight");
   v.real("voxel_size", voxel_size, 0.01, 10, "m, points this near share their evidence");
   v.real("segment_gap", segment_gap, 0.01, 10, "m, cells whose neighbours form one segment");
   v.real("margin", margin, 0.01, 10, "m, a ray must end this far behind a place to pass it");
@@ -124,16 +134,19 @@ struct HindsightLabels::Impl
   void decide(WindowScan& scan);
   void handOn(const Use& use);
   [[nodiscard]] GroundHeights ground() const;
-  [[nodiscard]] std::vector<RayCounts> lookAround(const Segments& segments);
+  [[nodiscard]] std::vector<RayLook> looks() const;
   [[nodiscard]] std::vector<float> trackedShare(const Frame& frame) const;
   [[nodiscard]] std::vector<PlaceEvidence> evidenceOf(const Segments& segments);
   void noteTracks(const Frame& frame);
+  void leaveWindow();
 
   HindsightOptions options;
   std::vector<int> offsets;
   ThreadPool pool;
   std::deque<WindowScan> scans;
+  std::deque<PastScan> past;                 //!< some of those before the window
   std::size_t next = 0;                      //!< of `scans`, to be decided
+  std::size_t count = 0;                     //!< of all scans added
   std::map<int, std::size_t> dynamic_until;  //!< last Frame::index at which the track was dynamic
   std::map<int, std::size_t> reported_until;
 };
@@ -148,18 +161,16 @@ GroundHeights HindsightLabels::Impl::ground() const
   return GroundHeights(lowest);
 }
 
-/** What the other scans say about the places of the scan to be decided. */
-std::vector<RayCounts> HindsightLabels::Impl::lookAround(const Segments& segments)
+/** The scans that are asked, those before and those after each in order of their distance. */
+std::vector<RayLook> HindsightLabels::Impl::looks() const
 {
-  const WindowScan& scan = scans[next];
-  struct Look
+  const Pose& here = scans[next].T_odom_vehicle;
+  std::vector<RayLook> result;
+  const auto ask = [&](const Pose& there, const VisibilityImage& image, bool after)
   {
-    const VisibilityImage* image;
-    Eigen::Isometry3f T_other_this;
-    bool near;
-    bool after;
+    const Eigen::Isometry3f T = (there.inverse() * here).cast<float>();
+    result.push_back({&image, T, after});
   };
-  std::vector<Look> looks;
   for (const int offset : offsets)
   {
     for (const int step : {-offset, offset})
@@ -168,48 +179,22 @@ std::vector<RayCounts> HindsightLabels::Impl::lookAround(const Segments& segment
       if (other >= 0 && other < static_cast<std::ptrdiff_t>(scans.size()))
       {
         const WindowScan& o = scans[static_cast<std::size_t>(other)];
-        looks.push_back({&o.image, (o.T_odom_vehicle.inverse() * scan.T_odom_vehicle).cast<float>(),
-                         offset <= near_scans, step > 0});
+        ask(o.T_odom_vehicle, o.image, step > 0);
       }
     }
   }
-  std::vector<RayCounts> counts(segments.first_point.size());
-  std::vector<Eigen::Vector3f> places;
-  places.reserve(counts.size());
-  for (const std::uint32_t first : segments.first_point)
+  const std::size_t number = count - (scans.size() - next);
+  auto last = static_cast<double>(offsets.back());
+  for (auto o = past.rbegin(); o != past.rend(); ++o)
   {
-    places.push_back(scan.frame->cloud.points[first]);
+    const auto age = static_cast<double>(number - o->number);
+    if (age >= growth * last)
+    {
+      ask(o->T_odom_vehicle, o->image, false);
+      last = age;
+    }
   }
-  const auto size = static_cast<float>(0.5 * options.voxel_size);
-  const auto margin = static_cast<float>(options.margin);
-  pool.forChunks(
-      counts.size(), chunk,
-      [&](std::size_t begin, std::size_t end, std::size_t)
-      {
-        std::array<Evidence, chunk> seen;
-        for (const Look& look : looks)
-        {
-          look.image->at(&places[begin], end - begin, look.T_other_this, size, margin, seen.data());
-          for (std::size_t g = begin; g < end; ++g)
-          {
-            RayCounts& c = counts[g];
-            switch (seen[g - begin])
-            {
-              case Evidence::free:
-                ++(look.after ? c.free_after : c.free_before);
-                c.free_near = static_cast<std::uint16_t>(c.free_near + look.near);
-                break;
-              case Evidence::occupied:
-                ++c.occupied;
-                c.occupied_near = static_cast<std::uint16_t>(c.occupied_near + look.near);
-                break;
-              case Evidence::none:
-                break;
-            }
-          }
-        }
-      });
-  return counts;
+  return result;
 }
 
 /** Of each point 1 if it belongs to a track that is dynamic at one time. */
@@ -234,20 +219,25 @@ std::vector<float> HindsightLabels::Impl::trackedShare(const Frame& frame) const
 std::vector<PlaceEvidence> HindsightLabels::Impl::evidenceOf(const Segments& segments)
 {
   const Frame& frame = *scans[next].frame;
-  const std::vector<RayCounts> counts = lookAround(segments);
+  std::vector<Eigen::Vector3f> places;
+  places.reserve(segments.first_point.size());
+  for (const std::uint32_t first : segments.first_point)
+  {
+    places.push_back(frame.cloud.points[first]);
+  }
+  const std::vector<RayCounts> counts =
+      countRays(looks(), places, static_cast<float>(0.5 * options.voxel_size),
+                static_cast<float>(options.margin), pool);
   std::vector<PlaceEvidence> evidence(counts.size());
   for (std::size_t g = 0; g < counts.size(); ++g)
   {
     const RayCounts& c = counts[g];
-    const int free = c.free_before + c.free_after;
     PlaceEvidence& e = evidence[g];
-    e.known = free + c.occupied > 0 ? 1.0F : 0.0F;
-    e.free = static_cast<float>(free) / static_cast<float>(std::max(1, free + c.occupied));
-    e.known_near = c.free_near + c.occupied_near > 0 ? 1.0F : 0.0F;
-    e.free_near = static_cast<float>(c.free_near) /
-                  static_cast<float>(std::max(1, c.free_near + c.occupied_near));
-    e.free_before = c.free_before > 0 ? 1.0F : 0.0F;
-    e.free_after = c.free_after > 0 ? 1.0F : 0.0F;
+    const int known = c.free + c.occupied;
+    e.known = known > 0 ? 1.0F : 0.0F;
+    e.free = static_cast<float>(c.free) / static_cast<float>(std::max(1, known));
+    e.change_before = shareOf(c.change_before);
+    e.change_after = shareOf(c.change_after);
   }
   const std::vector<float> tracked = trackedShare(frame);
   std::vector<float> points(counts.size(), 0.0F);
@@ -257,7 +247,6 @@ std::vector<PlaceEvidence> HindsightLabels::Impl::evidenceOf(const Segments& seg
     if (g != Segments::none)
     {
       points[g] += 1;
-      evidence[g].moving += frame.isMoving(i) ? 1.0F : 0.0F;
       evidence[g].tracked += tracked[i];
       evidence[g].probability +=
           i < frame.moving_probability.size() ? frame.moving_probability[i] : 0.0F;
@@ -265,7 +254,6 @@ std::vector<PlaceEvidence> HindsightLabels::Impl::evidenceOf(const Segments& seg
   }
   for (std::size_t g = 0; g < counts.size(); ++g)
   {
-    evidence[g].moving /= points[g];
     evidence[g].tracked /= points[g];
     evidence[g].probability /= points[g];
   }
@@ -287,6 +275,22 @@ void HindsightLabels::Impl::noteTracks(const Frame& frame)
   }
 }
 
+/** Takes the oldest scan out of the window. */
+void HindsightLabels::Impl::leaveWindow()
+{
+  const std::size_t number = count - scans.size();
+  if (number % past_stride == 0 && options.history > 0)
+  {
+    past.push_back({number, scans.front().T_odom_vehicle, std::move(scans.front().image)});
+  }
+  while (!past.empty() && number - past.front().number > static_cast<std::size_t>(options.history))
+  {
+    past.pop_front();
+  }
+  scans.pop_front();
+  --next;
+}
+
 /** Hands the next frame on, if it is wanted, and forgets the oldest scan. */
 void HindsightLabels::Impl::handOn(const Use& use)
 {
@@ -294,8 +298,7 @@ void HindsightLabels::Impl::handOn(const Use& use)
   ++next;
   if (next > static_cast<std::size_t>(options.window))
   {
-    scans.pop_front();
-    --next;
+    leaveWindow();
   }
   if (frame)
   {
@@ -322,8 +325,7 @@ void HindsightLabels::Impl::decide(WindowScan& scan)
   }
   const Segments segments =
       findSegments(points, use_point, options.voxel_size, options.segment_gap);
-  const std::vector<PlaceFacts> facts =
-      factsOf(segments, evidenceOf(segments), points, heights, frame.cloud.points);
+  const std::vector<PlaceFacts> facts = factsOf(segments, evidenceOf(segments), points, heights);
   frame.moving.resize(frame.cloud.size(), false);
   std::vector<bool> place_moves;
   for (const PlaceFacts& f : facts)
@@ -362,6 +364,7 @@ void HindsightLabels::add(const Frame& frame, bool wanted, const Use& use)
   Impl& m = *impl_;
   m.noteTracks(frame);
   m.scans.emplace_back(frame, wanted);
+  ++m.count;
   if (m.scans.size() - m.next > static_cast<std::size_t>(m.options.window))
   {
     m.decideNext(use);

@@ -16,12 +16,9 @@ class EvidenceSum
     ++count_;
     sum_.known += e.known;
     sum_.free += e.known * e.free;
-    sum_.known_near += e.known_near;
-    sum_.free_near += e.known_near * e.free_near;
-    sum_.free_before += e.free_before;
-    sum_.free_after += e.free_after;
+    sum_.change_before += e.change_before;
+    sum_.change_after += e.change_after;
     sum_.probability += e.probability;
-    sum_.moving += e.moving;
     sum_.tracked += e.tracked;
   }
   void add(const EvidenceSum& other)
@@ -29,12 +26,9 @@ class EvidenceSum
     count_ += other.count_;
     sum_.known += other.sum_.known;
     sum_.free += other.sum_.free;
-    sum_.known_near += other.sum_.known_near;
-    sum_.free_near += other.sum_.free_near;
-    sum_.free_before += other.sum_.free_before;
-    sum_.free_after += other.sum_.free_after;
+    sum_.change_before += other.sum_.change_before;
+    sum_.change_after += other.sum_.change_after;
     sum_.probability += other.sum_.probability;
-    sum_.moving += other.sum_.moving;
     sum_.tracked += other.sum_.tracked;
   }
   [[nodiscard]] float count() const { return count_; }
@@ -43,13 +37,10 @@ class EvidenceSum
     const float n = std::max(count_, 1.0F);
     PlaceEvidence e = sum_;
     e.free = sum_.free / std::max(sum_.known, 1e-6F);
-    e.free_near = sum_.free_near / std::max(sum_.known_near, 1e-6F);
     e.known /= n;
-    e.known_near /= n;
-    e.free_before /= n;
-    e.free_after /= n;
+    e.change_before /= n;
+    e.change_after /= n;
     e.probability /= n;
-    e.moving /= n;
     e.tracked /= n;
     return e;
   }
@@ -64,13 +55,11 @@ struct Extent
 {
   Eigen::Vector3f low = Eigen::Vector3f::Constant(1e9F);    //!< map frame [m]
   Eigen::Vector3f high = Eigen::Vector3f::Constant(-1e9F);  //!< map frame [m]
-  float height = 1e9F;  //!< of its lowest point over the ground [m]
 
-  void add(const Eigen::Vector3f& p, float over_ground)
+  void add(const Eigen::Vector3f& p)
   {
     low = low.cwiseMin(p);
     high = high.cwiseMax(p);
-    height = std::min(height, over_ground);
   }
 };
 
@@ -100,8 +89,7 @@ float falseFreeShare(const std::vector<PlaceFacts>& facts)
 std::vector<PlaceFacts> factsOf(const Segments& segments,
                                 const std::vector<PlaceEvidence>& evidence,
                                 const std::vector<Eigen::Vector3f>& points,
-                                const std::vector<float>& heights,
-                                const std::vector<Eigen::Vector3f>& in_vehicle)
+                                const std::vector<float>& heights)
 {
   std::vector<EvidenceSum> of_cell(segments.cells.size());
   std::vector<EvidenceSum> of_segment(segments.segments);
@@ -110,8 +98,7 @@ std::vector<PlaceFacts> factsOf(const Segments& segments,
   {
     of_cell[segments.cell_of_group[g]].add(evidence[g]);
     of_segment[segments.segment_of_group[g]].add(evidence[g]);
-    extent[segments.segment_of_group[g]].add(points[segments.first_point[g]],
-                                             heights[segments.first_point[g]]);
+    extent[segments.segment_of_group[g]].add(points[segments.first_point[g]]);
   }
   std::vector<PlaceEvidence> around;
   for (std::uint32_t c = 0; c < of_cell.size(); ++c)
@@ -134,12 +121,10 @@ std::vector<PlaceFacts> factsOf(const Segments& segments,
     f.own = evidence[g];
     f.around = around[segments.cell_of_group[g]];
     f.segment = whole[s];
-    f.range = in_vehicle[f.point].norm();
     f.height = heights[f.point];
     const Eigen::Vector3f size = extent[s].high - extent[s].low;
     f.length = std::max(size.x(), size.y());
     f.segment_height = size.z();
-    f.segment_low = extent[s].height;
     f.places = of_segment[s].count();
   }
   const float false_free = falseFreeShare(facts);

@@ -11,10 +11,9 @@ namespace dyslam
 {
 /** The places of a scan with all that is known of them, their neighbours and their segments.
  * \param evidence by place \param points of the scan, map frame [m] \param heights of them over the
- * ground [m] \param in_vehicle the points in the vehicle's frame [m] */
+ * ground [m] */
 [[nodiscard]] std::vector<PlaceFacts> factsOf(const Segments& segments,
                                               const std::vector<PlaceEvidence>& evidence,
                                               const std::vector<Eigen::Vector3f>& points,
-                                              const std::vector<float>& heights,
-                                              const std::vector<Eigen::Vector3f>& in_vehicle);
+                                              const std::vector<float>& heights);
 }  // namespace dyslam

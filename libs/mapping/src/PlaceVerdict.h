@@ -8,15 +8,12 @@ namespace dyslam
 /** What is known of a place, of its neighbours, or of a segment: means over places. */
 struct PlaceEvidence
 {
-  float known = 0;       //!< share of places that rays of other scans saw
-  float free = 0;        //!< of these rays, the share that passed through
-  float known_near = 0;  //!< the same for the scans just before and after alone
-  float free_near = 0;
-  float free_before = 0;  //!< share of places that were observed free earlier
-  float free_after = 0;   //!< and later
-  float probability = 0;  //!< moving probability of the points, causal
-  float moving = 0;       //!< share of points that were called moving, causal
-  float tracked = 0;      //!< share of points in a track that is dynamic at one time
+  float known = 0;          //!< share of places that rays of other scans saw
+  float free = 0;           //!< of these rays, the share that passed through
+  float change_before = 0;  //!< how surely it was free before it was occupied, in [0, 1]
+  float change_after = 0;   //!< how surely it is free afterwards
+  float probability = 0;    //!< moving probability of the points, causal
+  float tracked = 0;        //!< share of points in a track that is dynamic at one time
 };
 
 /** All that speaks for and against the motion of the points of one place. */
@@ -26,11 +23,9 @@ struct PlaceFacts
   PlaceEvidence own;
   PlaceEvidence around;      //!< of the cells that touch it
   PlaceEvidence segment;     //!< of the segment it belongs to
-  float range = 0;           //!< from the vehicle [m]
   float height = 0;          //!< over the ground [m]
   float length = 0;          //!< longest side of the segment, along an axis of the map [m]
   float segment_height = 0;  //!< [m]
-  float segment_low = 0;     //!< height of the segment's lowest point over the ground [m]
   float places = 0;          //!< of the segment
   float doubt = 0;           //!< of free rays in this scan, in [0, 1]
 };

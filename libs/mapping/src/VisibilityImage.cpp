@@ -19,6 +19,7 @@ constexpr float row_height = 0.4F * pi / 180.0F;
 constexpr float horizon = 0.5F * row_height;  // row 0 begins there
 constexpr int widest_window = 4;              // pixels to each side
 constexpr float nearest = 0.5F;               // [m]
+constexpr float closest_pass = 0.1F;          // of a ray through a place [m]
 
 constexpr std::size_t block = 128;  // rays looked at together
 }  // namespace
@@ -178,6 +179,7 @@ void VisibilityImage::aim(Rays& rays) const
 Evidence VisibilityImage::look(int row, int col, float range, float size, float margin) const
 {
   constexpr float pixel = 2 * pi / cols;
+  const int hit = static_cast<int>(closest_pass / (range * pixel));
   if (!std::isfinite(range) || range < nearest)
   {
     return Evidence::none;
@@ -189,6 +191,7 @@ Evidence VisibilityImage::look(int row, int col, float range, float size, float 
     return Evidence::none;
   }
   int passed = 0;
+  bool close = false;
   bool stopped = false;
   for (int r = row - half; r <= row + half; ++r)
   {
@@ -201,10 +204,13 @@ Evidence VisibilityImage::look(int row, int col, float range, float size, float 
         return Evidence::occupied;
       }
       stopped = stopped || seen < range;
-      passed += seen > range && std::isfinite(seen) ? 1 : 0;
+      const bool passes = seen > range && std::isfinite(seen);
+      passed += passes ? 1 : 0;
+      close = close || (passes && std::abs(r - row) <= hit && std::abs(c - col) <= hit);
     }
   }
-  return !stopped && passed > half ? Evidence::free : Evidence::none;
+  return !stopped && passed > half ? (close ? Evidence::free : Evidence::passed_by)
+                                   : Evidence::none;
 }
 
 void VisibilityImage::at(const Eigen::Vector3f* places,

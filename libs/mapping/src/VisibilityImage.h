@@ -15,9 +15,10 @@ class StateArchive;
 /** What the rays of one scan say about a place. */
 enum class Evidence
 {
-  none,     //!< no ray went that way, or something nearer stopped it
-  free,     //!< rays passed through it
-  occupied  //!< a ray ended there
+  none,       //!< no ray went that way, or something nearer stopped it
+  free,       //!< rays passed through it
+  passed_by,  //!< rays passed all around it, but so far away that thin things may have been missed
+  occupied    //!< a ray ended there
 };
 
 /** How far one scan's rays went in every direction: nearest return per pixel. The image
@@ -46,7 +47,8 @@ class VisibilityImage
           Evidence* evidence) const;
   [[nodiscard]] bool observesFree(const Eigen::Vector3f& p, float size, float margin) const
   {
-    return at(p, size, margin) == Evidence::free;
+    const Evidence seen = at(p, size, margin);
+    return seen == Evidence::free || seen == Evidence::passed_by;
   }
 
   void exchangeState(StateArchive& archive);

@@ -16,7 +16,8 @@ class StateArchive;
 struct HindsightOptions : Options
 {
   bool hindsight = true;     //!< decide what moves from scans before and after
-  int window = 40;           //!< scans looked at on each side
+  int window = 100;          //!< scans looked at on each side
+  int history = 400;         //!< scans before those looked at as well; one in eight is held
   double voxel_size = 0.2;   //!< points this near to each other share their evidence [m]
   double segment_gap = 0.4;  //!< side of the cells whose neighbours form one segment [m]
   double margin = 0.5;       //!< a ray must end this far behind a place to observe it as free [m]
@@ -28,11 +29,11 @@ struct HindsightOptions : Options
 /** Decides again what moves in each scan of a replay, which knows the scans after it as well.
  *
  * The returns above the ground are joined to segments. Of each place the rays of the scans before
- * and after tell whether it was free or occupied then: what was never free stands; what was free
- * before or will be free moves, if it does not stay where it is for the scans around it. The causal
- * decision (network or residual) and the track that a point belongs to, from its first detection to
- * its last, are the prior. The idea of ray evidence follows Removert (Kim and Kim, 2020), ERASOR
- * (Lim et al., 2021) and DUFOMap (Duberg et al., 2024).
+ * and after tell whether it was free or occupied then: what was never free stands; what came or
+ * will leave moves, even while it stands in between. The causal decision (network or residual) and
+ * the track that a point belongs to, from its first detection to its last, are the prior. The idea
+ * of ray evidence follows Removert (Kim and Kim, 2020), ERASOR (Lim et al., 2021) and DUFOMap
+ * (Duberg et al., 2024).
  *
  * Frames leave it `window` scans after they came, so that memory is bounded. The same bytes for any
  * number of threads. Not thread-safe.

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <dyslam/core/Parallel.h>
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <cstdint>
+#include <vector>
+
+#include "VisibilityImage.h"
+
+namespace dyslam
+{
+/** One other scan that is asked about places. */
+struct RayLook
+{
+  const VisibilityImage* image;
+  Eigen::Isometry3f T_other_this;  //!< takes places to the other scan's vehicle frame
+  bool after;                      //!< the other scan is later
+};
+
+/** What the rays of other scans saw at a place. */
+struct RayCounts
+{
+  std::uint16_t free = 0;
+  std::uint16_t occupied = 0;
+  /** Largest number of scans earlier than some moment that saw the place free, less twice those
+   * that saw it occupied: what came, and stayed or passed, leaves such a change. Thin things and
+   * edges, which are seen free and occupied by turns, do not. */
+  std::uint16_t change_before = 0;
+  std::uint16_t change_after = 0;  //!< the same of later scans: what leaves
+};
+
+/** Asks all looks about all places.
+ * \param looks those before and those after each in order of their distance in time
+ * \param places vehicle frame of the scan to be decided [m] \param size of a place and \param
+ * margin of a ray behind it, see VisibilityImage::at() [m]. Same result for any number of threads.
+ */
+[[nodiscard]] std::vector<RayCounts> countRays(const std::vector<RayLook>& looks,
+                                               const std::vector<Eigen::Vector3f>& places,
+                                               float size,
+                                               float margin,
+                                               ThreadPool& pool);
+}  // namespace dyslam
