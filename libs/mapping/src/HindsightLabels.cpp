@@ -381,6 +381,7 @@ void HindsightLabels::finish(const Use& use)
 
 void HindsightLabels::exchangeState(StateArchive& archive)
 {
-  archive(impl_->scans, impl_->next, impl_->dynamic_until, impl_->reported_until);
+  archive(impl_->scans, impl_->past, impl_->next, impl_->count, impl_->dynamic_until,
+          impl_->reported_until);
 }
 }  // namespace dyslam
