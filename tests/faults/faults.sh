@@ -121,7 +121,9 @@ killed_at_a_checkpoint() { # while the state is being written
   local run
   timeout 120 "$bin/dyslam" -v ERROR -i "$recording" -c vlp16.ini -o o --only-first-n 25 --labels \
     --set output.checkpoint_seconds=0.001 2>o.err &
-  until [[ -e o/resume.state && -e o/resume.state.tmp ]] || ! kill -0 $! 2>/dev/null; do :; done
+  until [[ -e o/resume.state.tmp && $(cat o/trajectory_tum.txt 2>/dev/null | wc -l) -ge 3 ]] || ! kill -0 $! 2>/dev/null; do
+    :
+  done
   run=$(pgrep -P $!) && kill -KILL "$run"
   wait $! 2>/dev/null
   check test -s o/resume.state -a -s o/trajectory_tum.txt
