@@ -34,6 +34,15 @@ void append(const std::vector<Value>& part, std::vector<Value>& all)
   all.insert(all.end(), part.begin(), part.end());
 }
 
+void reserve(std::size_t count, MapPoints& points)
+{
+  points.points.reserve(count);
+  points.intensity.reserve(count);
+  points.hits.reserve(count);
+  points.voxel.reserve(count);
+  points.keyframe.reserve(count);
+}
+
 void append(const MapPoints& part, MapPoints& all)
 {
   append(part.points, all.points);
@@ -311,6 +320,7 @@ void StaticMap::forEachPart(const std::function<void(const MapPoints&)>& use) co
 MapPoints StaticMap::points() const
 {
   MapPoints result;
+  reserve(pointCount(), result);
   forEachPart([&](const MapPoints& part) { append(part, result); });
   return result;
 }
