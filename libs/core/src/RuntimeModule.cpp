@@ -4,6 +4,9 @@
 #include <dyslam/core/RuntimeModule.h>
 #include <dyslam/core/Version.h>
 
+#include <cstdlib>
+#include <vector>
+
 #include "ProgramFolders.h"
 
 namespace dyslam
@@ -34,14 +37,33 @@ std::vector<std::filesystem::path> moduleFolders()
       .candidates();
 }
 
+/** Whether this machine has AVX2, FMA and BMI2, unless $DYSLAM_CPU asks for `baseline`. */
+bool usesV3()
+{
+#ifdef __x86_64__
+  const char* asked = std::getenv("DYSLAM_CPU");
+  return (asked == nullptr || std::string(asked) != "baseline") &&
+         __builtin_cpu_supports("avx2") != 0 && __builtin_cpu_supports("fma") != 0 &&
+         __builtin_cpu_supports("bmi2") != 0;
+#else
+  return false;
+#endif
+}
+
 /** \return empty if there is none. */
 std::string findModule(const std::string& module)
 {
+  const std::vector<std::string> variants =
+      usesV3() ? std::vector<std::string>{"x86-64-v3", ""} : std::vector<std::string>{""};
   for (const auto& folder : moduleFolders())
   {
-    if (std::filesystem::is_regular_file(folder / fileOf(module)))
+    for (const std::string& variant : variants)
     {
-      return (folder / fileOf(module)).string();
+      const auto file = folder / variant / fileOf(module);
+      if (std::filesystem::is_regular_file(file))
+      {
+        return file.string();
+      }
     }
   }
   return "";

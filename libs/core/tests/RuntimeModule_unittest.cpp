@@ -3,6 +3,7 @@
 #include <dyslam/core/RuntimeModule.h>
 #include <gtest/gtest.h>
 
+#include <cstdlib>
 #include <string>
 
 namespace dyslam
@@ -26,6 +27,23 @@ TEST(RuntimeModule, GivesItsFunction)
 {
   auto* square = runtimeModuleFunction<int(int)>("test", "dyslam_test_square", "the test");
   EXPECT_EQ(square(7), 49);
+}
+
+TEST(RuntimeModule, TheBuildForThisMachineIsTakenUnlessThePlainOneIsAskedFor)
+{
+  const auto cpu = []
+  {
+    return std::string(
+        runtimeModuleFunction<const char*()>("cpu_test", "dyslam_test_cpu", "the test")());
+  };
+  ASSERT_EQ(setenv("DYSLAM_CPU", "baseline", 1), 0);
+  EXPECT_EQ(cpu(), "baseline");
+  ASSERT_EQ(unsetenv("DYSLAM_CPU"), 0);
+#ifdef __x86_64__
+  const bool has_v3 = __builtin_cpu_supports("avx2") != 0 && __builtin_cpu_supports("fma") != 0 &&
+                      __builtin_cpu_supports("bmi2") != 0;
+  EXPECT_EQ(cpu(), has_v3 ? "x86-64-v3" : "baseline");
+#endif
 }
 
 TEST(RuntimeModule, MissingOneNamesTheSettingAndTheFile)

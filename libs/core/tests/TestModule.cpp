@@ -1,11 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/RuntimeModule.h>
 
+#ifndef TEST_MODULE_CPU
+#define TEST_MODULE_CPU "any"
+#endif
+
 // A module to load in RuntimeModule_unittest.cpp, of the version TEST_MODULE_VERSION.
 extern "C"
 {
   dyslam::RuntimeModuleVersion dyslam_module_version;
   int dyslam_test_square(int x);
+  const char* dyslam_test_cpu();
 
   const char* dyslam_module_version()
   {
@@ -15,5 +20,10 @@ extern "C"
   int dyslam_test_square(int x)
   {
     return x * x;
+  }
+
+  const char* dyslam_test_cpu()
+  {
+    return TEST_MODULE_CPU;
   }
 }
