@@ -71,13 +71,13 @@ Json readReport(const fs::path& folder)
   return report.value_or(Json::object());
 }
 
-/** Says of a run that was killed how far it had come. */
-void noteUnfinished(const std::string& folder, const Json& report, const std::string& truth)
+/** Says of a run that was killed how far it had come. \return whether it is one */
+bool noteUnfinished(const std::string& folder, const Json& report, const std::string& truth)
 {
   const auto finished = report.find("finished");
   if (finished == report.end() || !finished->is_boolean() || finished->get<bool>())
   {
-    return;
+    return false;
   }
   const auto frames = report.find("frames");
   std::string scans =
@@ -89,6 +89,7 @@ void noteUnfinished(const std::string& folder, const Json& report, const std::st
   }
   std::cerr << "note: " << folder << ": unfinished: " << scans << " scans; dyslam --resume -o "
             << folder << " goes on\n";
+  return true;
 }
 
 /** Nothing, with a note, if the run has no or too little ground truth. */
@@ -165,8 +166,9 @@ RunScores scoresOf(const std::string& folder, const Arguments& a)
     scores.consistency = evaluateConsistency(folder);
   }
   const std::string truth = truthFolder(a, scores.report);
-  noteUnfinished(folder, scores.report, truth);
-  if (fs::is_directory(fs::path(folder) / "labels"))
+  const bool unfinished = noteUnfinished(folder, scores.report, truth);
+  const fs::path labels = fs::path(folder) / "labels";
+  if (fs::is_directory(labels) && !(unfinished && fs::is_empty(labels)))
   {
     if (!truth.empty() && fs::is_directory(fs::path(truth) / "labels"))
     {
