@@ -21,9 +21,11 @@ std::size_t countOf(const std::vector<Loop>& loops, LoopVerdict verdict)
 int usedLoops(const FactorGraph& graph)
 {
   const auto ids = graph.factorIds();
-  return static_cast<int>(std::count_if(
-      ids.begin(), ids.end(), [&](FactorGraph::FactorId id)
-      { return graph.factor(id).kind() == FactorKind::loop && !graph.isLeftOut(id); }));
+  return static_cast<int>(std::count_if(ids.begin(), ids.end(),
+                                        [&](FactorGraph::FactorId id) {
+                                          return graph.factor(id).kind() == FactorKind::loop &&
+                                                 !graph.isLeftOut(id);
+                                        }));
 }
 }  // namespace
 
