@@ -42,6 +42,47 @@ std::map<std::string, std::string> labelFiles(const std::string& folder)
   return files;
 }
 
+/** Those of which a point is labelled moving in any scan; 0 is none. */
+std::set<std::uint16_t> movingInstances(const std::map<std::string, std::string>& files)
+{
+  std::set<std::uint16_t> result;
+  for (const auto& [name, path] : files)
+  {
+    for (const Label label : readLabels(path))
+    {
+      if (isMovingLabel(label) && instanceOf(label) != 0)
+      {
+        result.insert(instanceOf(label));
+      }
+    }
+  }
+  return result;
+}
+
+std::vector<Label> readAs(const ReferenceReading& reading,
+                          const std::set<std::uint16_t>& movers,
+                          std::vector<Label> labels)
+{
+  for (Label& label : labels)
+  {
+    const std::uint16_t instance = instanceOf(label);
+    if (isIgnoredLabel(label) || instance == 0)
+    {
+      continue;
+    }
+    if (reading.standing.count(instance) != 0)
+    {
+      label =
+          makeLabel(isMovingLabel(label) ? semanticOf(label_static) : semanticOf(label), instance);
+    }
+    else if (movers.count(instance) != 0 && !isMovingLabel(label))
+    {
+      label = makeLabel(semanticOf(label_moving), instance);
+    }
+  }
+  return labels;
+}
+
 TableCell ratioCell(std::optional<double> value)
 {
   return {value, 4};
@@ -53,9 +94,13 @@ nlohmann::ordered_json orNull(std::optional<double> value)
 }
 }  // namespace
 
-LabelComparison compareLabelFolders(const std::string& reference, const std::string& estimate)
+LabelComparison compareLabelFolders(const std::string& reference,
+                                    const std::string& estimate,
+                                    const ReferenceReading& reading)
 {
   const auto reference_files = labelFiles(reference);
+  const std::set<std::uint16_t> movers =
+      reading.ever_moving ? movingInstances(reference_files) : std::set<std::uint16_t>();
   const auto estimated_files = labelFiles(estimate);
   LabelComparison result;
   result.reference_scans = reference_files.size();
@@ -65,7 +110,7 @@ LabelComparison compareLabelFolders(const std::string& reference, const std::str
     const auto match = estimated_files.find(name);
     if (match != estimated_files.end())
     {
-      const auto labels = readLabels(path);
+      const auto labels = readAs(reading, movers, readLabels(path));
       result.evaluator.add(labels, readLabels(match->second, labels.size()));
     }
   }

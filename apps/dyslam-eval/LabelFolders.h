@@ -5,6 +5,8 @@
 #include <dyslam/eval/Table.h>
 
 #include <cstddef>
+#include <cstdint>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -19,10 +21,20 @@ struct LabelComparison
   std::size_t estimated_scans = 0;
 };
 
+/** What the reference means. */
+struct ReferenceReading
+{
+  /** An instance that moves in one scan counts as moving in all, as SemanticKITTI labels them; else
+   * where its points are labelled so. */
+  bool ever_moving = false;
+  std::set<std::uint16_t> standing;  //!< instances that stand, whatever their labels are
+};
+
 /** Folders of NNNNNN.label, or folders with such a subfolder `labels`.
  * \throws UserError if they have no scan in common or a scan's labels differ in number. */
 [[nodiscard]] LabelComparison compareLabelFolders(const std::string& reference,
-                                                  const std::string& estimate);
+                                                  const std::string& estimate,
+                                                  const ReferenceReading& reading = {});
 
 using NamedComparisons = std::vector<std::pair<std::string, LabelComparison>>;
 [[nodiscard]] Table segmentationTable(const NamedComparisons& results);

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "SegmentationCommand.h"
 
+#include <cstdint>
 #include <iostream>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "LabelFolders.h"
 #include "OutputFiles.h"
@@ -16,6 +18,8 @@ struct Arguments
 {
   std::string reference;
   std::string estimate;
+  bool ever_moving = false;
+  std::vector<std::uint16_t> standing;
   OutputFlags output;
 };
 }  // namespace
@@ -29,10 +33,17 @@ Subcommand segmentationCommand(CLI::App& app)
       ->required();
   sub->add_option("--estimate", a->estimate, "folder of estimated labels, or a run's folder")
       ->required();
+  sub->add_flag("--ever-moving", a->ever_moving,
+                "what moves in one scan of the reference counts as moving in all (by instance)");
+  sub->add_option("--standing", a->standing,
+                  "instances that stand, although the reference calls them moving")
+      ->delimiter(',');
   a->output.declare(*sub);
   return {sub, [a]
           {
-            const LabelComparison result = compareLabelFolders(a->reference, a->estimate);
+            const LabelComparison result =
+                compareLabelFolders(a->reference, a->estimate,
+                                    {a->ever_moving, {a->standing.begin(), a->standing.end()}});
             a->output.write(segmentationTable({{a->estimate, result}}),
                             segmentationJson({{a->estimate, result}}));
             std::cout << '\n' << classTable(result).toText();

@@ -24,7 +24,7 @@ float movingScore(const PlaceFacts& f)
   { return trust * std::min(e.free, a_little) / a_little; };
   const auto change = [=](const PlaceEvidence& e)
   { return trust * std::max(e.change_before, e.change_after); };
-  float score = -5.65F;
+  float score = -6.3F;
   score += 1.5F * f.own.probability + 1.0F * f.around.probability + 0.9F * f.around.tracked;
   score += 1.3F * little(f.around) + 2.65F * change(f.around);
   score += -2.2F * std::min(f.height, 4.0F) / 4;

@@ -2,6 +2,7 @@
 #include <dyslam/mapping/HindsightLabels.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <functional>
@@ -101,6 +102,37 @@ TEST(HindsightLabels, WhatStandsAllTheTimeIsStaticWhateverTheCausalDecision)
   const Shares shares = movingShares(decided(parked, callMoving), parked);
   EXPECT_LT(shares.car, 0.01);
   EXPECT_LT(shares.others, 0.01);
+}
+
+TEST(HindsightLabels, WhatDroveUpMovesWhileItStandsAsWell)
+{
+  // It stops at scan 26; the window of the scans from 40 on sees it standing only.
+  const Path arriving = [](std::size_t i)
+  { return std::max(9.0, 45 - 6 * (static_cast<double>(i) - 20)); };
+  const auto share = [&](int history)
+  {
+    HindsightOptions options;
+    options.window = 8;
+    options.history = history;
+    HindsightLabels labels(options, 1);
+    std::vector<Frame> standing;
+    const auto use = [&](const Frame& frame)
+    {
+      if (frame.index >= 40)
+      {
+        standing.push_back(frame);
+      }
+    };
+    for (std::size_t i = 0; i < 52; ++i)
+    {
+      labels.add(scanAt(i, 0, arriving(i)), true, use);
+    }
+    labels.finish(use);
+    return movingShares(standing, arriving);
+  };
+  EXPECT_GT(share(400).car, 0.9);
+  EXPECT_LT(share(400).others, 0.01);
+  EXPECT_EQ(share(0).car, 0);
 }
 
 TEST(HindsightLabels, SameForAnyNumberOfThreads)
