@@ -54,7 +54,7 @@ for rawlog in "$@"; do
   # Every point with its true label, in the frame of the runs' maps.
   [ -f "$reference.ply" ] || "${bin}dyslam-map" -q -i "$rawlog" \
     --trajectory "${folder}/reference_tum.txt" --labels "$truth/labels" --only-first-n "$scans" \
-    -o "$output/$name/true_static.ply" --labelled-map "$reference.ply" > "$output/$name/reference.log"
+    --keyframe-distance 1 -o "$output/$name/true_static.ply" --labelled-map "$reference.ply" > "$output/$name/reference.log"
   echo "== $name"
   # shellcheck disable=SC2086
   "${bin}dyslam-eval" run $folders

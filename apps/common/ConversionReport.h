@@ -25,11 +25,12 @@ inline void report(const ConversionResult& result, const std::string& output)
   {
     std::cerr << "warning: " << printable(warning) << '\n';
   }
-  std::cout << output << ": " << result.scans << " scans, " << result.points << " points";
+  std::cout << output << ": " << counted(result.scans, "scan") << ", " << result.points
+            << " points";
   if (result.poses + result.label_files + result.boxes > 0)
   {
     std::cout << "; truth" << (result.ground_truth.empty() ? "" : " in " + result.ground_truth)
-              << ": " << result.poses << " poses"
+              << ": " << counted(result.poses, "pose")
               << (result.pose_source.empty() ? "" : " (from " + result.pose_source + ")") << ", "
               << result.label_files << " label files, " << result.boxes << " boxes";
   }
@@ -68,6 +69,11 @@ inline void runConversion(const std::string& program,
 {
   requireFolderOf(output);
   requireWritable(output);
+  if (!std::filesystem::path(output).has_extension())
+  {
+    throw UserError(output + ": has no ending; name the rawlog to write (-o " + output +
+                    ".rawlog)");
+  }
   report(convertWithProgress(program, output, quiet, convert), output);
 }
 }  // namespace dyslam

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <dyslam/core/Printable.h>
 #include <dyslam/core/SharedFiles.h>
 #include <dyslam/io/RawlogSource.h>
 #include <dyslam/pipeline/Pipeline.h>
@@ -110,7 +111,7 @@ inline void chooseSettings(const std::string& program, SlamArguments& a)
   std::string name;
   if (!a.config.empty())
   {
-    const std::string path = findGivenOrShared(a.config, "config_files", ".ini");
+    const std::string path = findGivenOrShared(a.config, "config_files", ".ini", "", "dyslam");
     name = std::filesystem::path(path).filename().string();
     given = Config::fromFile(path);
     given.requireFor("dyslam");
@@ -133,9 +134,9 @@ inline void chooseSettings(const std::string& program, SlamArguments& a)
       has_deskew ? a.settings.config.section("preprocess").at("deskew").text : "auto");
   if (!missing_times.empty())
   {
-    a.said.push_back(program + ": " + missing_times);
+    a.settings.warnings.push_back(missing_times);
   }
-  for (const std::string& warning : chosen.warnings)
+  for (const std::string& warning : a.settings.warnings)
   {
     a.said.push_back("warning: " + warning);
   }
@@ -148,7 +149,8 @@ inline void checkSettings(SlamArguments& a)
 {
   if (!a.config.empty())
   {
-    a.settings.config = Config::fromFile(findGivenOrShared(a.config, "config_files", ".ini"));
+    a.settings.config =
+        Config::fromFile(findGivenOrShared(a.config, "config_files", ".ini", "", "dyslam"));
     a.settings.config.requireFor("dyslam");
   }
   applyFlags(a, a.settings.config);
@@ -184,9 +186,11 @@ inline void print(const SlamRunReport& report, const std::string& folder, std::s
     std::printf("warning: %s\n", printable(report.warnings[i]).c_str());
   }
   std::printf("%s\n", report.method.c_str());
-  std::printf("%zu scans, %.1f m, %zu keyframes, %zu loops, %zu moving objects, %zu map points\n",
-              report.frames, report.path_length, report.keyframes, report.loops, report.tracks,
-              report.map_points);
+  std::printf("%s, %.1f m, %s, %s, %s, %s\n", counted(report.frames, "scan").c_str(),
+              report.path_length, counted(report.keyframes, "keyframe").c_str(),
+              counted(report.loops, "loop").c_str(),
+              counted(report.tracks, "moving object").c_str(),
+              counted(report.map_points, "map point").c_str());
   if (report.unconverged > 0)
   {
     std::printf("%zu scans could not be registered; their motion is predicted\n",

@@ -128,7 +128,8 @@ Work commonWork(const Arguments& a, const std::string& program)
   Arguments flags = a;
   if (!a.config.empty())
   {
-    Config config = Config::fromFile(findGivenOrShared(a.config, "config_files", ".ini"));
+    Config config =
+        Config::fromFile(findGivenOrShared(a.config, "config_files", ".ini", "", "dyslam"));
     config.requireFor("dyslam");
     flags.config = config.toIni();
   }

@@ -63,7 +63,8 @@ const Published* publishedFor(const Arguments& a, const std::string& type)
 
 KittiMotSetup setupOf(const Arguments& a)
 {
-  Config config = Config::fromFile(findGivenOrShared(a.config, "config_files", ".ini"));
+  Config config =
+      Config::fromFile(findGivenOrShared(a.config, "config_files", ".ini", "", "dyslam-eval"));
   config.requireFor("dyslam-eval");
   for (const std::string& assignment : a.set)
   {

@@ -63,7 +63,8 @@ struct Settings
 
 Settings settingsOf(const Arguments& a)
 {
-  Config config = Config::fromFile(findGivenOrShared(a.config, "config_files", ".ini"));
+  Config config =
+      Config::fromFile(findGivenOrShared(a.config, "config_files", ".ini", "", "dyslam-eval"));
   config.requireFor("dyslam-eval");
   config.set("backend.keyframe_distance=0");
   config.set("objects.window_keyframes=0");

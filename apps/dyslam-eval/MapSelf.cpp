@@ -15,6 +15,7 @@
 #include <utility>
 
 #include "../common/Progress.h"
+#include "TimeRange.h"
 
 namespace dyslam
 {
@@ -130,13 +131,26 @@ class ScanPlacer
 
   [[nodiscard]] std::size_t size() const { return trajectories_.size(); }
 
+  /** For messages: ", FILE: from and to" of each trajectory. */
+  [[nodiscard]] std::string times() const
+  {
+    std::string text;
+    for (std::size_t i = 0; i < trajectories_.size(); ++i)
+    {
+      text += ", " + a_.trajectories[i] + ": " +
+              (trajectories_[i].empty() ? "no poses" : timesOf(trajectories_[i]));
+    }
+    return text;
+  }
+
  private:
   static PreprocessOptions preprocess(const MapSelfArguments& a)
   {
     PreprocessOptions options;
     if (!a.config.empty())
     {
-      load(options, Config::fromFile(findGivenOrShared(a.config, "config_files", ".ini")),
+      load(options,
+           Config::fromFile(findGivenOrShared(a.config, "config_files", ".ini", "", "dyslam")),
            "preprocess");
     }
     return options;
@@ -219,11 +233,17 @@ std::vector<MapSelfScores> evaluateMapSelf(const MapSelfArguments& a)
   const ScanPlacer placer(a);
   PointChoice choice(a.points, placer.size());
   std::size_t used = 0;
+  double first = 0;  // and last time stamp of the scans [s]
+  double last = 0;
   const auto forEachPlaced = [&](const std::string& what, const auto& use)
   {
+    bool any = false;
     return forEachScan(a, what,
                        [&](const Frame& frame)
                        {
+                         last = frame.scan.stamp;
+                         first = any ? first : last;
+                         any = true;
                          const auto poses = placer.posesOf(frame);
                          if (!poses.empty())
                          {
@@ -240,8 +260,9 @@ std::vector<MapSelfScores> evaluateMapSelf(const MapSelfArguments& a)
   if (used == 0)
   {
     throw UserError(a.rawlog + ": none of its " + std::to_string(scans) +
-                    " scans has a pose in every trajectory; are they of this recording? "
-                    "(--tolerance)");
+                    " scans has a pose in every trajectory; are they of this recording? (scans: " +
+                    timesFrom(first, last) + placer.times() + "; --tolerance " +
+                    shortNumber(a.tolerance) + " s)");
   }
   std::vector<MapQuality> maps;
   for (auto& points : choice.finish())

@@ -92,12 +92,19 @@ bool noteUnfinished(const std::string& folder, const Json& report, const std::st
   return true;
 }
 
+/** True poses: the run's own, else those of the ground-truth folder; may not be there. */
+fs::path referenceOf(const fs::path& folder, const std::string& truth)
+{
+  const fs::path own = folder / "reference_tum.txt";
+  return fs::exists(own) || truth.empty() ? own : fs::path(truth) / "poses_tum.txt";
+}
+
 /** Nothing, with a note, if the run has no or too little ground truth. */
 std::optional<TrajectoryReport> evaluate(const fs::path& folder,
                                          const char* file,
+                                         const fs::path& reference,
                                          const TrajectoryMetricsOptions& metrics)
 {
-  const fs::path reference = folder / "reference_tum.txt";
   const fs::path estimate = folder / file;
   if (!fs::exists(reference) || !fs::exists(estimate))
   {
@@ -116,7 +123,8 @@ std::optional<TrajectoryReport> evaluate(const fs::path& folder,
 }
 
 /** Nothing if the run does not state its covariances. */
-std::optional<OdometryConsistency> evaluateConsistency(const fs::path& folder)
+std::optional<OdometryConsistency> evaluateConsistency(const fs::path& folder,
+                                                       const fs::path& reference)
 {
   const fs::path motions = folder / "motions.csv";
   const fs::path odometry = folder / "odometry_tum.txt";
@@ -124,8 +132,8 @@ std::optional<OdometryConsistency> evaluateConsistency(const fs::path& folder)
   {
     return std::nullopt;
   }
-  const PosePairs pairs = associateByTime(readTum((folder / "reference_tum.txt").string()),
-                                          readTum(odometry.string()), tolerance);
+  const PosePairs pairs =
+      associateByTime(readTum(reference.string()), readTum(odometry.string()), tolerance);
   return odometryConsistency(pairs, readMotionFile(motions.string()), tolerance);
 }
 
@@ -159,13 +167,21 @@ RunScores scoresOf(const std::string& folder, const Arguments& a)
   }
   RunScores scores;
   scores.report = readReport(folder);
-  scores.trajectory = evaluate(folder, "trajectory_tum.txt", a.metrics.options());
+  const std::string truth = truthFolder(a, scores.report);
+  const fs::path reference = referenceOf(folder, a.truth);
+  scores.trajectory = evaluate(folder, "trajectory_tum.txt", reference, a.metrics.options());
   if (scores.trajectory)
   {
-    scores.odometry = evaluate(folder, "odometry_tum.txt", a.metrics.options());
-    scores.consistency = evaluateConsistency(folder);
+    scores.odometry = evaluate(folder, "odometry_tum.txt", reference, a.metrics.options());
+    scores.consistency = evaluateConsistency(folder, reference);
   }
-  const std::string truth = truthFolder(a, scores.report);
+  else if (!fs::exists(reference))
+  {
+    std::cerr << "note: " << folder << " has no reference_tum.txt"
+              << (a.truth.empty() ? ": its recording has no ground truth"
+                                  : ", " + a.truth + " no poses_tum.txt: no errors computed")
+              << '\n';
+  }
   const bool unfinished = noteUnfinished(folder, scores.report, truth);
   const fs::path labels = fs::path(folder) / "labels";
   if (fs::is_directory(labels) && !(unfinished && fs::is_empty(labels)))
@@ -176,8 +192,9 @@ RunScores scoresOf(const std::string& folder, const Arguments& a)
     }
     else
     {
-      std::cerr << "note: " << folder << ": labels not evaluated: no ground truth "
-                << (truth.empty() ? "known" : "at " + truth) << " (--truth)\n";
+      std::cerr << "note: " << folder << ": labels not evaluated: "
+                << (truth.empty() ? "no ground truth known (--truth)" : truth + " has no labels/")
+                << '\n';
     }
   }
   return scores;
@@ -327,11 +344,6 @@ void run(const Arguments& a)
   {
     runs.push_back(scoresOf(a.folders[i], a));
     runs.back().name = names[i];
-    if (!fs::exists(fs::path(a.folders[i]) / "reference_tum.txt"))
-    {
-      std::cerr << "note: " << a.folders[i]
-                << " has no reference_tum.txt: its recording has no ground truth\n";
-    }
   }
   a.output.write(runTable(runs), runJson(runs));
   std::vector<OdometryConsistency> consistencies;
@@ -361,7 +373,9 @@ Subcommand runCommand(CLI::App& app)
   CLI::App* sub = app.add_subcommand(
       "run", "All metrics available for the output folders of runs, in one table");
   sub->add_option("folders", a->folders, "output folders of dyslam")->required();
-  sub->add_option("--truth", a->truth, "ground-truth folder (.gt), if not next to the rawlog");
+  sub->add_option("--truth", a->truth,
+                  "ground-truth folder (.gt) for labels and, where the run has none, "
+                  "poses; default: next to the rawlog");
   a->metrics.declare(*sub);
   a->output.declare(*sub);
   return {sub, [a] { run(*a); }};

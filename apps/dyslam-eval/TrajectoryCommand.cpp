@@ -3,6 +3,7 @@
 
 #include <dyslam/core/Error.h>
 #include <dyslam/core/PendingFile.h>
+#include <dyslam/core/Printable.h>
 #include <dyslam/eval/Axes.h>
 #include <dyslam/eval/TrajectoryPlot.h>
 #include <dyslam/eval/TrajectoryReports.h>
@@ -18,6 +19,7 @@
 #include "../common/Checks.h"
 #include "MetricFlags.h"
 #include "OutputFiles.h"
+#include "TimeRange.h"
 
 namespace dyslam
 {
@@ -29,6 +31,7 @@ struct Arguments
   std::vector<std::string> estimates;
   MetricFlags metrics;
   double tolerance = 0.01;
+  double time_offset = 0;
   std::string camera;
   std::string calib;
   std::string plot;
@@ -87,7 +90,11 @@ PosePairs associate(const std::string& reference_path,
 {
   const double tolerance = a.tolerance;
   const TrajectoryFile reference = readPoses(reference_path, a.camera == "reference", a.calib);
-  const TrajectoryFile estimate = readPoses(estimate_path, a.camera == "estimate", a.calib);
+  TrajectoryFile estimate = readPoses(estimate_path, a.camera == "estimate", a.calib);
+  for (std::size_t i = 0; i < estimate.trajectory.size(); ++i)
+  {
+    estimate.trajectory[i].stamp += a.time_offset;
+  }
   if (reference.trajectory.empty() || estimate.trajectory.empty())
   {
     throw UserError((reference.trajectory.empty() ? reference_path : estimate_path) +
@@ -104,14 +111,16 @@ PosePairs associate(const std::string& reference_path,
     {
       throw UserError(estimate_path + ": only " + std::to_string(pairs.size()) + " of " +
                       std::to_string(pairs.estimate_size) + " time stamps are within --tolerance " +
-                      std::to_string(tolerance) + " s of one in " + reference_path);
+                      shortNumber(tolerance) + " s of one in " + reference_path + " (" +
+                      timesOf(estimate.trajectory) + " and " + timesOf(reference.trajectory) +
+                      "; --time-offset is added to the estimate's)");
     }
     return pairs;
   }
   if (reference.trajectory.size() != estimate.trajectory.size())
   {
-    std::cerr << "note: " << estimate_path << " has " << estimate.trajectory.size() << " poses, "
-              << reference_path << " " << reference.trajectory.size()
+    std::cerr << "note: " << estimate_path << " has " << counted(estimate.trajectory.size(), "pose")
+              << ", " << reference_path << " " << reference.trajectory.size()
               << "; without time stamps they are associated by index\n";
   }
   return associateByIndex(reference.trajectory, estimate.trajectory);
@@ -216,6 +225,8 @@ Subcommand trajectoryCommand(CLI::App& app)
   sub->add_option("--tolerance", a->tolerance, "largest difference of time stamps [s]")
       ->check(notNegative())
       ->capture_default_str();
+  sub->add_option("--time-offset", a->time_offset,
+                  "added to the time stamps of the estimates [s]: for clocks that differ");
   sub->add_option("--camera", a->camera,
                   "which poses are a camera's (z ahead), to be taken to the lidar's: estimate or "
                   "reference")

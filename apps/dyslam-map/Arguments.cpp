@@ -2,13 +2,17 @@
 #include "Arguments.h"
 
 #include <dyslam/core/Error.h>
+#include <dyslam/core/Files.h>
+#include <dyslam/core/Printable.h>
 #include <dyslam/core/SharedFiles.h>
 #include <dyslam/formats/ScanFiles.h>
 #include <dyslam/odometry/ScanMatcher.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cstdio>
 #include <filesystem>
+#include <nlohmann/json.hpp>
 
 #include "../common/Checks.h"
 
@@ -47,6 +51,78 @@ std::string effectiveIniOfRun(const std::string& run)
   return (std::filesystem::path(folder) / "effective.ini").string();
 }
 
+/** The ini of the run that the trajectory is of; empty where it is of none. */
+std::string effectiveIniBeside(const std::string& trajectory)
+{
+  const auto ini = std::filesystem::path(trajectory).parent_path() / "effective.ini";
+  return std::filesystem::is_regular_file(ini) ? ini.string() : "";
+}
+
+/** The ini to read; empty: none. */
+std::string iniOf(const Arguments& a)
+{
+  if (!a.config.empty())
+  {
+    return findGivenOrShared(a.config, "config_files", ".ini", "", "dyslam");
+  }
+  if (!a.runs.empty())
+  {
+    return effectiveIniOfRun(a.runs.front());
+  }
+  std::string ini = effectiveIniBeside(a.trajectory);
+  if (!ini.empty() && !a.quiet)
+  {
+    std::fprintf(stderr, "settings: %s\n", printable(ini).c_str());
+  }
+  return ini;
+}
+
+/** Files that the run in the folder wrote, by its report.json. */
+std::vector<std::string> filesOfRun(const std::filesystem::path& folder)
+{
+  const auto report = folder / "report.json";
+  if (!std::filesystem::is_regular_file(report))
+  {
+    return {};
+  }
+  const auto json = nlohmann::json::parse(readWhole(report.string()), nullptr, false);
+  std::vector<std::string> names;
+  if (json.is_object() && json.contains("files") && json["files"].is_array())
+  {
+    for (const auto& name : json["files"])
+    {
+      names.push_back(name.is_string() ? name.get<std::string>() : "");
+    }
+  }
+  return names;
+}
+
+/** \throws UserError for a file that a run wrote. */
+void requireNotOfRun(const std::string& output)
+{
+  const std::filesystem::path path(output);
+  const auto names = filesOfRun(path.parent_path());
+  if (std::find(names.begin(), names.end(), path.filename().string()) != names.end())
+  {
+    throw UserError(output +
+                    ": is a file of the run in this folder; choose another name, or --force");
+  }
+}
+
+/** Makes the file's folder. \throws UserError for a file that a run wrote. */
+void prepareOutput(const std::string& file, bool force)
+{
+  const std::filesystem::path folder = std::filesystem::path(file).parent_path();
+  if (!force)
+  {
+    requireNotOfRun(file);
+  }
+  if (!folder.empty())
+  {
+    makeFolder(folder.string(), "choose another --output");
+  }
+}
+
 /** Of [backend], the one key that counts here. */
 struct KeyframeOptions : Options
 {
@@ -77,6 +153,10 @@ void declare(CLI::App& app, Arguments& a)
       "Builds the static map of a rawlog along a trajectory, or one map of several runs");
   app.add_option("-i,--input", a.rawlog, "rawlog of 3D LiDAR scans");
   app.add_option("--trajectory", a.trajectory, "poses of the scans: TUM, or KITTI line by line");
+  app.add_option_function<std::string>(
+         "--poses-of", [&a](const std::string& body) { a.of_lidar = body == "lidar"; },
+         "what the poses are of: vehicle (default) or lidar, as KISS-ICP and others write them")
+      ->check(CLI::IsMember({"vehicle", "lidar"}));
   CLI::Option* merge = app.add_option(
       "--merge", a.runs,
       "RUN RUN...: instead, output folders of dyslam of one place, in order of time: one map and "
@@ -93,8 +173,8 @@ void declare(CLI::App& app, Arguments& a)
   app.add_option("--labels", a.scans.labels, "folder of .label files: moving points are left out");
   app.add_option("--tracks", a.scans.tracks, "tracks.txt: objects that move are left out");
   app.add_option("-c,--config", a.config,
-                 "ini file with [map], [labels], [preprocess], [map_export], [memory] and "
-                 "backend.keyframe_distance");
+                 "ini file with [map], [labels], [preprocess], [input], [map_export], [memory] and "
+                 "backend.keyframe_distance (default: effective.ini beside the trajectory)");
   app.add_option("--set", a.assignments, "section.key=value, as if it stood in the ini; repeatable")
       ->take_all()
       ->allow_extra_args(false);
@@ -105,9 +185,8 @@ void declare(CLI::App& app, Arguments& a)
   app.add_option("--tolerance", a.scans.tolerance, "largest difference of time stamps [s]")
       ->check(notNegative())
       ->capture_default_str();
-  app.add_option("--skip-first-n", a.source.skip_first_n, "scans to pass over")
-      ->check(notNegative());
-  app.add_option("--only-first-n", a.source.only_first_n, "scans to use after those; 0: all")
+  app.add_option("--skip-first-n", a.skip_first_n, "scans to pass over")->check(notNegative());
+  app.add_option("--only-first-n", a.only_first_n, "scans to use after those; 0: all")
       ->check(notNegative());
   app.add_option(
       "--labelled-map", a.labelled_map,
@@ -116,9 +195,10 @@ void declare(CLI::App& app, Arguments& a)
   app.add_option("--threads", a.builder.threads, "0: as many as the machine has")
       ->check(CLI::Range(0, 256))
       ->capture_default_str();
+  app.add_flag("--force", a.force, "replace files that a run wrote");
   app.add_flag("-q,--quiet", a.quiet, "no progress");
-  for (const char* single : {"--input", "--trajectory", "--labels", "--tracks", "--skip-first-n",
-                             "--only-first-n", "--labelled-map"})
+  for (const char* single : {"--input", "--trajectory", "--poses-of", "--labels", "--tracks",
+                             "--skip-first-n", "--only-first-n", "--labelled-map"})
   {
     merge->excludes(app.get_option(single));
   }
@@ -127,11 +207,9 @@ void declare(CLI::App& app, Arguments& a)
 void loadConfig(Arguments& a)
 {
   Config config;
-  const std::string ini =
-      a.config.empty() && !a.runs.empty() ? effectiveIniOfRun(a.runs.front()) : a.config;
-  if (!ini.empty())
+  if (const std::string ini = iniOf(a); !ini.empty())
   {
-    config = Config::fromFile(findGivenOrShared(ini, "config_files", ".ini"));
+    config = Config::fromFile(ini);
     config.requireFor("dyslam");
   }
   for (const auto& assignment : a.assignments)
@@ -157,6 +235,9 @@ void loadConfig(Arguments& a)
   if (a.runs.empty())
   {
     a.scans.preprocess = loader.get<PreprocessOptions>("preprocess");
+    a.source = loader.get<RawlogSourceOptions>("input");
+    a.source.skip_first_n = a.skip_first_n.value_or(a.source.skip_first_n);
+    a.source.only_first_n = a.only_first_n.value_or(a.source.only_first_n);
   }
   else
   {
@@ -170,6 +251,10 @@ void loadConfig(Arguments& a)
   a.builder.keyframe_distance =
       a.keyframe_distance ? *a.keyframe_distance : keyframeDistance(config);
   Config effective = loader.effective();
+  if (a.runs.empty())
+  {
+    save(a.source, effective, "input");
+  }
   save(a.exports, effective, "map_export");
   KeyframeOptions keyframes;
   keyframes.distance = a.builder.keyframe_distance;
@@ -233,27 +318,26 @@ void checkOutputs(const Arguments& a)
     {
       throw UserError(path + ": pictures are .png");
     }
-    requireFolderOf(path.empty() ? "." : path);
   }
   for (const auto& path : a.outputs)
   {
     (void)mapFormatOf(path);
-    requireFolderOf(path);
   }
-  if (a.labelled_map.empty())
-  {
-    return;
-  }
-  if (!isCloudFile(a.labelled_map))
+  if (!a.labelled_map.empty() && !isCloudFile(a.labelled_map))
   {
     throw UserError("--labelled-map " + a.labelled_map +
                     ": the ending is none of .ply, .pcd and .bin");
   }
-  if (a.scans.labels.empty() && a.scans.tracks.empty())
+  if (!a.labelled_map.empty() && a.scans.labels.empty() && a.scans.tracks.empty())
   {
     throw UserError("--labelled-map " + a.labelled_map +
                     ": nothing says what moves; give --labels or --tracks");
   }
-  requireFolderOf(a.labelled_map);
+  std::vector<std::string> files = a.outputs;
+  files.insert(files.end(), {a.picture, a.compare, a.labelled_map});
+  for (const auto& file : files)
+  {
+    prepareOutput(file, a.force);
+  }
 }
 }  // namespace dyslam

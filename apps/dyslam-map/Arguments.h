@@ -34,14 +34,20 @@ struct Arguments
   std::string labelled_map;
   std::string picture;
   std::string compare;
+  bool of_lidar = false;  //!< the poses are the lidar's, not the vehicle's
+  std::optional<int> skip_first_n;
+  std::optional<int> only_first_n;
   bool full = false;
+  bool force = false;     //!< replace files of a run
   std::string effective;  //!< every setting in force, as an ini
   std::optional<double> keyframe_distance;
   bool quiet = false;
 };
 
 void declare(CLI::App& app, Arguments& a);
-/** Reads our sections of the ini; an ini of a whole run may hold others. \throws UserError. */
+/** Reads our sections of the ini; an ini of a whole run may hold others. Without an ini it is
+ * `effective.ini` beside the trajectory, if there is one, or of the first merged run.
+ * \throws UserError. */
 void loadConfig(Arguments& a);
 /** `map.las` and `_tum.txt` become `map_tum.txt`: beside the first output; empty without any. */
 [[nodiscard]] std::string besideOutput(const Arguments& a, const std::string& ending);
@@ -51,6 +57,7 @@ void loadConfig(Arguments& a);
 [[nodiscard]] bool needsWholeMap(const Arguments& a);
 /** Whether some output needs the scans again after the map is built. */
 [[nodiscard]] bool needsScans(const Arguments& a);
-/** Finds bad endings, folders and flags before the work starts. \throws UserError. */
+/** Finds bad endings, folders, flags and files of a run that would be replaced before the work
+ * starts. \throws UserError. */
 void checkOutputs(const Arguments& a);
 }  // namespace dyslam

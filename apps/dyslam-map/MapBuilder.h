@@ -55,6 +55,7 @@ class MapBuilder
 
   /** First pass, if there are tracks: RunScans::noteObjects(). */
   void noteObjects(const Frame& frame) { runs_.back().noteObjects(frame); }
+  [[nodiscard]] std::size_t trackedScans() const { return runs_.back().trackedScans(); }
 
   /** The next scan of the recording, in order. Those the trajectory has no pose for are skipped. */
   void add(Frame frame);

@@ -46,6 +46,12 @@ class RunScans
   [[nodiscard]] bool hasLabels() const { return !label_folder_.empty(); }
   [[nodiscard]] bool hasTracks() const { return !options_.tracks.empty(); }
 
+  /** Scans that the tracks' boxes need: the number of the last with a box, and 1. */
+  [[nodiscard]] std::size_t trackedScans() const
+  {
+    return boxes_.empty() ? 0 : static_cast<std::size_t>(boxes_.rbegin()->first) + 1;
+  }
+
   /** First pass, if there are tracks: the objects of a scan. Every scan comes here before
    * fillMoving(), for an object that moves at all moves in all scans. */
   void noteObjects(const Frame& frame);

@@ -2,6 +2,7 @@
 #include "ScanReading.h"
 
 #include <dyslam/core/Error.h>
+#include <dyslam/core/Printable.h>
 #include <dyslam/formats/TrajectoryFiles.h>
 
 #include <cstdio>
@@ -37,7 +38,7 @@ Trajectory withScanTimes(const Trajectory& poses, const Arguments& a)
   if (poses.size() != scans.size() && poses.size() != in_file)
   {
     throw UserError(
-        a.trajectory + ": has " + std::to_string(poses.size()) + " poses, but " +
+        a.trajectory + ": has " + counted(poses.size(), "pose") + ", but " +
         std::to_string(scans.size()) + " scans are used and " + a.rawlog + " has " +
         std::to_string(in_file) +
         "; give the run's --skip-first-n and --only-first-n, or its trajectory_tum.txt");
@@ -48,6 +49,17 @@ Trajectory withScanTimes(const Trajectory& poses, const Arguments& a)
     timed.push_back(scans[i].second, poses[poses.size() == scans.size() ? i : scans[i].first].pose);
   }
   return timed;
+}
+/** Poses of the lidar to those of the vehicle, by the mounting that the first scan states. */
+void toVehicle(Trajectory& poses, const Arguments& a)
+{
+  RawlogSource source(a.rawlog, a.source);
+  const auto frame = source.next();
+  const Pose T_lidar_vehicle = frame ? frame->scan.T_vehicle_lidar.inverse() : Pose::Identity();
+  for (std::size_t i = 0; i < poses.size(); ++i)
+  {
+    poses[i].pose = poses[i].pose * T_lidar_vehicle;
+  }
 }
 }  // namespace
 
@@ -80,7 +92,13 @@ std::string readScans(RawlogSource& source,
 
 Trajectory readPoses(const Arguments& a)
 {
-  const auto file = readTrajectory(a.trajectory);
-  return file.format == TrajectoryFormat::tum ? file.trajectory : withScanTimes(file.trajectory, a);
+  auto file = readTrajectory(a.trajectory);
+  Trajectory poses = file.format == TrajectoryFormat::tum ? std::move(file.trajectory)
+                                                          : withScanTimes(file.trajectory, a);
+  if (a.of_lidar)
+  {
+    toVehicle(poses, a);
+  }
+  return poses;
 }
 }  // namespace dyslam

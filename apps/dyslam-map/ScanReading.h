@@ -18,6 +18,7 @@ namespace dyslam
                                     const std::function<void(Frame)>& use);
 
 /** The trajectory asked for. KITTI's poses are given the times of their scans: a line for each scan
- * that is used, as dyslam writes them, or for each of the file. \throws UserError. */
+ * that is used, as dyslam writes them, or for each of the file. \return T_map_vehicle; poses of the
+ * lidar are transformed by T_vehicle_lidar of the first scan. \throws UserError. */
 [[nodiscard]] Trajectory readPoses(const Arguments& a);
 }  // namespace dyslam

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/Error.h>
 #include <dyslam/core/PendingFile.h>
+#include <dyslam/core/Printable.h>
 #include <dyslam/formats/ScanFiles.h>
 #include <dyslam/formats/TrajectoryFiles.h>
 
@@ -86,8 +87,9 @@ void printCounts(const dyslam::MapBuilder& builder,
                  std::size_t points)
 {
   const double voxel = a.builder.whole_map ? builder.map().voxelSize() : a.builder.map.voxel_size;
-  std::printf("%zu scans, %zu without a pose, %zu keyframes, %zu map points%s\n", scans,
-              builder.skipped(), builder.keyframes(), points,
+  std::printf("%s, %zu without a pose, %s, %s%s\n", dyslam::counted(scans, "scan").c_str(),
+              builder.skipped(), dyslam::counted(builder.keyframes(), "keyframe").c_str(),
+              dyslam::counted(points, "map point").c_str(),
               a.exports.full_resolution
                   ? ""
                   : (" of " + std::to_string(voxel).substr(0, 4) + " m").c_str());
@@ -104,8 +106,21 @@ void runSingle(dyslam::Arguments& a)
   {
     // Boxes know the number of their scan alone: stamps and the lidar's place are in the rawlog.
     dyslam::RawlogSource first_pass(a.rawlog, a.source);
+    std::size_t scans = 0;
     (void)dyslam::readScans(first_pass, "dyslam-map (tracks)", a.quiet,
-                            [&](const dyslam::Frame& frame) { builder.noteObjects(frame); });
+                            [&](const dyslam::Frame& frame)
+                            {
+                              scans = frame.index + 1;
+                              builder.noteObjects(frame);
+                            });
+    if (a.source.only_first_n == 0 && builder.trackedScans() > scans)
+    {
+      std::fprintf(stderr,
+                   "warning: %s: has boxes up to scan %zu, but %s has %s; are they of one "
+                   "recording?\n",
+                   a.scans.tracks.c_str(), builder.trackedScans() - 1, a.rawlog.c_str(),
+                   dyslam::counted(scans, "scan").c_str());
+    }
   }
   const std::string damage = dyslam::readScans(
       source, "dyslam-map", a.quiet, [&](dyslam::Frame frame) { builder.add(std::move(frame)); });

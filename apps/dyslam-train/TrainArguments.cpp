@@ -36,7 +36,8 @@ void declareCommon(CLI::App& app, TrainArguments& a)
 
 Config TrainArguments::loadConfig() const
 {
-  Config loaded = Config::fromFile(findGivenOrShared(config, "config_files", ".ini"));
+  Config loaded =
+      Config::fromFile(findGivenOrShared(config, "config_files", ".ini", "", "dyslam-train"));
   loaded.requireFor("dyslam-train");
   for (const std::string& assignment : assignments)
   {

@@ -33,8 +33,10 @@ void declare(CLI::App& app, Arguments& arguments)
   CLI::Option* output = app.add_option("-o,--output", arguments.output, "rawlog to write");
   CLI::Option* list = app.add_flag("--list", arguments.list, "print a bag's topics and stop");
   list->excludes(output);
-  app.add_option("--topic", o.topic,
-                 "a bag's PointCloud2 or Livox topic (default: the one with the most scans)");
+  app.add_option(
+      "--topic", o.topic,
+      "a bag's PointCloud2 or Livox topic (default: that with times or rings of the points, "
+      "then with the most bytes)");
   app.add_option("--truth-topic", o.truth_topic,
                  "a bag's true poses of the vehicle: PoseStamped, Odometry, TransformStamped, /tf");
   app.add_option("--truth-frame", o.truth_frame,

@@ -277,7 +277,7 @@ TEST_F(BadInput, OutputsThatCannotBeWritten)
   const std::string poses =
       write("poses.txt", "1 0 0 0 0 0 0 1\n2 1 0 0 0 0 0 1\n3 2 0 0 0 0 0 1\n");
   expectRefusal("dyslam-map", "-i " + good + " --trajectory " + poses + " -o " + at("file/m.pcd"),
-                {"file/m.pcd", "make it, or choose another"});
+                {"file: cannot make this folder", "choose another --output"});
   expectRefusal("dyslam-map", "-i " + good + " --trajectory " + poses + " -o " + at("m.xyz"),
                 {"m.xyz: the ending is none of .pcd"});
   for (const char* flag : {"--json ", "--csv ", "--plot "})
@@ -387,7 +387,12 @@ TEST_F(BadInput, Trajectories)
                 {"none.txt: no such file"});
   const std::string later = write("later.txt", "7 0 0 0 0 0 0 1\n8 1 0 0 0 0 0 1\n");
   expectRefusal("dyslam-eval", "trajectory --reference " + good + " --estimate " + later,
-                {"only 0 of 2 time stamps", "--tolerance"});
+                {"only 0 of 2 time stamps", "--tolerance 0.01 s",
+                 "(7.000 to 8.000 s and 1.000 to 2.000 s; --time-offset"});
+  EXPECT_EQ(
+      run("dyslam-eval", "trajectory --time-offset -6 --reference " + good + " --estimate " + later)
+          .code,
+      0);
   expectRefusal("dyslam-map",
                 "-q -i " + at("good.rawlog") + " --trajectory " + later + " -o " + at("never.pcd"),
                 {"has no pose for any scan", "--tolerance"});
@@ -440,6 +445,11 @@ TEST_F(BadInput, FoldersOfRuns)
   const Outcome outcome = run("dyslam-eval", "run " + at("odd"));
   EXPECT_EQ(outcome.code, 0) << outcome.err;
   EXPECT_NE(outcome.out.find("2.50"), std::string::npos) << outcome.out;
+  write("x.gt/poses_tum.txt", "1 0 0 0 0 0 0 1\n2 1 0 0 0 0 0 1\n");
+  const Outcome with_truth = run("dyslam-eval", "run " + at("odd") + " --truth " + at("x.gt"));
+  EXPECT_EQ(with_truth.code, 0) << with_truth.err;
+  EXPECT_EQ(with_truth.err.find("no errors computed"), std::string::npos) << with_truth.err;
+  EXPECT_NE(with_truth.out.find("1.0000"), std::string::npos) << with_truth.out;  // forward
   write("odd/report.json", R"({"stage_ms": 3})");
   EXPECT_EQ(run("dyslam-eval", "run " + at("odd")).code, 0);
 }
@@ -450,7 +460,14 @@ TEST_F(BadInput, ScansToConvert)
   const std::string out = " -o " + at("never.rawlog");
   expectRefusal("scans2rawlog", "-i " + at("none") + out, {"none: no such file or folder"});
   expectRefusal("scans2rawlog", "-i " + at("none_inside") + out, {"has no .bin, .pcd or .ply"});
-  expectRefusal("scans2rawlog", "-i " + at("empty") + out, {"empty: "});
+  expectRefusal("scans2rawlog", "-i " + at("empty") + out,
+                {"empty: ", "give a folder, .pcap, .bag, .db3 or .mcap"});
+  expectRefusal("scans2rawlog", "-i " + at("good.rawlog") + out,
+                {"good.rawlog: is a rawlog: dyslam reads it as it is"});
+  expectRefusal("scans2rawlog", "-i " + write("bag/metadata.yaml", "x") + out,
+                {"metadata.yaml: ", "give the bag's folder"});
+  expectRefusal("scans2rawlog", "-i " + at("none_inside") + " -o " + at("never"),
+                {"never: has no ending", "never.rawlog"});
   write("odd_bin/0.bin", std::string(1607, 'x'));
   expectRefusal("scans2rawlog", "-i " + at("odd_bin") + out, {"0.bin", "16"});
   write("odd_pcd/0.pcd", "# .PCD v0.7\nVERSION 0.7\nFIELDS x y z\n");

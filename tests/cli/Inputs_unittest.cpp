@@ -217,6 +217,91 @@ TEST_F(Inputs, TopicsOfABag)
   }
 }
 
+/** A depth camera has more scans and more points; the lidar's have rings and times. */
+TEST_F(Inputs, TheLidarIsTakenAmongOtherScans)
+{
+  std::vector<test::TestMessage> all;
+  for (std::size_t i = 0; i < 2 * scan_count; ++i)
+  {
+    const Scan& scan = scans_[i / 2];
+    const double stamp = scan.stamp + 0.01 * static_cast<double>(i % 2);
+    const std::vector<double> zeros(2 * scan.size(), 0.0);
+    all.push_back(
+        {"/depth", "sensor_msgs/PointCloud2", stamp,
+         test::pointCloud2(true, stamp, {{"x", 7, zeros}, {"y", 7, zeros}, {"z", 7, zeros}})});
+    if (i % 2 == 0)
+    {
+      all.push_back({"/points", "sensor_msgs/PointCloud2", stamp,
+                     test::pointCloud2(true, stamp, test::velodyneFields(scan))});
+    }
+  }
+  Pose mounting = Pose::Identity();
+  mounting.translation() = Eigen::Vector3d(0.8, 0, 1.7);
+  all.push_back({"/tf_static", "tf2_msgs/TFMessage", scans_[0].stamp,
+                 test::transforms(true, scans_[0].stamp, {{"lidar", mounting}})});
+  test::writeBag(at("two.mcap"), all);
+  expectOriginal(converted("scans2rawlog", "-i " + at("two.mcap"),
+                           {"scans: /points", "--topic chooses other scans: /depth"}));
+  const Outcome list = run("scans2rawlog", "--list -i " + at("two.mcap"));
+  EXPECT_NE(list.out.find(std::to_string(scans_[0].size()) + "  lidar  <- taken without --topic\n"),
+            std::string::npos)
+      << list.out;
+  EXPECT_NE(list.out.find("--sensor-pose '0.8 0 1.7 0 0 0'  (lidar in map, /tf_static)"),
+            std::string::npos)
+      << list.out;
+
+  for (const Scan& scan : scans_)
+  {
+    all.push_back({"/rear", "sensor_msgs/PointCloud2", scan.stamp,
+                   test::pointCloud2(true, scan.stamp, test::velodyneFields(scans_[0]))});
+  }
+  test::writeBag(at("three.mcap"), all);
+  const Outcome three = run("scans2rawlog", "-q -i " + at("three.mcap") + " -o " + at("o.rawlog"));
+  EXPECT_NE(three.err.find("warning: takes the scans of /"), std::string::npos) << three.err;
+  EXPECT_NE(three.err.find("--topic: /"), std::string::npos) << three.err;
+}
+
+TEST_F(Inputs, ATruthTopicOfOnePoseIsNamed)
+{
+  auto all = messages(true);
+  all.push_back({"/pose", "geometry_msgs/PoseStamped", scans_[0].stamp,
+                 test::poseStamped(true, scans_[0].stamp, poses_[0])});
+  test::writeBag(at("pose.mcap"), all);
+  const Outcome outcome =
+      run("scans2rawlog", "-q -i " + at("pose.mcap") + " --truth-topic /pose -o " + at("o.rawlog"));
+  EXPECT_EQ(1, outcome.code);
+  EXPECT_NE(outcome.err.find("/pose has only one pose"), std::string::npos) << outcome.err;
+}
+
+/** A map along poses of the lidar is that along the vehicle's. */
+TEST_F(Inputs, PosesOfTheLidar)
+{
+  bins("mounted", counted);
+  ASSERT_EQ(0, run("scans2rawlog", "-q -i " + at("mounted") + " --sensor-pose '1 0 2 90 0 0' -o " +
+                                       at("mounted.rawlog"))
+                   .code);
+  std::string vehicle;
+  std::string lidar;
+  for (std::size_t i = 0; i < scan_count; ++i)
+  {
+    vehicle += "1 0 0 " + std::to_string(i) + " 0 1 0 0 0 0 1 0\n";
+    lidar += "0 -1 0 " + std::to_string(i + 1) + " 1 0 0 0 0 0 1 2\n";
+  }
+  write("vehicle.txt", vehicle);
+  write("lidar.txt", lidar);
+  const auto map = [](const std::string& poses, const std::string& flags)
+  {
+    const Outcome outcome = run("dyslam-map", "-q -i " + at("mounted.rawlog") + " --trajectory " +
+                                                  at(poses) + flags + " -o " + at("poses_of.pcd"));
+    EXPECT_EQ(0, outcome.code) << outcome.err;
+    return contentOf(at("poses_of.pcd"));
+  };
+  const std::string expected = map("vehicle.txt", "");
+  EXPECT_GT(expected.size(), 1000U);
+  EXPECT_TRUE(expected == map("lidar.txt", " --poses-of lidar"));
+  EXPECT_FALSE(expected == map("lidar.txt", ""));
+}
+
 TEST_F(Inputs, EveryProgramSaysWhatToDoWithABag)
 {
   for (const std::string name : {"drive.bag", "drive.db3", "drive.mcap"})

@@ -129,5 +129,38 @@ TEST(Settings, MissingTimesOfPointsAreSaid)
   EXPECT_TRUE(contains(outcome.err, "dyslam: no rings, 0 points a scan")) << outcome.err;
   EXPECT_TRUE(contains(outcome.err, "the points have no times: scans are not deskewed"))
       << outcome.err;
+  EXPECT_TRUE(contains(contentOf(folder.file("run/report.json")), "the points have no times"));
+}
+
+TEST(Settings, OnlyInisOfTheProgramAreOffered)
+{
+  const TestFolder folder;
+  const Outcome outcome = slam(folder, "run", "-c nope.ini");
+  EXPECT_EQ(1, outcome.code);
+  EXPECT_TRUE(contains(outcome.err, "kitti64.ini")) << outcome.err;
+  EXPECT_FALSE(contains(outcome.err, "train_dylo")) << outcome.err;
+  EXPECT_FALSE(contains(outcome.err, "kitti_mot")) << outcome.err;
+}
+
+TEST(Settings, AMapIsMadeWithThoseOfItsRunAndLeavesTheRunsFilesAlone)
+{
+  const TestFolder folder;
+  ASSERT_EQ(0, slam(folder, "run", "--set map.voxel_size=0.77").code);
+  const std::string map =
+      "-i " + recording + " --trajectory " + folder.file("run/trajectory_tum.txt") + " -o ";
+  const Outcome made = runProgram("dyslam-map", map + folder.file("new/m.pcd"), folder.path());
+  EXPECT_EQ(0, made.code) << made.err;
+  EXPECT_TRUE(contains(made.err, "settings: " + folder.file("run/effective.ini"))) << made.err;
+  EXPECT_TRUE(contains(made.out, "2 scans, 0 without a pose, 1 keyframe,")) << made.out;
+  EXPECT_TRUE(contains(contentOf(folder.file("new/m.effective.ini")), "voxel_size = 0.77"));
+
+  const std::string picture = contentOf(folder.file("run/map.png"));
+  const Outcome refused = runProgram("dyslam-map", map + folder.file("run/map.png"), folder.path());
+  EXPECT_EQ(1, refused.code);
+  EXPECT_TRUE(contains(refused.err, "map.png: is a file of the run")) << refused.err;
+  EXPECT_EQ(picture, contentOf(folder.file("run/map.png")));
+  const std::string force = folder.file("run/map.png") + " --force";
+  EXPECT_EQ(0, runProgram("dyslam-map", map + force, folder.path()).code);
+  EXPECT_NE(picture, contentOf(folder.file("run/map.png")));
 }
 }  // namespace dyslam

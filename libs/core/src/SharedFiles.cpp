@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/Config.h>
 #include <dyslam/core/Error.h>
 #include <dyslam/core/SharedFiles.h>
 
@@ -21,11 +22,30 @@ std::vector<fs::path> sharedFolders()
       .candidates();
 }
 
-std::string namesIn(const std::string& folder, const std::string& extension)
+bool isFor(const std::string& ini, const std::string& program)
+{
+  try
+  {
+    Config::fromFile(ini).requireFor(program);
+    return true;
+  }
+  catch (const UserError&)
+  {
+    return false;
+  }
+}
+
+std::string namesIn(const std::string& folder,
+                    const std::string& extension,
+                    const std::string& program)
 {
   std::string text;
   for (const auto& path : sharedFiles(folder, extension))
   {
+    if (!program.empty() && !isFor(path, program))
+    {
+      continue;
+    }
     text += (text.empty() ? "" : ", ") + fs::path(path).filename().string();
   }
   return text;
@@ -57,7 +77,8 @@ std::vector<std::string> sharedFiles(const std::string& folder, const std::strin
 std::string findGivenOrShared(const std::string& path,
                               const std::string& folder,
                               const std::string& extension,
-                              const std::string& field)
+                              const std::string& field,
+                              const std::string& program)
 {
   if (fs::is_regular_file(path))
   {
@@ -76,7 +97,7 @@ std::string findGivenOrShared(const std::string& path,
       }
     }
   }
-  const std::string known = namesIn(folder, extension);
+  const std::string known = namesIn(folder, extension, program);
   throw UserError((field.empty() ? "" : field + " = ") + (path.empty() ? "(nothing)" : path) +
                   (fs::is_directory(path) ? ": is a folder" : ": no such file") +
                   (known.empty() ? "" : "; give a path or one of: " + known));

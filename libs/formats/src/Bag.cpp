@@ -2,6 +2,7 @@
 #include <dyslam/core/Error.h>
 #include <dyslam/formats/Bag.h>
 #include <dyslam/formats/RecordingKind.h>
+#include <dyslam/formats/RosMessages.h>
 #include <dyslam/formats/ScanFiles.h>
 
 #include <algorithm>
@@ -133,10 +134,28 @@ std::string row(const std::vector<std::string>& cells, const std::vector<std::si
   for (std::size_t i = 0; i < cells.size(); ++i)
   {
     const std::string space(widths[i] - cells[i].size(), ' ');
-    // Names are set left, numbers right.
-    line += (i < 2 ? cells[i] + space : space + cells[i]) + (i + 1 < cells.size() ? "  " : "\n");
+    // Names are set left, numbers right; nothing follows the last.
+    line += i + 1 == cells.size() ? cells[i] : (i < 2 ? cells[i] + space : space + cells[i]) + "  ";
   }
-  return line;
+  return line + "\n";
+}
+
+/** Points and frame of a topic of scans, the frame with a mark at that taken without --topic. */
+void addScanCells(const Bag& bag,
+                  const std::vector<RosScanTopic>& scans,
+                  std::vector<std::string>& cells)
+{
+  const auto scan = std::find_if(scans.begin(), scans.end(),
+                                 [&](const RosScanTopic& candidate)
+                                 { return bag.topics()[candidate.topic].name == cells.front(); });
+  if (scan == scans.end())
+  {
+    cells.insert(cells.end(), {"-", "-"});
+    return;
+  }
+  cells.push_back(std::to_string(scan->points));
+  cells.push_back((scan->frame.empty() ? "-" : scan->frame) +
+                  (scan == scans.begin() ? "  <- taken without --topic" : ""));
 }
 
 std::string fixed(double value, const char* format)
@@ -169,9 +188,11 @@ std::unique_ptr<Bag> openBag(const std::string& path)
                             : openMcap(path);
 }
 
-std::string listingOf(const Bag& bag)
+std::string listingOf(Bag& bag)
 {
-  std::vector<std::vector<std::string>> rows{{"topic", "type", "messages", "rate [1/s]"}};
+  const std::vector<RosScanTopic> scans = scanTopics(bag);
+  std::vector<std::vector<std::string>> rows{
+      {"topic", "type", "messages", "rate [1/s]", "points", "frame"}};
   double first = 0;
   double last = 0;
   bool any = false;
@@ -183,6 +204,7 @@ std::string listingOf(const Bag& bag)
                     topic.messages > 1 && span > 0
                         ? fixed(static_cast<double>(topic.messages - 1) / span, "%.2f")
                         : "-"});
+    addScanCells(bag, scans, rows.back());
     if (topic.messages > 0)
     {
       first = any ? std::min(first, topic.first) : topic.first;
@@ -203,6 +225,7 @@ std::string listingOf(const Bag& bag)
   {
     text += row(cells, widths);
   }
-  return text + fixed(last - first, "duration %.2f s") + fixed(first, ", from %.3f s since 1970\n");
+  return text + fixed(last - first, "duration %.2f s") +
+         fixed(first, ", from %.3f s since 1970\n") + sensorPosesOf(bag, scans);
 }
 }  // namespace dyslam

@@ -113,10 +113,19 @@ void RosScanDecoder::learnTimes(const std::string& field,
   noteTimes(field, unit, std::abs(least) * unit > largest_relative);
 }
 
+const PointField* RosScanDecoder::timeField(const Cloud2& cloud)
+{
+  return cloud.find({"t", "time", "timestamp", "offset_time", "time_offset", "time_stamp"});
+}
+
+const PointField* RosScanDecoder::ringField(const Cloud2& cloud)
+{
+  return cloud.find({"ring", "line", "channel", "laser_id"});
+}
+
 void RosScanDecoder::fillTimes(const Cloud2& cloud, Scan& scan)
 {
-  const PointField* field =
-      cloud.find({"t", "time", "timestamp", "offset_time", "time_offset", "time_stamp"});
+  const PointField* field = timeField(cloud);
   if (field == nullptr || times_unusable_ || scan.points.empty())
   {
     return;
@@ -174,7 +183,7 @@ double RosScanDecoder::zeroOf(const std::vector<double>& values, double stamp)
 void RosScanDecoder::fillRings(const Cloud2& cloud, Scan& scan)
 {
   constexpr std::uint32_t most_rows = 256;
-  const PointField* field = cloud.find({"ring", "line", "channel", "laser_id"});
+  const PointField* field = ringField(cloud);
   const bool rows = cloud.height > 1 && cloud.height <= most_rows && cloud.width > cloud.height;
   if ((field == nullptr && !rows) || scan.points.empty())
   {

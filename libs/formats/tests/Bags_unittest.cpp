@@ -154,10 +154,11 @@ TEST(Bags, Listing)
   const TestFolder folder;
   test::writeRos1Bag(folder.file("x.bag"), someMessages(10));
   EXPECT_EQ(
-      "topic    type                     messages  rate [1/s]\n"
-      "/points  sensor_msgs/PointCloud2         5        1.00\n"
-      "/imu     sensor_msgs/Imu                 5        1.00\n"
-      "/late    std_msgs/String                 1           -\n"
+      "topic    type                     messages  rate [1/s]  points  frame\n"
+      "/points  sensor_msgs/PointCloud2         5        1.00       0  -  <- taken without "
+      "--topic\n"
+      "/imu     sensor_msgs/Imu                 5        1.00       -  -\n"
+      "/late    std_msgs/String                 1           -       -  -\n"
       "duration 100.00 s, from 1600000000.000 s since 1970\n",
       listingOf(*openBag(folder.file("x.bag"))));
 }

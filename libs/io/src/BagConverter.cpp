@@ -51,26 +51,43 @@ std::size_t topicNamed(const std::string& input,
                   (usable.empty() ? "; --list shows the topics" : "; use " + usable));
 }
 
-/** The scans' topic: the one that was asked for, or that with the most scans. */
-std::size_t scanTopic(const std::string& input, const Bag& bag, const std::string& asked)
+/** Says that there are scans of other topics; a warning, where they may as well be the lidar's. */
+void sayOthers(const Bag& bag, const std::vector<RosScanTopic>& candidates, ScanSink& sink)
+{
+  const RosScanTopic& taken = candidates.front();
+  std::string likely;
+  std::string others;
+  for (const RosScanTopic& other : candidates)
+  {
+    if (other.topic != taken.topic)
+    {
+      std::string& names = other.has_times_or_rings == taken.has_times_or_rings ? likely : others;
+      names += (names.empty() ? "" : ", ") + bag.topics()[other.topic].name;
+    }
+  }
+  if (!likely.empty())
+  {
+    sink.warn("takes the scans of " + bag.topics()[taken.topic].name +
+              ", the most bytes of points; if others are meant, --topic: " + likely);
+  }
+  if (!others.empty())
+  {
+    sink.note("--topic chooses other scans: " + others);
+  }
+}
+
+/** The scans' topic: the one that was asked for, or the most likely lidar. */
+std::size_t scanTopic(const std::string& input, Bag& bag, const std::string& asked, ScanSink& sink)
 {
   if (!asked.empty())
   {
     return topicNamed(input, bag, "--topic", asked, RosScanDecoder::reads);
   }
-  const auto& topics = bag.topics();
-  std::optional<std::size_t> best;
-  for (std::size_t i = 0; i < topics.size(); ++i)
+  const std::vector<RosScanTopic> candidates = scanTopics(bag);
+  if (!candidates.empty())
   {
-    if (RosScanDecoder::reads(topics[i]) && topics[i].messages > 0 &&
-        (!best || topics[i].messages > topics[*best].messages))
-    {
-      best = i;
-    }
-  }
-  if (best)
-  {
-    return *best;
+    sayOthers(bag, candidates, sink);
+    return candidates.front().topic;
   }
   const std::string packets = namesOf(bag,
                                       [](const BagTopic& topic)
@@ -116,6 +133,12 @@ Trajectory readTruth(const std::string& input, Bag& bag, const ScanConverterOpti
                                                   : " of --truth-frame " + options.truth_frame)
                          : " has poses of " + names + "; choose one with --truth-frame"));
   }
+  if (bodies.begin()->second.size() < 2)
+  {
+    throw UserError(input + ": " + options.truth_topic + " has only one pose" +
+                    (bodies.begin()->first.empty() ? "" : " of " + bodies.begin()->first) +
+                    "; a trajectory needs two or more, with different time stamps");
+  }
   Trajectory trajectory;
   for (const auto& [stamp, pose] : bodies.begin()->second)
   {
@@ -137,7 +160,7 @@ std::optional<Pose> poseAt(const Trajectory& truth, double stamp)
 void convertBag(const std::string& input, ScanSink& sink, const ScanConverterOptions& options)
 {
   const std::unique_ptr<Bag> bag = openBag(input);
-  const std::size_t at = scanTopic(input, *bag, options.topic);
+  const std::size_t at = scanTopic(input, *bag, options.topic, sink);
   const BagTopic topic = bag->topics()[at];
   const Trajectory truth =
       options.truth_topic.empty() ? Trajectory() : readTruth(input, *bag, options);
@@ -146,16 +169,6 @@ void convertBag(const std::string& input, ScanSink& sink, const ScanConverterOpt
     sink.warn(warning);
   }
   sink.note("scans: " + topic.name + " (" + topic.type + ")");
-  if (options.topic.empty())
-  {
-    const std::string others =
-        namesOf(*bag, [&topic](const BagTopic& other)
-                { return RosScanDecoder::reads(other) && other.name != topic.name; });
-    if (!others.empty())
-    {
-      sink.note("--topic chooses other scans: " + others);
-    }
-  }
   bag->select({at});
   RosScanDecoder decoder;
   std::size_t without_pose = 0;

@@ -122,7 +122,8 @@ ConversionResult convertKitti(const std::string& input,
   result.warnings = layout.warnings;
   result.notes.emplace_back(
       deskewed ? "the scans count as deskewed (--deskewed no: as they were recorded)"
-               : "the points have no times: deskewing derives them from the azimuth");
+               : "the points have no times: dyslam deskews by azimuth or not at all "
+                 "(preprocess.deskew)");
   result.pose_source = layout.pose_file;
   return result;
 }

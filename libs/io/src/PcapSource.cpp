@@ -71,7 +71,8 @@ class PacketReader
     file_ = pcap_open_offline(path.c_str(), message.data());
     if (file_ == nullptr)
     {
-      throw UserError(path + ": is not a network capture: " + message.data());
+      throw UserError(path + ": is not a network capture: " + message.data() +
+                      "; give a folder, .pcap, .bag, .db3 or .mcap");
     }
   }
   ~PacketReader() { pcap_close(file_); }

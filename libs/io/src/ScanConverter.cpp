@@ -184,6 +184,24 @@ enum class InputKind
   bag
 };
 
+/** \throws UserError for a file that is known to be no network capture. */
+void requireCapture(const std::string& file)
+{
+  const std::string ending = lowerExtension(file);
+  if (isCloudFile(file))
+  {
+    throw UserError(file + ": is a single scan; give the folder of the scans");
+  }
+  if (ending == ".rawlog")
+  {
+    throw UserError(file + ": is a rawlog: dyslam reads it as it is");
+  }
+  if (fs::path(file).filename() == "metadata.yaml")
+  {
+    throw UserError(file + ": is only the description of a ROS 2 bag; give the bag's folder");
+  }
+}
+
 /** \throws UserError for an option that this kind of input has no use for. */
 void requireFitting(InputKind kind, const ScanConverterOptions& options)
 {
@@ -225,7 +243,7 @@ void ScanConverterOptions::describe(OptionsVisitor& visitor)
   visitor.text("calibration", calibration, "Velodyne XML or YAML for a pcap");
   visitor.text("poses", poses, "TUM or KITTI poses of the lidar, a line for each scan");
   visitor.text("times", times, "file of times, a line for each scan of a folder");
-  visitor.text("topic", topic, "of a bag's scans; empty: the one with the most");
+  visitor.text("topic", topic, "of a bag's scans; empty: the most likely lidar");
   visitor.text("truth_topic", truth_topic, "of a bag's true poses of the vehicle");
   visitor.text("truth_frame", truth_frame, "child frame whose poses of truth_topic are meant");
   visitor.text("sensor_pose", sensor_pose, "x y z yaw pitch roll of the lidar [m, deg]");
@@ -255,9 +273,9 @@ ConversionResult convertScans(const std::string& input,
   const bool folder = kind == InputKind::folder;
   const auto files = folder ? listCloudFiles(input) : std::vector<std::string>{};
   const auto poses = folder ? readPosesFor(options.poses, files.size()) : std::vector<Pose>{};
-  if (kind == InputKind::pcap && isCloudFile(input))
+  if (kind == InputKind::pcap)
   {
-    throw UserError(input + ": is a single scan; give the folder of the scans");
+    requireCapture(input);
   }
   // Made last: bad input must not touch an earlier output.
   ScanSink sink(output, options);

@@ -53,7 +53,7 @@ ConversionResult ScanSink::close()
   }
   if (!any_times_)
   {
-    warn("the points have no times: deskewing derives them from the azimuth");
+    warn("the points have no times: dyslam deskews by azimuth or not at all (preprocess.deskew)");
   }
   result.notes = notes_;
   result.warnings = warnings_;

@@ -8,15 +8,17 @@ namespace dyslam
 std::string cloudTrouble(const Frame& frame)
 {
   const std::vector<Eigen::Vector3f>& points = frame.cloud.points;
-  if (points.empty())
+  const std::size_t scanned = std::max(frame.scan.size(), points.size());
+  if (scanned == 0)
   {
-    return "the frame has no points";
+    return "the scan has no points";
   }
   const auto finite = static_cast<std::size_t>(std::count_if(
       points.begin(), points.end(), [](const Eigen::Vector3f& p) { return p.allFinite(); }));
   if (finite < fewest_points)
   {
-    return "the frame has only " + std::to_string(finite) + " finite points";
+    return "only " + std::to_string(finite) + " of " + std::to_string(scanned) + " points " +
+           (finite == 1 ? "is" : "are") + " left after preprocess.min_range and max_range";
   }
   return {};
 }

@@ -88,7 +88,7 @@ std::vector<std::string> RunStatistics::warnings() const
                      std::to_string(odometry_failures.total()) + of_all + ", most often because: " +
                      odometry_failures.mostFrequent() + " (scans.csv has the reason of each)");
   }
-  if (static_cast<double>(registration_failures.total()) > limit && failure().empty())
+  if (static_cast<double>(registration_failures.total()) > limit && failure(false).empty())
   {
     result.push_back(
         std::to_string(registration_failures.total()) + of_all +
@@ -103,7 +103,7 @@ std::vector<std::string> RunStatistics::warnings() const
   return result;
 }
 
-std::string RunStatistics::failure() const
+std::string RunStatistics::failure(bool has_ini) const
 {
   if (2 * registration_failures.total() <= frames)
   {
@@ -111,9 +111,10 @@ std::string RunStatistics::failure() const
   }
   return std::to_string(registration_failures.total()) + " of " + std::to_string(frames) +
          " scans could not be registered: do not trust trajectory and map; most often because: " +
-         registration_failures.mostFrequent() +
-         "; try the settings that fit the sensor (no -c), -c handheld.ini for one in the hand, or "
-         "odometry.start_speed for a recording that begins at speed";
+         registration_failures.mostFrequent() + "; try " +
+         (has_ini ? "the settings that fit the sensor (no -c), " : "") +
+         "-c handheld.ini for one in the hand, or odometry.start_speed for a recording that begins "
+         "at speed";
 }
 
 void Reasons::exchangeState(StateArchive& archive)

@@ -47,8 +47,8 @@ struct RunStatistics
   [[nodiscard]] std::vector<std::string> warnings() const;
 
   /** Why the run is of no use, if more than half of the scans could not be registered; else empty.
-   */
-  [[nodiscard]] std::string failure() const;
+   * \param has_ini an ini was given, which may be the reason */
+  [[nodiscard]] std::string failure(bool has_ini) const;
 
   std::size_t frames = 0;
   double first_time = 0;  //!< Frame::time() of the first frame [s]

@@ -207,7 +207,7 @@ void SlamRun::Impl::fillReport(SlamRunReport& report, const RunResults& results)
   report.method = pipeline.summary();
   report.frames = statistics.frames;
   report.unconverged = statistics.registration_failures.total();
-  report.failure = statistics.failure();
+  report.failure = statistics.failure(!settings.inputs.empty());
   report.odometry_failed = statistics.odometry_failures.total();
   report.keyframes = pipeline.backend().keyframes().size();
   const auto& loops = pipeline.backend().loops();

@@ -11,6 +11,12 @@ namespace dyslam
  * cursor or worse, and not endless. */
 [[nodiscard]] std::string printable(std::string text);
 
+/** For messages: "1 pose", "2 poses". */
+[[nodiscard]] inline std::string counted(std::size_t count, const std::string& noun)
+{
+  return std::to_string(count) + " " + noun + (count == 1 ? "" : "s");
+}
+
 /** The text for a page or an attribute of HTML in double quotes. */
 [[nodiscard]] std::string escapedHtml(const std::string& text);
 

@@ -13,11 +13,13 @@ namespace dyslam
  * source tree; for any other in share/dyslam beside the program's folder (an installed tree), then
  * in the prefix that the library was configured to be installed in.
  * \param field the setting that named it, for the message; empty for none
+ * \param program for inis: those of other programs are not named in the message; empty: all are
  * \throws UserError naming the shared files of that kind. */
 [[nodiscard]] std::string findGivenOrShared(const std::string& path,
                                             const std::string& folder,
                                             const std::string& extension,
-                                            const std::string& field = "");
+                                            const std::string& field = "",
+                                            const std::string& program = "");
 
 /** Paths of all shared files of a folder, by name; where two have one name, the one that
  * findGivenOrShared() finds. */

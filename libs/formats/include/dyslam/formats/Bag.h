@@ -72,6 +72,8 @@ class Bag
  * \throws UserError naming the file, the byte and what to do. */
 [[nodiscard]] std::unique_ptr<Bag> openBag(const std::string& path);
 
-/** Topics with types, counts, rates and times, as lines of a table, and the duration. */
-[[nodiscard]] std::string listingOf(const Bag& bag);
+/** Topics with types, counts and rates, of scans also points and frame, as lines of a table; the
+ * scans that are taken unless others are asked for are marked. Then the duration, and the poses of
+ * lidars that `/tf_static` has. */
+[[nodiscard]] std::string listingOf(Bag& bag);
 }  // namespace dyslam

@@ -12,6 +12,18 @@
 
 namespace dyslam
 {
+struct PointField;
+
+/** A topic of scans, by its first message. */
+struct RosScanTopic
+{
+  std::size_t topic = 0;            //!< position in Bag::topics()
+  std::string frame;                //!< of the header
+  std::size_t points = 0;           //!< of the first scan, with those that have no return
+  double bytes = 0;                 //!< of all scans, if they are as large as the first
+  bool has_times_or_rings = false;  //!< as a lidar's points have, but not a depth camera's
+};
+
 /** Makes scans of `sensor_msgs/PointCloud2` and Livox's `CustomMsg`, ROS 1 or ROS 2.
  *
  * The stamp is the header's. Every point is kept in its order. What the fields of the drivers are
@@ -33,6 +45,9 @@ class RosScanDecoder
   /** True for the types that decode() takes. */
   [[nodiscard]] static bool reads(const BagTopic& topic);
 
+  /** What a message tells of its topic. \pre reads(topic) \throws UserError as decode(). */
+  [[nodiscard]] static RosScanTopic summaryOf(const BagTopic& topic, const BagMessage& message);
+
   /** \throws UserError naming the message and what is wrong with it. */
   [[nodiscard]] Scan decode(const BagTopic& topic, const BagMessage& message);
 
@@ -51,6 +66,8 @@ class RosScanDecoder
   };
   Scan decodeCloud(const BagTopic& topic, const BagMessage& message);
   Scan decodeLivox(const BagTopic& topic, const BagMessage& message);
+  static const PointField* timeField(const Cloud2& cloud);
+  static const PointField* ringField(const Cloud2& cloud);
   void fillIntensity(const Cloud2& cloud, Scan& scan);
   void fillTimes(const Cloud2& cloud, Scan& scan);
   void learnTimes(const std::string& field,
@@ -74,6 +91,13 @@ class RosScanDecoder
   std::uint16_t last_ring_ = 0;
   bool first_ = true;
 };
+
+/** Topics of scans that have messages, the most likely lidar first: by times or rings of the
+ * points, then bytes, then messages. Reads the bag up to the first message of each. */
+[[nodiscard]] std::vector<RosScanTopic> scanTopics(Bag& bag);
+/** A line for each frame of the scans that `/tf_static` places in base_link, or in the root of its
+ * transforms: "--sensor-pose 'x y z yaw pitch roll'  (frame in parent, /tf_static)" [m, deg]. */
+[[nodiscard]] std::string sensorPosesOf(Bag& bag, const std::vector<RosScanTopic>& scans);
 
 struct RosPose
 {

@@ -1,0 +1,171 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/Error.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <map>
+#include <set>
+#include <tuple>
+
+#include "RosCloud2.h"
+
+namespace dyslam
+{
+namespace
+{
+/** Calls `use` with the first message of each of the topics; a damaged one ends it. */
+template <typename Use>
+void forFirstMessages(Bag& bag, const std::vector<std::size_t>& topics, const Use& use)
+{
+  std::set<std::size_t> open(topics.begin(), topics.end());
+  bag.select(topics);
+  try
+  {
+    BagMessage message;
+    while (!open.empty() && bag.next(message))
+    {
+      if (open.erase(message.topic) > 0)
+      {
+        use(message);
+      }
+    }
+  }
+  catch (const UserError&)
+  {
+    // The conversion reports the damage, if it is of the topic that is chosen.
+  }
+}
+
+/** "x y z yaw pitch roll" [m, deg]. */
+std::string sensorPoseText(const Pose& pose)
+{
+  constexpr double degrees = 180 / M_PI;
+  const Eigen::Matrix3d R = pose.rotation();
+  const Eigen::Vector3d t = pose.translation();
+  char text[160];
+  // Adding zero makes a negative zero positive.
+  std::snprintf(text, sizeof text, "%.4g %.4g %.4g %.4g %.4g %.4g", t.x() + 0.0, t.y() + 0.0,
+                t.z() + 0.0, degrees * std::atan2(R(1, 0), R(0, 0)) + 0.0,
+                degrees * std::asin(std::clamp(-R(2, 0), -1.0, 1.0)) + 0.0,
+                degrees * std::atan2(R(2, 1), R(2, 2)) + 0.0);
+  return text;
+}
+
+/** By child frame. */
+std::map<std::string, RosPose> staticTransforms(Bag& bag)
+{
+  std::vector<std::size_t> topics;
+  for (std::size_t i = 0; i < bag.topics().size(); ++i)
+  {
+    if (bag.topics()[i].name == "/tf_static" && isRosPose(bag.topics()[i]))
+    {
+      topics.push_back(i);
+    }
+  }
+  std::map<std::string, RosPose> by_child;
+  if (topics.empty())
+  {
+    return by_child;
+  }
+  bag.select(topics);
+  try
+  {
+    BagMessage message;
+    while (bag.next(message))
+    {
+      for (const RosPose& pose : decodeRosPoses(bag.topics()[message.topic], message))
+      {
+        by_child[pose.child] = pose;
+      }
+    }
+  }
+  catch (const UserError&)
+  {
+    // What was read before the damage is shown.
+  }
+  return by_child;
+}
+}  // namespace
+
+RosScanTopic RosScanDecoder::summaryOf(const BagTopic& topic, const BagMessage& message)
+{
+  RosScanTopic summary;
+  summary.topic = message.topic;
+  summary.bytes = static_cast<double>(message.data.size()) * static_cast<double>(topic.messages);
+  ByteReader reader = rosReader(topic, message);
+  if (topic.type == "sensor_msgs/PointCloud2")
+  {
+    const Cloud2 cloud = Cloud2::read(reader, topic.encoding);
+    summary.frame = cloud.header.frame;
+    summary.points = cloud.size();
+    summary.has_times_or_rings = timeField(cloud) != nullptr || ringField(cloud) != nullptr;
+    return summary;
+  }
+  summary.frame = rosHeader(reader, topic.encoding).frame;
+  (void)reader.u64();  // time base
+  summary.points = reader.u32();
+  summary.has_times_or_rings = true;
+  return summary;
+}
+
+std::vector<RosScanTopic> scanTopics(Bag& bag)
+{
+  std::vector<std::size_t> topics;
+  std::vector<RosScanTopic> found;
+  for (std::size_t i = 0; i < bag.topics().size(); ++i)
+  {
+    if (RosScanDecoder::reads(bag.topics()[i]) && bag.topics()[i].messages > 0)
+    {
+      topics.push_back(i);
+      found.emplace_back();
+      found.back().topic = i;
+    }
+  }
+  forFirstMessages(bag, topics,
+                   [&](const BagMessage& message)
+                   {
+                     const auto at = std::find(topics.begin(), topics.end(), message.topic);
+                     RosScanTopic& summary = found[static_cast<std::size_t>(at - topics.begin())];
+                     try
+                     {
+                       summary = RosScanDecoder::summaryOf(bag.topics()[message.topic], message);
+                     }
+                     catch (const UserError&)
+                     {
+                       // Scans that cannot be read are the last to be taken.
+                     }
+                   });
+  const auto rank = [&bag](const RosScanTopic& t)
+  { return std::tuple(t.has_times_or_rings, t.bytes, bag.topics()[t.topic].messages); };
+  std::stable_sort(found.begin(), found.end(),
+                   [&rank](const auto& a, const auto& b) { return rank(a) > rank(b); });
+  return found;
+}
+
+std::string sensorPosesOf(Bag& bag, const std::vector<RosScanTopic>& scans)
+{
+  const auto transforms = staticTransforms(bag);
+  std::set<std::string> said;
+  std::string text;
+  for (const RosScanTopic& scan : scans)
+  {
+    Pose T_parent_lidar = Pose::Identity();
+    std::string parent = scan.frame;
+    std::set<std::string> passed;  // a loop of frames must not be followed for ever
+    for (auto at = transforms.find(parent);
+         at != transforms.end() && parent != "base_link" && passed.insert(parent).second;
+         at = transforms.find(parent))
+    {
+      T_parent_lidar = at->second.pose * T_parent_lidar;
+      parent = at->second.parent;
+    }
+    if (parent != scan.frame && said.insert(scan.frame).second)
+    {
+      text += "--sensor-pose '" + sensorPoseText(T_parent_lidar) + "'  (" + scan.frame + " in " +
+              parent + ", /tf_static)\n";
+    }
+  }
+  return text;
+}
+}  // namespace dyslam
