@@ -3,6 +3,7 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cstddef>
 #include <cstdio>
@@ -40,7 +41,7 @@ class Progress
       return;
     }
     last_ = now;
-    show(fraction, count);
+    show(std::min(fraction, 0.99), count);  // finish() says 100%
   }
 
   /** The last word: everything is done. */

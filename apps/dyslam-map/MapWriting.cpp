@@ -329,10 +329,8 @@ void writePictures(const MapBuilder& builder, const Arguments& a)
   MapPictureContent before = content;
   before.points = &all.points;
   before.marked = &removed;
-  MapPictureOptions options;
-  options.pixels = 560;
   writePng(renderMapComparison({"everything that was seen; red: removed", before},
-                               {"static map", content}, options),
+                               {"static map", content}),
            a.compare);
 }
 }  // namespace

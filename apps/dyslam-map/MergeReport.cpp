@@ -163,10 +163,7 @@ void writeRunComparison(const std::vector<Run>& runs,
   after.objects.clear();
   const MapPoints merged = builder.map().points();
   after.points = &merged.points;
-  MapPictureOptions options;
-  options.pixels = 560;
-  const auto png =
-      renderMapComparison({"each run in its own frame", before}, {"merged", after}, options);
+  const auto png = renderMapComparison({"each run in its own frame", before}, {"merged", after});
   writeWhole(path, std::string_view(reinterpret_cast<const char*>(png.data()), png.size()));
 }
 

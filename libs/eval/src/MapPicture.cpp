@@ -29,6 +29,8 @@ constexpr double darkest_grey = 70;
 constexpr int line_bits = 4;  // of a pixel, for lines
 
 const cv::Scalar path_colour(190, 90, 20);  // all are blue, green, red
+const cv::Scalar start_colour(58, 143, 28);
+const cv::Scalar end_colour(34, 34, 194);
 const cv::Scalar loop_colour(200, 40, 200);
 const cv::Vec3b marked_colour(30, 30, 225);
 
@@ -249,24 +251,54 @@ void drawObject(const PictureObject& object, const View& view, cv::Mat& page)
   drawPath(box, view, page, colour, 2 * supersampling, true);
 }
 
-/** A bar of a round length, about a sixth of the picture's width. */
+void drawMark(const Eigen::Vector3d& p, const View& view, cv::Mat& page, const cv::Scalar& colour)
+{
+  const Eigen::Vector2d at = view.pixel(p.head<2>());
+  const cv::Point centre(static_cast<int>(at.x()), static_cast<int>(at.y()));
+  cv::circle(page, centre, 8 * supersampling, white, cv::FILLED, cv::LINE_AA);
+  cv::circle(page, centre, 6 * supersampling, colour, cv::FILLED, cv::LINE_AA);
+}
+
+/** Start and end of a path. */
+void drawEnds(const std::vector<Eigen::Vector3d>& path, const View& view, cv::Mat& page)
+{
+  const auto finite = [](const Eigen::Vector3d& p) { return p.allFinite(); };
+  const auto first = std::find_if(path.begin(), path.end(), finite);
+  const auto last = std::find_if(path.rbegin(), path.rend(), finite);
+  if (first != path.end())
+  {
+    drawMark(*last, view, page, end_colour);
+    drawMark(*first, view, page, start_colour);
+  }
+}
+
+/** Adds a white strip below or above. \return it */
+cv::Mat addStrip(cv::Mat& page, int height, bool above)
+{
+  cv::copyMakeBorder(page, page, above ? height : 0, above ? 0 : height, 0, 0, cv::BORDER_CONSTANT,
+                     white);
+  return page.rowRange(above ? 0 : page.rows - height, above ? height : page.rows);
+}
+
+/** A bar of a round length, about a sixth of the picture's width, at the right of a strip. */
 void drawScale(const View& view, cv::Mat& page)
 {
   const double wanted = page.cols / view.scale / 6;
   const double power = std::pow(10, std::floor(std::log10(wanted)));
   const double length = wanted < 2 * power ? power : wanted < 5 * power ? 2 * power : 5 * power;
   const int margin = 20 * supersampling;
-  const cv::Point right(page.cols - margin, page.rows - margin);
+  const cv::Point right(page.cols - margin, page.rows - margin / 2);
   const cv::Point left(right.x - static_cast<int>(length * view.scale), right.y);
   cv::line(page, left, right, ink, 3 * supersampling);
   char words[32];
   std::snprintf(words, sizeof words, "%g m", length);
-  text(page, words, {(left.x + right.x) / 2, right.y - 14 * supersampling}, Anchor::middle);
+  text(page, words, {(left.x + right.x) / 2, right.y - 12 * supersampling}, Anchor::middle);
 }
 
-void drawLegendOf(const MapPictureContent& content, cv::Mat& page)
+void drawLegendOf(const MapPictureContent& content, const View& view, cv::Mat& page)
 {
-  std::vector<Curve> entries{{"path of the sensor", {}, path_colour}};
+  std::vector<Curve> entries{
+      {"path of the sensor (green dot: start, red dot: end)", {}, path_colour}};
   std::map<std::string, cv::Scalar> kinds;
   for (const auto& object : content.objects)
   {
@@ -281,10 +313,10 @@ void drawLegendOf(const MapPictureContent& content, cv::Mat& page)
   {
     entries.push_back({"loop", {}, loop_colour});
   }
-  const cv::Rect box(8 * supersampling, 8 * supersampling, 220 * supersampling,
-                     static_cast<int>(entries.size() * 24 + 12) * supersampling);
-  cv::rectangle(page, box, white, cv::FILLED);
-  drawLegend(page, {20 * supersampling, 26 * supersampling}, entries);
+  cv::Mat strip =
+      addStrip(page, (static_cast<int>(entries.size() + 1) * 24 + 12) * supersampling, false);
+  drawLegend(strip, {20 * supersampling, 18 * supersampling}, entries);
+  drawScale(view, strip);
 }
 void requireValid(const MapPictureOptions& options)
 {
@@ -323,15 +355,16 @@ cv::Mat drawMap(const MapPictureContent& content, const View& view)
     drawPath({from, to}, view, page, loop_colour, supersampling);
   }
   drawPath(content.path, view, page, path_colour, 3 * supersampling);
-  drawScale(view, page);
+  drawEnds(content.path, view, page);
   return page;
 }
 
-void drawTitle(const std::string& title, cv::Mat& page)
+void drawTitle(const std::string& title, const View& view, cv::Mat& page)
 {
-  constexpr int height = 30 * supersampling;
-  cv::rectangle(page, cv::Rect(0, 0, page.cols, height), white, cv::FILLED);
-  text(page, title, {page.cols / 2, height / 2}, Anchor::middle);
+  constexpr int height = 36 * supersampling;
+  cv::Mat strip = addStrip(page, height, true);
+  text(strip, title, {20 * supersampling, height / 2}, Anchor::left);
+  drawScale(view, strip);
 }
 }  // namespace
 
@@ -343,8 +376,9 @@ std::vector<std::uint8_t> renderMapPicture(const MapPictureContent& content,
   {
     return {};
   }
-  cv::Mat page = drawMap(content, viewOf(content, options));
-  drawLegendOf(content, page);
+  const View view = viewOf(content, options);
+  cv::Mat page = drawMap(content, view);
+  drawLegendOf(content, view, page);
   return encodePage(page);
 }
 
@@ -363,11 +397,11 @@ std::vector<std::uint8_t> renderMapComparison(
   for (const auto* part : {&first, &second})
   {
     pages.push_back(drawMap(part->second, view));
-    drawTitle(part->first, pages.back());
+    drawTitle(part->first, view, pages.back());
   }
   const bool wide = view.size.width > view.size.height;
   constexpr int gap = 6 * supersampling;
-  const cv::Size border = wide ? cv::Size(view.size.width, gap) : cv::Size(gap, view.size.height);
+  const cv::Size border = wide ? cv::Size(view.size.width, gap) : cv::Size(gap, pages.front().rows);
   pages.insert(pages.begin() + 1, cv::Mat(border, CV_8UC3, ink));
   cv::Mat both;
   wide ? cv::vconcat(pages, both) : cv::hconcat(pages, both);

@@ -24,7 +24,7 @@ Pose motionError(const PosePairs& pairs, std::size_t i, std::size_t j)
 }
 
 /** Whether the reference's positions are so nearly collinear that the orientations determine the
- * rotation about their line better: the spread across is less than a hundredth of the spread along,
+ * rotation about their line better: the spread across is less than a fifth of the spread along,
  * and less than ten times the residual error across after alignment with R.
  * \param[out] direction of the line. */
 bool isDegenerateLine(const PosePairs& pairs,
@@ -33,7 +33,7 @@ bool isDegenerateLine(const PosePairs& pairs,
                       const Eigen::Matrix3d& R,
                       Eigen::Vector3d& direction)
 {
-  constexpr double max_aspect_ratio = 0.01;
+  constexpr double max_aspect_ratio = 0.2;
   constexpr double min_signal_to_noise = 10;
   Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
   Eigen::Matrix3d error = Eigen::Matrix3d::Zero();

@@ -36,7 +36,7 @@ TEST(MapPicture, ShowsThePartAroundThePathAndTheHeightAsDarkness)
   content.points = &points;
   const cv::Mat picture = cv::imdecode(renderMapPicture(content, options), cv::IMREAD_COLOR);
   ASSERT_EQ(picture.cols, 800);
-  ASSERT_EQ(picture.rows, 400);  // 20 pixels a metre, y = 10 m in the first row
+  ASSERT_EQ(picture.rows, 460);  // 20 pixels a metre, y = 10 m in the first row; 60 for the legend
   const auto grey = [&](int x, int y) { return static_cast<int>(picture.at<cv::Vec3b>(y, x)[1]); };
   EXPECT_LT(grey(500, 100), 100) << "wall";
   EXPECT_GT(grey(500, 300), 180) << "ground";
@@ -56,6 +56,39 @@ TEST(MapPicture, ShowsObjectsWhereTheyWere)
   EXPECT_GT(path[2], 150);
   EXPECT_LT(path[0], 100);
   EXPECT_EQ(picture.at<cv::Vec3b>(320, 540)[1] < 200, true) << "side of the box";
+}
+
+TEST(MapPicture, MarksStartAndEnd)
+{
+  const cv::Mat picture = cv::imdecode(renderMapPicture(drive(), options), cv::IMREAD_COLOR);
+  const cv::Vec3b start = picture.at<cv::Vec3b>(200, 200);
+  EXPECT_GT(start[1], start[2] + 60) << "green";
+  const cv::Vec3b end = picture.at<cv::Vec3b>(200, 600);
+  EXPECT_GT(end[2], end[1] + 60) << "red";
+}
+
+TEST(MapPicture, ComparisonHidesNothingOfTheMap)
+{
+  MapPictureContent content = drive();
+  std::vector<Eigen::Vector3f> points;
+  for (int i = 0; i < 160000; ++i)  // everywhere
+  {
+    points.emplace_back(0.1F * static_cast<float>(i % 400) - 9.95F,
+                        0.05F * static_cast<float>(i / 400) - 9.95F, 0.0F);
+  }
+  content.points = &points;
+  const cv::Mat picture =
+      cv::imdecode(renderMapComparison({"a", content}, {"b", content}, options), cv::IMREAD_COLOR);
+  ASSERT_EQ(picture.cols, 800);
+  ASSERT_EQ(picture.rows, 2 * (36 + 400) + 6);
+  for (const cv::Rect panel : {cv::Rect(0, 36, 800, 180), cv::Rect(0, 260, 800, 170),
+                               cv::Rect(0, 480, 800, 160), cv::Rect(0, 702, 800, 176)})
+  {
+    double darkest = 0;
+    double lightest = 0;
+    cv::minMaxLoc(picture(panel).reshape(1), &darkest, &lightest);
+    EXPECT_EQ(darkest, lightest) << "ground only";
+  }
 }
 
 TEST(MapPicture, OfNothingIsNone)

@@ -203,17 +203,90 @@ void clearRays(Grid& grid,
       });
 }
 
-void markPoints(Grid& grid, const MapPoints& map, const Ground& ground, const MapExportOptions& o)
+bool isObstacle(double height, const MapExportOptions& options)
 {
+  return height >= options.obstacle_min_height && height <= options.obstacle_max_height;
+}
+
+/** In how many keyframes there was something in a column of voxels at the height of obstacles: a
+ * lower bound, as the map knows of each voxel how many keyframes hit it, but only the last of them.
+ */
+class ObstacleColumns
+{
+ public:
+  ObstacleColumns(const MapPoints& map,
+                  const Ground& ground,
+                  double side,
+                  const MapExportOptions& options)
+      : side_(side)
+  {
+    for (std::size_t i = 0; i < map.size(); ++i)
+    {
+      if (isObstacle(ground.above(map.points[i].cast<double>()), options))
+      {
+        add(map.points[i], map.hits[i], map.keyframe[i]);
+      }
+    }
+  }
+
+  [[nodiscard]] std::uint32_t keyframes(const Eigen::Vector3f& p) const
+  {
+    const auto found = index_.find(keyOf(p));
+    return found == VoxelHash::none ? 0 : columns_[found].keyframes;
+  }
+
+ private:
+  struct Column
+  {
+    std::uint32_t keyframes = 0;
+    std::vector<std::uint32_t> last;  // keyframes that saw its voxels last
+  };
+
+  [[nodiscard]] std::uint64_t keyOf(const Eigen::Vector3f& p) const
+  {
+    return voxelKey({static_cast<std::int32_t>(std::floor(static_cast<double>(p.x()) / side_)),
+                     static_cast<std::int32_t>(std::floor(static_cast<double>(p.y()) / side_)), 0});
+  }
+
+  void add(const Eigen::Vector3f& p, std::uint32_t hits, std::uint32_t keyframe)
+  {
+    const auto next = static_cast<std::uint32_t>(columns_.size());
+    const auto found = index_.findOrInsert(keyOf(p), next);
+    if (found == next)
+    {
+      columns_.emplace_back();
+    }
+    Column& seen = columns_[found];
+    if (std::find(seen.last.begin(), seen.last.end(), keyframe) == seen.last.end())
+    {
+      seen.last.push_back(keyframe);
+    }
+    seen.keyframes = std::max({seen.keyframes, hits, static_cast<std::uint32_t>(seen.last.size())});
+  }
+
+  double side_;
+  VoxelHash index_;
+  std::vector<Column> columns_;
+};
+
+void markPoints(Grid& grid,
+                const StaticMap& map,
+                const MapPoints& points,
+                const Ground& ground,
+                const MapExportOptions& o)
+{
+  const ObstacleColumns columns(points, ground, map.voxelSize(), o);
+  // A sensor that never moved has one keyframe, and all that it sees is of that one.
+  const auto needed = static_cast<std::uint32_t>(
+      std::min(static_cast<std::size_t>(o.obstacle_min_hits), map.keyframes().size()));
   for (const bool obstacles : {false, true})
   {
-    for (const auto& point : map.points)
+    for (const auto& point : points.points)
     {
       const Eigen::Vector3d p = point.cast<double>();
       const double height = ground.above(p);
-      const bool is_obstacle = height >= o.obstacle_min_height && height <= o.obstacle_max_height;
-      const bool is_ground = height < o.obstacle_min_height;
-      if (obstacles ? is_obstacle : is_ground)
+      if (obstacles ? isObstacle(height, o) && columns.keyframes(point) >= needed
+                    : height < o.obstacle_min_height)
       {
         grid.cells.at<std::uint8_t>(grid.cellOf(p.x(), p.y())) = obstacles ? occupied : free_space;
       }
@@ -287,7 +360,7 @@ void writeOccupancyGrid(const StaticMap& map,
   Grid grid = emptyGrid(points, options);
   const Ground ground(points);
   clearRays(grid, map, ground, options.obstacle_max_height, on_keyframe);
-  markPoints(grid, points, ground, options);
+  markPoints(grid, map, points, ground, options);
   if (std::filesystem::path(path).extension() == ".gridmap")
   {
     writeGridmap(grid, path);

@@ -23,6 +23,8 @@ void MapExportOptions::describe(OptionsVisitor& v)
          "m over the ground, lower things can be driven over");
   v.real("obstacle_max_height", obstacle_max_height, -10, 100,
          "m over the ground, higher things can be driven under");
+  v.integer("obstacle_min_hits", obstacle_min_hits, 1, 1000,
+            "an obstacle was seen by at least so many keyframes; 1: ghosts of what moved stay");
   v.integer("grid_max_cells", grid_max_cells, 100, 2000000000, "a larger grid gets coarser cells");
 }
 

@@ -118,6 +118,18 @@ class ScanInserter
   std::vector<octomap::OcTreeKey> occupied_;
   octomap::KeyRay ray_;
 };
+
+/** What OcTree::writeBinary() writes; that prints " done." on stderr. */
+void writeBinaryTree(octomap::OcTree& tree, std::ostream& out)
+{
+  tree.toMaxLikelihood();
+  tree.prune();
+  out << "# Octomap OcTree binary file\n"
+         "# (feel free to add / change comments, but leave the first line as it is!)\n#\n"
+      << "id " << tree.getTreeType() << "\nsize " << tree.size() << "\nres " << tree.getResolution()
+      << "\ndata\n";
+  tree.writeBinaryData(out);
+}
 }  // namespace
 
 void writeOctomap(const StaticMap& map,
@@ -157,9 +169,11 @@ void writeOctomap(const StaticMap& map,
   writeWhole(path,
              [&](std::ostream& out)
              {
-               // An empty tree has no binary form other than its header.
-               const bool good = ending == ".bt" ? tree.writeBinary(out) : tree.write(out);
-               if (!good)
+               if (ending == ".bt")
+               {
+                 writeBinaryTree(tree, out);
+               }
+               else if (!tree.write(out))
                {
                  out.setstate(std::ios::failbit);
                }

@@ -212,6 +212,14 @@ TEST_F(MapExport, OctomapIsWhatItsOwnInsertionMakes)
   std::ostringstream expected;
   ASSERT_TRUE(tree.write(expected));
   EXPECT_EQ(bytes(path("m.ot")), expected.str());
+  testing::internal::CaptureStderr();
+  testing::internal::CaptureStdout();
+  writeOctomap(held.map, path("m.bt"), options);
+  EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
+  EXPECT_EQ(testing::internal::GetCapturedStdout(), "");
+  std::ostringstream binary;
+  ASSERT_TRUE(tree.writeBinary(binary));
+  EXPECT_EQ(bytes(path("m.bt")), binary.str());
 }
 
 TEST_F(MapExport, OctomapBeyondItsKeysIsAnError)
@@ -384,6 +392,58 @@ TEST_F(MapExport, GridIsWhatMapServersRead)
       ASSERT_NE(at(x, y), 0) << x << " " << y;
     }
   }
+}
+
+/** One keyframe sees a post 1 m high at x = 3, all of them one at x = 5. */
+test::TestMap twoPosts(std::size_t keyframes)
+{
+  test::TestMap map;
+  for (std::size_t k = 0; k < keyframes; ++k)
+  {
+    Frame frame;
+    frame.index = k;
+    frame.scan.T_vehicle_lidar.translation().z() = 1.7;
+    const auto add = [&](float x, float y, float z)
+    {
+      frame.cloud.points.emplace_back(x, y, z);
+      frame.cloud.intensity.push_back(0.25F);
+      frame.cloud.source.push_back(0);
+    };
+    for (int i = 0; i < 6400; ++i)  // floor of 8 m by 8 m
+    {
+      add(0.1F * static_cast<float>(i % 80) + 0.05F, 0.1F * static_cast<float>(i / 80) - 3.95F,
+          0.02F);
+    }
+    for (float z = 0.5F; z < 1; z += 0.1F)
+    {
+      add(5.05F, 0.05F, z);
+      if (k == 0)
+      {
+        add(3.05F, 0.05F, z);
+      }
+    }
+    map.insert(frame);
+  }
+  return map;
+}
+
+TEST_F(MapExport, ObstaclesOfTheGridAreSeenByTwoKeyframes)
+{
+  const auto occupied = [&](std::size_t keyframes, int min_hits, double x)
+  {
+    MapExportOptions options;
+    options.obstacle_min_hits = min_hits;
+    writeOccupancyGrid(twoPosts(keyframes).map, path("m.gridmap"), options);
+    mrpt::io::CFileGZInputStream file(path("m.gridmap"));
+    mrpt::maps::COccupancyGridMap2D grid;
+    auto archive = mrpt::serialization::archiveFrom(file);
+    archive >> grid;
+    return grid.getPos(static_cast<float>(x), 0.05F) < 0.4F;
+  };
+  EXPECT_TRUE(occupied(3, 1, 3.05));
+  EXPECT_FALSE(occupied(3, 2, 3.05)) << "seen once";
+  EXPECT_TRUE(occupied(3, 2, 5.05));
+  EXPECT_TRUE(occupied(1, 2, 3.05)) << "there is but one keyframe";
 }
 
 TEST_F(MapExport, LargeGridsGetCoarserCells)

@@ -27,6 +27,16 @@ std::string Reasons::mostFrequent() const
   return most == kinds_.end() ? "" : most->second.second;
 }
 
+std::size_t Reasons::countOf(const std::string& words) const
+{
+  std::size_t result = 0;
+  for (const auto& [kind, counted] : kinds_)
+  {
+    result += kind.find(words) == std::string::npos ? 0 : counted.first;
+  }
+  return result;
+}
+
 void RunStatistics::add(const Frame& frame)
 {
   first_time = frames == 0 ? frame.time() : first_time;
@@ -93,6 +103,15 @@ std::vector<std::string> RunStatistics::warnings() const
     result.push_back(
         std::to_string(registration_failures.total()) + of_all +
         " could not be registered, most often because: " + registration_failures.mostFrequent());
+  }
+  // As LocalMapRegistration says in the reason.
+  const std::size_t restarts = registration_failures.countOf("the map is restarted");
+  if (restarts > 0)
+  {
+    result.push_back("the local map was restarted " +
+                     (restarts == 1 ? "once" : std::to_string(restarts) + " times") +
+                     ", as scans in a row could not be registered: the trajectory before and after "
+                     "is joined by prediction only");
   }
   if (unregistered_keyframes > 0)
   {

@@ -23,6 +23,8 @@ class Reasons
   [[nodiscard]] std::size_t total() const { return total_; }
   /** An example of the most frequent kind; empty if there was none. */
   [[nodiscard]] std::string mostFrequent() const;
+  /** How many contain these words. */
+  [[nodiscard]] std::size_t countOf(const std::string& words) const;
   void exchangeState(StateArchive& archive);
 
  private:

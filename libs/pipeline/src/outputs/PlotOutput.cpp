@@ -31,7 +31,7 @@ class PlotOutput : public RunOutput
     {
       return;
     }
-    const auto png = renderTrajectoryPlot({item}, {title_, Alignment::first});
+    const auto png = renderTrajectoryPlot({item}, {title_, Alignment::se3});
     writeWhole(path(picture),
                std::string_view(reinterpret_cast<const char*>(png.data()), png.size()));
   }

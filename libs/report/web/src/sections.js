@@ -55,15 +55,25 @@ function sentences(data) {
   return result;
 }
 
+function warningList(data) {
+  return h('ul', {}, data.warnings.map((w) => h('li', {}, w)));
+}
+
 function verdict(data) {
   if (data.failure) {
     return h('div', {class: 'verdict bad', id: 'verdict'}, h('strong', {}, 'This run is of no use. '),
         data.failure);
   }
+  const lost = data.totals.scans - data.totals.registered;
+  if (3 * lost >= data.totals.scans && lost > 0) {
+    return h('div', {class: 'verdict bad', id: 'verdict'},
+        h('strong', {}, 'Do not trust trajectory and map. '),
+        `${lost} of ${count(data.totals.scans, 'scan')} could not be registered.`, warningList(data));
+  }
   if (data.warnings.length > 0) {
     return h('div', {class: 'verdict warn', id: 'verdict'},
         h('strong', {}, `${count(data.warnings.length, 'warning')}. `), 'See what they say before you ' +
-        'trust the results:', h('ul', {}, data.warnings.map((w) => h('li', {}, w))));
+        'trust the results:', warningList(data));
   }
   return h('div', {class: 'verdict good', id: 'verdict'}, h('strong', {}, 'No warnings.'));
 }
@@ -200,6 +210,10 @@ const stages = {
   'backend.finish': 'last optimisation of the graph, spread over all scans',
   map: 'adds keyframes to the static map',
   'map.finish': 'stitches the map again, spread over all scans',
+  hindsight: 'decides again what moves, from the scans before and after',
+  'hindsight.finish': 'the same for the last scans, spread over all',
+  'checkpoint.front_end': 'saves the state of odometry and tracks, spread over all scans',
+  'checkpoint.back_end': 'saves the state of graph and map, spread over all scans',
 };
 
 export function times(data) {
@@ -276,14 +290,14 @@ export function tracks(data) {
 export function picture(data) {
   const image = document.getElementById('picture');
   const section = h('section', {id: 'above'}, h('h2', {}, 'Map from above'));
-  if (image.getAttribute('src').endsWith(',')) {
+  if (data.map.count === 0 || image.getAttribute('src').endsWith(',')) {
     image.remove();
-    section.append(h('p', {}, 'There is no picture.'));
+    section.append(h('p', {}, data.map.count === 0 ? 'The run has no map.' : 'There is no picture.'));
     return section;
   }
   image.hidden = false;
-  section.append(h('p', {}, 'The static map (darker: higher over the ground), the path of the sensor, and ' +
-      'the moving objects with their paths and last boxes. The same picture is the file ',
+  section.append(h('p', {}, 'The static map (darker: higher over the ground), the path of the sensor with start ' +
+      '(green dot) and end (red dot), and the moving objects with their paths and last boxes. The same picture is the file ',
       h('code', {}, 'map.png'), '.'), image);
   return section;
 }

@@ -30,9 +30,19 @@ class View {
     this.labels = [];
     this.follow = false;
     this.scan = 0;
-    this.reset(false);
     new ResizeObserver(() => this.resize()).observe(stage);
     this.canvas.addEventListener('webglcontextrestored', () => this.request());
+  }
+
+  /** Whether the whole path is in the picture, with a margin for the sensor. */
+  showsPath() {
+    const {x, y, z} = this.data.final;
+    this.camera.lookAt(this.controls.target);
+    this.camera.updateMatrixWorld();
+    return x.every((_, i) => {
+      const at = new Vector3(x[i], y[i], z[i]).project(this.camera);
+      return at.z < 1 && Math.max(Math.abs(at.x), Math.abs(at.y)) < 0.85;
+    });
   }
 
   /** The whole path from behind and above, or from straight above. */
@@ -56,8 +66,11 @@ class View {
     } else {
       this.camera.position.addScaledVector(back, -0.85 * size).add(new Vector3(0, 0, 0.6 * size));
     }
-    this.camera.far = Math.max(2000, 8 * size);
+    this.camera.far = Math.max(2000, 20 * size);
     this.camera.updateProjectionMatrix();
+    for (let tries = 0; tries < 12 && !this.showsPath(); ++tries) {
+      this.camera.position.sub(centre).multiplyScalar(1.15).add(centre);
+    }
     this.controls.update();
     this.request();
   }
@@ -70,6 +83,10 @@ class View {
     this.renderer.setSize(width, height, false);
     this.camera.aspect = width / height;
     this.camera.updateProjectionMatrix();
+    if (!this.framed) {
+      this.framed = true;
+      this.reset(false);
+    }
     this.request();
   }
 
@@ -232,13 +249,13 @@ function viewControls(view) {
 
 function mapInWords({map}) {
   if (map.count === 0) {
-    return 'The run built no map. ';
+    return 'The run has no map: sensor, path and moving objects are shown without it. ';
   }
   const part = map.count < map.of ?
       `${map.count.toLocaleString('en')} of ${count(map.of, 'map point')}, one per cube of ${fixed(map.voxel, 2)} m ` +
-      '(report.max_points). ' :
-      `${count(map.count, 'map point')}. `;
-  return part;
+      '(report.max_points), ' :
+      `${count(map.count, 'map point')}, `;
+  return part + 'those of the whole run. ';
 }
 
 /** The section; it is filled when it is in the page, as its size must be known. */
@@ -247,7 +264,7 @@ export function view3d(data) {
   const info = h('div', {id: 'scene-info'});
   const section = h('section', {id: 'view'}, h('h2', {}, '3D view'), h('p', {}, mapInWords(data),
       'Drag to turn, right button or two fingers to move, wheel or pinch to zoom. The slider goes through ' +
-      'the scans: sensor and objects move, the map is that of the whole run.'));
+      'the scans: sensor and objects move.'));
   const start = () => {
     try {
       const view = new View(data, stage, info);

@@ -21,6 +21,7 @@ struct MapExportOptions : Options
   double grid_resolution = 0.1;      //!< side of the occupancy grid's cells [m]
   double obstacle_min_height = 0.3;  //!< over the ground: lower things can be driven over [m]
   double obstacle_max_height = 2.2;  //!< over the ground: higher things can be driven under [m]
+  int obstacle_min_hits = 2;         //!< keyframes that saw something there, if the map has so many
   int grid_max_cells = 100000000;    //!< a larger grid gets coarser cells
 
   void describe(OptionsVisitor& visitor) override;
