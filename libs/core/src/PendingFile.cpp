@@ -109,6 +109,11 @@ void cutPending(const PendingFile& pending, std::uint64_t size)
 {
   const std::string& path = pending.temporary();
   std::error_code error;
+  if (!fs::exists(path, error) && fs::is_regular_file(pending.path(), error))
+  {
+    fs::rename(pending.path(), path, error);
+  }
+  error.clear();
   const std::uint64_t found = fs::file_size(path, error);
   if (!error && found < size)
   {

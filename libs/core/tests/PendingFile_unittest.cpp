@@ -81,6 +81,23 @@ TEST_F(PendingFiles, WriteWholeKeepsTheEarlierFileUntilAllIsWritten)
   EXPECT_EQ(bytes, content("a"));
 }
 
+TEST_F(PendingFiles, AreCutToWhatIsGoodUnderEitherName)
+{
+  const std::string name = path("b");
+  PendingFile pending(name);
+  pending.keep();
+  std::ofstream(pending.temporary()) << "good and more";
+  cutPending(pending, 4);
+  EXPECT_EQ("good", content("b.tmp"));
+  fs::rename(pending.temporary(), name);
+  cutPending(pending, 2);
+  EXPECT_EQ("go", content("b.tmp"));
+  EXPECT_FALSE(fs::exists(name));
+  EXPECT_THROW(cutPending(pending, 3), UserError);
+  fs::remove(pending.temporary());
+  EXPECT_THROW(cutPending(pending, 1), UserError);
+}
+
 TEST_F(PendingFiles, AFullDiskIsAnError)
 {
   const test::FullDisk full_disk;

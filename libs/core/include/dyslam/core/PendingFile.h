@@ -53,7 +53,8 @@ void writeWhole(const std::string& path,
                 Durable durable = Durable::yes);
 void writeWhole(const std::string& path, std::string_view content, Durable durable = Durable::yes);
 
-/** Cuts what a killed program left under a temporary name to the size that is known to be good.
+/** Cuts what a killed program left under a temporary name to the size that is known to be good. If
+ * it had come to give the file its own name, the file gets the temporary one again.
  * \throws UserError if there is less. */
 void cutPending(const PendingFile& pending, std::uint64_t size);
 }  // namespace dyslam
