@@ -12,6 +12,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "LoopCorrection.h"
 #include "ObjectGraph.h"
 #include "PoseGraphView.h"
 
@@ -70,6 +71,7 @@ struct Backend::State
         window_keyframes(static_cast<std::size_t>(config.objects.window_keyframes)),
         keyframes(store),
         closer(config.loops, store),
+        correction(config.backend, config.solver, graph),
         objects(config.objects, config.backend.mode == BackendMode::full, graph)
   {
     validate(options, "backend");
@@ -87,9 +89,11 @@ struct Backend::State
   void accumulateOdometry(const Frame& frame);
   [[nodiscard]] bool wantsKeyframe() const;
   void addKeyframe(const Frame& frame);
-  void insertLoops(const std::vector<Loop>& decided);
-  [[nodiscard]] bool loopsAskForIt() const;
+  /** \return how many loops the graph took. */
+  std::size_t insertLoops(const std::vector<Loop>& decided);
+  [[nodiscard]] std::set<Key> objectsOf(const Frame& frame) const;
   bool optimiseWindow(const Frame& frame);
+  void optimiseForLoops(const Frame& frame);
   void optimiseAll();
   void correctKeyframes(std::size_t first);
 
@@ -99,11 +103,11 @@ struct Backend::State
   KeyframeStore& keyframes;
   LoopCloser closer;
   FactorGraph graph;
+  LoopCorrection correction;
   ObjectGraph objects;
   std::vector<FactorGraph::FactorId> odometry;  //!< that of keyframe k + 1 at k
   std::vector<FrameInKeyframe> frames;
   std::vector<Loop> loops;
-  OptimisationResult last_result;
   std::vector<std::string> problems;        //!< factors that the graph refused
   Pose T_odom_keyframe = Pose::Identity();  //!< the newest one's, as the odometry has it
 
@@ -112,9 +116,6 @@ struct Backend::State
   double path_length = 0;  //!< since the start [m]
   double drift = 0;        //!< variance of the steps per axis, summed [m^2] ...
   double drift_angle = 0;  //!< ... [rad^2]
-
-  int waiting_loops = 0;      //!< accepted since the last optimisation
-  double worst_residual = 0;  //!< of those, whitened
 };
 
 void Backend::State::accumulateOdometry(const Frame& frame)
@@ -160,8 +161,9 @@ void Backend::State::addKeyframe(const Frame& frame)
   since_keyframe.restart();
 }
 
-void Backend::State::insertLoops(const std::vector<Loop>& decided)
+std::size_t Backend::State::insertLoops(const std::vector<Loop>& decided)
 {
+  std::size_t added = 0;
   for (const Loop& loop : decided)
   {
     loops.push_back(loop);
@@ -171,22 +173,16 @@ void Backend::State::insertLoops(const std::vector<Loop>& decided)
     }
     try
     {
-      const FactorGraph::FactorId id = graph.add(
-          std::make_unique<LoopFactor>(loop.from, loop.to, loop.T_from_to, loop.information));
-      worst_residual = std::max(worst_residual, graph.whitenedResidual(id));
-      ++waiting_loops;
+      correction.add(graph.add(
+          std::make_unique<LoopFactor>(loop.from, loop.to, loop.T_from_to, loop.information)));
+      ++added;
     }
     catch (const std::invalid_argument& e)
     {
       problems.push_back(std::string("a loop was left out: ") + e.what());
     }
   }
-}
-
-bool Backend::State::loopsAskForIt() const
-{
-  return waiting_loops >= options.loops_to_optimise ||
-         (waiting_loops > 0 && worst_residual > options.residual_to_optimise);
+  return added;
 }
 
 /** Takes the poses of keyframes `first` and later from the graph. */
@@ -200,10 +196,20 @@ void Backend::State::correctKeyframes(std::size_t first)
   keyframes.correct(corrected, first);
 }
 
+/** The objects' variables that are optimised with the newest keyframes. */
+std::set<Key> Backend::State::objectsOf(const Frame& frame) const
+{
+  std::set<Key> objects_now;
+  if (hasObjects())
+  {
+    objects.appendWindow(frame.time(), objects_now);
+  }
+  return objects_now;
+}
+
 bool Backend::State::optimiseWindow(const Frame& frame)
 {
-  std::set<Key> free;
-  objects.appendWindow(frame.time(), free);
+  std::set<Key> free = objectsOf(frame);
   if (free.empty())
   {
     return false;
@@ -222,12 +228,15 @@ bool Backend::State::optimiseWindow(const Frame& frame)
   return true;
 }
 
+void Backend::State::optimiseForLoops(const Frame& frame)
+{
+  correctKeyframes(correction.correct(keyframes.size(), objectsOf(frame)));
+}
+
 void Backend::State::optimiseAll()
 {
-  last_result = graph.optimise(solver);
+  correction.correctAll(keyframes.size());
   correctKeyframes(0);
-  waiting_loops = 0;
-  worst_residual = 0;
 }
 
 void BackendOptions::describe(OptionsVisitor& visitor)
@@ -250,6 +259,11 @@ void BackendOptions::describe(OptionsVisitor& visitor)
                "optimise when a new loop is off by this many standard deviations");
   visitor.integer("loops_to_optimise", loops_to_optimise, 1, 100000,
                   "or this many loops have come");
+  visitor.integer("correction_keyframes", correction_keyframes, 0, 1000000,
+                  "newest keyframes that a loop moves where odometry and earlier loops explain it; "
+                  "0: all");
+  visitor.real("correction_growth", correction_growth, 0, 10,
+               "all keyframes are optimised again when there are more by this share");
 }
 
 Backend::Backend(const BackendConfig& config, KeyframeStore& keyframes)
@@ -290,19 +304,17 @@ std::size_t Backend::addLoops(const Frame& frame)
   {
     return 0;
   }
-  const int before = s.waiting_loops;
   s.closer.add(staticPoints(frame));
-  s.insertLoops(s.closer.search());
-  return static_cast<std::size_t>(s.waiting_loops - before);
+  return s.insertLoops(s.closer.search());
 }
 
 bool Backend::optimise(Frame& frame)
 {
   State& s = *state_;
   bool changed = false;
-  if (s.loopsAskForIt())
+  if (s.correction.isDue())
   {
-    s.optimiseAll();
+    s.optimiseForLoops(frame);
     changed = true;
   }
   else if (frame.is_keyframe && s.hasObjects() && s.window_keyframes > 0)
@@ -323,12 +335,12 @@ void Backend::addFrame(Frame& frame)
 void Backend::finish()
 {
   State& s = *state_;
-  s.insertLoops(s.closer.finish());
+  (void)s.insertLoops(s.closer.finish());
   if (s.hasObjects())
   {
     s.objects.finish();
   }
-  if (s.waiting_loops > 0 || s.hasObjects())
+  if (s.correction.isAnyOpen() || s.hasObjects())
   {
     s.optimiseAll();
   }
@@ -381,13 +393,13 @@ std::vector<SmoothedObject> Backend::smoothedObjects() const
 
 const OptimisationResult& Backend::lastOptimisation() const
 {
-  return state_->last_result;
+  return state_->correction.last();
 }
 
 std::vector<std::string> Backend::warnings() const
 {
   std::vector<std::string> result = state_->problems;
-  for (const auto& more : {state_->last_result.warnings, state_->objects.warnings()})
+  for (const auto& more : {state_->correction.last().warnings, state_->objects.warnings()})
   {
     result.insert(result.end(), more.begin(), more.end());
   }
@@ -397,8 +409,8 @@ std::vector<std::string> Backend::warnings() const
 void Backend::exchangeState(StateArchive& archive)
 {
   State& s = *state_;
-  archive(s.closer, s.graph, s.objects, s.odometry, s.frames, s.loops, s.last_result, s.problems,
+  archive(s.closer, s.graph, s.objects, s.odometry, s.frames, s.loops, s.correction, s.problems,
           s.T_odom_keyframe, s.since_keyframe, s.T_odom_previous, s.path_length, s.drift,
-          s.drift_angle, s.waiting_loops, s.worst_residual);
+          s.drift_angle);
 }
 }  // namespace dyslam

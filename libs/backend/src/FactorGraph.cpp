@@ -132,6 +132,13 @@ void FactorGraph::setVelocity(const Key& key, const Vector6& twist)
   Eigen::Map<Vector6>(variable(key).block.data()) = twist;
 }
 
+void FactorGraph::setBlock(const Key& key, const std::array<double, pose_block_size>& block)
+{
+  requireFinite(
+      key, Eigen::Map<const Eigen::Matrix<double, pose_block_size, 1>>(block.data()).allFinite());
+  variable(key).block = block;
+}
+
 void FactorGraph::setFixed(const Key& key, bool fixed)
 {
   variable(key).fixed = fixed;

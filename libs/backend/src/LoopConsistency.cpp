@@ -14,6 +14,7 @@ namespace
 {
 using FactorId = FactorGraph::FactorId;
 using SparseMatrix = Eigen::SparseMatrix<double>;
+using RowSparseMatrix = Eigen::SparseMatrix<double, Eigen::RowMajor>;
 using Triplets = std::vector<Eigen::Triplet<double>>;
 
 /** Loops whose ends are both within so many keyframes of one another's are judged as one. */
@@ -52,27 +53,107 @@ std::vector<std::vector<FactorId>> grouped(const FactorGraph& graph, std::vector
   std::stable_sort(loops.begin(), loops.end(),
                    [&](FactorId a, FactorId b) { return ends(a) < ends(b); });
   std::vector<std::vector<FactorId>> groups;
+  std::vector<std::size_t> open;  // groups that a later loop may join, in order
   for (const FactorId id : loops)
   {
+    const auto last = [&](std::size_t group) { return ends(groups[group].back()); };
+    open.erase(std::remove_if(open.begin(), open.end(),
+                              [&](std::size_t group)
+                              {
+                                return groups[group].size() == max_group_size ||
+                                       ends(id).first - last(group).first > group_reach;
+                              }),
+               open.end());
     const auto group =
-        std::find_if(groups.begin(), groups.end(),
-                     [&](const std::vector<FactorId>& g)
-                     {
-                       return g.size() < max_group_size &&
-                              std::abs(ends(g.back()).first - ends(id).first) <= group_reach &&
-                              std::abs(ends(g.back()).second - ends(id).second) <= group_reach;
-                     });
-    if (group == groups.end())
+        std::find_if(open.begin(), open.end(),
+                     [&](std::size_t candidate)
+                     { return std::abs(last(candidate).second - ends(id).second) <= group_reach; });
+    if (group == open.end())
     {
+      open.push_back(groups.size());
       groups.push_back({id});
     }
     else
     {
-      group->push_back(id);
+      groups[*group].push_back(id);
     }
   }
   return groups;
 }
+
+/** An LDL^T factorisation that is asked for covariances of a few rows: only the columns of L that
+ * these rows reach in its elimination tree are visited. */
+class SelectedCovariance
+{
+ public:
+  using Factorisation = Eigen::SimplicialLDLT<SparseMatrix>;
+
+  /** J Sigma J^T of some rows of `jacobian`, for the inverse Sigma of what was factorised. */
+  [[nodiscard]] static Eigen::MatrixXd of(const Factorisation& factored,
+                                          const RowSparseMatrix& jacobian,
+                                          const std::vector<Eigen::Index>& rows)
+  {
+    const SparseMatrix& L = factored.matrixL().nestedExpression();
+    const auto& order = factored.permutationP().indices();
+    std::vector<Eigen::Index> visited = reach(L, order, jacobian, rows);
+    const auto slot = [&visited](Eigen::Index column)
+    { return std::lower_bound(visited.begin(), visited.end(), column) - visited.begin(); };
+
+    using RowMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+    const auto count = static_cast<Eigen::Index>(rows.size());
+    RowMatrix v = RowMatrix::Zero(static_cast<Eigen::Index>(visited.size()), count);
+    for (Eigen::Index i = 0; i < count; ++i)
+    {
+      for (RowSparseMatrix::InnerIterator entry(jacobian, rows[static_cast<std::size_t>(i)]); entry;
+           ++entry)
+      {
+        v(slot(order[entry.col()]), i) = entry.value();
+      }
+    }
+    // Forward substitution, v <- L^-1 v: every row that is written to is visited, too.
+    Eigen::VectorXd weights(v.rows());
+    for (Eigen::Index k = 0; k < v.rows(); ++k)
+    {
+      const Eigen::Index column = visited[static_cast<std::size_t>(k)];
+      weights[k] = 1 / factored.vectorD()[column];
+      auto below = visited.begin() + k;
+      for (SparseMatrix::InnerIterator entry(L, column); entry; ++entry)
+      {
+        below = std::lower_bound(below, visited.end(), entry.row());
+        v.row(below - visited.begin()) -= entry.value() * v.row(k);
+      }
+    }
+    return v.transpose() * weights.asDiagonal() * v;
+  }
+
+ private:
+  /** Columns of L between the entries of these rows and the root of the tree, sorted. */
+  template <typename Order>
+  [[nodiscard]] static std::vector<Eigen::Index> reach(const SparseMatrix& L,
+                                                       const Order& order,
+                                                       const RowSparseMatrix& jacobian,
+                                                       const std::vector<Eigen::Index>& rows)
+  {
+    std::set<Eigen::Index> visited;
+    for (const Eigen::Index row : rows)
+    {
+      for (RowSparseMatrix::InnerIterator entry(jacobian, row); entry; ++entry)
+      {
+        Eigen::Index column = order[entry.col()];
+        while (visited.insert(column).second)
+        {
+          const SparseMatrix::InnerIterator parent(L, column);
+          if (!parent)
+          {
+            break;
+          }
+          column = parent.row();
+        }
+      }
+    }
+    return {visited.begin(), visited.end()};
+  }
+};
 
 /** Odometry and loops between the free ego poses, linear about the present values. */
 class LinearEgoGraph
@@ -112,16 +193,19 @@ class LinearEgoGraph
   [[nodiscard]] double tension(const std::vector<FactorId>& group) const
   {
     const auto size = 6 * static_cast<Eigen::Index>(group.size());
-    Eigen::MatrixXd J(size, jacobian_.cols());
+    std::vector<Eigen::Index> rows;
     Eigen::VectorXd r(size);
-    for (std::size_t i = 0; i < group.size(); ++i)
+    for (const FactorId id : group)
     {
-      const auto row = 6 * static_cast<Eigen::Index>(i);
-      J.middleRows<6>(row) = by_row_.middleRows(loop_rows_.at(group[i]), 6);
-      r.segment<6>(row) = optimal_residuals_.segment<6>(loop_rows_.at(group[i]));
+      const Eigen::Index first = loop_rows_.at(id);
+      r.segment<6>(static_cast<Eigen::Index>(rows.size())) = optimal_residuals_.segment<6>(first);
+      for (Eigen::Index row = first; row < first + 6; ++row)
+      {
+        rows.push_back(row);
+      }
     }
     const Eigen::MatrixXd rest =
-        Eigen::MatrixXd::Identity(size, size) - J * solver_.solve(J.transpose());
+        Eigen::MatrixXd::Identity(size, size) - SelectedCovariance::of(solver_, by_row_, rows);
     const Eigen::LDLT<Eigen::MatrixXd> factored(rest);
     // Loops that alone hold a part of the graph contradict nothing.
     constexpr double least = 1e-9;
@@ -188,8 +272,8 @@ class LinearEgoGraph
   std::vector<double> residuals_;
   Triplets triplets_;
   SparseMatrix jacobian_;
-  Eigen::SparseMatrix<double, Eigen::RowMajor> by_row_;
-  Eigen::SimplicialLDLT<SparseMatrix> solver_;
+  RowSparseMatrix by_row_;
+  SelectedCovariance::Factorisation solver_;
   Eigen::VectorXd optimal_residuals_;
 };
 }  // namespace

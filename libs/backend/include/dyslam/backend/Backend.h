@@ -39,6 +39,11 @@ struct BackendOptions : Options
   /** Optimise when a new loop's residual is this large [standard deviations] ... */
   double residual_to_optimise = 3;
   int loops_to_optimise = 20;  //!< ... or this many loops have come
+  /** Loops that odometry and earlier loops explain move this many of the newest keyframes ... */
+  int correction_keyframes = 100;
+  /** ... until the graph has grown by this share; then, and for all other loops, all keyframes are
+   * optimised. */
+  double correction_growth = 0.1;
 
   void describe(OptionsVisitor& visitor) override;
 };
@@ -55,9 +60,9 @@ struct BackendConfig
 /** Keyframes, odometry, loops and objects in one factor graph, and its optimisation (paper,
  * section 3.3.2).
  *
- * Without loops a frame costs a bounded time: the newest keyframes and objects are optimised, older
- * ones are held. After a loop and at the end everything is optimised together.
- * Deterministic; not thread-safe.
+ * A frame costs a bounded time on average: the newest keyframes and objects are optimised, older
+ * ones are held. Everything is optimised together after a loop that does not fit otherwise,
+ * whenever the graph has grown by a tenth, and at the end. Deterministic; not thread-safe.
  */
 class Backend
 {

@@ -82,6 +82,8 @@ class FactorGraph
   /** \throws std::invalid_argument also for a value of the other type or one that is not finite. */
   void setPose(const Key& key, const Pose& pose);
   void setVelocity(const Key& key, const Vector6& twist);
+  /** The same with the value as variables() has it. */
+  void setBlock(const Key& key, const std::array<double, pose_block_size>& block);
   /** A fixed variable keeps its value in every optimisation. */
   void setFixed(const Key& key, bool fixed);
   [[nodiscard]] bool isFixed(const Key& key) const;
@@ -129,7 +131,6 @@ class FactorGraph
   [[nodiscard]] const Variable& variable(const Key& key) const;
   [[nodiscard]] OptimisationResult optimiseVariables(const FactorGraphOptions& options,
                                                      const std::vector<Key>& free);
-  /** Leaves out one group of false loops after the other. */
   /** Leaves out, one group after the other, what the rest contradicts, and at last what does not
    * fit. */
   void leaveOutContradicted(const FactorGraphOptions& options,
