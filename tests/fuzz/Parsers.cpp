@@ -60,19 +60,24 @@ void readCalibration(const std::string& path)
 }
 
 /** As a run is saved: frames, containers, numbers. */
-void readArchive(const std::string& path)
+void load(StateArchive archive)
 {
-  const std::string bytes = readWhole(path);
-  StateArchive archive(bytes);
   std::vector<Frame> frames;
   std::map<int, std::vector<std::string>> names;
   archive(frames, names);
   archive.requireEnd();
 }
 
+void readArchive(const std::string& path)
+{
+  const std::string bytes = readWhole(path);
+  load(StateArchive(bytes));
+}
+
 void readState(const std::string& path)
 {
-  (void)readStateFile(path, 2);
+  StateFileReader file(path, 2);
+  load(file.part(0));
 }
 
 /** Every topic of a bag, through all decoders. */

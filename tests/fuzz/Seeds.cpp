@@ -219,7 +219,10 @@ void writeStates(const fs::path& folder)
   archive(frames, names);
   write(folder / "state_archive/a", archive.bytes());
   fs::create_directories(folder / "state");
-  writeStateFile((folder / "state/a").string(), {archive.bytes(), "second"});
+  StateFileWriter file((folder / "state/a").string());
+  file.add(archive.bytes());
+  file.add("second");
+  file.commit();
 }
 }  // namespace
 }  // namespace dyslam

@@ -3,6 +3,7 @@
 #include <dyslam/core/StateArchive.h>
 
 #include <cstring>
+#include <utility>
 
 namespace dyslam
 {
@@ -11,30 +12,60 @@ void StateArchive::fail()
   throw UserError("the state of the run is damaged, or of another program");
 }
 
+StateArchive::StateArchive(std::string_view bytes)
+    : StateArchive(
+          [bytes](void* data, std::size_t size) mutable
+          {
+            std::memcpy(data, bytes.data(), size);
+            bytes.remove_prefix(size);
+            return true;
+          },
+          bytes.size())
+{
+}
+
+StateArchive::StateArchive(Source source, std::uint64_t size)
+    : source_(std::move(source)), left_(size)
+{
+}
+
+void StateArchive::flush()
+{
+  if (sink_ && !saved_.empty())
+  {
+    sink_(saved_);
+    saved_.clear();
+  }
+}
+
 void StateArchive::raw(void* data, std::size_t size)
 {
+  constexpr std::size_t piece = 1 << 20;  // [bytes]
   if (size == 0)
   {
     return;
   }
-  if (!loading_)
+  if (!isLoading())
   {
     saved_.append(static_cast<const char*>(data), size);
+    if (sink_ && saved_.size() >= piece)
+    {
+      flush();
+    }
     return;
   }
-  if (size > given_.size() - position_)
+  if (size > left_ || !source_(data, size))
   {
     fail();
   }
-  std::memcpy(data, given_.data() + position_, size);
-  position_ += size;
+  left_ -= size;
 }
 
 std::size_t StateArchive::count(std::size_t size, std::size_t bytes_each)
 {
   std::uint64_t number = size;
   raw(&number, sizeof number);
-  if (loading_ && number > (given_.size() - position_) / bytes_each)
+  if (isLoading() && number > left_ / bytes_each)
   {
     fail();
   }
@@ -77,7 +108,7 @@ void StateArchive::mark(std::uint32_t expected)
 
 void StateArchive::requireEnd() const
 {
-  if (position_ != given_.size())
+  if (left_ != 0)
   {
     fail();
   }

@@ -171,8 +171,13 @@ void RunOutputs::exchangeState(StateArchive& archive, bool slow)
   }
 }
 
-void RunOutputs::checkpoint(RunState state, const RunResults& results)
+void RunOutputs::checkpoint(const std::function<void(StateFileWriter&)>& add_state,
+                            const RunResults& results)
 {
+  if (!state_.expired())
+  {
+    return;
+  }
   RunResults so_far = results;
   for (Entry& entry : entries_)
   {
@@ -191,41 +196,38 @@ void RunOutputs::checkpoint(RunState state, const RunResults& results)
   }
   try
   {
-    StateArchive archive;
-    exchangeState(archive, false);
-    state.outputs = archive.bytes();
+    auto state = std::make_shared<StateFileWriter>((fs::path(folder_) / state_file_name).string());
+    state_ = state;
+    add_state(*state);
+    state->add([this](StateArchive& archive) { exchangeState(archive, false); });
+    writer_->add([this, state] { finishState(*state); });
   }
   catch (const std::exception&)
   {
-    return;  // the state before stays
+    // the state before stays
   }
-  writer_->add(
-      [this, shared = std::make_shared<RunState>(std::move(state))]
-      {
-        try
-        {
-          StateArchive archive;
-          exchangeState(archive, true);
-          shared->slow_outputs = archive.bytes();
-          synchronise(folder_);
-          writeRunState(folder_, *shared);
-        }
-        catch (const std::exception&)
-        {
-          // the state before stays
-        }
-      });
+}
+
+void RunOutputs::finishState(StateFileWriter& state)
+{
+  try
+  {
+    state.add([this](StateArchive& archive) { exchangeState(archive, true); });
+    synchronise(folder_);
+    state.commit();
+  }
+  catch (const std::exception&)
+  {
+    // the state before stays
+  }
 }
 
 void RunOutputs::resume(RunToResume& run)
 {
   made_ = std::move(run.lock);
-  for (const bool slow : {false, true})
-  {
-    StateArchive archive(slow ? run.state.slow_outputs : run.state.outputs);
-    exchangeState(archive, slow);
-    archive.requireEnd();
-  }
+  run.load(StatePart::outputs, [this](StateArchive& archive) { exchangeState(archive, false); });
+  run.load(StatePart::slow_outputs,
+           [this](StateArchive& archive) { exchangeState(archive, true); });
   writer_ = std::make_unique<WriteBehind>();
 }
 

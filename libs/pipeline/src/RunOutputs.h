@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -35,9 +36,11 @@ class RunOutputs
   /** Seconds between checkpoints, 0: none. */
   [[nodiscard]] double checkpointSeconds() const { return checkpoint_seconds_; }
   /** Between two frames: writes what is worth keeping, and the state, which gets its name in the
-   * writing thread once all frames so far are written. What cannot be written is left for the next
-   * checkpoint. \param state all but the outputs' parts */
-  void checkpoint(RunState state, const RunResults& results);
+   * writing thread once all frames so far are written. What cannot be written, or while the state
+   * before is still being written, is left for the next checkpoint.
+   * \param add_state adds the parts of the state before those of the outputs */
+  void checkpoint(const std::function<void(StateFileWriter&)>& add_state,
+                  const RunResults& results);
   /** Instead of open(): goes on with the files of a run that was killed. \throws UserError. */
   void resume(RunToResume& run);
   /** How long the writing thread and those that hand over to it have waited for each other. */
@@ -59,6 +62,8 @@ class RunOutputs
   void addTo(const Frame& frame, bool slow, bool decided);
   /** Adds those files of the output that are there. */
   void listFiles(const Entry& entry, SlamRunReport& report) const;
+  /** In the writing thread: adds its part and gives the state its name. */
+  void finishState(StateFileWriter& state);
   /** State of the outputs of one thread. */
   void exchangeState(StateArchive& archive, bool slow);
 
@@ -70,6 +75,7 @@ class RunOutputs
   std::unique_ptr<OutputFolder> made_;
   std::vector<OutputName> names_;  //!< of all kinds, those switched off too
   std::vector<Entry> entries_;
-  std::unique_ptr<WriteBehind> writer_;  //!< last: its jobs use the entries
+  std::weak_ptr<StateFileWriter> state_;  //!< while it is written
+  std::unique_ptr<WriteBehind> writer_;   //!< last: its jobs use the entries
 };
 }  // namespace dyslam

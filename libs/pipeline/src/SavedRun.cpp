@@ -10,56 +10,41 @@
 #include <string_view>
 #include <utility>
 
-#include "StateFile.h"
-
 namespace dyslam
 {
 namespace fs = std::filesystem;
 
 namespace
 {
-constexpr std::size_t part_count = 5;
-
 template <typename T>
 std::string_view bytesOf(const std::vector<T>& values)
 {
   return {reinterpret_cast<const char*>(values.data()), sizeof(T) * values.size()};
 }
-}  // namespace
 
-void writeRunState(const std::string& folder, RunState& state)
+std::unique_ptr<OutputFolder> lockedFolder(const std::string& folder)
 {
-  StateArchive archive;
-  archive(state.run);
-  writeStateFile(
-      (fs::path(folder) / state_file_name).string(),
-      {archive.bytes(), state.front_end, state.back_end, state.outputs, state.slow_outputs});
-}
-
-RunToResume::RunToResume(const std::string& folder)
-{
-  const fs::path path = fs::path(folder) / state_file_name;
   std::error_code ignored;
-  if (!fs::is_regular_file(path, ignored))
+  if (!fs::is_regular_file(fs::path(folder) / state_file_name, ignored))
   {
     throw UserError(folder + ": nothing to resume: there is no " + state_file_name +
                     "; the run has ended, or was killed before its first checkpoint "
                     "(output.checkpoint_seconds)");
   }
-  lock = std::make_unique<OutputFolder>(folder);
-  std::vector<std::string> parts = readStateFile(path.string(), part_count);
-  StateArchive archive(parts[0]);
-  archive(state.run);
-  archive.requireEnd();
-  if (state.run.version != DYSLAM_VERSION)
+  return std::make_unique<OutputFolder>(folder);
+}
+}  // namespace
+
+RunToResume::RunToResume(const std::string& folder)
+    : lock(lockedFolder(folder)), file((fs::path(folder) / state_file_name).string(), state_parts)
+{
+  load(StatePart::run, [this](StateArchive& archive) { archive(run); });
+  if (run.version != DYSLAM_VERSION)
   {
-    throw UserError(path.string() + ": is of DySLAM " + state.run.version + ", this is " +
-                    DYSLAM_VERSION + "; resume with that one, or start the run anew");
+    throw UserError((fs::path(folder) / state_file_name).string() + ": is of DySLAM " +
+                    run.version + ", this is " + DYSLAM_VERSION +
+                    "; resume with that one, or start the run anew");
   }
-  state.front_end = std::move(parts[1]);
-  state.back_end = std::move(parts[2]);
-  state.outputs = std::move(parts[3]);
-  state.slow_outputs = std::move(parts[4]);
 }
 
 void ScanSum::add(const Frame& frame)

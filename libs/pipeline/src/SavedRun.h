@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "OutputFolder.h"
+#include "StateFile.h"
 
 namespace dyslam
 {
@@ -36,18 +37,16 @@ struct SavedRun
   double seconds = 0;                //!< that the run has taken
 };
 
-/** The state of a run, in parts that different threads make. */
-struct RunState
+/** Parts of the state of a run, which different threads make. */
+enum class StatePart
 {
-  SavedRun run;
-  std::string front_end;
-  std::string back_end;      //!< and what is counted
-  std::string outputs;       //!< those of the back end's thread
-  std::string slow_outputs;  //!< those of the writing thread
+  run,  //!< SavedRun
+  front_end,
+  back_end,      //!< and what is counted
+  outputs,       //!< those of the back end's thread
+  slow_outputs,  //!< those of the writing thread
 };
-
-/** \throws UserError */
-void writeRunState(const std::string& folder, RunState& state);
+constexpr std::size_t state_parts = 5;
 
 /** A folder that is locked, with the state that its run left. */
 struct RunToResume
@@ -55,8 +54,18 @@ struct RunToResume
   /** \throws UserError if there is no state, it cannot be used, or another run writes there. */
   explicit RunToResume(const std::string& folder);
 
+  /** Loads a part. */
+  template <typename Load>
+  void load(StatePart part, const Load& load)
+  {
+    StateArchive archive = file.part(static_cast<std::size_t>(part));
+    load(archive);
+    archive.requireEnd();
+  }
+
   std::unique_ptr<OutputFolder> lock;
-  RunState state;
+  StateFileReader file;
+  SavedRun run;
 };
 
 /** Checksum of the scans of a recording, one after the other. */

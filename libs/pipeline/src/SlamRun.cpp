@@ -148,6 +148,7 @@ struct SlamRun::Impl
   [[nodiscard]] std::map<std::string, double> waitMilliseconds() const;
   [[nodiscard]] RunResults results(const std::vector<std::string>& source_warnings) const;
   [[nodiscard]] RunResults resultsSoFar() const;
+  [[nodiscard]] SavedRun saved(const ScanSum& scans) const;
   /** \throws UserError if the settings are not those of the state. */
   void requireSame(const SavedRun& saved) const;
   void fillReport(SlamRunReport& report, const RunResults& results) const;
@@ -269,30 +270,46 @@ double SlamRun::checkpointSeconds() const
   return impl_->outputs.checkpointSeconds();
 }
 
-void SlamRun::checkpoint(std::string front_end, const ScanSum& scans)
+SavedRun SlamRun::Impl::saved(const ScanSum& scans) const
+{
+  SavedRun run;
+  run.version = DYSLAM_VERSION;
+  run.rawlog = std::filesystem::absolute(settings.rawlog).lexically_normal().string();
+  run.rawlog_size = std::filesystem::file_size(settings.rawlog);
+  run.settings = config.effective().toIni();
+  run.inputs = settings.inputs;
+  run.sensor = settings.sensor;
+  run.warnings = settings.warnings;
+  run.static_scans = settings.static_scans;
+  run.labels = settings.labels;
+  run.scans = scans.scans();
+  run.scans_checksum = scans.sum();
+  run.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  return run;
+}
+
+void SlamRun::checkpoint(const std::string& front_end, const ScanSum& scans)
 {
   Impl& m = *impl_;
   const mrpt::system::CTimeLoggerEntry timed(m.times, "checkpoint.back_end");
-  StateArchive back_end;
-  m.pipeline.exchangeBackEndState(back_end);
-  back_end(m.statistics, m.history);
-  const RunResults results = m.resultsSoFar();
-  RunState state;
-  state.run.version = DYSLAM_VERSION;
-  state.run.rawlog = std::filesystem::absolute(m.settings.rawlog).lexically_normal().string();
-  state.run.rawlog_size = std::filesystem::file_size(m.settings.rawlog);
-  state.run.settings = m.config.effective().toIni();
-  state.run.inputs = m.settings.inputs;
-  state.run.sensor = m.settings.sensor;
-  state.run.warnings = m.settings.warnings;
-  state.run.static_scans = m.settings.static_scans;
-  state.run.labels = m.settings.labels;
-  state.run.scans = scans.scans();
-  state.run.scans_checksum = scans.sum();
-  state.run.seconds = results.runTime();
-  state.front_end = std::move(front_end);
-  state.back_end = back_end.bytes();
-  m.outputs.checkpoint(std::move(state), results);
+  m.outputs.checkpoint(
+      [&](StateFileWriter& state)
+      {
+        state.add(
+            [&](StateArchive& archive)
+            {
+              SavedRun run = m.saved(scans);
+              archive(run);
+            });
+        state.add(front_end);
+        state.add(
+            [&](StateArchive& archive)
+            {
+              m.pipeline.exchangeBackEndState(archive);
+              archive(m.statistics, m.history);
+            });
+      },
+      m.resultsSoFar());
 }
 
 void SlamRun::Impl::requireSame(const SavedRun& saved) const
@@ -318,17 +335,18 @@ void SlamRun::Impl::requireSame(const SavedRun& saved) const
 void SlamRun::resume(RunToResume& saved)
 {
   Impl& m = *impl_;
-  m.requireSame(saved.state.run);
+  m.requireSame(saved.run);
   requireProfileWritable(m.settings);
-  StateArchive front_end(saved.state.front_end);
-  m.pipeline.exchangeFrontEndState(front_end);
-  front_end.requireEnd();
-  StateArchive back_end(saved.state.back_end);
-  m.pipeline.exchangeBackEndState(back_end);
-  back_end(m.statistics, m.history);
-  back_end.requireEnd();
+  saved.load(StatePart::front_end,
+             [&](StateArchive& archive) { m.pipeline.exchangeFrontEndState(archive); });
+  saved.load(StatePart::back_end,
+             [&](StateArchive& archive)
+             {
+               m.pipeline.exchangeBackEndState(archive);
+               archive(m.statistics, m.history);
+             });
   m.begin -= std::chrono::duration_cast<std::chrono::steady_clock::duration>(
-      std::chrono::duration<double>(saved.state.run.seconds));
+      std::chrono::duration<double>(saved.run.seconds));
   m.outputs.resume(saved);
 }
 
@@ -452,7 +470,7 @@ void replay(const SlamRunSettings& settings,
     if (auto begun = checkpoints.take(index))
     {
       const auto start = std::chrono::steady_clock::now();
-      run.checkpoint(std::move(begun->front_end), begun->scans);
+      run.checkpoint(begun->front_end, begun->scans);
       checkpoints.took(
           std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
     }
@@ -544,10 +562,10 @@ SlamRunReport runSlam(const SlamRunSettings& settings, const OnFrame& on_frame)
 SlamRunReport resumeSlam(const SlamRunSettings& given, const OnFrame& on_frame)
 {
   RunToResume saved(given.output_folder);
-  const SlamRunSettings settings = settingsOf(saved.state.run, given);
+  const SlamRunSettings settings = settingsOf(saved.run, given);
   SlamRun run(settings);
   RawlogSource source(settings.rawlog, run.input());
-  const ScanSum scans = skipSeen(saved.state.run, settings.rawlog, source);
+  const ScanSum scans = skipSeen(saved.run, settings.rawlog, source);
   run.resume(saved);
   return replayToTheEnd(settings, source, run, scans, on_frame);
 }

@@ -1,8 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <dyslam/core/PendingFile.h>
+#include <dyslam/core/StateArchive.h>
+
 #include <cstddef>
 #include <cstdint>
+#include <fstream>
+#include <functional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -15,10 +20,51 @@ constexpr const char* state_file_name = "resume.state";
 /** CRC-32, of one piece after the other. \param sum of the pieces before */
 [[nodiscard]] std::uint32_t checksum(std::string_view bytes, std::uint32_t sum = 0);
 
-/** Writes parts of bytes, each with its length and checksum, as a PendingFile. \throws UserError */
-void writeStateFile(const std::string& path, const std::vector<std::string_view>& parts);
+/** Writes a state: parts of bytes, each with its length and checksum, as a PendingFile. */
+class StateFileWriter
+{
+ public:
+  /** \throws UserError, as all of it, if the file cannot be written. */
+  explicit StateFileWriter(const std::string& path);
 
-/** The parts of such a file. No memory is taken for more than the file holds.
- * \throws UserError for one that is missing, damaged or of another version */
-[[nodiscard]] std::vector<std::string> readStateFile(const std::string& path, std::size_t parts);
+  /** Adds what `save` saves as a part, without holding it in memory. */
+  void add(const std::function<void(StateArchive&)>& save);
+  void add(std::string_view part);
+  /** All parts are there: the file gets its name once it is on the disk. */
+  void commit();
+
+ private:
+  void requireWritten();
+
+  PendingFile pending_;
+  std::ofstream file_;
+};
+
+/** Reads such a file part by part. */
+class StateFileReader
+{
+ public:
+  /** Reads all of it once, to test it.
+   * \throws UserError for a file that is missing, damaged or of another version, or has another
+   * number of parts. */
+  StateFileReader(const std::string& path, std::size_t parts);
+
+  /** The part, to be loaded from the file. One at a time; the reader outlives it. */
+  [[nodiscard]] StateArchive part(std::size_t i);
+
+ private:
+  struct Part
+  {
+    std::uint64_t offset = 0;
+    std::uint64_t size = 0;
+  };
+
+  void read(void* data, std::uint64_t size);
+  void test(const Part& part, std::uint64_t sum);
+
+  std::string path_;
+  std::ifstream file_;
+  std::uint64_t left_ = 0;  //!< that has not been tested
+  std::vector<Part> parts_;
+};
 }  // namespace dyslam

@@ -9,6 +9,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <deque>
+#include <functional>
 #include <map>
 #include <optional>
 #include <set>
@@ -67,14 +68,24 @@ struct IsPlain<std::array<T, N>> : IsPlain<T>
 class StateArchive
 {
  public:
-  /** Saves. */
-  StateArchive() = default;
-  /** Loads. \param bytes must outlive the archive. */
-  explicit StateArchive(std::string_view bytes) : loading_(true), given_(bytes) {}
+  /** Takes the bytes that are saved, piece by piece. */
+  using Sink = std::function<void(std::string_view)>;
+  /** Gives the next bytes of what was saved; false if they cannot be read. */
+  using Source = std::function<bool(void*, std::size_t)>;
 
-  [[nodiscard]] bool isLoading() const { return loading_; }
-  /** What was saved. */
+  /** Saves to bytes(). */
+  StateArchive() = default;
+  /** Saves to a sink, with little of it in memory at a time; flush() hands on the rest. */
+  explicit StateArchive(Sink sink) : sink_(std::move(sink)) {}
+  /** Loads. \param bytes must outlive the archive. */
+  explicit StateArchive(std::string_view bytes);
+  /** Loads. \param size of what the source gives [bytes] */
+  StateArchive(Source source, std::uint64_t size);
+
+  [[nodiscard]] bool isLoading() const { return source_ != nullptr; }
+  /** What was saved and has not been handed on. */
   [[nodiscard]] const std::string& bytes() const { return saved_; }
+  void flush();
 
   /** Saves the values, or sets them to what was saved. \throws UserError for bytes that end early
    * or make no sense; no memory is taken for more than there is. */
@@ -169,7 +180,7 @@ class StateArchive
   {
     bool is_there = value.has_value();
     exchange(is_there);
-    if (loading_)
+    if (isLoading())
     {
       value.reset();
       if (is_there)
@@ -210,13 +221,13 @@ class StateArchive
   void exchangeEach(Sequence& values)
   {
     const std::size_t size = count(values.size(), 1);
-    if (loading_)
+    if (isLoading())
     {
       values.clear();
     }
     for (std::size_t i = 0; i < size; ++i)
     {
-      if (loading_)
+      if (isLoading())
       {
         values.emplace_back();
       }
@@ -227,7 +238,7 @@ class StateArchive
   void exchangeMap(Map& values)
   {
     const std::size_t size = count(values.size(), 1);
-    if (!loading_)
+    if (!isLoading())
     {
       for (auto& [key, value] : values)
       {
@@ -246,9 +257,9 @@ class StateArchive
     }
   }
 
-  bool loading_ = false;
+  Sink sink_;
   std::string saved_;
-  std::string_view given_;
-  std::size_t position_ = 0;
+  Source source_;           //!< null: saves
+  std::uint64_t left_ = 0;  //!< to be loaded [bytes]
 };
 }  // namespace dyslam

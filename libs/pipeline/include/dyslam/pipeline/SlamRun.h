@@ -82,7 +82,7 @@ class SlamRun
   void resume(RunToResume& saved);
   /** Between two frames: writes what is worth keeping if the run is killed, and the state.
    * \param front_end Pipeline::exchangeFrontEndState() after the last frame \param scans so far */
-  void checkpoint(std::string front_end, const ScanSum& scans);
+  void checkpoint(const std::string& front_end, const ScanSum& scans);
   /** `output.checkpoint_seconds` */
   [[nodiscard]] double checkpointSeconds() const;
   /** A frame that the pipeline has processed: counted, and handed to the outputs. */
