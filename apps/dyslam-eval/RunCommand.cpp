@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "RunCommand.h"
 
+#include <dyslam/core/Config.h>
 #include <dyslam/core/Error.h>
 #include <dyslam/core/Printable.h>
 #include <dyslam/eval/Consistency.h>
@@ -8,7 +9,9 @@
 #include <dyslam/formats/GroundTruth.h>
 #include <dyslam/formats/MotionFiles.h>
 #include <dyslam/formats/TrajectoryFiles.h>
+#include <dyslam/io/RawlogSource.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <iostream>
 #include <memory>
@@ -71,6 +74,20 @@ Json readReport(const fs::path& folder)
   return report.value_or(Json::object());
 }
 
+/** Of so many scans of a recording those that the run's settings take. */
+std::size_t scansTaken(const fs::path& folder, std::size_t recorded)
+{
+  RawlogSourceOptions input;
+  if (const fs::path ini = folder / "effective.ini"; fs::exists(ini))
+  {
+    load(input, Config::fromFile(ini.string()), "input");
+  }
+  const auto first = static_cast<std::size_t>(input.skip_first_n);
+  const auto most = static_cast<std::size_t>(input.only_first_n);
+  const std::size_t rest = recorded - std::min(recorded, first);
+  return most > 0 ? std::min(rest, most) : rest;
+}
+
 /** Says of a run that was killed how far it had come. \return whether it is one */
 bool noteUnfinished(const std::string& folder, const Json& report, const std::string& truth)
 {
@@ -85,7 +102,7 @@ bool noteUnfinished(const std::string& folder, const Json& report, const std::st
   const fs::path poses = fs::path(truth) / "poses_tum.txt";
   if (!truth.empty() && fs::exists(poses))
   {
-    scans += " of " + std::to_string(readTum(poses.string()).size());
+    scans += " of " + std::to_string(scansTaken(folder, readTum(poses.string()).size()));
   }
   std::cerr << "note: " << folder << ": unfinished: " << scans << " scans; dyslam --resume -o "
             << folder << " goes on\n";
