@@ -54,6 +54,8 @@ inline void declareSlamArguments(CLI::App& app, SlamArguments& a)
                "write into --output even if files there of the names of results are of no run");
   app.add_flag("--labels", a.settings.labels,
                "write labels/NNNNNN.label, moving and static points");
+  app.add_flag("--probabilities", a.settings.probabilities,
+               "write probabilities/NNNNNN.bin, a float32 per point: that it moves");
   app.add_flag("--static-scans", a.settings.static_scans,
                "write the scans without moving points: static_scans/NNNNNN.bin and a rawlog");
   app.add_option("--skip-first-n", a.skip_first_n, "scans to pass over")->check(notNegative());

@@ -33,7 +33,7 @@ struct Arguments
   std::vector<std::string> entries;
   std::string output, config, scratch, shard, slurm_options;
   std::vector<std::string> assignments;
-  bool labels = false, static_scans = false;
+  bool labels = false, probabilities = false, static_scans = false;
   int skip_first_n = 0, only_first_n = 0;
   int jobs = 0;
   double memory = 0;
@@ -53,6 +53,8 @@ void declare(CLI::App& app, Arguments& a)
       ->take_all()
       ->allow_extra_args(false);
   app.add_flag("--labels", a.labels, "as of dyslam: write moving and static points");
+  app.add_flag("--probabilities", a.probabilities,
+               "as of dyslam: write how probably each point moves");
   app.add_flag("--static-scans", a.static_scans, "as of dyslam: write scans without moving points");
   app.add_option("--skip-first-n", a.skip_first_n, "as of dyslam, of each recording")
       ->check(notNegative());
@@ -92,6 +94,7 @@ std::vector<std::string> runArguments(const Arguments& a)
   const auto add = [&words](bool given, const std::vector<std::string>& more)
   { words.insert(words.end(), more.begin(), given ? more.end() : more.begin()); };
   add(a.labels, {"--labels"});
+  add(a.probabilities, {"--probabilities"});
   add(a.static_scans, {"--static-scans"});
   add(a.skip_first_n > 0, {"--skip-first-n", std::to_string(a.skip_first_n)});
   add(a.only_first_n > 0, {"--only-first-n", std::to_string(a.only_first_n)});

@@ -2,10 +2,12 @@
 #include "LabelFolders.h"
 
 #include <dyslam/core/Error.h>
+#include <dyslam/core/Files.h>
 #include <dyslam/eval/MapMetrics.h>
 #include <dyslam/formats/LabelFiles.h>
 
 #include <algorithm>
+#include <cstring>
 #include <filesystem>
 #include <map>
 #include <nlohmann/json.hpp>
@@ -83,6 +85,21 @@ std::vector<Label> readAs(const ReferenceReading& reading,
   return labels;
 }
 
+/** A float32 for each of so many points. \throws UserError. */
+std::vector<float> readProbabilities(const std::string& path, std::size_t points)
+{
+  const std::string bytes = readWhole(path);
+  if (bytes.size() != points * sizeof(float))
+  {
+    throw UserError(path + ": has " + std::to_string(bytes.size()) + " bytes for " +
+                    std::to_string(points) +
+                    " points of 4 bytes; give the labels of the same recording");
+  }
+  std::vector<float> values(points);
+  std::memcpy(values.data(), bytes.data(), bytes.size());
+  return values;
+}
+
 TableCell ratioCell(std::optional<double> value)
 {
   return {value, 4};
@@ -112,6 +129,11 @@ LabelComparison compareLabelFolders(const std::string& reference,
     {
       const auto labels = readAs(reading, movers, readLabels(path));
       result.evaluator.add(labels, readLabels(match->second, labels.size()));
+      const fs::path probabilities = fs::path(estimate) / "probabilities" / (name + ".bin");
+      if (fs::exists(probabilities))
+      {
+        result.calibration.add(labels, readProbabilities(probabilities.string(), labels.size()));
+      }
     }
   }
   if (result.evaluator.scans() == 0)
@@ -140,6 +162,20 @@ Table segmentationTable(const NamedComparisons& results)
                   percent(harmonicMean(s.staticKept(), s.recall())),
                   TableCell(static_cast<double>(moving), 0),
                   TableCell(static_cast<double>(all), 0)});
+  }
+  return table;
+}
+
+Table calibrationTable(const CalibrationEvaluator& calibration)
+{
+  Table table({"probability from", "to", "points", "mean", "share that moves"});
+  for (const CalibrationEvaluator::Bin& bin : calibration.bins())
+  {
+    const auto shown = [&bin](double value)
+    { return bin.points > 0 ? TableCell(value, 4) : TableCell(std::nullopt, 4); };
+    table.addRow({TableCell(bin.from, 1), TableCell(bin.to, 1),
+                  TableCell(static_cast<double>(bin.points), 0), shown(bin.probability),
+                  shown(bin.moving)});
   }
   return table;
 }
@@ -182,6 +218,12 @@ std::string segmentationJson(const NamedComparisons& results)
         {"false_negatives", s.false_negatives},
         {"true_negatives", s.true_negatives},
         {"ignored", s.ignored}};
+    if (r.calibration.points() > 0)
+    {
+      entry["calibration"] = {{"points", r.calibration.points()},
+                              {"expected_error", r.calibration.expectedError()},
+                              {"brier_score", r.calibration.brierScore()}};
+    }
     for (const auto& [label, scores] : r.evaluator.perClass())
     {
       entry["classes"][semanticKittiName(label)] = {

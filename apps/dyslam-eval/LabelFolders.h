@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <dyslam/eval/Calibration.h>
 #include <dyslam/eval/SegmentationMetrics.h>
 #include <dyslam/eval/Table.h>
 
@@ -17,6 +18,7 @@ namespace dyslam
 struct LabelComparison
 {
   SegmentationEvaluator evaluator;
+  CalibrationEvaluator calibration;  //!< of the probabilities, where the estimate has them
   std::size_t reference_scans = 0;
   std::size_t estimated_scans = 0;
 };
@@ -30,14 +32,17 @@ struct ReferenceReading
   std::set<std::uint16_t> standing;  //!< instances that stand, whatever their labels are
 };
 
-/** Folders of NNNNNN.label, or folders with such a subfolder `labels`.
- * \throws UserError if they have no scan in common or a scan's labels differ in number. */
+/** Folders of NNNNNN.label, or folders with such a subfolder `labels`; `probabilities` beside that
+ * of the estimate is read, too. \throws UserError if they have no scan in common or a scan's labels
+ * differ in number. */
 [[nodiscard]] LabelComparison compareLabelFolders(const std::string& reference,
                                                   const std::string& estimate,
                                                   const ReferenceReading& reading = {});
 
 using NamedComparisons = std::vector<std::pair<std::string, LabelComparison>>;
 [[nodiscard]] Table segmentationTable(const NamedComparisons& results);
+/** Probabilities against the share of points that move, by ranges of probability. */
+[[nodiscard]] Table calibrationTable(const CalibrationEvaluator& calibration);
 /** Fraction of each reference class that was estimated as moving. */
 [[nodiscard]] Table classTable(const LabelComparison& result);
 [[nodiscard]] std::string segmentationJson(const NamedComparisons& results);

@@ -47,6 +47,13 @@ Subcommand segmentationCommand(CLI::App& app)
             a->output.write(segmentationTable({{a->estimate, result}}),
                             segmentationJson({{a->estimate, result}}));
             std::cout << '\n' << classTable(result).toText();
+            if (result.calibration.points() > 0)
+            {
+              std::cout << '\n'
+                        << calibrationTable(result.calibration).toText()
+                        << "expected calibration error " << result.calibration.expectedError()
+                        << ", Brier score " << result.calibration.brierScore() << '\n';
+            }
           }};
 }
 }  // namespace dyslam

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Whole runs on a small simulated recording: from the rawlog to every file of the output folder.
 #include <dyslam/core/Error.h>
+#include <dyslam/core/Files.h>
 #include <dyslam/eval/TrajectoryMetrics.h>
 #include <dyslam/formats/GroundTruth.h>
 #include <dyslam/formats/LabelFiles.h>
@@ -13,6 +14,8 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <cmath>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <limits>
@@ -502,6 +505,44 @@ TEST_F(SlamRun, StaticScansAreTheScansWithoutWhatMoves)
     EXPECT_TRUE(kept->T_world_vehicle_truth.has_value()) << i;
   }
   EXPECT_GT(moving, 0U) << "the town has traffic";
+}
+
+TEST_F(SlamRun, ProbabilitiesAreThoseThatTheLabelsWereDecidedBy)
+{
+  for (const bool hindsight : {true, false})
+  {
+    SCOPED_TRACE(hindsight ? "hindsight" : "causal");
+    auto s = settings(std::string("probabilities_") + (hindsight ? "hindsight" : "causal"));
+    s.probabilities = true;
+    s.config.set("input.only_first_n=15");
+    s.config.set("output.replay=false");
+    s.config.set(std::string("labels.hindsight=") + (hindsight ? "true" : "false"));
+    ASSERT_EQ(runSlam(s).frames, 15U);
+    const fs::path folder(s.output_folder);
+    std::size_t between = 0;
+    for (int i = 0; i < 15; ++i)
+    {
+      char name[16];
+      std::snprintf(name, sizeof name, "%06d", i);
+      const auto labels = readLabels((folder / "labels" / (std::string(name) + ".label")).string());
+      const auto bytes =
+          readWhole((folder / "probabilities" / (std::string(name) + ".bin")).string());
+      ASSERT_EQ(bytes.size(), labels.size() * sizeof(float));
+      std::vector<float> p(labels.size());
+      std::memcpy(p.data(), bytes.data(), bytes.size());
+      for (std::size_t k = 0; k < labels.size(); ++k)
+      {
+        ASSERT_EQ(std::isnan(p[k]), labels[k] == 0) << k;
+        if (labels[k] != 0)
+        {
+          ASSERT_TRUE(p[k] >= 0 && p[k] <= 1) << p[k];
+          ASSERT_EQ(p[k] > 0.5F, isMovingLabel(labels[k])) << k << ", " << p[k];
+          between += p[k] > 0.05F && p[k] < 0.95F ? 1 : 0;
+        }
+      }
+    }
+    EXPECT_GT(between, 0U) << "more than the decision";
+  }
 }
 
 TEST_F(SlamRun, EveryOdometryMethodRuns)

@@ -30,6 +30,7 @@ constexpr int ground_stride = 5;          // every so many scans of the window t
 constexpr int past_stride = 8;            // every so many scans before the window are asked
 constexpr double growth = 1.1;            // of the distances to those that are asked
 constexpr float sure_change = 3;          // scans that saw a place free: no more are needed
+constexpr float even = 0.5F;              // what is more probable moves
 
 /** Distances to the scans that are asked: all near ones, fewer far ones. */
 std::vector<int> scanOffsets(int window)
@@ -81,23 +82,45 @@ struct PastScan
   VisibilityImage image;
 };
 
+/** What places of a cell say together. */
+struct CellMotion
+{
+  int balance = 0;               //!< moving places more than static ones
+  double moving = 0, still = 0;  //!< sums of their probabilities
+  int moving_places = 0, still_places = 0;
+
+  void add(float probability)
+  {
+    const bool moves = probability > even;
+    balance += moves ? 1 : -1;
+    (moves ? moving : still) += probability;
+    ++(moves ? moving_places : still_places);
+  }
+  [[nodiscard]] bool moves() const { return balance > 0; }
+  /** Mean of the places that agree with moves(). */
+  [[nodiscard]] float probability() const
+  {
+    return static_cast<float>(moves() ? moving / moving_places : still / std::max(1, still_places));
+  }
+};
+
 /** What is near the ground moves if what stands above it does. */
 void adaptLow(const Segments& segments,
-              const std::vector<bool>& place_moves,
+              const std::vector<float>& place_probability,
               const std::vector<Eigen::Vector3f>& points,
               const std::vector<float>& heights,
-              std::vector<bool>& moving)
+              std::vector<float>& probability)
 {
-  std::vector<int> balance(segments.cells.size(), 0);
-  for (std::size_t g = 0; g < place_moves.size(); ++g)
+  std::vector<CellMotion> cells(segments.cells.size());
+  for (std::size_t g = 0; g < place_probability.size(); ++g)
   {
-    balance[segments.cell_of_group[g]] += place_moves[g] ? 1 : -1;
+    cells[segments.cell_of_group[g]].add(place_probability[g]);
   }
   for (std::size_t i = 0; i < points.size(); ++i)
   {
     if (segments.group_of_point[i] == Segments::none)
     {
-      moving[i] = false;
+      probability[i] = 0;
       for (int above = 0; above < cells_above && heights[i] > lowest_of_object; ++above)
       {
         const Eigen::Vector3f p =
@@ -105,7 +128,10 @@ void adaptLow(const Segments& segments,
             Eigen::Vector3f(0, 0, static_cast<float>(above) / segments.inverse_cell_size);
         const std::uint32_t cell =
             segments.cell_index.find(voxelKey(voxelCell(p, segments.inverse_cell_size)));
-        moving[i] = moving[i] || (cell != VoxelHash::none && balance[cell] > 0);
+        if (cell != VoxelHash::none)
+        {
+          probability[i] = std::max(probability[i], cells[cell].probability());
+        }
       }
     }
   }
@@ -326,18 +352,23 @@ void HindsightLabels::Impl::decide(WindowScan& scan)
   const Segments segments =
       findSegments(points, use_point, options.voxel_size, options.segment_gap);
   const std::vector<PlaceFacts> facts = factsOf(segments, evidenceOf(segments), points, heights);
-  frame.moving.resize(frame.cloud.size(), false);
-  std::vector<bool> place_moves;
+  std::vector<float> place_probability;
   for (const PlaceFacts& f : facts)
   {
-    place_moves.push_back(movingScore(f) > 0);
+    place_probability.push_back(1 / (1 + std::exp(-movingScore(f))));
   }
+  frame.moving_probability.resize(frame.cloud.size(), 0);
+  frame.moving.resize(frame.cloud.size());
   for (std::size_t i = 0; i < points.size(); ++i)
   {
     const std::uint32_t g = segments.group_of_point[i];
-    frame.moving[i] = g == Segments::none ? frame.moving[i] : place_moves[g];
+    frame.moving_probability[i] = g == Segments::none ? 0 : place_probability[g];
   }
-  adaptLow(segments, place_moves, points, heights, frame.moving);
+  adaptLow(segments, place_probability, points, heights, frame.moving_probability);
+  for (std::size_t i = 0; i < points.size(); ++i)
+  {
+    frame.moving[i] = frame.moving_probability[i] > even;
+  }
   for (TrackedObject& object : frame.objects)
   {
     object.reported = object.reported || reported_until.count(object.id) != 0;

@@ -5,9 +5,9 @@ namespace dyslam
 {
 // Each is defined in outputs/, in the file of its name.
 RunOutputFactory makeSettingsOutput, makeTrajectoryOutput, makeGraphOutput, makeScanTableOutput,
-    makeMotionOutput, makeTrackOutput, makeLabelOutput, makeStaticScanOutput, makeReplayOutput,
-    makeSimplemapOutput, makePcdOutput, makePlyOutput, makeSceneOutput, makePlotOutput,
-    makePageOutput, makeReportOutput;
+    makeMotionOutput, makeTrackOutput, makeLabelOutput, makeProbabilityOutput, makeStaticScanOutput,
+    makeReplayOutput, makeSimplemapOutput, makePcdOutput, makePlyOutput, makeSceneOutput,
+    makePlotOutput, makePageOutput, makeReportOutput;
 
 std::vector<RunOutputKind> runOutputKinds()
 {
@@ -21,6 +21,7 @@ std::vector<RunOutputKind> runOutputKinds()
       {makeMotionOutput},
       {makeTrackOutput},
       {makeLabelOutput, nullptr, nullptr, &SlamRunSettings::labels},
+      {makeProbabilityOutput, nullptr, nullptr, &SlamRunSettings::probabilities},
       {makeStaticScanOutput, nullptr, nullptr, &SlamRunSettings::static_scans},
       {makeReplayOutput, "replay", "replay.rawlog, for RawLogViewer"},
       {makeSimplemapOutput, "simplemap", "keyframes.simplemap"},

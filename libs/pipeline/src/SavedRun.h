@@ -32,6 +32,7 @@ struct SavedRun
   std::vector<std::string> warnings;
   bool static_scans = false;
   bool labels = false;
+  bool probabilities = false;
   std::size_t scans = 0;             //!< done
   std::uint32_t scans_checksum = 0;  //!< ScanSum of these
   double seconds = 0;                //!< that the run has taken

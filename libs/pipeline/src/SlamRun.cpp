@@ -282,6 +282,7 @@ SavedRun SlamRun::Impl::saved(const ScanSum& scans) const
   run.warnings = settings.warnings;
   run.static_scans = settings.static_scans;
   run.labels = settings.labels;
+  run.probabilities = settings.probabilities;
   run.scans = scans.scans();
   run.scans_checksum = scans.sum();
   run.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
@@ -521,6 +522,7 @@ SlamRunSettings settingsOf(const SavedRun& saved, const SlamRunSettings& given)
   settings.warnings = saved.warnings;
   settings.static_scans = saved.static_scans;
   settings.labels = saved.labels;
+  settings.probabilities = saved.probabilities;
   return settings;
 }
 

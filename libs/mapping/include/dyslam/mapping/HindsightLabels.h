@@ -49,7 +49,8 @@ class HindsightLabels
 
   /** Takes the next frame, in order of time: cloud, moving, moving_probability, poses, detections
    * and objects are read. Calls `use` with each frame that is decided now: `moving` is the new
-   * decision (one value per cloud point), and an object that was reported later is `reported`.
+   * decision and `moving_probability` how sure it is (one value per cloud point each: what moves is
+   * above 0.5), and an object that was reported later is `reported`.
    * \param wanted false: the frame is evidence for others only, and `use` never gets it. */
   void add(const Frame& frame, bool wanted, const Use& use);
   /** Decides the frames that are left. */

@@ -28,6 +28,7 @@ struct SlamRunSettings
   std::string sensor;                 //!< what the recording shows of it; for the report
   std::vector<std::string> warnings;  //!< about the settings; for the report
   bool force = false;                 //!< replace files that no run wrote
+  bool probabilities = false;         //!< write how probably each point moves, .bin files
   bool static_scans = false;   //!< write the scans without what moves: .bin files and a rawlog
   bool labels = false;         //!< write labels/NNNNNN.label, one entry per point of the input scan
   std::string profile_csv;     //!< times of every stage, if not empty
