@@ -16,6 +16,8 @@ void ClipOptions::describe(OptionsVisitor& visitor)
                   "consecutive clips that share a world");
   visitor.real("min_traffic", min_traffic, 0, 1, "lower bound of the traffic drawn for each clip");
   visitor.real("max_traffic", max_traffic, 0, 1, "upper bound of the traffic drawn for each clip");
+  visitor.integer("least_seed", least_seed, 0, 2147483647, "lower bound of the worlds' seeds");
+  visitor.integer("most_seed", most_seed, 0, 2147483647, "upper bound of the worlds' seeds");
 }
 
 ClipGenerator::ClipGenerator(const ClipOptions& options, int threads)
@@ -41,7 +43,10 @@ SimulatorOptions ClipGenerator::clipOptions(std::uint64_t index) const
                          : WorldKind::field;
   }
   // The seed determines the world; traffic, start and speed differ between clips.
-  o.seed = static_cast<int>(world_rng.bits() >> 34);
+  const std::int64_t seeds = std::max<std::int64_t>(
+      1, std::int64_t{options_.most_seed} - std::int64_t{options_.least_seed} + 1);
+  o.seed = static_cast<int>(options_.least_seed +
+                            static_cast<std::int64_t>(world_rng.bits() >> 34) % seeds);
   o.traffic =
       clip_rng.uniform(options_.min_traffic, std::max(options_.min_traffic, options_.max_traffic));
   o.start_fraction = clip_rng.uniform();

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <cstring>
 #include <map>
+#include <set>
 
 namespace
 {
@@ -541,5 +542,20 @@ TEST(ClipGenerator, ClipsDoNotDependOnTheirOrder)
   }
   EXPECT_FALSE(sameScan(a0[0], a1[0]));
   EXPECT_EQ(a.clipOptions(0).seed, a.clipOptions(1).seed);
+}
+
+TEST(ClipGenerator, WorldsHaveSeedsWithinTheirBounds)
+{
+  ClipOptions options;
+  options.clips_per_world = 1;
+  options.least_seed = 500000000;
+  options.most_seed = 500000002;
+  const ClipGenerator generator(options);
+  std::set<int> seeds;
+  for (std::uint64_t i = 0; i < 60; ++i)
+  {
+    seeds.insert(generator.clipOptions(i).seed);
+  }
+  EXPECT_EQ(seeds, (std::set<int>{500000000, 500000001, 500000002}));
 }
 }  // namespace

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "DyloTrainOptions.h"
 
+#include <dyslam/formats/ScanFiles.h>
 #include <dyslam/train/DataText.h>
 
 namespace dyslam
@@ -25,6 +26,8 @@ void TrainOptions::describe(OptionsVisitor& visitor)
 void DataOptions::describe(OptionsVisitor& visitor)
 {
   visitor.text("base", base, "folder of the data; a leading $NAME is an environment variable");
+  visitor.text("splits", splits,
+               "file, or name of a shipped one: what is for training, validation and test");
   visitor.text("recordings", recordings,
                "folder;poses;first;last[;deskew][;labels=folder], several separated by |");
   visitor.text("singles", singles, "folders of single scans, separated by |");
@@ -42,12 +45,20 @@ void DataOptions::describe(OptionsVisitor& visitor)
 
 std::vector<Recording> loadRecordings(const std::string& list,
                                       const std::string& base,
-                                      bool by_own_motion)
+                                      const DataSplits& splits,
+                                      Split split)
 {
+  const bool training = split == Split::training;
   std::vector<Recording> recordings;
   for (const std::string& item : listItems(list, '|'))
   {
-    recordings.push_back(loadRecording(parseRecording(item, base), by_own_motion));
+    const RecordingDescription description = parseRecording(item, base);
+    const std::vector<std::string> files = listBinFiles(description.folder);
+    for (std::size_t k = description.first; k <= description.last && k < files.size(); ++k)
+    {
+      splits.requireScan(files[k], split, training ? "[data] recordings" : "[data] validation");
+    }
+    recordings.push_back(loadRecording(description, training));
   }
   return recordings;
 }

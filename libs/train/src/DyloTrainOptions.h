@@ -2,6 +2,7 @@
 #pragma once
 
 #include <dyslam/core/Options.h>
+#include <dyslam/train/DataSplits.h>
 #include <dyslam/train/PairSource.h>
 #include <dyslam/train/Recordings.h>
 
@@ -32,6 +33,7 @@ struct TrainOptions : Options
 struct DataOptions : Options
 {
   std::string base = "$DYSLAM_DATA";
+  std::string splits = "splits";  //!< what is for training, validation and test
   // Lists, separated by '|'; see describe() for their fields.
   std::string recordings;
   std::string singles;
@@ -51,8 +53,11 @@ struct DataOptions : Options
   void describe(OptionsVisitor& visitor) override;
 };
 
-/** Recordings described one by one, separated by '|'; see parseRecording(). \throws UserError. */
+/** Recordings described one by one, separated by '|'; see parseRecording().
+ * \param split of all their frames: those for training are corrected by their own motion, others by
+ * that of the step before \throws UserError, also for frames of another split. */
 [[nodiscard]] std::vector<Recording> loadRecordings(const std::string& list,
                                                     const std::string& base,
-                                                    bool by_own_motion);
+                                                    const DataSplits& splits,
+                                                    Split split);
 }  // namespace dyslam

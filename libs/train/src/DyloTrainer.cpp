@@ -44,11 +44,16 @@ double secondsSince(Clock::time_point begin)
 std::unique_ptr<PairSource> makeSource(const DataOptions& data,
                                        const AugmentationOptions& augmentation,
                                        const std::string& base,
+                                       const DataSplits& splits,
                                        std::uint64_t seed)
 {
   std::vector<Body> bodies;
   for (const std::string& folder : listItems(data.bodies, '|'))
   {
+    for (const std::string& file : listBinFiles(base + "/" + folder))
+    {
+      splits.requireScan(file, Split::training, "[data] bodies");
+    }
     for (Body& body : loadBodies(base + "/" + folder, 120))
     {
       bodies.push_back(std::move(body));
@@ -57,8 +62,9 @@ std::unique_ptr<PairSource> makeSource(const DataOptions& data,
   auto mixed = std::make_unique<MixedPairSource>(seed);
   if (data.recordings_weight > 0 && !data.recordings.empty())
   {
-    mixed->add(std::make_unique<RecordingPairSource>(loadRecordings(data.recordings, base, true),
-                                                     bodies, augmentation, data.most_gap, seed),
+    mixed->add(std::make_unique<RecordingPairSource>(
+                   loadRecordings(data.recordings, base, splits, Split::training), bodies,
+                   augmentation, data.most_gap, seed),
                data.recordings_weight);
   }
   if (data.singles_weight > 0 && !data.singles.empty())
@@ -68,6 +74,7 @@ std::unique_ptr<PairSource> makeSource(const DataOptions& data,
     {
       for (const std::string& file : listBinFiles(base + "/" + folder))
       {
+        splits.requireScan(file, Split::training, "[data] singles");
         scans.push_back(readTrainingPoints(file, std::numeric_limits<float>::quiet_NaN()));
       }
     }
@@ -77,7 +84,7 @@ std::unique_ptr<PairSource> makeSource(const DataOptions& data,
   if (data.simulator_weight > 0)
   {
     mixed->add(makeSimulatorPairSource(listItems(data.simulator_worlds, '|'), augmentation,
-                                       data.most_gap, seed),
+                                       data.most_gap, splits.trainingSeeds(), seed),
                data.simulator_weight);
   }
   if (mixed->empty())
@@ -218,15 +225,17 @@ Trainer::Trainer(const Config& config, const DyloTrainRequest& request)
     return;  // needs no data
   }
   const std::string base = dataFolder(data_.base, "[data] base");
-  validation_ = loadRecordings(data_.validation, base, false);
+  const DataSplits splits = DataSplits::load(data_.splits, "[data] splits");
+  validation_ = loadRecordings(data_.validation, base, splits, Split::validation);
   for (const std::string& item : listItems(data_.simulated_validation, '|'))
   {
-    validation_.push_back(simulateRecording(item));
+    validation_.push_back(simulateRecording(item, splits));
   }
   if (!request.validate_only)
   {
     writeWhole(request.output + "/effective.ini", loader.effective().toIni());
-    source_ = makeSource(data_, augmentation_, base, static_cast<std::uint64_t>(options_.seed));
+    source_ =
+        makeSource(data_, augmentation_, base, splits, static_cast<std::uint64_t>(options_.seed));
   }
 }
 

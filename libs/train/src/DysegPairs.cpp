@@ -15,7 +15,6 @@ namespace
 constexpr int clip_scans = 11;
 constexpr std::size_t longest_gap = 10;  // scans between those compared
 constexpr double period = 0.1;           // s, as if between single scans seen twice
-constexpr std::uint64_t training_seeds = 500000000;
 
 /** Streets most often, and among them places of people, fast roads, and fewer beams. */
 DysegClipScene sceneOf(std::uint64_t number, const DysegTrainerOptions& options)
@@ -33,6 +32,11 @@ DysegClipScene sceneOf(std::uint64_t number, const DysegTrainerOptions& options)
 
 DysegPairs::DysegPairs(const DysegTrainerOptions& options) : options_(options)
 {
+  const DataSplits splits = DataSplits::load(options.splits, "[train] splits");
+  if (options.simulated_share > 0)
+  {
+    seeds_ = splits.trainingSeeds();
+  }
   if (options.data.empty())
   {
     return;
@@ -40,12 +44,16 @@ DysegPairs::DysegPairs(const DysegTrainerOptions& options) : options_(options)
   const auto under = [&](const std::string& part) { return options.data + "/" + part; };
   if (!options.boxed_run.empty())
   {
+    splits.requireFrames(under(options.boxed_run) + "/velodyne", {0, options.boxed_last},
+                         Split::training, "[train] boxed_run");
     runs_.push_back(
         loadBoxedRun(under(options.boxed_run), 0, static_cast<std::size_t>(options.boxed_last)));
   }
   if (!options.labelled_run.empty())
   {
     const auto run = under(options.labelled_run);
+    splits.requireFrames(run + "/velodyne", {0, options.labelled_last}, Split::training,
+                         "[train] labelled_run");
     runs_.push_back(loadLabelledRun(run, run + "/" + options.labelled_poses, 0,
                                     static_cast<std::size_t>(options.labelled_last)));
   }
@@ -53,6 +61,7 @@ DysegPairs::DysegPairs(const DysegTrainerOptions& options) : options_(options)
   {
     for (const auto& f : listBinFiles(under(part)))
     {
+      splits.requireScan(f, Split::training, "[train] single_scans");
       singles_.push_back(readTrainingPoints(f, 0));
     }
   }
@@ -70,7 +79,9 @@ void DysegPairs::prepare(int step)
   for (int n = oldest; n <= newest; ++n)
   {
     const auto number = static_cast<std::uint64_t>(n);
-    const auto seed = training_seeds + static_cast<std::uint64_t>(options_.seed) * 1000003 + number;
+    const auto drawn = static_cast<std::uint64_t>(options_.seed) * 1000003 + number;
+    const auto seeds = static_cast<std::uint64_t>(seeds_.last - seeds_.first + 1);
+    const auto seed = static_cast<std::uint64_t>(seeds_.first) + drawn % seeds;
     pool_.push_back(simulateClip(seed, clip_scans, number % 3 != 0, sceneOf(number, options_)));
   }
   while (pool_.size() > static_cast<std::size_t>(options_.simulated_pool))

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <dyslam/train/DataSplits.h>
 #include <dyslam/train/DysegData.h>
 #include <dyslam/train/DysegTrainer.h>
 
@@ -26,6 +27,7 @@ class DysegPairs
 
  private:
   DysegTrainerOptions options_;
+  NumberRange seeds_;  //!< of simulated worlds
   std::vector<DysegClip> runs_;
   std::vector<std::vector<Eigen::Vector3f>> singles_;
   std::deque<DysegClip> pool_;

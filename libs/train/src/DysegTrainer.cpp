@@ -65,6 +65,8 @@ Eigen::Vector2f drawCentre(const DysegSample& sample,
 void DysegTrainerOptions::describe(OptionsVisitor& v)
 {
   v.text("data", data, "folder with the real data; empty: simulated data only");
+  v.text("splits", splits,
+         "file, or name of a shipped one: what is for training, validation and test");
   v.text("boxed_run", boxed_run, "run with boxes, under data; empty for none");
   v.integer("boxed_last", boxed_last, 1, 1000000, "its last frame for training");
   v.text("labelled_run", labelled_run, "run with labels per point, under data; empty for none");

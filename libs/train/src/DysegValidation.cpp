@@ -2,6 +2,7 @@
 #include "DysegValidation.h"
 
 #include <dyslam/core/Error.h>
+#include <dyslam/train/DataSplits.h>
 
 #include <filesystem>
 
@@ -41,6 +42,16 @@ void checkThere(const Stretch& evaluated, const std::string& data)
   {
     throw UserError("[train] " + evaluated.key + " = " + evaluated.folder + ": no such folder in " +
                     data + "; name another, or leave it empty");
+  }
+}
+
+void checkSplit(const Stretch& evaluated, const std::string& data, const DataSplits& splits)
+{
+  if (!evaluated.folder.empty())
+  {
+    splits.requireFrames(data + "/" + evaluated.folder + "/velodyne",
+                         {evaluated.first, evaluated.last}, Split::validation,
+                         "[train] " + evaluated.key);
   }
 }
 
@@ -87,16 +98,22 @@ std::vector<DysegValidationSet> makeDysegValidation(const DysegTrainerOptions& o
 {
   const Stretch boxed = boxedOf(options);
   const Stretch labelled = labelledOf(options);
+  const DataSplits splits = DataSplits::load(options.splits, "[train] splits");
   if (!options.data.empty())
   {
-    checkThere(boxed, options.data);
-    checkThere(labelled, options.data);
+    for (const Stretch& evaluated : {boxed, labelled})
+    {
+      checkThere(evaluated, options.data);
+      checkSplit(evaluated, options.data, splits);
+    }
   }
   std::vector<DysegValidationSet> sets(2);
   sets[0].name = "simulated";
   sets[1].name = "simulated 8 scans back";
   for (std::uint64_t i = 0; i < 8; ++i)
   {
+    splits.requireSeed(static_cast<std::int64_t>(unseen_seeds + i), Split::validation,
+                       "validation on simulated clips");
     const auto clip = simulateClip(unseen_seeds + i, far_back + 1, true);
     sets[0].samples.push_back(makeSample(clip, far_back, far_back - 1));
     sets[1].samples.push_back(makeSample(clip, far_back, 0));

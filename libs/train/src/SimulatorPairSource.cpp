@@ -81,6 +81,7 @@ class SimulatorPairSource : public PairSource
   SimulatorPairSource(const std::vector<std::string>& worlds,
                       const AugmentationOptions& augmentation,
                       int most_gap,
+                      const NumberRange& seeds,
                       std::uint64_t seed)
       : augmentation_(augmentation), most_gap_(std::min(most_gap, 3)), seed_(seed)
   {
@@ -99,6 +100,8 @@ class SimulatorPairSource : public PairSource
       options.simulator.sensor = scene.sensor;
       options.simulator.columns = scene.columns;
       options.simulator.seed = static_cast<int>(1000003 * (seed % 1000) + 7777 + i);
+      options.least_seed = static_cast<int>(seeds.first);
+      options.most_seed = static_cast<int>(seeds.last);
       clips_.emplace_back(options);
     }
   }
@@ -149,16 +152,17 @@ class SimulatorPairSource : public PairSource
 std::unique_ptr<PairSource> makeSimulatorPairSource(const std::vector<std::string>& worlds,
                                                     const AugmentationOptions& augmentation,
                                                     int most_gap,
+                                                    const NumberRange& seeds,
                                                     std::uint64_t seed)
 {
   if (worlds.empty())
   {
     throw UserError("[data] simulator_worlds: names none; do, or set simulator_weight to 0");
   }
-  return std::make_unique<SimulatorPairSource>(worlds, augmentation, most_gap, seed);
+  return std::make_unique<SimulatorPairSource>(worlds, augmentation, most_gap, seeds, seed);
 }
 
-Recording simulateRecording(const std::string& text)
+Recording simulateRecording(const std::string& text, const DataSplits& splits)
 {
   const std::vector<std::string> words = splitFields(text, ';');
   sim::SimulatorOptions options;
@@ -183,6 +187,7 @@ Recording simulateRecording(const std::string& text)
     throw UserError("[data] simulated_validation: '" + text +
                     "' is not world;sensor;traffic;seed;scans, with 2 scans or more");
   }
+  splits.requireSeed(options.seed, Split::validation, "[data] simulated_validation");
   sim::Simulator simulator(options);
   Recording recording;
   recording.name = words[0] + " " + words[1] + " traffic " + words[2];
@@ -199,12 +204,13 @@ Recording simulateRecording(const std::string& text)
 std::unique_ptr<PairSource> makeSimulatorPairSource(const std::vector<std::string>&,
                                                     const AugmentationOptions&,
                                                     int,
+                                                    const NumberRange&,
                                                     std::uint64_t)
 {
   throw UserError("[data] simulator_weight: this build has no simulator; set it to 0");
 }
 
-Recording simulateRecording(const std::string&)
+Recording simulateRecording(const std::string&, const DataSplits&)
 {
   throw UserError("[data] simulated_validation: this build has no simulator; leave it empty");
 }

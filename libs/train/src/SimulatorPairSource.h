@@ -2,6 +2,7 @@
 #pragma once
 
 #include <dyslam/train/Augmentation.h>
+#include <dyslam/train/DataSplits.h>
 #include <dyslam/train/PairSource.h>
 #include <dyslam/train/Recordings.h>
 
@@ -14,17 +15,19 @@ namespace dyslam
 /** Pairs from generated worlds.
  *
  * \param worlds each "share;world;sensor;columns;least traffic;most traffic", e.g.
- * "0.2;highway;HDL64E;1024;0;0.3"; 0 columns are the sensor's own. \throws UserError for others,
+ * "0.2;highway;HDL64E;1024;0;0.3"; 0 columns are the sensor's own
+ * \param seeds of the worlds \throws UserError for others,
  * and where the simulator was not built. */
 [[nodiscard]] std::unique_ptr<PairSource> makeSimulatorPairSource(
     const std::vector<std::string>& worlds,
     const AugmentationOptions& augmentation,
     int most_gap,
+    const NumberRange& seeds,
     std::uint64_t seed);
 
 /** A fixed simulated drive, e.g. to validate on.
  *
- * \param text "world;sensor;traffic;seed;scans", e.g. "urban;HDL64E;0.4;9001;20". Training draws
- * its worlds otherwise, so that no seed written here meets them. \throws UserError. */
-[[nodiscard]] Recording simulateRecording(const std::string& text);
+ * \param text "world;sensor;traffic;seed;scans", e.g. "urban;HDL64E;0.4;9001;20"
+ * \throws UserError, also if the seed is not for validation. */
+[[nodiscard]] Recording simulateRecording(const std::string& text, const DataSplits& splits);
 }  // namespace dyslam

@@ -144,6 +144,42 @@ TEST_F(DysegTraining, FramesToValidateOnAreNotTrainedOn)
   EXPECT_NO_THROW(make(48));
 }
 
+TEST_F(DysegTraining, FramesAndSeedsOfAnotherSplitAreRefused)
+{
+  const std::string run = "vls128_run88";
+  setup_.train.data = folder_.string();
+  fs::create_directories(folder_ / run / "velodyne");
+  setup_.train.boxed_run = run;
+  setup_.train.boxed_validation.clear();
+  setup_.train.labelled_validation.clear();
+  setup_.train.single_scans.clear();
+  const auto said = [&]
+  {
+    try
+    {
+      DysegTrainer(setup_, (folder_ / "out").string()).run([](const std::string&) {});
+    }
+    catch (const dyslam::UserError& e)
+    {
+      return std::string(e.what());
+    }
+    return std::string();
+  };
+  setup_.train.boxed_last = 48;
+  EXPECT_NE(said().find("frame 48 of vls128_run88 is for validation"), std::string::npos) << said();
+  setup_.train.boxed_last = 47;
+  setup_.train.boxed_validation = run;
+  setup_.train.boxed_validation_last = 64;
+  setup_.train.validate_every = 1000;
+  EXPECT_NE(said().find("frame 64 of vls128_run88 is for test"), std::string::npos) << said();
+  setup_.train.data.clear();
+  fs::create_directories(folder_);
+  std::ofstream(folder_ / "mine.ini") << "[simulator]\ntraining = 0-10\ntest = 900000000-\n";
+  setup_.train.splits = (folder_ / "mine.ini").string();
+  EXPECT_NE(said().find("seed 900000000 of the simulator is for test"), std::string::npos)
+      << said();
+}
+
 TEST_F(DysegTraining, MissingValidationDataAreToldBeforeTheFirstStep)
 {
   setup_.train.data = folder_.string();

@@ -18,6 +18,8 @@ struct ClipOptions : Options
   int clips_per_world = 16;  //!< consecutive clips share a world, which saves time
   double min_traffic = 0;    //!< bounds of the traffic density drawn for each clip
   double max_traffic = 1;
+  int least_seed = 0;  //!< bounds of the seeds drawn for worlds
+  int most_seed = (1 << 30) - 1;
 
   void describe(OptionsVisitor& visitor) override;
 };

@@ -19,7 +19,7 @@ constexpr double moving_over = 0.5;
 constexpr double standing_under = 0.25;
 /** Cast bodies move exactly as they are set to: any that move, and faster than this, are movers. */
 constexpr double cast_moving_over = 0.3;  // m/s
-/** Seeds of simulated clips that training never draws; from here on. */
+/** Seeds of simulated clips to validate on, from here on (splits.ini). */
 constexpr std::uint64_t unseen_seeds = 900000000;
 
 /** Some consecutive scans of one drive with what is known about every point. */

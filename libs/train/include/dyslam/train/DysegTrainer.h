@@ -24,7 +24,8 @@ struct DysegLossOptions : Options
 
 struct DysegTrainerOptions : Options
 {
-  std::string data;  //!< folder with the real data; empty: simulated data only
+  std::string data;               //!< folder with the real data; empty: simulated data only
+  std::string splits = "splits";  //!< what is for training, validation and test
   std::string boxed_run = "vls128_run88";  //!< under `data`; empty for none
   int boxed_last = 47;                     //!< its last training frame
   std::string labelled_run;                //!< folder under `data` with labels; empty for none
@@ -81,7 +82,8 @@ struct DysegTrainerSetup
 class DysegTrainer
 {
  public:
-  /** \throws UserError for options out of range, or if frames to validate on are trained on. */
+  /** \throws UserError for options out of range, or if frames to validate on are trained on. Frames
+   * of another split are refused where they are read. */
   DysegTrainer(const DysegTrainerSetup& setup, std::string folder);
   ~DysegTrainer();
 

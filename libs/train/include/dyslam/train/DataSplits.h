@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <dyslam/core/Config.h>
+
+#include <array>
+#include <cstdint>
+#include <map>
+#include <string>
+#include <vector>
+
+namespace dyslam
+{
+enum class Split
+{
+  training,
+  validation,
+  test
+};
+
+/** Numbers from first to last, both included. */
+struct NumberRange
+{
+  std::int64_t first = 0;
+  std::int64_t last = 0;
+};
+
+/** Which frames of real recordings, and which seeds of simulated worlds, are for training, for
+ * validation and for test (splits.ini). */
+class DataSplits
+{
+ public:
+  /** \throws UserError for keys that are no split, and for ranges that overlap. */
+  explicit DataSplits(const Config& config);
+  /** A file, or the name of a shipped one. \param field the setting that names it. \throws
+   * UserError. */
+  [[nodiscard]] static DataSplits load(const std::string& file, const std::string& field);
+
+  /** Whether a scan is of a split. The recording is the innermost folder of its path that has a
+   * section, the frame the last number in the file's name. \param field the setting that names the
+   * scan \throws UserError if it is of another split or of none. */
+  void requireScan(const std::string& file, Split split, const std::string& field) const;
+  /** The same of the frames of a folder of scans. \throws UserError. */
+  void requireFrames(const std::string& folder,
+                     const NumberRange& frames,
+                     Split split,
+                     const std::string& field) const;
+  /** The same of a simulated world. \throws UserError. */
+  void requireSeed(std::int64_t seed, Split split, const std::string& field) const;
+  /** The seeds to draw worlds from for training. \throws UserError unless it is one range. */
+  [[nodiscard]] NumberRange trainingSeeds() const;
+
+ private:
+  using Ranges = std::array<std::vector<NumberRange>, 3>;
+
+  [[nodiscard]] const Ranges* recordingOf(const std::string& file, std::string& name) const;
+
+  std::map<std::string, Ranges> sections_;
+};
+}  // namespace dyslam
