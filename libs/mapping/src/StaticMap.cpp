@@ -64,7 +64,9 @@ void StaticMapOptions::describe(OptionsVisitor& v)
   v.integer("max_voxels", max_voxels, 1000, 1000000000, "beyond, the voxel size doubles");
   v.integer("min_hits", min_hits, 1, 1000, "voxels hit by fewer keyframes are not part of the map");
   v.real("correction_distance", correction_distance, 0, 100,
-         "m, the map follows a loop at once where that moved a keyframe this far");
+         "m, the map follows a loop that moved a keyframe this far ...");
+  v.real("correction_growth", correction_growth, 0, 10,
+         "... when it has grown by this share, or at once if that is farther than a voxel");
   v.flag("visibility", visibility, "remove voxels that later rays passed through");
   v.real("visibility_range", visibility_range, 0, 300, "m, voxels up to here are checked");
   v.real("visibility_margin", visibility_margin, 0, 10,
@@ -96,6 +98,7 @@ struct StaticMap::Impl
   void restitch(double voxel_size);
   /** How far the store's poses have moved from those that the map is stitched at, at most [m]. */
   [[nodiscard]] double largestCorrection() const;
+  [[nodiscard]] bool isCorrectionDue() const;
   void correct();
   void keepWithinLimit();
   [[nodiscard]] const CleanedMap& cleanedMap() const;
@@ -104,6 +107,7 @@ struct StaticMap::Impl
   KeyframeStore& keyframes;
   MapRegion region;
   std::size_t revision = 0;  //!< of the keyframes' poses that the map is stitched at
+  std::size_t stitched = 0;  //!< keyframes, when all were stitched again
   std::vector<Pose> poses;   //!< these poses, one per keyframe inserted
   VoxelMap map;
   mutable std::optional<CleanedMap> cleaned;  //!< until the map changes
@@ -202,6 +206,7 @@ void StaticMap::Impl::restitch(double voxel_size)
   }
   map.mergeOldHits();
   revision = keyframes.revision();
+  stitched = poses.size();
 }
 
 double StaticMap::Impl::largestCorrection() const
@@ -214,6 +219,18 @@ double StaticMap::Impl::largestCorrection() const
     largest = finite ? std::max(largest, motionSize(logSE3(moved))) : largest;
   }
   return largest;
+}
+
+bool StaticMap::Impl::isCorrectionDue() const
+{
+  if (revision == keyframes.revision())
+  {
+    return false;
+  }
+  const double moved = largestCorrection();
+  const bool has_grown = static_cast<double>(poses.size()) >=
+                         static_cast<double>(stitched) * (1 + options.correction_growth);
+  return moved > options.correction_distance && (has_grown || moved > map.voxelSize());
 }
 
 void StaticMap::Impl::correct()
@@ -251,7 +268,7 @@ void StaticMap::Impl::takeNext(const Frame& frame)
                                 " is not keyframe " + std::to_string(poses.size()) + " of " +
                                 std::to_string(keyframes.size()));
   }
-  if (revision != keyframes.revision() && largestCorrection() > options.correction_distance)
+  if (isCorrectionDue())
   {
     correct();
   }
@@ -377,7 +394,7 @@ std::size_t StaticMap::memory() const
 
 void StaticMap::exchangeState(StateArchive& archive)
 {
-  archive(impl_->revision, impl_->poses, impl_->map);
+  archive(impl_->revision, impl_->stitched, impl_->poses, impl_->map);
   if (archive.isLoading())
   {
     impl_->cleaned.reset();

@@ -375,6 +375,29 @@ TEST(StaticMap, FollowsALoopBeforeTheNextKeyframeIfItIsWorthIt)
   }
 }
 
+TEST(StaticMap, FollowsSmallCorrectionsOnceItHasGrown)
+{
+  TestMap map;
+  const auto insert = [&map](std::size_t i)
+  { map.insert(scanAt(i, static_cast<double>(i), kNoCar)); };
+  for (std::size_t i = 0; i < 20; ++i)
+  {
+    insert(i);
+  }
+  std::vector<Pose> corrected = posesOf(20, 1);
+  corrected[5].translation().y() = 0.4;
+  map.keyframes->correct(corrected);
+  insert(20);
+  ASSERT_NEAR(map.map.poses()[5].translation().y(), 0.4, 1e-12);
+  corrected = posesOf(21, 1);
+  corrected[5].translation().y() = 0.5;
+  map.keyframes->correct(corrected);
+  insert(21);
+  EXPECT_NEAR(map.map.poses()[5].translation().y(), 0.4, 1e-12) << "less than a voxel: it may wait";
+  insert(22);
+  EXPECT_NEAR(map.map.poses()[5].translation().y(), 0.5, 1e-12) << "a tenth more keyframes";
+}
+
 TEST(StaticMap, EachCorrectionKeepsThePoints)
 {
   // Poses that tremble at every optimisation must not wear the map out.

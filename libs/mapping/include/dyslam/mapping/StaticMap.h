@@ -33,8 +33,11 @@ struct StaticMapOptions : Options
   int points_per_voxel = 5;     //!< keyframe points kept per voxel: later ones add nothing
   int max_voxels = 1000000000;  //!< beyond, the voxel size doubles
   int min_hits = 1;             //!< voxels hit by fewer keyframes are not part of the map
-  /** insert() first corrects the map where a loop has moved one of its keyframes this far [m]. */
+  /** insert() first corrects the map where a loop has moved one of its keyframes farther than a
+   * voxel, or this far [m] ... */
   double correction_distance = 0.05;
+  /** ... and the map has grown by this share since it was corrected. */
+  double correction_growth = 0.1;
 
   // Visibility clean-up: what later rays pass through repeatedly was not static.
   bool visibility = true;
@@ -98,10 +101,11 @@ class StaticMap
 
   /** Adds the next keyframe, at its pose in the store. Every keyframe of the store is inserted in
    * its turn, also long after it was made; one whose pose is not finite stays without points.
-   * Before, a map that is off by more than `correction_distance` is corrected. \param frame that
-   * became the keyframe: cloud, what moves in it, and its objects are read \throws
-   * std::invalid_argument unless the frame is the first keyframe of the store that is not in the
-   * map yet.
+   * Before, a map that is off is corrected, see `correction_distance`; what it may still be off
+   * until correct() is less than a voxel.
+   * \param frame that became the keyframe: cloud, what moves in it, and its objects are read
+   * \throws std::invalid_argument unless the frame is the first keyframe of the store that is not
+   * in the map yet.
    */
   void insert(const Frame& frame);
   /** The next keyframe, without its points: where it was is not known well enough.
