@@ -1,0 +1,203 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A recording from its first scan to the last file: the threads of a run, and runs that go on.
+#include <dyslam/core/Error.h>
+#include <dyslam/core/StateArchive.h>
+#include <dyslam/io/RawlogSource.h>
+#include <dyslam/pipeline/Pipeline.h>
+#include <dyslam/pipeline/SlamRun.h>
+
+#include <atomic>
+#include <chrono>
+#include <filesystem>
+#include <string>
+#include <utility>
+
+#include "ReadAhead.h"
+#include "SavedRun.h"
+
+namespace dyslam
+{
+namespace
+{
+using OnFrame = std::function<void(double, std::size_t)>;
+
+/** Tells the run in the end, however it comes, how long its threads have waited. */
+class NotedWaits
+{
+ public:
+  NotedWaits(SlamRun& run, ReadAhead& reader, ReadAhead& front_end)
+      : run_(run), reader_(reader), front_end_(front_end)
+  {
+  }
+  ~NotedWaits()
+  {
+    const QueueWaits scans = reader_.waits();
+    const QueueWaits frames = front_end_.waits();
+    run_.noteWait("reading", scans.for_room);
+    run_.noteWait("front_end", scans.for_items + frames.for_room);
+    run_.noteWait("back_end", frames.for_items);
+  }
+  NotedWaits(const NotedWaits&) = delete;
+  NotedWaits& operator=(const NotedWaits&) = delete;
+
+ private:
+  SlamRun& run_;
+  ReadAhead& reader_;
+  ReadAhead& front_end_;
+};
+
+/** Saves the front end, in its thread, where a checkpoint is due after this frame. */
+void beginCheckpoint(Pipeline& pipeline,
+                     std::size_t frame,
+                     const ScanSum& scans,
+                     Checkpoints& checkpoints)
+{
+  if (checkpoints.due())
+  {
+    StateArchive archive;
+    pipeline.exchangeFrontEndState(archive);
+    checkpoints.begin(frame, {archive.bytes(), scans});
+  }
+}
+
+/** Every frame through the pipeline and on to the outputs: reading, front end, back end and writing
+ * each in a thread of its own, all frames in order in each. A checkpoint passes through them with
+ * the frame behind which it is made; none waits for another.
+ * \param scans those before, of a run that is resumed */
+void replay(const SlamRunSettings& settings,
+            RawlogSource& source,
+            SlamRun& run,
+            ScanSum scans,
+            const OnFrame& on_frame)
+{
+  std::atomic<double> read = 0;  // share of the file; only the reading thread may ask the source
+  Checkpoints checkpoints(run.checkpointSeconds());
+  ReadAhead reader(
+      [&]
+      {
+        auto frame = source.next();
+        read = source.progress();
+        return frame;
+      });
+  ReadAhead front_end(
+      [&]
+      {
+        auto frame = reader.next();
+        if (frame)
+        {
+          scans.add(*frame);
+          run.pipeline().runFrontEnd(*frame);
+          beginCheckpoint(run.pipeline(), frame->index, scans, checkpoints);
+        }
+        return frame;
+      });
+  const NotedWaits waits(run, reader, front_end);
+  while (auto frame = front_end.next())
+  {
+    const std::size_t index = frame->index;
+    run.pipeline().runBackEnd(*frame);
+    run.add(std::move(*frame));
+    if (auto begun = checkpoints.take(index))
+    {
+      const auto start = std::chrono::steady_clock::now();
+      run.checkpoint(begun->front_end, begun->scans);
+      checkpoints.took(
+          std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
+    }
+    if (on_frame)
+    {
+      on_frame(run.progress(read), run.frames());
+    }
+    if (settings.stop && settings.stop())
+    {
+      throw UserError(settings.rawlog + ": stopped");
+    }
+  }
+}
+
+/** The rest of a run that has been opened or resumed. */
+SlamRunReport replayToTheEnd(const SlamRunSettings& settings,
+                             RawlogSource& source,
+                             SlamRun& run,
+                             const ScanSum& scans,
+                             const OnFrame& on_frame)
+{
+  std::string damage;
+  try
+  {
+    replay(settings, source, run, scans, on_frame);
+  }
+  catch (const std::exception& error)  // of a library, too
+  {
+    if (run.frames() == 0)
+    {
+      throw;
+    }
+    damage = error.what();  // what was read before it is worth keeping
+  }
+  run.pipeline().finish();
+  return run.finish(source.warnings(), damage);
+}
+
+/** The settings of the run, as far as they are not given anew. */
+SlamRunSettings settingsOf(const SavedRun& saved, const SlamRunSettings& given)
+{
+  SlamRunSettings settings = given;
+  settings.rawlog = given.rawlog.empty() ? saved.rawlog : given.rawlog;
+  settings.config = Config::fromText(saved.settings, "the state's settings");
+  settings.config.merge(given.config);
+  settings.inputs = saved.inputs;
+  settings.sensor = saved.sensor;
+  settings.warnings = saved.warnings;
+  settings.static_scans = saved.static_scans;
+  settings.labels = saved.labels;
+  settings.probabilities = saved.probabilities;
+  return settings;
+}
+
+/** Passes over the scans that the run has seen. \throws UserError if they are others. */
+ScanSum skipSeen(const SavedRun& saved, const std::string& rawlog, RawlogSource& source)
+{
+  const std::string advice = "; give the recording that the run had, or start anew";
+  if (std::filesystem::file_size(rawlog) != saved.rawlog_size)
+  {
+    throw UserError(rawlog + ": has another size than when the run began" + advice);
+  }
+  ScanSum scans;
+  while (scans.scans() < saved.scans)
+  {
+    const auto frame = source.next();
+    if (!frame)
+    {
+      break;
+    }
+    scans.add(*frame);
+  }
+  if (scans.scans() != saved.scans || scans.sum() != saved.scans_checksum)
+  {
+    throw UserError(rawlog + ": its first " + std::to_string(saved.scans) +
+                    " scans are not those that the run has seen" + advice);
+  }
+  return scans;
+}
+}  // namespace
+
+SlamRunReport runSlam(const SlamRunSettings& settings, const OnFrame& on_frame)
+{
+  SlamRun run(settings);
+  RawlogSource source(settings.rawlog, run.input());
+  run.open();
+  return replayToTheEnd(settings, source, run, ScanSum(), on_frame);
+}
+
+SlamRunReport resumeSlam(const SlamRunSettings& given, const OnFrame& on_frame)
+{
+  RunToResume saved(given.output_folder);
+  const SlamRunSettings settings = settingsOf(saved.run, given);
+  SlamRun run(settings);
+  RawlogSource source(settings.rawlog, run.input());
+  const ScanSum scans = skipSeen(saved.run, settings.rawlog, source);
+  run.resume(saved);
+  return replayToTheEnd(settings, source, run, scans, on_frame);
+}
+}  // namespace dyslam
