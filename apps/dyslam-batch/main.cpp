@@ -6,6 +6,7 @@
 #include <dyslam/core/Error.h>
 #include <dyslam/core/Files.h>
 #include <dyslam/core/PendingFile.h>
+#include <dyslam/core/RuntimeModule.h>
 #include <dyslam/core/Shard.h>
 #include <dyslam/core/SharedFiles.h>
 #include <unistd.h>
@@ -126,6 +127,10 @@ Work commonWork(const Arguments& a, const std::string& program)
     {
       sums += checksumOfFile(file);
     }
+  }
+  if (const std::string networks = runtimeModuleFile("networks"); !networks.empty())
+  {
+    sums += checksumOfFile(networks);  // of this machine: results differ in their last digits
   }
   work.program_checksum = checksumOfText(sums);
   Arguments flags = a;

@@ -52,6 +52,13 @@ for file in report.html map_static.ply trajectory_tum.txt labels/000029.label; d
 done
 grep -q 'method.*network' "$seen.64/report.json" || fail "64 beams without the network: $(grep method "$seen.64/report.json")"
 
+# The networks are there twice, and the plain ones run, too.
+[[ $(dpkg -c "${packages[0]}") == *x86-64-v3/libdyslam-networks.so* ]] || fail "no networks for machines with AVX2"
+if [[ -d $work/prefix ]]; then
+  DYSLAM_CPU=baseline run dyslam -i "$examples/street64.rawlog" --only-first-n 10 -o "$out.plain" -v ERROR
+  grep -q 'method.*network' "$out.plain/report.json" || fail "DYSLAM_CPU=baseline: no network"
+fi
+
 # Every program has a man page and completion, and they name its flags.
 contents=$(dpkg -c "${packages[0]}")
 dpkg -x "${packages[0]}" "$work/unpacked"

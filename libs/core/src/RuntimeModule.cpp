@@ -50,8 +50,19 @@ bool usesV3()
 #endif
 }
 
-/** \return empty if there is none. */
-std::string findModule(const std::string& module)
+std::string notFound(const std::string& module, const std::string& needed_by)
+{
+  std::string tried;
+  for (const auto& folder : moduleFolders())
+  {
+    tried += (tried.empty() ? "" : ", ") + folder.string();
+  }
+  return needed_by + " needs " + fileOf(module) +
+         ", which a build with libtorch has, and which is not in " + tried;
+}
+}  // namespace
+
+std::string runtimeModuleFile(const std::string& module)
 {
   const std::vector<std::string> variants =
       usesV3() ? std::vector<std::string>{"x86-64-v3", ""} : std::vector<std::string>{""};
@@ -69,23 +80,11 @@ std::string findModule(const std::string& module)
   return "";
 }
 
-std::string notFound(const std::string& module, const std::string& needed_by)
-{
-  std::string tried;
-  for (const auto& folder : moduleFolders())
-  {
-    tried += (tried.empty() ? "" : ", ") + folder.string();
-  }
-  return needed_by + " needs " + fileOf(module) +
-         ", which a build with libtorch has, and which is not in " + tried;
-}
-}  // namespace
-
 void* runtimeModuleFunction(const std::string& module,
                             const std::string& function,
                             const std::string& needed_by)
 {
-  const std::string path = findModule(module);
+  const std::string path = runtimeModuleFile(module);
   if (path.empty())
   {
     throw UserError(notFound(module, needed_by));
@@ -113,7 +112,7 @@ void* runtimeModuleFunction(const std::string& module,
 std::future<void> loadRuntimeModuleAhead(const std::string& module)
 {
   return std::async(std::launch::async,
-                    [path = findModule(module)]
+                    [path = runtimeModuleFile(module)]
                     {
                       if (!path.empty())
                       {

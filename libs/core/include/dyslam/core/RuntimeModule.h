@@ -21,6 +21,9 @@ namespace dyslam
                                           const std::string& function,
                                           const std::string& needed_by);
 
+/** The file that runtimeModuleFunction() would load on this machine; empty if there is none. */
+[[nodiscard]] std::string runtimeModuleFile(const std::string& module);
+
 /** As runtimeModuleFunction(), as a pointer to a function of type F. */
 template <typename F>
 [[nodiscard]] F* runtimeModuleFunction(const std::string& module,
