@@ -92,16 +92,17 @@ same_results() { # FOLDER OTHER: every file, but for times of the clock
   check diff <(grep -E '"(frames|keyframes|loops|tracks|map_points|path_length_m)"' "$1/report.json") \
     <(grep -E '"(frames|keyframes|loops|tracks|map_points|path_length_m)"' "$2/report.json")
 }
-killed_and_resumed() { # at random moments, three times in one run
+killed_and_resumed() { # at random moments within scans, three times in one run
   local flags=(--only-first-n 25 --labels --static-scans --set labels.window=6 --set backend.mode=full)
-  local often=(--set output.checkpoint_seconds=0.02) run code tries=0
+  local often=(--set output.checkpoint_seconds=0.02) run code scans tries=0
   check slam m/run "${flags[@]}" # pictures have the name of the last folder
   for round in 1 2 3; do
     rm -rf n && mkdir n
     timeout 120 "$bin/dyslam" -v ERROR -i "$recording" -c vlp16.ini -o n/run "${flags[@]}" "${often[@]}" 2>n.err &
-    until [[ -e n/run/resume.state ]] || ! kill -0 $! 2>/dev/null; do sleep 0.01; done
-    for kill in 1 2 3; do
-      sleep 0.$((RANDOM % 9))$((RANDOM % 10))
+    for kill in 1 2 3; do # within scans 5-9, 10-14 and 15-19
+      scans=$((5 * kill + RANDOM % 5))
+      until [[ -e n/run/resume.state && $(cat n/run/odometry_tum.txt.tmp 2>/dev/null | wc -l) -ge $scans ]] ||
+        ! kill -0 $! 2>/dev/null; do sleep 0.00$((RANDOM % 10)); done
       run=$(pgrep -P $!) && kill -KILL "$run"
       wait $! 2>/dev/null
       [[ -e n/run/resume.state ]] || break # it had ended
@@ -115,7 +116,7 @@ killed_and_resumed() { # at random moments, three times in one run
     check no_leftovers n
     same_results m/run n/run
   done
-  check test "$tries" -ge 3
+  check test "$tries" -ge 6
 }
 killed_at_a_checkpoint() { # while the state is being written
   local run
