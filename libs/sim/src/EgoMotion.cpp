@@ -5,7 +5,13 @@
 
 namespace dyslam::sim
 {
-EgoMotion::EgoMotion(EgoKind kind, std::uint64_t seed) : kind_(kind)
+namespace
+{
+constexpr double kRoughness = 80e-6;  // an average road (ISO 8608, class B) [m^3]
+}
+
+EgoMotion::EgoMotion(EgoKind kind, std::uint64_t seed)
+    : kind_(kind), road_(seed, kind == EgoKind::car ? kRoughness : 0)
 {
   Rng rng(combine(seed, 0xE60));
   for (auto& w : wobble_)
@@ -35,13 +41,18 @@ Pose EgoMotion::update(const EgoState& ego, const Ground& ground, double time, d
   const double track = kind_ == EgoKind::car ? 1.5 : 0.5;
   const Eigen::Vector2d forward(std::cos(ego.yaw), std::sin(ego.yaw)),
       left(-forward.y(), forward.x());
+  distance_ += ego.speed * dt;
   const auto height = [&](const Eigen::Vector2d& p) { return ground.height(p); };
-  const double front = height(ego.position + 0.5 * wheelbase * forward),
-               back = height(ego.position - 0.5 * wheelbase * forward);
-  const double port = height(ego.position + 0.5 * track * left),
-               starboard = height(ego.position - 0.5 * track * left);
+  const double front = height(ego.position + 0.5 * wheelbase * forward) +
+                       road_.height(distance_ + 0.5 * wheelbase, ego.speed);
+  const double back = height(ego.position - 0.5 * wheelbase * forward) +
+                      road_.height(distance_ - 0.5 * wheelbase, ego.speed);
+  const double port = height(ego.position + 0.5 * track * left);
+  const double starboard = height(ego.position - 0.5 * track * left);
+  const double lean = 0.5 * (road_.leftAboveRight(distance_ + 0.5 * wheelbase, ego.speed) +
+                             road_.leftAboveRight(distance_ - 0.5 * wheelbase, ego.speed));
   const double slope = -std::atan2(front - back, wheelbase),
-               bank = std::atan2(port - starboard, track);
+               bank = std::atan2(port - starboard + lean, track);
 
   const double acceleration = first_ ? 0 : (ego.speed - speed_) / dt;
   const double turn = first_ ? 0 : std::remainder(ego.yaw - yaw_, 6.283185307179586) / dt;
@@ -53,8 +64,12 @@ Pose EgoMotion::update(const EgoState& ego, const Ground& ground, double time, d
           ? std::array<double, 3>{slope - 0.006 * acceleration, bank + 0.005 * ego.speed * turn,
                                   0.5 * (front + back)}
           : std::array<double, 3>{slope, bank, 0.5 * (front + back)};
+  // Natural frequencies [rad/s] and damping ratio of pitch, roll and height. With them and the road
+  // a car's angular rates are those of real cars' gyroscopes.
+  const bool car = kind_ == EgoKind::car;
   const std::array<double, 3> frequency =
-      kind_ == EgoKind::car ? std::array<double, 3>{9, 8.5, 10} : std::array<double, 3>{14, 14, 16};
+      car ? std::array<double, 3>{10, 8, 10} : std::array<double, 3>{14, 14, 16};
+  const double damping = car ? 0.4 : 0.35;
   for (std::size_t i = 0; i < 3; ++i)
   {
     if (first_)
@@ -62,7 +77,7 @@ Pose EgoMotion::update(const EgoState& ego, const Ground& ground, double time, d
       x_[i] = load[i];
     }
     const double pull =
-        frequency[i] * frequency[i] * (load[i] - x_[i]) - 2 * 0.35 * frequency[i] * rate_[i];
+        frequency[i] * frequency[i] * (load[i] - x_[i]) - 2 * damping * frequency[i] * rate_[i];
     rate_[i] += pull * dt;
     x_[i] += rate_[i] * dt;
   }
@@ -89,12 +104,6 @@ Pose EgoMotion::update(const EgoState& ego, const Ground& ground, double time, d
     // Pitch and roll rates up to 0.07 rad/s, as on a paved path.
     angles = {0, rough * 0.0032 * wave(3.3, 5), rough * 0.0045 * wave(2.4, 6)};
     shift.z() = rough * 0.003 * wave(6.7, 7);
-  }
-  else
-  {
-    const double rough = std::min(1.0, ego.speed / 12);
-    angles = {0, rough * 0.0012 * wave(7.3, 5), rough * 0.0012 * wave(6.1, 6)};
-    shift.z() = rough * 0.004 * wave(8.7, 7);
   }
   return poseFromYpr(ego.position.x(), ego.position.y(), x_[2], ego.yaw, x_[0], x_[1]) *
          poseFromYpr(shift.x(), shift.y(), shift.z(), angles.x(), angles.y(), angles.z());

@@ -6,12 +6,13 @@
 #include <array>
 #include <vector>
 
+#include "RoadProfile.h"
 #include "Traffic.h"
 
 namespace dyslam::sim
 {
-/** Six-degree-of-freedom motion of the carrier: the suspension of a car, the
- * gait of a robot or of a person with the sensor on a pole. */
+/** Six-degree-of-freedom motion of the carrier: a car's body on its springs, driven by the road;
+ * the gait of a robot or of a person with the sensor on a pole. */
 class EgoMotion
 {
  public:
@@ -25,6 +26,8 @@ class EgoMotion
 
  private:
   EgoKind kind_;
+  RoadProfile road_;
+  double distance_ = 0;  // driven [m]
   double phase_ = 0;
   double speed_ = 0, yaw_ = 0;
   bool first_ = true;

@@ -21,10 +21,22 @@ struct Car
   double s = 0;       // arc length along the centre line, in the driving direction
   double v = 0, a = 0;
   double desired_speed = 28, headway = 1.2;
-  double offset = 0;  // from the lane's centre during a lane change [m]
+  double change = 0;    // of lane: where it began, from the new lane's centre to the left [m]
+  double progress = 1;  // of the change, 0 to 1
   double last_change = -100;
   double wander = 0;
 };
+
+/** From 0 to 1, with neither speed nor acceleration at both ends. */
+double eased(double p)
+{
+  return p * p * p * (10 + p * (6 * p - 15));
+}
+
+double easedSlope(double p)
+{
+  return 30 * p * p * (1 - p) * (1 - p);
+}
 
 class HighwayTraffic : public Crowd::Group
 {
@@ -196,7 +208,7 @@ class HighwayTraffic : public Crowd::Group
     const Neighbours here = neighboursOf(c, c.lane);
     double a = acceleration(c, here);
     const bool may_change =
-        std::abs(c.offset) < 0.05 && crowd_.time() - c.last_change > 4 && c.v > 4 && c.length < 13;
+        c.progress >= 1 && crowd_.time() - c.last_change > 4 && c.v > 4 && c.length < 13;
     if (may_change)
     {
       for (const int to : {c.lane - 1, c.lane + 1})
@@ -213,7 +225,8 @@ class HighwayTraffic : public Crowd::Group
         if (safe && gain > 0.35 && rng_.chance(0.4 * dt * 20))
         {
           // The left of the driving direction is towards the centre line.
-          c.offset = (to > c.lane ? 1 : -1) * world_.highway_lane_width;
+          c.change = (to > c.lane ? 1 : -1) * world_.highway_lane_width;
+          c.progress = 0;
           c.lane = to;
           c.last_change = crowd_.time();
           a = acceleration(c, there);
@@ -230,9 +243,10 @@ class HighwayTraffic : public Crowd::Group
     const double before = c.v;
     c.v = std::max(0.0, c.v + c.a * dt);
     c.s += 0.5 * (before + c.v) * dt;
-    // A lane change takes about three seconds.
-    const double rate = std::min(1.3, 0.25 + 0.1 * c.v) * dt;
-    c.offset -= std::clamp(c.offset, -rate, rate);
+    if (c.progress < 1)
+    {
+      c.progress = std::min(1.0, c.progress + progressRate(c) * dt);
+    }
     if (c.actor >= 0)
     {
       const Car& ego = cars_.front();
@@ -243,12 +257,19 @@ class HighwayTraffic : public Crowd::Group
     place(c);
   }
 
+  /** Of a change of lane, which takes some four seconds [1/s]. */
+  double progressRate(const Car& c) const
+  {
+    return std::min(0.85, 0.1 * c.v) / world_.highway_lane_width;
+  }
+
   void place(const Car& c)
   {
     const double half = 0.5 * c.wheelbase;
     // Driving on the right: the ego's carriageway is to the right of the centre line.
     const double lateral = world_.highway_median + (c.lane + 0.5) * world_.highway_lane_width -
-                           c.offset + 0.15 * std::sin(0.02 * c.s + c.wander);
+                           c.change * (1 - eased(c.progress)) +
+                           0.15 * std::sin(0.02 * c.s + c.wander);
     const auto at = [&](double s)
     {
       const auto p = world_.highway.at(c.direction > 0 ? s : -s);
@@ -258,9 +279,8 @@ class HighwayTraffic : public Crowd::Group
     };
     const Eigen::Vector2d front = at(c.s + half), back = at(c.s - half);
     double yaw = std::atan2(front.y() - back.y(), front.x() - back.x());
-    const double drift =
-        std::abs(c.offset) > 1e-6 ? std::min(1.3, 0.25 + 0.1 * c.v) / std::max(c.v, 3.0) : 0;
-    yaw += c.offset > 0 ? -drift : drift;
+    const double sideways = c.change * easedSlope(c.progress) * progressRate(c);  // [m/s], right
+    yaw -= std::atan2(sideways, std::max(c.v, 0.1));
     const Eigen::Vector2d position = 0.5 * (front + back);
     if (c.actor < 0)
     {

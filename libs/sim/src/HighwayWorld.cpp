@@ -42,7 +42,7 @@ class RoadGround : public Ground
 {
  public:
   RoadGround(std::uint64_t seed, Path path, double edge, bool tunnel)
-      : terrain_(seed, tunnel ? 0.015 : 0.025, tunnel ? 0.3 : 0.6),
+      : terrain_(seed, tunnel ? 0.015 : 0.025, 0.1),
         path_(std::move(path)),
         edge_(edge),
         tunnel_(tunnel)

@@ -29,28 +29,30 @@ constexpr std::array<Name, 9> kNames{{{SensorKind::hdl64e, "HDL64E"},
                                       {SensorKind::xt32, "XT32"},
                                       {SensorKind::avia, "AVIA"}}};
 
-// Upper block: 32 lasers at steps of 1/3 degree from +2; lower block: 32 lasers at 1/2 degree. One
-// firing sequence takes 48 us of the 50 us between columns.
+// Upper block: 32 lasers at steps of 1/3 degree from +2; lower block: 32 lasers at 1/2 degree, seen
+// from the origin as if they began higher: the lowest ring of real scans from 1.73 m above the road
+// lies at -23.6 degrees. One firing sequence takes 48 us of the 50 us between columns.
 SensorModel hdl64e()
 {
+  constexpr double kLowerBlock = 0.06;  // m
   SensorModel m;
   for (int i = 0; i < 32; ++i)
   {
-    m.beams.push_back({(-24.33 + 0.5 * i) * kDegree, 0, 1.5e-6 * i});
+    m.beams.push_back({(-24.33 + 0.5 * i) * kDegree, 0, 1.5e-6 * i, kLowerBlock});
   }
   for (int i = 0; i < 32; ++i)
   {
-    m.beams.push_back({(-8.333 + i / 3.0) * kDegree, 0, 1.5e-6 * i});
+    m.beams.push_back({(-8.333 + i / 3.0) * kDegree, 0, 1.5e-6 * i, 0});
   }
   m.columns = 2083;
   m.period = 0.1;
   m.min_range = 0.9;
   m.max_range = 120;
-  m.range_noise = 0.007;
+  m.range_noise = 0.01;
   m.range_resolution = 0.002;
   m.reference_range = 62;
   m.divergence = 0.001;
-  m.beam_range_bias = 0.004;
+  m.beam_range_bias = 0.012;
   m.beam_angle_error = 0.02 * kDegree;
   return m;
 }
@@ -62,7 +64,7 @@ SensorModel velodyneInterleaved(int lasers, double lowest, double step, double f
   for (int ring = 0; ring < lasers; ++ring)
   {
     const int id = ring < lasers / 2 ? 2 * ring : 2 * (ring - lasers / 2) + 1;
-    m.beams.push_back({(lowest + step * ring) * kDegree, 0, fire * id});
+    m.beams.push_back({(lowest + step * ring) * kDegree, 0, fire * id, 0});
   }
   m.period = 0.1;
   m.columns = static_cast<int>(std::lround(m.period / cycle));
@@ -104,7 +106,7 @@ SensorModel os1(int lasers)
   {
     const double elevation = -22.5 + 45.0 * ring / (lasers - 1);
     const double stagger = kStagger[static_cast<std::size_t>((lasers - 1 - ring) % 4)];
-    m.beams.push_back({elevation * kDegree, stagger * kDegree, 0});
+    m.beams.push_back({elevation * kDegree, stagger * kDegree, 0, 0});
   }
   m.columns = 1024;
   m.min_range = 0.3;
@@ -133,7 +135,7 @@ SensorModel pandar64()
   elevations.insert(elevations.end(), {3, 5, 8, 11, 15});
   for (std::size_t i = 0; i < elevations.size(); ++i)
   {
-    m.beams.push_back({elevations[i] * kDegree, 0, 0.66e-6 * static_cast<double>(i)});
+    m.beams.push_back({elevations[i] * kDegree, 0, 0.66e-6 * static_cast<double>(i), 0});
   }
   m.columns = 1800;
   m.min_range = 0.3;
@@ -152,7 +154,7 @@ SensorModel xt32()
   SensorModel m;
   for (int i = 0; i < 32; ++i)
   {
-    m.beams.push_back({(i - 16) * kDegree, 0, 1.512e-6 * i});
+    m.beams.push_back({(i - 16) * kDegree, 0, 1.512e-6 * i, 0});
   }
   m.columns = 2000;
   m.min_range = 0.05;
@@ -174,7 +176,7 @@ SensorModel avia()
   for (int i = 0; i < kLasers; ++i)
   {
     const double along = static_cast<double>(i) / (kLasers - 1) - 0.5;
-    m.beams.push_back({along * (kHeight - kWidth) * kDegree, 0, 1e-6 * i});
+    m.beams.push_back({along * (kHeight - kWidth) * kDegree, 0, 1e-6 * i, 0});
   }
   m.prisms = {0.25 * kWidth * kDegree, 121.57, -77.73};
   m.columns = 4000;

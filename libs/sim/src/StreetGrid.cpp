@@ -34,7 +34,7 @@ Nearest nearest(const std::vector<Street>& streets, double x)
 }  // namespace
 
 StreetGrid::StreetGrid(std::uint64_t seed, int blocks_u, int blocks_v, double block_size)
-    : terrain_(seed, 0.035, 1.0), seed_(seed)
+    : terrain_(seed, 0.035, 0.1), seed_(seed)
 {
   Rng rng(combine(seed, 0x57EE7));
   amplitude_u_ = rng.uniform(2, 7);
@@ -50,9 +50,9 @@ StreetGrid::StreetGrid(std::uint64_t seed, int blocks_u, int blocks_v, double bl
     {
       Street s;
       s.center = x;
-      s.lane = rng.uniform(3.1, 3.8);
+      s.lane = rng.uniform(3.1, 4.2);
       s.parking = rng.chance(0.7) ? 2.2 : 0.0;
-      s.walk = rng.uniform(2.0, 4.5);
+      s.walk = rng.uniform(2.0, 6.0);
       s.trees = rng.chance(0.5);
       s.occupancy = rng.uniform(0.2, 0.95);
       streets.push_back(s);

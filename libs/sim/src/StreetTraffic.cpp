@@ -106,7 +106,7 @@ class StreetTraffic : public Crowd::Group
   {
     const double traffic = crowd_.options().traffic;
     const bool streets = crowd_.world().kind == WorldKind::urban;
-    const double spacing = traffic > 0 ? (streets ? 7.5 : 22.0) / std::pow(traffic, 1.6) : kFar;
+    const double spacing = traffic > 0 ? (streets ? 10.0 : 22.0) / std::pow(traffic, 1.6) : kFar;
     for (std::size_t l = 0; l < net_.lanes.size(); ++l)
     {
       const Lane& here = net_.lanes[l];
@@ -127,7 +127,7 @@ class StreetTraffic : public Crowd::Group
         v.desired_speed = rng_.uniform(0.8, 1.15);
         v.headway = rng_.uniform(1.0, 1.8);
         v.v = std::min(0.5, 1 - traffic) * here.speed_limit;
-        v.next_stop = rng_.uniform(5, 120);
+        v.next_stop = rng_.uniform(5, 240);
         v.wander = rng_.uniform(0, 6.28);
         const bool room = v.length < 13 && s - 0.5 * v.length > 0.5 &&
                           s + 0.5 * v.length < here.path.length() && roomFor(v);
@@ -388,7 +388,7 @@ class StreetTraffic : public Crowd::Group
       // Not on a junction; the ego only if the options allow it.
       const bool may = lane(v.lane).junction < 0 && (v.actor >= 0 || crowd_.options().stops);
       v.stop_until = may ? crowd_.time() + rng_.uniform(2, 8) : v.stop_until;
-      v.next_stop = crowd_.time() + rng_.uniform(40, 160);
+      v.next_stop = crowd_.time() + (v.actor < 0 ? 1 : 2) * rng_.uniform(40, 160);
     }
     const double wanted = wantedSpeed(v);
     auto [gap, leader_speed] = leader(v);

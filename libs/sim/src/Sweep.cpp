@@ -34,7 +34,7 @@ enum Draw : std::uint64_t
 
 struct BeamTable
 {
-  std::vector<float> cos_elevation, sin_elevation, cos_offset, sin_offset, time, bias;
+  std::vector<float> cos_elevation, sin_elevation, cos_offset, sin_offset, time, bias, height;
 };
 
 BeamTable tabulate(const SensorModel& sensor)
@@ -54,6 +54,7 @@ BeamTable tabulate(const SensorModel& sensor)
     t.sin_offset.push_back(static_cast<float>(std::sin(offset)));
     t.time.push_back(static_cast<float>(b.fire_time));
     t.bias.push_back(static_cast<float>(sensor.beam_range_bias) * normal(combine(h, 2)));
+    t.height.push_back(static_cast<float>(b.height));
   }
   return t;
 }
@@ -200,7 +201,8 @@ void Caster::tracePacket(std::size_t column, std::size_t count, std::size_t b)
       d.normalize();
     }
     const Pose& pose = scene_.T_map_lidar_column[c];
-    const Eigen::Vector3f o = pose.translation().cast<float>();
+    const Eigen::Vector3f o =
+        (pose * Eigen::Vector3d(0, 0, static_cast<double>(beams_.height[b]))).cast<float>();
     const Eigen::Vector3f w = pose.linear().cast<float>() * d;
     packet.ray.org_x[k] = o.x();
     packet.ray.org_y[k] = o.y();
@@ -290,6 +292,7 @@ void Caster::resolveHit(std::size_t column,
   const Material material = item.mesh->materials[static_cast<std::size_t>(hit.quad)];
   const MaterialProperties& m = properties(material);
   const double fraction = static_cast<double>(sweepFraction(column));
+  const Eigen::Vector3f origin(0, 0, beams_.height[b]);
   float range = hit.range;
   float reflectivity = m.reflectivity;
   if (item.reflectivity >= 0 && (material == Material::paint || material == Material::cloth))
@@ -305,7 +308,7 @@ void Caster::resolveHit(std::size_t column,
   if (scene_.noise)
   {
     // Relief is fixed to the surface and moves with bodies.
-    Eigen::Vector3d on_surface = T_map_lidar * (range * ray).cast<double>();
+    Eigen::Vector3d on_surface = T_map_lidar * (range * ray + origin).cast<double>();
     if (part != nullptr)
     {
       on_surface = part->at(fraction).inverse() * on_surface;
@@ -358,7 +361,7 @@ void Caster::resolveHit(std::size_t column,
       reflectivity * shade *
       (scene_.noise ? 1 + 0.08F * normal(hash(column, b, kDrawIntensity)) : 1.0F);
 
-  const Eigen::Vector3f point = range * ray;
+  const Eigen::Vector3f point = range * ray + origin;
   const Eigen::Vector3f deskewed = T_stamp_column * point;
   Eigen::Vector3f flow;
   std::uint16_t semantic = m.semantic != 0 ? m.semantic : item.semantic;

@@ -237,11 +237,11 @@ class BlockBuilder
       BuildingStyle style = dense ? drawTownHouse(rng_) : drawHouse(rng_);
       style.width = static_cast<float>(std::min(static_cast<double>(style.width), side.length - s));
       style.depth = static_cast<float>(
-          std::min(static_cast<double>(style.depth), side.depth - (dense ? 0.5 : 7)));
+          std::min(static_cast<double>(style.depth), side.depth - (dense ? 0.5 : 12)));
       const double front =
-          dense ? (rng_.chance(0.6) ? 0.05 : rng_.uniform(0.2, 2.0)) : rng_.uniform(3.5, 7);
+          dense ? (rng_.chance(0.5) ? 0.05 : rng_.uniform(0.2, 4.0)) : rng_.uniform(4.5, 12);
       const double width = static_cast<double>(style.width);
-      if (dense && rng_.chance(0.07))
+      if (dense && rng_.chance(0.12))
       {
         furnishGap(side, s, width);  // a gap between houses
       }
@@ -310,7 +310,7 @@ class BlockBuilder
       row(side, s - 1, width + 2, 0.4,
           u < 0.4 ? rng_.pick(furnishing_.hedges) : rng_.pick(furnishing_.fences));
     }
-    const int plants = rng_.below(8);
+    const int plants = rng_.below(18);
     for (int k = 0; k < plants; ++k)
     {
       const double inward = rng_.uniform(1.2, std::max(1.3, front - 0.8));

@@ -25,6 +25,7 @@ struct Beam
   double elevation = 0;       //!< above the horizontal, or above the axis of a rosette [rad]
   double azimuth_offset = 0;  //!< added to the head's azimuth, counter-clockwise [rad]
   double fire_time = 0;       //!< after the start of its column [s]
+  double height = 0;          //!< of the laser above the sensor's origin [m]
 };
 
 /** Direction of a ray in the lidar frame [rad]. */

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+namespace dyslam::sim
+{
+/** Unevenness of a road along the two wheel tracks of a car, in addition to the shape of the
+ * ground. A sum of waves whose spectrum of heights falls with the square of the wave number (ISO
+ * 8608). What the tracks have in common heaves and pitches a car, their difference rolls it. */
+class RoadProfile
+{
+ public:
+  /** \param roughness spectral density of the heights at 0.1 waves per metre [m^3]; 16e-6 is a good
+   * road (ISO 8608, class A). */
+  RoadProfile(std::uint64_t seed, double roughness);
+
+  /** Height of the road's middle, as a car's tyres pass it on [m]: little of what comes more often
+   * than `wheel_hop`. \param distance driven [m] \param speed of the car [m/s]. */
+  [[nodiscard]] double height(double distance, double speed) const
+  {
+    return sum(middle_, distance, speed);
+  }
+
+  /** Height of the left wheel track above the right one, likewise [m]. */
+  [[nodiscard]] double leftAboveRight(double distance, double speed) const
+  {
+    return sum(difference_, distance, speed);
+  }
+
+  static constexpr double wheel_hop = 5;  //!< [Hz]
+
+ private:
+  struct Wave
+  {
+    double number = 0;     // [rad/m]
+    double amplitude = 0;  // [m]
+    double phase = 0;
+  };
+  static double sum(const std::vector<Wave>& waves, double distance, double speed);
+
+  std::vector<Wave> middle_, difference_;
+};
+}  // namespace dyslam::sim
