@@ -14,8 +14,6 @@ void trainDyloCommand(const TrainArguments& arguments)
   request.output = arguments.output;
   request.resume = arguments.resume;
   request.start = arguments.start;
-  request.blend = arguments.blend.first;
-  request.blend_share = arguments.blend.second;
   request.device = arguments.device;
   request.mask_folder = arguments.mask_folder;
   request.validate_only = arguments.validate_only;

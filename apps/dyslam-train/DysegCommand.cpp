@@ -47,12 +47,6 @@ void trainDysegCommand(const TrainArguments& arguments)
   }
   makeFolder(output, "choose another --output");
   writeWhole(output + "/effective.ini", loader.effective().toIni());
-  if (!arguments.blend.first.empty())
-  {
-    trainer.blend(arguments.blend.first, arguments.blend.second);
-    trainer.save();
-    return;
-  }
   trainer.run(say, stopRequested);
 }
 }  // namespace dyslam

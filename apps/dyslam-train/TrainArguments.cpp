@@ -19,12 +19,6 @@ void declareCommon(CLI::App& app, TrainArguments& a)
                  "folder for the results; one that holds a training is not overwritten");
   app.add_flag("--resume", a.resume, "continue the training in --output exactly where it stopped");
   app.add_option("--start", a.start, "initial weights: those of another training");
-  app.add_option(
-         "--blend", a.blend,
-         "FILE SHARE: no training, write the mean of --start and of these weights, SHARE of "
-         "it from these")
-      ->check(numberThatIs("SHARE", "between 0 and 1", [](double v) { return v >= 0 && v <= 1; })
-                  .application_index(1));
   app.add_flag("--validate", a.validate_only,
                "only print the validation table, of --start or of the training in --output");
   app.add_option("--set", a.assignments, "section.key=value, as if it stood in the ini; repeatable")
@@ -53,17 +47,13 @@ void TrainArguments::requireConsistent() const
   {
     throw UserError("--output: is needed, a folder for the results");
   }
-  if (!blend.first.empty() && start.empty())
-  {
-    throw UserError("--blend: needs --start, the weights to blend with");
-  }
   if (resume && !start.empty())
   {
     throw UserError("--start: not together with --resume, which has weights already");
   }
-  if (validate_only && (resume || !blend.first.empty()))
+  if (validate_only && resume)
   {
-    throw UserError("--validate: only prints; not together with --resume or --blend");
+    throw UserError("--validate: only prints; not together with --resume");
   }
 }
 

@@ -16,7 +16,6 @@ struct TrainArguments
   std::string config;  //!< a file, or the name of one that comes with DySLAM
   std::string output;
   std::string start;
-  std::pair<std::string, double> blend;  //!< weights, and their share of the mean
   bool resume = false;
   bool validate_only = false;
   std::vector<std::string> assignments;  //!< section.key=value

@@ -11,9 +11,10 @@ void TrainOptions::describe(OptionsVisitor& visitor)
   visitor.integer("seed", seed, 0, 1 << 30, "of weights and data");
   visitor.integer("steps", steps, 1, 100000000, "of the optimiser");
   visitor.integer("batch", batch, 1, 1024, "pairs per step");
-  visitor.real("learning_rate", learning_rate, 1e-9, 1, "at the start");
-  visitor.real("last_learning_rate", last_learning_rate, 1e-12, 1, "at the end");
-  visitor.word("schedule", schedule, {"exponential", "cosine"}, "from the first rate to the last");
+  rate.describe(visitor);
+  visitor.real(
+      "mean_decay", mean_decay, 0, 1,
+      "share of the weights' running mean, which is what is written, that stays in a step");
   visitor.real("clip", clip, 1e-6, 1e6, "largest norm of a gradient");
   visitor.real("perturbed_starts", perturbed_starts, 0, 1,
                "share of pairs that start near the truth, as from a prediction, not from standing");

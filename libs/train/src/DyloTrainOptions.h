@@ -3,6 +3,7 @@
 
 #include <dyslam/core/Options.h>
 #include <dyslam/train/DataSplits.h>
+#include <dyslam/train/LearningRate.h>
 #include <dyslam/train/PairSource.h>
 #include <dyslam/train/Recordings.h>
 
@@ -17,11 +18,10 @@ struct TrainOptions : Options
   int seed = 1;      //!< of the first weights and of all data
   int steps = 8000;  //!< of the optimiser
   int batch = 2;     //!< pairs in a step
-  double learning_rate = 1e-3;
-  double last_learning_rate = 1e-6;      //!< at the last step
-  std::string schedule = "exponential";  //!< or cosine
-  double clip = 5;                       //!< largest norm of a gradient
-  double perturbed_starts = 0.5;         //!< share of pairs that start near the truth
+  LearningRateOptions rate;
+  double mean_decay = 0.998;      //!< share of the weights' running mean that stays in a step
+  double clip = 5;                //!< largest norm of a gradient
+  double perturbed_starts = 0.5;  //!< share of pairs that start near the truth
   int threads = 1;
   double checkpoint_minutes = 3;  //!< between checkpoints
   int validate_every = 500;       //!< steps

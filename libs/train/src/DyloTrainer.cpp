@@ -34,6 +34,7 @@ namespace
 using Clock = std::chrono::steady_clock;
 
 constexpr const char* checkpoint_file = "/checkpoint.safetensors";  // in the folder of output
+constexpr const char* before_decay_file = "/checkpoint_before_decay.safetensors";
 constexpr const char* weights_file = "/dylo.safetensors";
 
 double secondsSince(Clock::time_point begin)
@@ -143,10 +144,10 @@ class Trainer
 
  private:
   void save();
+  void writeCheckpoint(const std::string& path);
   void load(const std::string& checkpoint, bool weights_only);
   void startFrom(const std::string& path);
   void validate();
-  [[nodiscard]] double learningRate() const;
   DyloLossImpl::Terms trainPair(std::uint64_t index);
   void log(const DyloLossImpl::Terms& terms, double gradient);
 
@@ -155,6 +156,7 @@ class Trainer
   DataOptions data_;
   AugmentationOptions augmentation_;
   DyloNetwork network_{nullptr};
+  DyloNetwork mean_{nullptr};  //!< of its weights, over the last steps
   DyloLoss loss_{nullptr};
   std::unique_ptr<torch::optim::Adam> optimizer_;
   std::unique_ptr<PairSource> source_;
@@ -188,8 +190,11 @@ Trainer::Trainer(const Config& config, const DyloTrainRequest& request)
   useTorchThreads(options_.threads);
   torch::manual_seed(static_cast<std::uint64_t>(options_.seed));
   network_ = DyloNetwork(shape);
+  mean_ = DyloNetwork(shape);
   loss_ = DyloLoss(loss);
   network_->to(device_);
+  mean_->to(device_);
+  copyWeights(*mean_, *network_, "");
   loss_->to(device_);
   std::vector<torch::Tensor> parameters = network_->parameters();
   for (const torch::Tensor& parameter : loss_->parameters())
@@ -197,7 +202,7 @@ Trainer::Trainer(const Config& config, const DyloTrainRequest& request)
     parameters.push_back(parameter);
   }
   optimizer_ = std::make_unique<torch::optim::Adam>(
-      parameters, torch::optim::AdamOptions(options_.learning_rate).betas({0.9, 0.999}));
+      parameters, torch::optim::AdamOptions(options_.rate.learning_rate).betas({0.9, 0.999}));
 
   if (request.validate_only && !request.start.empty())
   {
@@ -220,10 +225,6 @@ Trainer::Trainer(const Config& config, const DyloTrainRequest& request)
   {
     makeFolder(request.output, "choose another --output");
   }
-  if (!request.blend.empty())
-  {
-    return;  // needs no data
-  }
   const std::string base = dataFolder(data_.base, "[data] base");
   const DataSplits splits = DataSplits::load(data_.splits, "[data] splits");
   validation_ = loadRecordings(data_.validation, base, splits, Split::validation);
@@ -237,19 +238,6 @@ Trainer::Trainer(const Config& config, const DyloTrainRequest& request)
     source_ =
         makeSource(data_, augmentation_, base, splits, static_cast<std::uint64_t>(options_.seed));
   }
-}
-
-double Trainer::learningRate() const
-{
-  const double done = static_cast<double>(step_) / options_.steps;
-  if (options_.schedule == "cosine")
-  {
-    return options_.last_learning_rate +
-           0.5 * (options_.learning_rate - options_.last_learning_rate) *
-               (1 + std::cos(M_PI * std::min(done, 1.0)));
-  }
-  return options_.learning_rate *
-         std::pow(options_.last_learning_rate / options_.learning_rate, std::min(done, 1.0));
 }
 
 DyloLossImpl::Terms Trainer::trainPair(std::uint64_t index)
@@ -287,12 +275,6 @@ void Trainer::run()
     validate();
     return;
   }
-  if (!request_.blend.empty())
-  {
-    blendWeights(*network_, *loadDylo(request_.blend), request_.blend_share, request_.blend);
-    save();
-    return;
-  }
   beginLog(request_.output + "/log.csv",
            "step,learning_rate,loss,pose,flow,precision,moving,answer,gradient,first_stage_m,"
            "last_stage_m",
@@ -310,7 +292,7 @@ void Trainer::run()
                       "; --resume continues from here");
       return;
     }
-    const double rate = learningRate();
+    const double rate = options_.rate.rateAt(step_, options_.steps);
     for (auto& group : optimizer_->param_groups())
     {
       static_cast<torch::optim::AdamOptions&>(group.options()).lr(rate);
@@ -331,6 +313,7 @@ void Trainer::run()
     {
       optimizer_->step();
     }
+    updateMean(*mean_, *network_, step_, options_.mean_decay);
     ++step_;
     log(terms, gradient);
     if (step_ % options_.validate_every == 0)
@@ -342,6 +325,10 @@ void Trainer::run()
       save();
       saved = Clock::now();
     }
+    if (step_ == options_.rate.firstOfDecay(options_.steps))
+    {
+      writeCheckpoint(request_.output + before_decay_file);
+    }
   }
 }
 
@@ -352,11 +339,11 @@ void Trainer::log(const DyloLossImpl::Terms& terms, double gradient)
     return;
   }
   std::ofstream csv(request_.output + "/log.csv", std::ios::app);
-  csv << step_ << ',' << learningRate() << ',' << terms.total.item<double>() << ','
-      << terms.pose.item<double>() << ',' << terms.flow.item<double>() << ','
-      << terms.precision.item<double>() << ',' << terms.moving.item<double>() << ','
-      << terms.answer.item<double>() << ',' << gradient << ',' << terms.translation_error.front()
-      << ',' << terms.translation_error.back() << '\n';
+  csv << step_ << ',' << options_.rate.rateAt(step_ - 1, options_.steps) << ','
+      << terms.total.item<double>() << ',' << terms.pose.item<double>() << ','
+      << terms.flow.item<double>() << ',' << terms.precision.item<double>() << ','
+      << terms.moving.item<double>() << ',' << terms.answer.item<double>() << ',' << gradient << ','
+      << terms.translation_error.front() << ',' << terms.translation_error.back() << '\n';
   const auto done = static_cast<double>(step_ - first_step_);
   const double per_step = secondsSince(begin_) / done;
   char line[240];
@@ -380,7 +367,7 @@ void Trainer::validate()
   {
     makeFolder(request_.mask_folder);
   }
-  const auto rows = validateDylo(network_, validation_, device_, request_.mask_folder);
+  const auto rows = validateDylo(mean_, validation_, device_, request_.mask_folder);
   const std::string when = request_.validate_only && !request_.start.empty()
                                ? "validation of " + request_.start
                                : "validation at step " + std::to_string(step_);
@@ -404,13 +391,19 @@ void Trainer::validate()
 
 void Trainer::save()
 {
+  writeCheckpoint(request_.output + checkpoint_file);
+  saveDylo(mean_, request_.output + weights_file);
+}
+
+void Trainer::writeCheckpoint(const std::string& path)
+{
   TensorFile checkpoint;
   checkpoint.setWeights("network.", *network_);
+  checkpoint.setWeights("mean.", *mean_);
   checkpoint.setWeights("loss.", *loss_);
   setOptimizerState(checkpoint, *optimizer_);
   checkpoint.set("step", torch::tensor(step_, torch::kInt64));
-  checkpoint.write(request_.output + checkpoint_file);
-  saveDylo(network_, request_.output + weights_file);
+  checkpoint.write(path);
 }
 
 /** A checkpoint of the same network, or a model: of that, the layers both have. */
@@ -437,6 +430,7 @@ void Trainer::startFrom(const std::string& path)
   {
     throw UserError(path + ": fits none of the [network]'s layers; give weights of a like one");
   }
+  copyWeights(*mean_, *network_, path);
   request_.report("started from " + path + ": " + std::to_string(taken) + " of " +
                   std::to_string(own.size()) + " tensors");
 }
@@ -449,6 +443,7 @@ void Trainer::load(const std::string& path, bool weights_only)
   }
   const TensorFile checkpoint(path);
   checkpoint.loadWeights("network.", *network_);
+  checkpoint.loadWeights("mean.", *mean_);
   checkpoint.loadWeights("loss.", *loss_);
   if (!weights_only)
   {

@@ -29,12 +29,10 @@ namespace
 namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;
 
-constexpr int warm_up = 100;    // steps
 constexpr int most_pairs = 64;  // in a step
 constexpr double clip_norm = 2;
-constexpr double last_rate = 0.02;
-constexpr double mean_decay = 0.998;
 constexpr const char* checkpoint_file = "checkpoint.safetensors";  // in the folder of output
+constexpr const char* before_decay_file = "checkpoint_before_decay.safetensors";
 constexpr const char* weights_file = "dyseg.safetensors";
 constexpr const char* score_names =
     "set,iou,precision,recall,epe_static_m,epe_moving_m,own_motion_m,own_motion_rad";
@@ -93,10 +91,10 @@ void DysegTrainerOptions::describe(OptionsVisitor& v)
   v.integer("crop", crop, 64, 2048, "cells along each side in training, a multiple of 16");
   requireMultipleOf16("[train] crop", crop);
   v.integer("steps", steps, 1, 100000000, "optimiser steps");
-  v.real("minutes", minutes, 0, 1e6, "stop after this long; 0 for no limit");
   v.integer("batch", batch, 1, most_pairs, "pairs in a step");
-  v.real("learning_rate", learning_rate, 0, 1, "of AdamW");
-  v.real("decay_from", decay_from, 0, 1, "share of the run after which the rate goes down");
+  rate.describe(v);
+  v.real("mean_decay", mean_decay, 0, 1,
+         "share of the weights' running mean, which is what is written, that stays in a step");
   v.real("weight_decay", weight_decay, 0, 1, "of AdamW");
   v.integer("checkpoint_every", checkpoint_every, 1, 1000000, "steps");
   v.integer("validate_every", validate_every, 0, 1000000, "steps; 0: not while training");
@@ -116,6 +114,7 @@ struct DysegTrainer::Impl
   DysegNet mean{nullptr};  //!< running mean of the weights
   std::unique_ptr<torch::optim::AdamW> optimizer;
   int step = 0;
+  int first_step = 0;  //!< of this run of the program
   int saved_step = -1;
   int validated_step = -1;
   double minutes_before = 0;
@@ -129,31 +128,16 @@ struct DysegTrainer::Impl
     return minutes_before + std::chrono::duration<double>(Clock::now() - start).count() / 60;
   }
   [[nodiscard]] std::string file(const char* name) const { return folder + "/" + name; }
-  [[nodiscard]] double rate() const;
   DysegLoss learn();
-  void updateMean();
+  /** One line for the user. \param sum of the losses of the last `counted` steps. */
+  [[nodiscard]] std::string progress(const DysegLoss& sum, int counted) const;
   void save();
+  void writeCheckpoint(const std::string& path);
   /** Saves, evaluates what was saved, and notes it in validation.csv; only once at a step. */
   void validateNow(const std::function<void(const std::string&)>& say);
   /** Rows "set,scores" of the weights in a file. */
   std::vector<std::string> evaluate(const std::string& weights);
 };
-
-double DysegTrainer::Impl::rate() const
-{
-  double progress = static_cast<double>(step) / options.steps;
-  if (options.minutes > 0)
-  {
-    progress = std::max(progress, minutes() / options.minutes);
-  }
-  double rate = options.learning_rate * std::min(1.0, (step + 1.0) / warm_up);
-  if (progress > options.decay_from && options.decay_from < 1)
-  {
-    const double done = std::min(1.0, (progress - options.decay_from) / (1 - options.decay_from));
-    rate *= last_rate + (1 - last_rate) * 0.5 * (1 + std::cos(3.14159265 * done));
-  }
-  return rate;
-}
 
 DysegLoss DysegTrainer::Impl::learn()
 {
@@ -186,22 +170,25 @@ DysegLoss DysegTrainer::Impl::learn()
     return sum;  // crops with too few points: no step, or momentum alone would move the weights
   }
   torch::nn::utils::clip_grad_norm_(net->parameters(), clip_norm);
-  static_cast<torch::optim::AdamWOptions&>(optimizer->param_groups()[0].options()).lr(rate());
+  static_cast<torch::optim::AdamWOptions&>(optimizer->param_groups()[0].options())
+      .lr(options.rate.rateAt(step, options.steps));
   optimizer->step();
-  updateMean();
+  updateMean(*mean, *net, step, options.mean_decay);
   return sum;
 }
 
-void DysegTrainer::Impl::updateMean()
+std::string DysegTrainer::Impl::progress(const DysegLoss& sum, int counted) const
 {
-  torch::NoGradGuard no_gradient;
-  const double keep = std::min(mean_decay, (1.0 + step) / (10.0 + step));
-  const auto from = net->parameters();
-  const auto to = mean->parameters();
-  for (std::size_t i = 0; i < to.size(); ++i)
-  {
-    to[i].mul_(keep).add_(from[i], 1 - keep);
-  }
+  const double minutes_now = std::chrono::duration<double>(Clock::now() - start).count() / 60;
+  const double per_step = minutes_now / std::max(1, step - first_step);
+  char line[240];
+  std::snprintf(line, sizeof(line),
+                "step %d/%d  matching %.3f  flow %.3f  static %.3f  cell %.3f  point %.3f  "
+                "%.0f ms/pair  %.0f min left",
+                step, options.steps, sum.matching / counted, sum.flow / counted,
+                sum.static_probability / counted, sum.cell / counted, sum.point / counted,
+                60e3 * per_step / options.batch, per_step * (options.steps - step));
+  return line;
 }
 
 void DysegTrainer::Impl::save()
@@ -211,15 +198,20 @@ void DysegTrainer::Impl::save()
     return;
   }
   makeFolder(folder);
+  saveDyseg({mean, grid}, file(weights_file));
+  writeCheckpoint(file(checkpoint_file));
+  saved_step = step;
+}
+
+void DysegTrainer::Impl::writeCheckpoint(const std::string& path)
+{
   TensorFile checkpoint;
   checkpoint.setWeights("net.", *net);
   checkpoint.setWeights("mean.", *mean);
   setOptimizerState(checkpoint, *optimizer);
   checkpoint.set("step", torch::tensor(static_cast<std::int64_t>(step), torch::kInt64));
   checkpoint.set("minutes", torch::tensor(minutes(), torch::kFloat64));
-  saveDyseg({mean, grid}, file(weights_file));
-  checkpoint.write(file(checkpoint_file));
-  saved_step = step;
+  checkpoint.write(path);
 }
 
 std::vector<std::string> DysegTrainer::Impl::evaluate(const std::string& weights)
@@ -284,18 +276,10 @@ DysegTrainer::DysegTrainer(const DysegTrainerSetup& setup, std::string folder)
   torch::manual_seed(static_cast<std::uint64_t>(options.seed));
   impl_->net = DysegNet(network);
   impl_->mean = DysegNet(network);
-  {
-    torch::NoGradGuard no_gradient;
-    const auto from = impl_->net->parameters();
-    const auto to = impl_->mean->parameters();
-    for (std::size_t i = 0; i < to.size(); ++i)
-    {
-      to[i].copy_(from[i]);
-    }
-  }
+  copyWeights(*impl_->mean, *impl_->net, "");
   impl_->optimizer = std::make_unique<torch::optim::AdamW>(
       impl_->net->parameters(),
-      torch::optim::AdamWOptions(options.learning_rate).weight_decay(options.weight_decay));
+      torch::optim::AdamWOptions(options.rate.learning_rate).weight_decay(options.weight_decay));
 }
 
 DysegTrainer::~DysegTrainer() = default;
@@ -311,17 +295,11 @@ void DysegTrainer::requireFreshFolder() const
 
 void DysegTrainer::startFrom(const std::string& weights)
 {
-  blend(weights, 1);
-}
-
-void DysegTrainer::blend(const std::string& weights, double share)
-{
   const auto loaded = loadDyseg(weights);
   for (auto* net : {&impl_->net, &impl_->mean})
   {
-    blendWeights(**net, *loaded.net, share, weights);
+    copyWeights(**net, *loaded.net, weights);
   }
-  impl_->saved_step = -1;
 }
 
 void DysegTrainer::resume()
@@ -337,11 +315,6 @@ void DysegTrainer::resume()
   loadOptimizerState(checkpoint, *impl_->optimizer);
   impl_->step = static_cast<int>(checkpoint.tensor("step").item<std::int64_t>());
   impl_->minutes_before = checkpoint.tensor("minutes").item<double>();
-}
-
-void DysegTrainer::save()
-{
-  impl_->save();
 }
 
 void DysegTrainer::validateOnly(const std::string& weights,
@@ -367,6 +340,7 @@ void DysegTrainer::run(const std::function<void(const std::string&)>& say,
   t.pairs = std::make_unique<DysegPairs>(t.options);
   say("data: " + t.pairs->summary());
   t.start = Clock::now();
+  t.first_step = t.step;
   makeFolder(t.folder, "choose another --output");
   beginLog(t.file("train.csv"), "step,minutes,rate,matching,flow,static_probability,cell,point",
            t.step);
@@ -374,7 +348,7 @@ void DysegTrainer::run(const std::function<void(const std::string&)>& say,
   std::ofstream csv(t.file("train.csv"), std::ios::app);
   DysegLoss mean;
   int counted = 0;
-  while (t.step < t.options.steps && (t.options.minutes <= 0 || t.minutes() < t.options.minutes))
+  while (t.step < t.options.steps)
   {
     if (stopped && stopped())
     {
@@ -395,17 +369,21 @@ void DysegTrainer::run(const std::function<void(const std::string&)>& say,
     {
       char line[200];
       std::snprintf(line, sizeof(line), "%d,%.2f,%.6f,%.4f,%.4f,%.4f,%.4f,%.4f", t.step,
-                    t.minutes(), t.rate(), mean.matching / counted, mean.flow / counted,
-                    mean.static_probability / counted, mean.cell / counted, mean.point / counted);
+                    t.minutes(), t.options.rate.rateAt(t.step - 1, t.options.steps),
+                    mean.matching / counted, mean.flow / counted, mean.static_probability / counted,
+                    mean.cell / counted, mean.point / counted);
       csv << line << std::endl;
-      say("step, minutes, rate, matching, flow, static_probability, cell, point: " +
-          std::string(line));
+      say(t.progress(mean, counted));
       mean = DysegLoss();
       counted = 0;
     }
     if (t.step % t.options.checkpoint_every == 0)
     {
       t.save();
+    }
+    if (t.step == t.options.rate.firstOfDecay(t.options.steps))
+    {
+      t.writeCheckpoint(t.file(before_decay_file));
     }
     if (t.options.validate_every > 0 && t.step % t.options.validate_every == 0)
     {

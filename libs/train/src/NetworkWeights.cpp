@@ -2,6 +2,7 @@
 #include <dyslam/core/Error.h>
 #include <dyslam/train/NetworkWeights.h>
 
+#include <algorithm>
 #include <cstddef>
 #include <memory>
 #include <string>
@@ -90,21 +91,34 @@ void loadState(const TensorFile& file, torch::optim::Optimizer& optimizer)
 }
 }  // namespace
 
-void blendWeights(torch::nn::Module& own,
-                  const torch::nn::Module& other,
-                  double share,
-                  const std::string& file)
+void copyWeights(torch::nn::Module& to, const torch::nn::Module& from, const std::string& file)
 {
   const torch::NoGradGuard no_grad;
-  const auto theirs = other.named_parameters();
-  for (auto& weight : own.named_parameters())
+  const auto theirs = from.named_parameters();
+  for (auto& weight : to.named_parameters())
   {
     const torch::Tensor* given = theirs.find(weight.key());
     if (given == nullptr || given->sizes() != weight.value().sizes())
     {
       throw UserError(file + ": weights of another shape of network");
     }
-    weight.value().mul_(1 - share).add_(given->to(weight.value().device()), share);
+    weight.value().copy_(*given);
+  }
+}
+
+void updateMean(torch::nn::Module& mean,
+                const torch::nn::Module& now,
+                std::int64_t step,
+                double decay)
+{
+  const torch::NoGradGuard no_grad;
+  const double done = static_cast<double>(step);
+  const double keep = std::min(decay, (1 + done) / (10 + done));
+  const auto from = now.parameters();
+  const auto to = mean.parameters();
+  for (std::size_t i = 0; i < to.size(); ++i)
+  {
+    to[i].mul_(keep).add_(from[i], 1 - keep);
   }
 }
 

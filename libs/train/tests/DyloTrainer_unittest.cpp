@@ -19,7 +19,7 @@ namespace
 Config tiny(int steps)
 {
   return Config::fromText(
-      "[train]\nbatch = 1\nlearning_rate = 0.001\nlast_learning_rate = 0.001\nsteps = " +
+      "[train]\nbatch = 1\nlearning_rate = 0.001\nwarm_up = 1\ndecay_from = 1\nsteps = " +
           std::to_string(steps) +
           "\n[network]\nwidth = 0.125\n[data]\nbase = .\nsimulator_weight = 1\nmost_gap = 1\n",
       "test");
@@ -92,31 +92,49 @@ TEST(DyloTrainer, StartsFromTheLayersThatAModelShares)
   EXPECT_LT(shared, after.size()) << "the head is its own";
 }
 
-TEST(DyloTrainer, BlendsTheWeightsOfTwoTrainings)
+/** As tiny(), the rate goes down from half of the steps on. */
+Config decaying(int steps)
 {
-  const std::string first = freshFolder("first");
-  const std::string second = freshFolder("second");
-  trainDylo(tiny(1), requestFor(first));
-  trainDylo(tiny(3), requestFor(second));
-  DyloTrainRequest request = requestFor(freshFolder("blend"));
-  request.start = first + "/checkpoint.safetensors";
-  request.blend = second + "/dylo.safetensors";
-  request.blend_share = 0.25;
-  trainDylo(tiny(1), request);
-  const auto a = loadDylo(first + "/dylo.safetensors")->named_parameters();
-  const auto b = loadDylo(second + "/dylo.safetensors")->named_parameters();
-  for (const auto& mean : loadDylo(request.output + "/dylo.safetensors")->named_parameters())
+  Config config = tiny(steps);
+  config.set("train.decay_from=0.5");
+  return config;
+}
+
+TEST(DyloTrainer, IsLengthenedFromTheCheckpointBeforeTheDecay)
+{
+  const std::string whole = freshFolder("long");
+  trainDylo(decaying(8), requestFor(whole));
+  const std::string shorter = freshFolder("short");
+  trainDylo(decaying(4), requestFor(shorter));
+  const std::string lengthened = freshFolder("lengthened");
+  std::filesystem::create_directories(lengthened);
+  std::filesystem::copy_file(shorter + "/checkpoint_before_decay.safetensors",
+                             lengthened + "/checkpoint.safetensors");
+  DyloTrainRequest request = requestFor(lengthened);
+  request.resume = true;
+  trainDylo(decaying(8), request);
+  const auto expected = loadDylo(whole + "/dylo.safetensors")->named_parameters();
+  for (const auto& parameter : loadDylo(lengthened + "/dylo.safetensors")->named_parameters())
   {
-    const torch::Tensor expected = 0.75 * a[mean.key()] + 0.25 * b[mean.key()];
-    EXPECT_TRUE(torch::allclose(mean.value(), expected, 1e-5, 1e-7)) << mean.key();
+    EXPECT_TRUE(torch::equal(parameter.value(), expected[parameter.key()])) << parameter.key();
   }
-  Config other = tiny(1);
-  other.set("network.width=0.25");
-  DyloTrainRequest wider = requestFor(freshFolder("wider"));
-  trainDylo(other, wider);
-  request.output = freshFolder("misfit");
-  request.blend = wider.output + "/dylo.safetensors";
-  EXPECT_THROW(trainDylo(tiny(1), request), UserError);
+}
+
+TEST(DyloTrainer, WritesTheRunningMeanOfTheWeights)
+{
+  Config last = tiny(2);
+  last.set("train.mean_decay=0");
+  const std::string without = freshFolder("without_mean");
+  trainDylo(last, requestFor(without));
+  const std::string with = freshFolder("with_mean");
+  trainDylo(tiny(2), requestFor(with));
+  const auto a = loadDylo(without + "/dylo.safetensors")->named_parameters();
+  bool differ = false;
+  for (const auto& mean : loadDylo(with + "/dylo.safetensors")->named_parameters())
+  {
+    differ = differ || !torch::equal(mean.value(), a[mean.key()]);
+  }
+  EXPECT_TRUE(differ);
 }
 
 TEST(DyloTrainer, DoesNotOverwriteATraining)

@@ -15,10 +15,6 @@ struct DyloTrainRequest
   bool resume = false;  //!< continue from checkpoint.safetensors there
   std::string start;    //!< a checkpoint.safetensors or dylo.safetensors whose weights are begun
                         //!< with, or empty
-  /** A dylo.safetensors: no training, but the mean of it and `start`, which is written as a
-   * training's weights are. Empty for none. */
-  std::string blend;
-  double blend_share = 0.5;  //!< of it in the mean
   std::string device = "cpu";
   /** Gets a CSV of points and static confidence per validation recording, named by its number and
    * name; empty for none. */
@@ -31,6 +27,8 @@ struct DyloTrainRequest
 };
 
 /** Trains DyLO by the sections [train], [network], [loss], [augmentation] and [data] of `config`.
+ * What it validates and writes are the running mean of the weights. The last checkpoint before the
+ * learning rate goes down stays as checkpoint_before_decay.safetensors.
  * The same config and seed give the same weights on one CPU thread, stopped and resumed or not.
  * \throws UserError. */
 void trainDylo(const Config& config, const DyloTrainRequest& request);

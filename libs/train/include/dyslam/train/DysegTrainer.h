@@ -5,6 +5,7 @@
 #include <dyslam/nets/BevScan.h>
 #include <dyslam/nets/DysegOptions.h>
 #include <dyslam/train/DysegData.h>
+#include <dyslam/train/LearningRate.h>
 
 #include <functional>
 #include <memory>
@@ -50,10 +51,9 @@ struct DysegTrainerOptions : Options
   int simulate_every = 16;       //!< steps between new clips
   int crop = 256;                //!< cells along each side in training
   int steps = 100000;
-  double minutes = 0;  //!< stop after this long, whatever the steps; 0: no limit
-  int batch = 2;       //!< pairs in a step, up to 64
-  double learning_rate = 1.5e-3;
-  double decay_from = 0.6;  //!< share of the run after which the rate goes down to 2 %
+  int batch = 2;  //!< pairs in a step, up to 64
+  LearningRateOptions rate;
+  double mean_decay = 0.998;  //!< share of the weights' running mean that stays in a step
   double weight_decay = 1e-4;
   int checkpoint_every = 100;  //!< steps
   int validate_every = 1500;   //!< steps
@@ -75,9 +75,9 @@ struct DysegTrainerSetup
 /** Trains DySeg's network and writes what it has into a folder.
  *
  * `dyseg.safetensors` the weights so far (a running mean), `checkpoint.safetensors` everything to
- * continue from, `train.csv` and `validation.csv`. The data of a step depends on seed and step
- * alone, so that a run that was stopped and resumed gives the same weights (with `minutes` = 0:
- * time is not part of it).
+ * continue from, `train.csv` and `validation.csv`; `checkpoint_before_decay.safetensors` is the
+ * last one before the learning rate goes down. The data of a step depends on seed and step alone,
+ * so that a run that was stopped and resumed gives the same weights.
  */
 class DysegTrainer
 {
@@ -93,11 +93,6 @@ class DysegTrainer
   void resume();
   /** Start from the weights of a file. \throws UserError. */
   void startFrom(const std::string& weights);
-  /** Take a share of the weights from a file, the rest stays: the mean of two trainings that began
-   * alike often does better than both (Wortsman et al. 2022). \throws UserError. */
-  void blend(const std::string& weights, double share);
-  /** Write the weights and the state as they are. \throws UserError if they cannot be written. */
-  void save();
   /** \param say gets a line of progress now and then \param stopped is asked before each step
    * whether to save and end; null for never. \throws UserError if data are missing, also those to
    * validate on. */

@@ -9,13 +9,17 @@
 
 namespace dyslam
 {
-/** Weights of `own` become (1 - share) of themselves and `share` of the other's.
- * \param file where the other is from, for the message
- * \throws UserError if the other lacks a weight, or has it in another shape. */
-void blendWeights(torch::nn::Module& own,
-                  const torch::nn::Module& other,
-                  double share,
-                  const std::string& file);
+/** Copies the weights of a network of the same shape. \param file where they are from, for the
+ * message \throws UserError if one is missing there, or is of another shape. */
+void copyWeights(torch::nn::Module& to, const torch::nn::Module& from, const std::string& file);
+
+/** Running mean of a training's weights, which does better than the last ones (Polyak and Juditsky
+ * 1992). \param mean, now of the same shape \param step that gave `now`, from 0 \param decay share
+ * of the mean that stays; less in the first steps, which it forgets sooner. */
+void updateMean(torch::nn::Module& mean,
+                const torch::nn::Module& now,
+                std::int64_t step,
+                double decay);
 
 /** What Adam (or AdamW) remembers of each of its parameters, for a checkpoint. */
 void setOptimizerState(TensorFile& file, torch::optim::Optimizer& optimizer);

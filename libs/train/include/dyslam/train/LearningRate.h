@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <dyslam/core/Options.h>
+
+#include <cstdint>
+
+namespace dyslam
+{
+/** How the learning rate goes over a training: up in the first steps, then constant, in the last
+ * part down along half a cosine. Until `decay_from` it does not depend on the number of steps, so
+ * that a training can be lengthened from there. */
+struct LearningRateOptions : Options
+{
+  double learning_rate = 1e-3;
+  double last_share = 0.02;  //!< of the rate, at the end
+  double decay_from = 0.5;   //!< share of the steps
+  int warm_up = 100;         //!< steps
+
+  void describe(OptionsVisitor& visitor) override;
+
+  /** Rate of a step, counted from 0. */
+  [[nodiscard]] double rateAt(std::int64_t step, std::int64_t steps) const;
+  /** The first step of the decay. */
+  [[nodiscard]] std::int64_t firstOfDecay(std::int64_t steps) const;
+};
+}  // namespace dyslam

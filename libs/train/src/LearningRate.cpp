@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/train/LearningRate.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace dyslam
+{
+void LearningRateOptions::describe(OptionsVisitor& visitor)
+{
+  visitor.real("learning_rate", learning_rate, 0, 1, "after the first steps");
+  visitor.real("last_share", last_share, 0, 1, "of the learning rate, at the last step");
+  visitor.real("decay_from", decay_from, 0, 1, "share of the steps after which the rate goes down");
+  visitor.integer("warm_up", warm_up, 1, 1000000, "steps in which the rate goes up");
+}
+
+std::int64_t LearningRateOptions::firstOfDecay(std::int64_t steps) const
+{
+  return static_cast<std::int64_t>(std::ceil(decay_from * static_cast<double>(steps)));
+}
+
+double LearningRateOptions::rateAt(std::int64_t step, std::int64_t steps) const
+{
+  const double rate =
+      learning_rate * std::min(1.0, (static_cast<double>(step) + 1) / static_cast<double>(warm_up));
+  const std::int64_t first = firstOfDecay(steps);
+  if (step < first || first >= steps)
+  {
+    return rate;
+  }
+  const double done =
+      std::min(1.0, static_cast<double>(step - first) / static_cast<double>(steps - first));
+  return rate * (last_share + (1 - last_share) * 0.5 * (1 + std::cos(M_PI * done)));
+}
+}  // namespace dyslam
