@@ -11,6 +11,7 @@
 #include "RunCommand.h"
 #include "SegmentationCommand.h"
 #include "SpeedsCommand.h"
+#include "TablesCommand.h"
 #include "TracksCommand.h"
 #include "TrajectoryCommand.h"
 
@@ -28,7 +29,7 @@ int main(int argc, char** argv)
                     dyslam::predictionCommand(app), dyslam::kittiMotCommand(app),
                     dyslam::kittiSlamCommand(app),  dyslam::speedsCommand(app),
                     dyslam::runCommand(app),        dyslam::curvesCommand(app),
-                    dyslam::maskCommand(app)};
+                    dyslam::maskCommand(app),       dyslam::tablesCommand(app)};
       },
       [&]
       {

@@ -3,6 +3,8 @@
 
 #include <dyslam/core/Error.h>
 
+#include <array>
+
 namespace dyslam::sim
 {
 namespace
@@ -23,7 +25,7 @@ NamedRecording make(const std::string& name,
   o.traffic = traffic;
   o.loop_length = loop;
   o.seed = seed;
-  o.columns = sensor == SensorKind::vlp16 ? 0 : 1024;
+  o.columns = sensor == SensorKind::hdl64e ? 1024 : 0;
   r.recording.seconds = seconds;
   r.recording.flow = false;
   r.recording.compact = true;
@@ -40,9 +42,48 @@ void addWithAndWithoutTraffic(std::vector<NamedRecording>& set, NamedRecording b
   set.push_back(std::move(base));
   set.push_back(std::move(empty));
 }
+
+void setPaths(std::vector<NamedRecording>& set, const std::string& dir)
+{
+  for (NamedRecording& one : set)
+  {
+    one.recording.output = dir + "/" + one.name + ".rawlog";
+  }
+}
+
+/** A drive of the sets of splits. Jams are highways in stop and go. */
+struct Drive
+{
+  WorldKind world;
+  SensorKind sensor;
+  double traffic;
+  double speed;  //!< cruising [m/s]; 0 for the default of the world
+  double loop;   //!< [m]
+  double seconds;
+};
+
+// As KITTI odometry 00-10 mostly streets in light traffic and one motorway, and what those lack: a
+// jam, a robot, other sensors. In denser traffic the ego mostly stands in queues.
+constexpr std::array<Drive, 11> drives{{
+    {WorldKind::urban, SensorKind::hdl64e, 0.25, 11, 900, 60},     // 00 street
+    {WorldKind::highway, SensorKind::hdl64e, 0.30, 28, 2400, 45},  // 01 highway
+    {WorldKind::urban, SensorKind::hdl64e, 0.20, 12, 1200, 60},    // 02 street
+    {WorldKind::urban, SensorKind::hdl64e, 0.04, 10, 700, 50},     // 03 street, nearly empty
+    {WorldKind::urban, SensorKind::hdl64e, 0.30, 13, 900, 50},     // 04 street
+    {WorldKind::urban, SensorKind::hdl64e, 0.25, 9, 600, 60},      // 05 street
+    {WorldKind::highway, SensorKind::hdl64e, 1.00, 0, 2400, 60},   // 06 jam
+    {WorldKind::urban, SensorKind::hdl64e, 0.20, 10, 500, 50},     // 07 street
+    {WorldKind::highway, SensorKind::hdl64e, 0.60, 28, 2400, 45},  // 08 highway, dense traffic
+    {WorldKind::campus, SensorKind::vlp16, 0.50, 2.6, 300, 60},    // 09 robot on a campus
+    {WorldKind::urban, SensorKind::hdl32e, 0.20, 10, 700, 50},     // 10 street
+}};
+/** Twice the shortest segment of t_rel [m]. */
+constexpr double least_distance = 200;
+constexpr int first_validation_seed = 900000001;
+constexpr int first_test_seed = 1200000001;
 }  // namespace
 
-std::vector<NamedRecording> benchmarkSet(const std::string& dir, const std::string& only)
+std::vector<NamedRecording> standingSet(const std::string& dir)
 {
   std::vector<NamedRecording> set;
   NamedRecording urban =
@@ -61,27 +102,41 @@ std::vector<NamedRecording> benchmarkSet(const std::string& dir, const std::stri
   addWithAndWithoutTraffic(set, highway);
   addWithAndWithoutTraffic(set,
                            make("jam", WorldKind::highway, SensorKind::hdl64e, 1.0, 2400, 60, 104));
+  setPaths(set, dir);
+  return set;
+}
 
-  std::vector<NamedRecording> chosen;
-  std::vector<std::string> names;
-  for (auto& r : set)
+std::vector<NamedRecording> splitSet(const std::string& dir, const std::string& split)
+{
+  if (split != "validation" && split != "test")
   {
-    names.push_back(r.name);
-    if (only.empty() || only == r.name)
-    {
-      r.recording.output = dir + "/" + r.name + ".rawlog";
-      chosen.push_back(r);
-    }
+    throw UserError("--split: '" + split + "' is none of validation, test");
   }
-  if (chosen.empty())
+  std::vector<NamedRecording> set;
+  for (const Drive& drive : drives)
   {
-    std::string all;
-    for (const auto& n : names)
-    {
-      all += (all.empty() ? "" : ", ") + n;
-    }
-    throw UserError("--only: '" + only + "' is none of " + all);
+    const int number = static_cast<int>(set.size());
+    const int first = split == "test" ? first_test_seed : first_validation_seed;
+    set.push_back(make(split + (number < 10 ? "_0" : "_") + std::to_string(number), drive.world,
+                       drive.sensor, drive.traffic, drive.loop, drive.seconds, first + number));
+    set.back().recording.simulator.ego_speed = drive.speed;
+    set.back().recording.least_distance = least_distance;
   }
-  return chosen;
+  setPaths(set, dir);
+  return set;
+}
+
+NamedRecording oneOf(const std::vector<NamedRecording>& set, const std::string& name)
+{
+  std::string all;
+  for (const NamedRecording& one : set)
+  {
+    if (one.name == name)
+    {
+      return one;
+    }
+    all += (all.empty() ? "" : ", ") + one.name;
+  }
+  throw UserError("--only: '" + name + "' is none of " + all);
 }
 }  // namespace dyslam::sim

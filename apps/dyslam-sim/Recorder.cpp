@@ -81,9 +81,10 @@ RecordingResult record(const Recording& recording,
   std::set<int> ids;
   const double period = simulator.sensor().period;
   const auto scans = static_cast<std::size_t>(std::llround(recording.seconds / period));
+  const std::size_t most = recording.least_distance > 0 ? 3 * scans : scans;
   const double wanted = result.loop_length + 30;
   Eigen::Vector3d last = Eigen::Vector3d::Zero();
-  for (std::size_t i = 0; i < scans; ++i)
+  for (std::size_t i = 0; i < most; ++i)
   {
     SimulatedScan scan = simulator.next();
     // The flow file's vectors start at the recorded (not deskewed) points.
@@ -118,16 +119,19 @@ RecordingResult record(const Recording& recording,
     last = scan.T_map_vehicle.translation();
     if (progress)
     {
-      progress(recording.one_loop ? result.distance / wanted
-                                  : static_cast<double>(i + 1) / static_cast<double>(scans),
+      progress(recording.one_loop
+                   ? result.distance / wanted
+                   : std::min(1.0, static_cast<double>(i + 1) / static_cast<double>(scans)),
                i + 1);
     }
-    if (recording.one_loop && result.distance > wanted)
+    const bool has_length = i + 1 >= scans && result.distance >= recording.least_distance;
+    if (has_length || (recording.one_loop && result.distance > wanted))
     {
       break;
     }
   }
   rawlog.close();
+  truth.addSimulator(recording.simulator);
   truth.close();
   result.objects = ids.size();
   return result;

@@ -15,8 +15,10 @@ struct Recording
   SimulatorOptions simulator;
   double seconds = 10;    //!< simulated time; upper limit for `one_loop` [s]
   bool one_loop = false;  //!< stop 30 m after the ego has closed its loop
-  std::string output;     //!< rawlog; the ground truth is written next to it
-  bool flow = true;       //!< write per-point scene flow
+  /** Goes on after `seconds` until so much is driven [m], three times as long at most. */
+  double least_distance = 0;
+  std::string output;  //!< rawlog; the ground truth is written next to it
+  bool flow = true;    //!< write per-point scene flow
   /** Small files: coordinates in multiples of 1/128 m, times of 2^-14 s, points sorted by ring. */
   bool compact = false;
   int compression_level = 1;  //!< of gzip

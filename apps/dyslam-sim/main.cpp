@@ -24,7 +24,7 @@ struct Arguments
 {
   Recording recording;
   std::string world = "urban", sensor = "HDL64E", ego = "automatic";
-  std::string benchmark, only, shard;
+  std::string benchmark, split, only, shard;
   int count = 0;
   std::optional<double> seconds;
   bool no_noise = false, no_distortion = false, no_stops = false, no_flow = false, quiet = false;
@@ -40,7 +40,7 @@ void declare(CLI::App& app, Arguments& a)
                  "HDL64E, HDL32E, VLP16, OS1-32, OS1-64, OS1-128, PANDAR64, XT32 or AVIA (HDL64E)");
   app.add_option("--traffic", o.traffic, "density, from 0 (nothing moves) to 1 (jam) (0.4)");
   app.add_option("--seconds", a.seconds,
-                 "simulated time [s] (10); upper limit for the benchmark set");
+                 "simulated time [s] (10); upper limit for the benchmark sets");
   app.add_option("--seed", o.seed, "seed of world, traffic and noise (1)");
   app.add_option("--traffic-seed", o.traffic_seed,
                  "seed of traffic, the ego's motion and noise, in the world of --seed: another "
@@ -82,7 +82,10 @@ void declare(CLI::App& app, Arguments& a)
   {
     benchmark->excludes(app.get_option(fixed));
   }
-  app.add_option("--only", a.only, "a single recording of the benchmark set");
+  app.add_option("--split", a.split,
+                 "with --benchmark: the eleven drives of this split instead, validation or test")
+      ->needs(benchmark);
+  app.add_option("--only", a.only, "a single recording of the benchmark set")->needs(benchmark);
   app.add_option(
       "--shard", a.shard,
       "K/N: only the K-th of every N recordings of --benchmark or --count, for N machines");
@@ -149,6 +152,14 @@ std::vector<NamedRecording> seriesOf(const Arguments& a)
   return series;
 }
 
+/** The set that --benchmark asks for, or --only one of it. */
+std::vector<NamedRecording> benchmarkOf(const Arguments& a)
+{
+  const std::vector<NamedRecording> set =
+      a.split.empty() ? standingSet(a.benchmark) : splitSet(a.benchmark, a.split);
+  return a.only.empty() ? set : std::vector<NamedRecording>{oneOf(set, a.only)};
+}
+
 void run(Arguments& a)
 {
   if (!(a.seconds.value_or(1) > 0))
@@ -158,18 +169,15 @@ void run(Arguments& a)
   if (!a.benchmark.empty())
   {
     dyslam::makeFolder(a.benchmark);
-    for (auto& named : partOf(a, benchmarkSet(a.benchmark, a.only)))
+    for (auto& named : partOf(a, benchmarkOf(a)))
     {
       named.recording.threads = a.recording.threads;
       named.recording.seconds =
           std::min(named.recording.seconds, a.seconds.value_or(named.recording.seconds));
+      named.recording.least_distance = a.seconds ? 0 : named.recording.least_distance;
       recordOne(named.recording, a.quiet);
     }
     return;
-  }
-  if (!a.only.empty())
-  {
-    throw UserError("--only requires --benchmark");
   }
   if (a.recording.output.empty())
   {

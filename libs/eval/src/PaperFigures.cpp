@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "PaperFigures.h"
-
 #include <dyslam/core/Error.h>
+#include <dyslam/eval/PaperFigures.h>
 
 #include <array>
 
@@ -158,5 +157,38 @@ std::vector<PaperRow> paperFigures(const std::string& sequence)
   throw UserError("the paper has no sequence '" + sequence + "'" +
                   (nearest.empty() ? "" : "; the nearest is '" + nearest + "'") +
                   " (odometry/00-10, tracking/04..19, campus/00-02)");
+}
+
+std::optional<PaperRow> paperMeanDrift(const std::string& method)
+{
+  PaperRow mean;
+  mean.method = method;
+  double t_rel = 0;
+  double r_rel = 0;
+  std::size_t sequences = 0;
+  for (const OdometryFigures& figures : table1)
+  {
+    for (const PaperRow& row : odometryRows(figures))
+    {
+      if (row.method == method && row.t_rel_percent && row.r_rel_deg_per_100m)
+      {
+        t_rel += *row.t_rel_percent;
+        r_rel += *row.r_rel_deg_per_100m;
+        ++sequences;
+      }
+    }
+  }
+  if (sequences == 0)
+  {
+    return std::nullopt;
+  }
+  mean.t_rel_percent = t_rel / static_cast<double>(sequences);
+  mean.r_rel_deg_per_100m = r_rel / static_cast<double>(sequences);
+  return mean;
+}
+
+std::vector<PaperTimes> paperTimes()
+{
+  return {{"LOAM w/o mapping", 24, 70, 94}, {"LOAM", std::nullopt, 140, 140}, {"DyLO", 15, 71, 86}};
 }
 }  // namespace dyslam

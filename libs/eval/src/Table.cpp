@@ -139,6 +139,31 @@ std::string Table::toText() const
   return out;
 }
 
+std::string Table::toMarkdown() const
+{
+  const auto shown = filledColumns();
+  std::string out;
+  const auto line = [&](const auto& text_of)
+  {
+    for (const std::size_t c : shown)
+    {
+      out += "| " + text_of(c) + " ";
+    }
+    out += "|\n";
+  };
+  line([&](std::size_t c) { return columns_[c]; });
+  for (std::size_t i = 0; i < shown.size(); ++i)
+  {
+    out += "|---";
+  }
+  out += "|\n";
+  for (const auto& row : rows_)
+  {
+    line([&](std::size_t c) { return row[c].text; });
+  }
+  return out;
+}
+
 std::string Table::toCsv() const
 {
   std::string out;

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/eval/PaperFigures.h>
 #include <dyslam/eval/TrajectoryReports.h>
 
 #include <cmath>
 #include <nlohmann/json.hpp>
-
-#include "PaperFigures.h"
 
 namespace dyslam
 {

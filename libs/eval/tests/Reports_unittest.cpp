@@ -3,6 +3,7 @@
 #include <dyslam/eval/LearningCurves.h>
 #include <dyslam/eval/LinePlot.h>
 #include <dyslam/eval/MaskPicture.h>
+#include <dyslam/eval/PaperFigures.h>
 #include <dyslam/eval/TrajectoryPlot.h>
 #include <dyslam/eval/TrajectoryReports.h>
 #include <gtest/gtest.h>
@@ -38,6 +39,23 @@ TEST(Table, AlignsColumnsAndOmitsEmptyOnes)
   EXPECT_EQ(table.toText(), "name    value\n-------------\na        1.50\nlonger      -\n");
   EXPECT_EQ(table.toCsv(), "name,value,none\na,1.5,\nlonger,,\n");
   EXPECT_THROW(table.addRow({"too short"}), std::invalid_argument);
+}
+
+TEST(Table, WritesMarkdownWithoutEmptyColumns)
+{
+  Table table({"name", "value", "none"});
+  table.addRow({"a", TableCell(1.5, 2), "-"});
+  EXPECT_EQ(table.toMarkdown(), "| name | value |\n|---|---|\n| a | 1.50 |\n");
+}
+
+TEST(PaperFigures, MeansAreThoseOfTheRowsOfTable1)
+{
+  const auto dylo = paperMeanDrift("DyLO");
+  ASSERT_TRUE(dylo && dylo->t_rel_percent && dylo->r_rel_deg_per_100m);
+  EXPECT_NEAR(*dylo->t_rel_percent, 1.27, 0.005);
+  EXPECT_NEAR(*dylo->r_rel_deg_per_100m, 0.665, 0.001);
+  EXPECT_FALSE(paperMeanDrift("DyLO w/o mask"));
+  EXPECT_FALSE(paperMeanDrift("unknown"));
 }
 
 TEST(Table, QuotesCsvAndAddsThePapersValue)

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/Config.h>
 #include <dyslam/core/Error.h>
 #include <dyslam/core/PendingFile.h>
 #include <dyslam/formats/GroundTruth.h>
@@ -14,6 +15,49 @@
 namespace dyslam
 {
 namespace fs = std::filesystem;
+
+namespace
+{
+constexpr const char* simulator_file = "simulator.ini";
+constexpr const char* simulator_section = "simulator";
+
+/** The keys of simulator.ini that are read. */
+struct WorldOptions : Options
+{
+  SimulatedWorld values;
+  void describe(OptionsVisitor& visitor) override
+  {
+    visitor.text("world", values.world, "");
+    visitor.text("sensor", values.sensor, "");
+    visitor.real("traffic", values.traffic, 0, 1, "");
+    visitor.integer("seed", values.seed, 0, 2147483647, "");
+  }
+};
+}  // namespace
+
+std::optional<SimulatedWorld> simulatedWorld(const std::string& folder)
+{
+  const fs::path path = fs::path(folder) / simulator_file;
+  if (!fs::exists(path))
+  {
+    return std::nullopt;
+  }
+  const Config all = Config::fromFile(path.string());
+  const Config::Section& section = all.section(simulator_section);
+  Config read;
+  for (const char* key : {"world", "sensor", "traffic", "seed"})
+  {
+    const auto value = section.find(key);
+    if (value == section.end())
+    {
+      throw UserError(path.string() + ": has no " + key + " in [simulator]; simulate it again");
+    }
+    read.set(simulator_section, key, value->second);
+  }
+  WorldOptions options;
+  load(options, read, simulator_section);
+  return options.values;
+}
 
 std::string groundTruthFolder(const std::string& rawlog_path)
 {
@@ -154,7 +198,7 @@ GroundTruthWriter::GroundTruthWriter(const std::string& folder) : folder_(folder
 {
   requireNoLinks(folder);
   makeFolder(folder);
-  for (const char* old : {"poses_tum.txt", "tracks.txt"})
+  for (const char* old : {"poses_tum.txt", "tracks.txt", simulator_file})
   {
     std::error_code ignored;
     fs::remove(fs::path(folder) / old, ignored);
@@ -213,6 +257,13 @@ void GroundTruthWriter::addFlow(std::size_t frame, const std::vector<Eigen::Vect
   writeWhole((folder / numberedName(frame, ".flow")).string(),
              std::string_view(reinterpret_cast<const char*>(flow.data()),
                               flow.size() * sizeof(Eigen::Vector3f)));
+}
+
+void GroundTruthWriter::addSimulator(const Options& options)
+{
+  Config config;
+  save(options, config, simulator_section);
+  writeWhole((fs::path(folder_) / simulator_file).string(), config.toIni());
 }
 
 void GroundTruthWriter::close()

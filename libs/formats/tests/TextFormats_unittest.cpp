@@ -262,6 +262,43 @@ TEST(GroundTruth, WritingAgainLeavesNothingOld)
   EXPECT_TRUE(std::filesystem::exists(folder.file("a.gt/notes.md")));
 }
 
+/** Of a simulator's options those that are read, and one more. */
+struct WorldOfTest : Options
+{
+  std::string world = "campus", sensor = "VLP16";
+  double traffic = 0.25;
+  int seed = 900000003, columns = 7;
+  void describe(OptionsVisitor& visitor) override
+  {
+    visitor.text("world", world, "");
+    visitor.integer("columns", columns, 0, 9, "");
+    visitor.text("sensor", sensor, "");
+    visitor.real("traffic", traffic, 0, 1, "");
+    visitor.integer("seed", seed, 0, 2147483647, "");
+  }
+};
+
+TEST(GroundTruth, NamesTheSimulatedWorldUntilSomethingElseIsWritten)
+{
+  const TestFolder folder;
+  const std::string truth = folder.file("a.gt");
+  EXPECT_FALSE(simulatedWorld(truth));
+  GroundTruthWriter(truth).addSimulator(WorldOfTest());
+  const auto world = simulatedWorld(truth);
+  ASSERT_TRUE(world);
+  EXPECT_EQ(world->world, "campus");
+  EXPECT_EQ(world->sensor, "VLP16");
+  EXPECT_EQ(world->traffic, 0.25);
+  EXPECT_EQ(world->seed, 900000003);
+  GroundTruthWriter(truth).close();
+  EXPECT_FALSE(simulatedWorld(truth));
+  folder.write("a.gt/simulator.ini", "[simulator]\nworld = urban\nsensor = AVIA\ntraffic = 0\n");
+  expectError([&] { (void)simulatedWorld(truth); }, "has no seed in [simulator]");
+  folder.write("a.gt/simulator.ini",
+               "[simulator]\nworld = urban\nsensor = AVIA\ntraffic = 0\nseed = x\n");
+  expectError([&] { (void)simulatedWorld(truth); }, "seed");
+}
+
 TEST(GroundTruth, BadFiles)
 {
   const TestFolder folder;

@@ -103,6 +103,11 @@ void requireOneOf(const std::array<std::vector<NumberRange>, 3>& ranges,
 }
 }  // namespace
 
+std::string toString(Split split)
+{
+  return split_names[static_cast<std::size_t>(split)];
+}
+
 DataSplits::DataSplits(const Config& config)
 {
   for (const std::string& name : config.sectionNames())
@@ -190,6 +195,19 @@ void DataSplits::requireSeed(std::int64_t seed, Split split, const std::string& 
   const auto ranges = sections_.find(simulator_section);
   requireOneOf(ranges == sections_.end() ? Ranges() : ranges->second, seed, split,
                field + ": seed " + std::to_string(seed) + " of the simulator");
+}
+
+std::optional<Split> DataSplits::splitOfSeed(std::int64_t seed) const
+{
+  const auto found = sections_.find(simulator_section);
+  for (const Split split : {Split::training, Split::validation, Split::test})
+  {
+    if (found != sections_.end() && contains(found->second[static_cast<std::size_t>(split)], seed))
+    {
+      return split;
+    }
+  }
+  return std::nullopt;
 }
 
 NumberRange DataSplits::trainingSeeds() const

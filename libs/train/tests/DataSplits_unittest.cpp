@@ -78,6 +78,17 @@ TEST(DataSplits, MistakesInTheFileAreNamed)
   expectHas(wordsOf("[drive]\ntest = all\n"), "'all' is no range");
 }
 
+TEST(DataSplits, ASeedHasOneSplitOrNone)
+{
+  const DataSplits splits(
+      Config::fromText("[simulator]\ntraining = 5-9\nvalidation = 0-4, 20\ntest = 30-\n", "mine"));
+  EXPECT_EQ(splits.splitOfSeed(9), Split::training);
+  EXPECT_EQ(splits.splitOfSeed(20), Split::validation);
+  EXPECT_EQ(splits.splitOfSeed(31), Split::test);
+  EXPECT_EQ(splits.splitOfSeed(10), std::nullopt);
+  EXPECT_EQ(DataSplits(Config()).splitOfSeed(1), std::nullopt);
+}
+
 TEST(DataSplits, TheShippedFileKeepsWhatWasChosenByOutOfTrainingAndTest)
 {
   const DataSplits splits = DataSplits::load("splits", "here");

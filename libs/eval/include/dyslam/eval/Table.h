@@ -39,6 +39,8 @@ class Table
   /** First column left-aligned, the others right-aligned, with a final line feed. Columns without
    * any entry are omitted. */
   [[nodiscard]] std::string toText() const;
+  /** A table of Markdown, without the columns that are empty. */
+  [[nodiscard]] std::string toMarkdown() const;
   /** RFC 4180; numbers with 9 significant digits, missing ones empty. */
   [[nodiscard]] std::string toCsv() const;
 

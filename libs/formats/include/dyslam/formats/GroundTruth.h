@@ -2,6 +2,7 @@
 #pragma once
 
 #include <dyslam/core/Objects.h>
+#include <dyslam/core/Options.h>
 #include <dyslam/core/Trajectory.h>
 #include <dyslam/formats/LabelFiles.h>
 
@@ -16,6 +17,18 @@ namespace dyslam
 {
 /** Folder of the ground truth beside a rawlog: `dir/x.rawlog` has `dir/x.gt`. */
 [[nodiscard]] std::string groundTruthFolder(const std::string& rawlog_path);
+
+/** What a recording was simulated in. */
+struct SimulatedWorld
+{
+  std::string world;
+  std::string sensor;
+  double traffic = 0;
+  int seed = 0;
+};
+/** By simulator.ini of its ground truth; nothing if there is no such file. \throws UserError if it
+ * is damaged. */
+[[nodiscard]] std::optional<SimulatedWorld> simulatedWorld(const std::string& folder);
 
 /** Tracks in a text file: the columns of KITTI's tracking labels, but in the lidar frame.
  *
@@ -78,6 +91,8 @@ class GroundTruthWriter
   void addBox(const LabelledBox& box);
   void addLabels(std::size_t frame, const std::vector<Label>& labels);
   void addFlow(std::size_t frame, const std::vector<Eigen::Vector3f>& flow);
+  /** What the recording was simulated with: simulator.ini. \throws UserError. */
+  void addSimulator(const Options& options);
   /** Writes poses_tum.txt and tracks.txt if there is anything for them. */
   void close();
 

@@ -6,6 +6,7 @@
 #include <array>
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -17,6 +18,9 @@ enum class Split
   validation,
   test
 };
+
+/** "training", "validation" or "test". */
+[[nodiscard]] std::string toString(Split split);
 
 /** Numbers from first to last, both included. */
 struct NumberRange
@@ -47,6 +51,8 @@ class DataSplits
                      const std::string& field) const;
   /** The same of a simulated world. \throws UserError. */
   void requireSeed(std::int64_t seed, Split split, const std::string& field) const;
+  /** The split of a simulated world; nothing if it is of none. */
+  [[nodiscard]] std::optional<Split> splitOfSeed(std::int64_t seed) const;
   /** The seeds to draw worlds from for training. \throws UserError unless it is one range. */
   [[nodiscard]] NumberRange trainingSeeds() const;
 

@@ -22,4 +22,18 @@ struct PaperRow
  * tracking in dynamic scene", by sequence: "odometry/04", "tracking/04", "campus/01".
  * \throws UserError for a sequence not in the paper, naming the nearest one. */
 [[nodiscard]] std::vector<PaperRow> paperFigures(const std::string& sequence);
+
+/** The means of Table 1 over KITTI odometry 00 to 10. \param method as the paper calls it: "DyLO",
+ * "LOAM w/o mapping" \return nothing for a method that is not in it */
+[[nodiscard]] std::optional<PaperRow> paperMeanDrift(const std::string& method);
+
+/** A row of Table 3. */
+struct PaperTimes
+{
+  std::string method;
+  std::optional<double> preprocess_ms;
+  double pose_estimation_ms = 0;
+  double overall_ms = 0;
+};
+[[nodiscard]] std::vector<PaperTimes> paperTimes();
 }  // namespace dyslam

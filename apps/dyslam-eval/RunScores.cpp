@@ -1,0 +1,205 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "RunScores.h"
+
+#include <dyslam/core/Config.h>
+#include <dyslam/core/Error.h>
+#include <dyslam/core/Printable.h>
+#include <dyslam/formats/MotionFiles.h>
+#include <dyslam/formats/TrajectoryFiles.h>
+#include <dyslam/io/RawlogSource.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <iostream>
+
+#include "RunReport.h"
+
+namespace dyslam
+{
+namespace
+{
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+constexpr double tolerance = 1e-3;  // all files of a run contain the scans' stamps [s]
+
+Json readReport(const fs::path& folder)
+{
+  const auto report = readRunReport(folder.string());
+  if (!report)
+  {
+    std::cerr << "note: " << folder.string() << " has no report.json: the run did not finish\n";
+  }
+  else if (const auto missing = report->find("not_written");
+           missing != report->end() && missing->is_array())
+  {
+    for (const Json& reason : *missing)
+    {
+      std::cerr << "note: the run lacks a file: "
+                << (reason.is_string() ? printable(reason.get<std::string>()) : "") << '\n';
+    }
+  }
+  return report.value_or(Json::object());
+}
+
+/** Of so many scans of a recording those that the run's settings take. */
+std::size_t scansTaken(const fs::path& folder, std::size_t recorded)
+{
+  RawlogSourceOptions input;
+  if (const fs::path ini = folder / "effective.ini"; fs::exists(ini))
+  {
+    load(input, Config::fromFile(ini.string()), "input");
+  }
+  const auto first = static_cast<std::size_t>(input.skip_first_n);
+  const auto most = static_cast<std::size_t>(input.only_first_n);
+  const std::size_t rest = recorded - std::min(recorded, first);
+  return most > 0 ? std::min(rest, most) : rest;
+}
+
+/** Says of a run that was killed how far it had come. \return whether it is one */
+bool noteUnfinished(const std::string& folder, const Json& report, const std::string& truth)
+{
+  const auto finished = report.find("finished");
+  if (finished == report.end() || !finished->is_boolean() || finished->get<bool>())
+  {
+    return false;
+  }
+  const auto frames = report.find("frames");
+  std::string scans =
+      frames != report.end() && frames->is_number() ? std::to_string(frames->get<long>()) : "?";
+  const fs::path poses = fs::path(truth) / "poses_tum.txt";
+  if (!truth.empty() && fs::exists(poses))
+  {
+    scans += " of " + std::to_string(scansTaken(folder, readTum(poses.string()).size()));
+  }
+  std::cerr << "note: " << folder << ": unfinished: " << scans << " scans; dyslam --resume -o "
+            << folder << " goes on\n";
+  return true;
+}
+
+/** True poses: the run's own, else those of the ground-truth folder; may not be there. */
+fs::path referenceOf(const fs::path& folder, const std::string& truth)
+{
+  const fs::path own = folder / "reference_tum.txt";
+  return fs::exists(own) || truth.empty() ? own : fs::path(truth) / "poses_tum.txt";
+}
+
+/** Nothing, with a note, if the run has no or too little ground truth. */
+std::optional<TrajectoryReport> evaluate(const fs::path& folder,
+                                         const char* file,
+                                         const fs::path& reference,
+                                         const TrajectoryMetricsOptions& metrics)
+{
+  const fs::path estimate = folder / file;
+  if (!fs::exists(reference) || !fs::exists(estimate))
+  {
+    return std::nullopt;
+  }
+  const PosePairs pairs =
+      associateByTime(readTum(reference.string()), readTum(estimate.string()), tolerance);
+  if (pairs.size() < 2)
+  {
+    std::cerr
+        << "note: " << estimate.string() << ": " << pairs.size() << " of " << pairs.estimate_size
+        << " poses match a time stamp of the ground truth, 2 are needed: no errors computed\n";
+    return std::nullopt;
+  }
+  return evaluateTrajectory(estimate.string(), pairs, metrics);
+}
+
+/** Nothing if the run does not state its covariances. */
+std::optional<OdometryConsistency> evaluateConsistency(const fs::path& folder,
+                                                       const fs::path& reference)
+{
+  const fs::path motions = folder / "motions.csv";
+  const fs::path odometry = folder / "odometry_tum.txt";
+  if (!fs::exists(motions) || !fs::exists(odometry))
+  {
+    return std::nullopt;
+  }
+  const PosePairs pairs =
+      associateByTime(readTum(reference.string()), readTum(odometry.string()), tolerance);
+  return odometryConsistency(pairs, readMotionFile(motions.string()), tolerance);
+}
+
+/** Ground-truth folder: as given, or next to the rawlog named in the report. */
+std::string truthFolder(const std::string& given, const Json& report)
+{
+  if (!given.empty())
+  {
+    return given;
+  }
+  const auto input = report.find("input");
+  if (input == report.end() || !input->is_string())
+  {
+    return "";
+  }
+  return groundTruthFolder(input->get<std::string>());
+}
+
+}  // namespace
+
+RunScores scoresOf(const std::string& folder,
+                   const std::string& given_truth,
+                   const TrajectoryMetricsOptions& metrics)
+{
+  if (!fs::is_directory(folder))
+  {
+    throw UserError(folder + ": is not a folder");
+  }
+  if (!fs::exists(fs::path(folder) / "trajectory_tum.txt"))
+  {
+    throw UserError(folder +
+                    (fs::exists(fs::path(folder) / "odometry_tum.txt.tmp")
+                         ? ": unfinished, without a checkpoint: has no trajectory_tum.txt"
+                         : ": has no trajectory_tum.txt: is it the output folder of a run?"));
+  }
+  RunScores scores;
+  scores.report = readReport(folder);
+  const std::string truth = truthFolder(given_truth, scores.report);
+  const fs::path reference = referenceOf(folder, given_truth);
+  scores.trajectory = evaluate(folder, "trajectory_tum.txt", reference, metrics);
+  if (scores.trajectory)
+  {
+    scores.odometry = evaluate(folder, "odometry_tum.txt", reference, metrics);
+    scores.consistency = evaluateConsistency(folder, reference);
+  }
+  else if (!fs::exists(reference))
+  {
+    std::cerr << "note: " << folder << " has no reference_tum.txt"
+              << (given_truth.empty()
+                      ? ": its recording has no ground truth"
+                      : ", " + given_truth + " no poses_tum.txt: no errors computed")
+              << '\n';
+  }
+  scores.world = simulatedWorld(truth);
+  const bool unfinished = noteUnfinished(folder, scores.report, truth);
+  const fs::path labels = fs::path(folder) / "labels";
+  if (fs::is_directory(labels) && !(unfinished && fs::is_empty(labels)))
+  {
+    if (!truth.empty() && fs::is_directory(fs::path(truth) / "labels"))
+    {
+      scores.labels = compareLabelFolders(truth, folder);
+    }
+    else
+    {
+      std::cerr << "note: " << folder << ": labels not evaluated: "
+                << (truth.empty() ? "no ground truth known (--truth)" : truth + " has no labels/")
+                << '\n';
+    }
+  }
+  return scores;
+}
+
+std::optional<double> number(const Json& json, const char* key)
+{
+  const auto it = json.find(key);
+  return it != json.end() && it->is_number() ? std::optional<double>(it->get<double>())
+                                             : std::nullopt;
+}
+
+std::optional<Split> splitOf(const RunScores& scores, const DataSplits& splits)
+{
+  return scores.world ? splits.splitOfSeed(scores.world->seed) : std::nullopt;
+}
+}  // namespace dyslam

@@ -1,0 +1,302 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "SplitTables.h"
+
+#include <dyslam/eval/PaperFigures.h>
+
+#include <algorithm>
+#include <functional>
+#include <iterator>
+#include <optional>
+
+namespace dyslam
+{
+namespace
+{
+using Value = std::optional<double>;
+
+/** A column of numbers of each drive. */
+struct Figure
+{
+  std::string heading;
+  int digits = 2;
+  int best = 0;   //!< -1: the least of the row is bold, 1: the greatest, 0: none
+  int group = 0;  //!< columns that are compared with each other
+  std::function<Value(const DriveScores&)> of;
+};
+
+const RunScores* runOf(const DriveScores& drive, const std::string& folder)
+{
+  const auto run = drive.runs.find(folder);
+  return run == drive.runs.end() ? nullptr : &run->second;
+}
+
+std::vector<RunColumn> withRuns(const std::vector<DriveScores>& drives,
+                                const std::vector<RunColumn>& columns)
+{
+  std::vector<RunColumn> present;
+  std::copy_if(columns.begin(), columns.end(), std::back_inserter(present),
+               [&](const RunColumn& c)
+               {
+                 return std::any_of(drives.begin(), drives.end(),
+                                    [&](const DriveScores& d)
+                                    { return runOf(d, c.folder) != nullptr; });
+               });
+  return present;
+}
+
+/** The cells of a row, the best of each group bold where the others are worse. */
+std::vector<TableCell> cellsOf(const std::vector<Figure>& figures, const std::vector<Value>& values)
+{
+  std::vector<TableCell> cells;
+  for (std::size_t i = 0; i < figures.size(); ++i)
+  {
+    cells.emplace_back(values[i], figures[i].digits);
+    bool beaten = !values[i];
+    bool beats = false;
+    for (std::size_t k = 0; k < figures.size() && !beaten; ++k)
+    {
+      const double lead = figures[k].group == figures[i].group && values[k]
+                              ? figures[i].best * (*values[i] - *values[k])
+                              : 0.0;
+      beaten = lead < 0;
+      beats = beats || lead > 0;
+    }
+    if (beats && !beaten)
+    {
+      cells.back().text = "**" + cells.back().text + "**";
+    }
+  }
+  return cells;
+}
+
+/** A row for each drive and one of means. */
+Table tableOf(const std::vector<DriveScores>& drives, const std::vector<Figure>& figures)
+{
+  std::vector<std::string> headings{"drive"};
+  for (const Figure& f : figures)
+  {
+    headings.push_back(f.heading);
+  }
+  Table table(headings);
+  std::vector<double> sums(figures.size(), 0.0);
+  std::size_t complete = 0;
+  const auto addRow = [&](const std::string& name, const std::vector<Value>& values)
+  {
+    std::vector<TableCell> cells{name};
+    const std::vector<TableCell> numbers = cellsOf(figures, values);
+    cells.insert(cells.end(), numbers.begin(), numbers.end());
+    table.addRow(std::move(cells));
+  };
+  for (const DriveScores& drive : drives)
+  {
+    std::vector<Value> values;
+    for (const Figure& f : figures)
+    {
+      values.push_back(f.of(drive));
+    }
+    addRow(drive.name, values);
+    if (std::all_of(values.begin(), values.end(), [](const Value& v) { return v.has_value(); }))
+    {
+      ++complete;
+      for (std::size_t i = 0; i < values.size(); ++i)
+      {
+        sums[i] += *values[i];
+      }
+    }
+  }
+  std::vector<Value> means;
+  for (const double sum : sums)
+  {
+    means.push_back(complete > 0 ? Value(sum / static_cast<double>(complete)) : Value());
+  }
+  addRow("mean of " + std::to_string(complete), means);
+  return table;
+}
+
+Value number(const TrajectoryReport& report, double SegmentDrift::*value)
+{
+  return report.drift.overall.segments > 0 ? Value(report.drift.overall.*value) : Value();
+}
+
+/** A figure of the odometry or of the final trajectory of a folder's runs. */
+std::function<Value(const DriveScores&)> ofTrajectory(
+    const std::string& folder,
+    std::optional<TrajectoryReport> RunScores::*trajectory,
+    std::function<Value(const TrajectoryReport&)> value)
+{
+  return [=](const DriveScores& drive)
+  {
+    const RunScores* run = runOf(drive, folder);
+    return run != nullptr && run->*trajectory ? value(*(run->*trajectory)) : Value();
+  };
+}
+
+std::function<Value(const DriveScores&)> ofLabels(
+    const std::string& folder, std::function<Value(const SegmentationScores&)> value)
+{
+  return [=](const DriveScores& drive)
+  {
+    const RunScores* run = runOf(drive, folder);
+    if (run == nullptr || !run->labels)
+    {
+      return Value();
+    }
+    const SegmentationScores& scores = run->labels->evaluator.scores();
+    return scores.true_positives + scores.false_negatives > 0 ? value(scores) : Value();
+  };
+}
+
+void add(SegmentationScores& sum, const SegmentationScores& one)
+{
+  sum.true_positives += one.true_positives;
+  sum.false_positives += one.false_positives;
+  sum.false_negatives += one.false_negatives;
+  sum.true_negatives += one.true_negatives;
+  sum.ignored += one.ignored;
+}
+}  // namespace
+
+Table driftTable(const std::vector<DriveScores>& drives, const std::vector<RunColumn>& columns)
+{
+  std::vector<Figure> figures;
+  std::vector<TableCell> paper{"the paper, KITTI 00-10"};
+  for (const RunColumn& c : withRuns(drives, columns))
+  {
+    const auto published = paperMeanDrift(c.heading);
+    for (const bool rotation : {false, true})
+    {
+      const auto part =
+          rotation ? &SegmentDrift::rotation_deg_per_100m : &SegmentDrift::translation_percent;
+      figures.push_back(
+          {c.heading + (rotation ? " r_rel" : " t_rel"), 2, -1, rotation ? 1 : 0,
+           ofTrajectory(c.folder, &RunScores::odometry,
+                        [part](const TrajectoryReport& r) { return number(r, part); })});
+    }
+    paper.emplace_back(published ? published->t_rel_percent : Value(), 2);
+    paper.emplace_back(published ? published->r_rel_deg_per_100m : Value(), 2);
+  }
+  Table table = tableOf(drives, figures);
+  table.addRow(std::move(paper));
+  return table;
+}
+
+Table movingTable(const std::vector<DriveScores>& drives, const std::vector<RunColumn>& columns)
+{
+  std::vector<Figure> figures;
+  std::vector<Value> pooled;
+  for (const RunColumn& c : withRuns(drives, columns))
+  {
+    SegmentationScores all;
+    for (const DriveScores& drive : drives)
+    {
+      const RunScores* run = runOf(drive, c.folder);
+      add(all,
+          run != nullptr && run->labels ? run->labels->evaluator.scores() : SegmentationScores());
+    }
+    int group = 0;
+    const auto figure = [&](const char* name, Value (SegmentationScores::*score)() const)
+    {
+      figures.push_back(
+          {c.heading + name, 3, 1, group++,
+           ofLabels(c.folder, [score](const SegmentationScores& s) { return (s.*score)(); })});
+      pooled.push_back((all.*score)());
+    };
+    figure(" IoU", &SegmentationScores::iou);
+    figure(" precision", &SegmentationScores::precision);
+    figure(" recall", &SegmentationScores::recall);
+  }
+  Table table = tableOf(drives, figures);
+  std::vector<TableCell> cells{"all points"};
+  const std::vector<TableCell> numbers = cellsOf(figures, pooled);
+  cells.insert(cells.end(), numbers.begin(), numbers.end());
+  table.addRow(std::move(cells));
+  return table;
+}
+
+Table absoluteTable(const std::vector<DriveScores>& drives, const std::string& folder)
+{
+  const auto metres = [](const TrajectoryReport& r) { return Value(r.absolute.translation.rmse); };
+  const auto degrees = [](const TrajectoryReport& r)
+  { return Value(r.absolute.rotation_deg.rmse); };
+  const auto loops = [folder](const DriveScores& drive)
+  {
+    const RunScores* run = runOf(drive, folder);
+    return run != nullptr ? number(run->report, "loops") : Value();
+  };
+  return tableOf(
+      drives,
+      {{"odometry ATE [m]", 3, -1, 0, ofTrajectory(folder, &RunScores::odometry, metres)},
+       {"final ATE [m]", 3, -1, 0, ofTrajectory(folder, &RunScores::trajectory, metres)},
+       {"odometry ATE [deg]", 3, -1, 1, ofTrajectory(folder, &RunScores::odometry, degrees)},
+       {"final ATE [deg]", 3, -1, 1, ofTrajectory(folder, &RunScores::trajectory, degrees)},
+       {"loops", 0, 0, 2, loops}});
+}
+
+Table timeTable(const std::vector<DriveScores>& drives, const std::vector<RunColumn>& columns)
+{
+  Table table({"method [ms per scan]", "preprocess", "segmentation", "pose estimation", "all else",
+               "overall", "scans"});
+  for (const RunColumn& c : withRuns(drives, columns))
+  {
+    double scans = 0, preprocess = 0, segmentation = 0, pose = 0, overall = 0;
+    for (const DriveScores& drive : drives)
+    {
+      const RunScores* run = runOf(drive, c.folder);
+      if (run == nullptr)
+      {
+        continue;
+      }
+      const double frames = number(run->report, "frames").value_or(0);
+      const auto stages = run->report.find("stage_ms");
+      const auto stage = [&](const char* name)
+      { return frames * (stages == run->report.end() ? 0.0 : number(*stages, name).value_or(0)); };
+      scans += frames;
+      preprocess += stage("preprocess");
+      segmentation += stage("dyseg");
+      pose += stage("odometry") + stage("refine");
+      overall += frames * number(run->report, "ms_per_scan").value_or(0);
+    }
+    const auto mean = [scans](double sum) { return scans > 0 ? Value(sum / scans) : Value(); };
+    table.addRow({c.heading, TableCell(mean(preprocess), 1), TableCell(mean(segmentation), 1),
+                  TableCell(mean(pose), 1),
+                  TableCell(mean(overall - preprocess - segmentation - pose), 1),
+                  TableCell(mean(overall), 1), TableCell(scans, 0)});
+  }
+  for (const PaperTimes& row : paperTimes())
+  {
+    table.addRow({"the paper: " + row.method, TableCell(row.preprocess_ms, 0), "-",
+                  TableCell(row.pose_estimation_ms, 0), "-", TableCell(row.overall_ms, 0), "-"});
+  }
+  return table;
+}
+
+Table drivesTable(const std::vector<DriveScores>& drives, const std::string& folder)
+{
+  Table table(
+      {"drive", "world", "sensor", "traffic", "seed", "scans", "length [m]", "moving points [%]"});
+  for (const DriveScores& drive : drives)
+  {
+    const RunScores* run = runOf(drive, folder);
+    const SimulatedWorld world =
+        run != nullptr ? run->world.value_or(SimulatedWorld()) : SimulatedWorld();
+    Value moving;
+    if (run != nullptr && run->labels)
+    {
+      const SegmentationScores& s = run->labels->evaluator.scores();
+      const auto movers = static_cast<double>(s.true_positives + s.false_negatives);
+      const double all =
+          movers + static_cast<double>(s.true_negatives) + static_cast<double>(s.false_positives);
+      moving = all > 0 ? Value(100 * movers / all) : Value();
+    }
+    const bool known = !world.world.empty();
+    table.addRow(
+        {drive.name, known ? world.world : "-", known ? world.sensor : "-",
+         TableCell(known ? Value(world.traffic) : Value(), 2),
+         TableCell(known ? Value(world.seed) : Value(), 0),
+         TableCell(run != nullptr ? number(run->report, "frames") : Value(), 0),
+         TableCell(run != nullptr && run->trajectory ? Value(run->trajectory->length) : Value(), 1),
+         TableCell(moving, 1)});
+  }
+  return table;
+}
+}  // namespace dyslam

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <dyslam/eval/Table.h>
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "RunScores.h"
+
+namespace dyslam
+{
+/** A column of a table: what stands above it, and the folder of the runs in it. */
+struct RunColumn
+{
+  std::string heading;
+  std::string folder;
+};
+
+/** The runs of one drive by folder. */
+struct DriveScores
+{
+  std::string name;
+  std::map<std::string, RunScores> runs;
+};
+
+// Means are over those drives for which no shown column lacks its figure, and say how many these
+// are; columns without any run are left out. The best of a row is bold.
+
+/** t_rel and r_rel of the odometry, in the form of the paper's Table 1; the means of its rows
+ * are the last row. */
+[[nodiscard]] Table driftTable(const std::vector<DriveScores>& drives,
+                               const std::vector<RunColumn>& columns);
+/** IoU, precision and recall of the moving points, of drives that have any. */
+[[nodiscard]] Table movingTable(const std::vector<DriveScores>& drives,
+                                const std::vector<RunColumn>& columns);
+/** Absolute errors of the odometry and of the final trajectory. */
+[[nodiscard]] Table absoluteTable(const std::vector<DriveScores>& drives,
+                                  const std::string& folder);
+/** Time per scan, the mean over all scans, in the form of the paper's Table 3, whose rows are the
+ * last. */
+[[nodiscard]] Table timeTable(const std::vector<DriveScores>& drives,
+                              const std::vector<RunColumn>& columns);
+
+/** What each drive is: world, sensor, traffic, seed, scans and length. \param folder of the runs
+ * that tell it */
+[[nodiscard]] Table drivesTable(const std::vector<DriveScores>& drives, const std::string& folder);
+}  // namespace dyslam
