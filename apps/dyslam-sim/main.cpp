@@ -82,8 +82,7 @@ void declare(CLI::App& app, Arguments& a)
   {
     benchmark->excludes(app.get_option(fixed));
   }
-  app.add_option("--split", a.split,
-                 "with --benchmark: the eleven drives of this split instead, validation or test")
+  app.add_option("--split", a.split, "the eleven drives of validation or test as benchmark set")
       ->needs(benchmark);
   app.add_option("--only", a.only, "a single recording of the benchmark set")->needs(benchmark);
   app.add_option(

@@ -16,6 +16,7 @@
 #include <dyslam/odometry/Odometry.h>
 #include <dyslam/odometry/Preprocessor.h>
 #include <dyslam/odometry/ScanMatcher.h>
+#include <dyslam/train/DataSplits.h>
 #include <mrpt/system/CTimeLogger.h>
 
 #include <algorithm>
@@ -26,6 +27,7 @@
 #include <ctime>
 #include <filesystem>
 #include <iostream>
+#include <map>
 #include <sstream>
 
 namespace
@@ -119,21 +121,47 @@ Arguments parse(int argc, char** argv)
   return a;
 }
 
-std::vector<Scan> readScans(const Arguments& a)
+std::vector<std::string> filesOf(const Arguments& a)
 {
   const std::filesystem::path inside = std::filesystem::path(a.folder) / "velodyne";
   const std::string folder = std::filesystem::is_directory(inside) ? inside.string() : a.folder;
-  std::vector<Scan> scans;
-  const std::vector<std::string> files = listBinFiles(folder);
-  for (std::size_t i = a.first; i < std::min(files.size(), a.first + a.frames); ++i)
-  {
-    scans.push_back(readBin(files[i]));
-  }
-  if (scans.empty())
+  const std::vector<std::string> all = listBinFiles(folder);
+  const std::size_t first = std::min(all.size(), a.first);
+  const std::size_t end = first + std::min(all.size() - first, a.frames);
+  if (first == end)
   {
     throw UserError(folder + ": has no .bin file from number " + std::to_string(a.first) + " on");
   }
+  return {all.begin() + static_cast<std::ptrdiff_t>(first),
+          all.begin() + static_cast<std::ptrdiff_t>(end)};
+}
+
+std::vector<Scan> readScans(const std::vector<std::string>& files)
+{
+  std::vector<Scan> scans;
+  for (const std::string& file : files)
+  {
+    scans.push_back(readBin(file));
+  }
   return scans;
+}
+
+/** How many of the scans are of each split: ", 80 training, 30 validation". */
+std::string splitsOf(const std::vector<std::string>& files)
+{
+  const DataSplits splits = DataSplits::load("splits", "splits.ini");
+  std::map<std::string, std::size_t> counts;
+  for (const std::string& file : files)
+  {
+    const auto split = splits.splitOfScan(file);
+    ++counts[split ? toString(*split) : "of unknown split"];
+  }
+  std::string text;
+  for (const auto& [name, count] : counts)
+  {
+    text += ", " + std::to_string(count) + " " + name;
+  }
+  return text;
 }
 
 double cpuMs()
@@ -274,11 +302,12 @@ int main(int argc, char** argv)
   try
   {
     const Arguments a = parse(argc, argv);
-    const std::vector<Scan> scans = readScans(a);
+    const std::vector<std::string> files = filesOf(a);
+    const std::vector<Scan> scans = readScans(files);
     std::vector<Pose> reference = a.poses.empty() ? std::vector<Pose>() : readKittiPoses(a.poses);
     reference.erase(reference.begin(), reference.begin() + static_cast<std::ptrdiff_t>(std::min(
                                                                a.first, reference.size())));
-    std::printf("%zu frames, %d threads\n", scans.size(), a.threads);
+    std::printf("%zu frames%s, %d threads\n", scans.size(), splitsOf(files).c_str(), a.threads);
     std::printf(
         "| method | RPE m mean | RMSE | RPE deg mean | RMSE | end m | forward | ms min | ms median "
         "|"

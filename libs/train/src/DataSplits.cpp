@@ -61,17 +61,15 @@ bool contains(const std::vector<NumberRange>& ranges, std::int64_t number)
                      { return r.first <= number && number <= r.last; });
 }
 
-/** The last number in the name of a file, without its extension. */
-std::int64_t frameOf(const std::string& file, const std::string& field)
+/** The last number in the name of a file, without its extension; nothing if it has none. */
+std::optional<std::int64_t> frameOf(const std::string& file)
 {
   const std::string stem = std::filesystem::path(file).stem().string();
   const std::string digits = "0123456789";
   const std::size_t last = stem.find_last_of(digits);
   if (last == std::string::npos)
   {
-    throw UserError(field + ": " + file +
-                    ": has no frame number in its name, by which splits are told apart; number the "
-                    "scans");
+    return std::nullopt;
   }
   const std::size_t before = stem.find_last_not_of(digits, last);
   const std::size_t first = before == std::string::npos ? 0 : before + 1;
@@ -80,26 +78,31 @@ std::int64_t frameOf(const std::string& file, const std::string& field)
   return digitsOf(stem.substr(last + 1 - count, count));
 }
 
-void requireOneOf(const std::array<std::vector<NumberRange>, 3>& ranges,
+using SplitRanges = std::array<std::vector<NumberRange>, 3>;
+
+std::optional<Split> splitIn(const SplitRanges& ranges, std::int64_t number)
+{
+  for (const Split split : {Split::training, Split::validation, Split::test})
+  {
+    if (contains(ranges[static_cast<std::size_t>(split)], number))
+    {
+      return split;
+    }
+  }
+  return std::nullopt;
+}
+
+void requireOneOf(const SplitRanges& ranges,
                   std::int64_t number,
                   Split split,
                   const std::string& what)
 {
-  const auto wanted = static_cast<std::size_t>(split);
-  if (contains(ranges[wanted], number))
+  const std::optional<Split> found = splitIn(ranges, number);
+  if (found != split)
   {
-    return;
+    throw UserError(what + " is " + (found ? "for " + toString(*found) : "in no split") +
+                    ", not for " + toString(split) + "; choose another, see the file of splits");
   }
-  std::string found = "in no split";
-  for (std::size_t s = 0; s < ranges.size(); ++s)
-  {
-    if (contains(ranges[s], number))
-    {
-      found = std::string("for ") + split_names[s];
-    }
-  }
-  throw UserError(what + " is " + found + ", not for " + split_names[wanted] +
-                  "; choose another, see the file of splits");
 }
 }  // namespace
 
@@ -175,8 +178,14 @@ void DataSplits::requireScan(const std::string& file, Split split, const std::st
                     ": none of its folders is a section of the file of splits; add one that says "
                     "which frames are for training, validation and test");
   }
-  const std::int64_t frame = frameOf(file, field);
-  requireOneOf(*ranges, frame, split, field + ": frame " + std::to_string(frame) + " of " + name);
+  const std::optional<std::int64_t> frame = frameOf(file);
+  if (!frame)
+  {
+    throw UserError(field + ": " + file +
+                    ": has no frame number in its name, by which splits are told apart; number the "
+                    "scans");
+  }
+  requireOneOf(*ranges, *frame, split, field + ": frame " + std::to_string(*frame) + " of " + name);
 }
 
 void DataSplits::requireFrames(const std::string& folder,
@@ -197,17 +206,18 @@ void DataSplits::requireSeed(std::int64_t seed, Split split, const std::string& 
                field + ": seed " + std::to_string(seed) + " of the simulator");
 }
 
+std::optional<Split> DataSplits::splitOfScan(const std::string& file) const
+{
+  std::string name;
+  const Ranges* ranges = recordingOf(file, name);
+  const std::optional<std::int64_t> frame = frameOf(file);
+  return ranges != nullptr && frame ? splitIn(*ranges, *frame) : std::nullopt;
+}
+
 std::optional<Split> DataSplits::splitOfSeed(std::int64_t seed) const
 {
   const auto found = sections_.find(simulator_section);
-  for (const Split split : {Split::training, Split::validation, Split::test})
-  {
-    if (found != sections_.end() && contains(found->second[static_cast<std::size_t>(split)], seed))
-    {
-      return split;
-    }
-  }
-  return std::nullopt;
+  return found == sections_.end() ? std::nullopt : splitIn(found->second, seed);
 }
 
 NumberRange DataSplits::trainingSeeds() const

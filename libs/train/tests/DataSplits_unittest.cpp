@@ -78,6 +78,17 @@ TEST(DataSplits, MistakesInTheFileAreNamed)
   expectHas(wordsOf("[drive]\ntest = all\n"), "'all' is no range");
 }
 
+TEST(DataSplits, AScanHasOneSplitOrNone)
+{
+  const DataSplits splits(Config::fromText("[drive]\ntraining = 0-4\ntest = 20-\n", "mine"));
+  EXPECT_EQ(splits.splitOfScan("/a/drive/velodyne/000004.bin"), Split::training);
+  EXPECT_EQ(splits.splitOfScan("/a/drive/velodyne/000021.bin"), Split::test);
+  for (const char* file : {"/a/drive/000005.bin", "/a/drive/scan.bin", "/a/other/000000.bin"})
+  {
+    EXPECT_EQ(splits.splitOfScan(file), std::nullopt) << file;
+  }
+}
+
 TEST(DataSplits, ASeedHasOneSplitOrNone)
 {
   const DataSplits splits(

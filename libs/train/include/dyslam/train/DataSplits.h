@@ -51,6 +51,8 @@ class DataSplits
                      const std::string& field) const;
   /** The same of a simulated world. \throws UserError. */
   void requireSeed(std::int64_t seed, Split split, const std::string& field) const;
+  /** The split of a scan, found as by requireScan(); nothing if it is of none or has no number. */
+  [[nodiscard]] std::optional<Split> splitOfScan(const std::string& file) const;
   /** The split of a simulated world; nothing if it is of none. */
   [[nodiscard]] std::optional<Split> splitOfSeed(std::int64_t seed) const;
   /** The seeds to draw worlds from for training. \throws UserError unless it is one range. */
