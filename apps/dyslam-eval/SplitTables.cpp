@@ -4,6 +4,7 @@
 #include <dyslam/eval/PaperFigures.h>
 
 #include <algorithm>
+#include <cmath>
 #include <functional>
 #include <iterator>
 #include <optional>
@@ -44,9 +45,11 @@ std::vector<RunColumn> withRuns(const std::vector<DriveScores>& drives,
   return present;
 }
 
-/** The cells of a row, the best of each group bold where the others are worse. */
+/** The cells of a row, the best of each group bold where the others are printed as worse. */
 std::vector<TableCell> cellsOf(const std::vector<Figure>& figures, const std::vector<Value>& values)
 {
+  const auto printed = [&](std::size_t i)
+  { return std::round(*values[i] * std::pow(10, figures[i].digits)); };
   std::vector<TableCell> cells;
   for (std::size_t i = 0; i < figures.size(); ++i)
   {
@@ -56,7 +59,7 @@ std::vector<TableCell> cellsOf(const std::vector<Figure>& figures, const std::ve
     for (std::size_t k = 0; k < figures.size() && !beaten; ++k)
     {
       const double lead = figures[k].group == figures[i].group && values[k]
-                              ? figures[i].best * (*values[i] - *values[k])
+                              ? figures[i].best * (printed(i) - printed(k))
                               : 0.0;
       beaten = lead < 0;
       beats = beats || lead > 0;

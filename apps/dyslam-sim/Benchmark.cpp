@@ -57,28 +57,30 @@ struct Drive
   WorldKind world;
   SensorKind sensor;
   double traffic;
-  double speed;  //!< cruising [m/s]; 0 for the default of the world
-  double loop;   //!< [m]
-  double seconds;
+  double speed;    //!< cruising [m/s]; 0 for the default of the world
+  double loop;     //!< [m]
+  double seconds;  //!< at most, if the loop is closed
+  bool closed;     //!< goes on until its loop is closed
 };
 
-// As KITTI odometry 00-10 mostly streets in light traffic and one motorway, and what those lack: a
-// jam, a robot, other sensors. In denser traffic the ego mostly stands in queues.
+// As KITTI odometry 00-10 mostly streets in light traffic and one motorway, some of them with a
+// loop, and what those lack: a jam, a robot, other sensors. In denser traffic the ego mostly stands
+// in queues.
 constexpr std::array<Drive, 11> drives{{
-    {WorldKind::urban, SensorKind::hdl64e, 0.25, 11, 900, 60},     // 00 street
-    {WorldKind::highway, SensorKind::hdl64e, 0.30, 28, 2400, 45},  // 01 highway
-    {WorldKind::urban, SensorKind::hdl64e, 0.20, 12, 1200, 60},    // 02 street
-    {WorldKind::urban, SensorKind::hdl64e, 0.04, 10, 700, 50},     // 03 street, nearly empty
-    {WorldKind::urban, SensorKind::hdl64e, 0.30, 13, 900, 50},     // 04 street
-    {WorldKind::urban, SensorKind::hdl64e, 0.25, 9, 600, 60},      // 05 street
-    {WorldKind::highway, SensorKind::hdl64e, 1.00, 0, 2400, 60},   // 06 jam
-    {WorldKind::urban, SensorKind::hdl64e, 0.20, 10, 500, 50},     // 07 street
-    {WorldKind::highway, SensorKind::hdl64e, 0.60, 28, 2400, 45},  // 08 highway, dense traffic
-    {WorldKind::campus, SensorKind::vlp16, 0.50, 2.6, 300, 60},    // 09 robot on a campus
-    {WorldKind::urban, SensorKind::hdl32e, 0.20, 10, 700, 50},     // 10 street
+    {WorldKind::urban, SensorKind::hdl64e, 0.25, 11, 900, 60, false},     // 00 street
+    {WorldKind::highway, SensorKind::hdl64e, 0.30, 28, 2400, 45, false},  // 01 highway
+    {WorldKind::urban, SensorKind::hdl64e, 0.20, 12, 1200, 60, false},    // 02 street
+    {WorldKind::urban, SensorKind::hdl64e, 0.04, 10, 700, 50, false},     // 03 street, nearly empty
+    {WorldKind::urban, SensorKind::hdl64e, 0.30, 13, 900, 50, false},     // 04 street
+    {WorldKind::urban, SensorKind::hdl64e, 0.20, 10, 260, 120, true},     // 05 street, loop
+    {WorldKind::highway, SensorKind::hdl64e, 1.00, 0, 2400, 60, false},   // 06 jam
+    {WorldKind::urban, SensorKind::hdl64e, 0.15, 11, 260, 120, true},     // 07 street, loop
+    {WorldKind::highway, SensorKind::hdl64e, 0.60, 28, 2400, 45, false},  // 08 highway, dense
+    {WorldKind::campus, SensorKind::vlp16, 0.50, 2.6, 300, 60, false},    // 09 robot on a campus
+    {WorldKind::urban, SensorKind::hdl32e, 0.20, 10, 700, 50, false},     // 10 street
 }};
-/** Twice the shortest segment of t_rel [m]. */
-constexpr double least_distance = 200;
+/** Of those without a loop: the shortest segment of t_rel and half of it [m]. */
+constexpr double least_distance = 150;
 constexpr int first_validation_seed = 900000001;
 constexpr int first_test_seed = 1200000001;
 }  // namespace
@@ -120,7 +122,8 @@ std::vector<NamedRecording> splitSet(const std::string& dir, const std::string& 
     set.push_back(make(split + (number < 10 ? "_0" : "_") + std::to_string(number), drive.world,
                        drive.sensor, drive.traffic, drive.loop, drive.seconds, first + number));
     set.back().recording.simulator.ego_speed = drive.speed;
-    set.back().recording.least_distance = least_distance;
+    set.back().recording.one_loop = drive.closed;
+    set.back().recording.least_distance = drive.closed ? 0 : least_distance;
   }
   setPaths(set, dir);
   return set;
