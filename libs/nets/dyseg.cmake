@@ -24,6 +24,7 @@ dyslam_add_library(NAME nets_dyseg HEADERS torch
     src/DysegNet.cpp
     src/FlowUpdate.cpp
     src/MotionSearch.cpp
+    src/OccupiedProducts.cpp
     src/RigidFlow.cpp
     src/StaticMotionMatcher.cpp
   PUBLIC dyslam::core dyslam::nets_common

@@ -6,7 +6,11 @@
 
 #include <Eigen/Core>
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <vector>
+
+#include "OccupiedProducts.h"
 
 namespace dyslam
 {
@@ -98,17 +102,21 @@ class GatheredLinear : public torch::autograd::Function<GatheredLinear>
                         double slope)
   {
     auto y = torch::empty({table.size(0), weight.size(0)}, rows.options());
-    const Matrix w_t = viewOf(weight).transpose();
     const Eigen::Map<const Row> b(bias.data_ptr<float>(), bias.size(0));
     Eigen::Map<Matrix> out(y.data_ptr<float>(), y.size(0), y.size(1));
     const auto leak = static_cast<float>(slope);
-    forBlocks(table.size(0), block,
+    const OccupiedProducts products(rows.data_ptr<float>(), rows.size(1), weight.data_ptr<float>(),
+                                    table.size(1), weight.size(0));
+    constexpr std::int64_t rows_at_once = 64;  // their sums stay in the first cache
+    forBlocks(table.size(0), rows_at_once,
               [&](std::int64_t first, std::int64_t count)
               {
-                Matrix gathered(count, weight.size(1));
-                gatherBlock(rows, table, first, count, gathered.data());
+                Matrix sums(count, products.width());
+                sums.setZero();
+                products.addTo(table.data_ptr<std::int32_t>() + first * table.size(1), count,
+                               sums.data());
                 auto part = out.middleRows(first, count);
-                part.noalias() = gathered * w_t;
+                part = sums.leftCols(out.cols());
                 part.rowwise() += b;
                 if (leak != 1.0F)
                 {
