@@ -72,7 +72,8 @@ void RunScans::fillCloud(Frame& frame, std::size_t pose) const
     T_previous_current = t[current - 1].pose.inverse() * t[current].pose;
     dt = t[current].stamp - t[current - 1].stamp;
   }
-  frame.cloud = preprocessor_.prepare(frame.scan, T_previous_current, dt);
+  // The trajectory may be that of every tenth scan: its steps are no revolutions.
+  frame.cloud = preprocessor_.prepare(frame.scan, T_previous_current, dt, frame.sweep_duration);
 }
 
 /** One label per point of the cloud. */

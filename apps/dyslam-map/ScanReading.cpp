@@ -4,6 +4,7 @@
 #include <dyslam/core/Error.h>
 #include <dyslam/core/Printable.h>
 #include <dyslam/formats/TrajectoryFiles.h>
+#include <dyslam/odometry/ScanClock.h>
 
 #include <cstdio>
 #include <optional>
@@ -69,6 +70,7 @@ std::string readScans(RawlogSource& source,
                       const std::function<void(Frame)>& use)
 {
   Progress progress(what, "scans", quiet);
+  ScanClock clock;
   for (;;)
   {
     std::optional<Frame> frame;
@@ -85,6 +87,9 @@ std::string readScans(RawlogSource& source,
       progress.finish(source.framesRead());
       return {};
     }
+    clock.advance(frame->scan.stamp);
+    frame->sweep_duration = clock.sweepDuration();
+    clock.settle(clock.interval());
     use(std::move(*frame));
     progress.update(source.progress(), source.framesRead());
   }

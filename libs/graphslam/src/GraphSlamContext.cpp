@@ -58,6 +58,8 @@ void GraphSlamContext::takeObservation(const mrpt::obs::CObservation::Ptr& obser
   }
   frame_ = decoder_.decode(*scan);
   pipeline_.runFrontEnd(*frame_);
+  pipeline_.deskew(*frame_);
+  pipeline_.trackObjects(*frame_);
   pipeline_.addOdometry(*frame_);
   T_map_vehicle_ = frame_->T_map_vehicle();
   in_step_ = true;

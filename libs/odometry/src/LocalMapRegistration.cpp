@@ -122,9 +122,10 @@ struct LocalMapRegistration::State
   int levels = 1;        //!< of the map
   int frames = 0;        //!< in the map
   int failures = 0;
-  double guess_error2 = 0;   //!< running mean square of the error of guesses [m^2]
-  double usual_inliers = 0;  //!< running mean of the inlier share
-  RawPoints first;           //!< the first frame, until the second shows its motion
+  double guess_error2 = 0;               //!< running mean square of the error of guesses [m^2]
+  double usual_inliers = 0;              //!< running mean of the inlier share
+  RawPoints first;                       //!< the first frame, until the second shows its motion
+  Pose T_odom_first = Pose::Identity();  //!< where it was
 
   // The frame at hand
   Pose T_odom_previous = Pose::Identity();
@@ -284,7 +285,7 @@ ScanToMapResult LocalMapRegistration::State::alignSecond(const Pose& T_guess,
   {
     first.deskewed(T_odom_previous.inverse() * result.T, pool, deskewed);
     map.clear();
-    map.add(deskewed, first.weight, T_odom_previous);
+    map.add(deskewed, first.weight, T_odom_first);
     const int iterations = result.iterations;
     result = registration.align(points.sample, covariances, map, T_odom_previous, result.T,
                                 settings(options.max_loss_width));
@@ -403,7 +404,6 @@ RegistrationResult LocalMapRegistration::registerFrame(const Frame& frame,
   if (s.frames == 0)
   {
     s.pending = Pending::restart;
-    s.measureSensor(frame.scan);
     result.motion.converged = true;
     return result;
   }
@@ -464,10 +464,12 @@ void LocalMapRegistration::integrate(const Frame& frame)
   s.points.updateWeights(frame);
   if (s.pending == Pending::restart)
   {
+    s.measureSensor(frame.scan);
     s.map.restart(s.cell_size, s.levels);
     s.frames = 0;
     s.failures = 0;
     s.first = s.points.scan;
+    s.T_odom_first = s.T_odom_vehicle;
     s.add(s.points.deskewed, s.T_odom_vehicle);
   }
   else
@@ -504,6 +506,7 @@ void LocalMapRegistration::exchangeState(StateArchive& archive)
 {
   State& s = *state_;
   archive(s.map, s.cropped_at, s.spacing, s.cell_size, s.levels, s.frames, s.failures,
-          s.guess_error2, s.usual_inliers, s.first, s.T_odom_previous, s.T_odom_vehicle, s.pending);
+          s.guess_error2, s.usual_inliers, s.first, s.T_odom_first, s.T_odom_previous,
+          s.T_odom_vehicle, s.pending);
 }
 }  // namespace dyslam

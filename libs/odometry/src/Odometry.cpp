@@ -3,6 +3,7 @@
 #include <dyslam/odometry/LocalMapRegistration.h>
 #include <dyslam/odometry/MotionFilter.h>
 #include <dyslam/odometry/Odometry.h>
+#include <dyslam/odometry/ScanClock.h>
 #include <dyslam/odometry/ScanMatcher.h>
 #include <mrpt/system/CTimeLogger.h>
 
@@ -12,7 +13,6 @@
 #include <utility>
 
 #include "MotionUncertainty.h"
-#include "ScanClock.h"
 
 namespace dyslam
 {
@@ -343,10 +343,11 @@ Odometry::Odometry(Odometry&&) noexcept = default;
 void Odometry::predict(Frame& frame)
 {
   State& s = *state_;
-  const double interval = s.clock.advance(frame.scan.stamp);
+  s.clock.advance(frame.scan.stamp);
   s.doubtful = s.clock.isDoubtful();
   s.after_gap = false;
-  frame.dt = s.doubtful ? s.clock.period() : interval;
+  frame.sweep_duration = s.clock.sweepDuration();
+  frame.dt = frame.sweep_duration;  // settleTime() corrects it
   frame.clock_offset = s.clock.offset();
   frame.prior = s.priorAfter(frame.dt);
   s.started = true;
@@ -374,7 +375,12 @@ void Odometry::settleTime(Frame& frame, const std::function<Cloud(const Pose&, d
   {
     frame.prior.T_previous_current = *T_found;
   }
-  frame.cloud = prepare(frame.prior.T_previous_current, frame.dt);
+  // Beyond the extrapolation the prior covers a part of dt; the sweep is deskewed by its velocity.
+  const double beyond = frame.dt / ScanClock::max_extrapolation;
+  frame.cloud =
+      prepare(s.after_gap && !T_found ? expSE3(beyond * logSE3(frame.prior.T_previous_current))
+                                      : frame.prior.T_previous_current,
+              frame.dt);
 }
 
 void Odometry::estimate(Frame& frame)

@@ -54,7 +54,10 @@ Preprocessor::Preprocessor(const PreprocessOptions& options, ThreadPool& pool)
   }
 }
 
-Cloud Preprocessor::prepare(const Scan& scan, const Pose& T_previous_current, double dt) const
+Cloud Preprocessor::prepare(const Scan& scan,
+                            const Pose& T_previous_current,
+                            double dt,
+                            double sweep_duration) const
 {
   const std::size_t count = scan.size();
   const bool has_intensity = scan.intensity.size() == count;
@@ -70,6 +73,7 @@ Cloud Preprocessor::prepare(const Scan& scan, const Pose& T_previous_current, do
   const Pose T_sweep = skewed && has_motion ? T_previous_current : Pose::Identity();
   const SweepMotion motion(T_sweep, 0);
   const auto per_unit = static_cast<float>(by_time ? 1 / unit : 0);
+  const float per_revolution = has_motion ? phaseScale(sweep_duration, dt) : 1.0F;
   const auto reference = static_cast<float>(options_.sweep_reference);
   const Eigen::Matrix3f R = scan.T_vehicle_lidar.linear().cast<float>();
   const Eigen::Vector3f t = scan.T_vehicle_lidar.translation().cast<float>();
@@ -101,8 +105,10 @@ Cloud Preprocessor::prepare(const Scan& scan, const Pose& T_previous_current, do
                       Eigen::Vector3f q = R * p + t;
                       if (skewed)
                       {
-                        const float phase = by_time ? scan.time[i] * per_unit
-                                                    : sweepFraction(p, options_.sweep) - reference;
+                        const float phase =
+                            by_time
+                                ? scan.time[i] * per_unit
+                                : (sweepFraction(p, options_.sweep) - reference) * per_revolution;
                         q = motion.toReference(q, phase);
                         if (!q.allFinite())
                         {
@@ -117,7 +123,7 @@ Cloud Preprocessor::prepare(const Scan& scan, const Pose& T_previous_current, do
 
   Cloud cloud;
   cloud.T_sweep = T_sweep;
-  cloud.phase_unit = by_time ? unit : 0;
+  cloud.phase_unit = by_time ? unit : has_motion && sweep_duration > 0 ? dt : 0;
   cloud.points.reserve(count);
   cloud.source.reserve(count);
   for (const Part& part : parts)
@@ -135,5 +141,37 @@ Cloud Preprocessor::prepare(const Scan& scan, const Pose& T_previous_current, do
     }
   }
   return cloud;
+}
+
+void redeskew(const Pose& T_previous_current, double dt, ThreadPool& pool, Cloud& cloud)
+{
+  constexpr double same_translation = 1e-3;  // [m]
+  constexpr double same_angle = 1e-4;        // [rad]
+  if (cloud.phase.size() != cloud.size() || !(dt > 0))
+  {
+    return;
+  }
+  const float scale = phaseScale(cloud.phase_unit, dt);
+  const Vector6 change = logSE3(cloud.T_sweep.inverse() * T_previous_current);
+  if (scale == 1.0F && change.head<3>().norm() < same_translation &&
+      change.tail<3>().norm() < same_angle)
+  {
+    return;
+  }
+  const SweepMotion before(cloud.T_sweep, 0);
+  const SweepMotion after(T_previous_current, 0);
+  pool.forChunks(cloud.size(), chunk_size,
+                 [&](std::size_t begin, std::size_t end, std::size_t)
+                 {
+                   for (std::size_t i = begin; i < end; ++i)
+                   {
+                     float& phase = cloud.phase[i];
+                     const Eigen::Vector3f measured = before.toReference(cloud.points[i], -phase);
+                     phase *= scale;
+                     cloud.points[i] = after.toReference(measured, phase);
+                   }
+                 });
+  cloud.T_sweep = T_previous_current;
+  cloud.phase_unit = dt;
 }
 }  // namespace dyslam

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "ScanClock.h"
-
 #include <dyslam/core/Motion.h>
 #include <dyslam/core/StateArchive.h>
 #include <dyslam/odometry/MotionFilter.h>
+#include <dyslam/odometry/ScanClock.h>
 
 #include <algorithm>
 #include <cmath>
@@ -35,13 +34,12 @@ double distanceAfter(const MotionFilter& filter, double dt, const Pose& T_previo
 }
 }  // namespace
 
-double ScanClock::advance(double stamp)
+void ScanClock::advance(double stamp)
 {
   interval_ = started_ ? stamp - stamp_ : 0;
   started_ = true;
   stamp_ = stamp;
   ++scans_;
-  return interval_;
 }
 
 bool ScanClock::isDoubtful() const

@@ -45,11 +45,11 @@ void RawPoints::deskewed(const Pose& T_sweep,
 
 void RawPoints::rescalePhase(double unit)
 {
-  if (phase_unit <= 0 || unit <= 0 || phase_unit == unit)
+  const float scale = phaseScale(phase_unit, unit);
+  if (scale == 1.0F)
   {
     return;
   }
-  const auto scale = static_cast<float>(phase_unit / unit);
   for (float& p : phase)
   {
     p *= scale;

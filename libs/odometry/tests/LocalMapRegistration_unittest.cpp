@@ -172,6 +172,33 @@ TEST_P(Registration, UselessFramesKeepTheGuessAndTheMap)
   EXPECT_LT((T.inverse() * good.T_odom_vehicle).translation().norm(), 0.03);
 }
 
+/** The frame that shows the motion of the first one is not the second: the first one stays where
+ * it was. */
+TEST_P(Registration, AnEmptySecondFrameLeavesTheFirstInItsPlace)
+{
+  const std::vector<Pose> poses = drive(6);
+  const Preprocessor preprocessor(PreprocessOptions(), pool_);
+  LocalMapRegistration registration(options(), pool_);
+  Pose motion = Pose::Identity();
+  for (std::size_t i = 0; i < poses.size(); ++i)
+  {
+    const Pose T_sweep = poses[0].inverse() * poses[1];
+    Frame frame;
+    if (i != 1)
+    {
+      frame.scan = scene_.scan(poses[i], 0.01, static_cast<unsigned>(i + 1), T_sweep);
+    }
+    frame.cloud = preprocessor.prepare(frame.scan, motion, i == 0 ? 0 : 0.1);
+    // The prior of a vehicle whose speed is known.
+    motion = T_sweep;
+    const RegistrationResult result =
+        step(registration, frame, registration.pose() * (i == 0 ? Pose::Identity() : motion), 0.1);
+    EXPECT_EQ(result.motion.converged, i != 1) << i << ": " << result.motion.reason;
+    const Pose error = poses[i].inverse() * result.T_odom_vehicle;
+    EXPECT_LT(error.translation().norm(), 0.1) << i;
+  }
+}
+
 TEST_P(Registration, AForeignSceneFailsAndThenRestartsTheMap)
 {
   LocalMapRegistration registration(options(), pool_);

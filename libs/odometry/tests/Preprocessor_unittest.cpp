@@ -122,6 +122,81 @@ TEST(Preprocessor, PhasesWithoutAPeriodAreInUnitsOfTheScansDuration)
   EXPECT_EQ(preprocessor.prepare(untimed, motion, 0).phase_unit, 0) << "one revolution";
 }
 
+float largestDifference(const Cloud& a, const Cloud& b)
+{
+  EXPECT_EQ(a.source, b.source);
+  float largest = 0;
+  for (std::size_t i = 0; i < std::min(a.size(), b.size()); ++i)
+  {
+    largest = std::max(largest, (a.points[i] - b.points[i]).norm());
+  }
+  return largest;
+}
+
+/** By azimuth, a sweep lasts as long as the sensor turns once, however many scans are missing. */
+TEST(Preprocessor, MissingScansDoNotMakeTheSweepLonger)
+{
+  const test::StreetScene scene;
+  const Pose motion = poseFromYpr(1, 0, 0, 3 * degree, 0, 0);
+  Scan scan = scene.scan(Pose::Identity(), 0, 1, motion);
+  scan.time.clear();
+  ThreadPool pool(1);
+  const Preprocessor preprocessor(PreprocessOptions(), pool);
+  const Cloud expected = preprocessor.prepare(scan, motion, 0.1, 0.1);
+  const Cloud after_gap = preprocessor.prepare(scan, motion * motion * motion, 0.3, 0.1);
+  EXPECT_LT(largestDifference(expected, after_gap), 1e-3F);
+  EXPECT_EQ(after_gap.phase_unit, 0.3);
+  EXPECT_GT(largestDifference(expected, preprocessor.prepare(scan, motion * motion, 0.2)), 0.1F)
+      << "without a duration, the sweep lasts as long as the interval";
+}
+
+TEST(Preprocessor, RedeskewsByAnotherMotion)
+{
+  const test::StreetScene scene;
+  const Pose motion = poseFromYpr(1, 0.1, 0, 3 * degree, 0, 0);
+  Scan scan = scene.scan(Pose::Identity(), 0, 1, motion);
+  ThreadPool pool(2);
+  const Preprocessor preprocessor(PreprocessOptions(), pool);
+  for (const bool timed : {true, false})
+  {
+    const Cloud expected = preprocessor.prepare(scan, motion, 0.1, 0.1);
+    const Pose wrong = motion * poseFromYpr(0.2, 0, 0, 1 * degree, 0, 0);
+    Cloud cloud = preprocessor.prepare(scan, wrong, 0.1, 0.1);
+    EXPECT_GT(largestDifference(expected, cloud), 0.1F);
+    redeskew(motion, 0.1, pool, cloud);
+    EXPECT_LT(largestDifference(expected, cloud), 2e-4F) << timed;
+    EXPECT_TRUE(cloud.T_sweep.isApprox(motion));
+    // A first scan, whose motion the second one has shown.
+    Cloud first = preprocessor.prepare(scan, motion, 0);
+    EXPECT_GT(largestDifference(expected, first), 0.1F);
+    redeskew(motion, 0.1, pool, first);
+    EXPECT_LT(largestDifference(expected, first), 2e-4F) << timed;
+    EXPECT_EQ(first.phase_unit, 0.1);
+    scan.time.clear();
+  }
+}
+
+TEST(Preprocessor, RedeskewLeavesWhatHasNoPhasesOrTheSameMotion)
+{
+  const test::StreetScene scene;
+  const Pose motion = poseFromYpr(1, 0, 0, 0, 0, 0);
+  const Scan scan = scene.scan(Pose::Identity(), 0, 1, motion);
+  ThreadPool pool(1);
+  PreprocessOptions off;
+  off.deskew = DeskewMode::none;
+  Cloud cloud = Preprocessor(off, pool).prepare(scan, motion, 0.1);
+  const Cloud without_phases = cloud;
+  redeskew(motion, 0.1, pool, cloud);
+  EXPECT_EQ(cloud.points, without_phases.points);
+  const Preprocessor preprocessor(PreprocessOptions(), pool);
+  cloud = preprocessor.prepare(scan, motion, 0.1);
+  const Cloud before = cloud;
+  redeskew(motion * poseFromYpr(5e-4, 0, 0, 0, 0, 0), 0.1, pool, cloud);
+  EXPECT_EQ(cloud.points, before.points);
+  redeskew(Pose::Identity(), 0, pool, cloud);  // no time has passed
+  EXPECT_EQ(cloud.points, before.points);
+}
+
 TEST(Preprocessor, SameForAnyNumberOfThreads)
 {
   const test::StreetScene scene;

@@ -56,7 +56,7 @@ TEST_P(ScanClockTest, MotionGoesOn)
     frame.scan.stamp = clock;
     odometry.predict(frame);
     const auto prepare = [&](const Pose& T_previous_current, double dt)
-    { return preprocessor.prepare(frame.scan, T_previous_current, dt); };
+    { return preprocessor.prepare(frame.scan, T_previous_current, dt, frame.sweep_duration); };
     frame.cloud = prepare(frame.prior.T_previous_current, frame.dt);
     odometry.settleTime(frame, prepare);
     odometry.estimate(frame);

@@ -6,8 +6,6 @@
 #include <dyslam/odometry/Odometry.h>
 #include <dyslam/odometry/Preprocessor.h>
 #include <dyslam/pipeline/FrontEnd.h>
-#include <dyslam/tracking/Detector.h>
-#include <dyslam/tracking/Tracker.h>
 #include <mrpt/system/CTimeLogger.h>
 
 namespace dyslam
@@ -16,17 +14,14 @@ using mrpt::system::CTimeLoggerEntry;
 
 struct FrontEnd::Stages
 {
-  Stages(const FrontEndOptions& given, ConfigLoader& config, mrpt::system::CTimeLogger& time_logger)
+  Stages(int threads, ConfigLoader& config, mrpt::system::CTimeLogger& time_logger)
       : times(time_logger),
-        options(given),
         segmentation(config.get<MovingSegmenterOptions>("dyseg")),
-        pool(options.threads),
+        pool(threads),
         preprocessor(config.get<PreprocessOptions>("preprocess"), pool),
         segmenter(makeSegmenter(segmentation.method, config, pool)),
         filter(config.get<TemporalFilterOptions>("dyseg_filter")),
-        odometry(config, pool, times),
-        detector(config.get<DetectorOptions>("detector")),
-        tracker(config.get<TrackerOptions>("tracker"))
+        odometry(config, pool, times)
   {
   }
 
@@ -34,24 +29,18 @@ struct FrontEnd::Stages
   /** Segments now if the segmenter runs before (false) or after (true) the pose is known. */
   void segment(Frame& frame, bool pose_known);
   void filterOverTime(Frame& frame);
-  void track(Frame& frame);
 
   mrpt::system::CTimeLogger& times;
-  FrontEndOptions options;
   MovingSegmenterOptions segmentation;
   ThreadPool pool;
   Preprocessor preprocessor;
   std::unique_ptr<MovingSegmenter> segmenter;  //!< null: nothing is segmented
   TemporalFilter filter;
   Odometry odometry;
-  Detector detector;
-  Tracker tracker;
 };
 
-FrontEnd::FrontEnd(const FrontEndOptions& options,
-                   ConfigLoader& config,
-                   mrpt::system::CTimeLogger& times)
-    : stages_(std::make_unique<Stages>(options, config, times))
+FrontEnd::FrontEnd(int threads, ConfigLoader& config, mrpt::system::CTimeLogger& times)
+    : stages_(std::make_unique<Stages>(threads, config, times))
 {
 }
 
@@ -68,14 +57,13 @@ void FrontEnd::process(Frame& frame)
   s.filterOverTime(frame);
   decideMoving(frame, s.segmentation.moving_threshold);
   s.odometry.integrate(frame);
-  s.track(frame);
 }
 
 void FrontEnd::Stages::preprocess(Frame& frame)
 {
   const CTimeLoggerEntry timed(times, "preprocess");
   const auto prepare = [&](const Pose& T_previous_current, double dt)
-  { return preprocessor.prepare(frame.scan, T_previous_current, dt); };
+  { return preprocessor.prepare(frame.scan, T_previous_current, dt, frame.sweep_duration); };
   frame.cloud = prepare(frame.prior.T_previous_current, frame.dt);
   odometry.settleTime(frame, prepare);
 }
@@ -98,16 +86,6 @@ void FrontEnd::Stages::filterOverTime(Frame& frame)
   }
 }
 
-void FrontEnd::Stages::track(Frame& frame)
-{
-  if (options.tracking)
-  {
-    const CTimeLoggerEntry timed(times, "tracking");
-    detector.detect(frame);
-    tracker.update(frame);
-  }
-}
-
 void FrontEnd::exchangeState(StateArchive& archive)
 {
   Stages& s = *stages_;
@@ -115,7 +93,7 @@ void FrontEnd::exchangeState(StateArchive& archive)
   {
     archive(*s.segmenter);
   }
-  archive(s.filter, s.odometry, s.tracker);
+  archive(s.filter, s.odometry);
 }
 
 std::string FrontEnd::summary() const

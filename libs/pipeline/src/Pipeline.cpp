@@ -1,13 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/backend/Backend.h>
+#include <dyslam/core/Parallel.h>
 #include <dyslam/core/RuntimeModule.h>
 #include <dyslam/core/StateArchive.h>
 #include <dyslam/dyseg/MovingSegmenter.h>
 #include <dyslam/mapping/HindsightLabels.h>
 #include <dyslam/mapping/StaticMap.h>
 #include <dyslam/odometry/Odometry.h>
+#include <dyslam/odometry/Preprocessor.h>
 #include <dyslam/pipeline/FrontEnd.h>
 #include <dyslam/pipeline/Pipeline.h>
+#include <dyslam/tracking/Detector.h>
+#include <dyslam/tracking/Tracker.h>
 #include <mrpt/system/CTimeLogger.h>
 
 #include <functional>
@@ -46,7 +50,9 @@ struct Pipeline::Stages
          const std::string& temporary_folder)
       : times(time_logger),
         options(config.get<PipelineOptions>("pipeline")),
-        front_end({options.threads, options.tracking}, config, times),
+        front_end(options.threads, config, times),
+        detector(config.get<DetectorOptions>("detector")),
+        tracker(config.get<TrackerOptions>("tracker")),
         keyframes({config.get<MemoryOptions>("memory"), temporary_folder}),
         backend(
             {config.get<BackendOptions>("backend"), config.get<LoopCloserOptions>("loop"),
@@ -61,35 +67,48 @@ struct Pipeline::Stages
     }
   }
 
-  void use(const Frame& decided);
+  void insertInMap(const Frame& decided);
+  void use(Frame decided);
+  void decide(const Frame& frame);
+  void decideFirst();
 
   mrpt::system::CTimeLogger& times;
   PipelineOptions options;
   FrontEnd front_end;
+  ThreadPool pool{1};  //!< of the back end; the front end has its own
+  Detector detector;
+  Tracker tracker;
   KeyframeStore keyframes;
   Backend backend;
   std::optional<HindsightLabels> hindsight;
+  std::optional<Frame> first;  //!< until the second one has come
   StaticMap map;
-  std::function<void(const Frame&)> on_decided;
+  std::function<void(Frame)> on_decided;
 };
 
-void Pipeline::Stages::use(const Frame& decided)
+void Pipeline::Stages::insertInMap(const Frame& decided)
 {
-  if (options.mapping && decided.is_keyframe)
+  if (!options.mapping || !decided.is_keyframe)
   {
-    const CTimeLoggerEntry timed(times, "map");
-    if (decided.motion.converged)
-    {
-      map.insert(decided);
-    }
-    else
-    {
-      map.passOver(decided);
-    }
+    return;
   }
+  const CTimeLoggerEntry timed(times, "map");
+  if (decided.motion.converged)
+  {
+    map.insert(decided);
+  }
+  else
+  {
+    map.passOver(decided);
+  }
+}
+
+void Pipeline::Stages::use(Frame decided)
+{
+  insertInMap(decided);
   if (on_decided)
   {
-    on_decided(decided);
+    on_decided(std::move(decided));
   }
 }
 
@@ -115,10 +134,30 @@ void Pipeline::runFrontEnd(Frame& frame)
 
 void Pipeline::runBackEnd(Frame& frame)
 {
+  deskew(frame);
+  trackObjects(frame);
   addOdometry(frame);
   addLoops(frame);
   optimise(frame);
   addToMap(frame);
+}
+
+void Pipeline::deskew(Frame& frame)
+{
+  Stages& s = *stages_;
+  const CTimeLoggerEntry timed(s.times, "deskew");
+  redeskew(frame.motion.T_previous_current, frame.dt, s.pool, frame.cloud);
+}
+
+void Pipeline::trackObjects(Frame& frame)
+{
+  Stages& s = *stages_;
+  if (s.options.tracking)
+  {
+    const CTimeLoggerEntry timed(s.times, "tracking");
+    s.detector.detect(frame);
+    s.tracker.update(frame);
+  }
 }
 
 bool Pipeline::addOdometry(Frame& frame)
@@ -139,27 +178,59 @@ bool Pipeline::optimise(Frame& frame)
   return stages_->backend.optimise(frame);
 }
 
-void Pipeline::addToMap(const Frame& frame)
+void Pipeline::Stages::decide(const Frame& frame)
 {
-  Stages& s = *stages_;
-  if (!s.hindsight)
+  if (!hindsight)
   {
-    s.use(frame);
+    insertInMap(frame);
+    if (on_decided)
+    {
+      on_decided(frame);
+    }
     return;
   }
-  const bool wanted = s.on_decided || (s.options.mapping && frame.is_keyframe);
+  const bool wanted = on_decided || (options.mapping && frame.is_keyframe);
   std::vector<Frame> decided;
   {
-    const CTimeLoggerEntry timed(s.times, "hindsight");
-    s.hindsight->add(frame, wanted, [&](Frame f) { decided.push_back(std::move(f)); });
+    const CTimeLoggerEntry timed(times, "hindsight");
+    hindsight->add(frame, wanted, [&](Frame f) { decided.push_back(std::move(f)); });
   }
-  for (const Frame& f : decided)
+  for (Frame& f : decided)
   {
-    s.use(f);
+    use(std::move(f));
   }
 }
 
-void Pipeline::onDecided(std::function<void(const Frame&)> use)
+void Pipeline::Stages::decideFirst()
+{
+  if (first)
+  {
+    decide(*std::exchange(first, std::nullopt));
+  }
+}
+
+void Pipeline::addToMap(const Frame& frame)
+{
+  Stages& s = *stages_;
+  if (s.first)
+  {
+    if (frame.motion.converged)
+    {
+      redeskew(frame.motion.T_previous_current, frame.dt, s.pool, s.first->cloud);
+    }
+    s.decideFirst();
+  }
+  if (frame.dt > 0)
+  {
+    s.decide(frame);
+  }
+  else
+  {
+    s.first = frame;
+  }
+}
+
+void Pipeline::onDecided(std::function<void(Frame)> use)
 {
   stages_->on_decided = std::move(use);
 }
@@ -171,10 +242,18 @@ void Pipeline::finish()
     const CTimeLoggerEntry timed(s.times, "backend.finish");
     s.backend.finish();
   }
+  s.decideFirst();
   if (s.hindsight)
   {
-    const CTimeLoggerEntry timed(s.times, "hindsight.finish");
-    s.hindsight->finish([&s](const Frame& f) { s.use(f); });
+    std::optional<CTimeLoggerEntry> timed;
+    timed.emplace(s.times, "hindsight.finish");
+    s.hindsight->finish(
+        [&](Frame frame)
+        {
+          timed.reset();
+          s.use(std::move(frame));
+          timed.emplace(s.times, "hindsight.finish");
+        });
   }
   if (s.options.mapping)
   {
@@ -192,7 +271,7 @@ void Pipeline::exchangeFrontEndState(StateArchive& archive)
 void Pipeline::exchangeBackEndState(StateArchive& archive)
 {
   Stages& s = *stages_;
-  archive(s.keyframes, s.backend, s.map);
+  archive(s.tracker, s.keyframes, s.backend, s.first, s.map);
   if (s.hindsight)
   {
     archive(*s.hindsight);

@@ -183,7 +183,7 @@ void RunOutputs::checkpoint(const std::function<void(StateFileWriter&)>& add_sta
   {
     try
     {
-      if (entry.output && !entry.slow)
+      if (!entry.slow && entry.output)
       {
         entry.output->checkpoint(so_far);
       }
@@ -290,6 +290,7 @@ void RunOutputs::finish(RunResults& results)
     }
     listFiles(entry, results.report);
   }
+  writer_->finish();  // a checkpoint may be on its way to the disk
   std::error_code ignored;
   fs::remove(fs::path(folder_) / state_file_name, ignored);
 }

@@ -139,7 +139,7 @@ struct SlamRun::Impl
     config.requireAllUsed();
     if (outputs.wantDecided())
     {
-      pipeline.onDecided([this](const Frame& frame) { outputs.addDecided(frame); });
+      pipeline.onDecided([this](Frame frame) { outputs.addDecided(std::move(frame)); });
     }
   }
 

@@ -101,7 +101,7 @@ double StartSearch::speedAfter(std::optional<double> start) const
   {
     Frame frame = frames[i];
     const auto prepare = [&](const Pose& T_previous_current, double dt)
-    { return preprocessor.prepare(frame.scan, T_previous_current, dt); };
+    { return preprocessor.prepare(frame.scan, T_previous_current, dt, frame.sweep_duration); };
     odometry.predict(frame);
     frame.cloud = prepare(frame.prior.T_previous_current, frame.dt);
     odometry.settleTime(frame, prepare);
@@ -124,7 +124,7 @@ double StartSearch::speedOfFrontEnd()
 {
   NoTimes times;
   ConfigLoader loader(config);
-  FrontEnd front_end({threads, false}, loader, times);
+  FrontEnd front_end(threads, loader, times);
   double speed = 0;
   for (std::size_t i = 0; i < frames.size(); ++i)
   {

@@ -56,6 +56,13 @@ class SweepMotion
   float angle2_;
 };
 
+/** Factor that takes phases in units of `from` seconds to units of `to` seconds; 1 where either is
+ * not known (0 or less). */
+[[nodiscard]] inline float phaseScale(double from, double to)
+{
+  return from > 0 && to > 0 ? static_cast<float>(from / to) : 1.0F;
+}
+
 /** All points taken to the reference; `fractions` is as long as `points`. */
 [[nodiscard]] std::vector<Eigen::Vector3f> deskew(const std::vector<Eigen::Vector3f>& points,
                                                   const std::vector<float>& fractions,

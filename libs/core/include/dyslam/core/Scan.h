@@ -46,7 +46,7 @@ struct Cloud
   /** When each point was measured, from the frame's stamp, in units of the time that `T_sweep`
    * takes; empty where that is not known. With both, the deskewing can be redone. */
   std::vector<float> phase;
-  double phase_unit = 0;            //!< that time [s]; 0: that of one revolution, whatever it is
+  double phase_unit = 0;            //!< that time [s]; 0: one revolution of unknown duration
   Pose T_sweep = Pose::Identity();  //!< motion that the points were deskewed with
 
   [[nodiscard]] std::size_t size() const { return points.size(); }

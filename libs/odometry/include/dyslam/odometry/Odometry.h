@@ -80,13 +80,13 @@ class Odometry
   ~Odometry();
   Odometry(Odometry&&) noexcept;
 
-  /** Fills Frame::dt, Frame::clock_offset and Frame::prior from scan.stamp and the motions before.
-   */
+  /** Fills Frame::dt, sweep_duration, clock_offset and prior from scan.stamp and the motions
+   * before. */
   void predict(Frame& frame);
   /** Where the interval to the scan before does not fit the sensor's rate: finds out whether scans
    * are missing or the clock was set, by what registers to the map, and corrects dt, prior,
    * clock_offset and cloud. Call it between preprocessing and segmentation.
-   * \param prepare the cloud of the frame's scan for a motion in dt */
+   * \param prepare the cloud of the frame's scan for a motion in dt, Preprocessor::prepare() */
   void settleTime(Frame& frame, const std::function<Cloud(const Pose&, double)>& prepare);
   /** Reads cloud, prior, moving_probability, segmenter_motion and static_prior; fills odometry,
    * odometry_accepted, odometry_rejection, static_confidence, motion and T_odom_vehicle. The

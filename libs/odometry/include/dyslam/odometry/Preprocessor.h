@@ -47,10 +47,13 @@ class Preprocessor
    * The points are those of the pose at Scan::stamp (time 0), or at
    * PreprocessOptions::sweep_reference when deskewed by azimuth.
    * \param T_previous_current predicted motion of the vehicle over `dt`
-   * \param dt seconds since the previous scan; deskewing by azimuth takes one revolution to last
-   *   `dt`. With dt <= 0 (a first scan) no point is moved, but Cloud::phase is filled, so that the
-   *   scan can be deskewed once its motion is known. */
-  [[nodiscard]] Cloud prepare(const Scan& scan, const Pose& T_previous_current, double dt) const;
+   * \param dt seconds since the previous scan. With dt <= 0 (a first scan) no point is moved, but
+   *   Cloud::phase is filled, so that the scan can be deskewed once its motion is known.
+   * \param sweep_duration of one revolution [s], for deskewing by azimuth; 0: `dt` */
+  [[nodiscard]] Cloud prepare(const Scan& scan,
+                              const Pose& T_previous_current,
+                              double dt,
+                              double sweep_duration = 0) const;
 
   [[nodiscard]] const PreprocessOptions& options() const { return options_; }
 
@@ -58,4 +61,11 @@ class Preprocessor
   PreprocessOptions options_;
   ThreadPool& pool_;
 };
+
+/** Deskews a cloud of Preprocessor::prepare() again, by another motion of the vehicle over `dt`
+ * seconds.
+ *
+ * Nothing changes where the cloud has no phases or where the motions differ by less than 1 mm and
+ * 0.1 mrad. */
+void redeskew(const Pose& T_previous_current, double dt, ThreadPool& pool, Cloud& cloud);
 }  // namespace dyslam

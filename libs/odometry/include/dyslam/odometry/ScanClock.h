@@ -21,10 +21,12 @@ class ScanClock
   /** Longest gap over which a constant velocity says where the vehicle is [s]. */
   static constexpr double max_extrapolation = 2;
 
-  /** The next scan. \return seconds since the one before by the stamps, 0 for the first */
-  double advance(double stamp);
+  /** The next scan. */
+  void advance(double stamp);
   /** Whether the interval of the last scan does not fit the rate. */
   [[nodiscard]] bool isDoubtful() const;
+  /** Of the last scan: interval(), or period() where that does not fit the rate [s]. */
+  [[nodiscard]] double sweepDuration() const { return isDoubtful() ? period() : interval_; }
   /** By the stamps, of the last scan [s]. */
   [[nodiscard]] double interval() const { return interval_; }
   /** Median of the intervals before [s]; 0 while too few are known. */

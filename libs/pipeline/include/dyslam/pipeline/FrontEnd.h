@@ -17,27 +17,22 @@ namespace dyslam
 {
 class StateArchive;
 
-struct FrontEndOptions
-{
-  int threads = 0;       //!< 0: as many as the machine has
-  bool tracking = true;  //!< detect and track moving objects
-};
-
-/** The stages that look at one scan after the other: motion prior, preprocessing, segmentation,
- * odometry, decision what moves, detection and tracking.
+/** The stages up to the pose: motion prior, preprocessing, segmentation, odometry, and the decision
+ * what moves.
  *
  * Not thread-safe; one object per recording. Same bytes for any number of threads.
  */
 class FrontEnd
 {
  public:
-  /** Loads [dyseg], [preprocess], the segmenters' sections, [dyseg_filter], those of Odometry,
-   * [detector] and [tracker]. \param times outlives the object; gets the time of each stage.
-   * \throws UserError for bad options. */
-  FrontEnd(const FrontEndOptions& options, ConfigLoader& config, mrpt::system::CTimeLogger& times);
+  /** Loads [dyseg], [preprocess], the segmenters' sections, [dyseg_filter] and those of Odometry.
+   * \param threads 0: as many as the machine has \param times outlives the object; gets the time of
+   * each stage. \throws UserError for bad options. */
+  FrontEnd(int threads, ConfigLoader& config, mrpt::system::CTimeLogger& times);
   ~FrontEnd();
 
-  /** Fills every part of the frame between source and backend. Frames come in order of time. */
+  /** Fills every part of the frame between source and detection. Frames come in order of time. The
+   * cloud of the frame is deskewed by the prior. */
   void process(Frame& frame);
   /** What is kept from frame to frame. */
   void exchangeState(StateArchive& archive);

@@ -63,12 +63,16 @@ class Pipeline
 
   /** FrontEnd::process(). */
   void runFrontEnd(Frame& frame);
-  /** addOdometry(), addLoops(), optimise() and addToMap(). */
+  /** deskew(), trackObjects(), addOdometry(), addLoops(), optimise() and addToMap(). */
   void runBackEnd(Frame& frame);
 
   // The steps of runBackEnd(), for callers that do something in between, as MRPT's graph-SLAM
   // engine does: all of them for every frame, in this order.
 
+  /** Deskews the cloud by the motion that the front end has found. */
+  void deskew(Frame& frame);
+  /** Detector and Tracker, where `pipeline.tracking` is on. */
+  void trackObjects(Frame& frame);
   /** Backend::addOdometry(). \return whether the frame is a keyframe, and so a new node. */
   bool addOdometry(Frame& frame);
   /** Backend::addLoops(). \return how many were accepted. */
@@ -76,12 +80,13 @@ class Pipeline
   /** Backend::optimise(). \return whether a keyframe was moved. */
   bool optimise(Frame& frame);
   /** Decides again what moves in the scans before, where `labels.hindsight` is on, and adds decided
-   * keyframes to the map, if mapping is on. */
+   * keyframes to the map, if mapping is on. The first frame waits for the second one, whose motion
+   * deskews it. */
   void addToMap(const Frame& frame);
 
   /** Sets who gets every frame, in order, once what moves in it is decided for good: with
    * `labels.hindsight` some seconds later, the last ones in finish(). */
-  void onDecided(std::function<void(const Frame&)> use);
+  void onDecided(std::function<void(Frame)> use);
 
   /** After the last frame: optimises once more and corrects the map. */
   void finish();
