@@ -162,6 +162,7 @@ void stopOnSignals()
   action.sa_handler = [](int) { stop_asked = true; };
   action.sa_flags = SA_RESTART;
   sigemptyset(&action.sa_mask);
+  std::signal(SIGCHLD, SIG_DFL);  // ignored, as a parent may leave it, it would hide how runs end
   for (const int signal : {SIGINT, SIGTERM, SIGHUP})
   {
     struct sigaction before = {};

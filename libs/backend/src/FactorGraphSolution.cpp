@@ -168,11 +168,25 @@ std::vector<Matrix6> FactorGraph::covariances(const std::vector<Key>& keys,
                                               const std::set<Key>& wanted)
 {
   std::vector<Key> free;
-  for (const auto& [key, variable] : variables_)
+  const auto addFree = [&](const Key& key, const Variable& variable)
   {
-    if (!variable.fixed && (wanted.empty() || wanted.count(key) != 0))
+    if (!variable.fixed)
     {
       free.push_back(key);
+    }
+  };
+  for (const Key& key : wanted)
+  {
+    if (const auto found = variables_.find(key); found != variables_.end())
+    {
+      addFree(key, found->second);
+    }
+  }
+  if (wanted.empty())
+  {
+    for (const auto& [key, variable] : variables_)
+    {
+      addFree(key, variable);
     }
   }
   FactorGraphOptions plain;

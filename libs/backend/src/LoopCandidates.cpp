@@ -123,14 +123,21 @@ std::vector<LoopCandidate> LoopCandidates::alike(const KeyframeStore& keyframes)
 {
   const std::size_t newest = descriptors_.size() - 1;
   const Keyframe& now = keyframes[newest];
-  return alike(keyframes, PlaceViews(points_, options_.descriptor_range),
-               [&](std::size_t i)
-               {
-                 const double path = now.path_length - keyframes[i].path_length;
-                 return path >= options_.min_path &&
-                        (keyframes[i].T_map_vehicle.translation() - now.T_map_vehicle.translation())
-                                .norm() >= searchRadius(options_, path);
-               });
+  const auto isEligible = [&](std::size_t i)
+  {
+    const double path = now.path_length - keyframes[i].path_length;
+    return path >= options_.min_path &&
+           (keyframes[i].T_map_vehicle.translation() - now.T_map_vehicle.translation()).norm() >=
+               searchRadius(options_, path);
+  };
+  for (std::size_t i = 0; i < newest; ++i)
+  {
+    if (isEligible(i))  // else the views, which take milliseconds, are not needed
+    {
+      return alike(keyframes, PlaceViews(points_, options_.descriptor_range), isEligible);
+    }
+  }
+  return {};
 }
 
 std::vector<LoopCandidate> LoopCandidates::alike(

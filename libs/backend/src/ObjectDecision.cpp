@@ -33,14 +33,14 @@ bool ObjectGraph::isStray(const ObjectKey& key,
 std::vector<PlanarObservation> ObjectGraph::recent(const Object& object, double duration) const
 {
   std::vector<PlanarObservation> result;
-  const double newest = object.observations.back().stamp;
+  const double newest = object.observations.back().time;
   for (auto it = object.observations.rbegin();
-       it != object.observations.rend() && newest - it->stamp <= duration; ++it)
+       it != object.observations.rend() && newest - it->time <= duration; ++it)
   {
     const Pose T_map_object = graph_.pose(Key::ego(it->keyframe)) * it->T_keyframe_object;
     const double sigma =
         options_.moving_sigma_scale * std::sqrt(0.5 * it->covariance.topLeftCorner<2, 2>().trace());
-    result.push_back({it->stamp, T_map_object.translation().head<2>(), sigma});
+    result.push_back({it->time, T_map_object.translation().head<2>(), sigma});
   }
   return result;
 }
@@ -58,7 +58,7 @@ double ObjectGraph::standingLimit(const Object& object) const
 
 bool ObjectGraph::stands(const Object& object) const
 {
-  const double duration = object.observations.back().stamp - object.observations.front().stamp;
+  const double duration = object.observations.back().time - object.observations.front().time;
   if (duration < options_.min_standing_time)
   {
     return false;

@@ -16,16 +16,16 @@ SpeedEstimate fitSpeed(const std::vector<PlanarObservation>& observations,
   Eigen::Vector2d mean = Eigen::Vector2d::Zero();
   for (std::size_t i = first; i < last; ++i)
   {
-    mean_time += (observations[i].stamp - observations[first].stamp) / n;
+    mean_time += (observations[i].time - observations[first].time) / n;
     mean += observations[i].position / n;
     variance += observations[i].sigma * observations[i].sigma / n;
   }
-  mean_time += observations[first].stamp;
+  mean_time += observations[first].time;
   double spread = 0;
   Eigen::Vector2d moment = Eigen::Vector2d::Zero();
   for (std::size_t i = first; i < last; ++i)
   {
-    const double t = observations[i].stamp - mean_time;
+    const double t = observations[i].time - mean_time;
     spread += t * t;
     moment += t * (observations[i].position - mean);
   }
@@ -34,7 +34,7 @@ SpeedEstimate fitSpeed(const std::vector<PlanarObservation>& observations,
   double scatter = 0;
   for (std::size_t i = first; i < last; ++i)
   {
-    const Eigen::Vector2d expected = mean + result.velocity * (observations[i].stamp - mean_time);
+    const Eigen::Vector2d expected = mean + result.velocity * (observations[i].time - mean_time);
     scatter += (observations[i].position - expected).squaredNorm();
   }
   scatter /= 2 * std::max(1.0, n - 2);

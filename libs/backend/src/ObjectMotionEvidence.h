@@ -10,7 +10,7 @@ namespace dyslam
 /** An object's position in the plane of the map at a time. */
 struct PlanarObservation
 {
-  double stamp = 0;                                    //!< [s]
+  double time = 0;                                     //!< [s]
   Eigen::Vector2d position = Eigen::Vector2d::Zero();  //!< [m]
   double sigma = 0;                                    //!< of each coordinate [m]
 };

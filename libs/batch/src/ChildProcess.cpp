@@ -94,13 +94,18 @@ ChildOutcome runChild(const ChildCommand& command, const std::function<bool()>& 
   }
   int status = 0;
   struct rusage usage = {};
-  while (::wait4(child, &status, WNOHANG, &usage) == 0)
+  pid_t ended = 0;
+  while ((ended = ::wait4(child, &status, WNOHANG, &usage)) == 0)
   {
     if (stop && stop())
     {
       ::kill(-child, SIGKILL);  // with what it has started
     }
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  }
+  if (ended < 0)  // where SIGCHLD is ignored, nobody learns how it ended
+  {
+    throw UserError(command.words[0] + ": its end cannot be learned: " + std::strerror(errno));
   }
   ChildOutcome outcome;
   outcome.code = WIFEXITED(status) ? WEXITSTATUS(status) : -1;

@@ -122,7 +122,11 @@ struct ScanDecoder::Impl
     }
     if (endsWith(observation->sensorLabel, time_ring_suffix))
     {
-      companion = observation;
+      // That of another lidar must not take the place of the one that waits.
+      if (scans_seen == 0 || observation->sensorLabel == label + time_ring_suffix)
+      {
+        companion = observation;
+      }
       return false;
     }
     return isWanted(*observation);

@@ -199,6 +199,7 @@ void StaticMap::Impl::restitch(double voxel_size)
   const Stitched before{
       std::exchange(poses, {}),
       std::exchange(map, VoxelMap(voxel_size, keyframes.memory().part(map_share)))};
+  map.continueRun(before.map);
   for (std::size_t k = 0; k < before.poses.size(); ++k)
   {
     poses.push_back(keyframes[k].T_map_vehicle);

@@ -44,6 +44,8 @@ class VoxelMap
     run_begin_ = keyframe;
     earlier_hits_ = hits;
   }
+  /** Goes on with the run of another map of the same keyframes. */
+  void continueRun(const VoxelMap& other) { beginRun(other.run_begin_, other.earlier_hits_); }
   void addPoint(Voxel& voxel, const Eigen::Vector3d& p, float intensity) const;
   /** Carries over the evidence of an earlier map about the voxel of the same point. */
   static void carryEvidence(const Voxel& old, Voxel& voxel);

@@ -31,42 +31,42 @@ std::int64_t neighbourKey(std::int64_t key, int di, int dj)
 class GroundHeights
 {
  public:
-  GroundHeights(const Points& points, double cell, double range) : cell_(cell)
+  /** \param cell size of a cell [m] \param range of the points that count, in x and y [m] */
+  GroundHeights(const Points& points, double cell, double range)
+      : cell_(cell),
+        half_(static_cast<int>(std::ceil(range / cell)) + 1),
+        width_(2 * half_ + 1),
+        cells_(static_cast<std::size_t>(width_) * static_cast<std::size_t>(width_))
   {
-    std::unordered_map<std::int64_t, LowestReturns> lowest;
     for (const Eigen::Vector3f& p : points)
     {
       if (p.allFinite() && std::abs(p.x()) < range && std::abs(p.y()) < range)
       {
-        lowest[key(p)].add(p.z());
+        cells_[indexOf(p)].add(p.z());
       }
-    }
-    for (const auto& [k, low] : lowest)
-    {
-      raw_[k] = low.height();
     }
   }
 
-  /** Ground height at a point; limited by the median of the neighbouring cells because of roofs. */
+  /** Ground height at a point within the range; limited by the median of the neighbouring cells
+   * because of roofs. */
   float heightAt(const Eigen::Vector3f& p) const
   {
     constexpr float step = 0.3F;  // [m]
-    const std::int64_t k = key(p);
+    const std::size_t own = indexOf(p);
     std::array<float, 9> around{};
     std::size_t count = 0;
     for (int di = -1; di <= 1; ++di)
     {
       for (int dj = -1; dj <= 1; ++dj)
       {
-        const auto found = raw_.find(neighbourKey(k, di, dj));
-        if (found != raw_.end())
+        const LowestReturns& cell = cells_[own + static_cast<std::size_t>(di * width_ + dj)];
+        if (cell.count > 0)
         {
-          around[count++] = found->second;
+          around[count++] = cell.height();
         }
       }
     }
-    const auto own = raw_.find(k);
-    const float height = own != raw_.end() ? own->second : p.z();
+    const float height = cells_[own].count > 0 ? cells_[own].height() : p.z();
     if (count == 0)
     {
       return height;
@@ -95,13 +95,17 @@ class GroundHeights
     }
     float height() const { return count >= 6 ? z[2] : z[0]; }
   };
-  std::int64_t key(const Eigen::Vector3f& p) const
+  std::size_t indexOf(const Eigen::Vector3f& p) const
   {
-    return cellKey(static_cast<double>(p.x()), static_cast<double>(p.y()), cell_);
+    const int i = static_cast<int>(std::floor(static_cast<double>(p.x()) / cell_)) + half_;
+    const int j = static_cast<int>(std::floor(static_cast<double>(p.y()) / cell_)) + half_;
+    return static_cast<std::size_t>(i * width_ + j);
   }
 
   double cell_;
-  std::unordered_map<std::int64_t, float> raw_;
+  int half_;  //!< cells on each side of the sensor's
+  int width_;
+  std::vector<LowestReturns> cells_;
 };
 
 /** Points of one voxel, clustered as one. */
