@@ -241,29 +241,31 @@ void Backend::State::optimiseAll()
 
 void BackendOptions::describe(OptionsVisitor& visitor)
 {
-  visitor.choice("mode", mode,
-                 {{"odometry", BackendMode::odometry},
-                  {"ego", BackendMode::ego},
-                  {"segmot", BackendMode::segmot},
-                  {"full", BackendMode::full}},
-                 "what the graph holds: odometry; ego: and loops; segmot: and objects, all of them "
-                 "moving; full: and objects, those that stand as landmarks");
+  visitor.choice(
+      "mode", mode,
+      {{"odometry", BackendMode::odometry},
+       {"ego", BackendMode::ego},
+       {"segmot", BackendMode::segmot},
+       {"full", BackendMode::full}},
+      "factors of the graph: odometry; ego: also loops; segmot: also objects, all as moving; "
+      "full: also objects, static ones as landmarks");
   visitor.real("keyframe_distance", keyframe_distance, 0, 1000,
                "a new keyframe after this distance [m]");
   visitor.degrees("keyframe_angle_deg", keyframe_angle, 0, 180, "or after this turn");
   visitor.real("unconverged_sigma_translation", unconverged_sigma_translation, 1e-6, 100,
-               "of a step that the odometry could not measure [m]");
+               "sigma of a step for which the odometry did not converge [m]");
   visitor.real("unconverged_sigma_rotation", unconverged_sigma_rotation, 1e-7, 3,
                "the same for rotation [rad]");
   visitor.real("residual_to_optimise", residual_to_optimise, 0, 1e6,
-               "optimise when a new loop is off by this many standard deviations");
+               "optimise when the residual of a new loop exceeds this many standard deviations");
   visitor.integer("loops_to_optimise", loops_to_optimise, 1, 100000,
-                  "or this many loops have come");
-  visitor.integer("correction_keyframes", correction_keyframes, 0, 1000000,
-                  "newest keyframes that a loop moves where odometry and earlier loops explain it; "
-                  "0: all");
+                  "or after this many new loops");
+  visitor.integer(
+      "correction_keyframes", correction_keyframes, 0, 1000000,
+      "newest keyframes optimised for a loop that is consistent with odometry and earlier loops; "
+      "0: all");
   visitor.real("correction_growth", correction_growth, 0, 10,
-               "all keyframes are optimised again when there are more by this share");
+               "optimise all keyframes when their number has grown by this fraction");
 }
 
 Backend::Backend(const BackendConfig& config, KeyframeStore& keyframes)

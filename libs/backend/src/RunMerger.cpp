@@ -42,8 +42,9 @@ struct Placement
 
 void RunMergerOptions::describe(OptionsVisitor& visitor)
 {
-  visitor.real("min_confirmed", min_confirmed, 0, 1,
-               "share of the keyframes near another run's that a registration must confirm");
+  visitor.real(
+      "min_confirmed", min_confirmed, 0, 1,
+      "fraction of the keyframes near those of other runs that a registration must confirm");
 }
 
 struct RunMerger::State

@@ -148,9 +148,10 @@ void PcapSourceOptions::describe(OptionsVisitor& visitor)
                   {"HDL64E", VelodyneModel::hdl64e}},
                  "the lidar; auto: from the packets");
   visitor.text("calibration_file", calibration_file, "Velodyne XML or YAML; empty: the default");
-  visitor.real("min_range", min_range, 0, 100, "nearer returns are the vehicle's own [m]");
-  visitor.degrees("cut_azimuth_deg", cut_azimuth, 0, 360, "clockwise from ahead, where scans end");
-  visitor.flag("keep_partial", keep_partial, "deliver broken first and last revolutions, too");
+  visitor.real("min_range", min_range, 0, 100, "nearer returns are dropped (own vehicle) [m]");
+  visitor.degrees("cut_azimuth_deg", cut_azimuth, 0, 360,
+                  "where scans are cut, clockwise from straight ahead");
+  visitor.flag("keep_partial", keep_partial, "also deliver incomplete first and last revolutions");
 }
 
 struct PcapSource::Impl

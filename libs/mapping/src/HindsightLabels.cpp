@@ -140,13 +140,16 @@ void adaptLow(const Segments& segments,
 
 void HindsightOptions::describe(OptionsVisitor& v)
 {
-  v.flag("hindsight", hindsight, "decide what moves from the scans before and after");
-  v.integer("window", window, 1, 1000, "scans looked at on each side");
-  v.integer("history", history, 0, 100000, "scans before the window looked at, one in eight");
-  v.real("voxel_size", voxel_size, 0.01, 10, "m, points this near share their evidence");
-  v.real("segment_gap", segment_gap, 0.01, 10, "m, cells whose neighbours form one segment");
-  v.real("margin", margin, 0.01, 10, "m, a ray must end this far behind a place to pass it");
-  v.real("ground_clearance", ground_clearance, 0, 10, "m, lower returns are the ground");
+  v.flag("hindsight", hindsight, "label moving points from earlier and later scans");
+  v.integer("window", window, 1, 1000, "earlier and later scans used");
+  v.integer("history", history, 0, 100000,
+            "scans before the window, of which every eighth is used");
+  v.real("voxel_size", voxel_size, 0.01, 10, "m, side of the voxels that accumulate evidence");
+  v.real("segment_gap", segment_gap, 0.01, 10,
+         "m, side of the cells that are clustered to segments");
+  v.real("margin", margin, 0.01, 10,
+         "m, a ray must end this far behind a place to observe it as free");
+  v.real("ground_clearance", ground_clearance, 0, 10, "m, lower returns are ground");
 }
 
 struct HindsightLabels::Impl

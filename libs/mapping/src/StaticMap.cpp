@@ -59,25 +59,26 @@ void StaticMapOptions::describe(OptionsVisitor& v)
   v.real("min_range", min_range, 0, 100, "m, nearer returns (own vehicle) are left out");
   v.real("max_range", max_range, 1, 300, "m, farther returns are left out");
   v.real("box_margin", box_margin, 0, 5, "m, boxes of dynamic tracks are widened by this");
-  v.integer("points_per_voxel", points_per_voxel, 1, 1000,
-            "keyframe points kept per voxel, later ones add nothing");
-  v.integer("max_voxels", max_voxels, 1000, 1000000000, "beyond, the voxel size doubles");
+  v.integer("points_per_voxel", points_per_voxel, 1, 1000, "most keyframe points kept per voxel");
+  v.integer("max_voxels", max_voxels, 1000, 1000000000,
+            "upper limit, beyond which the voxel size doubles");
   v.integer("min_hits", min_hits, 1, 1000, "voxels hit by fewer keyframes are not part of the map");
   v.real("correction_distance", correction_distance, 0, 100,
-         "m, the map follows a loop that moved a keyframe this far ...");
+         "m, the map is corrected after a loop that moved a keyframe this far ...");
   v.real("correction_growth", correction_growth, 0, 10,
-         "... when it has grown by this share, or at once if that is farther than a voxel");
+         "... once it has grown by this fraction, or at once for more than a voxel");
   v.flag("visibility", visibility, "remove voxels that later rays passed through");
-  v.real("visibility_range", visibility_range, 0, 300, "m, voxels up to here are checked");
+  v.real("visibility_range", visibility_range, 0, 300, "m, range up to which voxels are checked");
   v.real("visibility_margin", visibility_margin, 0, 10,
          "m, a ray must end this far behind a voxel");
   v.integer("visibility_min_views", visibility_min_views, 1, 1000,
-            "keyframes that observed a voxel as free, at least");
-  v.real("visibility_ratio", visibility_ratio, 0, 1000, "and this many times as many as hit it");
+            "least keyframes that observed a removed voxel as free");
+  v.real("visibility_ratio", visibility_ratio, 0, 1000,
+         "least ratio of these to the keyframes that hit it");
   v.real("ground_clearance", ground_clearance, 0, 10,
-         "m, voxels this near to the lowest of their column stay");
+         "m, voxels this near to the lowest of their column are kept");
   v.choice("changes", changes, {{"latest", MapChanges::latest}, {"all", MapChanges::all}},
-           "of several runs: the latest that saw a place counts, or all keyframes alike");
+           "of several runs: the latest run at a place, or all keyframes equally");
 }
 
 struct StaticMap::Impl

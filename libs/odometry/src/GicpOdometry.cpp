@@ -33,9 +33,9 @@ void GicpOptions::describe(OptionsVisitor& v)
 {
   v.real("sample_size", sample_size, 0.05, 10,
          "points of both scans: one per cube of this side [m]");
-  v.real("max_distance", max_distance, 0.01, 100, "of matches [m]");
-  v.integer("neighbours", neighbours, 5, 100, "for covariances");
-  v.integer("max_iterations", max_iterations, 1, 500, "at most");
+  v.real("max_distance", max_distance, 0.01, 100, "largest distance of correspondences [m]");
+  v.integer("neighbours", neighbours, 5, 100, "neighbours of a point for its covariance");
+  v.integer("max_iterations", max_iterations, 1, 500, "most iterations");
   v.real("points_per_measurement", points_per_measurement, 1, 1e6,
          "points that count as one measurement");
 }

@@ -37,18 +37,19 @@ void FusionOptions::describe(OptionsVisitor& v)
   v.degrees("segmenter_sigma_angle_deg", segmenter_sigma_angle, 1e-3, 90, "... and its heading");
   v.real("matcher_sigma", matcher_sigma, 1e-4, 10, "of a scan matcher's motion [m]");
   v.degrees("matcher_sigma_angle_deg", matcher_sigma_angle, 1e-3, 90, "... and its rotation");
-  v.real("gate", gate, 0.1, 1000, "Mahalanobis distance to the prior, beyond: rejected");
+  v.real("gate", gate, 0.1, 1000,
+         "largest Mahalanobis distance to the prior of an accepted motion");
   v.real("informed_sigma", informed_sigma, 1e-4, 10, "of a matcher that fuses the prior [m]");
   v.degrees("informed_sigma_angle_deg", informed_sigma_angle, 1e-3, 90, "... and its rotation");
   v.real("informed_gate", informed_gate, 0.1, 1000, "the gate of a matcher that fuses the prior");
   v.real("segmenter_initial_sigma", segmenter_initial_sigma, 0, 50,
-         "of the first guess to a map, if the segmenter gives it [m]");
+         "of the initial guess to a new map, if from the segmenter [m]");
   v.real("matcher_initial_sigma", matcher_initial_sigma, 0, 50,
-         "the same of a matcher that fuses the prior [m]");
+         "the same, if from a matcher that fuses the prior [m]");
   v.real("reliable_prior_sigma", reliable_prior_sigma, 0, 100,
-         "of a prior that segmenters may search around alone [m]");
+         "sigma of a prior up to which segmenters search only around it [m]");
   v.real("min_static_prior", min_static_prior, 0, 1,
-         "points less likely static by appearance get no weight");
+         "points with a lower static probability by appearance have zero weight");
 }
 
 struct Odometry::State

@@ -46,7 +46,7 @@ struct OutputOptions : Options
     v.real("scene_voxel_size", scene_voxel_size, 0.01, 100,
            "m, one map point of the scene per cube");
     v.real("checkpoint_seconds", checkpoint_seconds, 0, 1e6,
-           "s between checkpoints, from which --resume goes on after a kill; 0: none");
+           "s between checkpoints for --resume; 0: none");
   }
 
   std::map<std::string, bool> on;  //!< by RunOutputKind::key

@@ -105,7 +105,7 @@ double median(std::vector<double> values)
 
 void SensorOptions::describe(OptionsVisitor& v)
 {
-  v.flag("automatic", automatic, "taken by itself for recordings of such sensors");
+  v.flag("automatic", automatic, "selected automatically for recordings of such sensors");
   v.choice("rings", rings,
            {{"any", RingsWanted::any}, {"yes", RingsWanted::yes}, {"no", RingsWanted::no}},
            "whether each laser's points lie on a ring of one elevation");

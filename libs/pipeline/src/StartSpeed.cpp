@@ -211,13 +211,14 @@ double support(const std::vector<SpeedDrift>& drifts, double speed)
 
 void StartOptions::describe(OptionsVisitor& v)
 {
-  v.flag("search", search, "look ahead for the speed at the first scan, where scans leave it open");
-  v.integer("scans", scans, 3, 100, "that are looked at");
-  v.real("slowest", slowest, -50, 0, "speed that is tried [m/s]");
-  v.real("fastest", fastest, 0, 100, "speed that is tried [m/s]");
+  v.flag("search", search,
+         "search the speed at the first scan where the first scans do not determine it");
+  v.integer("scans", scans, 3, 100, "scans used");
+  v.real("slowest", slowest, -50, 0, "lowest speed that is tried [m/s]");
+  v.real("fastest", fastest, 0, 100, "highest speed that is tried [m/s]");
   v.real("step", step, 0.5, 20, "between the speeds that are tried [m/s]");
   v.real("sigma", sigma, 0.1, 20, "of a speed that is tried, and of the one found [m/s]");
-  v.real("max_drift", max_drift, 0.1, 100, "a speed's drift counts as at most this [m/s]");
+  v.real("max_drift", max_drift, 0.1, 100, "upper limit of the drift of a speed [m/s]");
   v.real("min_margin", min_margin, 0, 1e6,
          "support over that of the speed that the odometry finds [m^2/s^2]");
 }

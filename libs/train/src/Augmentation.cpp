@@ -186,8 +186,8 @@ void AugmentationOptions::describe(OptionsVisitor& visitor)
   visitor.real("point_dropout", point_dropout, 0, 1, "largest share of points left out");
   visitor.real("beam_dropout", beam_dropout, 0, 1, "probability of fewer beams");
   visitor.real("bodies", bodies, 0, 1, "probability of pasted bodies");
-  visitor.integer("most_bodies", most_bodies, 1, 100, "pasted at a time");
-  visitor.real("co_moving", co_moving, 0, 1, "share of bodies that move as the ego does");
+  visitor.integer("most_bodies", most_bodies, 1, 100, "most bodies pasted into a pair");
+  visitor.real("co_moving", co_moving, 0, 1, "share of bodies that move with the ego-vehicle");
 }
 
 std::vector<Body> loadBodies(const std::string& folder, std::size_t min_points)

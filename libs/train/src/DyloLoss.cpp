@@ -30,9 +30,10 @@ torch::Tensor huber(const torch::Tensor& x)
 
 void DyloLossOptions::describe(OptionsVisitor& visitor)
 {
-  visitor.real("flow", flow, 0, 100, "weight of the soft correspondences' error");
-  visitor.real("precision", precision, 0, 100, "weight of the residuals' likelihood");
-  visitor.real("moving", moving, 0, 100, "weight of the moving labels");
+  visitor.real("flow", flow, 0, 100, "weight of the error of the soft correspondences");
+  visitor.real("precision", precision, 0, 100,
+               "weight of the negative log-likelihood of the residuals");
+  visitor.real("moving", moving, 0, 100, "weight of the cross-entropy of moving labels");
   visitor.real("answer", answer, 0, 100, "weight of the log error of the last, dense pass");
 }
 

@@ -102,12 +102,13 @@ DysegSample doubleScan(const std::vector<Eigen::Vector3f>& points,
 
 void DysegAugmentOptions::describe(OptionsVisitor& v)
 {
-  v.integer("bodies", bodies, 0, 100, "cast into a pair at most");
-  v.real("moving_share", moving_share, 0, 1, "of the cast bodies");
-  v.real("beside_share", beside_share, 0, 1, "of the cast bodies, right beside the sensor");
-  v.real("convoy_share", convoy_share, 0, 1, "of pairs, with twice the bodies, most moving along");
+  v.integer("bodies", bodies, 0, 100, "most bodies cast into a pair");
+  v.real("moving_share", moving_share, 0, 1, "share of the cast bodies that move");
+  v.real("beside_share", beside_share, 0, 1, "share of the cast bodies close beside the sensor");
+  v.real("convoy_share", convoy_share, 0, 1,
+         "share of pairs with twice the bodies, most moving with the ego-vehicle");
   v.real("dropout", dropout, 0, 0.9, "largest share of points left out of a scan");
-  v.real("range_noise", range_noise, 0, 0.5, "m, on cast bodies");
+  v.real("range_noise", range_noise, 0, 0.5, "m, range noise of cast bodies");
 }
 
 namespace

@@ -63,13 +63,12 @@ Eigen::Vector2f drawCentre(const DysegSample& sample,
 void DysegTrainerOptions::describe(OptionsVisitor& v)
 {
   v.text("data", data, "folder with the real data; empty: simulated data only");
-  v.text("splits", splits,
-         "file, or name of a shipped one: what is for training, validation and test");
+  v.text("splits", splits, "file, or name of a shipped one: training, validation and test frames");
   v.text("boxed_run", boxed_run, "run with boxes, under data; empty for none");
-  v.integer("boxed_last", boxed_last, 1, 1000000, "its last frame for training");
-  v.text("labelled_run", labelled_run, "run with labels per point, under data; empty for none");
+  v.integer("boxed_last", boxed_last, 1, 1000000, "its last training frame");
+  v.text("labelled_run", labelled_run, "run with point labels, under data; empty for none");
   v.text("labelled_poses", labelled_poses, "poses, in the folders of runs with labels");
-  v.integer("labelled_last", labelled_last, 1, 1000000, "its last frame for training");
+  v.integer("labelled_last", labelled_last, 1, 1000000, "its last training frame");
   v.text("boxed_validation", boxed_validation, "run with boxes, under data; empty for none");
   v.integer("boxed_validation_first", boxed_validation_first, 8, 1000000,
             "its first frame evaluated");
@@ -80,12 +79,13 @@ void DysegTrainerOptions::describe(OptionsVisitor& v)
   v.integer("labelled_validation_last", labelled_validation_last, 1, 1000000,
             "its last frame evaluated");
   v.text("single_scans", single_scans, "folders of scans under data, separated by commas");
-  v.real("simulated_share", simulated_share, 0, 1, "of pairs");
-  v.real("single_share", single_share, 0, 1, "of the real pairs");
-  v.real("twice_share", twice_share, 0, 1, "of pairs of runs and clips: one scan seen twice");
-  v.real("campus_share", campus_share, 0, 1, "of simulated clips: many people, few cars");
-  v.real("highway_share", highway_share, 0, 1, "of the other simulated clips");
-  v.real("few_beams_share", few_beams_share, 0, 1, "of simulated clips seen by 16 beams");
+  v.real("simulated_share", simulated_share, 0, 1, "share of simulated pairs");
+  v.real("single_share", single_share, 0, 1, "share of the real pairs from single scans");
+  v.real("twice_share", twice_share, 0, 1, "share of pairs of runs and clips made from one scan");
+  v.real("campus_share", campus_share, 0, 1,
+         "share of simulated clips on a campus (many pedestrians)");
+  v.real("highway_share", highway_share, 0, 1, "share of the other simulated clips on a highway");
+  v.real("few_beams_share", few_beams_share, 0, 1, "share of simulated clips with 16 beams");
   v.integer("simulated_pool", simulated_pool, 1, 100000, "simulated clips kept in memory");
   v.integer("simulate_every", simulate_every, 1, 100000, "steps between new clips");
   v.integer("crop", crop, 64, 2048, "cells along each side in training, a multiple of 16");
@@ -94,12 +94,12 @@ void DysegTrainerOptions::describe(OptionsVisitor& v)
   v.integer("batch", batch, 1, most_pairs, "pairs in a step");
   rate.describe(v);
   v.real("mean_decay", mean_decay, 0, 1,
-         "share of the weights' running mean, which is what is written, that stays in a step");
-  v.real("weight_decay", weight_decay, 0, 1, "of AdamW");
-  v.integer("checkpoint_every", checkpoint_every, 1, 1000000, "steps");
-  v.integer("validate_every", validate_every, 0, 1000000, "steps; 0: not while training");
-  v.integer("threads", threads, 1, 256, "of the network");
-  v.integer("seed", seed, 0, 2000000000, "of everything random");
+         "decay of the exponential moving average of the weights, which is what is saved");
+  v.real("weight_decay", weight_decay, 0, 1, "weight decay of AdamW");
+  v.integer("checkpoint_every", checkpoint_every, 1, 1000000, "steps between checkpoints");
+  v.integer("validate_every", validate_every, 0, 1000000, "steps between validations; 0: none");
+  v.integer("threads", threads, 1, 256, "CPU threads of the network");
+  v.integer("seed", seed, 0, 2000000000, "random seed");
 }
 
 struct DysegTrainer::Impl
