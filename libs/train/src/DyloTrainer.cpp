@@ -276,7 +276,7 @@ void Trainer::run()
     return;
   }
   beginLog(request_.output + "/log.csv",
-           "step,learning_rate,loss,pose,flow,precision,moving,answer,gradient,first_stage_m,"
+           "step,learning_rate,loss,pose,flow,precision,moving,final_pose,gradient,first_stage_m,"
            "last_stage_m",
            step_);
   beginLog(request_.output + "/validation.csv",
@@ -342,8 +342,8 @@ void Trainer::log(const DyloLossImpl::Terms& terms, double gradient)
   csv << step_ << ',' << options_.rate.rateAt(step_ - 1, options_.steps) << ','
       << terms.total.item<double>() << ',' << terms.pose.item<double>() << ','
       << terms.flow.item<double>() << ',' << terms.precision.item<double>() << ','
-      << terms.moving.item<double>() << ',' << terms.answer.item<double>() << ',' << gradient << ','
-      << terms.translation_error.front() << ',' << terms.translation_error.back() << '\n';
+      << terms.moving.item<double>() << ',' << terms.final_pose.item<double>() << ',' << gradient
+      << ',' << terms.translation_error.front() << ',' << terms.translation_error.back() << '\n';
   const auto done = static_cast<double>(step_ - first_step_);
   const double per_step = secondsSince(begin_) / done;
   char line[240];
