@@ -212,7 +212,7 @@ double support(const std::vector<SpeedDrift>& drifts, double speed)
 void StartOptions::describe(OptionsVisitor& v)
 {
   v.flag("search", search,
-         "search the speed at the first scan where the first scans do not determine it");
+         "search for the speed at the first scan where the first scans do not determine it");
   v.integer("scans", scans, 3, 100, "scans used");
   v.real("slowest", slowest, -50, 0, "lowest speed that is tried [m/s]");
   v.real("fastest", fastest, 0, 100, "highest speed that is tried [m/s]");

@@ -14,8 +14,8 @@ namespace dyslam
 enum class RosEncoding
 {
   ros1,   //!< packed, little-endian
-  cdr,    //!< ROS 2: aligned, behind four bytes that name the byte order
-  other,  //!< protobuf, JSON and what else mcap allows; not decoded
+  cdr,    //!< ROS 2: aligned, after four bytes that name the byte order
+  other,  //!< protobuf, JSON and others that mcap allows; not decoded
 };
 
 struct BagTopic
@@ -24,8 +24,8 @@ struct BagTopic
   std::string type;  //!< as ROS 1 writes it: "sensor_msgs/PointCloud2"
   RosEncoding encoding = RosEncoding::other;
   std::size_t messages = 0;
-  double first = 0;  //!< when the first message was recorded, UNIX time [s]
-  double last = 0;   //!< and the last
+  double first = 0;  //!< recording time of the first message, UNIX time [s]
+  double last = 0;   //!< ... of the last message
 };
 
 struct BagMessage

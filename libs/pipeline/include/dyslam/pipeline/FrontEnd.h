@@ -23,7 +23,7 @@ struct FrontEndOptions
   bool tracking = true;  //!< detect and track moving objects
 };
 
-/** The stages that look at one scan after the other: motion prior, preprocessing, segmentation,
+/** The stages that process one scan after the other: motion prior, preprocessing, segmentation,
  * odometry, decision what moves, detection and tracking.
  *
  * Not thread-safe; one object per recording. Same bytes for any number of threads.
@@ -42,9 +42,9 @@ class FrontEnd
   /** What is kept from frame to frame. */
   void exchangeState(StateArchive& archive);
 
-  /** The methods in force, as "network + constant_velocity + point_to_plane". */
+  /** The methods in use, as "network + constant_velocity + point_to_plane". */
   [[nodiscard]] std::string summary() const;
-  /** What the config or the recording leaves open, one sentence each. */
+  /** Warnings about config and recording, one sentence each. */
   [[nodiscard]] std::vector<std::string> warnings() const;
 
  private:

@@ -37,8 +37,7 @@ struct PipelineOptions : Options
  */
 [[nodiscard]] std::future<void> loadAhead(const Config& config);
 
-/** The stages put together (the paper's Fig. 1): a scan goes in; its pose, moving points and
- * objects come out.
+/** The complete pipeline (the paper's Fig. 1): from a scan to its pose, moving points and objects.
  *
  * Stages are chosen by name in the config: [dyseg] method, [odometry] method, [refine] method.
  * Results depend on the frames, the config and the seed alone, not on the number of threads.
@@ -75,11 +74,11 @@ class Pipeline
   std::size_t addLoops(const Frame& frame);
   /** Backend::optimise(). \return whether a keyframe was moved. */
   bool optimise(Frame& frame);
-  /** Decides again what moves in the scans before, where `labels.hindsight` is on, and adds decided
-   * keyframes to the map, if mapping is on. */
+  /** Labels the moving points of earlier scans again, where `labels.hindsight` is on, and adds
+   * labelled keyframes to the map, if mapping is on. */
   void addToMap(const Frame& frame);
 
-  /** Sets who gets every frame, in order, once what moves in it is decided for good: with
+  /** Sets the receiver of every frame, in order, once its moving points are final: with
    * `labels.hindsight` some seconds later, the last ones in finish(). */
   void onDecided(std::function<void(const Frame&)> use);
 
@@ -96,9 +95,9 @@ class Pipeline
   [[nodiscard]] const StaticMap* map() const;
   /** Pose of the vehicle at every frame by the backend's present estimate, map frame. */
   [[nodiscard]] Trajectory trajectory() const;
-  /** The methods in force, e.g. for reports: "network + constant_velocity + point_to_plane". */
+  /** The methods in use, for reports: "network + constant_velocity + point_to_plane". */
   [[nodiscard]] std::string summary() const;
-  /** What the config or the recording leaves open, one sentence each. */
+  /** Warnings about config and recording, one sentence each. */
   [[nodiscard]] std::vector<std::string> warnings() const;
 
  private:

@@ -34,7 +34,8 @@ class DyloLossImpl : public torch::nn::Module
     torch::Tensor total, pose, flow, precision, moving, final_pose;
     std::vector<double> translation_error;  //!< per stage [m]
   };
-  /** \param labels [level] 0 unknown, 1 still, 2 moving per node of scan 1; levels 1 to 3 are read.
+  /** \param labels [level] 0 unknown, 1 static, 2 moving per node of scan 1; levels 1 to 3 are
+   * read.
    */
   Terms forward(const std::vector<DyloStage>& stages,
                 const ScanTensors& scan1,
