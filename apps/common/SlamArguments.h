@@ -168,7 +168,7 @@ inline void requireGiven(const std::string& rawlog)
 }
 
 /** Says on stderr what was recognised and chosen, once. */
-inline void sayAtFirstScan(SlamArguments& a)
+inline void printAtFirstScan(SlamArguments& a)
 {
   for (const std::string& line : a.said)
   {
@@ -240,7 +240,7 @@ inline void runSlamProgram(const std::string& program, SlamArguments& a, const S
     report = run(a.settings,
                  [&](double fraction, std::size_t frames)
                  {
-                   sayAtFirstScan(a);
+                   printAtFirstScan(a);
                    progress.update(fraction, frames);
                  });
     progress.finish(report.frames);

@@ -31,7 +31,7 @@ struct LoopCloser::State
 
   [[nodiscard]] bool searchNear(const std::vector<Eigen::Vector3f>& source,
                                 std::vector<Loop>& rejected);
-  void searchAlike(const std::vector<Eigen::Vector3f>& source, std::vector<Loop>& rejected);
+  void searchByAppearance(const std::vector<Eigen::Vector3f>& source, std::vector<Loop>& rejected);
   [[nodiscard]] Loop verify(const LoopCandidate& candidate,
                             const std::vector<Eigen::Vector3f>& source,
                             bool by_appearance) const;
@@ -116,8 +116,8 @@ bool LoopCloser::State::searchNear(const std::vector<Eigen::Vector3f>& source,
 }
 
 /** Streets repeat themselves. Of several places that the newest keyframe fits, none is believed. */
-void LoopCloser::State::searchAlike(const std::vector<Eigen::Vector3f>& source,
-                                    std::vector<Loop>& rejected)
+void LoopCloser::State::searchByAppearance(const std::vector<Eigen::Vector3f>& source,
+                                           std::vector<Loop>& rejected)
 {
   std::vector<Loop> fitting;
   for (const LoopCandidate& candidate : candidates.alike(keyframes))
@@ -244,7 +244,7 @@ std::vector<Loop> LoopCloser::search()
     const std::vector<Eigen::Vector3f> source = s.keyframes.loopCloud(newest).unpacked().points;
     if (!s.searchNear(source, result) && s.options.appearance)
     {
-      s.searchAlike(source, result);
+      s.searchByAppearance(source, result);
     }
   }
   for (Loop& loop : s.agreement.decide(newest))

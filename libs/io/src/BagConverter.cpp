@@ -52,7 +52,7 @@ std::size_t topicNamed(const std::string& input,
 }
 
 /** Says that there are scans of other topics; a warning, where they may as well be the lidar's. */
-void sayOthers(const Bag& bag, const std::vector<RosScanTopic>& candidates, ScanSink& sink)
+void reportOtherTopics(const Bag& bag, const std::vector<RosScanTopic>& candidates, ScanSink& sink)
 {
   const RosScanTopic& taken = candidates.front();
   std::string likely;
@@ -86,7 +86,7 @@ std::size_t scanTopic(const std::string& input, Bag& bag, const std::string& ask
   const std::vector<RosScanTopic> candidates = scanTopics(bag);
   if (!candidates.empty())
   {
-    sayOthers(bag, candidates, sink);
+    reportOtherTopics(bag, candidates, sink);
     return candidates.front().topic;
   }
   const std::string packets = namesOf(bag,

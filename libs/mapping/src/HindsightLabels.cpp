@@ -29,8 +29,8 @@ constexpr int cells_above = 3;            // that tell whether a low point moves
 constexpr int ground_stride = 5;          // every so many scans of the window tell the ground
 constexpr int past_stride = 8;            // every so many scans before the window are asked
 constexpr double growth = 1.1;            // of the distances to those that are asked
-constexpr float sure_change = 3;          // scans that saw a place free: no more are needed
-constexpr float even = 0.5F;              // what is more probable moves
+constexpr float full_change = 3;          // scans that saw a place free: no more are needed
+constexpr float threshold = 0.5F;         // what is more probable moves
 
 /** Distances to the scans that are asked: all near ones, fewer far ones. */
 std::vector<int> scanOffsets(int window)
@@ -46,7 +46,7 @@ std::vector<int> scanOffsets(int window)
 /** Of the scans that make it sure, at most 1. */
 float shareOf(std::uint16_t scans)
 {
-  return std::min(1.0F, static_cast<float>(scans) / sure_change);
+  return std::min(1.0F, static_cast<float>(scans) / full_change);
 }
 
 /** One scan of the window. */
@@ -85,22 +85,23 @@ struct PastScan
 /** What places of a cell say together. */
 struct CellMotion
 {
-  int balance = 0;               //!< moving places more than static ones
-  double moving = 0, still = 0;  //!< sums of their probabilities
-  int moving_places = 0, still_places = 0;
+  int balance = 0;                    //!< moving places more than static ones
+  double moving = 0, stationary = 0;  //!< sums of their probabilities
+  int moving_places = 0, static_places = 0;
 
   void add(float probability)
   {
-    const bool moves = probability > even;
+    const bool moves = probability > threshold;
     balance += moves ? 1 : -1;
-    (moves ? moving : still) += probability;
-    ++(moves ? moving_places : still_places);
+    (moves ? moving : stationary) += probability;
+    ++(moves ? moving_places : static_places);
   }
   [[nodiscard]] bool moves() const { return balance > 0; }
   /** Mean of the places that agree with moves(). */
   [[nodiscard]] float probability() const
   {
-    return static_cast<float>(moves() ? moving / moving_places : still / std::max(1, still_places));
+    return static_cast<float>(moves() ? moving / moving_places
+                                      : stationary / std::max(1, static_places));
   }
 };
 
@@ -161,9 +162,9 @@ struct HindsightLabels::Impl
 
   void decideNext(const Use& use);
   void decide(WindowScan& scan);
-  void handOn(const Use& use);
+  void outputNext(const Use& use);
   [[nodiscard]] GroundHeights ground() const;
-  [[nodiscard]] std::vector<RayLook> looks() const;
+  [[nodiscard]] std::vector<OtherScan> others() const;
   [[nodiscard]] std::vector<float> trackedShare(const Frame& frame) const;
   [[nodiscard]] std::vector<PlaceEvidence> evidenceOf(const Segments& segments);
   void noteTracks(const Frame& frame);
@@ -191,10 +192,10 @@ GroundHeights HindsightLabels::Impl::ground() const
 }
 
 /** The scans that are asked, those before and those after each in order of their distance. */
-std::vector<RayLook> HindsightLabels::Impl::looks() const
+std::vector<OtherScan> HindsightLabels::Impl::others() const
 {
   const Pose& here = scans[next].T_odom_vehicle;
-  std::vector<RayLook> result;
+  std::vector<OtherScan> result;
   const auto ask = [&](const Pose& there, const VisibilityImage& image, bool after)
   {
     const Eigen::Isometry3f T = (there.inverse() * here).cast<float>();
@@ -255,7 +256,7 @@ std::vector<PlaceEvidence> HindsightLabels::Impl::evidenceOf(const Segments& seg
     places.push_back(frame.cloud.points[first]);
   }
   const std::vector<RayCounts> counts =
-      countRays(looks(), places, static_cast<float>(0.5 * options.voxel_size),
+      countRays(others(), places, static_cast<float>(0.5 * options.voxel_size),
                 static_cast<float>(options.margin), pool);
   std::vector<PlaceEvidence> evidence(counts.size());
   for (std::size_t g = 0; g < counts.size(); ++g)
@@ -321,7 +322,7 @@ void HindsightLabels::Impl::leaveWindow()
 }
 
 /** Hands the next frame on, if it is wanted, and forgets the oldest scan. */
-void HindsightLabels::Impl::handOn(const Use& use)
+void HindsightLabels::Impl::outputNext(const Use& use)
 {
   std::optional<Frame> frame = std::exchange(scans[next].frame, std::nullopt);
   ++next;
@@ -370,7 +371,7 @@ void HindsightLabels::Impl::decide(WindowScan& scan)
   adaptLow(segments, place_probability, points, heights, frame.moving_probability);
   for (std::size_t i = 0; i < points.size(); ++i)
   {
-    frame.moving[i] = frame.moving_probability[i] > even;
+    frame.moving[i] = frame.moving_probability[i] > threshold;
   }
   for (TrackedObject& object : frame.objects)
   {
@@ -384,7 +385,7 @@ void HindsightLabels::Impl::decideNext(const Use& use)
   {
     decide(scans[next]);
   }
-  handOn(use);
+  outputNext(use);
 }
 
 HindsightLabels::HindsightLabels(const HindsightOptions& options, int threads)

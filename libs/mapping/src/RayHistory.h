@@ -12,15 +12,15 @@
 
 namespace dyslam
 {
-/** One other scan that is asked about places. */
-struct RayLook
+/** Another scan whose rays are evaluated at places. */
+struct OtherScan
 {
   const VisibilityImage* image;
   Eigen::Isometry3f T_other_this;  //!< takes places to the other scan's vehicle frame
   bool after;                      //!< the other scan is later
 };
 
-/** What the rays of other scans saw at a place. */
+/** Counts of the rays of other scans at a place. */
 struct RayCounts
 {
   std::uint16_t free = 0;
@@ -32,12 +32,12 @@ struct RayCounts
   std::uint16_t change_after = 0;  //!< the same of later scans: what leaves
 };
 
-/** Asks all looks about all places.
- * \param looks those before and those after each in order of their distance in time
+/** Evaluates all other scans at all places.
+ * \param others those before and those after each in order of their distance in time
  * \param places vehicle frame of the scan to be decided [m] \param size of a place and \param
  * margin of a ray behind it, see VisibilityImage::at() [m]. Same result for any number of threads.
  */
-[[nodiscard]] std::vector<RayCounts> countRays(const std::vector<RayLook>& looks,
+[[nodiscard]] std::vector<RayCounts> countRays(const std::vector<OtherScan>& others,
                                                const std::vector<Eigen::Vector3f>& places,
                                                float size,
                                                float margin,

@@ -119,7 +119,10 @@ std::vector<torch::Tensor> nodeLabels(const PreparedScan& scan,
 }
 
 /** Where the network's search begins: standing still, or a prediction that errs as one does. */
-Pose drawStart(const Pose& truth, double perturbed_starts, std::uint64_t seed, std::uint64_t index)
+Pose drawInitialGuess(const Pose& truth,
+                      double perturbed_starts,
+                      std::uint64_t seed,
+                      std::uint64_t index)
 {
   RandomDraws draws(seed ^ 0x57A27ULL, index);
   constexpr double reach = 1.5;  // m, beyond which a search from standing finds little
@@ -256,8 +259,8 @@ DyloLossImpl::Terms Trainer::trainPair(std::uint64_t index)
   data_seconds_ += secondsSince(begin);
 
   const auto options = torch::dtype(torch::kFloat).device(device_);
-  const Pose start = drawStart(pair.T_2_1, options_.perturbed_starts,
-                               static_cast<std::uint64_t>(options_.seed), index);
+  const Pose start = drawInitialGuess(pair.T_2_1, options_.perturbed_starts,
+                                      static_cast<std::uint64_t>(options_.seed), index);
   const auto stages = network_->forward(network_->encode(scan1), network_->encode(scan2),
                                         PoseTensors::from(start, options));
   DyloLossImpl::Terms terms =

@@ -128,22 +128,22 @@ struct DysegTrainer::Impl
     return minutes_before + std::chrono::duration<double>(Clock::now() - start).count() / 60;
   }
   [[nodiscard]] std::string file(const char* name) const { return folder + "/" + name; }
-  DysegLoss learn();
+  DysegLoss trainStep();
   /** One line for the user. \param sum of the losses of the last `counted` steps. */
   [[nodiscard]] std::string progress(const DysegLoss& sum, int counted) const;
   void save();
   void writeCheckpoint(const std::string& path);
   /** Saves, evaluates what was saved, and notes it in validation.csv; only once at a step. */
-  void validateNow(const std::function<void(const std::string&)>& say);
+  void validateNow(const std::function<void(const std::string&)>& report);
   /** Rows "set,scores" of the weights in a file. */
   std::vector<std::string> evaluate(const std::string& weights);
 };
 
-DysegLoss DysegTrainer::Impl::learn()
+DysegLoss DysegTrainer::Impl::trainStep()
 {
   optimizer->zero_grad();
   DysegLoss sum;
-  bool learnt = false;
+  bool has_loss = false;
   for (int b = 0; b < options.batch; ++b)
   {
     RandomDraws draws(
@@ -158,14 +158,14 @@ DysegLoss DysegTrainer::Impl::learn()
       continue;
     }
     (loss.total / options.batch).backward();
-    learnt = true;
+    has_loss = true;
     sum.matching += loss.matching / options.batch;
     sum.flow += loss.flow / options.batch;
     sum.static_probability += loss.static_probability / options.batch;
     sum.cell += loss.cell / options.batch;
     sum.point += loss.point / options.batch;
   }
-  if (!learnt)
+  if (!has_loss)
   {
     return sum;  // crops with too few points: no step, or momentum alone would move the weights
   }
@@ -241,7 +241,7 @@ std::vector<std::string> DysegTrainer::Impl::evaluate(const std::string& weights
   return rows;
 }
 
-void DysegTrainer::Impl::validateNow(const std::function<void(const std::string&)>& say)
+void DysegTrainer::Impl::validateNow(const std::function<void(const std::string&)>& report)
 {
   if (validated_step == step)
   {
@@ -250,11 +250,11 @@ void DysegTrainer::Impl::validateNow(const std::function<void(const std::string&
   validated_step = step;
   save();
   std::ofstream csv(file("validation.csv"), std::ios::app);
-  say("validation at step " + std::to_string(step) + ": " + score_names);
+  report("validation at step " + std::to_string(step) + ": " + score_names);
   for (const std::string& row : evaluate(file(weights_file)))
   {
     csv << step << ',' << row << '\n';
-    say("  " + row);
+    report("  " + row);
   }
 }
 
@@ -318,17 +318,17 @@ void DysegTrainer::resume()
 }
 
 void DysegTrainer::validateOnly(const std::string& weights,
-                                const std::function<void(const std::string&)>& say)
+                                const std::function<void(const std::string&)>& report)
 {
-  say(std::string("validation: ") + score_names);
+  report(std::string("validation: ") + score_names);
   for (const std::string& row :
        impl_->evaluate(weights.empty() ? impl_->file(weights_file) : weights))
   {
-    say("  " + row);
+    report("  " + row);
   }
 }
 
-void DysegTrainer::run(const std::function<void(const std::string&)>& say,
+void DysegTrainer::run(const std::function<void(const std::string&)>& report,
                        const std::function<bool()>& stopped)
 {
   Impl& t = *impl_;
@@ -338,7 +338,7 @@ void DysegTrainer::run(const std::function<void(const std::string&)>& say,
     t.validation = makeDysegValidation(t.options);
   }
   t.pairs = std::make_unique<DysegPairs>(t.options);
-  say("data: " + t.pairs->summary());
+  report("data: " + t.pairs->summary());
   t.start = Clock::now();
   t.first_step = t.step;
   makeFolder(t.folder, "choose another --output");
@@ -353,11 +353,11 @@ void DysegTrainer::run(const std::function<void(const std::string&)>& say,
     if (stopped && stopped())
     {
       t.save();
-      say("stopped at step " + std::to_string(t.step) + "; --resume continues from here");
+      report("stopped at step " + std::to_string(t.step) + "; --resume continues from here");
       return;
     }
     t.pairs->prepare(t.step);
-    const auto loss = t.learn();
+    const auto loss = t.trainStep();
     mean.matching += loss.matching;
     mean.flow += loss.flow;
     mean.static_probability += loss.static_probability;
@@ -373,7 +373,7 @@ void DysegTrainer::run(const std::function<void(const std::string&)>& say,
                     mean.matching / counted, mean.flow / counted, mean.static_probability / counted,
                     mean.cell / counted, mean.point / counted);
       csv << line << std::endl;
-      say(t.progress(mean, counted));
+      report(t.progress(mean, counted));
       mean = DysegLoss();
       counted = 0;
     }
@@ -387,13 +387,13 @@ void DysegTrainer::run(const std::function<void(const std::string&)>& say,
     }
     if (t.options.validate_every > 0 && t.step % t.options.validate_every == 0)
     {
-      t.validateNow(say);
+      t.validateNow(report);
     }
   }
   t.save();
   if (t.options.validate_every > 0)
   {
-    t.validateNow(say);
+    t.validateNow(report);
   }
 }
 }  // namespace dyslam

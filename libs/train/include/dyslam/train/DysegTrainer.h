@@ -93,14 +93,15 @@ class DysegTrainer
   void resume();
   /** Start from the weights of a file. \throws UserError. */
   void startFrom(const std::string& weights);
-  /** \param say is called with a line of progress from time to time \param stopped is polled before
-   * each step: true saves and ends; null for never. \throws UserError if data are missing, also
-   * validation data. */
-  void run(const std::function<void(const std::string&)>& say,
+  /** \param report is called with a line of progress from time to time \param stopped is polled
+   * before each step: true saves and ends; null for never. \throws UserError if data are missing,
+   * also validation data. */
+  void run(const std::function<void(const std::string&)>& report,
            const std::function<bool()>& stopped = nullptr);
   /** The validation table of a file of weights, empty for the folder's dyseg.safetensors. Writes
    * nothing. \throws UserError if there is none. */
-  void validateOnly(const std::string& weights, const std::function<void(const std::string&)>& say);
+  void validateOnly(const std::string& weights,
+                    const std::function<void(const std::string&)>& report);
 
  private:
   struct Impl;
