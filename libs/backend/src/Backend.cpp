@@ -20,7 +20,7 @@ namespace dyslam
 {
 namespace
 {
-/** A frame at its place relative to the keyframe before it. */
+/** A frame, relative to the keyframe before it. */
 struct FrameInKeyframe
 {
   double stamp = 0;
@@ -28,7 +28,8 @@ struct FrameInKeyframe
   Pose T_keyframe_frame = Pose::Identity();
 };
 
-/** Covariance of one odometry step: what the odometry states, or a guess where it found none. */
+/** Covariance of one odometry step: that of the odometry, or the option's where it did not
+ * converge. */
 Matrix6 stepCovariance(const MotionEstimate& motion, const BackendOptions& options)
 {
   if (motion.converged && motion.information.allFinite())
@@ -89,7 +90,7 @@ struct Backend::State
   void accumulateOdometry(const Frame& frame);
   [[nodiscard]] bool wantsKeyframe() const;
   void addKeyframe(const Frame& frame);
-  /** \return how many loops the graph took. */
+  /** \return number of loops added to the graph. */
   std::size_t insertLoops(const std::vector<Loop>& decided);
   [[nodiscard]] std::set<Key> objectsOf(const Frame& frame) const;
   bool optimiseWindow(const Frame& frame);
@@ -108,7 +109,7 @@ struct Backend::State
   std::vector<FactorGraph::FactorId> odometry;  //!< that of keyframe k + 1 at k
   std::vector<FrameInKeyframe> frames;
   std::vector<Loop> loops;
-  std::vector<std::string> problems;        //!< factors that the graph refused
+  std::vector<std::string> problems;        //!< factors that the graph rejected
   Pose T_odom_keyframe = Pose::Identity();  //!< the newest one's, as the odometry has it
 
   MotionAccumulator since_keyframe;

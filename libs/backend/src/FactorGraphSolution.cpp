@@ -79,7 +79,8 @@ void FactorGraph::leaveOutContradicted(const FactorGraphOptions& options,
     result.converged = again.converged;
     result.reason = again.reason;
   };
-  // While there is contradiction, loops that do not fit stay: without a false one they may.
+  // While there is a contradiction, loops with large residuals stay: without the false one they may
+  // fit.
   for (auto worst = contradictedLoops(*this, left_out_, options.loop_loss_width,
                                       options.odometry_sigma_scale);
        !worst.empty(); worst = contradictedLoops(*this, left_out_, options.loop_loss_width,
@@ -100,7 +101,7 @@ void FactorGraph::leaveOutFalseLoops(const FactorGraphOptions& options,
                                      OptimisationResult& result)
 {
   leaveOutContradicted(options, free, result);
-  // One group of loops that agree may have won over several that are right.
+  // One group of consistent but false loops may have won over several correct ones.
   const std::set<FactorId> kept = keptLoops(*this, left_out_);
   const std::size_t groups = independentGroups(*this, kept);
   if (!kept.empty() && independentGroups(*this, left_out_) > groups)

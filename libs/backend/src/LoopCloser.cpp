@@ -115,7 +115,7 @@ bool LoopCloser::State::searchNear(const std::vector<Eigen::Vector3f>& source,
   return false;
 }
 
-/** Streets repeat themselves. Of several places that the newest keyframe fits, none is believed. */
+/** Streets repeat themselves: if the newest keyframe fits several places, none is accepted. */
 void LoopCloser::State::searchByAppearance(const std::vector<Eigen::Vector3f>& source,
                                            std::vector<Loop>& rejected)
 {

@@ -15,9 +15,9 @@ namespace dyslam
 {
 namespace
 {
-/** Successive observations far away after which a standing object is taken for another one. */
+/** Successive distant observations after which a static object counts as another one. */
 constexpr std::size_t stray_confirmations = 3;
-/** Objects never decided about and not seen for so long are dropped [s]. */
+/** Undecided objects that were not observed for so long are dropped [s]. */
 constexpr double forget_after = 5;
 
 bool isVehicle(ObjectClass object_class)
@@ -318,8 +318,8 @@ void ObjectGraph::finish()
   }
 }
 
-/** Gives the observations of a standing object together no more information than those of
- * `standing_saturation` keyframes have. */
+/** Limits the total information of the observations of a static object to that of
+ * `standing_saturation` keyframes. */
 void ObjectGraph::limitInformation(const ObjectKey& key)
 {
   const std::vector<FactorGraph::FactorId> factors = graph_.factorsOf(standingKey(key));

@@ -14,7 +14,7 @@ namespace dyslam
 {
 namespace
 {
-/** Poses as blocks that Ceres moves; planar graphs have three numbers per node. */
+/** Poses as parameter blocks of Ceres; planar graphs have three numbers per node. */
 class Blocks
 {
  public:
@@ -77,7 +77,7 @@ double chi2Of(const GraphData& data, const PoseGraphSolverOptions& options)
   return sum;
 }
 
-/** A pose graph as Ceres sees it. */
+/** A pose graph as a Ceres problem. */
 class GraphProblem
 {
  public:

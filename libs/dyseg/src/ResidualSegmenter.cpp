@@ -147,7 +147,7 @@ int ResidualSegmenter::vote(const PastScan& past, const Eigen::Vector3f& point) 
       nearest = std::min(nearest, range);
     }
   }
-  // Rays on one side only may have passed just over an edge that stood there all along.
+  // Rays on one side only may have passed just over the edge of a static object.
   const bool open_above = options_.open_sky && row + 1 < past.rows - 2;
   const bool enclosed = seen_in_row[0] && (seen_in_row[2] || open_above);
   return enclosed && d.range < nearest - margin ? 2 : 0;

@@ -11,8 +11,8 @@ namespace dyslam
 namespace
 {
 constexpr std::uint64_t memory = 20;    // scans
-constexpr std::uint64_t sweeping = 10;  // scans between looking for forgotten cells
-constexpr float least = 0.05F;          // probability; a single scan is never surer than this
+constexpr std::uint64_t sweeping = 10;  // scans between removals of old cells
+constexpr float least = 0.05F;          // probability; a single scan is limited to this
 
 float logOdds(float probability)
 {

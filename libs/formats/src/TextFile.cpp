@@ -66,7 +66,7 @@ double TextFile::number(std::size_t field) const
     {
       fail("'" + std::string(text) + "' is too large a number");
     }
-    return 0;  // as good as nothing in any of our files
+    return 0;  // negligible in all our files
   }
   if (error != std::errc() || end != text.data() + text.size())
   {

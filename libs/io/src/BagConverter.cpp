@@ -51,7 +51,7 @@ std::size_t topicNamed(const std::string& input,
                   (usable.empty() ? "; --list shows the topics" : "; use " + usable));
 }
 
-/** Says that there are scans of other topics; a warning, where they may as well be the lidar's. */
+/** Reports scans of other topics; as a warning, where they may be the lidar's. */
 void reportOtherTopics(const Bag& bag, const std::vector<RosScanTopic>& candidates, ScanSink& sink)
 {
   const RosScanTopic& taken = candidates.front();
@@ -76,7 +76,7 @@ void reportOtherTopics(const Bag& bag, const std::vector<RosScanTopic>& candidat
   }
 }
 
-/** The scans' topic: the one that was asked for, or the most likely lidar. */
+/** The topic of the scans: the requested one, or the most likely lidar. */
 std::size_t scanTopic(const std::string& input, Bag& bag, const std::string& asked, ScanSink& sink)
 {
   if (!asked.empty())

@@ -108,7 +108,7 @@ ConversionResult convertKitti(const std::string& input,
     }
     if (deskewed)
     {
-      scan.time.assign(scan.size(), 0.F);  // seen at one instant, as far as deskewing goes
+      scan.time.assign(scan.size(), 0.F);  // deskewed: all points at one instant
     }
     out.write(scan, entry.T_world_lidar);
     if (!entry.labels.empty())

@@ -21,7 +21,7 @@ namespace
 {
 constexpr double same_instant = 1e-3;  //!< [s] between a scan and its pose in a TUM file
 
-/** One sequence on its way; what there is goes with the object unless finish() was called. */
+/** One sequence while it is written; removed with the object unless finish() was called. */
 class Sequence
 {
  public:

@@ -79,7 +79,7 @@ class PacketReader
   PacketReader(const PacketReader&) = delete;
   PacketReader& operator=(const PacketReader&) = delete;
 
-  /** False at the end; `damage` then says if the file ends as it should not. */
+  /** False at the end; `damage` then tells whether the file is damaged. */
   [[nodiscard]] bool next(Packet& packet)
   {
     pcap_pkthdr* header = nullptr;
@@ -121,7 +121,7 @@ class PacketReader
   std::string damage_;
 };
 
-/** A revolution on its way, with what shows whether it is whole. */
+/** A revolution while it is read, with the data that show whether it is complete. */
 struct Revolution
 {
   Scan scan;
@@ -320,7 +320,7 @@ struct PcapSource::Impl
 
   [[nodiscard]] static bool near(int a, int b) { return std::abs(a - b) <= whole_turn_tolerance; }
 
-  /** Whether to deliver a revolution: all but the broken first and last. */
+  /** Whether to deliver a revolution: all but an incomplete first and last one. */
   [[nodiscard]] bool whole(const Revolution& revolution, bool first, bool last) const
   {
     if (options.keep_partial)

@@ -70,7 +70,7 @@ std::vector<double> stampsFromNames(const std::vector<std::string>& files)
   return stamps;
 }
 
-/** A time for each scan of a folder; empty if nothing but the scans themselves can tell. */
+/** A time for each scan of a folder; empty if only the scans themselves have times. */
 std::vector<double> stampsFor(const std::vector<std::string>& files,
                               const ScanConverterOptions& options,
                               ScanSink& sink)
@@ -202,7 +202,7 @@ void requireCapture(const std::string& file)
   }
 }
 
-/** \throws UserError for an option that this kind of input has no use for. */
+/** \throws UserError for an option that does not apply to this kind of input. */
 void requireFitting(InputKind kind, const ScanConverterOptions& options)
 {
   struct Use

@@ -25,14 +25,14 @@ namespace dyslam
 namespace
 {
 constexpr float lowest_of_object = 0.1F;  // over the ground [m]
-constexpr int cells_above = 3;            // that tell whether a low point moves
-constexpr int ground_stride = 5;          // every so many scans of the window tell the ground
-constexpr int past_stride = 8;            // every so many scans before the window are asked
-constexpr double growth = 1.1;            // of the distances to those that are asked
-constexpr float full_change = 3;          // scans that saw a place free: no more are needed
-constexpr float threshold = 0.5F;         // what is more probable moves
+constexpr int cells_above = 3;            // that decide whether a low point moves
+constexpr int ground_stride = 5;          // scans of the window between those used for the ground
+constexpr int past_stride = 8;            // scans before the window between those that are used
+constexpr double growth = 1.1;            // of the distances to those that are used
+constexpr float full_change = 3;          // free observations of a place that suffice
+constexpr float threshold = 0.5F;         // above this probability a point is moving
 
-/** Distances to the scans that are asked: all near ones, fewer far ones. */
+/** Distances to the scans that are used: all near ones, fewer far ones. */
 std::vector<int> scanOffsets(int window)
 {
   std::vector<int> offsets;
@@ -43,7 +43,7 @@ std::vector<int> scanOffsets(int window)
   return offsets;
 }
 
-/** Of the scans that make it sure, at most 1. */
+/** Fraction of the sufficient number of scans, at most 1. */
 float shareOf(std::uint16_t scans)
 {
   return std::min(1.0F, static_cast<float>(scans) / full_change);
@@ -61,12 +61,12 @@ struct WindowScan
     if (wanted)
     {
       frame = given;
-      frame->static_confidence = {};  // nobody asks for it any more
+      frame->static_confidence = {};  // no longer needed
       frame->static_prior = {};
     }
   }
 
-  std::optional<Frame> frame;  //!< none if nobody wants it, and once it is decided
+  std::optional<Frame> frame;  //!< none if it is not wanted, and once it is decided
   Pose T_odom_vehicle = Pose::Identity();
   VisibilityImage image;
   LowestReturns lowest;
@@ -82,10 +82,10 @@ struct PastScan
   VisibilityImage image;
 };
 
-/** What places of a cell say together. */
+/** Decision of the places of a cell. */
 struct CellMotion
 {
-  int balance = 0;                    //!< moving places more than static ones
+  int balance = 0;                    //!< number of moving minus static places
   double moving = 0, stationary = 0;  //!< sums of their probabilities
   int moving_places = 0, static_places = 0;
 
@@ -105,7 +105,7 @@ struct CellMotion
   }
 };
 
-/** What is near the ground moves if what stands above it does. */
+/** Points near the ground are moving if the points above them are. */
 void adaptLow(const Segments& segments,
               const std::vector<float>& place_probability,
               const std::vector<Eigen::Vector3f>& points,
@@ -191,7 +191,7 @@ GroundHeights HindsightLabels::Impl::ground() const
   return GroundHeights(lowest);
 }
 
-/** The scans that are asked, those before and those after each in order of their distance. */
+/** The scans that are used, those before and those after each in order of their distance. */
 std::vector<OtherScan> HindsightLabels::Impl::others() const
 {
   const Pose& here = scans[next].T_odom_vehicle;
@@ -245,7 +245,7 @@ std::vector<float> HindsightLabels::Impl::trackedShare(const Frame& frame) const
   return tracked;
 }
 
-/** What is known of each place by itself. */
+/** Evidence of each place by itself. */
 std::vector<PlaceEvidence> HindsightLabels::Impl::evidenceOf(const Segments& segments)
 {
   const Frame& frame = *scans[next].frame;
@@ -305,7 +305,7 @@ void HindsightLabels::Impl::noteTracks(const Frame& frame)
   }
 }
 
-/** Takes the oldest scan out of the window. */
+/** Removes the oldest scan from the window. */
 void HindsightLabels::Impl::leaveWindow()
 {
   const std::size_t number = count - scans.size();
@@ -321,7 +321,7 @@ void HindsightLabels::Impl::leaveWindow()
   --next;
 }
 
-/** Hands the next frame on, if it is wanted, and forgets the oldest scan. */
+/** Outputs the next frame, if it is wanted, and drops the oldest scan. */
 void HindsightLabels::Impl::outputNext(const Use& use)
 {
   std::optional<Frame> frame = std::exchange(scans[next].frame, std::nullopt);

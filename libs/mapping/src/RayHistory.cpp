@@ -13,7 +13,7 @@ constexpr std::size_t chunk = 256;  // of places in a thread
 /** Scans before or those after, from the nearest in time to the farthest. */
 struct Side
 {
-  std::int16_t sum = 0;  //!< of those that saw the place free, less `weight` times the others
+  std::int16_t sum = 0;  //!< of those that observed the place free, less `weight` times the others
   std::int16_t lowest = 0;
 
   /** \return the largest sum of the farthest ones. */

@@ -25,11 +25,11 @@ struct RayCounts
 {
   std::uint16_t free = 0;
   std::uint16_t occupied = 0;
-  /** Largest number of scans earlier than some moment that saw the place free, less twice those
-   * that saw it occupied: what came, and stayed or passed, leaves such a change. Thin things and
-   * edges, which are seen free and occupied by turns, do not. */
+  /** Largest number of scans earlier than some moment that observed the place free, less twice
+   * those that observed it occupied: an object that arrived, and stayed or passed, leaves such a
+   * change. Thin objects and edges, which are observed free and occupied alternately, do not. */
   std::uint16_t change_before = 0;
-  std::uint16_t change_after = 0;  //!< the same of later scans: what leaves
+  std::uint16_t change_after = 0;  //!< the same of later scans: an object that leaves
 };
 
 /** Evaluates all other scans at all places.

@@ -18,11 +18,11 @@ namespace dyslam
 {
 namespace
 {
-// Shares of the memory: while a map is stitched again, both are there.
+// Shares of the memory: both exist while a map is rebuilt.
 constexpr double map_share = 0.3;
 constexpr double cleaned_share = 0.1;
 
-/** A map as it was before it is stitched again. */
+/** A map before it is rebuilt. */
 struct Stitched
 {
   std::vector<Pose> poses;
@@ -93,11 +93,11 @@ struct StaticMap::Impl
   }
 
   [[nodiscard]] KeyframeCloud thinned(const Frame& frame) const;
-  /** Takes the pose of the next keyframe. */
+  /** Appends the pose of the next keyframe. */
   void takeNext(const Frame& frame);
   void stitch(std::size_t keyframe, const Stitched* before);
   void restitch(double voxel_size);
-  /** How far the store's poses have moved from those that the map is stitched at, at most [m]. */
+  /** Largest distance of the store's poses from those that the map is built with [m]. */
   [[nodiscard]] double largestCorrection() const;
   [[nodiscard]] bool isCorrectionDue() const;
   void correct();
@@ -107,8 +107,8 @@ struct StaticMap::Impl
   StaticMapOptions options;
   KeyframeStore& keyframes;
   MapRegion region;
-  std::size_t revision = 0;  //!< of the keyframes' poses that the map is stitched at
-  std::size_t stitched = 0;  //!< keyframes, when all were stitched again
+  std::size_t revision = 0;  //!< of the keyframes' poses that the map is built with
+  std::size_t stitched = 0;  //!< keyframes at the last rebuild
   std::vector<Pose> poses;   //!< these poses, one per keyframe inserted
   VoxelMap map;
   mutable std::optional<CleanedMap> cleaned;  //!< until the map changes
@@ -147,7 +147,7 @@ KeyframeCloud StaticMap::Impl::thinned(const Frame& frame) const
   return result;
 }
 
-/** Puts the keyframe's points into voxels; those whose voxel is full are removed.
+/** Adds the keyframe's points to voxels; those whose voxel is full are removed.
  * \param before whose evidence the voxels of the same points inherit; may be null. */
 void StaticMap::Impl::stitch(std::size_t keyframe, const Stitched* before)
 {

@@ -36,7 +36,7 @@ std::string DyloOdometry::extract(const Frame& frame)
   points_.resize(frame.cloud.size());
   std::transform(frame.cloud.points.begin(), frame.cloud.points.end(), points_.begin(),
                  [&](const Eigen::Vector3f& p) { return T_lidar_vehicle * p; });
-  // What is known to move is not shown to the network.
+  // Points that are known to move are not passed to the network.
   weights_ = pointWeights(frame);
   for (std::size_t i = 0; i < weights_.size(); ++i)
   {

@@ -15,7 +15,7 @@ namespace dyslam
 namespace
 {
 using PclCloud = pcl::PointCloud<pcl::PointXYZ>;
-/** Points that the information is taken from. */
+/** Points that the information is computed from. */
 constexpr std::size_t information_points = 3000;
 
 PclCloud::Ptr toPcl(const std::vector<Eigen::Vector3f>& points)
@@ -65,7 +65,7 @@ std::string GicpOdometry::extract(const Frame& frame)
     }
   }
   pcl_->source = toPcl(points_);
-  // PCL's GICP reads as many neighbours without asking whether there are that many.
+  // PCL's GICP does not check that there are so many neighbours.
   const auto needed = static_cast<std::size_t>(options_.neighbours) + 1;
   if (points_.size() < needed)
   {

@@ -160,7 +160,7 @@ class RingFeatures
       const float here = at(i).norm();
       const float next = at(i + 1).norm();
       const float before = at(i - 1).norm();
-      // What a nearer body hides ends where that body ends, and moves with the view.
+      // The edge of an occluded surface depends on the viewpoint.
       if (here - next > 0.03F * here)
       {
         std::fill_n(blocked_.begin() + static_cast<std::ptrdiff_t>(i - half_window),

@@ -24,7 +24,7 @@ constexpr std::size_t min_inliers = 50;
 constexpr double lever = 10;
 /** The map is cropped each time the vehicle has moved by this share of its radius. */
 constexpr double crop_share = 0.1;
-/** A guess nearer to the prior is the prior. */
+/** A guess nearer to the prior counts as the prior. */
 constexpr double same_pose = 1e-9;
 /** Share of the usual inliers below which the registration is repeated coarse to fine. */
 constexpr double poor_inliers = 0.7;
@@ -126,7 +126,7 @@ struct LocalMapRegistration::State
   double usual_inliers = 0;  //!< running mean of the inlier share
   RawPoints first;           //!< the first frame, until the second shows its motion
 
-  // The frame at hand
+  // The current frame
   Pose T_odom_previous = Pose::Identity();
   Pose T_odom_vehicle = Pose::Identity();
   Pending pending = Pending::nothing;
@@ -242,7 +242,7 @@ ScanToMapResult LocalMapRegistration::State::alignCoarseToFine(const Pose& T_gue
   return fine;
 }
 
-/** Coarse to fine where the guess may be off by more than the map's cells can catch. */
+/** Coarse to fine where the error of the guess may be larger than the map's cells. */
 ScanToMapResult LocalMapRegistration::State::align(const Pose& T_guess, double guess_error)
 {
   int coarseness = 1;
@@ -268,7 +268,7 @@ ScanToMapResult LocalMapRegistration::State::align(const Pose& T_guess, double g
   return result;
 }
 
-/** The second frame shows how the first one was skewed: both are corrected in turn. */
+/** The motion to the second frame also deskews the first: both are corrected in turn. */
 ScanToMapResult LocalMapRegistration::State::alignSecond(const Pose& T_guess,
                                                          double guess_error,
                                                          double dt)

@@ -12,9 +12,9 @@ namespace
 {
 /** Variance of the second difference of motions between poses of unit variance: 1 + 9 + 9 + 1. */
 constexpr double white_noise_gain = 20;
-/** With fewer samples of the jitter the estimate's own covariance counts in full. */
+/** With fewer samples of the jitter the estimate's own covariance is used unscaled. */
 constexpr int min_samples = 3;
-/** Smallest standard deviations that are stated [m], [rad]. */
+/** Smallest reported standard deviations [m], [rad]. */
 constexpr double min_sigma = 1e-4;
 constexpr double min_sigma_angle = 1e-5;
 

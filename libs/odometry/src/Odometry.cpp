@@ -20,7 +20,7 @@ using mrpt::system::CTimeLoggerEntry;
 
 namespace
 {
-constexpr double clearly_better = 0.02;  // share of the points that agree with the map
+constexpr double clearly_better = 0.02;  // difference of inlier shares
 }
 
 void OdometryOptions::describe(OptionsVisitor& v)
@@ -106,7 +106,7 @@ struct Odometry::State
 
   ScanClock clock;
   bool doubtful = false;    //!< the interval to the scan at hand
-  bool after_gap = false;   //!< so long that the velocity before says nothing of the one after
+  bool after_gap = false;   //!< too long to predict the velocity after it
   bool started = false;     //!< a scan has been seen
   bool registered = false;  //!< a scan has been registered to the map
   Pose T_odom_previous = Pose::Identity();
@@ -126,9 +126,9 @@ void Odometry::State::countSegmenterMotions(const Frame& frame)
   }
 }
 
-/** The segmenter's ego-motion counts as long as it has an appearance prior: of what looks static,
- * it is not misled by traffic all around. Two scans that were deskewed by different motions do not
- * show the motion between them. */
+/** The segmenter's ego-motion is used as long as it has an appearance prior: estimated from static
+ * classes, it is not biased by surrounding traffic. Two scans that were deskewed by different
+ * motions do not determine the motion between them. */
 bool Odometry::State::acceptsSegmenterMotion(const Frame& frame) const
 {
   if (!frame.segmenter_motion || frame.static_prior.empty() || frame.dt <= 0 || startSpeedKnown())
@@ -149,14 +149,14 @@ void Odometry::State::fuseSegmenterMotion(Frame& frame)
   {
     segmenter_information =
         informationFromSigmas(fusion.segmenter_sigma, fusion.segmenter_sigma_angle);
-    // A segmenter that looks from above sees neither height nor tilt.
+    // A segmenter in the bird's-eye view observes neither height nor tilt.
     segmenter_information.diagonal().segment<3>(2).setZero();
     frame.prior.fuse(frame.segmenter_motion->T_previous_current, segmenter_information);
   }
 }
 
-/** A matcher may follow the traffic around and take the world for what moves: its motion is
- * accepted near the prior alone. \return why it is rejected; empty if it is accepted */
+/** A matcher may follow surrounding traffic instead of the static world: its motion is accepted
+ * only near the prior. \return why it is rejected; empty if it is accepted */
 std::string Odometry::State::whyRejected(const Frame& frame) const
 {
   if (!frame.odometry.converged)
@@ -196,7 +196,7 @@ void Odometry::State::matchScan(Frame& frame)
   weightByAppearance(frame);
 }
 
-/** As long as nothing can be seen to move, what looks as if it could gets no weight. */
+/** Until motion can be observed, points of movable appearance have zero weight. */
 void Odometry::State::weightByAppearance(Frame& frame) const
 {
   if (frame.static_prior.empty() || frame.static_prior.size() != frame.cloud.size())
@@ -211,8 +211,8 @@ void Odometry::State::weightByAppearance(Frame& frame) const
                  { return prior < least ? 0.0F : confidence; });
 }
 
-/** The matcher's motion, if accepted; one that already holds the prior is fused with it again: the
- * surer the prior, the less counts a matcher that may follow the traffic. */
+/** The matcher's motion, if accepted; one that already contains the prior is fused with it again:
+ * the more certain the prior, the lower the weight of a matcher that may follow the traffic. */
 Pose Odometry::State::initialGuess(const Frame& frame) const
 {
   if (!frame.odometry_accepted)
@@ -229,7 +229,7 @@ Pose Odometry::State::initialGuess(const Frame& frame) const
   return fused.T_previous_current;
 }
 
-/** Of the initial guess, if this is the first registration to a map. */
+/** Sigma of the initial guess, if this is the first registration to a map [m]. */
 double Odometry::State::initialSigma(const Frame& frame) const
 {
   double sigma = refine.initial_sigma;
@@ -287,8 +287,8 @@ MotionPrior Odometry::State::priorAfter(double dt) const
   return prior;
 }
 
-/** Motion since the scan before, whichever time has passed: the start that registers best of going
- * on through the interval, going on for one period, and standing. */
+/** Motion since the scan before for an unknown interval: the initial guess that registers best, of
+ * constant velocity for the interval, constant velocity for one period, and no motion. */
 std::optional<Pose> Odometry::State::motionAtDoubtfulTime(
     const Frame& frame, const std::function<Cloud(const Pose&, double)>& prepare)
 {

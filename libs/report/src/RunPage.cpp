@@ -13,7 +13,7 @@ namespace dyslam
 {
 namespace
 {
-/** Within a script element nothing ends it but `</script`, and `<!--` changes its meaning. */
+/** A script element is ended by `</script`, and `<!--` changes its parsing. */
 std::string withoutMarkup(const std::string& json)
 {
   std::string text;

@@ -109,13 +109,13 @@ void disturb(double noise, double dropout, RandomDraws& draws, std::vector<Eigen
       p.setConstant(std::numeric_limits<float>::quiet_NaN());
       continue;
     }
-    // A sum of uniform numbers is near enough to a normal one, and cheap.
+    // A sum of uniform numbers is approximately normal, and cheap.
     const double error = noise * 1.225 * (draws.uniform(-1, 1) + draws.uniform(-1, 1));
     p *= 1 + static_cast<float>(error) / std::max(p.norm(), 0.5F);
   }
 }
 
-/** Leaves only every `keep`-th beam, of a sensor with many. */
+/** Keeps every `keep`-th beam of a sensor with many. */
 void thinBeams(int keep, int offset, std::vector<Eigen::Vector3f>& points)
 {
   constexpr int many = 32;
@@ -153,7 +153,7 @@ void pasteBodies(const AugmentationOptions& options,
     PointLabel label = PointLabel::still;
     if (jam || kind < options.co_moving)
     {
-      // Stays where it is in the sensor's view, nearly.
+      // Moves with the ego-vehicle, approximately.
       T_2_1_body =
           poseFromYpr(draws.normal(0.02), draws.normal(0.01), 0, draws.normal(0.002), 0, 0);
       label = (pair.T_2_1.translation() - T_2_1_body.translation()).norm() > 0.05

@@ -118,14 +118,14 @@ std::vector<torch::Tensor> nodeLabels(const PreparedScan& scan,
   return result;
 }
 
-/** Where the network's search begins: standing still, or a prediction that errs as one does. */
+/** Initial guess of the network: zero motion, or the truth with the errors of a prediction. */
 Pose drawInitialGuess(const Pose& truth,
                       double perturbed_starts,
                       std::uint64_t seed,
                       std::uint64_t index)
 {
   RandomDraws draws(seed ^ 0x57A27ULL, index);
-  constexpr double reach = 1.5;  // m, beyond which a search from standing finds little
+  constexpr double reach = 1.5;  // m, range of a search from zero motion
   const double share =
       truth.translation().norm() > reach ? std::max(perturbed_starts, 0.8) : perturbed_starts;
   if (perturbed_starts <= 0 || !draws.chance(share))
@@ -159,7 +159,7 @@ class Trainer
   DataOptions data_;
   AugmentationOptions augmentation_;
   DyloNetwork network_{nullptr};
-  DyloNetwork mean_{nullptr};  //!< of its weights, over the last steps
+  DyloNetwork mean_{nullptr};  //!< exponential moving average of its weights
   DyloLoss loss_{nullptr};
   std::unique_ptr<torch::optim::Adam> optimizer_;
   std::unique_ptr<PairSource> source_;
@@ -409,7 +409,7 @@ void Trainer::writeCheckpoint(const std::string& path)
   checkpoint.write(path);
 }
 
-/** A checkpoint of the same network, or a model: of that, the layers both have. */
+/** Loads a checkpoint of the same network, or the common layers of a model. */
 void Trainer::startFrom(const std::string& path)
 {
   if (!isDyloModel(path))

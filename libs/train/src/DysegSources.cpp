@@ -145,7 +145,7 @@ DysegClip loadLabelledRun(const std::string& folder,
     }
     for (const auto& [id, sum] : sums)
     {
-      // An id of its own per frame: where it was before is not known.
+      // A unique id per frame: its earlier position is unknown.
       const auto own = id + static_cast<std::int32_t>(f + 1) * 100000;
       DysegClip::Object object;
       object.T_sensor_object.translation() = sum.first / sum.second;

@@ -37,7 +37,7 @@ constexpr const char* weights_file = "dyseg.safetensors";
 constexpr const char* score_names =
     "set,iou,precision,recall,epe_static_m,epe_moving_m,own_motion_m,own_motion_rad";
 
-/** Where a crop lies: around a mover if there is one, else somewhere, near places more often. */
+/** Centre of a crop: near a moving object if there is one, else random, near places more often. */
 Eigen::Vector2f drawCentre(const DysegSample& sample,
                            const BevOptions& grid,
                            const BevOptions& crop,
@@ -111,7 +111,7 @@ struct DysegTrainer::Impl
   BevOptions crop;
   std::string folder;
   DysegNet net{nullptr};
-  DysegNet mean{nullptr};  //!< running mean of the weights
+  DysegNet mean{nullptr};  //!< exponential moving average of the weights
   std::unique_ptr<torch::optim::AdamW> optimizer;
   int step = 0;
   int first_step = 0;  //!< of this run of the program
@@ -133,7 +133,7 @@ struct DysegTrainer::Impl
   [[nodiscard]] std::string progress(const DysegLoss& sum, int counted) const;
   void save();
   void writeCheckpoint(const std::string& path);
-  /** Saves, evaluates what was saved, and notes it in validation.csv; only once at a step. */
+  /** Saves and evaluates the weights, and appends the scores to validation.csv; once per step. */
   void validateNow(const std::function<void(const std::string&)>& report);
   /** Rows "set,scores" of the weights in a file. */
   std::vector<std::string> evaluate(const std::string& weights);
@@ -167,7 +167,7 @@ DysegLoss DysegTrainer::Impl::trainStep()
   }
   if (!has_loss)
   {
-    return sum;  // crops with too few points: no step, or momentum alone would move the weights
+    return sum;  // crops with too few points: no step, else momentum alone would change the weights
   }
   torch::nn::utils::clip_grad_norm_(net->parameters(), clip_norm);
   static_cast<torch::optim::AdamWOptions&>(optimizer->param_groups()[0].options())
@@ -334,7 +334,7 @@ void DysegTrainer::run(const std::function<void(const std::string&)>& report,
   Impl& t = *impl_;
   if (t.options.validate_every > 0)
   {
-    // What is missing shows now, not after hours.
+    // Missing data are reported now, not after hours.
     t.validation = makeDysegValidation(t.options);
   }
   t.pairs = std::make_unique<DysegPairs>(t.options);

@@ -25,7 +25,7 @@ struct Stretch
 
 void requireDisjoint(const Stretch& evaluated, const Stretch& trained, const std::string& data)
 {
-  std::error_code missing;  // told where it is read
+  std::error_code missing;  // reported where it is read
   if (!evaluated.folder.empty() && !trained.folder.empty() && evaluated.first <= trained.last &&
       fs::equivalent(fs::path(data) / evaluated.folder, fs::path(data) / trained.folder, missing))
   {
