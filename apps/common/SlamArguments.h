@@ -47,18 +47,17 @@ inline void declareSlamArguments(CLI::App& app, SlamArguments& a)
   app.add_option("-c,--config", a.config,
                  "ini file, or the name of a shipped one (default: the shipped one that fits the "
                  "recording's sensor)");
-  app.add_option("--set", a.assignments, "section.key=value, as if it stood in the ini; repeatable")
+  app.add_option("--set", a.assignments, "section.key=value, overrides the ini; repeatable")
       ->take_all()
       ->allow_extra_args(false);
-  app.add_flag("--force", a.settings.force,
-               "write into --output even if files there of the names of results are of no run");
+  app.add_flag("--force", a.settings.force, "also replace files in --output that no run wrote");
   app.add_flag("--labels", a.settings.labels,
                "write labels/NNNNNN.label, moving and static points");
   app.add_flag("--probabilities", a.settings.probabilities,
-               "write probabilities/NNNNNN.bin, a float32 per point: that it moves");
+               "write probabilities/NNNNNN.bin, the moving probability of each point (float32)");
   app.add_flag("--static-scans", a.settings.static_scans,
                "write the scans without moving points: static_scans/NNNNNN.bin and a rawlog");
-  app.add_option("--skip-first-n", a.skip_first_n, "scans to pass over")->check(notNegative());
+  app.add_option("--skip-first-n", a.skip_first_n, "scans to skip")->check(notNegative());
   app.add_option("--only-first-n", a.only_first_n, "scans to process after those; 0: all")
       ->check(notNegative());
   app.add_option("--profile", a.settings.profile_csv, "CSV file for the times of every stage");
@@ -102,7 +101,7 @@ inline void beginInMotion(const std::string& program,
   config.set(std::string("odometry.start_speed=") + text);
   config.set("odometry.start_speed_sigma=" + std::to_string(start.sigma));
   a.said.push_back(program + ": the recording begins at about " + text +
-                   " m/s, by the scans that follow (odometry.start_speed)");
+                   " m/s, estimated from the scans that follow (odometry.start_speed)");
 }
 
 /** Fills the settings' config: the ini, what fits the sensor and what the command line says.

@@ -307,7 +307,7 @@ Subcommand kittiSlamCommand(CLI::App& app)
   const auto a = std::make_shared<Arguments>();
   CLI::App* sub = app.add_subcommand(
       "kitti-slam",
-      "Evaluates the factor graph of ego and objects on KITTI tracking with detections of others, "
+      "Evaluates the factor graph of ego and objects on KITTI tracking with given detections, "
       "next to the paper's Table 6");
   sub->add_option("--data", a->data, "folder with label_02, oxts, calib, orbslam3_cam0, det_NAME")
       ->required()

@@ -40,9 +40,10 @@ void FactorGraph::holdLooseParts(std::vector<Key>& free, std::vector<std::string
     const std::size_t root = sets.find(i);
     if (root != held && root == i)
     {
-      warnings.push_back(toString(free[i]) +
-                         " and what hangs on it is joined to nothing that is held: it is solved by "
-                         "itself");
+      warnings.push_back(
+          toString(free[i]) +
+          " and the variables connected to it have no fixed variable: they are solved "
+          "separately");
       continue;
     }
     kept.push_back(free[i]);
@@ -198,7 +199,7 @@ std::vector<Matrix6> FactorGraph::covariances(const std::vector<Key>& keys,
   if (!pairs.empty() && !covariance.Compute(pairs, &problem.problem()))
   {
     throw std::runtime_error(
-        "the factors leave a direction of the factor graph open: there is no "
+        "the factors do not constrain a direction of the factor graph: there is no "
         "covariance of " +
         toString(keys.front()));
   }

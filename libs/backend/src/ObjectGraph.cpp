@@ -377,7 +377,7 @@ std::vector<std::string> ObjectGraph::warnings() const
   {
     result.push_back("objects jumped " + std::to_string(jumps_) + " times by more than " +
                      std::to_string(options_.max_jump).substr(0, 4) +
-                     " m (objects.max_jump): nothing joins them across");
+                     " m (objects.max_jump): no motion factor links these observations");
   }
   return result;
 }

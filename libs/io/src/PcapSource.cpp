@@ -234,8 +234,8 @@ struct PcapSource::Impl
     }
     if (stated == VelodyneModel::automatic)
     {
-      throw UserError(path + ": the lidar is none that is known (model byte " +
-                      std::to_string(byte) + "); name VLP16, HDL32E or HDL64E");
+      throw UserError(path + ": unknown lidar (model byte " + std::to_string(byte) +
+                      "); name VLP16, HDL32E or HDL64E");
     }
     return stated;
   }

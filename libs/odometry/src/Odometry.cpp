@@ -169,7 +169,7 @@ std::string Odometry::State::whyRejected(const Frame& frame) const
   }
   if (startsMap() && !segmenter_information.isZero())
   {
-    return "the segmenter's motion starts the map";
+    return "the segmenter's motion is the initial guess of the first registration";
   }
   const bool informed = frame.dt > 0 && matcher->usesPrior();
   const double distance = frame.prior.mahalanobisDistance(
@@ -450,7 +450,7 @@ std::vector<std::string> Odometry::warnings() const
       2 * s.segmenter_failures >= s.segmenter_frames)
   {
     warnings.emplace_back(
-        "the first scans leave open how fast the recording begins; if its speed there is known, "
+        "the first scans do not determine the speed at the start of the recording; if it is known, "
         "set odometry.start_speed");
   }
   return warnings;

@@ -132,8 +132,8 @@ std::string RunStatistics::failure(bool has_ini) const
          " scans could not be registered: do not trust trajectory and map; most often because: " +
          registration_failures.mostFrequent() + "; try " +
          (has_ini ? "the settings that fit the sensor (no -c), " : "") +
-         "-c handheld.ini for one in the hand, or odometry.start_speed for a recording that begins "
-         "at speed";
+         "-c handheld.ini for a handheld one, or odometry.start_speed for a recording that begins "
+         "in motion";
 }
 
 void Reasons::exchangeState(StateArchive& archive)

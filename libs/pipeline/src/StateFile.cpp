@@ -108,7 +108,7 @@ StateFileReader::StateFileReader(const std::string& path, std::size_t parts)
   }
   if (left_ != 0)
   {
-    fail(path_, "has more in it than belongs there");
+    fail(path_, "has trailing data");
   }
 }
 

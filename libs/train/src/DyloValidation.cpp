@@ -240,7 +240,7 @@ std::string validationTable(const std::vector<ValidationRow>& rows)
     {
       char mask_text[120];
       std::snprintf(mask_text, sizeof mask_text,
-                    "    static confidence, area under ROC: %.3f (%zu moving, %zu still points)\n",
+                    "    static confidence, area under ROC: %.3f (%zu moving, %zu static points)\n",
                     row.mask_auc, row.moving_points, row.still_points);
       text += mask_text;
     }
