@@ -41,7 +41,7 @@ struct Arguments
 };
 
 constexpr double degree = M_PI / 180;
-/** What the visual odometry of the data is taken for: its scale is up to 4 % off. */
+/** Noise model of the visual odometry of the data, whose scale error is up to 4 %. */
 const OdometryNoise visual{"visual", 0.01, 0.02, 0.05 * degree};
 const std::array<OdometryNoise, 4> noises{{{"poor", 0.05, 0.005, 0.1 * degree},
                                            {"middle", 0.02, 0, 0.05 * degree},

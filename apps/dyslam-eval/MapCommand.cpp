@@ -82,7 +82,7 @@ nlohmann::ordered_json toJson(const MapScores& s)
           {"harmonic_mean", orNull(harmonicMean(s.preservation(), s.rejection()))}};
 }
 
-/** `--self`: trajectories by the maps that they make. */
+/** `--self`: evaluates trajectories by their maps. */
 void runSelf(const Arguments& a)
 {
   MapSelfArguments self = a.self;

@@ -20,7 +20,7 @@ namespace dyslam
 {
 namespace
 {
-/** What an ini may hold: our own sections, and those of dyslam, which may have made it. */
+/** Sections of an ini: our own, and those of dyslam, which may have written it. */
 std::vector<std::string> knownSections()
 {
   std::vector<std::string> known{
@@ -123,7 +123,7 @@ void prepareOutput(const std::string& file, bool force)
   }
 }
 
-/** Of [backend], the one key that counts here. */
+/** The one key of [backend] that is used here. */
 struct KeyframeOptions : Options
 {
   double distance = MapBuilderOptions().keyframe_distance;

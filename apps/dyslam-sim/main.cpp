@@ -126,7 +126,7 @@ void recordOne(const Recording& recording, bool quiet)
       result.objects, result.distance, result.loop_length, result.ground_truth.c_str());
 }
 
-/** Those of the shard that is asked for. */
+/** Those of the requested shard. */
 std::vector<NamedRecording> partOf(const Arguments& a, const std::vector<NamedRecording>& all)
 {
   return a.shard.empty() ? all : Shard::fromText(a.shard).of(all);
@@ -152,7 +152,7 @@ std::vector<NamedRecording> seriesOf(const Arguments& a)
   return series;
 }
 
-/** The set that --benchmark asks for, or --only one of it. */
+/** The set of --benchmark, or the one recording of --only. */
 std::vector<NamedRecording> benchmarkOf(const Arguments& a)
 {
   const std::vector<NamedRecording> set =

@@ -221,7 +221,7 @@ bool Backend::State::optimiseWindow(const Frame& frame)
   {
     free.insert(Key::ego(i));
   }
-  constexpr int steps = 3;  // from a good start; the next window goes on from here
+  constexpr int steps = 3;  // enough from a good initial value; the next window continues from here
   FactorGraphOptions quick = solver;
   quick.max_iterations = std::min(steps, solver.max_iterations);
   (void)graph.optimise(quick, free);

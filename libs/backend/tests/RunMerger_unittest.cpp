@@ -18,7 +18,7 @@ namespace
 using test::BoxWorld;
 using test::driveAround;
 
-/** A run as its own odometry has it: it starts at the identity and errs a little with every step.
+/** A run by its own odometry: it starts at the identity and drifts with every step.
  */
 struct TestRun
 {

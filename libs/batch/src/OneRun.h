@@ -10,7 +10,7 @@
 namespace dyslam::batch
 {
 /** Runs dyslam on one recording, with manifest and log. \param result work and attempts so far;
- * gets the rest. \param cores to use \returns whether a signal that was not asked for ended it. */
+ * gets the rest. \param cores to use \returns whether an unexpected signal ended it. */
 bool runOne(const BatchSettings& settings,
             const std::vector<int>& cores,
             const std::function<bool()>& stop,

@@ -424,7 +424,7 @@ Assignment assignShortestPaths(const CostMatrix& cost, double unassigned_cost)
 {
   if ((cost.array() == -infinity).any())
   {
-    // Comparisons drop NaN and +infinity by themselves; -infinity must be put out of reach.
+    // Comparisons drop NaN and +infinity by themselves; -infinity must be excluded.
     return assignShortestPaths((cost.array() == -infinity).select(infinity, cost), unassigned_cost);
   }
   return summarised(cost, ShortestPaths(cost, finiteUnassignedCost(cost, unassigned_cost)).solve());

@@ -15,7 +15,7 @@ namespace dyslam
 {
 /** Everything that a run writes into its folder.
  *
- * An output that fails (disk full) writes no more; the others go on, and the reasons are found in
+ * An output that fails (disk full) writes no more; the others continue, and the reasons are in
  * RunResults::failures at the end. */
 class RunOutputs
 {

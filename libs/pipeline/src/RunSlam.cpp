@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A recording from its first scan to the last file: the threads of a run, and runs that go on.
+// A recording from its first scan to the last file: the threads of a run, and resumed runs.
 #include <dyslam/core/Error.h>
 #include <dyslam/core/StateArchive.h>
 #include <dyslam/io/RawlogSource.h>
@@ -70,7 +70,7 @@ void replay(const SlamRunSettings& settings,
             ScanSum scans,
             const OnFrame& on_frame)
 {
-  std::atomic<double> read = 0;  // share of the file; only the reading thread may ask the source
+  std::atomic<double> read = 0;  // share of the file; only the reading thread may use the source
   Checkpoints checkpoints(run.checkpointSeconds());
   ReadAhead reader(
       [&]

@@ -104,7 +104,7 @@ std::vector<std::string> RunStatistics::warnings() const
         std::to_string(registration_failures.total()) + of_all +
         " could not be registered, most often because: " + registration_failures.mostFrequent());
   }
-  // As LocalMapRegistration says in the reason.
+  // The words of LocalMapRegistration's reason.
   const std::size_t restarts = registration_failures.countOf("the map is restarted");
   if (restarts > 0)
   {

@@ -124,7 +124,7 @@ TEST(DataSplits, TheShippedFileKeepsWhatWasChosenByOutOfTrainingAndTest)
       splits.requireScan("/d/semantickitti_08_labelled_2frames/001500.bin", Split::test, "here"));
 }
 
-/** What dyslam-train says to a DyLO training with one more setting. */
+/** Error message of a DyLO training with one more setting. */
 std::string errorOf(const std::string& key, const std::string& value)
 {
   const fs::path data = fs::path(testing::TempDir()) / "splits_data";

@@ -52,7 +52,7 @@ class ScanDecoder
   [[nodiscard]] Frame decode(const RecordedScan& scan);
 
   /** Ground truth among the observations taken so far (it may follow its scan), T_world_vehicle at
-   * a time [s]. Times asked for must not go back. */
+   * a time [s]. Requested times must not decrease. */
   [[nodiscard]] std::optional<Pose> truthAt(double stamp);
 
   /** Reports why the observations taken so far have no usable scan. \throws UserError always. */

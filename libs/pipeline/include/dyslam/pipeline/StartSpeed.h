@@ -53,7 +53,7 @@ struct SpeedDrift
  * prior.
  * \param frames the first scans of a recording; those without dt, poses and so on
  * \param config of the run
- * \return the speed [m/s] where the odometry would miss it by itself; nothing where it finds it,
+ * \return the speed [m/s] where the odometry would not find it by itself; nothing where it does,
  *   where `odometry.start_speed` is given, and where nothing is registered or searched for
  * \throws UserError for bad options */
 [[nodiscard]] std::optional<double> findStartSpeed(const std::vector<Frame>& frames,
