@@ -23,7 +23,7 @@ struct FrontEndOptions
   bool tracking = true;  //!< detect and track moving objects
 };
 
-/** The stages that process one scan after the other: motion prior, preprocessing, segmentation,
+/** The stages that look at one scan after the other: motion prior, preprocessing, segmentation,
  * odometry, decision what moves, detection and tracking.
  *
  * Not thread-safe; one object per recording. Same bytes for any number of threads.

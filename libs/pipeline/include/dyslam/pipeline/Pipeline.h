@@ -74,8 +74,8 @@ class Pipeline
   std::size_t addLoops(const Frame& frame);
   /** Backend::optimise(). \return whether a keyframe was moved. */
   bool optimise(Frame& frame);
-  /** Labels the moving points of earlier scans again, where `labels.hindsight` is on, and adds
-   * labelled keyframes to the map, if mapping is on. */
+  /** Decides again what moves in the scans before, where `labels.hindsight` is on, and adds decided
+   * keyframes to the map, if mapping is on. */
   void addToMap(const Frame& frame);
 
   /** Sets the receiver of every frame, in order, once its moving points are final: with
