@@ -48,7 +48,7 @@ inline std::string firstMeaningfulLine(const std::string& text)
   return first.empty() ? "unknown error" : first;
 }
 
-/** What to say of a word that should have been one of the parser's subcommands. */
+/** Error message for a word that is none of the parser's subcommands. */
 inline std::string unknownCommand(const CLI::App& app, const std::string& word)
 {
   std::vector<std::string> known;
@@ -100,14 +100,14 @@ inline void requireNoInputReplaced(const CLI::App& app)
   }
 }
 
-/** A program did all that it was asked to, but the result is of no use: exit code 2. */
+/** The program ended normally, but the result is unusable: exit code 2. */
 class UselessResult : public std::runtime_error
 {
  public:
   using std::runtime_error::runtime_error;
 };
 
-/** What every program's main calls.
+/** Body of main() of every program.
  *
  * `declare` adds flags to the parser, `run` works. Returns 0 on success, --help and --version, 1 on
  * every error and 2 on UselessResult, with one line on stderr: `<app>: <message>`.

@@ -39,7 +39,7 @@ inline CLI::Validator positive()
   return numberThatIs("POSITIVE", "above 0", [](double v) { return v > 0; });
 }
 
-/** Takes an option's word to the enumerator it stands for; nothing but the words is accepted. */
+/** Maps an option's word to its enumerator; no other word is accepted. */
 template <typename Enum>
 CLI::Validator wordFor(const std::map<std::string, Enum>& words)
 {

@@ -14,7 +14,7 @@
 
 namespace dyslam
 {
-/** What a converter says in the end: notes and warnings on stderr, one line of counts on stdout. */
+/** Final report of a converter: notes and warnings on stderr, one line of counts on stdout. */
 inline void report(const ConversionResult& result, const std::string& output)
 {
   for (const std::string& note : result.notes)
@@ -38,7 +38,7 @@ inline void report(const ConversionResult& result, const std::string& output)
 }
 
 /** Converts with a line of progress. A signal ends it and removes what was written so far.
- * \param program its name \param convert does it, reporting how far it is. \throws UserError. */
+ * \param program its name \param convert converts, and reports its progress. \throws UserError. */
 inline ConversionResult convertWithProgress(
     const std::string& program,
     const std::string& output,
@@ -61,7 +61,7 @@ inline ConversionResult convertWithProgress(
   return result;
 }
 
-/** Writes a rawlog with a line of progress, and says what came of it. \throws UserError. */
+/** Writes a rawlog with a line of progress, and prints the result. \throws UserError. */
 inline void runConversion(const std::string& program,
                           const std::string& output,
                           bool quiet,

@@ -11,12 +11,12 @@
 
 namespace dyslam
 {
-/** Tells on stderr how far long work is: a bar with rate and time left on a terminal, else a plain
- * line every few seconds. */
+/** Prints the progress of long work on stderr: a bar with rate and time left on a terminal, else a
+ * plain line every few seconds. */
 class Progress
 {
  public:
-  /** \param unit what is counted, in the plural. \param quiet says nothing at all. */
+  /** \param unit what is counted, in the plural. \param quiet prints nothing. */
   explicit Progress(std::string what, std::string unit = "scans", bool quiet = false)
       : what_(std::move(what)), unit_(std::move(unit)), quiet_(quiet), terminal_(isatty(2) == 1)
   {
@@ -44,7 +44,7 @@ class Progress
     show(std::min(fraction, 0.99), count);  // finish() says 100%
   }
 
-  /** The last word: everything is done. */
+  /** Everything is done: prints the last line. */
   void finish(std::size_t count)
   {
     if (!quiet_)

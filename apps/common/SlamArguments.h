@@ -34,9 +34,9 @@ struct SlamArguments
   std::string verbosity = "INFO";
   std::optional<int> skip_first_n;
   std::optional<int> only_first_n;
-  bool resume = false;            //!< go on with a run that was killed
-  std::future<void> loading;      //!< loadAhead()
-  std::vector<std::string> said;  //!< about sensor and settings, at the first scan
+  bool resume = false;                //!< resume a killed run
+  std::future<void> loading;          //!< loadAhead()
+  std::vector<std::string> messages;  //!< about sensor and settings, at the first scan
 
   [[nodiscard]] bool quiet() const { return verbosity == "ERROR"; }
 };
@@ -47,18 +47,17 @@ inline void declareSlamArguments(CLI::App& app, SlamArguments& a)
   app.add_option("-c,--config", a.config,
                  "ini file, or the name of a shipped one (default: the shipped one that fits the "
                  "recording's sensor)");
-  app.add_option("--set", a.assignments, "section.key=value, as if it stood in the ini; repeatable")
+  app.add_option("--set", a.assignments, "section.key=value, overrides the ini; repeatable")
       ->take_all()
       ->allow_extra_args(false);
-  app.add_flag("--force", a.settings.force,
-               "write into --output even if files there of the names of results are of no run");
+  app.add_flag("--force", a.settings.force, "also replace files in --output that no run wrote");
   app.add_flag("--labels", a.settings.labels,
                "write labels/NNNNNN.label, moving and static points");
   app.add_flag("--probabilities", a.settings.probabilities,
-               "write probabilities/NNNNNN.bin, a float32 per point: that it moves");
+               "write probabilities/NNNNNN.bin, the moving probability of each point (float32)");
   app.add_flag("--static-scans", a.settings.static_scans,
                "write the scans without moving points: static_scans/NNNNNN.bin and a rawlog");
-  app.add_option("--skip-first-n", a.skip_first_n, "scans to pass over")->check(notNegative());
+  app.add_option("--skip-first-n", a.skip_first_n, "scans to skip")->check(notNegative());
   app.add_option("--only-first-n", a.only_first_n, "scans to process after those; 0: all")
       ->check(notNegative());
   app.add_option("--profile", a.settings.profile_csv, "CSV file for the times of every stage");
@@ -67,7 +66,7 @@ inline void declareSlamArguments(CLI::App& app, SlamArguments& a)
       ->capture_default_str();
 }
 
-/** Puts the command line's values in. \throws UserError. */
+/** Applies the command line's values. \throws UserError. */
 inline void applyFlags(const SlamArguments& a, Config& config)
 {
   for (const auto& assignment : a.assignments)
@@ -84,7 +83,7 @@ inline void applyFlags(const SlamArguments& a, Config& config)
   }
 }
 
-/** Looks ahead for the speed at the first scan, and sets it where the odometry would miss it. */
+/** Searches for the speed at the first scan, and sets it where the odometry would not find it. */
 inline void beginInMotion(const std::string& program,
                           const RawlogSourceOptions& input,
                           SlamArguments& a)
@@ -101,11 +100,11 @@ inline void beginInMotion(const std::string& program,
   std::snprintf(text, sizeof text, "%.1f", *speed);
   config.set(std::string("odometry.start_speed=") + text);
   config.set("odometry.start_speed_sigma=" + std::to_string(start.sigma));
-  a.said.push_back(program + ": the recording begins at about " + text +
-                   " m/s, by the scans that follow (odometry.start_speed)");
+  a.messages.push_back(program + ": the recording begins at about " + text +
+                       " m/s, estimated from the scans that follow (odometry.start_speed)");
 }
 
-/** Fills the settings' config: the ini, what fits the sensor and what the command line says.
+/** Fills the settings' config: the ini, the settings of the sensor and the command line.
  * \throws UserError. */
 inline void chooseSettings(const std::string& program, SlamArguments& a)
 {
@@ -130,7 +129,7 @@ inline void chooseSettings(const std::string& program, SlamArguments& a)
   a.loading = loadAhead(a.settings.config);
   a.settings.sensor = sensor.summary();
   a.settings.warnings = chosen.warnings;
-  a.said.push_back(program + ": " + sensor.summary() + "; settings: " + chosen.source);
+  a.messages.push_back(program + ": " + sensor.summary() + "; settings: " + chosen.source);
   const bool has_deskew = a.settings.config.has("preprocess", "deskew");
   const std::string missing_times = sensor.missingTimes(
       has_deskew ? a.settings.config.section("preprocess").at("deskew").text : "auto");
@@ -140,7 +139,7 @@ inline void chooseSettings(const std::string& program, SlamArguments& a)
   }
   for (const std::string& warning : a.settings.warnings)
   {
-    a.said.push_back("warning: " + warning);
+    a.messages.push_back("warning: " + warning);
   }
   beginInMotion(program, input, a);
 }
@@ -167,23 +166,23 @@ inline void requireGiven(const std::string& rawlog)
   }
 }
 
-/** Says on stderr what was recognised and chosen, once. */
-inline void sayAtFirstScan(SlamArguments& a)
+/** Prints the recognised sensor and the chosen settings on stderr, once. */
+inline void printAtFirstScan(SlamArguments& a)
 {
-  for (const std::string& line : a.said)
+  for (const std::string& line : a.messages)
   {
     if (!a.quiet())
     {
       std::fprintf(stderr, "%s\n", printable(line).c_str());
     }
   }
-  a.said.clear();
+  a.messages.clear();
 }
 
-/** \param said how many of the warnings, which come first, were said at the beginning. */
-inline void print(const SlamRunReport& report, const std::string& folder, std::size_t said)
+/** \param printed number of the warnings, the first ones, that were printed at the beginning. */
+inline void print(const SlamRunReport& report, const std::string& folder, std::size_t printed)
 {
-  for (std::size_t i = said; i < report.warnings.size(); ++i)
+  for (std::size_t i = printed; i < report.warnings.size(); ++i)
   {
     std::printf("warning: %s\n", printable(report.warnings[i]).c_str());
   }
@@ -219,7 +218,7 @@ inline void print(const SlamRunReport& report, const std::string& folder, std::s
 using SlamRunner = std::function<SlamRunReport(
     const SlamRunSettings& settings, const std::function<void(double, std::size_t)>& on_frame)>;
 
-/** Runs, shows how far it is and says what came of it. \throws UserError, UselessResult. */
+/** Runs, shows the progress and prints the result. \throws UserError, UselessResult. */
 inline void runSlamProgram(const std::string& program, SlamArguments& a, const SlamRunner& run)
 {
   if (a.resume)
@@ -240,7 +239,7 @@ inline void runSlamProgram(const std::string& program, SlamArguments& a, const S
     report = run(a.settings,
                  [&](double fraction, std::size_t frames)
                  {
-                   sayAtFirstScan(a);
+                   printAtFirstScan(a);
                    progress.update(fraction, frames);
                  });
     progress.finish(report.frames);

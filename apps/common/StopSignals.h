@@ -10,7 +10,7 @@ namespace dyslam
 inline std::atomic<bool> stop_asked{false};
 static_assert(std::atomic<bool>::is_always_lock_free, "a signal handler may set it");
 
-/** Ctrl-C, kill and a terminal that is lost end the work after the scan at hand; the second time
+/** Ctrl-C, kill and a terminal that is lost end the work after the current scan; the second time
  * they kill as usual. A hang-up that is ignored (nohup) stays so. */
 inline void stopOnSignals()
 {

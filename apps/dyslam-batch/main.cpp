@@ -43,7 +43,8 @@ struct Arguments
 
 void declare(CLI::App& app, Arguments& a)
 {
-  app.description("Runs dyslam on many recordings, here or as jobs of Slurm; goes on where it was");
+  app.description(
+      "Runs dyslam on many recordings, here or as jobs of Slurm; resumes where it stopped");
   app.add_option("recordings", a.entries,
                  "rawlogs, folders of them, patterns, and lists (.txt) of all these")
       ->required();
@@ -55,7 +56,7 @@ void declare(CLI::App& app, Arguments& a)
       ->allow_extra_args(false);
   app.add_flag("--labels", a.labels, "as of dyslam: write moving and static points");
   app.add_flag("--probabilities", a.probabilities,
-               "as of dyslam: write how probably each point moves");
+               "as of dyslam: write the moving probability of each point");
   app.add_flag("--static-scans", a.static_scans, "as of dyslam: write scans without moving points");
   app.add_option("--skip-first-n", a.skip_first_n, "as of dyslam, of each recording")
       ->check(notNegative());
@@ -64,17 +65,18 @@ void declare(CLI::App& app, Arguments& a)
   app.add_option("--jobs", a.jobs, "recordings at once; 0: as many as cores (0)")
       ->check(CLI::Range(0, 4096));
   app.add_option("--memory", a.memory,
-                 "for all runs at once [GiB]; 0: 90 % of what is available (0)")
+                 "of all runs together [GiB]; 0: 90 % of the available memory (0)")
       ->check(notNegative());
   app.add_option("--scratch", a.scratch,
                  "folder to run in, on a disk of this machine; whole results move to --output");
   app.add_option("--shard", a.shard, "K/N: only the K-th of every N recordings of the list");
-  app.add_flag("--no-summary", a.no_summary, "no table and page at the end");
-  app.add_flag("--gather", a.gather, "runs nothing, only makes table and page of what there is");
+  app.add_flag("--no-summary", a.no_summary, "write no table and page at the end");
+  app.add_flag("--gather", a.gather,
+               "run nothing, only write table and page of the existing results");
   app.add_flag(
       "--slurm", a.slurm,
-      "submit an array of Slurm jobs, and one behind it that gathers; --output is to be on "
-      "storage that all nodes share");
+      "submit an array of Slurm jobs, and one after it that gathers the results; --output must be "
+      "on storage that all nodes share");
   app.add_option("--slurm-options", a.slurm_options,
                  "of sbatch, as \"--partition=x --mem=8G --cpus-per-task=4\"");
   app.add_flag("-q,--quiet", a.quiet, "no progress");

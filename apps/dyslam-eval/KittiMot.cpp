@@ -49,7 +49,7 @@ Eigen::Vector4d inImage(const Box& box, const KittiCalib& calib)
   return image;
 }
 
-/** One sequence as the tracker sees it. */
+/** Input of the tracker for one sequence. */
 struct Recording
 {
   KittiCalib calib;
@@ -212,7 +212,7 @@ void trackSequence(Recording& recording,
     double interval = 0;
     if (setup.deskew && f > 0)
     {
-      // The motion since the previous frame goes on.
+      // Constant velocity since the previous frame.
       motion = recording.poses[f - 1].inverse() * recording.poses[f];
       interval = recording.stamps[f] - recording.stamps[f - 1];
       deskewDetections(recording.detections[f], motion, interval, {sweep_period, true});

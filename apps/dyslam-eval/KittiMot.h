@@ -21,7 +21,7 @@ struct KittiMotSetup
   bool deskew = true;          //!< boxes are of scans that are not deskewed
   double added_noise = 0;      //!< standard deviation added to x and y of the detections [m]
   int seed = 1;                //!< of that noise
-  int every = 1;               //!< only every n-th frame is seen and evaluated
+  int every = 1;               //!< only every n-th frame is used and evaluated
 };
 
 /** Tracks of several sequences, in the protocol of AB3DMOT's benchmark. */

@@ -189,7 +189,7 @@ Subcommand kittiMotCommand(CLI::App& app)
   sub->add_option("--split", a->split, "AB3DMOT's validation sequences, or the others")
       ->check(CLI::IsMember({"validation", "training"}))
       ->capture_default_str();
-  sub->add_option("--sequences", a->sequences, "these (0000 ...) instead of the split");
+  sub->add_option("--sequences", a->sequences, "these sequences (0000 ...) instead of the split");
   sub->add_option("--class", a->types, "classes to track")
       ->check(CLI::IsMember({"Car", "Pedestrian", "Cyclist"}))
       ->capture_default_str();
@@ -208,8 +208,8 @@ Subcommand kittiMotCommand(CLI::App& app)
   sub->add_option("--noise", a->setup.added_noise,
                   "standard deviation of noise added to x and y of the detections, m")
       ->check(CLI::Range(0.0, 10.0));
-  sub->add_option("--seed", a->setup.seed, "of the added noise")->capture_default_str();
-  sub->add_option("--every", a->setup.every, "only every n-th frame is seen and evaluated")
+  sub->add_option("--seed", a->setup.seed, "seed of the added noise")->capture_default_str();
+  sub->add_option("--every", a->setup.every, "use and evaluate only every n-th frame")
       ->check(CLI::Range(1, 100))
       ->capture_default_str();
   sub->add_option("--tracks", a->tracks,

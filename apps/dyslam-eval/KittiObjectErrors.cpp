@@ -11,7 +11,7 @@ namespace dyslam
 namespace
 {
 constexpr int half_window = 5;      // scans beside one whose true speed is estimated
-constexpr double slowest = 1;       // of the vehicles that are judged [m/s]
+constexpr double slowest = 1;       // of the evaluated vehicles [m/s]
 constexpr double max_distance = 2;  // of an observation from its label [m]
 
 using Track = std::map<int, Eigen::Vector2d>;  // positions in the plane by scan

@@ -18,7 +18,7 @@ namespace
 {
 constexpr double frame_time = 0.1036;  // of KITTI's lidar; the data have no time stamps [s]
 
-/** Scale of the visual odometry: along its own steps, OXTS goes so much farther. */
+/** Scale of the visual odometry: ratio of the distance by OXTS along its steps. */
 double scaleOf(const std::vector<Pose>& visual, const std::vector<Pose>& measured)
 {
   double products = 0;
@@ -34,11 +34,11 @@ double scaleOf(const std::vector<Pose>& visual, const std::vector<Pose>& measure
   return squares > 0 ? products / squares : 1;
 }
 
-/** Poses of the lidar by everything but objects: OXTS, whose positions slide by up to a metre and
- * jitter by a tenth, and the visual odometry, which is smooth but for its scale. */
+/** Poses of the lidar from all data but objects: OXTS, whose positions drift by up to a metre and
+ * jitter by a tenth, and the visual odometry, which is smooth up to its scale. */
 std::vector<Pose> fusedTruth(const std::vector<Pose>& oxts, const std::vector<Pose>& visual)
 {
-  constexpr double position_sigma = 10;  // per reading; the errors of many are alike [m]
+  constexpr double position_sigma = 10;  // per reading; the errors are correlated [m]
   constexpr double angle_sigma = 0.05;   // [rad]
   const Matrix6 absolute = informationFromSigmas(position_sigma, angle_sigma);
   const Matrix6 relative = informationFromSigmas(0.01, 0.0005);

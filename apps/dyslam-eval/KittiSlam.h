@@ -47,7 +47,7 @@ struct KittiDrive
                                               const OdometryNoise& noise,
                                               std::uint32_t seed);
 
-/** What a run of tracker and backend gave. */
+/** Result of tracker and backend. */
 struct KittiSlamRun
 {
   std::vector<Pose> trajectory;  //!< T_map_velo per scan

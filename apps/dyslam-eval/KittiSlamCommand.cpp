@@ -41,7 +41,7 @@ struct Arguments
 };
 
 constexpr double degree = M_PI / 180;
-/** What the visual odometry of the data is taken for: its scale is up to 4 % off. */
+/** Noise model of the visual odometry of the data, whose scale error is up to 4 %. */
 const OdometryNoise visual{"visual", 0.01, 0.02, 0.05 * degree};
 const std::array<OdometryNoise, 4> noises{{{"poor", 0.05, 0.005, 0.1 * degree},
                                            {"middle", 0.02, 0, 0.05 * degree},
@@ -307,7 +307,7 @@ Subcommand kittiSlamCommand(CLI::App& app)
   const auto a = std::make_shared<Arguments>();
   CLI::App* sub = app.add_subcommand(
       "kitti-slam",
-      "Evaluates the factor graph of ego and objects on KITTI tracking with detections of others, "
+      "Evaluates the factor graph of ego and objects on KITTI tracking with given detections, "
       "next to the paper's Table 6");
   sub->add_option("--data", a->data, "folder with label_02, oxts, calib, orbslam3_cam0, det_NAME")
       ->required()

@@ -23,13 +23,13 @@ struct LabelComparison
   std::size_t estimated_scans = 0;
 };
 
-/** What the reference means. */
+/** Interpretation of the reference labels. */
 struct ReferenceReading
 {
   /** An instance that moves in one scan counts as moving in all, as SemanticKITTI labels them; else
    * where its points are labelled so. */
   bool ever_moving = false;
-  std::set<std::uint16_t> standing;  //!< instances that stand, whatever their labels are
+  std::set<std::uint16_t> standing;  //!< static instances, whatever their labels are
 };
 
 /** Folders of NNNNNN.label, or folders with such a subfolder `labels`; `probabilities` beside that

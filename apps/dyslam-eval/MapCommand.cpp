@@ -82,7 +82,7 @@ nlohmann::ordered_json toJson(const MapScores& s)
           {"harmonic_mean", orNull(harmonicMean(s.preservation(), s.rejection()))}};
 }
 
-/** `--self`: trajectories by the maps that they make. */
+/** `--self`: evaluates trajectories by their maps. */
 void runSelf(const Arguments& a)
 {
   MapSelfArguments self = a.self;
@@ -165,13 +165,13 @@ void declareSelf(CLI::App& sub, Arguments& a)
   option("--neighbourhood", self.quality.radius, "radius around a point [m]")->check(positive());
   option("--min-neighbours", self.quality.min_neighbours, "points with fewer are left out")
       ->check(CLI::Range(4, 1000000));
-  option("--points", self.points, "points whose neighbourhoods count")
+  option("--points", self.points, "number of points whose neighbourhoods are evaluated")
       ->check(CLI::Range(1, 10000000));
   option("--tolerance", self.tolerance, "largest difference of time stamps [s]")
       ->check(notNegative());
-  option("--poses-of", a.poses_of, "what the poses are of: vehicle or lidar")
+  option("--poses-of", a.poses_of, "body of the poses: vehicle or lidar")
       ->check(CLI::IsMember({"vehicle", "lidar"}));
-  option("--skip-first-n", self.source.skip_first_n, "scans to pass over")->check(notNegative());
+  option("--skip-first-n", self.source.skip_first_n, "scans to skip")->check(notNegative());
   option("--only-first-n", self.source.only_first_n, "scans to use after those; 0: all")
       ->check(notNegative());
 }
@@ -182,8 +182,8 @@ Subcommand mapCommand(CLI::App& app)
   const auto a = std::make_shared<Arguments>();
   CLI::App* sub = app.add_subcommand(
       "map",
-      "Static points preserved and dynamic points rejected by a map; with --self, how sharp the "
-      "map of a trajectory is, without ground truth");
+      "Static points preserved and dynamic points rejected by a map; with --self, the sharpness of "
+      "the map of a trajectory, without ground truth");
   sub->add_option("--reference", a->reference,
                   "map (pcd, ply) of all points; labels in F.label beside it or in its intensity");
   sub->add_option("--labels", a->labels, "SemanticKITTI labels of the reference's points");

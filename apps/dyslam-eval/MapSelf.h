@@ -10,7 +10,7 @@
 
 namespace dyslam
 {
-/** What `dyslam-eval map --self` is asked to do. */
+/** Arguments of `dyslam-eval map --self`. */
 struct MapSelfArguments
 {
   std::string rawlog;
@@ -18,12 +18,12 @@ struct MapSelfArguments
   std::vector<std::string> trajectories;  //!< TUM or KITTI files
   RawlogSourceOptions source;
   MapQualityOptions quality;
-  std::size_t points = 20000;  //!< of the map, whose neighbourhoods count
+  std::size_t points = 20000;  //!< of the map, whose neighbourhoods are evaluated
   double tolerance = 0.01;     //!< between the time stamps of scan and pose [s]
   bool of_lidar = false;       //!< the poses are the lidar's, not the vehicle's
 };
 
-/** Sharpness of the map that one trajectory makes. */
+/** Sharpness of the map of one trajectory. */
 struct MapSelfScores
 {
   MapSharpness mean;
@@ -31,7 +31,7 @@ struct MapSelfScores
 };
 
 /** One per trajectory, over the same scans and points. The recording is read twice: points are
- * chosen, then the map streams by. Which points does not depend on the trajectories.
+ * chosen, then the map is streamed. The choice does not depend on the trajectories.
  * \throws UserError for files that cannot be used together. */
 [[nodiscard]] std::vector<MapSelfScores> evaluateMapSelf(const MapSelfArguments& a);
 }  // namespace dyslam

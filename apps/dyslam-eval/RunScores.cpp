@@ -42,7 +42,7 @@ Json readReport(const fs::path& folder)
   return report.value_or(Json::object());
 }
 
-/** Of so many scans of a recording those that the run's settings take. */
+/** Number of a recording's scans that the run's settings use. */
 std::size_t scansTaken(const fs::path& folder, std::size_t recorded)
 {
   RawlogSourceOptions input;
@@ -56,7 +56,7 @@ std::size_t scansTaken(const fs::path& folder, std::size_t recorded)
   return most > 0 ? std::min(rest, most) : rest;
 }
 
-/** Says of a run that was killed how far it had come. \return whether it is one */
+/** Prints the progress of a killed run. \return whether it is one */
 bool noteUnfinished(const std::string& folder, const Json& report, const std::string& truth)
 {
   const auto finished = report.find("finished");

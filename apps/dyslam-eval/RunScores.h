@@ -26,8 +26,8 @@ struct RunScores
   std::optional<SimulatedWorld> world;  //!< nothing if the recording is not known to be simulated
 };
 
-/** Notes to stderr what cannot be scored. \param truth folder of the ground truth; empty: the one
- * beside the rawlog \throws UserError if it is no folder of a run. */
+/** Prints notes about missing data on stderr. \param truth folder of the ground truth; empty: the
+ * one beside the rawlog \throws UserError if it is no folder of a run. */
 [[nodiscard]] RunScores scoresOf(const std::string& folder,
                                  const std::string& truth,
                                  const TrajectoryMetricsOptions& metrics);

@@ -34,7 +34,7 @@ Subcommand segmentationCommand(CLI::App& app)
   sub->add_option("--estimate", a->estimate, "folder of estimated labels, or a run's folder")
       ->required();
   sub->add_flag("--ever-moving", a->ever_moving,
-                "what moves in one scan of the reference counts as moving in all (by instance)");
+                "instances that move in one scan of the reference count as moving in all");
   sub->add_option("--standing", a->standing,
                   "instances that stand, although the reference calls them moving")
       ->delimiter(',');

@@ -11,7 +11,7 @@
 
 namespace dyslam
 {
-/** A column of a table: what stands above it, and the folder of the runs in it. */
+/** A column of a table: its heading, and the folder of its runs. */
 struct RunColumn
 {
   std::string heading;
@@ -43,7 +43,7 @@ struct DriveScores
 [[nodiscard]] Table timeTable(const std::vector<DriveScores>& drives,
                               const std::vector<RunColumn>& columns);
 
-/** What each drive is: world, sensor, traffic, seed, scans and length. \param folder of the runs
- * that tell it */
+/** Properties of each drive: world, sensor, traffic, seed, scans and length. \param folder of the
+ * runs that it is read from */
 [[nodiscard]] Table drivesTable(const std::vector<DriveScores>& drives, const std::string& folder);
 }  // namespace dyslam

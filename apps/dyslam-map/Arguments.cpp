@@ -20,7 +20,7 @@ namespace dyslam
 {
 namespace
 {
-/** What an ini may hold: our own sections, and those of dyslam, which may have made it. */
+/** Sections of an ini: our own, and those of dyslam, which may have written it. */
 std::vector<std::string> knownSections()
 {
   std::vector<std::string> known{
@@ -123,7 +123,7 @@ void prepareOutput(const std::string& file, bool force)
   }
 }
 
-/** Of [backend], the one key that counts here. */
+/** The one key of [backend] that is used here. */
 struct KeyframeOptions : Options
 {
   double distance = MapBuilderOptions().keyframe_distance;
@@ -171,11 +171,11 @@ void declare(CLI::App& app, Arguments& a)
                  "F.png: the map with everything that moved beside the clean one; what was removed "
                  "is red");
   app.add_option("--labels", a.scans.labels, "folder of .label files: moving points are left out");
-  app.add_option("--tracks", a.scans.tracks, "tracks.txt: objects that move are left out");
+  app.add_option("--tracks", a.scans.tracks, "tracks.txt: moving objects are left out");
   app.add_option("-c,--config", a.config,
                  "ini file with [map], [labels], [preprocess], [input], [map_export], [memory] and "
                  "backend.keyframe_distance (default: effective.ini beside the trajectory)");
-  app.add_option("--set", a.assignments, "section.key=value, as if it stood in the ini; repeatable")
+  app.add_option("--set", a.assignments, "section.key=value, overrides the ini; repeatable")
       ->take_all()
       ->allow_extra_args(false);
   app.add_option("--keyframe-distance", a.keyframe_distance,
@@ -185,14 +185,14 @@ void declare(CLI::App& app, Arguments& a)
   app.add_option("--tolerance", a.scans.tolerance, "largest difference of time stamps [s]")
       ->check(notNegative())
       ->capture_default_str();
-  app.add_option("--skip-first-n", a.skip_first_n, "scans to pass over")->check(notNegative());
+  app.add_option("--skip-first-n", a.skip_first_n, "scans to skip")->check(notNegative());
   app.add_option("--only-first-n", a.only_first_n, "scans to use after those; 0: all")
       ->check(notNegative());
   app.add_option(
       "--labelled-map", a.labelled_map,
       "also write all points with the true labels of --labels or --tracks (F.ply or F.pcd, "
       "and F.label beside it): the reference for dyslam-eval map");
-  app.add_option("--threads", a.builder.threads, "0: as many as the machine has")
+  app.add_option("--threads", a.builder.threads, "0: all cores")
       ->check(CLI::Range(0, 256))
       ->capture_default_str();
   app.add_flag("--force", a.force, "replace files that a run wrote");

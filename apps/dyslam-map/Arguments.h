@@ -17,7 +17,7 @@ class App;
 
 namespace dyslam
 {
-/** What dyslam-map is asked to do. */
+/** Arguments of dyslam-map. */
 struct Arguments
 {
   std::string rawlog;
@@ -39,7 +39,7 @@ struct Arguments
   std::optional<int> only_first_n;
   bool full = false;
   bool force = false;     //!< replace files of a run
-  std::string effective;  //!< every setting in force, as an ini
+  std::string effective;  //!< all settings in effect, as an ini
   std::optional<double> keyframe_distance;
   bool quiet = false;
 };

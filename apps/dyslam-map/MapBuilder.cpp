@@ -10,7 +10,7 @@ namespace dyslam
 {
 namespace
 {
-constexpr double keyframe_angle = 0.17;  // a scan is used after this turn, wherever it is [rad]
+constexpr double keyframe_angle = 0.17;  // a scan is used after this rotation [rad]
 constexpr double labelled_voxel = 0.1;   // of the labelled map [m]
 
 /** Whole kilometres of where the trajectory starts, if that is far from zero. */
@@ -36,7 +36,7 @@ Trajectory relativeTo(const Eigen::Vector3d& origin, const Trajectory& trajector
   return result;
 }
 
-/** Nothing is taken out of it. */
+/** Options without any cleaning. */
 StaticMapOptions uncleaned(StaticMapOptions options)
 {
   options.visibility = false;

@@ -37,7 +37,7 @@ struct MapBuilderOptions
   std::string scan_store;          //!< keep the scans used in this file; empty: do not
 };
 
-/** Every point of a recording, thinned, with its true label: what maps are judged against. */
+/** Every point of a recording, thinned, with its true label: the reference of map metrics. */
 struct LabelledMap
 {
   std::vector<Eigen::Vector3f> points;  //!< map frame
@@ -62,7 +62,7 @@ class MapBuilder
   /** After the last scan. */
   void finish();
 
-  /** Everything below is relative to this: where the trajectory starts, in whole kilometres, if it
+  /** Everything below is relative to this: the start of the trajectory, in whole kilometres, if it
    * starts farther than 10 km from zero, where float32 would round. Else 0. */
   [[nodiscard]] const Eigen::Vector3d& origin() const { return origin_; }
   [[nodiscard]] const StaticMap& map() const { return map_; }
@@ -77,7 +77,7 @@ class MapBuilder
   /** Path and last box of each object that moves, and the path of the vehicle. */
   [[nodiscard]] MapPictureContent picture() const;
   [[nodiscard]] std::size_t skipped() const { return skipped_; }
-  /** What a scene shows: the map, the trajectory, the moving objects. */
+  /** Content of a scene: the map, the trajectory, the moving objects. */
   [[nodiscard]] SceneContent scene() const;
   /** The labels are those of the labels' folder and of moving objects' boxes. */
   [[nodiscard]] const LabelledMap& labelledMap() const { return labelled_; }
@@ -107,7 +107,7 @@ class MapBuilder
   StaticMap map_;
   std::unique_ptr<Uncleaned> uncleaned_;
   std::optional<ScanStore> scans_;
-  std::optional<HindsightLabels> hindsight_;  // where no labels say what moves
+  std::optional<HindsightLabels> hindsight_;  // without moving labels
   std::optional<Pose> last_keyframe_;
   std::size_t skipped_ = 0;
   LabelledMap labelled_;

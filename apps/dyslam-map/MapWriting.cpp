@@ -150,7 +150,7 @@ std::string tilePath(const std::string& path, const MapTile& tile)
       .string();
 }
 
-/** Which tile lies where, in the layout that Autoware reads. */
+/** Positions of the tiles, in the layout that Autoware reads. */
 class TileIndex
 {
  public:
@@ -228,7 +228,7 @@ std::size_t writeTiles(MapBuilder& builder,
   return count;
 }
 
-/** With --full, a point per 0.1 m: what a viewer still turns smoothly. */
+/** With --full, a point per 0.1 m: the limit for smooth viewing. */
 SceneContent sceneOf(MapBuilder& builder, const Arguments& a)
 {
   SceneContent scene = builder.scene();

@@ -7,7 +7,7 @@
 
 namespace dyslam
 {
-/** Writes every output that was asked for, each with its progress.
+/** Writes every requested output, each with its progress.
  * \return points in the cloud that was written last, or in the map. \throws UserError. */
 std::size_t writeOutputs(MapBuilder& builder, const Arguments& a);
 }  // namespace dyslam

@@ -16,7 +16,7 @@
 
 namespace dyslam
 {
-/** What is known of a recording beside its scans. */
+/** Data of a recording in addition to its scans. */
 struct RunScansOptions
 {
   PreprocessOptions preprocess;
@@ -25,7 +25,7 @@ struct RunScansOptions
   double tolerance = 0.01;  //!< of time stamps against the trajectory's [s]
 };
 
-/** A moving object: its path and where it was last. */
+/** A moving object: its path and last box. */
 struct ObjectPath
 {
   std::vector<Eigen::Vector3d> path;  //!< of the box's centre, map frame

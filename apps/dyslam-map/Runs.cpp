@@ -158,7 +158,7 @@ void nameRuns(std::vector<Run>& runs)
   }
 }
 
-/** Points of a keyframe without what moves: by labels, else outside the boxes of tracked objects.
+/** Static points of a keyframe: by labels, else outside the boxes of tracked objects.
  */
 std::vector<Eigen::Vector3f> staticPoints(const RunScans& scans, Frame& frame, std::size_t pose)
 {

@@ -13,7 +13,7 @@
 
 namespace dyslam
 {
-/** What dyslam wrote about a recording, and where that is. */
+/** A run of dyslam: its folder and results. */
 struct Run
 {
   std::string folder;
@@ -31,7 +31,7 @@ struct Run
  * \throws UserError naming what is missing. */
 [[nodiscard]] std::vector<Run> readRuns(const std::vector<std::string>& folders, double tolerance);
 
-/** Finds how the runs lie to each other. Reads every recording once, and enters its ground truth.
+/** Finds the relative poses of the runs. Reads every recording once, and stores its ground truth.
  * \param threads 0: the machine's number \throws UserError for a recording that cannot be read. */
 [[nodiscard]] RunMerge mergeRuns(std::vector<Run>& runs,
                                  const RunMergerConfig& config,

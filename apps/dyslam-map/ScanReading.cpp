@@ -80,7 +80,7 @@ std::string readScans(RawlogSource& source,
     }
     catch (const UserError& error)
     {
-      return error.what();  // the map of the scans before it is worth keeping
+      return error.what();  // the map of the scans before it is kept
     }
     if (!frame)
     {

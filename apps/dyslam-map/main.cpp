@@ -51,7 +51,7 @@ void printWarnings(const dyslam::RawlogSource& source)
   }
 }
 
-/** Settings of the run of this program that its flags imply. */
+/** Settings implied by the flags of this program. */
 void prepare(dyslam::Arguments& a)
 {
   dyslam::checkOutputs(a);
@@ -65,7 +65,7 @@ void prepare(dyslam::Arguments& a)
       std::filesystem::absolute(ini.empty() ? a.labelled_map : ini).parent_path().string();
 }
 
-/** Everything but what says how it was made. \return points written */
+/** Writes all outputs except the settings. \return points written */
 std::size_t writeMap(dyslam::MapBuilder& builder, const dyslam::Arguments& a)
 {
   warnOfOrigin(builder, a);
@@ -166,7 +166,7 @@ std::size_t addRuns(const std::vector<dyslam::Run>& runs,
       continue;
     }
     dyslam::RunScansOptions options = runs[r].scans;
-    options.tracks.clear();  // labels or hindsight tell what moves
+    options.tracks.clear();  // labels or hindsight give the moving points
     builder.beginRun(merged[r], options);
     dyslam::RawlogSource source(runs[r].rawlog, runs[r].source);
     const std::string one =

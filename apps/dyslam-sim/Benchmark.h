@@ -14,8 +14,7 @@ struct NamedRecording
   Recording recording;
 };
 
-/** The standing benchmark set: fixed worlds, seeds and lengths. Output paths are
- * `dir/<name>.rawlog`.
+/** The fixed benchmark set: fixed worlds, seeds and lengths. Output paths are `dir/<name>.rawlog`.
  *
  * urban_loop: 64 beams, more than 1.5 km of streets; campus_loop: 16 beams on a robot;
  * highway_dense: 64 beams in dense fast traffic; jam: 64 beams in stop-and-go traffic. Each has two

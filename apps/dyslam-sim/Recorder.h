@@ -15,7 +15,8 @@ struct Recording
   SimulatorOptions simulator;
   double seconds = 10;    //!< simulated time; upper limit for `one_loop` [s]
   bool one_loop = false;  //!< stop 30 m after the ego has closed its loop
-  /** Goes on after `seconds` until so much is driven [m], three times as long at most. */
+  /** Continues after `seconds` until this distance is driven [m], for at most three times as
+   * long. */
   double least_distance = 0;
   std::string output;  //!< rawlog; the ground truth is written next to it
   bool flow = true;    //!< write per-point scene flow

@@ -46,9 +46,10 @@ void declare(CLI::App& app, Arguments& a)
                  "seed of traffic, the ego's motion and noise, in the world of --seed: another "
                  "recording of the same place (--seed)");
   app.add_option("-o,--output", a.recording.output, "rawlog to write; with --count a folder");
-  app.add_option("--count", a.count,
-                 "so many recordings of the seeds from --seed (--traffic-seed) on, named by world, "
-                 "sensor and seed")
+  app.add_option(
+         "--count", a.count,
+         "number of recordings, with the seeds from --seed (--traffic-seed) on, named by world, "
+         "sensor and seed")
       ->check(CLI::Range(1, 1000000));
   app.add_option("--ego", a.ego,
                  "carrier of the sensor: car, robot or handheld (default of the world)");
@@ -56,7 +57,7 @@ void declare(CLI::App& app, Arguments& a)
   app.add_option("--loop", o.loop_length, "approximate length of the closed loop [m] (400)");
   app.add_option("--start", o.start_fraction, "start of the ego on the loop, 0 to 1 (0)");
   app.add_flag("--reverse", o.reverse,
-               "go round the loop the other way; not on a highway or in a tunnel");
+               "drive the loop in the opposite direction; not on a highway or in a tunnel");
   app.add_option("--start-time", o.start_time, "traffic simulated before the first scan [s] (5)");
   app.add_flag("--one-loop", a.recording.one_loop,
                "stop when the loop is closed, or after --seconds");
@@ -71,8 +72,8 @@ void declare(CLI::App& app, Arguments& a)
   app.add_flag("--no-stops", a.no_stops, "the ego stops for other road users only");
   app.add_option("--threads", a.recording.threads, "0: number of cores (0)")
       ->check(CLI::Range(0, 256));
-  CLI::Option* benchmark = app.add_option(
-      "--benchmark", a.benchmark, "write the standing benchmark set to this folder instead");
+  CLI::Option* benchmark = app.add_option("--benchmark", a.benchmark,
+                                          "write the fixed benchmark set to this folder instead");
   for (const char* fixed :
        {"--world",   "--sensor",     "--traffic",  "--seed",          "--traffic-seed",
         "--reverse", "--output",     "--ego",      "--speed",         "--loop",
@@ -125,7 +126,7 @@ void recordOne(const Recording& recording, bool quiet)
       result.objects, result.distance, result.loop_length, result.ground_truth.c_str());
 }
 
-/** Those of the shard that is asked for. */
+/** Those of the requested shard. */
 std::vector<NamedRecording> partOf(const Arguments& a, const std::vector<NamedRecording>& all)
 {
   return a.shard.empty() ? all : Shard::fromText(a.shard).of(all);
@@ -151,7 +152,7 @@ std::vector<NamedRecording> seriesOf(const Arguments& a)
   return series;
 }
 
-/** The set that --benchmark asks for, or --only one of it. */
+/** The set of --benchmark, or the one recording of --only. */
 std::vector<NamedRecording> benchmarkOf(const Arguments& a)
 {
   const std::vector<NamedRecording> set =

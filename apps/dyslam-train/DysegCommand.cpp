@@ -26,11 +26,11 @@ void trainDysegCommand(const TrainArguments& arguments)
   setup.train.data = dataFolder(setup.train.data, "[train] data");
 
   const std::string& output = arguments.output;
-  const auto say = [](const std::string& line) { std::cout << line << std::endl; };
+  const auto report = [](const std::string& line) { std::cout << line << std::endl; };
   DysegTrainer trainer(setup, output);
   if (arguments.validate_only)
   {
-    trainer.validateOnly(arguments.start, say);
+    trainer.validateOnly(arguments.start, report);
     return;
   }
   if (arguments.resume)
@@ -47,6 +47,6 @@ void trainDysegCommand(const TrainArguments& arguments)
   }
   makeFolder(output, "choose another --output");
   writeWhole(output + "/effective.ini", loader.effective().toIni());
-  trainer.run(say, stopRequested);
+  trainer.run(report, stopRequested);
 }
 }  // namespace dyslam

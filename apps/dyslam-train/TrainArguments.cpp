@@ -17,11 +17,11 @@ void declareCommon(CLI::App& app, TrainArguments& a)
   app.add_option("-c,--config", a.config, "ini file, or the name of a shipped one")->required();
   app.add_option("-o,--output", a.output,
                  "folder for the results; one that holds a training is not overwritten");
-  app.add_flag("--resume", a.resume, "continue the training in --output exactly where it stopped");
-  app.add_option("--start", a.start, "initial weights: those of another training");
+  app.add_flag("--resume", a.resume, "resume the training in --output from its last checkpoint");
+  app.add_option("--start", a.start, "initial weights, from another training");
   app.add_flag("--validate", a.validate_only,
-               "only print the validation table, of --start or of the training in --output");
-  app.add_option("--set", a.assignments, "section.key=value, as if it stood in the ini; repeatable")
+               "only print the validation table of --start, or of the training in --output");
+  app.add_option("--set", a.assignments, "section.key=value, overrides the ini; repeatable")
       ->take_all()
       ->allow_extra_args(false);
 }

@@ -10,10 +10,10 @@
 
 namespace dyslam
 {
-/** What a command line asks for, of either network. */
+/** Command line of either network. */
 struct TrainArguments
 {
-  std::string config;  //!< a file, or the name of one that comes with DySLAM
+  std::string config;  //!< a file, or the name of a shipped one
   std::string output;
   std::string start;
   bool resume = false;

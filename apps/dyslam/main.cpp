@@ -12,7 +12,7 @@ void declare(CLI::App& app, dyslam::SlamArguments& a)
   app.add_option("-i,--input", a.settings.rawlog, "rawlog to replay");
   app.add_option("-o,--output", a.settings.output_folder, "folder for the results")->required();
   app.add_flag("--resume", a.resume,
-               "go on with the run in --output that was killed, from its last checkpoint "
+               "resume the killed run in --output from its last checkpoint "
                "(output.checkpoint_seconds); --input only if the rawlog has been moved");
   dyslam::declareSlamArguments(app, a);
 }

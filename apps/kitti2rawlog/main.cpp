@@ -41,7 +41,7 @@ void declare(CLI::App& app, Arguments& arguments)
                  "calib.txt, or folder with calib_cam_to_cam.txt, calib_velo_to_cam.txt and "
                  "calib_imu_to_velo.txt");
   app.add_option("--poses", o.poses, "true poses, TUM or KITTI");
-  app.add_option("--pose-frame", o.pose_frame, "whose poses those are: auto, lidar or camera")
+  app.add_option("--pose-frame", o.pose_frame, "frame of these poses: auto, lidar or camera")
       ->transform(wordFor(pose_frames));
   app.add_option("--deskewed", o.deskewed,
                  "whether the scans are deskewed already: auto (odometry's are), yes or no")
@@ -49,18 +49,18 @@ void declare(CLI::App& app, Arguments& arguments)
   app.add_option("--oxts", o.oxts, "GNSS/INS file or folder: truth where there are no poses");
   app.add_option("--labels", o.labels, "folder of .label files, one label per point");
   app.add_option("--boxes", o.boxes, "label_02 file, or folder of SUSTechPOINTS json");
-  app.add_option("--sequence", o.sequence, "of tracking's official layout, such as 0000");
+  app.add_option("--sequence", o.sequence, "sequence of tracking's official layout, such as 0000");
   app.add_flag("--no-truth", o.no_truth, "scans only: no poses, labels or boxes");
   app.add_option("--times", o.times,
                  "times, a line for each frame number: seconds, or KITTI's timestamps.txt");
   app.add_option("--sensor-pose", o.sensor_pose,
-                 "of the lidar on the vehicle: 'x y z yaw pitch roll' [m, deg]");
+                 "pose of the lidar on the vehicle: 'x y z yaw pitch roll' [m, deg]");
   app.add_option("--dt", o.dt, "seconds between scans; default: the layout's times, else 0.1034");
   app.add_flag("--kitti-vertical-angle-correction", o.vertical_angle_correction,
-               "turn points up by 0.205 deg, as odometry's scans need");
+               "correct the elevation of the points by +0.205 deg, as KITTI odometry's scans need");
   app.add_option("--skip-first-n", o.skip_first_n, "scans to skip");
   app.add_option("--only-first-n", o.only_first_n, "scans to convert after those");
-  app.add_flag("--external-storage", o.external_storage, "clouds in files of their own");
+  app.add_flag("--external-storage", o.external_storage, "clouds in separate files");
   app.add_flag("-q,--quiet", arguments.quiet, "no progress");
 }
 

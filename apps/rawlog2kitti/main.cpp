@@ -30,10 +30,9 @@ void declare(CLI::App& app, Arguments& arguments)
   app.add_option("--sequence", o.sequence, "name of the sequence")->capture_default_str();
   app.add_option(
       "--trajectory", o.trajectory,
-      "poses of the vehicle, TUM or KITTI (default: the rawlog's truth); they are written "
+      "poses of the vehicle, TUM or KITTI (default: the rawlog's ground truth); they are written "
       "in the camera's frame, as KITTI's tools read them");
-  app.add_option("--calib", o.calib,
-                 "calib.txt to go with (default: the lidar's place and a camera's axes)");
+  app.add_option("--calib", o.calib, "calib.txt to write (default: camera axes at the lidar)");
   app.add_flag("--no-scans", o.no_scans, "only times, calibration and poses");
   app.add_flag("--rings", o.rings, "NNNNNN.ring beside each scan, a byte for each point");
   app.add_option("--skip-first-n", o.skip_first_n, "scans to skip");

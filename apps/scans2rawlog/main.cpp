@@ -49,12 +49,13 @@ void declare(CLI::App& app, Arguments& arguments)
   app.add_option("--times", o.times,
                  "times of a folder's scans, a line each: seconds, or KITTI's timestamps.txt");
   app.add_option("--sensor-pose", o.sensor_pose,
-                 "of the lidar on the vehicle: 'x y z yaw pitch roll' [m, deg]");
+                 "pose of the lidar on the vehicle: 'x y z yaw pitch roll' [m, deg]");
   app.add_option("--dt", o.dt, "seconds between scans; default: their own times, else 0.1");
-  app.add_flag("--keep-partial", o.keep_partial, "a pcap's broken first and last revolutions, too");
+  app.add_flag("--keep-partial", o.keep_partial,
+               "also a pcap's incomplete first and last revolutions");
   app.add_option("--skip-first-n", o.skip_first_n, "scans to skip");
   app.add_option("--only-first-n", o.only_first_n, "scans to convert after those");
-  app.add_flag("--external-storage", o.external_storage, "clouds in files of their own");
+  app.add_flag("--external-storage", o.external_storage, "clouds in separate files");
   app.add_flag("-q,--quiet", arguments.quiet, "no progress");
 }
 

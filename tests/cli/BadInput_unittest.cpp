@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What the user meets when the input is bad: the programs themselves are run. Each must say one
+// What the user gets when the input is bad: the programs themselves are run. Each must print one
 // line that names the file or field and the way out, give exit code 1, and leave whole files
 // behind.
 #include <dyslam/formats/TrajectoryFiles.h>

@@ -5,7 +5,7 @@
 
 namespace dyslam
 {
-/** The yardstick: Ceres as its pose-graph example is commonly set up. Automatic derivatives of
+/** The baseline: Ceres in the usual setup of its pose-graph example. Automatic derivatives of
  * translation and quaternion, a quaternion manifold, sparse Cholesky, default settings, 200
  * iterations, starting from the graph's poses (chained edges where it has none). The error is g2o's
  * and is whitened with the upper Cholesky factor.

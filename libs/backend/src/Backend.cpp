@@ -20,7 +20,7 @@ namespace dyslam
 {
 namespace
 {
-/** A frame at its place relative to the keyframe before it. */
+/** A frame, relative to the keyframe before it. */
 struct FrameInKeyframe
 {
   double stamp = 0;
@@ -28,7 +28,8 @@ struct FrameInKeyframe
   Pose T_keyframe_frame = Pose::Identity();
 };
 
-/** Covariance of one odometry step: what the odometry states, or a guess where it found none. */
+/** Covariance of one odometry step: that of the odometry, or the option's where it did not
+ * converge. */
 Matrix6 stepCovariance(const MotionEstimate& motion, const BackendOptions& options)
 {
   if (motion.converged && motion.information.allFinite())
@@ -89,7 +90,7 @@ struct Backend::State
   void accumulateOdometry(const Frame& frame);
   [[nodiscard]] bool wantsKeyframe() const;
   void addKeyframe(const Frame& frame);
-  /** \return how many loops the graph took. */
+  /** \return number of loops added to the graph. */
   std::size_t insertLoops(const std::vector<Loop>& decided);
   [[nodiscard]] std::set<Key> objectsOf(const Frame& frame) const;
   bool optimiseWindow(const Frame& frame);
@@ -108,7 +109,7 @@ struct Backend::State
   std::vector<FactorGraph::FactorId> odometry;  //!< that of keyframe k + 1 at k
   std::vector<FrameInKeyframe> frames;
   std::vector<Loop> loops;
-  std::vector<std::string> problems;        //!< factors that the graph refused
+  std::vector<std::string> problems;        //!< factors that the graph rejected
   Pose T_odom_keyframe = Pose::Identity();  //!< the newest one's, as the odometry has it
 
   MotionAccumulator since_keyframe;
@@ -220,7 +221,7 @@ bool Backend::State::optimiseWindow(const Frame& frame)
   {
     free.insert(Key::ego(i));
   }
-  constexpr int steps = 3;  // from a good start; the next window goes on from here
+  constexpr int steps = 3;  // enough from a good initial value; the next window continues from here
   FactorGraphOptions quick = solver;
   quick.max_iterations = std::min(steps, solver.max_iterations);
   (void)graph.optimise(quick, free);
@@ -241,29 +242,31 @@ void Backend::State::optimiseAll()
 
 void BackendOptions::describe(OptionsVisitor& visitor)
 {
-  visitor.choice("mode", mode,
-                 {{"odometry", BackendMode::odometry},
-                  {"ego", BackendMode::ego},
-                  {"segmot", BackendMode::segmot},
-                  {"full", BackendMode::full}},
-                 "what the graph holds: odometry; ego: and loops; segmot: and objects, all of them "
-                 "moving; full: and objects, those that stand as landmarks");
+  visitor.choice(
+      "mode", mode,
+      {{"odometry", BackendMode::odometry},
+       {"ego", BackendMode::ego},
+       {"segmot", BackendMode::segmot},
+       {"full", BackendMode::full}},
+      "factors of the graph: odometry; ego: also loops; segmot: also objects, all as moving; "
+      "full: also objects, static ones as landmarks");
   visitor.real("keyframe_distance", keyframe_distance, 0, 1000,
                "a new keyframe after this distance [m]");
   visitor.degrees("keyframe_angle_deg", keyframe_angle, 0, 180, "or after this turn");
   visitor.real("unconverged_sigma_translation", unconverged_sigma_translation, 1e-6, 100,
-               "of a step that the odometry could not measure [m]");
+               "sigma of a step for which the odometry did not converge [m]");
   visitor.real("unconverged_sigma_rotation", unconverged_sigma_rotation, 1e-7, 3,
                "the same for rotation [rad]");
   visitor.real("residual_to_optimise", residual_to_optimise, 0, 1e6,
-               "optimise when a new loop is off by this many standard deviations");
+               "optimise when the residual of a new loop exceeds this many standard deviations");
   visitor.integer("loops_to_optimise", loops_to_optimise, 1, 100000,
-                  "or this many loops have come");
-  visitor.integer("correction_keyframes", correction_keyframes, 0, 1000000,
-                  "newest keyframes that a loop moves where odometry and earlier loops explain it; "
-                  "0: all");
+                  "or after this many new loops");
+  visitor.integer(
+      "correction_keyframes", correction_keyframes, 0, 1000000,
+      "newest keyframes optimised for a loop that is consistent with odometry and earlier loops; "
+      "0: all");
   visitor.real("correction_growth", correction_growth, 0, 10,
-               "all keyframes are optimised again when there are more by this share");
+               "optimise all keyframes when their number has grown by this fraction");
 }
 
 Backend::Backend(const BackendConfig& config, KeyframeStore& keyframes)

@@ -34,21 +34,23 @@ void requireFinite(const Key& key, bool finite)
 
 void FactorGraphOptions::describe(OptionsVisitor& visitor)
 {
-  visitor.integer("max_iterations", max_iterations, 0, 10000, "steps of the optimisation");
-  visitor.real("tolerance", tolerance, 0, 1, "stop when a step lowers the cost by less than this");
+  visitor.integer("max_iterations", max_iterations, 0, 10000, "iterations of the solver");
+  visitor.real("tolerance", tolerance, 0, 1,
+               "stop when a step lowers the cost by less than this fraction");
   visitor.choice(
       "loop_loss", loop_loss,
       {{"none", RobustLoss::none}, {"cauchy", RobustLoss::cauchy}, {"dcs", RobustLoss::dcs}},
       "robust loss of loop factors");
-  visitor.real("loop_loss_width", loop_loss_width, 1e-6, 1e6, "whitened residual where it sets in");
+  visitor.real("loop_loss_width", loop_loss_width, 1e-6, 1e6,
+               "width of the loss, a whitened residual");
   visitor.real("odometry_sigma_scale", odometry_sigma_scale, 1, 1000,
-               "the odometry may be so much worse than it says before it contradicts a loop");
+               "factor on the odometry's sigmas when loops are checked against it");
   visitor.choice(
       "object_loss", object_loss,
       {{"none", RobustLoss::none}, {"cauchy", RobustLoss::cauchy}, {"dcs", RobustLoss::dcs}},
       "robust loss of observations of objects");
   visitor.real("object_loss_width", object_loss_width, 1e-6, 1e6,
-               "whitened residual where it sets in");
+               "width of the loss, a whitened residual");
 }
 
 FactorGraph::Variable& FactorGraph::variable(const Key& key)

@@ -101,7 +101,7 @@ FactorGraphProblem::FactorGraphProblem(const FactorGraphOptions& options,
       add(*factors[id], variables);
     }
   }
-  // What the factors brought along and nobody asked to move.
+  // Variables of the factors that are not free are constant.
   for (const Block& block : blocks_)
   {
     for (std::size_t i = 0; i < block.factor->keys().size(); ++i)
@@ -184,7 +184,7 @@ double FactorGraphProblem::worstLoop() const
 }
 
 /** Narrows the loss from the worst residual to its width (graduated non-convexity), so that loops
- * that only look wrong because of drift are not thrown out at the start. */
+ * that contradict only because of drift are not rejected at the start. */
 int FactorGraphProblem::narrowLoopLoss()
 {
   constexpr double narrowing = 3;

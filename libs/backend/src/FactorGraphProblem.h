@@ -15,13 +15,13 @@
 
 namespace dyslam
 {
-/** Some variables of a factor graph and the factors that touch them, as Ceres sees them. The values
+/** Some variables of a factor graph and the factors that touch them, as a Ceres problem. The values
  * are changed in place. */
 class FactorGraphProblem
 {
  public:
   /** \param free to be optimised; sorted \param variables all of the graph; outlives the problem
-   *  \param left_out factors that do not count */
+   *  \param left_out factors that are ignored */
   FactorGraphProblem(const FactorGraphOptions& options,
                      const std::vector<Key>& free,
                      std::map<Key, FactorGraph::Variable>& variables,

@@ -40,9 +40,10 @@ void FactorGraph::holdLooseParts(std::vector<Key>& free, std::vector<std::string
     const std::size_t root = sets.find(i);
     if (root != held && root == i)
     {
-      warnings.push_back(toString(free[i]) +
-                         " and what hangs on it is joined to nothing that is held: it is solved by "
-                         "itself");
+      warnings.push_back(
+          toString(free[i]) +
+          " and the variables connected to it have no fixed variable: they are solved "
+          "separately");
       continue;
     }
     kept.push_back(free[i]);
@@ -79,7 +80,8 @@ void FactorGraph::leaveOutContradicted(const FactorGraphOptions& options,
     result.converged = again.converged;
     result.reason = again.reason;
   };
-  // While there is contradiction, loops that do not fit stay: without a false one they may.
+  // While there is a contradiction, loops with large residuals stay: without the false one they may
+  // fit.
   for (auto worst = contradictedLoops(*this, left_out_, options.loop_loss_width,
                                       options.odometry_sigma_scale);
        !worst.empty(); worst = contradictedLoops(*this, left_out_, options.loop_loss_width,
@@ -100,7 +102,7 @@ void FactorGraph::leaveOutFalseLoops(const FactorGraphOptions& options,
                                      OptimisationResult& result)
 {
   leaveOutContradicted(options, free, result);
-  // One group of loops that agree may have won over several that are right.
+  // One group of consistent but false loops may have won over several correct ones.
   const std::set<FactorId> kept = keptLoops(*this, left_out_);
   const std::size_t groups = independentGroups(*this, kept);
   if (!kept.empty() && independentGroups(*this, left_out_) > groups)
@@ -211,7 +213,7 @@ std::vector<Matrix6> FactorGraph::covariances(const std::vector<Key>& keys,
   if (!pairs.empty() && !covariance.Compute(pairs, &problem.problem()))
   {
     throw std::runtime_error(
-        "the factors leave a direction of the factor graph open: there is no "
+        "the factors do not constrain a direction of the factor graph: there is no "
         "covariance of " +
         toString(keys.front()));
   }

@@ -15,15 +15,15 @@ namespace dyslam
 {
 struct KeyframeRegistrationOptions
 {
-  double coarse_distance = 3.0;  //!< counterparts at most this far at first [m] ...
-  double fine_distance = 0.6;    //!< ... and at last
+  double coarse_distance = 3.0;  //!< largest distance of correspondences at the start [m] ...
+  double fine_distance = 0.6;    //!< ... and at the end
   int max_iterations = 30;
   int max_points = 2500;  //!< of the source that are used, evenly picked
   int normal_neighbours = 10;
   double normal_radius = 1.5;       //!< [m]
   double loss_width = 0.2;          //!< of the robust loss of point-to-plane distances [m]
   double noise_floor = 0.05;        //!< least standard deviation of a point-to-plane distance [m]
-  double sigma_translation = 0.03;  //!< added to the covariance: neighbouring points err alike [m]
+  double sigma_translation = 0.03;  //!< added, since neighbouring points are correlated [m]
   double sigma_rotation = 0.002;    //!< [rad]
 };
 
@@ -33,20 +33,20 @@ struct KeyframeRegistrationResult
   Matrix6 information = Matrix6::Identity();  //!< over the tangent of T_target_source
   bool converged = false;
   int iterations = 0;
-  double overlap = 0;        //!< fraction of source points over the ground that have a counterpart
+  double overlap = 0;        //!< fraction of source points above ground with a correspondence
   double rmse = 0;           //!< of their point-to-plane distances [m]
-  double observability = 0;  //!< weakest against strongest direction of translation, 0..1
+  double observability = 0;  //!< weakest over strongest direction of translation, 0 to 1
 };
 
-/** A cloud made ready to register others to. */
+/** A target cloud of registrations. */
 class RegistrationTarget
 {
  public:
   RegistrationTarget(std::vector<Eigen::Vector3f> points,
                      const KeyframeRegistrationOptions& options);
 
-  /** Point-to-plane Gauss-Newton with robust weights; counterparts narrow from coarse to fine.
-   * Not const: normals are computed where they are first needed. */
+  /** Point-to-plane Gauss-Newton with robust weights; the correspondence distance shrinks from
+   * coarse to fine. Not const: normals are computed where they are first needed. */
   [[nodiscard]] KeyframeRegistrationResult align(const std::vector<Eigen::Vector3f>& source,
                                                  const Pose& T_target_source_initial);
 
@@ -56,7 +56,8 @@ class RegistrationTarget
   [[nodiscard]] double overlap(const std::vector<Eigen::Vector3f>& source,
                                const Pose& T_target_source) const;
   [[nodiscard]] const Eigen::Vector3f& normalAt(std::uint32_t index);
-  /** The point-to-plane row of a source point, if it has a counterpart nearer than `gate`. */
+  /** The point-to-plane residual of a source point, if it has a correspondence nearer than `gate`
+   * [m]. */
   void addRow(const Eigen::Vector3d& p,
               const Pose& T_target_source,
               double gate,
@@ -70,9 +71,10 @@ class RegistrationTarget
   KdTree tree_;
 };
 
-/** Where the source lies best over the target seen from above, by counting structure that meets in
- * a grid: heading within `heading_range` of the initial one, offset within `range` of it.
- * \return the best planar pose with the initial height, roll and pitch; nothing if nothing meets.
+/** Best planar alignment of the source to the target seen from above, by counting overlapping
+ * structure in a grid: heading within `heading_range` of the initial one, offset within `range` of
+ * it.
+ * \return the best planar pose with the initial height, roll and pitch; nothing without overlap.
  */
 [[nodiscard]] std::optional<Pose> correlateFromAbove(const std::vector<Eigen::Vector3f>& source,
                                                      const std::vector<Eigen::Vector3f>& target,

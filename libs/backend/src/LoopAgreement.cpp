@@ -37,7 +37,8 @@ void LoopAgreement::add(const Loop& loop, const KeyframeStore& keyframes)
         gap <= window && loop.to - other.loop.to <= window && other.loop.to != loop.to;
     if (nearby && agree(loop, other.loop, keyframes))
     {
-      // A loop by appearance is no evidence for one nearby, but the other way round it is.
+      // A loop by appearance does not support one nearby, but one nearby supports one by
+      // appearance.
       other.support += !loop.by_appearance || other.loop.by_appearance ? 1 : 0;
       added.support += !other.loop.by_appearance || loop.by_appearance ? 1 : 0;
     }

@@ -11,7 +11,7 @@ namespace dyslam
 {
 class StateArchive;
 
-/** Holds loops back until other loops of nearby keyframes agree with them. */
+/** Delays loops until other loops of nearby keyframes agree with them. */
 class LoopAgreement
 {
  public:
@@ -27,7 +27,7 @@ class LoopAgreement
   void add(const Loop& loop, const KeyframeStore& keyframes);
   /** The loops decided by now: accepted, or unsupported after having waited for `window`. */
   [[nodiscard]] std::vector<Loop> decide(std::size_t newest_keyframe);
-  /** The loops that still wait, as unsupported. */
+  /** The loops still waiting, as unsupported. */
   [[nodiscard]] std::vector<Loop> finish();
 
   void exchangeState(StateArchive& archive);
@@ -37,7 +37,7 @@ class LoopAgreement
   {
     Loop loop;
     int support = 0;
-    bool accepted = false;  //!< stays for a while to support others
+    bool accepted = false;  //!< kept for a while to support others
   };
 
   int min_support_;

@@ -14,10 +14,10 @@ namespace dyslam
 {
 class StateArchive;
 
-/** Of the memory of backend and map, for the descriptors. */
+/** Share of the memory limit for the descriptors. */
 constexpr double descriptor_share = 0.05;
 
-/** How far the estimate may be off after `path` metres [m]. */
+/** Largest expected drift after `path` metres [m]. */
 [[nodiscard]] double searchRadius(const LoopCloserOptions& options, double path);
 
 struct LoopCandidate
@@ -27,7 +27,7 @@ struct LoopCandidate
   Pose T_from_to = Pose::Identity();  //!< as the descriptors suggest
 };
 
-/** What a place looks like from the vehicle, and would from beside it: another lane. */
+/** Descriptors of a place from the vehicle and from viewpoints beside it: another lane. */
 struct PlaceViews
 {
   PlaceViews() = default;
@@ -42,7 +42,7 @@ struct PlaceViews
   std::vector<View> views;
 };
 
-/** The appearance of all keyframes, and which older ones the newest may have come back to. */
+/** The appearance of all keyframes, and the older keyframes that the newest may revisit. */
 class LoopCandidates
 {
  public:
@@ -57,8 +57,7 @@ class LoopCandidates
 
   /** Keyframes near the newest one, the most similar first. */
   [[nodiscard]] std::vector<LoopCandidate> near(const KeyframeStore& keyframes) const;
-  /** Keyframes anywhere else that look like the newest one, the most similar first, one of each
-   * place. */
+  /** Keyframes anywhere else of similar appearance, the most similar first, one of each place. */
   [[nodiscard]] std::vector<LoopCandidate> alike(const KeyframeStore& keyframes) const;
   /** The same of any keyframe, among those that are eligible. */
   [[nodiscard]] std::vector<LoopCandidate> alike(
@@ -74,7 +73,7 @@ class LoopCandidates
     std::size_t id = 0;
     double difference = 0;  //!< of the mean heights per ring
   };
-  /** Adds the eligible keyframes that look like this view. */
+  /** Adds the eligible keyframes similar to this view. */
   void addAlike(const PlaceViews::View& view,
                 const std::vector<std::size_t>& eligible,
                 std::vector<LoopCandidate>& found) const;

@@ -31,7 +31,7 @@ struct LoopCloser::State
 
   [[nodiscard]] bool searchNear(const std::vector<Eigen::Vector3f>& source,
                                 std::vector<Loop>& rejected);
-  void searchAlike(const std::vector<Eigen::Vector3f>& source, std::vector<Loop>& rejected);
+  void searchByAppearance(const std::vector<Eigen::Vector3f>& source, std::vector<Loop>& rejected);
   [[nodiscard]] Loop verify(const LoopCandidate& candidate,
                             const std::vector<Eigen::Vector3f>& source,
                             bool by_appearance) const;
@@ -115,9 +115,9 @@ bool LoopCloser::State::searchNear(const std::vector<Eigen::Vector3f>& source,
   return false;
 }
 
-/** Streets repeat themselves. Of several places that the newest keyframe fits, none is believed. */
-void LoopCloser::State::searchAlike(const std::vector<Eigen::Vector3f>& source,
-                                    std::vector<Loop>& rejected)
+/** Streets repeat themselves: if the newest keyframe fits several places, none is accepted. */
+void LoopCloser::State::searchByAppearance(const std::vector<Eigen::Vector3f>& source,
+                                           std::vector<Loop>& rejected)
 {
   std::vector<Loop> fitting;
   for (const LoopCandidate& candidate : candidates.alike(keyframes))
@@ -167,30 +167,35 @@ std::string toString(LoopVerdict verdict)
 
 void LoopCloserOptions::describe(OptionsVisitor& visitor)
 {
-  visitor.real("min_path", min_path, 1, 1e5, "driven between the two keyframes, at least [m]");
+  visitor.real("min_path", min_path, 1, 1e5,
+               "least distance travelled between the two keyframes [m]");
   visitor.real("search_radius", search_radius, 0, 1000, "around the newest keyframe [m]");
-  visitor.real("drift_per_metre", drift_per_metre, 0, 1, "growth of the radius per metre driven");
-  visitor.real("max_search_radius", max_search_radius, 0, 10000, "[m]");
+  visitor.real("drift_per_metre", drift_per_metre, 0, 1,
+               "growth of the radius per metre travelled");
+  visitor.real("max_search_radius", max_search_radius, 0, 10000, "upper limit of the radius [m]");
   visitor.degrees("max_correction_angle_deg", max_correction_angle, 0, 180,
-                  "a loop may turn the estimate by this");
-  visitor.integer("interval", interval, 1, 1000, "look for loops at every n-th keyframe");
-  visitor.integer("candidates", candidates, 0, 100, "registered per keyframe, at most");
+                  "largest rotation of the estimate by a loop");
+  visitor.integer("interval", interval, 1, 1000, "search for loops at every n-th keyframe");
+  visitor.integer("candidates", candidates, 0, 100, "most candidates registered per keyframe");
   visitor.real("max_descriptor_distance", max_descriptor_distance, 0, 1,
-               "0 same appearance, 1 nothing in common");
-  visitor.real("descriptor_range", descriptor_range, 5, 130, "points that appearance uses [m]");
-  visitor.integer("submap_keyframes", submap_keyframes, 0, 50, "neighbours on each side merged");
-  visitor.real("voxel_size", voxel_size, 0.05, 5, "of the clouds that are registered [m]");
+               "descriptor distance of a candidate, from 0 (equal) to 1");
+  visitor.real("descriptor_range", descriptor_range, 5, 130,
+               "range of the points in the appearance descriptor [m]");
+  visitor.integer("submap_keyframes", submap_keyframes, 0, 50,
+                  "neighbours on each side merged into the submap");
+  visitor.real("voxel_size", voxel_size, 0.05, 5, "of the registered clouds [m]");
   visitor.real("min_overlap", min_overlap, 0, 1,
-               "fraction of points over the ground that meet others");
+               "fraction of points above ground with a correspondence");
   visitor.real("max_rmse", max_rmse, 0, 10, "of their point-to-plane distances [m]");
   visitor.real("min_observability", min_observability, 0, 1,
-               "weakest against strongest direction of translation");
+               "ratio of the weakest to the strongest direction of translation");
   visitor.integer("min_support", min_support, 0, 100, "loops of nearby keyframes that must agree");
-  visitor.integer("support_window", support_window, 1, 1000, "nearby, in keyframes");
+  visitor.integer("support_window", support_window, 1, 1000,
+                  "keyframes that count as nearby for min_support");
   visitor.flag("appearance", appearance,
-               "look for loops beyond the search radius, by appearance alone");
+               "search for loops beyond the search radius, by appearance alone");
   visitor.integer("appearance_candidates", appearance_candidates, 1, 100,
-                  "places registered per keyframe, at most");
+                  "most places registered per keyframe");
   visitor.real("appearance_descriptor_distance", appearance_descriptor_distance, 0, 1,
                "max_descriptor_distance of loops by appearance");
   visitor.real("appearance_overlap", appearance_overlap, 0, 1, "their min_overlap");
@@ -199,9 +204,9 @@ void LoopCloserOptions::describe(OptionsVisitor& visitor)
                "their min_observability");
   visitor.integer("appearance_support", appearance_support, 0, 100, "their min_support");
   visitor.real("appearance_drift", appearance_drift, 0, 10,
-               "share of the path that the odometry may be off by");
+               "largest drift of the odometry, as a fraction of the path");
   visitor.real("place_distance", place_distance, 0, 1000,
-               "keyframes farther apart show different places [m]");
+               "keyframes farther apart count as different places [m]");
 }
 
 LoopCloser::LoopCloser(const LoopCloserOptions& options, KeyframeStore& keyframes)
@@ -239,7 +244,7 @@ std::vector<Loop> LoopCloser::search()
     const std::vector<Eigen::Vector3f> source = s.keyframes.loopCloud(newest).unpacked().points;
     if (!s.searchNear(source, result) && s.options.appearance)
     {
-      s.searchAlike(source, result);
+      s.searchByAppearance(source, result);
     }
   }
   for (Loop& loop : s.agreement.decide(newest))

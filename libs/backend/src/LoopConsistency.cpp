@@ -17,10 +17,10 @@ using SparseMatrix = Eigen::SparseMatrix<double>;
 using RowSparseMatrix = Eigen::SparseMatrix<double, Eigen::RowMajor>;
 using Triplets = std::vector<Eigen::Triplet<double>>;
 
-/** Loops whose ends are both within so many keyframes of one another's are judged as one. */
+/** Loops whose ends are both within so many keyframes of one another's form one group. */
 constexpr std::int64_t group_reach = 10;
 constexpr std::size_t max_group_size = 8;
-/** Of every ego pose, in all directions: parts of the graph that hang on nothing stay in place. */
+/** Of every ego pose, in all directions: unconstrained parts of the graph stay in place. */
 constexpr double anchor_information = 1e-6;
 
 bool fits(const FactorGraph& graph, FactorId id, double loss_width)
@@ -81,8 +81,8 @@ std::vector<std::vector<FactorId>> grouped(const FactorGraph& graph, std::vector
   return groups;
 }
 
-/** An LDL^T factorisation that is asked for covariances of a few rows: only the columns of L that
- * these rows reach in its elimination tree are visited. */
+/** An LDL^T factorisation for covariances of a few rows: only the columns of L that these rows
+ * reach in its elimination tree are visited. */
 class SelectedCovariance
 {
  public:
@@ -207,7 +207,7 @@ class LinearEgoGraph
     const Eigen::MatrixXd rest =
         Eigen::MatrixXd::Identity(size, size) - SelectedCovariance::of(solver_, by_row_, rows);
     const Eigen::LDLT<Eigen::MatrixXd> factored(rest);
-    // Loops that alone hold a part of the graph contradict nothing.
+    // Loops that are the only constraint of a part of the graph contradict nothing.
     constexpr double least = 1e-9;
     return factored.vectorD().minCoeff() > least ? r.dot(factored.solve(r)) : 0;
   }
@@ -324,7 +324,7 @@ std::set<FactorId> contradictedLoops(const FactorGraph& graph,
   {
     if (!linear.solved() || group.size() == loops.size())
     {
-      continue;  // odometry alone is no witness: it drifts
+      continue;  // odometry alone is no evidence: it drifts
     }
     const double tension = linear.tension(group);
     // How well odometry and the other loops agree: a drift shows in all of them.

@@ -24,11 +24,11 @@ namespace dyslam
  * without it chi2 falls by more than 2 loss_width^2 for each of its loops, times the variance (of a
  * degree of freedom, 1 at least) that is left. Nothing is contradicted by odometry alone.
  *
- * A loop that is false bends the odometry until it fits, so that its own residual does not show it.
+ * A false loop distorts the odometry until it fits, so that its own residual does not reveal it.
  * Computed about the present values, at or near their optimum, on the ego poses alone, and without
  * the loops of misfittingLoops().
- * \param left_out loops that are not there
- * \param odometry_sigma_scale the odometry may be so much worse than its information says */
+ * \param left_out loops to ignore
+ * \param odometry_sigma_scale factor on the odometry's sigmas */
 [[nodiscard]] std::set<FactorGraph::FactorId> contradictedLoops(
     const FactorGraph& graph,
     const std::set<FactorGraph::FactorId>& left_out,

@@ -14,9 +14,9 @@ class StateArchive;
 
 /** Optimises a growing graph of keyframes for the loops that come in.
  *
- * A loop that odometry and the loops before it explain moves the newest keyframes alone, while all
- * others are held, so that its cost does not grow with the run. All keyframes are optimised, and
- * false loops searched for, where that does not explain it, and from time to time: whenever the
+ * A loop that is consistent with odometry and the loops before it moves the newest keyframes alone,
+ * while all others are held fixed, so that its cost does not grow with the run. All keyframes are
+ * optimised, and false loops searched for, where it is not, and from time to time: whenever the
  * graph has grown by a fixed share, which is a bounded number of times per keyframe.
  */
 class LoopCorrection
@@ -32,9 +32,9 @@ class LoopCorrection
 
   /** A loop factor that the graph has now. */
   void add(FactorGraph::FactorId loop);
-  /** Whether the loops added since the last correction ask for one. */
+  /** Whether the loops added since the last correction require one. */
   [[nodiscard]] bool isDue() const;
-  /** Whether there are loops that no optimisation of all keyframes has seen. */
+  /** Whether there are loops that were in no optimisation of all keyframes. */
   [[nodiscard]] bool isAnyOpen() const { return open_loops_ > 0; }
 
   /** \param keyframes in the graph
@@ -49,8 +49,8 @@ class LoopCorrection
   void exchangeState(StateArchive& archive);
 
  private:
-  /** \return whether the newest keyframes, from `first` on, explain the new loops; if not, they are
-   * as before. */
+  /** \return whether the new loops fit after optimising the keyframes from `first` on; if not,
+   * these are unchanged. */
   [[nodiscard]] bool correctNewest(std::size_t first,
                                    std::size_t keyframes,
                                    const std::set<Key>& others);

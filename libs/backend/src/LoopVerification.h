@@ -12,7 +12,7 @@
 
 namespace dyslam
 {
-/** What a registration must reach to be a loop. */
+/** Acceptance criteria of a loop's registration. */
 struct LoopLimits
 {
   double overlap = 0;
@@ -34,7 +34,7 @@ struct KeyframeRange
   }
 };
 
-/** What the loop closer keeps of a keyframe's points. \param static_points vehicle frame [m] */
+/** Stored points of a keyframe for loop closure. \param static_points vehicle frame [m] */
 [[nodiscard]] PackedCloud loopCloudOf(const std::vector<Eigen::Vector3f>& static_points,
                                       const LoopCloserOptions& options);
 
@@ -51,11 +51,11 @@ struct KeyframeRange
                                                       const std::vector<Eigen::Vector3f>& source,
                                                       const Pose& T_target_source_initial);
 
-/** Accepted, or what the registration falls short of. */
+/** Accepted, or the criterion that the registration fails. */
 [[nodiscard]] LoopVerdict judgeFit(const KeyframeRegistrationResult& registration,
                                    const LoopLimits& limits);
 
-/** Enters the registration into the loop. */
+/** Copies the registration's result into the loop. */
 void fillFrom(const KeyframeRegistrationResult& registration, Loop& loop);
 
 /** Angle between the two vertical axes [rad]. */

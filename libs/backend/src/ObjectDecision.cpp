@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Whether an object stands or moves.
+// Decision whether an object is static or moving.
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
@@ -45,7 +45,7 @@ std::vector<PlanarObservation> ObjectGraph::recent(const Object& object, double 
   return result;
 }
 
-/** How far a standing object may seem to move: noise, and the drift of the odometry. */
+/** Largest apparent motion of a static object: noise, and the drift of the odometry. */
 double ObjectGraph::standingLimit(const Object& object) const
 {
   const Observation& first = object.observations.front();
@@ -63,7 +63,7 @@ bool ObjectGraph::stands(const Object& object) const
   {
     return false;
   }
-  // The whole sighting as one line: a slow drift shows in the long run.
+  // A line through the whole sighting reveals slow motion.
   const auto all = recent(object, duration);
   const SpeedEstimate speed = fitSpeed(all, 0, all.size());
   return speed.atMost() < options_.moving_speed &&
@@ -90,7 +90,7 @@ void ObjectGraph::decide(const ObjectKey& key, Object& object) const
     {
       mean += observation.position / static_cast<double>(window.size());
     }
-    // The landmark stands in the middle of its observations: half the motion shows.
+    // The landmark is at the mean of its observations: half the motion is visible.
     const double offset = (mean - graph_.pose(standingKey(key)).translation().head<2>()).norm();
     object.away = 2 * offset > standingLimit(object) ? object.away + 1 : 0;
   }

@@ -15,9 +15,9 @@ namespace dyslam
 {
 namespace
 {
-/** Successive observations far away after which a standing object is taken for another one. */
+/** Successive distant observations after which a static object counts as another one. */
 constexpr std::size_t stray_confirmations = 3;
-/** Objects never decided about and not seen for so long are dropped [s]. */
+/** Undecided objects that were not observed for so long are dropped [s]. */
 constexpr double forget_after = 5;
 
 bool isVehicle(ObjectClass object_class)
@@ -57,33 +57,34 @@ bool isReversed(const Pose& a, const Pose& b)
 
 void ObjectGraphOptions::describe(OptionsVisitor& v)
 {
-  v.real("max_range", max_range, 0, 1000, "of observations that enter the graph [m]");
+  v.real("max_range", max_range, 0, 1000, "of observations added to the graph [m]");
   v.integer("min_observations", min_observations, 2, 10000,
-            "of an object before it enters the graph");
-  v.real("max_gap", max_gap, 0, 100, "between observations that a motion joins [s]");
+            "of an object before it is added to the graph");
+  v.real("max_gap", max_gap, 0, 100,
+         "largest gap between observations linked by a motion factor [s]");
   v.real("max_jump", max_jump, 0, 1000,
-         "from where its motion takes an object; beyond, it starts anew [m]");
+         "largest distance from the predicted position; beyond, there is no motion factor [m]");
   v.real("moving_speed", moving_speed, 0, 100,
-         "an object that was ever significantly faster moves [m/s]");
-  v.real("speed_window", speed_window, 0.1, 100, "over which speeds are estimated [s]");
+         "an object that was ever significantly faster is dynamic [m/s]");
+  v.real("speed_window", speed_window, 0.1, 100, "window of the speed estimate [s]");
   v.real("max_standing_motion", max_standing_motion, 0, 1000,
-         "an object that came farther within its sighting moves [m]");
+         "an object displaced by more than this is dynamic [m]");
   v.real("min_standing_time", min_standing_time, 0, 1000,
-         "seen at one place for so long, an object stands [s]");
+         "an object observed at one place for this long is static [s]");
   v.real("standing_sigma_scale", standing_sigma_scale, 0.1, 100,
-         "on the sigmas of observations of standing objects, whose errors are alike");
+         "factor on the sigmas of observations of static objects, whose errors are correlated");
   v.integer("standing_saturation", standing_saturation, 1, 1000000,
-            "keyframes after which further observations of a standing object add no information");
+            "keyframes after which further observations of a static object add no information");
   v.real("moving_sigma_scale", moving_sigma_scale, 0.1, 100, "the same for moving objects");
-  v.degrees("tilt_sigma_deg", tilt_sigma, 0.01, 90, "of an object's roll and pitch");
-  v.real("acceleration_sigma", acceleration_sigma, 1e-3, 1000, "of a moving object [m/s^2]");
+  v.degrees("tilt_sigma_deg", tilt_sigma, 0.01, 90, "sigma of an object's roll and pitch");
+  v.real("acceleration_sigma", acceleration_sigma, 1e-3, 1000, "sigma, of a moving object [m/s^2]");
   v.real("angular_acceleration_sigma", angular_acceleration_sigma, 1e-3, 1000,
-         "about the vertical axis [rad/s^2]");
-  v.real("motion_sigma", motion_sigma, 1e-4, 100, "of a velocity within one time step [m/s]");
-  v.real("angular_motion_sigma", angular_motion_sigma, 1e-4, 100, "the same for turns [rad/s]");
-  v.real("window", window, 0, 1e6, "poses of moving objects older than this are held [s]");
+         "sigma, about the vertical axis [rad/s^2]");
+  v.real("motion_sigma", motion_sigma, 1e-4, 100, "sigma of a velocity within one time step [m/s]");
+  v.real("angular_motion_sigma", angular_motion_sigma, 1e-4, 100, "the same for rotation [rad/s]");
+  v.real("window", window, 0, 1e6, "poses of moving objects older than this are held fixed [s]");
   v.integer("window_keyframes", window_keyframes, 0, 1000000,
-            "ego poses before these are held; 0: nothing is optimised until a loop or the end");
+            "older ego poses are held fixed; 0: nothing is optimised until a loop or the end");
 }
 
 ObjectGraph::ObjectGraph(const ObjectGraphOptions& options, bool landmarks, FactorGraph& graph)
@@ -317,8 +318,8 @@ void ObjectGraph::finish()
   }
 }
 
-/** Gives the observations of a standing object together no more information than those of
- * `standing_saturation` keyframes have. */
+/** Limits the total information of the observations of a static object to that of
+ * `standing_saturation` keyframes. */
 void ObjectGraph::limitInformation(const ObjectKey& key)
 {
   const std::vector<FactorGraph::FactorId> factors = graph_.factorsOf(standingKey(key));
@@ -376,7 +377,7 @@ std::vector<std::string> ObjectGraph::warnings() const
   {
     result.push_back("objects jumped " + std::to_string(jumps_) + " times by more than " +
                      std::to_string(options_.max_jump).substr(0, 4) +
-                     " m (objects.max_jump): nothing joins them across");
+                     " m (objects.max_jump): no motion factor links these observations");
   }
   return result;
 }

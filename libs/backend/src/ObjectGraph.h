@@ -19,47 +19,47 @@ namespace dyslam
 {
 class StateArchive;
 
-/** Puts the observations of tracked objects into a factor graph.
+/** Adds the observations of tracked objects to a factor graph.
  *
- * An object is kept back until it is clear whether it stands or moves. One that stands is one
- * variable for its whole sighting, observed once per keyframe; one that moves has a pose at every
- * scan it was observed in and a velocity in between. An object that moved at any time is one that
- * moves: a mover taken for a landmark would bend the ego-motion, a landmark taken for a mover costs
- * its gain alone.
+ * An object is held back until it is decided whether it is static or moving. A static one is one
+ * variable for its whole sighting, observed once per keyframe; a moving one has a pose at every
+ * scan it was observed in and a velocity in between. An object that moved at any time is moving: a
+ * moving object used as a landmark would bias the ego-motion, a landmark treated as moving only
+ * loses its information.
  */
 class ObjectGraph
 {
  public:
-  /** \param landmarks false: objects that stand are treated like those that move
-   *  \param graph outlives this; its ego poses are there before they are referred to */
+  /** \param landmarks false: static objects are treated like moving ones \param graph outlives
+   *  this; its ego poses are there before they are referred to */
   ObjectGraph(const ObjectGraphOptions& options, bool landmarks, FactorGraph& graph);
 
-  /** Where a frame is seen from. */
+  /** The ego pose that a frame is observed from. */
   struct View
   {
     std::size_t keyframe = 0;  //!< the newest one
     Pose T_keyframe_vehicle = Pose::Identity();
     Matrix6 covariance = Matrix6::Zero();  //!< of it, over its tangent
-    /** Variances of the odometry per axis, summed since the start: how far it may have drifted
-     * between two views [m^2], [rad^2]. */
+    /** Variances of the odometry per axis, summed since the start: the drift between two views
+     * [m^2], [rad^2]. */
     double drift = 0;
     double drift_angle = 0;
   };
-  /** Takes the observations of the frame's confirmed objects. */
+  /** Adds the observations of the frame's confirmed objects. */
   void add(const Frame& frame, const View& view);
 
   /** The objects' variables to be optimised with the newest scans. */
   void appendWindow(double time, std::set<Key>& free) const;
 
-  /** Decides about all objects with what is known at the end. */
+  /** Decides all remaining objects at the end. */
   void finish();
-  /** Turns objects that stand, but do not fit their observations by the present values, into moving
-   * ones. \return how many */
+  /** Turns static objects that do not fit their observations at the present values into moving
+   * ones. \return their number */
   std::size_t releaseContradicted(const FactorGraphOptions& options);
 
   /** Every object at every scan it was observed in, by scan, then id. */
   [[nodiscard]] std::vector<SmoothedObject> smoothed() const;
-  /** Observations that were left out, in words. */
+  /** Warnings about observations that were left out. */
   [[nodiscard]] std::vector<std::string> warnings() const;
 
   /** What is kept of the objects; the graph is saved by itself. */
@@ -83,7 +83,7 @@ class ObjectGraph
     double drift = 0;                          //!< of its view
     double drift_angle = 0;
   };
-  /** Observations of a standing object from one keyframe, as one. */
+  /** Mean of the observations of a static object from one keyframe. */
   struct MeanObservation
   {
     std::size_t keyframe = 0;
@@ -94,14 +94,14 @@ class ObjectGraph
   };
   struct Object
   {
-    bool landmark = false;  //!< of a kind that may serve as one
+    bool landmark = false;  //!< of a class that may be one
     State state = State::undecided;
     std::vector<Observation> observations;
     std::size_t in_graph = 0;  //!< of them
-    MeanObservation mean;      //!< of a standing object, from the newest keyframe
+    MeanObservation mean;      //!< of a static object, from the newest keyframe
     std::size_t fast = 0;      //!< successive observations that show it moving
-    std::size_t away = 0;      //!< successive observations off where it stands
-    std::size_t strays = 0;    //!< successive observations far from where it stands
+    std::size_t away = 0;      //!< successive observations displaced from its position
+    std::size_t strays = 0;    //!< successive observations far from its position
   };
   /** Id and number of the sighting: a track may jump from one parked car to the next. */
   using ObjectKey = std::pair<int, int>;

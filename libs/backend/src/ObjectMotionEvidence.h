@@ -15,7 +15,7 @@ struct PlanarObservation
   double sigma = 0;                                    //!< of each coordinate [m]
 };
 
-/** A speed and how well it is known. */
+/** A velocity with its standard deviation. */
 struct SpeedEstimate
 {
   Eigen::Vector2d velocity = Eigen::Vector2d::Zero();  //!< [m/s]

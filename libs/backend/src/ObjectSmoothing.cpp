@@ -9,8 +9,8 @@ namespace dyslam
 {
 namespace
 {
-/** Covariances of a chain are computed in pieces of so many poses, given what lies farther than the
- * margin: there the chain no longer matters. */
+/** Covariances of a chain are computed in pieces of so many poses, conditioned on the poses beyond
+ * the margin, whose influence is negligible. */
 constexpr std::size_t piece_size = 30;
 constexpr std::size_t margin = 10;
 

@@ -21,8 +21,8 @@ class PolarDescriptor
 
   PolarDescriptor() = default;
   /** \param points vehicle frame [m] \param max_range of the outermost ring [m]
-   * \param viewpoint about which the grid lies, in the vehicle frame: what the place would look
-   * like from there, but for what only the vehicle's own place shows [m] */
+   * \param viewpoint centre of the grid in the vehicle frame [m]: predicts the descriptor of the
+   * place from there, up to occlusion */
   PolarDescriptor(const std::vector<Eigen::Vector3f>& points,
                   double max_range,
                   const Eigen::Vector2f& viewpoint = Eigen::Vector2f::Zero());

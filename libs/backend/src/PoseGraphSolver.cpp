@@ -14,7 +14,7 @@ namespace dyslam
 {
 namespace
 {
-/** Poses as blocks that Ceres moves; planar graphs have three numbers per node. */
+/** Poses as parameter blocks of Ceres; planar graphs have three numbers per node. */
 class Blocks
 {
  public:
@@ -77,7 +77,7 @@ double chi2Of(const GraphData& data, const PoseGraphSolverOptions& options)
   return sum;
 }
 
-/** A pose graph as Ceres sees it. */
+/** A pose graph as a Ceres problem. */
 class GraphProblem
 {
  public:
@@ -157,12 +157,13 @@ void optimise(GraphData& data, const PoseGraphSolverOptions& options, PoseGraphR
 
 void PoseGraphSolverOptions::describe(OptionsVisitor& visitor)
 {
-  visitor.integer("max_iterations", max_iterations, 0, 10000, "steps of the optimisation");
-  visitor.real("tolerance", tolerance, 0, 1, "stop when a step lowers the cost by less than this");
+  visitor.integer("max_iterations", max_iterations, 0, 10000, "iterations of the solver");
+  visitor.real("tolerance", tolerance, 0, 1,
+               "stop when a step lowers the cost by less than this fraction");
   visitor.choice("residual", residual, {{"log", EdgeResidual::log}, {"g2o", EdgeResidual::g2o}},
-                 "coordinates of an edge's residual");
+                 "parametrisation of an edge's residual");
   visitor.choice("start", start, {{"file", GraphStart::file}, {"chordal", GraphStart::chordal}},
-                 "poses the optimisation starts from");
+                 "initial values of the poses");
   visitor.choice(
       "indefinite_information", indefinite_information,
       {{"error", IndefiniteInformation::error}, {"project", IndefiniteInformation::project}},

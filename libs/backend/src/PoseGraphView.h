@@ -6,8 +6,8 @@
 
 namespace dyslam
 {
-/** The ego poses with their odometry and loop factors as MRPT has a pose graph; nodes are the
- * keyframes' numbers. Left out: loops that the optimisation found false, and objects and
- * velocities, which MRPT does not know. */
+/** The ego poses with their odometry and loop factors as a pose graph of MRPT; nodes are the
+ * keyframes' numbers. Left out: loops that the optimisation rejected, and objects and velocities,
+ * which MRPT does not know. */
 [[nodiscard]] PoseGraph poseGraphView(const FactorGraph& graph);
 }  // namespace dyslam

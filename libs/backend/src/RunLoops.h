@@ -18,7 +18,7 @@ struct NearLoops
 {
   std::vector<Loop> accepted;
   std::size_t tried = 0;      //!< keyframes with one of the other run within `search_radius`
-  std::size_t confirmed = 0;  //!< of those, registered and agreed with
+  std::size_t confirmed = 0;  //!< of those, registered and supported
 };
 
 /** Finds loops between the keyframes of different runs, which lie in one store one after the other.
@@ -29,20 +29,21 @@ class RunLoops
   /** \param keyframes outlives this */
   RunLoops(const LoopCloserOptions& options, KeyframeStore& keyframes);
 
-  /** Makes the store's next keyframe ready. \param static_points vehicle frame [m] */
+  /** Prepares the store's next keyframe. \param static_points vehicle frame [m] */
   void add(const std::vector<Eigen::Vector3f>& static_points);
 
   /** Loops from keyframes of one run to another's, by appearance alone: positions are not compared,
-   * for nothing is known of how the two runs lie to each other. */
+   * since the relative pose of the two runs is unknown. */
   [[nodiscard]] std::vector<Loop> alike(const KeyframeRange& older, const KeyframeRange& newer);
 
   /** Loops to the nearest keyframe of the other run. \param reach for every keyframe of `newer`,
-   * how far the poses may be off [m] */
+   * largest expected error of the poses [m] */
   [[nodiscard]] NearLoops near(const KeyframeRange& older,
                                const KeyframeRange& newer,
                                const std::vector<double>& reach);
 
-  /** Whether two loops between the same runs place these alike, but for the drift in between. */
+  /** Whether two loops between the same runs agree on their relative pose, up to the drift in
+   * between. */
   [[nodiscard]] bool agree(const Loop& a, const Loop& b) const;
 
  private:

@@ -32,7 +32,7 @@ struct Run
   bool joined = false;
 };
 
-/** Loops that place a run alike, the one with the most agreement first. */
+/** Loops that agree on the pose of a run, the best supported one first. */
 struct Placement
 {
   std::size_t run = 0;
@@ -42,8 +42,9 @@ struct Placement
 
 void RunMergerOptions::describe(OptionsVisitor& visitor)
 {
-  visitor.real("min_confirmed", min_confirmed, 0, 1,
-               "share of the keyframes near another run's that a registration must confirm");
+  visitor.real(
+      "min_confirmed", min_confirmed, 0, 1,
+      "fraction of the keyframes near those of other runs that a registration must confirm");
 }
 
 struct RunMerger::State
@@ -276,8 +277,8 @@ bool RunMerger::State::join(const Placement& placement)
   place(placement);
   run.joined = true;
   solveWith(placement.loops);
-  // From the places that look alike along the path, as far as the drift allows; then once more from
-  // the poses that come of it.
+  // First with the similar places along the path, within the expected drift; then again with the
+  // resulting poses.
   solveWith(loopsAround(run, placement.loops).accepted);
   const NearLoops found = loopsAround(run, {});
   solveWith(found.accepted);

@@ -62,8 +62,7 @@ std::unique_ptr<const Factor> made(const SavedFactor& saved)
   }
   catch (const std::logic_error& error)  // invalid_argument, out_of_range
   {
-    throw UserError(std::string("the state of the run has a factor that cannot be: ") +
-                    error.what());
+    throw UserError(std::string("the state of the run has an invalid factor: ") + error.what());
   }
   throw UserError("the state of the run has a factor of an unknown kind");
 }

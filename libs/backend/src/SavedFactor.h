@@ -19,6 +19,6 @@ struct SavedFactor
 };
 
 [[nodiscard]] SavedFactor savedFrom(const Factor* factor);
-/** The same factor again. \throws UserError for data that make none. */
+/** The same factor again. \throws UserError for data that are no valid factor. */
 [[nodiscard]] std::unique_ptr<const Factor> made(const SavedFactor& saved);
 }  // namespace dyslam

@@ -22,7 +22,7 @@ struct Drive
   std::vector<Pose> truth;
 };
 
-/** Frames whose odometry turns and stretches every step a little too far. */
+/** Frames whose odometry over-estimates heading change and length of every step. */
 Drive makeDrive(const BoxWorld& world, std::vector<Pose> truth, double turn, double stretch)
 {
   Drive drive;

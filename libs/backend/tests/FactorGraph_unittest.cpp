@@ -308,7 +308,7 @@ TEST(FactorGraph, LoopsLowerTheErrorOfABiasedOdometry)
 {
   for (const RobustLoss loss : {RobustLoss::none, RobustLoss::dcs})
   {
-    // The odometry is worse than it says, and drifts by metres.
+    // The odometry is overconfident, and drifts by metres.
     NoisyDrive drive(6);
     for (Pose& motion : drive.steps)
     {

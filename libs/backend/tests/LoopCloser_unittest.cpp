@@ -23,7 +23,7 @@ struct Drive
   std::vector<Pose> drifting;
 };
 
-/** The estimate of a vehicle whose every step turns and stretches a little too far. */
+/** The estimate of a vehicle with a bias of heading and length in every step. */
 std::vector<Pose> drifted(const std::vector<Pose>& truth, double turn, double stretch)
 {
   std::vector<Pose> result = {truth.front()};
@@ -191,7 +191,7 @@ TEST(LoopCloser, OfPlacesThatLookAlikeNoneIsAccepted)
 
 TEST(LoopCloser, AcceptsNothingWhereNothingIsSeenAgain)
 {
-  // A straight street whose estimate is bent into a circle: every place seems to come again.
+  // A straight street whose estimate is bent into a circle: every place seems to be revisited.
   const BoxWorld world(13, 120, 20);
   std::vector<Pose> truth;
   for (int i = 0; i < 120; ++i)
@@ -243,10 +243,10 @@ TEST(LoopCloser, ContractIsChecked)
   KeyframeStore keyframes;
   LoopCloser closer(LoopCloserOptions{}, keyframes);
   EXPECT_TRUE(closer.search().empty());
-  EXPECT_THROW(closer.add({}), std::invalid_argument);  // no keyframe to make ready
+  EXPECT_THROW(closer.add({}), std::invalid_argument);  // no keyframe to prepare
   keyframes.add(Keyframe());
   closer.add({});
-  EXPECT_THROW(closer.add({}), std::invalid_argument);  // ready already
+  EXPECT_THROW(closer.add({}), std::invalid_argument);  // prepared already
   keyframes.add(Keyframe());
   keyframes.add(Keyframe());
   EXPECT_THROW(closer.add({}), std::invalid_argument);  // one was passed over

@@ -153,7 +153,7 @@ TEST(PoseGraphSolver, LoopsLowerTheErrorFromEveryStart)
       EXPECT_TRUE(toPose(world.graph.nodes.at(0)).isApprox(Pose::Identity(), 1e-12));
     }
   }
-  // With all noise as the information says, chi2 is about the number of redundant equations.
+  // With noise as in the information matrices, chi2 is about the number of redundant equations.
   EXPECT_GT(reference, 20);
   EXPECT_LT(reference, 110);
 }

@@ -18,7 +18,7 @@ namespace
 using test::BoxWorld;
 using test::driveAround;
 
-/** A run as its own odometry has it: it starts at the identity and errs a little with every step.
+/** A run by its own odometry: it starts at the identity and drifts with every step.
  */
 struct TestRun
 {
@@ -197,9 +197,9 @@ TEST(RunMerger, AStreetThatLooksLikeAnotherForAWhileIsFoundOut)
     alike.scans[k] = here.scans[k];
   }
   EXPECT_FALSE(merged({&here, &alike}).joined(1));
-  RunMergerConfig believing;
-  believing.merge.min_confirmed = 0;
-  EXPECT_TRUE(merged({&here, &alike}, believing).joined(1)) << "what the check is there for";
+  RunMergerConfig unconfirmed;
+  unconfirmed.merge.min_confirmed = 0;
+  EXPECT_TRUE(merged({&here, &alike}, unconfirmed).joined(1)) << "what the check is there for";
 }
 
 TEST(RunMerger, FalseUseIsRefused)

@@ -26,7 +26,7 @@ constexpr double share_of_available = 0.9;
 struct Task
 {
   std::size_t index = 0;
-  bool alone = false;  //!< it was killed before, perhaps for want of memory
+  bool alone = false;  //!< it was killed before, perhaps for lack of memory
 };
 
 /** What the threads share, one per run at a time. */
@@ -107,7 +107,7 @@ class Runner
     return std::min(done / all, 0.99);
   }
 
-  /** Waits for something to do. \returns false when there is nothing left. */
+  /** Waits for the next task. \returns false when there is none left. */
   bool next(Task& task)
   {
     std::unique_lock<std::mutex> lock(mutex_);

@@ -41,7 +41,7 @@ std::string tailOf(const std::string& path)
   return text.str();
 }
 
-/** Results go to their folder as a whole: what stands there is replaced at the end. */
+/** Results are moved to their folder as a whole: earlier ones are replaced at the end. */
 void moveResults(const fs::path& from, const fs::path& to)
 {
   const fs::path partial = to.string() + ".partial";

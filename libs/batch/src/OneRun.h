@@ -10,15 +10,15 @@
 namespace dyslam::batch
 {
 /** Runs dyslam on one recording, with manifest and log. \param result work and attempts so far;
- * gets the rest. \param cores to use \returns whether a signal that was not asked for ended it. */
+ * gets the rest. \param cores to use \returns whether an unexpected signal ended it. */
 bool runOne(const BatchSettings& settings,
             const std::vector<int>& cores,
             const std::function<bool()>& stop,
             BatchResult& result);
 
-/** Keeps what is known of a run that could not even be tried, if the folder is a batch's. */
+/** Records a run that could not be started, if the folder is a batch's. */
 void recordFailure(const std::string& folder, const Manifest& manifest);
-/** Share of the work that a log's last line of progress tells, 0 to 1. */
+/** Share of the work according to a log's last line of progress, 0 to 1. */
 [[nodiscard]] double progressIn(const std::string& log);
 /** Where the run of a recording writes to while it lasts. */
 [[nodiscard]] std::string workFolder(const BatchSettings& settings, const Recording& recording);

@@ -53,7 +53,7 @@ std::string header(const SlurmJob& job, const std::string& name, const std::stri
   return text;
 }
 
-/** What a command says on stdout. \throws UserError if it fails. */
+/** The output of a command. \throws UserError if it fails. */
 std::string answerOf(const std::string& command)
 {
   std::string answer;

@@ -79,14 +79,14 @@ std::string evaluate(const BatchSettings& settings,
                                              (folder / "table.json").string()});
   command.log = (folder / "table.log").string();
   const ChildOutcome outcome = runChild(command);
-  const std::string said = readWhole(command.log);
+  const std::string printed = readWhole(command.log);
   if (outcome.code != 0)
   {
     throw UserError(command.log + ": dyslam-eval could not evaluate the runs; it says why");
   }
   fs::remove(command.log);
   std::string table;
-  std::istringstream lines(said);
+  std::istringstream lines(printed);
   for (std::string line; std::getline(lines, line);)
   {
     table += line.rfind("note: ", 0) == 0 ? "" : line + "\n";

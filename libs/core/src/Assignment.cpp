@@ -11,9 +11,9 @@ namespace
 {
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-/** A finite price of leaving a row alone: with no limit asked for, so high that one more pair
- * always pays. */
-double priceOfNothing(const CostMatrix& cost, double unassigned_cost)
+/** A finite cost of an unassigned row: without a limit so high that one more pair always lowers the
+ * total. */
+double finiteUnassignedCost(const CostMatrix& cost, double unassigned_cost)
 {
   if (std::isfinite(unassigned_cost))
   {
@@ -56,15 +56,15 @@ Assignment summarised(const CostMatrix& cost, const std::vector<int>& column_of_
   return result;
 }
 
-/** Rows to columns by shortest augmenting paths. Beside the columns every row has a way out of its
- * own, "nothing", at price `nothing`. Column potentials never rise above 0, which free columns
- * keep; row potentials are implied by the row's pair (its reduced cost is 0). */
+/** Rows to columns by shortest augmenting paths. Beside the columns every row has a dummy column of
+ * its own with cost `dummy_cost`. Column potentials never rise above 0, which free columns keep;
+ * row potentials are implied by the row's pair (its reduced cost is 0). */
 class ShortestPaths
 {
  public:
-  ShortestPaths(const CostMatrix& cost, double nothing)
+  ShortestPaths(const CostMatrix& cost, double dummy_cost)
       : cost_(cost),
-        nothing_(nothing),
+        dummy_cost_(dummy_cost),
         rows_(static_cast<int>(cost.rows())),
         columns_(static_cast<int>(cost.cols())),
         potential_(static_cast<std::size_t>(columns_), 0.0),
@@ -105,7 +105,7 @@ class ShortestPaths
 
   struct Two
   {
-    int best = -1;  //!< column, or -1 for nothing
+    int best = -1;  //!< column, or -1 for the dummy
     double first = 0;
     double second = 0;
   };
@@ -113,7 +113,7 @@ class ShortestPaths
   /** The two lowest reduced costs of a row. */
   Two lowestTwo(int row) const
   {
-    Two two{-1, nothing_, infinity};
+    Two two{-1, dummy_cost_, infinity};
     const double* costs = costsOf(row);
     for (int column = 0; column < columns_; ++column)
     {
@@ -136,7 +136,7 @@ class ShortestPaths
   }
 
   /** Each free row takes its best column and lowers the potential until the second best is as good;
-   * who had the column is free again. Returns the rows still free. */
+   * the row that had the column is free again. Returns the rows still free. */
   std::vector<int> reduceRows(const std::vector<int>& free_rows)
   {
     std::vector<int> still_free;
@@ -149,7 +149,7 @@ class ShortestPaths
         const Two two = lowestTwo(row);
         if (two.best < 0)
         {
-          break;  // nothing is best, and the price of columns only rises
+          break;  // the dummy is best, and the cost of columns only rises
         }
         const int before = row_of_[at(two.best)];
         const bool gains = two.second > two.first && std::isfinite(two.second);
@@ -175,7 +175,7 @@ class ShortestPaths
     return still_free;
   }
 
-  /** The shortest way for one free row to a free column or to some row's nothing. */
+  /** The shortest path from one free row to a free column or to the dummy of some row. */
   void augment(int start)
   {
     std::fill(distance_.begin(), distance_.end(), infinity);
@@ -189,8 +189,8 @@ class ShortestPaths
     int row = start;
     double so_far = 0;         // distance to `row`
     double row_potential = 0;  // of `row`; the start's cancels out
-    double end_distance = nothing_;
-    int end_row = start;  // leaves its column for nothing
+    double end_distance = dummy_cost_;
+    int end_row = start;  // moves from its column to its dummy
     int end_column = -1;
     while (true)
     {
@@ -230,7 +230,7 @@ class ShortestPaths
       row = row_of_[at(column)];
       so_far = nearest;
       row_potential = costsOf(row)[column] - potential_[at(column)];
-      const double leave = so_far + (nothing_ - row_potential);
+      const double leave = so_far + (dummy_cost_ - row_potential);
       if (leave < end_distance)
       {
         end_distance = leave;
@@ -271,7 +271,7 @@ class ShortestPaths
   }
 
   const CostMatrix& cost_;
-  double nothing_;
+  double dummy_cost_;
   int rows_;
   int columns_;
   std::vector<double> potential_;
@@ -284,13 +284,13 @@ class ShortestPaths
 };
 
 /** Primal-dual: labels on both sides, a tree of tight pairs grown from one row, labels shifted by
- * the least slack when the tree is stuck. Column `columns + row` is that row's nothing. */
+ * the least slack when the tree is stuck. Column `columns + row` is that row's dummy. */
 class Hungarian
 {
  public:
-  Hungarian(const CostMatrix& cost, double nothing)
+  Hungarian(const CostMatrix& cost, double dummy_cost)
       : cost_(cost),
-        nothing_(nothing),
+        dummy_cost_(dummy_cost),
         rows_(static_cast<std::size_t>(cost.rows())),
         columns_(static_cast<std::size_t>(cost.cols())),
         row_label_(rows_, 0.0),
@@ -304,7 +304,7 @@ class Hungarian
   {
     for (std::size_t row = 0; row < rows_; ++row)
     {
-      row_label_[row] = nothing_;
+      row_label_[row] = dummy_cost_;
       for (std::size_t column = 0; column < columns_; ++column)
       {
         row_label_[row] = std::min(row_label_[row], price(row, column));
@@ -332,7 +332,7 @@ class Hungarian
   {
     if (column >= columns_)
     {
-      return column - columns_ == row ? nothing_ : infinity;
+      return column - columns_ == row ? dummy_cost_ : infinity;
     }
     const double c = cost_(static_cast<Eigen::Index>(row), static_cast<Eigen::Index>(column));
     return std::isfinite(c) ? c : infinity;
@@ -366,7 +366,7 @@ class Hungarian
           next = column;
         }
       }
-      const double shift = slack[next];  // some nothing is always within reach
+      const double shift = slack[next];  // some dummy is always reachable
       for (const std::size_t row : tree_rows)
       {
         row_label_[row] += shift;
@@ -410,7 +410,7 @@ class Hungarian
   }
 
   const CostMatrix& cost_;
-  double nothing_;
+  double dummy_cost_;
   std::size_t rows_;
   std::size_t columns_;
   std::vector<double> row_label_;
@@ -424,15 +424,15 @@ Assignment assignShortestPaths(const CostMatrix& cost, double unassigned_cost)
 {
   if ((cost.array() == -infinity).any())
   {
-    // Comparisons drop NaN and +infinity by themselves; -infinity must be put out of reach.
+    // Comparisons drop NaN and +infinity by themselves; -infinity must be excluded.
     return assignShortestPaths((cost.array() == -infinity).select(infinity, cost), unassigned_cost);
   }
-  return summarised(cost, ShortestPaths(cost, priceOfNothing(cost, unassigned_cost)).solve());
+  return summarised(cost, ShortestPaths(cost, finiteUnassignedCost(cost, unassigned_cost)).solve());
 }
 
 Assignment assignHungarian(const CostMatrix& cost, double unassigned_cost)
 {
-  return summarised(cost, Hungarian(cost, priceOfNothing(cost, unassigned_cost)).solve());
+  return summarised(cost, Hungarian(cost, finiteUnassignedCost(cost, unassigned_cost)).solve());
 }
 
 Assignment assignGreedy(const CostMatrix& cost, double unassigned_cost)

@@ -56,7 +56,7 @@ struct Config::Parser
 
   Config read(const std::string& text, const std::string& name)
   {
-    const std::string mark = "\xEF\xBB\xBF";  // that some editors begin a file with
+    const std::string mark = "\xEF\xBB\xBF";  // with which some editors begin a file
     std::istringstream lines(text.rfind(mark, 0) == 0 ? text.substr(mark.size()) : text);
     Config included;
     Config own;

@@ -20,7 +20,7 @@ std::string toText(double value)
   return {buffer.data(), end};
 }
 
-/** Shared by the visitors that read or check: how a value out of range is told. */
+/** Shared by the visitors that read or check: error message for a value out of range. */
 template <typename Number>
 void checkRange(const std::string& where, Number value, Number min, Number max)
 {

@@ -29,7 +29,7 @@ struct ThreadPool::Shared
   void run(std::size_t chunks, const Body& body)
   {
 #ifdef __SANITIZE_THREAD__
-    // The packaged TBB is not instrumented: with it, the sanitizer would see races that are none.
+    // The packaged TBB is not instrumented: with it, the sanitizer would report false races.
     std::atomic<std::size_t> next{0};
     std::mutex mutex;
     std::exception_ptr failure;

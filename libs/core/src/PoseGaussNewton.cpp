@@ -87,7 +87,7 @@ PoseGaussNewtonResult poseGaussNewton(std::size_t count,
   result.converged = last_step < settings.converged_step;
   if (!result.converged)
   {
-    result.reason = "the registration did not settle";
+    result.reason = "the registration did not converge";
   }
   return result;
 }

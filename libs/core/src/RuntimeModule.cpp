@@ -37,7 +37,7 @@ std::vector<std::filesystem::path> moduleFolders()
       .candidates();
 }
 
-/** Whether this machine has AVX2, FMA and BMI2, unless $DYSLAM_CPU asks for `baseline`. */
+/** Whether this machine has AVX2, FMA and BMI2, unless $DYSLAM_CPU is `baseline`. */
 bool usesV3()
 {
 #ifdef __x86_64__

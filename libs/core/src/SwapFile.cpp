@@ -166,7 +166,7 @@ void SwapFile::release(Slot& slot)
 void MemoryOptions::describe(OptionsVisitor& visitor)
 {
   visitor.integer("limit", limit, 1, 1000000,
-                  "MB of map and keyframes in memory, the rest goes to a temporary file");
+                  "MB of map and keyframes held in memory; the rest is in a temporary file");
 }
 
 MemoryLimit::MemoryLimit(const MemoryOptions& options, const std::string& folder)

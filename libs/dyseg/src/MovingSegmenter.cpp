@@ -46,10 +46,10 @@ Registry<MovingSegmenter> segmenters()
 
 void MovingSegmenterOptions::describe(OptionsVisitor& visitor)
 {
-  visitor.word("method", method, segmenterMethods(), "what finds the moving points");
+  visitor.word("method", method, segmenterMethods(), "segmentation method");
   visitor.flag("filter", filter, "accumulate the probabilities over scans in the odometry frame");
   visitor.real("moving_threshold", moving_threshold, 0, 1,
-               "points with a higher moving probability move");
+               "points with a higher moving probability are moving");
 }
 
 std::vector<std::string> segmenterMethods()

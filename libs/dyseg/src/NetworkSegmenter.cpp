@@ -19,7 +19,7 @@ namespace
 // height, roll and pitch are not observed.
 constexpr double min_rmse = 0.05;  // m
 constexpr double cells_per_measurement = 20;
-constexpr double min_margin = 0.1;           // of the motion with the most votes over any other
+constexpr double min_margin = 0.1;           // of the best motion over any other
 constexpr double height_sigma = 0.1;         // m
 constexpr double tilt_sigma = 0.01;          // rad
 constexpr double prior_search_radius = 0.2;  // m
@@ -68,7 +68,7 @@ struct NetworkSegmenter::Impl
   std::optional<SceneFlow> flow;
   std::vector<PastVisibility> seen;  //!< of the scan at hand, in the first one compared with
 
-  /** The static motion is searched around the prior alone. */
+  /** Whether the static motion is searched around the prior alone. */
   [[nodiscard]] bool searchesAroundPrior(const Frame& frame) const
   {
     return frame.prior.reliable &&
@@ -82,7 +82,8 @@ struct NetworkSegmenter::Impl
   [[nodiscard]] RigidFlowFit matchLast(const DysegModel::Encoded& current,
                                        const Frame& frame,
                                        const Eigen::Vector3d& sensor) const;
-  /** Judges against the scan `back` scans ago, if there is one; keeps the flow of the first. */
+  /** Segments by comparison with the scan `back` scans ago, if there is one; keeps the flow of the
+   * first. */
   [[nodiscard]] std::vector<float> judge(const DysegModel::Encoded& current,
                                          const Frame& frame,
                                          std::size_t back,

@@ -34,15 +34,16 @@ void ResidualSegmenterOptions::describe(OptionsVisitor& v)
   v.integer("compared", compared, 1, 20, "earlier scans that each point is compared with");
   v.degrees("azimuth_bin_deg", azimuth_bin, 0.05, 5, "column width of the range images");
   v.real("slope_bin", slope_bin, 0.001, 0.1, "row height of the range images, z per distance");
-  v.real("margin", margin, 0.01, 10, "m a point must lie before what was seen");
-  v.real("margin_per_range", margin_per_range, 0, 1, "m of margin more per m of range");
-  v.real("max_range", max_range, 1, 1000, "m, points beyond are static");
-  v.flag("open_sky", open_sky, "a ray without return above a point went on freely");
+  v.real("margin", margin, 0.01, 10,
+         "m, a moving point is nearer than the earlier range by at least this");
+  v.real("margin_per_range", margin_per_range, 0, 1, "m per m, increase of the margin with range");
+  v.real("max_range", max_range, 1, 1000, "m, farther points are static");
+  v.flag("open_sky", open_sky, "a ray without return above a point counts as free");
   v.real("ground_clearance", ground_clearance, 0, 2,
-         "m above the lowest point nearby that is ground");
-  v.real("cell_size", cell_size, 0.05, 5, "m, cells that join votes to objects");
+         "m, height above the lowest nearby point up to which points are ground");
+  v.real("cell_size", cell_size, 0.05, 5, "m, cells in which votes are clustered to objects");
   v.integer("min_points", min_points, 1, 1000, "points of the smallest moving object");
-  v.real("min_share", min_share, 0, 1, "share of an object's points that must have voted moving");
+  v.real("min_share", min_share, 0, 1, "least fraction of an object's points with a moving vote");
 }
 
 namespace
@@ -146,7 +147,7 @@ int ResidualSegmenter::vote(const PastScan& past, const Eigen::Vector3f& point) 
       nearest = std::min(nearest, range);
     }
   }
-  // Rays on one side only may have passed just over an edge that stood there all along.
+  // Rays on one side only may have passed just over the edge of a static object.
   const bool open_above = options_.open_sky && row + 1 < past.rows - 2;
   const bool enclosed = seen_in_row[0] && (seen_in_row[2] || open_above);
   return enclosed && d.range < nearest - margin ? 2 : 0;

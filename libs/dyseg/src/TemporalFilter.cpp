@@ -11,8 +11,8 @@ namespace dyslam
 namespace
 {
 constexpr std::uint64_t memory = 20;    // scans
-constexpr std::uint64_t sweeping = 10;  // scans between looking for forgotten cells
-constexpr float least = 0.05F;          // probability; a single scan is never surer than this
+constexpr std::uint64_t sweeping = 10;  // scans between removals of old cells
+constexpr float least = 0.05F;          // probability; a single scan is limited to this
 
 float logOdds(float probability)
 {
@@ -75,10 +75,11 @@ void TemporalFilterOptions::describe(OptionsVisitor& v)
 {
   v.real("cell_size", cell_size, 0.05, 5, "side of the cells [m]");
   v.real("ground_clearance", ground_clearance, 0, 2,
-         "points lower above the lowest nearby are left as they are [m]");
-  v.real("decay", decay, 0, 1, "of a cell's log-odds, per scan");
-  v.real("share", share, 0, 1, "weight of a cell's past log-odds in a point's");
-  v.real("max_log_odds", max_log_odds, 0.1, 100, "of a cell, either way");
+         "points lower than this above the lowest nearby are unchanged [m]");
+  v.real("decay", decay, 0, 1, "factor on a cell's log-odds per scan");
+  v.real("share", share, 0, 1, "weight of a cell's past log-odds in those of its points");
+  v.real("max_log_odds", max_log_odds, 0.1, 100,
+         "limit of a cell's log-odds, positive and negative");
 }
 
 TemporalFilter::TemporalFilter(const TemporalFilterOptions& options) : options_(options)

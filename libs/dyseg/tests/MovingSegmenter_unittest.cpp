@@ -209,7 +209,7 @@ std::vector<std::string> segmentersHere()
 #ifndef DYSLAM_HAVE_TORCH
     if (name == "network")
     {
-      continue;  // says so when it is asked for
+      continue;  // throws on construction
     }
 #endif
     if (name != "none")

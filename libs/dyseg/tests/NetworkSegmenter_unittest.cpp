@@ -97,7 +97,7 @@ TEST(NetworkSegmenter, AppearanceCountsUntilTheFirstGapIsReached)
   }
 }
 
-/** Scans that stand still, with a prior of 2 m: it is where the search begins, and not its result.
+/** Static scans with a prior of 2 m: the prior is the start of the search, not its result.
  */
 TEST(NetworkSegmenter, TheSearchIsAroundThePriorOnceTheFirstGapIsReached)
 {

@@ -96,9 +96,10 @@ OdometryConsistency odometryConsistency(const PosePairs& odometry,
 
 Table consistencyTable(const std::vector<OdometryConsistency>& runs)
 {
-  Table table({"run", "motions", "count", "mean", "median", "translation", "rotation"},
-              "Odometry's squared errors over its stated covariance (NEES): mean 6 is exact (3 for "
-              "translation or rotation alone), more is too sure, less too unsure");
+  Table table(
+      {"run", "motions", "count", "mean", "median", "translation", "rotation"},
+      "Normalised estimation error squared (NEES) of the odometry: mean 6 is consistent (3 for "
+      "translation or rotation alone), more is overconfident, less underconfident");
   for (const OdometryConsistency& run : runs)
   {
     const auto add = [&](const char* motions, const NormalisedErrors& errors)

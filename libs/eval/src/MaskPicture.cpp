@@ -236,7 +236,7 @@ std::vector<std::uint8_t> renderMaskScan(const MaskScan& scan)
     Panel panel(page, area, {0, 1}, {0, 1});
     char title[48];
     std::snprintf(title, sizeof title, "area under the curve %.3f", areaUnderCurve(roc));
-    panel.drawAxes(title, "static points called moving", "moving points found");
+    panel.drawAxes(title, "false positive rate", "true positive rate");
     panel.drawCurve({"", {{0, 0}, {1, 1}}, reference_grey});
     panel.drawCurve({"", roc, curveColour(0)});
   }

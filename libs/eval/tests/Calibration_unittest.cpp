@@ -19,7 +19,7 @@ TEST(Calibration, ProbabilitiesThatAreWhatTheySayHaveNoError)
   std::mt19937 random(1);
   std::uniform_real_distribution<float> uniform(0, 1);
   CalibrationEvaluator right;
-  CalibrationEvaluator too_sure;
+  CalibrationEvaluator overconfident;
   for (int scan = 0; scan < 20; ++scan)
   {
     std::vector<std::uint32_t> labels;
@@ -33,13 +33,13 @@ TEST(Calibration, ProbabilitiesThatAreWhatTheySayHaveNoError)
       exaggerated.push_back(p > 0.5F ? 1.0F : 0.0F);
     }
     right.add(labels, stated);
-    too_sure.add(labels, exaggerated);
+    overconfident.add(labels, exaggerated);
   }
   EXPECT_EQ(right.points(), 200000U);
   EXPECT_LT(right.expectedError(), 0.01);
   EXPECT_NEAR(right.brierScore(), 1.0 / 6, 0.01);  // mean of p (1 - p)
-  EXPECT_NEAR(too_sure.expectedError(), 0.25, 0.01);
-  EXPECT_NEAR(too_sure.brierScore(), 0.25, 0.01);
+  EXPECT_NEAR(overconfident.expectedError(), 0.25, 0.01);
+  EXPECT_NEAR(overconfident.brierScore(), 0.25, 0.01);
 }
 
 TEST(Calibration, BinsHoldTheirPoints)

@@ -15,8 +15,8 @@ struct Drive
   std::vector<MotionCovariance> motions;
 };
 
-/** Motions with errors of the given sigmas that add up, stated `stated` times as large; every
- * fourth scan is a keyframe. */
+/** Motions with accumulating errors of the given sigmas, whose stated covariances are scaled by
+ * `stated`; every fourth scan is a keyframe. */
 Drive drive(std::size_t scans, double stated)
 {
   std::mt19937 rng(1);

@@ -243,7 +243,7 @@ TEST(Alignment, LateralNoiseDoesNotRollAStraightPath)
   }
   // With 10 m across, the positions alone determine the rotation.
   EXPECT_LT(noisyLineError(10).rotation_deg.max, 0.1);
-  // A slight bow says less than the orientations, as the positions are poor.
+  // A slight bow is less informative than the orientations, since the positions are noisy.
   EXPECT_LT(noisyLineError(3, 0.4).rotation_deg.max, 0.3);
 }
 

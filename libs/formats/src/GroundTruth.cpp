@@ -228,7 +228,7 @@ GroundTruthWriter::~GroundTruthWriter()
   }
   catch (const std::exception&)
   {
-    // close() is there for callers who want to know.
+    // Errors are reported by close().
   }
 }
 

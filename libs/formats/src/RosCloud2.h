@@ -29,7 +29,7 @@ template <typename T>
   return static_cast<double>(value);
 }
 
-/** A sensor_msgs/PointCloud2, its points where they are in the message. */
+/** A sensor_msgs/PointCloud2, its points as views into the message. */
 struct RosScanDecoder::Cloud2
 {
   RosHeader header;

@@ -77,7 +77,7 @@ double RosScanDecoder::unitOf(double span, bool whole)
   return whole ? 1e-9 : 1.0;
 }
 
-/** Finds out what the field of the times counts in, by the first scan that shows it. */
+/** Determines the unit of the time field, by the first scan that shows it. */
 void RosScanDecoder::learnTimes(const std::string& field,
                                 bool whole,
                                 bool coarse,
@@ -158,7 +158,7 @@ void RosScanDecoder::fillTimes(const Cloud2& cloud, Scan& scan)
   }
 }
 
-/** What absolute times count from: the stamp, or the first point if that has another clock. */
+/** Origin of absolute times: the stamp, or the first point if that has another clock. */
 double RosScanDecoder::zeroOf(const std::vector<double>& values, double stamp)
 {
   double earliest = std::numeric_limits<double>::infinity();

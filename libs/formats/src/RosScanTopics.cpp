@@ -82,7 +82,7 @@ std::map<std::string, RosPose> staticTransforms(Bag& bag)
   }
   catch (const UserError&)
   {
-    // What was read before the damage is shown.
+    // Data before the damage are shown.
   }
   return by_child;
 }

@@ -134,7 +134,7 @@ Scan RosScanDecoder::decodeLivox(const BagTopic& topic, const BagMessage& messag
     const auto y = reader.number<float>();
     scan.points.emplace_back(x, y, reader.number<float>());
     scan.intensity.push_back(reader.u8());
-    (void)reader.u8();  // tag: what the driver thinks of the return
+    (void)reader.u8();  // tag: the driver's classification of the return
     scan.ring.push_back(reader.u8());
   }
   if (first_ && count > 0)

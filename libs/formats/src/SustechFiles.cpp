@@ -29,7 +29,7 @@ Eigen::Vector3d vectorFrom(const json& object)
   return {object.at("x").get<double>(), object.at("y").get<double>(), object.at("z").get<double>()};
 }
 
-/** The tool writes the number of an object as text, and nothing where nobody gave it one.
+/** The tool writes the number of an object as text, and nothing where it has none.
  * \return -1 for what is no number. */
 int numberFrom(const json& object)
 {

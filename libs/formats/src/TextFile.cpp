@@ -58,7 +58,7 @@ double TextFile::number(std::size_t field) const
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   if (error == std::errc::result_out_of_range)
   {
-    // Too near to 0 or too large? from_chars() does not say, a stream does.
+    // Too near to 0 or too large: from_chars() does not distinguish, a stream does.
     std::istringstream stream{std::string(text)};
     stream.imbue(std::locale::classic());
     stream >> value;
@@ -66,7 +66,7 @@ double TextFile::number(std::size_t field) const
     {
       fail("'" + std::string(text) + "' is too large a number");
     }
-    return 0;  // as good as nothing in any of our files
+    return 0;  // negligible in all our files
   }
   if (error != std::errc() || end != text.data() + text.size())
   {

@@ -62,6 +62,7 @@ GraphSlamEngine::GraphSlamEngine(const std::string& ini,
 {
   restore();
   logging_enable_console_output = false;
-  m_time_logger.setMinLoggingLevel(mrpt::system::LVL_ERROR);  // it prints a table when it dies
+  m_time_logger.setMinLoggingLevel(
+      mrpt::system::LVL_ERROR);  // else it prints a table in its destructor
 }
 }  // namespace dyslam

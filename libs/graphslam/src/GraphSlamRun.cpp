@@ -19,7 +19,7 @@ namespace
 namespace fs = std::filesystem;
 using OnFrame = std::function<void(double, std::size_t)>;
 
-/** What the engine reads of its own. */
+/** The engine's own settings. */
 std::string writeEngineIni(const fs::path& folder)
 {
   const std::string path = (folder / "engine.ini").string();
@@ -68,7 +68,7 @@ class Engine
   {
   }
 
-  /** \throws UserError of a plug-in, out of what MRPT has wrapped it in. */
+  /** \throws UserError of a plug-in, unwrapped from MRPT's exception. */
   void step(mrpt::obs::CObservation::Ptr observation, std::size_t entry)
   {
     if (observation->timestamp == INVALID_TIMESTAMP)
@@ -161,7 +161,7 @@ SlamRunReport runGraphSlam(const SlamRunSettings& settings,
   }
   catch (const UserError& error)
   {
-    damage = error.what();  // what was read before it is worth keeping
+    damage = error.what();  // the frames before it are kept
   }
   engine.finish();
   if (run.frames() == 0)

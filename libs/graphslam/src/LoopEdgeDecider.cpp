@@ -79,7 +79,7 @@ void LoopEdgeDecider::getEdgesStats(std::map<std::string, int>* edge_type_to_num
 void LoopEdgeDecider::getDescriptiveReport(std::string* report) const
 {
   CEdgeRegistrationDecider::getDescriptiveReport(report);
-  *report += m_class_name + ": loop candidates by verdict\n";
+  *report += m_class_name + ": loop candidates by decision\n";
   const std::vector<Loop>& loops = context_->backend().loops();
   for (const LoopVerdict verdict :
        {LoopVerdict::accepted, LoopVerdict::appearance, LoopVerdict::not_converged,

@@ -51,8 +51,8 @@ std::size_t topicNamed(const std::string& input,
                   (usable.empty() ? "; --list shows the topics" : "; use " + usable));
 }
 
-/** Says that there are scans of other topics; a warning, where they may as well be the lidar's. */
-void sayOthers(const Bag& bag, const std::vector<RosScanTopic>& candidates, ScanSink& sink)
+/** Reports scans of other topics; as a warning, where they may be the lidar's. */
+void reportOtherTopics(const Bag& bag, const std::vector<RosScanTopic>& candidates, ScanSink& sink)
 {
   const RosScanTopic& taken = candidates.front();
   std::string likely;
@@ -76,7 +76,7 @@ void sayOthers(const Bag& bag, const std::vector<RosScanTopic>& candidates, Scan
   }
 }
 
-/** The scans' topic: the one that was asked for, or the most likely lidar. */
+/** The topic of the scans: the requested one, or the most likely lidar. */
 std::size_t scanTopic(const std::string& input, Bag& bag, const std::string& asked, ScanSink& sink)
 {
   if (!asked.empty())
@@ -86,7 +86,7 @@ std::size_t scanTopic(const std::string& input, Bag& bag, const std::string& ask
   const std::vector<RosScanTopic> candidates = scanTopics(bag);
   if (!candidates.empty())
   {
-    sayOthers(bag, candidates, sink);
+    reportOtherTopics(bag, candidates, sink);
     return candidates.front().topic;
   }
   const std::string packets = namesOf(bag,

@@ -11,8 +11,8 @@ namespace dyslam
 {
 class GzInput;
 
-/** The bytes of one object of a file: read when they are asked for, kept until the object is done
- * with. What a file says of its own size makes nothing grow, only what it holds does. */
+/** The bytes of one object of a file: read on demand, kept until the end of the object. Memory
+ * grows with the data of the file, not with the sizes that it states. */
 class ByteWindow
 {
  public:
@@ -26,7 +26,7 @@ class ByteWindow
   void begin();
   /** Moves on over `count` bytes. \throws std::runtime_error if they are not there, or too many. */
   void skip(std::uint64_t count);
-  /** `count` things of `size` bytes each. */
+  /** `count` elements of `size` bytes each. */
   void skipAll(std::uint64_t count, std::uint64_t size);
   [[nodiscard]] std::uint8_t u8();
   [[nodiscard]] std::uint16_t u16();

@@ -94,7 +94,7 @@ ConversionOutput::~ConversionOutput()
   }
   catch (const std::exception&)
   {
-    // close() is there for callers who want to know.
+    // Errors are reported by close().
   }
   std::error_code ignored;
   fs::remove_all(pending_, ignored);
@@ -127,7 +127,8 @@ void ConversionOutput::tell(const ConversionProgress& progress, double fraction)
   }
 }
 
-/** Moves the truth to its folder; that of an earlier file of this name must not be taken for it. */
+/** Moves the truth to its folder; that of an earlier file of this name must not be mistaken for
+ * it. */
 void ConversionOutput::installTruth() const
 {
   if (truth_ || fs::is_directory(folder_))

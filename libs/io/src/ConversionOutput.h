@@ -12,11 +12,11 @@
 
 namespace dyslam
 {
-/** T_vehicle_lidar of "x y z yaw pitch roll" [m, deg], parted by spaces or commas; identity if
+/** T_vehicle_lidar of "x y z yaw pitch roll" [m, deg], separated by spaces or commas; identity if
  * empty. \throws UserError. */
 [[nodiscard]] Pose sensorPoseFrom(std::string text);
 
-/** \param inputs files and folders that a conversion reads; empty ones are passed over.
+/** \param inputs files and folders that a conversion reads; empty ones are skipped.
  * \throws UserError if writing the rawlog `output` with its sidecar would replace one of them. */
 void requireNoInput(const std::string& output, const std::vector<std::string>& inputs);
 

@@ -32,7 +32,7 @@ using mrpt::obs::CObservationPointCloud;
 /** MRPT finds external files by one folder per process: set and load must not be parted. */
 std::mutex external_folder_mutex;
 
-/** A recording of others must not have any file of this machine read.
+/** A recording must not cause arbitrary files of this machine to be read.
  * \throws UserError for a name that leads out of the folder, or to no file. */
 std::string pathInside(const std::string& name, const ExternalFiles& external)
 {
@@ -51,7 +51,7 @@ std::string pathInside(const std::string& name, const ExternalFiles& external)
   return file.string();
 }
 
-/** Walks over the one thing that a file holds. \return its bytes, valid as long as the window.
+/** Checks the one object in a file. \return its bytes, valid as long as the window.
  * \throws UserError. */
 template <typename Walk>
 std::string_view walked(const std::string& path, ByteWindow& window, const Walk& walk)
@@ -138,7 +138,7 @@ Scan readTextRows(const std::string& path)
   return scan;
 }
 
-/** The format is known to the class alone. */
+/** Only the class knows the format. */
 struct Format : CObservationPointCloud
 {
   static ExternalStorageFormat of(const CObservationPointCloud& observation)

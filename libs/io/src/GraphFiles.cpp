@@ -22,7 +22,7 @@ namespace
 using Graph = mrpt::graphs::CNetworkOfPoses3DInf;
 using mrpt::graphs::TNodeID;
 
-/** The line a file is at, taken word by word; errors know where they are. */
+/** The current line of a file, word by word; errors name file and line. */
 class LineReader
 {
  public:

@@ -11,8 +11,8 @@ struct inflate_state;
 
 namespace dyslam
 {
-/** Reads a gzip or plain file, knowing a clean end from a cut. Unpacked by ISA-L, in a third of
- * zlib's time. What follows the last gzip member and is none is passed over, as zlib does. */
+/** Reads a gzip or plain file, and detects truncation. Unpacked by ISA-L, in a third of zlib's
+ * time. Data after the last gzip member are ignored, as by zlib. */
 class GzInput
 {
  public:
@@ -24,12 +24,12 @@ class GzInput
 
   /** All `count` bytes, or std::runtime_error. */
   std::size_t Read(void* buffer, std::size_t count);
-  /** Up to `count` bytes. \return how many; 0 at the end, be it where it should or not. */
+  /** Up to `count` bytes. \return their number; 0 at the end, also of a truncated file. */
   std::size_t readSome(void* buffer, std::size_t count);
-  /** To be called where more should have followed at the end. */
+  /** Records that data are missing at the end. */
   void noteCut() { cut_ = true; }
 
-  /** True if no byte is left; ok() then says whether the file ends as it should. */
+  /** True if no byte is left; ok() then tells whether the file is complete. */
   [[nodiscard]] bool atEnd();
   /** Ran into the end of the file where data should be. */
   [[nodiscard]] bool cut() const { return cut_; }

@@ -7,13 +7,13 @@ namespace dyslam
 {
 /** Brings a recording's intensities to [0, 1].
  *
- * By a given factor, or by what the data show: from the first scan on that has a value above 1 they
- * are 0..255. Until then they stay as they are, so a dim first scan decides nothing.
+ * By a given factor, or by the data: from the first scan with a value above 1 on they are 0..255.
+ * Until then they are unchanged, so that a dim first scan decides nothing.
  */
 class IntensityScaler
 {
  public:
-  /** \param scale 0: as the data show. */
+  /** \param scale 0: by the data. */
   explicit IntensityScaler(double scale = 0) : scale_(scale) {}
 
   void operator()(Scan& scan);

@@ -39,7 +39,7 @@ void KittiConverterOptions::describe(OptionsVisitor& visitor)
                   {"raw", KittiKind::raw},
                   {"tracking", KittiKind::tracking}},
                  "which of KITTI's layouts");
-  visitor.text("calib", calib, "calib file or folder; empty: where the layout has it");
+  visitor.text("calib", calib, "calib file or folder; empty: as in the layout");
   visitor.text("poses", poses, "TUM or KITTI poses");
   visitor.text("oxts", oxts, "GNSS/INS file or folder, used where there are no poses");
   visitor.text("labels", labels, "folder of .label files");
@@ -51,16 +51,17 @@ void KittiConverterOptions::describe(OptionsVisitor& visitor)
   visitor.choice(
       "pose_frame", pose_frame,
       {{"auto", PoseFrame::automatic}, {"lidar", PoseFrame::lidar}, {"camera", PoseFrame::camera}},
-      "whose poses the pose file has");
+      "frame of the poses in the pose file");
   visitor.choice(
       "deskewed", deskewed,
       {{"auto", ScansDeskewed::automatic}, {"yes", ScansDeskewed::yes}, {"no", ScansDeskewed::no}},
-      "the motion within a scan was undone; auto: in KITTI odometry");
+      "scans are deskewed already; auto: yes for KITTI odometry");
   visitor.real("dt", dt, 0, 3600, "seconds between scans; 0: the layout's times, else 0.1034");
-  visitor.flag("vertical_angle_correction", vertical_angle_correction, "turn points up 0.205 deg");
+  visitor.flag("vertical_angle_correction", vertical_angle_correction,
+               "correct the elevation of points by +0.205 deg");
   visitor.integer("skip_first_n", skip_first_n, 0, 1000000000, "scans to skip");
   visitor.integer("only_first_n", only_first_n, 0, 1000000000, "scans to convert; 0: all");
-  visitor.flag("external_storage", external_storage, "clouds in files of their own");
+  visitor.flag("external_storage", external_storage, "clouds in separate files");
   visitor.integer("compression_level", compression_level, 0, 9, "of gzip");
 }
 
@@ -107,7 +108,7 @@ ConversionResult convertKitti(const std::string& input,
     }
     if (deskewed)
     {
-      scan.time.assign(scan.size(), 0.F);  // seen at one instant, as far as deskewing goes
+      scan.time.assign(scan.size(), 0.F);  // deskewed: all points at one instant
     }
     out.write(scan, entry.T_world_lidar);
     if (!entry.labels.empty())

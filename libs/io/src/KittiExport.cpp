@@ -21,7 +21,7 @@ namespace
 {
 constexpr double same_instant = 1e-3;  //!< [s] between a scan and its pose in a TUM file
 
-/** One sequence on its way; what there is goes with the object unless finish() was called. */
+/** One sequence while it is written; removed with the object unless finish() was called. */
 class Sequence
 {
  public:
@@ -209,8 +209,8 @@ class Sequence
 void KittiExportOptions::describe(OptionsVisitor& visitor)
 {
   visitor.text("sequence", sequence, "name of the sequence's folder");
-  visitor.text("trajectory", trajectory, "TUM or KITTI poses of the vehicle; empty: the truth");
-  visitor.text("calib", calib, "calibration to go with; empty: only the axes are turned");
+  visitor.text("trajectory", trajectory, "TUM or KITTI poses of the vehicle; empty: ground truth");
+  visitor.text("calib", calib, "calibration to write; empty: camera axes at the lidar");
   visitor.flag("no_scans", no_scans, "only times, calibration and poses");
   visitor.flag("rings", rings, "NNNNNN.ring beside the scans");
   visitor.integer("skip_first_n", skip_first_n, 0, 1000000000, "scans to skip");

@@ -64,7 +64,7 @@ class LayoutReader
   }
 
  private:
-  /** Truth that was found and not asked for is not worth the conversion. */
+  /** Ground truth that was found but not requested must not make the conversion fail. */
   void orWithout(const char* what, bool asked, const std::function<void()>& read)
   {
     try

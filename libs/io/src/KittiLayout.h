@@ -13,7 +13,7 @@
 
 namespace dyslam
 {
-/** Where everything of a KITTI recording lies, and its truth, ready to be written scan by scan. */
+/** The files of a KITTI recording and its ground truth, for writing scan by scan. */
 struct KittiLayout
 {
   struct Entry

@@ -45,7 +45,7 @@ namespace dyslam
 /** MRPT counts 100 ns ticks since 1601. The 1970 epoch in those ticks: */
 constexpr std::int64_t unix_epoch_ticks = 116444736000000000;
 
-/** UNIX seconds. Both ways round to the nearest, so that text stamps survive the journey. */
+/** UNIX seconds. Both ways round to the nearest, so that text stamps are preserved. */
 [[nodiscard]] inline double toStamp(mrpt::Clock::time_point time)
 {
   // Of a damaged file: anything. Unsigned numbers wrap, signed ones must not.

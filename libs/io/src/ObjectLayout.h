@@ -7,16 +7,16 @@
 
 namespace dyslam
 {
-/** What stands before every object that MRPT serializes. */
+/** Header of every object that MRPT serializes. */
 struct ObjectHeader
 {
   std::string class_name;  //!< without namespace
   int version = 0;
 };
 
-/** Walks over serialized objects of MRPT 2.5.8, as `serializeFrom()` of each class reads them, and
- * checks every count against the bytes that are there: MRPT takes memory for as many things as a
- * count says, whether they follow or not.
+/** Parses serialized objects of MRPT 2.5.8, as `serializeFrom()` of each class reads them, and
+ * checks every count against the available bytes: MRPT allocates memory by counts without such a
+ * check.
  *
  * Every function passes one object and throws std::runtime_error if it is damaged or of a class or
  * version that is not known here. */
@@ -30,8 +30,8 @@ class ObjectLayout
 
   /** True for the classes that observation() knows: those that hold scans or poses. */
   [[nodiscard]] static bool knows(const std::string& class_name);
-  /** The rest of an observation behind its header. Images are taken out of the bytes: they are not
-   * used, and who decodes one may need much more memory than it has bytes. */
+  /** The rest of an observation behind its header. Images are removed from the bytes: they are not
+   * used, and decoding one may need much more memory than it has bytes. */
   void observation(const ObjectHeader& header);
   /** A points map with its header, or nothing ("nullptr"). */
   void pointsMap();
@@ -44,7 +44,7 @@ class ObjectLayout
 
  private:
   ObjectHeader headerOf(const char* class_name, int newest);
-  /** A byte that MRPT takes for a bool as it is: any but 0 and 1 becomes 1. */
+  /** A byte that MRPT reads as a bool: any value but 0 and 1 is set to 1. */
   bool flag();
   void flags(int count);
   void pose();

@@ -85,7 +85,7 @@ const VelodyneCalibration& calibrationOfRows(const CObservationRotatingScan& obs
                                                                                 : "HDL32");
 }
 
-/** Rows are written twice, as a count and with the image: a damaged file may have two minds. */
+/** Rows are written twice, as a count and with the image: in a damaged file they may differ. */
 void requireRows(const CObservationRotatingScan& observation)
 {
   const auto& ranges = observation.rangeImage;

@@ -8,7 +8,7 @@
 
 namespace dyslam
 {
-/** Files of their own that observations keep their points in. */
+/** External files of observations. */
 struct ExternalFiles
 {
   std::string folder;     //!< that their names are relative to

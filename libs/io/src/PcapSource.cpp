@@ -79,7 +79,7 @@ class PacketReader
   PacketReader(const PacketReader&) = delete;
   PacketReader& operator=(const PacketReader&) = delete;
 
-  /** False at the end; `damage` then says if the file ends as it should not. */
+  /** False at the end; `damage` then tells whether the file is damaged. */
   [[nodiscard]] bool next(Packet& packet)
   {
     pcap_pkthdr* header = nullptr;
@@ -121,7 +121,7 @@ class PacketReader
   std::string damage_;
 };
 
-/** A revolution on its way, with what shows whether it is whole. */
+/** A revolution while it is read, with the data that show whether it is complete. */
 struct Revolution
 {
   Scan scan;
@@ -148,9 +148,10 @@ void PcapSourceOptions::describe(OptionsVisitor& visitor)
                   {"HDL64E", VelodyneModel::hdl64e}},
                  "the lidar; auto: from the packets");
   visitor.text("calibration_file", calibration_file, "Velodyne XML or YAML; empty: the default");
-  visitor.real("min_range", min_range, 0, 100, "nearer returns are the vehicle's own [m]");
-  visitor.degrees("cut_azimuth_deg", cut_azimuth, 0, 360, "clockwise from ahead, where scans end");
-  visitor.flag("keep_partial", keep_partial, "deliver broken first and last revolutions, too");
+  visitor.real("min_range", min_range, 0, 100, "nearer returns are dropped (own vehicle) [m]");
+  visitor.degrees("cut_azimuth_deg", cut_azimuth, 0, 360,
+                  "where scans are cut, clockwise from straight ahead");
+  visitor.flag("keep_partial", keep_partial, "also deliver incomplete first and last revolutions");
 }
 
 struct PcapSource::Impl
@@ -233,8 +234,8 @@ struct PcapSource::Impl
     }
     if (stated == VelodyneModel::automatic)
     {
-      throw UserError(path + ": the lidar is none that is known (model byte " +
-                      std::to_string(byte) + "); name VLP16, HDL32E or HDL64E");
+      throw UserError(path + ": unknown lidar (model byte " + std::to_string(byte) +
+                      "); name VLP16, HDL32E or HDL64E");
     }
     return stated;
   }
@@ -319,7 +320,7 @@ struct PcapSource::Impl
 
   [[nodiscard]] static bool near(int a, int b) { return std::abs(a - b) <= whole_turn_tolerance; }
 
-  /** Whether to deliver a revolution: all but the broken first and last. */
+  /** Whether to deliver a revolution: all but an incomplete first and last one. */
   [[nodiscard]] bool whole(const Revolution& revolution, bool first, bool last) const
   {
     if (options.keep_partial)

@@ -16,11 +16,10 @@ namespace dyslam
 {
 class GzInput;
 
-/** The objects of a rawlog, checked before MRPT sees them.
+/** The objects of a rawlog, checked before MRPT reads them.
  *
- * Observations that hold scans or poses are walked over by an ObjectLayout first. All others are
- * passed over up to the next object, so that nobody reads them: of each there is an empty one of
- * its class, without a time stamp.
+ * Observations that hold scans or poses are parsed by an ObjectLayout first. All others are skipped
+ * up to the next object and not read: each becomes an empty one of its class, without a time stamp.
  */
 class RawlogObjects
 {
@@ -35,7 +34,7 @@ class RawlogObjects
 
  private:
   void sensoryFrame(int version, std::deque<mrpt::obs::CObservation::Ptr>& observations);
-  /** An observation whose header begins where the window does.
+  /** An observation whose header is at the window's position.
    * \return whether its end is known: else the next object begins here, if there is one. */
   bool observation(const ObjectHeader& header,
                    const mrpt::rtti::TRuntimeClassId& id,

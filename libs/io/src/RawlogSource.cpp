@@ -15,9 +15,9 @@ void RawlogSourceOptions::describe(OptionsVisitor& visitor)
   visitor.integer("only_first_n", only_first_n, 0, 1000000000, "scans to deliver; 0: all");
   visitor.text("ground_truth_label", ground_truth_label, "of the true poses; empty: use none");
   visitor.real("ground_truth_max_gap", ground_truth_max_gap, 0, 10,
-               "true poses this near in time are interpolated [s]");
+               "largest gap between true poses that are interpolated [s]");
   visitor.flag("external_anywhere", external_anywhere,
-               "external files outside of the recording's folder are read, too");
+               "also read external files outside the recording's folder");
   visitor.real("intensity_scale", intensity_scale, 0, 1000,
                "multiplies the file's intensities; 0: 1, or 1/255 for 0..255 data");
 }

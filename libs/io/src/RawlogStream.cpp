@@ -80,8 +80,7 @@ void RawlogStream::failReading(const std::string& reason) const
   }
   if (objects_ == 0)
   {
-    // MRPT's message about bytes that are no object may be anything: MRPT's own words would only
-    // confuse.
+    // MRPT's message about bytes that are no object would be misleading.
     throw UserError(path_ + ": is not a rawlog, or is damaged in its first object" +
                     (file_->broken() ? " (the compressed data are broken)" : "") +
                     (file_->cut() ? " (the file ends there)" : "") + "; " + advice);

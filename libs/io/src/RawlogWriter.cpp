@@ -126,7 +126,7 @@ struct RawlogWriter::Impl
     }
   }
 
-  /** Where clouds in files of their own wait until the rawlog is whole. */
+  /** Folder of external clouds until the rawlog is complete. */
   [[nodiscard]] std::string pendingFolder() const { return externalStorageFolder(path) + ".tmp"; }
 
   void installClouds() const
@@ -199,7 +199,7 @@ RawlogWriter::~RawlogWriter()
 {
   try
   {
-    // Where nothing was written, an earlier file of the name is worth more.
+    // If nothing was written, an earlier file of the name is kept.
     if (impl_ && impl_->frames > 0)
     {
       close();
@@ -207,7 +207,7 @@ RawlogWriter::~RawlogWriter()
   }
   catch (const std::exception&)
   {
-    // close() is there for callers who want to know.
+    // Errors are reported by close().
   }
 }
 

@@ -36,7 +36,7 @@ struct Part
   std::vector<float> intensity;
 };
 
-/** To 1/64: a viewer cannot tell, and gzip shrinks the file to a third. */
+/** To 1/64: invisible in a viewer, and gzip shrinks the file to a third. */
 float coarse(float v)
 {
   constexpr float steps = 64;
@@ -190,7 +190,7 @@ struct ReplayWriter::Impl
     put(observation);
   }
 
-  /** Remembers the position; the path is halved where it gets too long. */
+  /** Appends the position; every other one is dropped where the path gets too long. */
   void extendPath(const Frame& frame)
   {
     if (!frame.T_odom_vehicle.matrix().allFinite() || seen % path_stride != 0)
@@ -256,7 +256,7 @@ ReplayWriter::~ReplayWriter()
 {
   try
   {
-    // Where nothing was written, an earlier file of the name is worth more.
+    // If nothing was written, an earlier file of the name is kept.
     if (impl_ && impl_->written > 0)
     {
       close();
@@ -264,7 +264,7 @@ ReplayWriter::~ReplayWriter()
   }
   catch (const std::exception&)
   {
-    // close() is there for callers who want to know.
+    // Errors are reported by close().
   }
 }
 

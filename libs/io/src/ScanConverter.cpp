@@ -70,7 +70,7 @@ std::vector<double> stampsFromNames(const std::vector<std::string>& files)
   return stamps;
 }
 
-/** A time for each scan of a folder; empty if nothing but the scans themselves can tell. */
+/** A time for each scan of a folder; empty if only the scans themselves have times. */
 std::vector<double> stampsFor(const std::vector<std::string>& files,
                               const ScanConverterOptions& options,
                               ScanSink& sink)
@@ -202,7 +202,7 @@ void requireCapture(const std::string& file)
   }
 }
 
-/** \throws UserError for an option that this kind of input has no use for. */
+/** \throws UserError for an option that does not apply to this kind of input. */
 void requireFitting(InputKind kind, const ScanConverterOptions& options)
 {
   struct Use
@@ -245,13 +245,13 @@ void ScanConverterOptions::describe(OptionsVisitor& visitor)
   visitor.text("times", times, "file of times, a line for each scan of a folder");
   visitor.text("topic", topic, "of a bag's scans; empty: the most likely lidar");
   visitor.text("truth_topic", truth_topic, "of a bag's true poses of the vehicle");
-  visitor.text("truth_frame", truth_frame, "child frame whose poses of truth_topic are meant");
+  visitor.text("truth_frame", truth_frame, "child frame of the poses in truth_topic");
   visitor.text("sensor_pose", sensor_pose, "x y z yaw pitch roll of the lidar [m, deg]");
   visitor.real("dt", dt, 0, 3600, "seconds between scans; 0: the scans' own times, else 0.1");
-  visitor.flag("keep_partial", keep_partial, "broken first and last revolutions, too");
+  visitor.flag("keep_partial", keep_partial, "also incomplete first and last revolutions");
   visitor.integer("skip_first_n", skip_first_n, 0, 1000000000, "scans to skip");
   visitor.integer("only_first_n", only_first_n, 0, 1000000000, "scans to convert; 0: all");
-  visitor.flag("external_storage", external_storage, "clouds in files of their own");
+  visitor.flag("external_storage", external_storage, "clouds in separate files");
   visitor.integer("compression_level", compression_level, 0, 9, "of gzip");
 }
 

@@ -26,7 +26,7 @@ using mrpt::obs::CObservation;
 
 constexpr std::size_t max_dropped_in_a_row = 10;
 constexpr std::size_t longest_label = 256;   //!< std::regex goes a call deeper with each character
-constexpr std::size_t scans_after_step = 4;  //!< that run on regularly show a clock set back
+constexpr std::size_t scans_after_step = 4;  //!< regular scans that show a clock set back
 constexpr double same_time = 1e-6;           //!< stamps this near are one [s]
 constexpr double truth_memory = 2.0;         //!< how long old true poses are kept [s]
 
@@ -102,7 +102,7 @@ struct ScanDecoder::Impl
     return true;
   }
 
-  /** Sorts one observation into truths, companions or nothing; true for a wanted scan. */
+  /** Classifies one observation as ground truth, companion or neither; true for a wanted scan. */
   [[nodiscard]] bool isScan(const CObservation::Ptr& observation)
   {
     ++seen_classes[stripped(observation->GetRuntimeClass()->className)];
@@ -164,8 +164,8 @@ struct ScanDecoder::Impl
     return false;
   }
 
-  /** A scan that is not later than the last one used. Whether it and those dropped before it show
-   * a clock that was set back; then clock_shift makes up for it. */
+  /** A scan that is not later than the last one used. Whether it and those dropped before it show a
+   * clock that was set back; then clock_shift compensates it. */
   [[nodiscard]] bool bridgesStep(double stamp)
   {
     if (!stamps_gone_back.empty() && stamp <= stamps_gone_back.back())

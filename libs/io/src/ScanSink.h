@@ -17,7 +17,7 @@ class ScanSink
  public:
   ScanSink(const std::string& output, const ScanConverterOptions& options);
 
-  /** False once enough scans were written.
+  /** Writes a scan. \return false once enough scans were written.
    * \param has_stamp the scan has a time of its own. \param progress part of the work that is done.
    */
   bool put(Scan scan, bool has_stamp, const std::optional<Pose>& T_world_lidar, double progress);

@@ -103,7 +103,7 @@ Calibration readVelodyneCalibration(const std::string& path, std::size_t lasers)
   {
     calibration = fromYaml(text);
   }
-  // MRPT prints its complaints, so plainly wrong files are not shown to it.
+  // MRPT prints its errors, so obviously wrong files are not passed to it.
   else if (text.find("boost_serialization") != std::string::npos)
   {
     (void)calibration.loadFromXMLText(text);

@@ -81,7 +81,7 @@ VelodyneDecoder::VelodyneDecoder(const mrpt::obs::VelodyneCalibration& calibrati
 double VelodyneDecoder::azimuthStep(const VelodynePacketView& packet, bool dual) const
 {
   // From one firing block to the next; both blocks of a dual return and both banks of an HDL-64E
-  // have the same azimuth. The median is deaf to sensors that leave out a sector.
+  // have the same azimuth. The median is robust to a sector that is left out.
   const std::size_t stride = dual || lasers() == 64 ? 2 : 1;
   std::vector<int> steps;
   for (std::size_t block = 0; block + stride < velodyne_blocks; block += stride)

@@ -13,7 +13,7 @@
 
 namespace dyslam
 {
-/** What the header of a cloud says that is known at the end only. */
+/** Fields of a cloud's header that are known at the end only. */
 struct CloudSummary
 {
   std::uint64_t count = 0;
@@ -22,7 +22,7 @@ struct CloudSummary
   Eigen::Vector3d high = Eigen::Vector3d::Constant(-std::numeric_limits<double>::infinity());
 };
 
-/** Binary layout of a kind of cloud: a header of one length whatever it says, then the points. */
+/** Binary layout of a kind of cloud: a header of fixed length, then the points. */
 class CloudFormat
 {
  public:

@@ -55,7 +55,7 @@ std::uint32_t FullResolution::pointAt(const Eigen::Vector3d& p) const
   {
     return point_of_voxel_[voxel];
   }
-  // The map took the mean of points that lie together, which may be in the next voxel.
+  // The map has the mean of neighbouring points, which may be in the next voxel.
   for (int side = 0; side < 6; ++side)
   {
     Eigen::Vector3d next = p;

@@ -67,7 +67,7 @@ class Ground
   }
 
  private:
-  /** Lower quartile of the columns around: neither a ghost below the road nor a wall decides. */
+  /** Lower quartile of the columns around: robust to a ghost below the road and to a wall. */
   [[nodiscard]] float nearby(const Eigen::Vector2d& at) const
   {
     std::vector<float> heights;
@@ -157,7 +157,7 @@ void clearRay(Grid& grid, const Eigen::Vector2d& a, const Eigen::Vector2d& b)
   }
 }
 
-/** In every direction the farthest thing seen below the obstacles' upper border clears its ray. */
+/** In every direction the ray to the farthest return below the obstacles' upper border is free. */
 void clearRays(Grid& grid,
                const StaticMap& map,
                const Ground& ground,
@@ -208,8 +208,9 @@ bool isObstacle(double height, const MapExportOptions& options)
   return height >= options.obstacle_min_height && height <= options.obstacle_max_height;
 }
 
-/** In how many keyframes there was something in a column of voxels at the height of obstacles: a
- * lower bound, as the map knows of each voxel how many keyframes hit it, but only the last of them.
+/** Number of keyframes with a return in a column of voxels at the height of obstacles: a lower
+ * bound, since the map stores of each voxel the number of keyframes that hit it, but only the last
+ * of them.
  */
 class ObstacleColumns
 {
@@ -239,7 +240,7 @@ class ObstacleColumns
   struct Column
   {
     std::uint32_t keyframes = 0;
-    std::vector<std::uint32_t> last;  // keyframes that saw its voxels last
+    std::vector<std::uint32_t> last;  // keyframes that hit its voxels last
   };
 
   [[nodiscard]] std::uint64_t keyOf(const Eigen::Vector3f& p) const
@@ -276,7 +277,7 @@ void markPoints(Grid& grid,
                 const MapExportOptions& o)
 {
   const ObstacleColumns columns(points, ground, map.voxelSize(), o);
-  // A sensor that never moved has one keyframe, and all that it sees is of that one.
+  // A sensor that never moved has one keyframe, so that all points are of that one.
   const auto needed = static_cast<std::uint32_t>(
       std::min(static_cast<std::size_t>(o.obstacle_min_hits), map.keyframes().size()));
   for (const bool obstacles : {false, true})

@@ -43,7 +43,8 @@ LowestReturns::LowestReturns(const std::vector<Eigen::Vector3f>& points,
   {
     const Eigen::Vector3f p = T_map_vehicle * point;
     const std::uint64_t key = voxelKey(squareOf(p));
-    if (found == VoxelHash::none || keys[found] != key)  // most are where the one before is
+    if (found == VoxelHash::none ||
+        keys[found] != key)  // most are in the same square as the one before
     {
       found = index.findOrInsert(key, static_cast<std::uint32_t>(keys.size()));
     }

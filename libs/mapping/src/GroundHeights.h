@@ -17,7 +17,7 @@ class LowestReturns
 {
  public:
   LowestReturns() = default;
-  /** \param T_map_vehicle where the scan was taken. */
+  /** \param T_map_vehicle pose of the vehicle at the scan. */
   LowestReturns(const std::vector<Eigen::Vector3f>& points, const Eigen::Isometry3f& T_map_vehicle);
 
   /** Key of the square and height: a low order statistic, because multipath echoes lie below the
@@ -32,7 +32,7 @@ class LowestReturns
   std::vector<std::pair<std::uint64_t, float>> heights_;
 };
 
-/** Height of the ground from several scans, so that it is known under what stands on it in one. */
+/** Height of the ground from several scans, so that it is known below objects, too. */
 class GroundHeights
 {
  public:

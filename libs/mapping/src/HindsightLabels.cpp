@@ -25,14 +25,14 @@ namespace dyslam
 namespace
 {
 constexpr float lowest_of_object = 0.1F;  // over the ground [m]
-constexpr int cells_above = 3;            // that tell whether a low point moves
-constexpr int ground_stride = 5;          // every so many scans of the window tell the ground
-constexpr int past_stride = 8;            // every so many scans before the window are asked
-constexpr double growth = 1.1;            // of the distances to those that are asked
-constexpr float sure_change = 3;          // scans that saw a place free: no more are needed
-constexpr float even = 0.5F;              // what is more probable moves
+constexpr int cells_above = 3;            // that decide whether a low point moves
+constexpr int ground_stride = 5;          // scans of the window between those used for the ground
+constexpr int past_stride = 8;            // scans before the window between those that are used
+constexpr double growth = 1.1;            // of the distances to those that are used
+constexpr float full_change = 3;          // free observations of a place that suffice
+constexpr float threshold = 0.5F;         // above this probability a point is moving
 
-/** Distances to the scans that are asked: all near ones, fewer far ones. */
+/** Distances to the scans that are used: all near ones, fewer far ones. */
 std::vector<int> scanOffsets(int window)
 {
   std::vector<int> offsets;
@@ -43,10 +43,10 @@ std::vector<int> scanOffsets(int window)
   return offsets;
 }
 
-/** Of the scans that make it sure, at most 1. */
+/** Fraction of the sufficient number of scans, at most 1. */
 float shareOf(std::uint16_t scans)
 {
-  return std::min(1.0F, static_cast<float>(scans) / sure_change);
+  return std::min(1.0F, static_cast<float>(scans) / full_change);
 }
 
 /** One scan of the window. */
@@ -61,12 +61,12 @@ struct WindowScan
     if (wanted)
     {
       frame = given;
-      frame->static_confidence = {};  // nobody asks for it any more
+      frame->static_confidence = {};  // no longer needed
       frame->static_prior = {};
     }
   }
 
-  std::optional<Frame> frame;  //!< none if nobody wants it, and once it is decided
+  std::optional<Frame> frame;  //!< none if it is not wanted, and once it is decided
   Pose T_odom_vehicle = Pose::Identity();
   VisibilityImage image;
   LowestReturns lowest;
@@ -82,29 +82,30 @@ struct PastScan
   VisibilityImage image;
 };
 
-/** What places of a cell say together. */
+/** Decision of the places of a cell. */
 struct CellMotion
 {
-  int balance = 0;               //!< moving places more than static ones
-  double moving = 0, still = 0;  //!< sums of their probabilities
-  int moving_places = 0, still_places = 0;
+  int balance = 0;                    //!< number of moving minus static places
+  double moving = 0, stationary = 0;  //!< sums of their probabilities
+  int moving_places = 0, static_places = 0;
 
   void add(float probability)
   {
-    const bool moves = probability > even;
+    const bool moves = probability > threshold;
     balance += moves ? 1 : -1;
-    (moves ? moving : still) += probability;
-    ++(moves ? moving_places : still_places);
+    (moves ? moving : stationary) += probability;
+    ++(moves ? moving_places : static_places);
   }
   [[nodiscard]] bool moves() const { return balance > 0; }
   /** Mean of the places that agree with moves(). */
   [[nodiscard]] float probability() const
   {
-    return static_cast<float>(moves() ? moving / moving_places : still / std::max(1, still_places));
+    return static_cast<float>(moves() ? moving / moving_places
+                                      : stationary / std::max(1, static_places));
   }
 };
 
-/** What is near the ground moves if what stands above it does. */
+/** Points near the ground are moving if the points above them are. */
 void adaptLow(const Segments& segments,
               const std::vector<float>& place_probability,
               const std::vector<Eigen::Vector3f>& points,
@@ -140,13 +141,16 @@ void adaptLow(const Segments& segments,
 
 void HindsightOptions::describe(OptionsVisitor& v)
 {
-  v.flag("hindsight", hindsight, "decide what moves from the scans before and after");
-  v.integer("window", window, 1, 1000, "scans looked at on each side");
-  v.integer("history", history, 0, 100000, "scans before the window looked at, one in eight");
-  v.real("voxel_size", voxel_size, 0.01, 10, "m, points this near share their evidence");
-  v.real("segment_gap", segment_gap, 0.01, 10, "m, cells whose neighbours form one segment");
-  v.real("margin", margin, 0.01, 10, "m, a ray must end this far behind a place to pass it");
-  v.real("ground_clearance", ground_clearance, 0, 10, "m, lower returns are the ground");
+  v.flag("hindsight", hindsight, "label moving points from earlier and later scans");
+  v.integer("window", window, 1, 1000, "earlier and later scans used");
+  v.integer("history", history, 0, 100000,
+            "scans before the window, of which every eighth is used");
+  v.real("voxel_size", voxel_size, 0.01, 10, "m, side of the voxels that accumulate evidence");
+  v.real("segment_gap", segment_gap, 0.01, 10,
+         "m, side of the cells that are clustered to segments");
+  v.real("margin", margin, 0.01, 10,
+         "m, a ray must end this far behind a place to observe it as free");
+  v.real("ground_clearance", ground_clearance, 0, 10, "m, lower returns are ground");
 }
 
 struct HindsightLabels::Impl
@@ -158,9 +162,9 @@ struct HindsightLabels::Impl
 
   void decideNext(const Use& use);
   void decide(WindowScan& scan);
-  void handOn(const Use& use);
+  void outputNext(const Use& use);
   [[nodiscard]] GroundHeights ground() const;
-  [[nodiscard]] std::vector<RayLook> looks() const;
+  [[nodiscard]] std::vector<OtherScan> others() const;
   [[nodiscard]] std::vector<float> trackedShare(const Frame& frame) const;
   [[nodiscard]] std::vector<PlaceEvidence> evidenceOf(const Segments& segments);
   void noteTracks(const Frame& frame);
@@ -187,11 +191,11 @@ GroundHeights HindsightLabels::Impl::ground() const
   return GroundHeights(lowest);
 }
 
-/** The scans that are asked, those before and those after each in order of their distance. */
-std::vector<RayLook> HindsightLabels::Impl::looks() const
+/** The scans that are used, those before and those after each in order of their distance. */
+std::vector<OtherScan> HindsightLabels::Impl::others() const
 {
   const Pose& here = scans[next].T_odom_vehicle;
-  std::vector<RayLook> result;
+  std::vector<OtherScan> result;
   const auto ask = [&](const Pose& there, const VisibilityImage& image, bool after)
   {
     const Eigen::Isometry3f T = (there.inverse() * here).cast<float>();
@@ -241,7 +245,7 @@ std::vector<float> HindsightLabels::Impl::trackedShare(const Frame& frame) const
   return tracked;
 }
 
-/** What is known of each place by itself. */
+/** Evidence of each place by itself. */
 std::vector<PlaceEvidence> HindsightLabels::Impl::evidenceOf(const Segments& segments)
 {
   const Frame& frame = *scans[next].frame;
@@ -252,7 +256,7 @@ std::vector<PlaceEvidence> HindsightLabels::Impl::evidenceOf(const Segments& seg
     places.push_back(frame.cloud.points[first]);
   }
   const std::vector<RayCounts> counts =
-      countRays(looks(), places, static_cast<float>(0.5 * options.voxel_size),
+      countRays(others(), places, static_cast<float>(0.5 * options.voxel_size),
                 static_cast<float>(options.margin), pool);
   std::vector<PlaceEvidence> evidence(counts.size());
   for (std::size_t g = 0; g < counts.size(); ++g)
@@ -301,7 +305,7 @@ void HindsightLabels::Impl::noteTracks(const Frame& frame)
   }
 }
 
-/** Takes the oldest scan out of the window. */
+/** Removes the oldest scan from the window. */
 void HindsightLabels::Impl::leaveWindow()
 {
   const std::size_t number = count - scans.size();
@@ -317,8 +321,8 @@ void HindsightLabels::Impl::leaveWindow()
   --next;
 }
 
-/** Hands the next frame on, if it is wanted, and forgets the oldest scan. */
-void HindsightLabels::Impl::handOn(const Use& use)
+/** Outputs the next frame, if it is wanted, and drops the oldest scan. */
+void HindsightLabels::Impl::outputNext(const Use& use)
 {
   std::optional<Frame> frame = std::exchange(scans[next].frame, std::nullopt);
   ++next;
@@ -367,7 +371,7 @@ void HindsightLabels::Impl::decide(WindowScan& scan)
   adaptLow(segments, place_probability, points, heights, frame.moving_probability);
   for (std::size_t i = 0; i < points.size(); ++i)
   {
-    frame.moving[i] = frame.moving_probability[i] > even;
+    frame.moving[i] = frame.moving_probability[i] > threshold;
   }
   for (TrackedObject& object : frame.objects)
   {
@@ -381,7 +385,7 @@ void HindsightLabels::Impl::decideNext(const Use& use)
   {
     decide(scans[next]);
   }
-  handOn(use);
+  outputNext(use);
 }
 
 HindsightLabels::HindsightLabels(const HindsightOptions& options, int threads)

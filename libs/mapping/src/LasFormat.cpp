@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// LAS 1.2 (ASPRS), point data record format 0, which every reader knows. Debian 12 has no library.
+// LAS 1.2 (ASPRS), point data record format 0, which every reader supports. Debian 12 has no
+// library for it.
 #include <dyslam/core/Error.h>
 
 #include <algorithm>

@@ -13,18 +13,18 @@ void MapExportOptions::describe(OptionsVisitor& v)
 {
   v.flag("full_resolution", full_resolution, "clouds with every static point, not one per voxel");
   v.flag("normals", normals, "normals in clouds, towards the sensor");
-  v.real("normal_radius", normal_radius, 0.01, 100, "m, neighbours up to here make a normal");
+  v.real("normal_radius", normal_radius, 0.01, 100, "m, radius of the neighbourhood of a normal");
   v.real("tile_size", tile_size, 0, 100000,
-         "m, clouds in tiles of this side: one of them is in memory; 0: one file");
+         "m, side of the tiles of clouds, of which one is in memory; 0: one file");
   v.real("octree_resolution", octree_resolution, 0.01, 10, "m, side of octomap's leaves");
   v.real("octree_range", octree_range, 1, 300, "m, rays are cut off here");
   v.real("grid_resolution", grid_resolution, 0.01, 10, "m, side of the occupancy grid's cells");
   v.real("obstacle_min_height", obstacle_min_height, -10, 100,
-         "m over the ground, lower things can be driven over");
+         "m above ground, lower objects can be driven over");
   v.real("obstacle_max_height", obstacle_max_height, -10, 100,
-         "m over the ground, higher things can be driven under");
+         "m above ground, higher objects can be driven under");
   v.integer("obstacle_min_hits", obstacle_min_hits, 1, 1000,
-            "an obstacle was seen by at least so many keyframes; 1: ghosts of what moved stay");
+            "least keyframes that observed an obstacle; 1: ghosts of moving objects stay");
   v.integer("grid_max_cells", grid_max_cells, 100, 2000000000, "a larger grid gets coarser cells");
 }
 

@@ -14,7 +14,7 @@ namespace dyslam
 {
 namespace
 {
-/** A point as it lies in the file. */
+/** A point as stored in the file. */
 struct StoredPoint
 {
   float x;
@@ -24,7 +24,7 @@ struct StoredPoint
   float phase;
 };
 
-constexpr double tile_margin = 2.0;  // normals and the ground are right up to the border [m]
+constexpr double tile_margin = 2.0;  // so that normals and ground are correct up to the border [m]
 
 double distanceTo(const MapRegion& region, const Eigen::Vector2d& p)
 {

@@ -63,8 +63,8 @@ struct Extent
   }
 };
 
-/** Share of rays that passed through places of what surely stands: thin things, edges and errors of
- * the poses let them pass. Measured on what is higher than any vehicle. */
+/** Share of rays that passed through places that are certainly static, because of thin objects,
+ * edges and errors of the poses. Measured on objects higher than any vehicle. */
 float falseFreeShare(const std::vector<PlaceFacts>& facts)
 {
   constexpr float vehicle_height = 5;    // [m]

@@ -9,7 +9,7 @@
 
 namespace dyslam
 {
-/** The places of a scan with all that is known of them, their neighbours and their segments.
+/** The places of a scan with the evidence of themselves, their neighbours and their segments.
  * \param evidence by place \param points of the scan, map frame [m] \param heights of them over the
  * ground [m] */
 [[nodiscard]] std::vector<PlaceFacts> factsOf(const Segments& segments,

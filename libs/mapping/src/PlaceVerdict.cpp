@@ -16,9 +16,9 @@ void discount(PlaceEvidence& evidence, float false_free)
 
 float movingScore(const PlaceFacts& f)
 {
-  // The weights of a logistic regression, see doc/mapping.md for what it was fitted to.
-  constexpr float a_little = 0.1F;  // of the rays: places of static things are hardly ever free
-  constexpr float lost = 0.5F;      // of what rays say where they are doubtful
+  // The weights of a logistic regression, see doc/mapping.md for its training data.
+  constexpr float a_little = 0.1F;  // of the rays: places of static objects are hardly ever free
+  constexpr float lost = 0.5F;      // weight of free rays lost where they are doubtful
   const float trust = 1 - lost * f.doubt;
   const auto little = [=](const PlaceEvidence& e)
   { return trust * std::min(e.free, a_little) / a_little; };
@@ -29,7 +29,7 @@ float movingScore(const PlaceFacts& f)
   score += 1.3F * little(f.around) + 2.65F * change(f.around);
   score += -2.2F * std::min(f.height, 4.0F) / 4;
   score += (f.places < 12 ? -0.5F : 0.0F) + (f.segment_height < 0.8F ? -2.0F : 0.0F);
-  // What is no larger than a vehicle moves as a whole.
+  // Segments no larger than a vehicle move as a whole.
   if (f.length < 20 && f.segment_height < 5)
   {
     score += 1.5F + 0.25F * f.segment.probability;

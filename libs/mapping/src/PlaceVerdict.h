@@ -5,18 +5,18 @@
 
 namespace dyslam
 {
-/** What is known of a place, of its neighbours, or of a segment: means over places. */
+/** Evidence of a place, of its neighbours, or of a segment: means over places. */
 struct PlaceEvidence
 {
-  float known = 0;          //!< share of places that rays of other scans saw
+  float known = 0;          //!< share of places observed by rays of other scans
   float free = 0;           //!< of these rays, the share that passed through
-  float change_before = 0;  //!< how surely it was free before it was occupied, in [0, 1]
-  float change_after = 0;   //!< how surely it is free afterwards
+  float change_before = 0;  //!< confidence that it was free before it was occupied, in [0, 1]
+  float change_after = 0;   //!< confidence that it is free afterwards, in [0, 1]
   float probability = 0;    //!< moving probability of the points, causal
   float tracked = 0;        //!< share of points in a track that is dynamic at one time
 };
 
-/** All that speaks for and against the motion of the points of one place. */
+/** Features of one place for the decision whether its points move. */
 struct PlaceFacts
 {
   std::uint32_t point = 0;  //!< one of its points, position in the cloud
@@ -30,7 +30,7 @@ struct PlaceFacts
   float doubt = 0;           //!< of free rays in this scan, in [0, 1]
 };
 
-/** Lowers the shares of free rays by what static things show in this scan. \param false_free share
+/** Lowers the shares of free rays by that of static objects in this scan. \param false_free share
  * of the rays through their places that passed, below 0.5. */
 void discount(PlaceEvidence& evidence, float false_free);
 

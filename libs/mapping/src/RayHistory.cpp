@@ -13,7 +13,7 @@ constexpr std::size_t chunk = 256;  // of places in a thread
 /** Scans before or those after, from the nearest in time to the farthest. */
 struct Side
 {
-  std::int16_t sum = 0;  //!< of those that saw the place free, less `weight` times the others
+  std::int16_t sum = 0;  //!< of those that observed the place free, less `weight` times the others
   std::int16_t lowest = 0;
 
   /** \return the largest sum of the farthest ones. */
@@ -32,7 +32,7 @@ struct Sides
   Side after;
 };
 
-void add(const RayLook& look, Evidence seen, RayCounts& c, Sides& sides)
+void add(const OtherScan& other, Evidence seen, RayCounts& c, Sides& sides)
 {
   const bool free = seen == Evidence::free;
   if (!free && seen != Evidence::occupied)
@@ -40,7 +40,7 @@ void add(const RayLook& look, Evidence seen, RayCounts& c, Sides& sides)
     return;
   }
   ++(free ? c.free : c.occupied);
-  if (look.after)
+  if (other.after)
   {
     c.change_after = sides.after.add(free);
   }
@@ -51,7 +51,7 @@ void add(const RayLook& look, Evidence seen, RayCounts& c, Sides& sides)
 }
 }  // namespace
 
-std::vector<RayCounts> countRays(const std::vector<RayLook>& looks,
+std::vector<RayCounts> countRays(const std::vector<OtherScan>& others,
                                  const std::vector<Eigen::Vector3f>& places,
                                  float size,
                                  float margin,
@@ -63,13 +63,13 @@ std::vector<RayCounts> countRays(const std::vector<RayLook>& looks,
                  {
                    std::array<Evidence, chunk> seen;
                    std::array<Sides, chunk> sides{};
-                   for (const RayLook& look : looks)
+                   for (const OtherScan& other : others)
                    {
-                     look.image->at(&places[begin], end - begin, look.T_other_this, size, margin,
-                                    seen.data());
+                     other.image->at(&places[begin], end - begin, other.T_other_this, size, margin,
+                                     seen.data());
                      for (std::size_t g = begin; g < end; ++g)
                      {
-                       add(look, seen[g - begin], counts[g], sides[g - begin]);
+                       add(other, seen[g - begin], counts[g], sides[g - begin]);
                      }
                    }
                  });

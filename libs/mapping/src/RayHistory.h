@@ -12,32 +12,32 @@
 
 namespace dyslam
 {
-/** One other scan that is asked about places. */
-struct RayLook
+/** Another scan whose rays are evaluated at places. */
+struct OtherScan
 {
   const VisibilityImage* image;
   Eigen::Isometry3f T_other_this;  //!< takes places to the other scan's vehicle frame
   bool after;                      //!< the other scan is later
 };
 
-/** What the rays of other scans saw at a place. */
+/** Counts of the rays of other scans at a place. */
 struct RayCounts
 {
   std::uint16_t free = 0;
   std::uint16_t occupied = 0;
-  /** Largest number of scans earlier than some moment that saw the place free, less twice those
-   * that saw it occupied: what came, and stayed or passed, leaves such a change. Thin things and
-   * edges, which are seen free and occupied by turns, do not. */
+  /** Largest number of scans earlier than some moment that observed the place free, less twice
+   * those that observed it occupied: an object that arrived, and stayed or passed, leaves such a
+   * change. Thin objects and edges, which are observed free and occupied alternately, do not. */
   std::uint16_t change_before = 0;
-  std::uint16_t change_after = 0;  //!< the same of later scans: what leaves
+  std::uint16_t change_after = 0;  //!< the same of later scans: an object that leaves
 };
 
-/** Asks all looks about all places.
- * \param looks those before and those after each in order of their distance in time
+/** Evaluates all other scans at all places.
+ * \param others those before and those after each in order of their distance in time
  * \param places vehicle frame of the scan to be decided [m] \param size of a place and \param
  * margin of a ray behind it, see VisibilityImage::at() [m]. Same result for any number of threads.
  */
-[[nodiscard]] std::vector<RayCounts> countRays(const std::vector<RayLook>& looks,
+[[nodiscard]] std::vector<RayCounts> countRays(const std::vector<OtherScan>& others,
                                                const std::vector<Eigen::Vector3f>& places,
                                                float size,
                                                float margin,

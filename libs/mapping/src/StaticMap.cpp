@@ -18,11 +18,11 @@ namespace dyslam
 {
 namespace
 {
-// Shares of the memory: while a map is stitched again, both are there.
+// Shares of the memory: both exist while a map is rebuilt.
 constexpr double map_share = 0.3;
 constexpr double cleaned_share = 0.1;
 
-/** A map as it was before it is stitched again. */
+/** A map before it is rebuilt. */
 struct Stitched
 {
   std::vector<Pose> poses;
@@ -59,25 +59,26 @@ void StaticMapOptions::describe(OptionsVisitor& v)
   v.real("min_range", min_range, 0, 100, "m, nearer returns (own vehicle) are left out");
   v.real("max_range", max_range, 1, 300, "m, farther returns are left out");
   v.real("box_margin", box_margin, 0, 5, "m, boxes of dynamic tracks are widened by this");
-  v.integer("points_per_voxel", points_per_voxel, 1, 1000,
-            "keyframe points kept per voxel, later ones add nothing");
-  v.integer("max_voxels", max_voxels, 1000, 1000000000, "beyond, the voxel size doubles");
+  v.integer("points_per_voxel", points_per_voxel, 1, 1000, "most keyframe points kept per voxel");
+  v.integer("max_voxels", max_voxels, 1000, 1000000000,
+            "upper limit, beyond which the voxel size doubles");
   v.integer("min_hits", min_hits, 1, 1000, "voxels hit by fewer keyframes are not part of the map");
   v.real("correction_distance", correction_distance, 0, 100,
-         "m, the map follows a loop that moved a keyframe this far ...");
+         "m, the map is corrected after a loop that moved a keyframe this far ...");
   v.real("correction_growth", correction_growth, 0, 10,
-         "... when it has grown by this share, or at once if that is farther than a voxel");
+         "... once it has grown by this fraction, or at once for more than a voxel");
   v.flag("visibility", visibility, "remove voxels that later rays passed through");
-  v.real("visibility_range", visibility_range, 0, 300, "m, voxels up to here are checked");
+  v.real("visibility_range", visibility_range, 0, 300, "m, range up to which voxels are checked");
   v.real("visibility_margin", visibility_margin, 0, 10,
          "m, a ray must end this far behind a voxel");
   v.integer("visibility_min_views", visibility_min_views, 1, 1000,
-            "keyframes that observed a voxel as free, at least");
-  v.real("visibility_ratio", visibility_ratio, 0, 1000, "and this many times as many as hit it");
+            "least keyframes that observed a removed voxel as free");
+  v.real("visibility_ratio", visibility_ratio, 0, 1000,
+         "least ratio of these to the keyframes that hit it");
   v.real("ground_clearance", ground_clearance, 0, 10,
-         "m, voxels this near to the lowest of their column stay");
+         "m, voxels this near to the lowest of their column are kept");
   v.choice("changes", changes, {{"latest", MapChanges::latest}, {"all", MapChanges::all}},
-           "of several runs: the latest that saw a place counts, or all keyframes alike");
+           "of several runs: the latest run at a place, or all keyframes equally");
 }
 
 struct StaticMap::Impl
@@ -92,11 +93,11 @@ struct StaticMap::Impl
   }
 
   [[nodiscard]] KeyframeCloud thinned(const Frame& frame) const;
-  /** Takes the pose of the next keyframe. */
+  /** Appends the pose of the next keyframe. */
   void takeNext(const Frame& frame);
   void stitch(std::size_t keyframe, const Stitched* before);
   void restitch(double voxel_size);
-  /** How far the store's poses have moved from those that the map is stitched at, at most [m]. */
+  /** Largest distance of the store's poses from those that the map is built with [m]. */
   [[nodiscard]] double largestCorrection() const;
   [[nodiscard]] bool isCorrectionDue() const;
   void correct();
@@ -106,8 +107,8 @@ struct StaticMap::Impl
   StaticMapOptions options;
   KeyframeStore& keyframes;
   MapRegion region;
-  std::size_t revision = 0;  //!< of the keyframes' poses that the map is stitched at
-  std::size_t stitched = 0;  //!< keyframes, when all were stitched again
+  std::size_t revision = 0;  //!< of the keyframes' poses that the map is built with
+  std::size_t stitched = 0;  //!< keyframes at the last rebuild
   std::vector<Pose> poses;   //!< these poses, one per keyframe inserted
   VoxelMap map;
   mutable std::optional<CleanedMap> cleaned;  //!< until the map changes
@@ -146,7 +147,7 @@ KeyframeCloud StaticMap::Impl::thinned(const Frame& frame) const
   return result;
 }
 
-/** Puts the keyframe's points into voxels; those whose voxel is full are removed.
+/** Adds the keyframe's points to voxels; those whose voxel is full are removed.
  * \param before whose evidence the voxels of the same points inherit; may be null. */
 void StaticMap::Impl::stitch(std::size_t keyframe, const Stitched* before)
 {

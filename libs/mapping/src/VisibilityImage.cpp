@@ -21,7 +21,7 @@ constexpr int widest_window = 4;              // pixels to each side
 constexpr float nearest = 0.5F;               // [m]
 constexpr float closest_pass = 0.1F;          // of a ray through a place [m]
 
-constexpr std::size_t block = 128;  // rays looked at together
+constexpr std::size_t block = 128;  // rays processed together
 }  // namespace
 
 /** Rays of several points: arrays, for vector instructions. */
@@ -146,7 +146,7 @@ void VisibilityImage::setColumnOrigins(const std::vector<Eigen::Vector3f>& sum,
   }
 }
 
-/** From points to the rays that look at them: their columns, rows and ranges. */
+/** Columns, rows and ranges of the rays towards points. */
 void VisibilityImage::aim(Rays& rays) const
 {
   std::array<float, block> px;

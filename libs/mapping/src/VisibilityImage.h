@@ -12,21 +12,21 @@ namespace dyslam
 {
 class StateArchive;
 
-/** What the rays of one scan say about a place. */
+/** Evidence of one scan's rays about a place. */
 enum class Evidence
 {
-  none,       //!< no ray went that way, or something nearer stopped it
+  none,       //!< no ray in this direction, or occluded
   free,       //!< rays passed through it
-  passed_by,  //!< rays passed all around it, but so far away that thin things may have been missed
+  passed_by,  //!< rays passed around it, but too far away to exclude thin objects
   occupied    //!< a ray ended there
 };
 
-/** How far one scan's rays went in every direction: nearest return per pixel. The image
- * covers the field of view that the returns show. */
+/** Range image of one scan for visibility tests: nearest return per pixel. The image covers the
+ * field of view that the returns show. */
 class VisibilityImage
 {
  public:
-  /** Rays start where the sensor was when each point was measured, as far as the cloud tells.
+  /** Rays start at the sensor's position when each point was measured, if the cloud has phases.
    * \param cloud returns and \param sensor the lidar's origin at the cloud's stamp, both in the
    * vehicle frame. */
   VisibilityImage(const Cloud& cloud, const Eigen::Vector3f& sensor);

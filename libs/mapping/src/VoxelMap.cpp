@@ -11,7 +11,7 @@ namespace dyslam
 {
 namespace
 {
-constexpr double tile_size = 8.0;    // of the squares that are in memory or not as a whole [m]
+constexpr double tile_size = 8.0;    // of the squares that are swapped as a whole [m]
 constexpr double column_size = 1.0;  // of the columns whose lowest voxel is the ground [m]
 
 /** 2D cell of a point in squares, as a key. */
@@ -116,7 +116,7 @@ void VoxelMap::addPoint(Voxel& voxel, const Eigen::Vector3d& p, float intensity)
 
 void VoxelMap::carryEvidence(const Voxel& old, Voxel& voxel)
 {
-  // Of several old voxels, what speaks most for staying.
+  // Of several old voxels, the strongest evidence for keeping.
   voxel.old_hits = std::max(voxel.old_hits, old.hits);
   voxel.observed_free =
       voxel.has_evidence ? std::min(voxel.observed_free, old.observed_free) : old.observed_free;

@@ -18,8 +18,8 @@ namespace dyslam
 {
 class StateArchive;
 
-/** The voxels of the static map and what speaks for and against each. Squares of it that were not
- * used lately are on disk. References to voxels are valid until the next call. */
+/** The voxels of the static map with the evidence for and against each. Squares that were not used
+ * recently are on disk. References to voxels are valid until the next call. */
 class VoxelMap
 {
  public:
@@ -37,8 +37,8 @@ class VoxelMap
 
   /** The voxel around a point that a keyframe saw; it is made where there is none. */
   Voxel& hit(const Eigen::Vector3d& p, std::uint32_t keyframe);
-  /** What keyframes before this one saw of a voxel counts as `hits` of them, and no free view, from
-   * the first keyframe on that sees it again, whether as free or not. */
+  /** Observations of a voxel by keyframes before this one count as `hits` hits and no free
+   * observation, from the first keyframe on that observes it again, as free or occupied. */
   void beginRun(std::uint32_t keyframe, int hits)
   {
     run_begin_ = keyframe;

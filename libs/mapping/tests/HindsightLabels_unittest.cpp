@@ -56,7 +56,7 @@ std::vector<Frame> decided(const Path& car_x,
 
 struct Shares
 {
-  double car = 0;     //!< of the car's points called moving
+  double car = 0;     //!< of the car's points labelled moving
   double others = 0;  //!< of all other points
 };
 
@@ -106,7 +106,7 @@ TEST(HindsightLabels, WhatStandsAllTheTimeIsStaticWhateverTheCausalDecision)
 
 TEST(HindsightLabels, WhatDroveUpMovesWhileItStandsAsWell)
 {
-  // It stops at scan 26; the window of the scans from 40 on sees it standing only.
+  // It stops at scan 26; the window of the scans from 40 on contains it only at rest.
   const Path arriving = [](std::size_t i)
   { return std::max(9.0, 45 - 6 * (static_cast<double>(i) - 20)); };
   const auto share = [&](int history)

@@ -39,7 +39,7 @@ std::string nameOf(torch::Dtype type)
       return name;
     }
   }
-  throw std::invalid_argument("TensorFile: a type of tensor that files do not have");
+  throw std::invalid_argument("TensorFile: unsupported type of tensor");
 }
 
 bool typeOf(const std::string& name, torch::Dtype& type)

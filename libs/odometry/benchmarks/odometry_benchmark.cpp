@@ -52,7 +52,7 @@ struct Row
   std::vector<double> wall_ms;
   std::vector<double> cpu_ms;
   std::size_t failures = 0;
-  /** Normalised squared error of the motions: mean 6 if the information is honest. */
+  /** Normalised squared error of the motions: mean 6 if the information is consistent. */
   double normalised_error = 0;
 };
 
@@ -169,7 +169,7 @@ double cpuMs()
   return 1e3 * static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
 }
 
-/** The config that a row's name asks for. */
+/** The config of a row's name. */
 Config configOf(const std::string& method, const Arguments& a)
 {
   Config config = a.config;

@@ -36,7 +36,7 @@ std::string DyloOdometry::extract(const Frame& frame)
   points_.resize(frame.cloud.size());
   std::transform(frame.cloud.points.begin(), frame.cloud.points.end(), points_.begin(),
                  [&](const Eigen::Vector3f& p) { return T_lidar_vehicle * p; });
-  // What is known to move is not shown to the network.
+  // Points that are known to move are not passed to the network.
   weights_ = pointWeights(frame);
   for (std::size_t i = 0; i < weights_.size(); ++i)
   {
@@ -63,19 +63,19 @@ std::string DyloOdometry::doubts(const DyloMatch& match) const
   const double share = static_cast<double>(match.inliers) / static_cast<double>(match.sampled);
   if (share < options_.min_inlier_share)
   {
-    std::snprintf(text, sizeof text, "only %.0f %% of the points agree", 100 * share);
+    std::snprintf(text, sizeof text, "only %.0f %% of the points are inliers", 100 * share);
     return text;
   }
   if (match.last_step > options_.max_last_step)
   {
-    std::snprintf(text, sizeof text, "the last pass still moved by %.2f m", match.last_step);
+    std::snprintf(text, sizeof text, "not converged: the last step was %.2f m", match.last_step);
     return text;
   }
   const double far = match.T_reference_current.translation().norm();
   const double turned = rotationAngle(match.T_reference_current);
   if (!(far <= options_.max_translation) || !(turned <= options_.max_rotation))
   {
-    std::snprintf(text, sizeof text, "a motion of %.1f m and %.0f degrees is absurd", far,
+    std::snprintf(text, sizeof text, "a motion of %.1f m and %.0f degrees is implausible", far,
                   turned * 180 / 3.14159265358979323846);
     return text;
   }

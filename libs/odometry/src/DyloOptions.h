@@ -8,26 +8,26 @@
 
 namespace dyslam
 {
-/** Where DyLO's search begins. */
+/** Initial guess of DyLO. */
 enum class DyloStart : std::uint8_t
 {
-  standing,   //!< at no motion, as in the paper: the two scans alone decide
-  prediction  //!< at the predicted motion
+  standing,   //!< zero motion, as in the paper: independent of the prior
+  prediction  //!< the predicted motion
 };
 
 /** Ini section `[dylo]`. */
 struct DyloOptions : Options
 {
-  std::string weights = "dylo.safetensors";  //!< file, or name of weights that come with DySLAM
+  std::string weights = "dylo.safetensors";  //!< file, or name of weights shipped with DySLAM
   DyloStart start = DyloStart::prediction;
   int threads = 1;
-  bool prior = true;       //!< weigh the prediction against the points, where it has an information
-  bool deskew = true;      //!< by the motion found, not only by the predicted one
-  bool confidence = true;  //!< hand on how surely each point stands still
+  bool prior = true;       //!< fuse the prediction as a prior, where it has an information
+  bool deskew = true;      //!< by the estimated motion, not only by the predicted one
+  bool confidence = true;  //!< output the static confidence of each point
   double points_per_measurement = 24;  //!< sampled points that count as one measurement
-  double min_inlier_share = 0.55;      //!< with less agreement the match has failed
-  double max_last_step = 0.3;          //!< the last pass moves less, or nothing was found [m]
-  double max_translation = 6;          //!< farther between two scans is absurd [m]
+  double min_inlier_share = 0.55;      //!< below, the match has failed
+  double max_last_step = 0.3;          //!< above, the match has failed [m]
+  double max_translation = 6;          //!< largest plausible motion between two scans [m]
   double max_rotation = 0.6;           //!< [rad]
 
   void describe(OptionsVisitor& visitor) override;

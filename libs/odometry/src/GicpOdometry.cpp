@@ -15,7 +15,7 @@ namespace dyslam
 namespace
 {
 using PclCloud = pcl::PointCloud<pcl::PointXYZ>;
-/** Points that the information is taken from. */
+/** Points that the information is computed from. */
 constexpr std::size_t information_points = 3000;
 
 PclCloud::Ptr toPcl(const std::vector<Eigen::Vector3f>& points)
@@ -33,9 +33,9 @@ void GicpOptions::describe(OptionsVisitor& v)
 {
   v.real("sample_size", sample_size, 0.05, 10,
          "points of both scans: one per cube of this side [m]");
-  v.real("max_distance", max_distance, 0.01, 100, "of matches [m]");
-  v.integer("neighbours", neighbours, 5, 100, "for covariances");
-  v.integer("max_iterations", max_iterations, 1, 500, "at most");
+  v.real("max_distance", max_distance, 0.01, 100, "largest distance of correspondences [m]");
+  v.integer("neighbours", neighbours, 5, 100, "neighbours of a point for its covariance");
+  v.integer("max_iterations", max_iterations, 1, 500, "most iterations");
   v.real("points_per_measurement", points_per_measurement, 1, 1e6,
          "points that count as one measurement");
 }
@@ -65,7 +65,7 @@ std::string GicpOdometry::extract(const Frame& frame)
     }
   }
   pcl_->source = toPcl(points_);
-  // PCL's GICP reads as many neighbours without asking whether there are that many.
+  // PCL's GICP does not check that there are so many neighbours.
   const auto needed = static_cast<std::size_t>(options_.neighbours) + 1;
   if (points_.size() < needed)
   {

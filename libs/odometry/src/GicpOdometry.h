@@ -13,7 +13,7 @@ namespace dyslam
 struct GicpOptions : Options
 {
   double sample_size = 0.5;   //!< points of both scans: one per cube of this side [m]
-  double max_distance = 1.0;  //!< of matches [m]
+  double max_distance = 1.0;  //!< largest distance of correspondences [m]
   int neighbours = 20;        //!< for covariances
   int max_iterations = 30;
   double points_per_measurement = 50;  //!< points that count as one measurement

@@ -15,14 +15,18 @@ constexpr float least_planarity = 0.2F;
 
 void IcpOptions::describe(OptionsVisitor& v)
 {
-  v.real("sample_size", sample_size, 0.05, 10, "moving points: one per cube of this side [m]");
-  v.real("reference_size", reference_size, 0.05, 10, "reference points likewise [m]");
-  v.real("max_distance", max_distance, 0.01, 100, "of matches, at first [m]");
-  v.real("end_distance", end_distance, 0.01, 100, "of matches, in the end [m]");
+  v.real("sample_size", sample_size, 0.05, 10, "source points: one per cube of this side [m]");
+  v.real("reference_size", reference_size, 0.05, 10,
+         "reference points: one per cube of this side [m]");
+  v.real("max_distance", max_distance, 0.01, 100,
+         "largest distance of correspondences, at the start [m]");
+  v.real("end_distance", end_distance, 0.01, 100,
+         "largest distance of correspondences, at the end [m]");
   v.real("loss_width", loss_width, 0.001, 10, "of the robust loss [m]");
-  v.integer("neighbours", neighbours, 3, 100, "for normals (point to plane)");
-  v.real("normal_radius", normal_radius, 0.01, 10, "for normals: neighbours within [m]");
-  v.integer("max_iterations", max_iterations, 1, 500, "at most");
+  v.integer("neighbours", neighbours, 3, 100,
+            "neighbours of a point for its normal (point to plane)");
+  v.real("normal_radius", normal_radius, 0.01, 10, "radius of the neighbourhood of a normal [m]");
+  v.integer("max_iterations", max_iterations, 1, 500, "most iterations");
   v.real("points_per_measurement", points_per_measurement, 1, 1e6,
          "points that count as one measurement");
 }

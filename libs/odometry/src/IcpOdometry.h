@@ -11,10 +11,10 @@ namespace dyslam
 /** Ini sections `[icp_po2po]` and `[icp_po2pl]`. */
 struct IcpOptions : Options
 {
-  double sample_size = 0.6;      //!< moving points: one per cube of this side [m]
-  double reference_size = 0.25;  //!< reference points likewise [m]
-  double max_distance = 1.5;     //!< of matches, at first [m]
-  double end_distance = 0.4;     //!< ... and in the end [m]
+  double sample_size = 0.6;      //!< source points: one per cube of this side [m]
+  double reference_size = 0.25;  //!< reference points: one per cube of this side [m]
+  double max_distance = 1.5;     //!< largest distance of correspondences, at the start [m]
+  double end_distance = 0.4;     //!< ... and at the end [m]
   double loss_width = 0.1;       //!< of the robust loss [m]
   int neighbours = 10;           //!< for normals (point to plane)
   double normal_radius = 1.0;    //!< ... and within [m]
@@ -24,7 +24,7 @@ struct IcpOptions : Options
   void describe(OptionsVisitor& visitor) override;
 };
 
-/** Point-to-point residuals also measure how far apart the samples lie: they say less each. */
+/** Point-to-point residuals include the spacing of the samples: each has less information. */
 struct IcpPointToPointOptions : IcpOptions
 {
   IcpPointToPointOptions() { points_per_measurement = 5000; }

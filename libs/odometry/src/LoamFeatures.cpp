@@ -160,7 +160,7 @@ class RingFeatures
       const float here = at(i).norm();
       const float next = at(i + 1).norm();
       const float before = at(i - 1).norm();
-      // What a nearer body hides ends where that body ends, and moves with the view.
+      // The edge of an occluded surface depends on the viewpoint.
       if (here - next > 0.03F * here)
       {
         std::fill_n(blocked_.begin() + static_cast<std::ptrdiff_t>(i - half_window),
@@ -247,16 +247,18 @@ class RingFeatures
 
 void LoamOptions::describe(OptionsVisitor& v)
 {
-  v.real("edge_curvature", edge_curvature, 0, 10, "a point is an edge above this");
-  v.real("plane_curvature", plane_curvature, 0, 10, "a point is part of a plane below this");
-  v.integer("edges", edges, 1, 1000, "sharpest per sixth of a ring: registered");
-  v.integer("target_edges", target_edges, 1, 1000, "sharpest likewise, to register to");
-  v.integer("planes", planes, 1, 1000, "flattest per sixth of a ring: registered");
-  v.real("plane_size", plane_size, 0.05, 10, "plane points to register to: one per such cube [m]");
-  v.real("max_distance", max_distance, 0.01, 100, "of matches between scans, at first [m]");
-  v.real("end_distance", end_distance, 0.01, 100, "in the end, and to the map [m]");
+  v.real("edge_curvature", edge_curvature, 0, 10, "least curvature of an edge point");
+  v.real("plane_curvature", plane_curvature, 0, 10, "largest curvature of a plane point");
+  v.integer("edges", edges, 1, 1000, "sharpest points per sixth of a ring, registered");
+  v.integer("target_edges", target_edges, 1, 1000, "the same of the reference scan");
+  v.integer("planes", planes, 1, 1000, "flattest points per sixth of a ring, registered");
+  v.real("plane_size", plane_size, 0.05, 10,
+         "plane points of the reference scan: one per cube of this side [m]");
+  v.real("max_distance", max_distance, 0.01, 100,
+         "largest distance of correspondences between scans, at the start [m]");
+  v.real("end_distance", end_distance, 0.01, 100, "the same at the end, and to the map [m]");
   v.real("loss_width", loss_width, 0.001, 10, "of the robust loss [m]");
-  v.integer("max_iterations", max_iterations, 1, 500, "at most");
+  v.integer("max_iterations", max_iterations, 1, 500, "most iterations");
   v.real("map_edge_size", map_edge_size, 0.05, 10, "spacing of the map's edges [m]");
   v.real("map_plane_size", map_plane_size, 0.05, 10, "spacing of the map's plane points [m]");
   v.real("map_radius", map_radius, 5, 1000, "farther map points are dropped [m]");

@@ -12,15 +12,15 @@ namespace dyslam
 /** Ini sections `[loam]` and `[loam_no_mapping]`. */
 struct LoamOptions : Options
 {
-  double edge_curvature = 0.02;    //!< a point is an edge above this (1)
-  double plane_curvature = 0.005;  //!< ... and part of a plane below this (1)
-  int edges = 4;                   //!< sharpest per sixth of a ring: registered
-  int target_edges = 20;           //!< ... and to register to
-  int planes = 8;                  //!< flattest per sixth of a ring: registered
-  double plane_size = 0.3;         //!< plane points to register to: one per cube of this side [m]
-  double max_distance = 2;         //!< of matches between scans, at first [m]
-  double end_distance = 0.7;       //!< ... and in the end, and to the map [m]
-  double loss_width = 0.1;         //!< of the robust loss [m]
+  double edge_curvature = 0.02;    //!< least curvature of an edge point (1)
+  double plane_curvature = 0.005;  //!< ... and largest of a plane point (1)
+  int edges = 4;                   //!< sharpest points per sixth of a ring, registered
+  int target_edges = 20;           //!< ... the same of the reference scan
+  int planes = 8;                  //!< flattest points per sixth of a ring, registered
+  double plane_size = 0.3;  //!< plane points of the reference scan: one per cube of this side [m]
+  double max_distance = 2;  //!< largest distance of correspondences between scans, at the start [m]
+  double end_distance = 0.7;  //!< ... and at the end, and to the map [m]
+  double loss_width = 0.1;    //!< of the robust loss [m]
   int max_iterations = 30;
   double map_edge_size = 0.3;          //!< spacing of the map's edges [m]
   double map_plane_size = 0.5;         //!< ... and plane points [m]

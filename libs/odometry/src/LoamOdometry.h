@@ -28,7 +28,7 @@ class LoamOdometry final : public ScanToScan
   void exchangeReference(StateArchive& archive) override;
 
  private:
-  /** Points of one kind of feature that others are registered to. */
+  /** Target points of one kind of feature. */
   struct Target
   {
     std::vector<Eigen::Vector3f> points;
@@ -45,13 +45,13 @@ class LoamOdometry final : public ScanToScan
     void add(const std::vector<LoamPoint>& features, const Pose& T, double size, double radius);
   };
 
-  /** The row of an edge point and the line through two edge points of the reference. */
+  /** The residual of an edge point and the line through two edge points of the reference. */
   void addEdgeRow(const LoamPoint& f,
                   const Pose& T,
                   double gate,
                   NormalEquations& sums,
                   std::vector<Neighbour>& found) const;
-  /** The row of a plane point and the plane through three plane points of the reference. */
+  /** The residual of a plane point and the plane through three plane points of the reference. */
   void addPlaneRow(const LoamPoint& f,
                    const Pose& T,
                    double gate,
@@ -59,7 +59,8 @@ class LoamOdometry final : public ScanToScan
                    std::vector<Neighbour>& found) const;
   [[nodiscard]] MotionEstimate toScan(const Pose& T_guess);
   [[nodiscard]] MotionEstimate toMap(const Pose& T_guess);
-  /** Registers all features. \param start_gate of matches [m] */
+  /** Registers all features. \param start_gate largest distance of correspondences at the start
+   * [m] */
   [[nodiscard]] MotionEstimate alignFeatures(const RowMatcher& match,
                                              const Pose& T_guess,
                                              double start_gate);

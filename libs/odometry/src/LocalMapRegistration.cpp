@@ -24,7 +24,7 @@ constexpr std::size_t min_inliers = 50;
 constexpr double lever = 10;
 /** The map is cropped each time the vehicle has moved by this share of its radius. */
 constexpr double crop_share = 0.1;
-/** A guess nearer to the prior is the prior. */
+/** A guess nearer to the prior counts as the prior. */
 constexpr double same_pose = 1e-9;
 /** Share of the usual inliers below which the registration is repeated coarse to fine. */
 constexpr double poor_inliers = 0.7;
@@ -62,22 +62,22 @@ void RefineOptions::describe(OptionsVisitor& v)
            "registration to the local map");
   v.real("cell_size", cell_size, 0.05, 10, "side of the map's smallest cells, at least [m]");
   v.integer("levels", levels, 0, SurfacePyramid::max_levels,
-            "of the map, each of cells twice as large; 0: as the spacing of the rings asks for");
+            "of the map, each with cells twice as large; 0: by the spacing of the rings");
   v.real("min_incidence", min_incidence, 0, 20,
          "angle between ray and surface, in ring spacings; below, it may be a single ring's");
-  v.real("max_points_per_cell", max_points_per_cell, 6, 1e6,
-         "a cell with this many points takes no more");
-  v.real("map_spacing", map_spacing, 0, 10, "nearer followers along a ring are left out [m]");
+  v.real("max_points_per_cell", max_points_per_cell, 6, 1e6, "upper limit of the points per cell");
+  v.real("map_spacing", map_spacing, 0, 10,
+         "least distance of successive points along a ring in the map [m]");
   v.real("map_radius", map_radius, 5, 1000, "farther cells are dropped [m]");
   v.real("sample_size", sample_size, 0.05, 20, "registered points: one per cube of this side [m]");
   v.real("sparse_sample_size", sparse_sample_size, 0.05, 20,
          "the same for sensors whose map has several levels [m]");
-  v.integer("max_points", max_points, 100, 1000000, "cap on registered points per scan");
+  v.integer("max_points", max_points, 100, 1000000,
+            "upper limit of the registered points per scan");
   v.integer("max_iterations", max_iterations, 1, 200, "of the registration, per level");
-  v.real("loss_width", loss_width, 0.001, 10,
-         "of the robust loss once the initial guess is good [m]");
+  v.real("loss_width", loss_width, 0.001, 10, "of the robust loss for good initial guesses [m]");
   v.real("max_loss_width", max_loss_width, 0.001, 10,
-         "its start where initial guesses have been bad [m]");
+         "its initial value after bad initial guesses [m]");
   v.real("initial_sigma", initial_sigma, 0, 50,
          "of the initial guess of the first registration to a map [m]");
   v.real("guess_sigma", guess_sigma, 1e-4, 1e3, "of an initial guess that is not the prior [m]");
@@ -87,11 +87,11 @@ void RefineOptions::describe(OptionsVisitor& v)
   v.real("points_per_measurement", points_per_measurement, 1, 1e6,
          "correlated points that count as one measurement");
   v.real("max_ground_weight_ratio", max_ground_weight_ratio, 1e-3, 1e9,
-         "weight of ground surfaces against all others, at most");
+         "upper limit of the weight of ground surfaces, relative to all others");
   v.real("min_surface_share", min_surface_share, 0, 1,
-         "points that have a surface in the map; fewer, and its cells are too small");
+         "share of points with a surface in the map below which its cells are too small");
   v.real("min_inlier_ratio", min_inlier_ratio, 0, 1,
-         "inliers among the points with a surface in the map; below, the registration has failed");
+         "share of inliers among the points with a surface, below which registration has failed");
 }
 
 struct LocalMapRegistration::State
@@ -127,7 +127,7 @@ struct LocalMapRegistration::State
   RawPoints first;                       //!< the first frame, until the second shows its motion
   Pose T_odom_first = Pose::Identity();  //!< where it was
 
-  // The frame at hand
+  // The current frame
   Pose T_odom_previous = Pose::Identity();
   Pose T_odom_vehicle = Pose::Identity();
   Pending pending = Pending::nothing;
@@ -243,7 +243,7 @@ ScanToMapResult LocalMapRegistration::State::alignCoarseToFine(const Pose& T_gue
   return fine;
 }
 
-/** Coarse to fine where the guess may be off by more than the map's cells can catch. */
+/** Coarse to fine where the error of the guess may be larger than the map's cells. */
 ScanToMapResult LocalMapRegistration::State::align(const Pose& T_guess, double guess_error)
 {
   int coarseness = 1;
@@ -269,7 +269,7 @@ ScanToMapResult LocalMapRegistration::State::align(const Pose& T_guess, double g
   return result;
 }
 
-/** The second frame shows how the first one was skewed: both are corrected in turn. */
+/** The motion to the second frame also deskews the first: both are corrected in turn. */
 ScanToMapResult LocalMapRegistration::State::alignSecond(const Pose& T_guess,
                                                          double guess_error,
                                                          double dt)

@@ -83,7 +83,7 @@ void MotionFilter::update(double dt,
   {
     return;
   }
-  // A component of the prior that was given less weight was less certain.
+  // A component of the prior with a lower robust weight was less certain.
   const Vector6 wider = prior_weight.cwiseSqrt().cwiseInverse();
   Eigen::Matrix<double, 12, 1> scale;
   scale << wider, wider;
@@ -91,8 +91,8 @@ void MotionFilter::update(double dt,
   const Vector6 correction = logSE3(predict(dt).inverse() * T_previous_current);
   velocity_ += P.bottomLeftCorner<6, 6>() * P.topLeftCorner<6, 6>().llt().solve(correction);
 
-  // The measurement as six numbers of unit variance, blind ones among them, and Joseph's form,
-  // which keeps the covariance positive whatever the rounding.
+  // The measurement as six numbers of unit variance, uninformative ones among them, and Joseph's
+  // form, which keeps the covariance positive definite despite rounding.
   const Eigen::SelfAdjointEigenSolver<Matrix6> solver(0.5 * (measured + measured.transpose()));
   Eigen::Matrix<double, 6, 12> H = Eigen::Matrix<double, 6, 12>::Zero();
   H.leftCols<6>() =

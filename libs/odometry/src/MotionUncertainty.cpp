@@ -12,9 +12,9 @@ namespace
 {
 /** Variance of the second difference of motions between poses of unit variance: 1 + 9 + 9 + 1. */
 constexpr double white_noise_gain = 20;
-/** With fewer samples of the jitter the estimate's own covariance counts in full. */
+/** With fewer samples of the jitter the estimate's own covariance is used unscaled. */
 constexpr int min_samples = 3;
-/** Smallest standard deviations that are stated [m], [rad]. */
+/** Smallest reported standard deviations [m], [rad]. */
 constexpr double min_sigma = 1e-4;
 constexpr double min_sigma_angle = 1e-5;
 
@@ -26,16 +26,16 @@ Matrix6 symmetric(const Matrix6& M)
 
 void UncertaintyOptions::describe(OptionsVisitor& v)
 {
-  v.integer("window", window, 1, 1000, "motions that the jitter is averaged over");
+  v.integer("window", window, 1, 1000, "motions over which the jitter is averaged");
   v.real("jitter_translation", jitter_translation, 0, 1000,
          "variance of a pose's error over that of the jitter of its position");
   v.real("jitter_rotation", jitter_rotation, 0, 1000, "the same of its rotation");
   v.real("jitter_drift", jitter_drift, 0, 1000,
-         "of a pose's error, as variance, that stays in all later poses");
+         "fraction of a pose's error variance that remains in all later poses");
   v.real("registration_share", registration_share, 0, 1000,
-         "of the registration's own covariance of a pose");
+         "factor on the registration's covariance of a pose");
   v.real("motion_share", motion_share, 0, 1000,
-         "of the covariance that the prior or a scan matcher leaves to a motion");
+         "factor on the covariance of a motion from the prior or a scan matcher");
 }
 
 MotionUncertainty::MotionUncertainty(const UncertaintyOptions& options) : options_(options)

@@ -15,27 +15,27 @@ struct UncertaintyOptions : Options
   int window = 10;                  //!< motions that the jitter is averaged over
   double jitter_translation = 0.7;  //!< variance of a pose's error over that of its jitter
   double jitter_rotation = 2;       //!< the same of its rotation
-  /** Of a pose's error, as variance, that stays in the local map and all later poses. */
+  /** Fraction of a pose's error variance that remains in the local map and all later poses. */
   double jitter_drift = 0.2;
-  /** Of the registration's own covariance of a pose: most of what it states shows as jitter. */
+  /** Factor on the registration's covariance of a pose: most of it is measured as jitter. */
   double registration_share = 0.003;
-  /** Of the covariance that the prior leaves to a registration, and of a scan matcher's own: it
-   * adds up. */
+  /** Factor on the covariance of a motion from the prior of a registration, or from a scan matcher;
+   * it accumulates. */
   double motion_share = 0.05;
 
   void describe(OptionsVisitor& visitor) override;
 };
 
-/** States how far a motion may be off, from how evenly the vehicle seems to move.
+/** Calibrates the covariance of a motion by the jitter of the estimated motions.
  *
- * A registration's normal equations know the noise of its residuals only. What dominates the error
- * is common to thousands of points: surfaces sampled by the same few rings, a sweep deskewed as if
- * the velocity were constant in it, a map that erred before. Such errors are new at every scan and
- * make the estimated motion jitter. Where each pose errs by itself with variance v, the second
- * difference of the motions has the variance 20 v; it is measured over the last motions, component
- * by component. A real change of the acceleration counts too: that is what deskewing cannot follow.
- * Directions that the points leave open do not jitter, since the prior holds them; the covariance
- * of the estimate itself states these.
+ * A registration's normal equations contain only the noise of its residuals. The dominant errors
+ * are common to thousands of points: surfaces sampled by the same few rings, deskewing under
+ * constant velocity, earlier errors of the map. Such errors are independent from scan to scan and
+ * make the estimated motion jitter. If the errors of the poses are independent with variance v, the
+ * second difference of the motions has the variance 20 v; it is measured over the last motions,
+ * component by component. A true change of the acceleration counts too: deskewing cannot model it.
+ * Directions that the points do not constrain do not jitter, since the prior determines them; the
+ * covariance of the estimate itself covers these.
  */
 class MotionUncertainty
 {
@@ -52,8 +52,8 @@ class MotionUncertainty
   void calibrate(double dt, const Matrix6& in_map, MotionEstimate& motion);
 
   /** The same for a scan matcher alone; motion.information is the matcher's own.
-   * \param prior its information, positive definite: a direction that no point fixes stays as the
-   * prior has it */
+   * \param prior its information, positive definite: a direction that no point constrains keeps the
+   * prior's */
   void calibrateMatch(double dt, const Matrix6& prior, MotionEstimate& motion);
 
   /** What is kept from frame to frame. */
@@ -61,9 +61,9 @@ class MotionUncertainty
 
  private:
   void measureJitter(double dt, const MotionEstimate& motion);
-  /** Few motions have been seen, or this one failed: what the estimate states counts in full. */
+  /** Factor on the estimate's covariance: 1 after few motions, or if this one failed. */
   [[nodiscard]] double share(double calibrated, const MotionEstimate& motion) const;
-  /** \param of_points covariance of the pose in the map \param drift of the motion, both but for
+  /** \param of_points covariance of the pose in the map \param drift of the motion, both without
    * the jitter */
   void state(const Matrix6& of_points, const Matrix6& drift, MotionEstimate& motion);
 
@@ -71,7 +71,7 @@ class MotionUncertainty
   Vector6 velocity_ = Vector6::Zero();      //!< of the last motion [m/s, rad/s]
   Vector6 acceleration_ = Vector6::Zero();  //!< change of the last two velocities [m/s, rad/s]
   Vector6 jitter_ = Vector6::Zero();        //!< variance of a pose's error that explains it
-  int motions_ = 0;                         //!< in a row that converged
+  int motions_ = 0;                         //!< converged in a row
   int samples_ = 0;                         //!< in jitter_
   Matrix6 noise_before_ = Matrix6::Zero();  //!< of the previous scan's pose
 };

@@ -20,7 +20,7 @@ using mrpt::system::CTimeLoggerEntry;
 
 namespace
 {
-constexpr double clearly_better = 0.02;  // share of the points that agree with the map
+constexpr double clearly_better = 0.02;  // difference of inlier shares
 }
 
 void OdometryOptions::describe(OptionsVisitor& v)
@@ -37,18 +37,19 @@ void FusionOptions::describe(OptionsVisitor& v)
   v.degrees("segmenter_sigma_angle_deg", segmenter_sigma_angle, 1e-3, 90, "... and its heading");
   v.real("matcher_sigma", matcher_sigma, 1e-4, 10, "of a scan matcher's motion [m]");
   v.degrees("matcher_sigma_angle_deg", matcher_sigma_angle, 1e-3, 90, "... and its rotation");
-  v.real("gate", gate, 0.1, 1000, "Mahalanobis distance to the prior, beyond: rejected");
+  v.real("gate", gate, 0.1, 1000,
+         "largest Mahalanobis distance to the prior of an accepted motion");
   v.real("informed_sigma", informed_sigma, 1e-4, 10, "of a matcher that fuses the prior [m]");
   v.degrees("informed_sigma_angle_deg", informed_sigma_angle, 1e-3, 90, "... and its rotation");
   v.real("informed_gate", informed_gate, 0.1, 1000, "the gate of a matcher that fuses the prior");
   v.real("segmenter_initial_sigma", segmenter_initial_sigma, 0, 50,
-         "of the first guess to a map, if the segmenter gives it [m]");
+         "of the initial guess to a new map, if from the segmenter [m]");
   v.real("matcher_initial_sigma", matcher_initial_sigma, 0, 50,
-         "the same of a matcher that fuses the prior [m]");
+         "the same, if from a matcher that fuses the prior [m]");
   v.real("reliable_prior_sigma", reliable_prior_sigma, 0, 100,
-         "of a prior that segmenters may search around alone [m]");
+         "sigma of a prior up to which segmenters search only around it [m]");
   v.real("min_static_prior", min_static_prior, 0, 1,
-         "points less likely static by appearance get no weight");
+         "points with a lower static probability by appearance have zero weight");
 }
 
 struct Odometry::State
@@ -105,7 +106,7 @@ struct Odometry::State
 
   ScanClock clock;
   bool doubtful = false;    //!< the interval to the scan at hand
-  bool after_gap = false;   //!< so long that the velocity before says nothing of the one after
+  bool after_gap = false;   //!< too long to predict the velocity after it
   bool started = false;     //!< a scan has been seen
   bool registered = false;  //!< a scan has been registered to the map
   Pose T_odom_previous = Pose::Identity();
@@ -125,9 +126,9 @@ void Odometry::State::countSegmenterMotions(const Frame& frame)
   }
 }
 
-/** The segmenter's ego-motion counts as long as it has an appearance prior: of what looks static,
- * it is not misled by traffic all around. Two scans that were deskewed by different motions do not
- * show the motion between them. */
+/** The segmenter's ego-motion is used as long as it has an appearance prior: estimated from static
+ * classes, it is not biased by surrounding traffic. Two scans that were deskewed by different
+ * motions do not determine the motion between them. */
 bool Odometry::State::acceptsSegmenterMotion(const Frame& frame) const
 {
   if (!frame.segmenter_motion || frame.static_prior.empty() || frame.dt <= 0 || startSpeedKnown())
@@ -148,14 +149,14 @@ void Odometry::State::fuseSegmenterMotion(Frame& frame)
   {
     segmenter_information =
         informationFromSigmas(fusion.segmenter_sigma, fusion.segmenter_sigma_angle);
-    // A segmenter that looks from above sees neither height nor tilt.
+    // A segmenter in the bird's-eye view observes neither height nor tilt.
     segmenter_information.diagonal().segment<3>(2).setZero();
     frame.prior.fuse(frame.segmenter_motion->T_previous_current, segmenter_information);
   }
 }
 
-/** A matcher may follow the traffic around and take the world for what moves: its motion is
- * accepted near the prior alone. \return why it is rejected; empty if it is accepted */
+/** A matcher may follow surrounding traffic instead of the static world: its motion is accepted
+ * only near the prior. \return why it is rejected; empty if it is accepted */
 std::string Odometry::State::whyRejected(const Frame& frame) const
 {
   if (!frame.odometry.converged)
@@ -168,7 +169,7 @@ std::string Odometry::State::whyRejected(const Frame& frame) const
   }
   if (startsMap() && !segmenter_information.isZero())
   {
-    return "the segmenter's motion starts the map";
+    return "the segmenter's motion is the initial guess of the first registration";
   }
   const bool informed = frame.dt > 0 && matcher->usesPrior();
   const double distance = frame.prior.mahalanobisDistance(
@@ -195,7 +196,7 @@ void Odometry::State::matchScan(Frame& frame)
   weightByAppearance(frame);
 }
 
-/** As long as nothing can be seen to move, what looks as if it could gets no weight. */
+/** Until motion can be observed, points of movable appearance have zero weight. */
 void Odometry::State::weightByAppearance(Frame& frame) const
 {
   if (frame.static_prior.empty() || frame.static_prior.size() != frame.cloud.size())
@@ -210,8 +211,8 @@ void Odometry::State::weightByAppearance(Frame& frame) const
                  { return prior < least ? 0.0F : confidence; });
 }
 
-/** The matcher's motion, if accepted; one that already holds the prior is fused with it again: the
- * surer the prior, the less counts a matcher that may follow the traffic. */
+/** The matcher's motion, if accepted; one that already contains the prior is fused with it again:
+ * the more certain the prior, the lower the weight of a matcher that may follow the traffic. */
 Pose Odometry::State::initialGuess(const Frame& frame) const
 {
   if (!frame.odometry_accepted)
@@ -228,7 +229,7 @@ Pose Odometry::State::initialGuess(const Frame& frame) const
   return fused.T_previous_current;
 }
 
-/** Of the initial guess, if this is the first registration to a map. */
+/** Sigma of the initial guess, if this is the first registration to a map [m]. */
 double Odometry::State::initialSigma(const Frame& frame) const
 {
   double sigma = refine.initial_sigma;
@@ -286,8 +287,8 @@ MotionPrior Odometry::State::priorAfter(double dt) const
   return prior;
 }
 
-/** Motion since the scan before, whichever time has passed: the start that registers best of going
- * on through the interval, going on for one period, and standing. */
+/** Motion since the scan before for an unknown interval: the initial guess that registers best, of
+ * constant velocity for the interval, constant velocity for one period, and no motion. */
 std::optional<Pose> Odometry::State::motionAtDoubtfulTime(
     const Frame& frame, const std::function<Cloud(const Pose&, double)>& prepare)
 {
@@ -455,7 +456,7 @@ std::vector<std::string> Odometry::warnings() const
       2 * s.segmenter_failures >= s.segmenter_frames)
   {
     warnings.emplace_back(
-        "the first scans leave open how fast the recording begins; if its speed there is known, "
+        "the first scans do not determine the speed at the start of the recording; if it is known, "
         "set odometry.start_speed");
   }
   return warnings;

@@ -28,18 +28,20 @@ void PreprocessOptions::describe(OptionsVisitor& v)
 {
   v.real("min_range", min_range, 0, 1000, "nearer returns are dropped [m]");
   v.real("max_range", max_range, 0.1, 10000, "farther returns are dropped [m]");
-  v.choice("deskew", deskew,
-           {{"none", DeskewMode::none},
-            {"time", DeskewMode::time},
-            {"azimuth", DeskewMode::azimuth},
-            {"auto", DeskewMode::automatic}},
-           "undo the motion within a scan: by point times, by azimuth, or by azimuth only where "
-           "there are no times");
+  v.choice(
+      "deskew", deskew,
+      {{"none", DeskewMode::none},
+       {"time", DeskewMode::time},
+       {"azimuth", DeskewMode::azimuth},
+       {"auto", DeskewMode::automatic}},
+      "motion compensation: by point times, by azimuth, or (auto) by azimuth where there are no "
+      "times");
   v.choice("sweep_direction", sweep.direction, {{"-1", -1}, {"1", 1}},
            "-1 clockwise from above, 1 counter-clockwise");
   v.degrees("sweep_start_azimuth_deg", sweep.start_azimuth, -360, 360,
-            "where the sweep begins, from ahead to the left");
-  v.real("sweep_reference", sweep_reference, -1, 2, "share of the sweep whose pose the frame has");
+            "start of the sweep, counter-clockwise from straight ahead");
+  v.real("sweep_reference", sweep_reference, -1, 2,
+         "fraction of the sweep at which the frame's pose is taken");
 }
 
 Preprocessor::Preprocessor(const PreprocessOptions& options, ThreadPool& pool)

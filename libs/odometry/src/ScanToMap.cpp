@@ -13,20 +13,21 @@ namespace dyslam
 namespace
 {
 constexpr std::size_t chunk_size = 512;
-/** Blobs and lines say too little about a normal. */
+/** The normal of blobs and lines is undetermined. */
 constexpr float min_planarity = 0.2F;
 /** Normals nearer to the map's z axis than this cosine belong to the ground. */
 constexpr float ground_cosine = 0.9F;
-/** In an open field the ground is all there is. */
+/** In an open field there is only ground. */
 constexpr double min_ground_weight = 0.2;
 /** Residuals beyond this many scales of the robust loss are outliers. */
 constexpr float gate = 4;
-/** A surface is read again when the point moved by this share of a cell. */
+/** A surface is looked up again when the point moved by this share of a cell. */
 constexpr float reread_share = 0.2F;
 /** Noise of a range measurement [m]: a floor under all residuals' spread. */
 constexpr double sensor_sigma = 0.015;
 constexpr double loss_width_decay = 0.6;
-/** The prior's robust weight falls where the points contradict it by more than this many sigmas. */
+/** The prior's robust weight decreases where the points contradict it by more than this many
+ * sigmas. */
 constexpr double translation_gate = 10;
 constexpr double rotation_gate = 3.5;
 
@@ -132,7 +133,7 @@ void ScanToMap::accumulate(const RawPoints& scan,
         Eigen::Matrix<double, 3, 6> J;
         J.leftCols<3>().setIdentity();
         J.rightCols<3>() = -skew(p.cast<double>());
-        // In units of a plane's residual, so that both methods' sums mean the same.
+        // In units of a plane's residual, so that the sums of both methods are comparable.
         w *= 8e-4;
         const Eigen::Matrix<double, 6, 3> JtM = w * J.transpose() * M;
         equations.H.noalias() += JtM * J;

@@ -33,11 +33,11 @@ struct ScanToMapResult
   Matrix6 information = Matrix6::Zero();  //!< of the points alone, of log(T_measured^-1 T)
   int iterations = 0;
   std::size_t inliers = 0;
-  double inlier_share = 0;                 //!< agreeing weight, of that of all points
-  double surface_share = 0;                //!< weight of points with a surface in the map
-  double inlier_ratio = 0;                 //!< agreeing weight, of that of those points
-  double rmse = 0;                         //!< of the inliers [m]
-  Vector6 prior_weight = Vector6::Ones();  //!< robust weight of the prior in the end
+  double inlier_share = 0;   //!< weight of the inliers over that of all points
+  double surface_share = 0;  //!< weight of the points with a surface in the map over that of all
+  double inlier_ratio = 0;   //!< weight of the inliers over that of those points
+  double rmse = 0;           //!< of the inliers [m]
+  Vector6 prior_weight = Vector6::Ones();  //!< final robust weight of the prior
   bool converged = false;
 };
 
@@ -59,7 +59,7 @@ class ScanToMap
  private:
   struct Match
   {
-    Eigen::Vector3f at;  //!< where the surface was read
+    Eigen::Vector3f at;  //!< where the surface was looked up
     Surface surface;
     float offset = 0;  //!< of the plane along its normal
     float weight = 0;
@@ -75,7 +75,7 @@ class ScanToMap
     std::size_t inliers = 0;
 
     void add(const Sums& other);
-    /** All together, ground surfaces with at most `max_ground_weight_ratio` times the others'
+    /** Sum of both, ground surfaces with at most `max_ground_weight_ratio` times the others'
      * weight, but with a fifth of their own at least. */
     [[nodiscard]] NormalEquations balanced(double max_ground_weight_ratio) const;
   };

@@ -5,8 +5,8 @@
 
 namespace dyslam
 {
-/** What all registrations of one scan to an earlier one share: the first frame, frames that cannot
- * be used, and the chain of motions over them. */
+/** Common part of all registrations of one scan to an earlier one: the first frame, frames that
+ * cannot be used, and the chain of motions over them. */
 class ScanToScan : public ScanMatcher
 {
  public:
@@ -16,8 +16,8 @@ class ScanToScan : public ScanMatcher
 
  protected:
   /** Prepares what align() and accept() need of the frame, and forgets what was kept of the one
-   * before. Called with every frame, those in trouble (see cloudTrouble()) too. \return why it
-   * cannot be used */
+   * before. Called with every frame, unusable ones (see cloudTrouble()) too. \return why it cannot
+   * be used */
   virtual std::string extract(const Frame& frame) = 0;
   /** Register the frame to the reference; T_previous_current is then from the reference. */
   virtual MotionEstimate align(const Pose& T_reference_current_guess) = 0;

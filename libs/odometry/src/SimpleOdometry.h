@@ -6,14 +6,14 @@
 
 namespace dyslam
 {
-/** Fewer points than this say nothing about a motion. */
+/** Least points for the estimate of a motion. */
 constexpr std::size_t fewest_points = 30;
 
 /** Why the frame's cloud cannot be used; empty if it can. */
 [[nodiscard]] std::string cloudTrouble(const Frame& frame);
 
-/** Baselines that look at no points: the prior itself, or no motion at all. Their information is
- * that of 0.1 m and 1 degree. */
+/** Baselines that use no points: the prior itself, or zero motion. Their information is that of 0.1
+ * m and 1 degree. */
 class SimpleOdometry : public ScanMatcher
 {
  public:

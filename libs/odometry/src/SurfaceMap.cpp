@@ -245,7 +245,7 @@ Surface SurfaceMap::surfaceAt(const Eigen::Vector3f& p, const VoxelCell& base) c
   const auto wy = splineWeights(f.y());
   const auto wz = splineWeights(f.z());
 
-  // All cells are looked up before any is used, so that the memory's answers overlap.
+  // All cells are looked up before any is used, so that memory latencies overlap.
   std::array<Neighbour, 27> around;
   const int found = findAround({local.x + base.x, local.y + base.y, local.z + base.z}, around);
   float count = 0;

@@ -13,23 +13,24 @@ namespace dyslam
 {
 class StateArchive;
 
-/** The local surface around a place, told relative to a base point. */
+/** The local surface around a place, relative to a base point. */
 struct Surface
 {
   Eigen::Vector3f normal = Eigen::Vector3f::Zero();
   Eigen::Vector3f mean = Eigen::Vector3f::Zero();  //!< minus the base [m]
   Eigen::Matrix3f covariance = Eigen::Matrix3f::Zero();
   float planarity = 0;  //!< 1 plane, 0 line or blob
-  float count = 0;      //!< points behind it; 0 if there is no surface
+  float count = 0;      //!< points that it is computed from; 0 if there is no surface
 };
 
 /** A map of surfaces: moments of the points in each cell of a voxel hash.
  *
- * A surface is read from the 3x3x3 cells around a place, weighted by a quadratic B-spline, so that
- * it changes smoothly with the place instead of jumping at cell borders. Cells are found by blocks
- * of 4x4x4, of which a place's 27 cells touch one to eight. Blocks are spread over a fixed number
- * of shards, so that threads can add points without locks and with the same result for any number
- * of threads. Positions are kept relative to their cell: no precision is lost far from the origin.
+ * A surface is computed from the 3x3x3 cells around a place, weighted by a quadratic B-spline, so
+ * that it changes smoothly with the place instead of jumping at cell borders. Cells are found by
+ * blocks of 4x4x4, of which a place's 27 cells touch one to eight. Blocks are spread over a fixed
+ * number of shards, so that threads can add points without locks and with the same result for any
+ * number of threads. Positions are kept relative to their cell: no precision is lost far from the
+ * origin.
  */
 class SurfaceMap
 {
@@ -48,7 +49,7 @@ class SurfaceMap
   [[nodiscard]] VoxelCell cellOf(const Eigen::Vector3d& p) const;
   [[nodiscard]] Eigen::Vector3d corner(const VoxelCell& c) const;
 
-  /** Surface around `p`, which like the answer is relative to the corner of `base`. */
+  /** Surface around `p`, both relative to the corner of `base` [m]. */
   [[nodiscard]] Surface surfaceAt(const Eigen::Vector3f& p, const VoxelCell& base) const;
 
   /** Forget cells farther than `radius` from `center`. */
@@ -87,7 +88,7 @@ class SurfaceMap
 
     /** The cell's number; that of the next one where it has none yet. */
     std::uint32_t& numberOf(const VoxelCell& cell);
-    /** Finds the cells' numbers anew. */
+    /** Rebuilds the cells' numbers. */
     void indexCells();
   };
   /** A block's cells. */

@@ -108,7 +108,7 @@ void SurfacePyramid::exchangeState(StateArchive& archive)
   {
     if (!(cell_size > 0) || count < 1 || count > max_levels)
     {
-      throw UserError("the state of the run has a local map that makes no sense");
+      throw UserError("the state of the run has an invalid local map");
     }
     restart(cell_size, count);
   }

@@ -12,7 +12,7 @@ namespace dyslam
 class StateArchive;
 
 /** Maps of the same points in cells of one, two, four ... times a size. Where a sensor's rings are
- * too far apart for the small cells to hold a surface, a larger cell holds one. */
+ * too far apart for surfaces in small cells, a larger cell has one. */
 class SurfacePyramid
 {
  public:
@@ -20,7 +20,7 @@ class SurfacePyramid
 
   SurfacePyramid(double cell_size, int levels, double max_count, ThreadPool& pool);
 
-  /** Where positions near a place count from: corners of a cell of each level. */
+  /** Origins of positions near a place: corners of a cell of each level. */
   struct Base
   {
     Eigen::Vector3d origin = Eigen::Vector3d::Zero();  //!< corner of the smallest [m]
@@ -30,7 +30,7 @@ class SurfacePyramid
   [[nodiscard]] Base baseAt(const Eigen::Vector3d& p) const;
 
   /** Surface around `p` of at least that planarity, from the smallest cells that hold one; none
-   * (count 0) if there is none. `p` and the answer are relative to the base's origin. */
+   * (count 0) if there is none. `p` and the result are relative to the base's origin [m]. */
   [[nodiscard]] Surface surfaceAt(const Eigen::Vector3f& p,
                                   const Base& base,
                                   float min_planarity) const;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// DyLO with the weights that come with DySLAM, on scenes of exact geometry.
+// DyLO with the shipped weights, on scenes of exact geometry.
 #include <dyslam/core/Deskew.h>
 #include <dyslam/core/Error.h>
 #include <dyslam/odometry/ScanMatcher.h>
@@ -101,7 +101,7 @@ TEST_F(Dylo, FindsASkippedFramesMotion)
   expectNear(move(T, poseFromYpr(0.8, 0.01, 0, 0.5 * degree, 0, 0)), T, 0.06, 0.2);
 }
 
-/** From standing a far motion is out of reach. */
+/** With zero motion as initial guess a large motion is out of range. */
 TEST_F(Dylo, StartsFromThePrediction)
 {
   const Pose prediction = poseFromYpr(2.5, 0, 0, 0, 0, 0);
@@ -117,7 +117,7 @@ TEST_F(Dylo, StartsFromThePrediction)
   EXPECT_NE(found.matrix(), with({"dylo.start=standing"}).matrix());
 }
 
-/** Points that show the motion well overrule a prediction that is not sure of itself, and only it.
+/** Informative points outweigh an uncertain prior, but not a certain one.
  */
 TEST_F(Dylo, WeighsThePredictionByItsInformation)
 {
@@ -140,7 +140,7 @@ TEST_F(Dylo, WeighsThePredictionByItsInformation)
   EXPECT_NEAR(off(1e8, {"dylo.prior=false"}), 0, 0.05);
 }
 
-/** What a sensor under way measures, deskewed by a motion that may not be its own. */
+/** Scan of a moving sensor, deskewed by a motion that may be wrong. */
 void bend(const Pose& T_own, const Pose& T_sweep, Frame& frame)
 {
   const Pose T_lidar_vehicle = frame.scan.T_vehicle_lidar.inverse();
@@ -156,7 +156,7 @@ void bend(const Pose& T_own, const Pose& T_sweep, Frame& frame)
   }
 }
 
-/** The first scan's motion is not known, the second one's neither, the third one's wrongly. */
+/** The motions of the first and second scan are unknown, that of the third is wrong. */
 TEST_F(Dylo, DeskewsByTheMotionItFinds)
 {
   const Pose T = poseFromYpr(0.7, 0, 0, 2 * degree, 0, 0);
@@ -204,7 +204,7 @@ TEST_F(Dylo, EmptyScanFallsBackToThePredictionAndTheChainHolds)
   EXPECT_FALSE(lost.reason.empty());
   EXPECT_TRUE(lost.T_previous_current.isApprox(step));
   EXPECT_TRUE(match.static_confidence.empty());
-  // The next motion is told from the empty frame's place.
+  // The next motion is relative to the pose of the empty frame.
   const Pose T = poseFromYpr(1.0, 0, 0, 0, 0, 0);
   expectNear(matchFrom(*matcher, scene_.frame(T, 0.01, 2), step).motion, step, 0.05, 0.2);
 }
@@ -247,7 +247,7 @@ TEST_F(Dylo, ConfidencePerPointAndInformation)
   EXPECT_TRUE(matchFrom(*without, frame, Pose::Identity()).static_confidence.empty());
 }
 
-/** A vehicle comes along the other lane; how surely the points on it stand, and all others do. */
+/** An oncoming vehicle: mean static confidence of its points, and of all others. */
 TEST_F(Dylo, ConfidenceTellsWhatMoves)
 {
   const Pose T = poseFromYpr(0.6, 0, 0, 1 * degree, 0, 0);
@@ -259,7 +259,7 @@ TEST_F(Dylo, ConfidenceTellsWhatMoves)
     return scene;
   };
   const Eigen::Vector3d low(8, -4.6, 0.2);
-  // Scans that were taken at rest, and bent ones, which are laid out anew.
+  // Scans taken at rest, and skewed ones, which are encoded again.
   for (const bool underway : {false, true})
   {
     const auto matcher = make();

@@ -108,7 +108,7 @@ TEST_P(Registration, AKnownInitialSigmaReplacesTheOptions)
   EXPECT_EQ(known.framesInMap(), 2);
 }
 
-/** What is found to move after the pose is known stays out of the map. */
+/** Points that are labelled moving after the pose is known are not added to the map. */
 TEST_P(Registration, IntegratesWithTheWeightsOfThatMoment)
 {
   LocalMapRegistration registration(options(), pool_);
@@ -236,9 +236,9 @@ Frame everyRing(int n, Frame frame)
   return frame;
 }
 
-/** With cells of one size, rings apart from one another give fewer surfaces; that says nothing
- * against the fit of those that there are. Rings too far apart give none but themselves, and no
- * motion; larger cells beside the small ones give it. */
+/** With cells of one size, sparse rings give fewer surfaces, which does not lower the inlier ratio
+ * of those that exist. Rings too far apart give only surfaces of single rings, and no motion;
+ * additional larger cells solve it. */
 TEST_P(Registration, TheGateSeparatesFewSurfacesFromABadFit)
 {
   const Pose T = poseFromYpr(0.1, 0.02, 0, 0.005, 0, 0);
@@ -328,7 +328,7 @@ TEST(RegistrationInOpenScenes, GuessIsKeptAlongOpenDirections)
     EXPECT_TRUE(result.degenerate) << "tunnel " << tunnel;
     EXPECT_NEAR(result.T_odom_vehicle.translation().x(), 2, 0.1) << "tunnel " << tunnel;
     EXPECT_NEAR(result.T_odom_vehicle.translation().z(), 0.05, 0.02) << "tunnel " << tunnel;
-    // Trusted along z, hardly along x.
+    // A strong prior along z, a weak one along x.
     const Matrix6 covariance = result.motion.information.inverse();
     EXPECT_GT(covariance(0, 0), 30 * covariance(2, 2)) << "tunnel " << tunnel;
     EXPECT_GT(covariance(0, 0), 0.01) << "tunnel " << tunnel;
@@ -363,7 +363,7 @@ TEST(RegistrationMap, StaysBoundedOnALongDrive)
   {
     Pose T = Pose::Identity();
     T.translation().x() = i;
-    // The same corridor everywhere, with ribs that show the way.
+    // A corridor that looks the same everywhere, with ribs that constrain the motion along it.
     std::vector<Eigen::Vector3f> points;
     for (int k = -150; k <= 150; ++k)
     {

@@ -35,7 +35,7 @@ TEST(MotionFilter, WellSeenMotionsAreRepeated)
   filter.update(period, motion, informationOf(1e-3, 1e-4));
   EXPECT_LT((filter.predict(period).inverse() * motion).translation().norm(), 0.01);
   EXPECT_LT(rotationAngle(filter.predict(period).inverse() * motion), 0.002);
-  // Half the time, half the way.
+  // Half the time, half the distance.
   EXPECT_NEAR(filter.predict(0.5 * period).translation().x(), 0.6, 0.01);
   EXPECT_TRUE(filter.predict(0).isApprox(Pose::Identity()));
 }
@@ -86,7 +86,8 @@ TEST(MotionFilter, StaysSoundWithMeasurementsOfAnySize)
   std::normal_distribution<double> normal;
   for (int i = 0; i < 300; ++i)
   {
-    // From blind to far better than the prediction, and not quite symmetric, as float sums are.
+    // From no information to far better than the prediction, and not quite symmetric, as float sums
+    // are.
     Matrix6 half;
     for (int k = 0; k < 36; ++k)
     {
@@ -113,7 +114,7 @@ struct NoisyDrive
 {
   double prediction_error = 0;  //!< mean square, forward [m^2]
   double naive_error = 0;       //!< of repeating the last measured motion
-  double normalised = 0;        //!< mean of squared errors by their own covariance, 1 if honest
+  double normalised = 0;        //!< normalised squared error, 1 if consistent
 };
 
 NoisyDrive drive(double noise)

@@ -15,7 +15,7 @@ namespace
 {
 constexpr double period = 0.1;
 
-/** What a registration states: far too sure of itself. */
+/** Estimate of a registration, far overconfident. */
 MotionEstimate estimateOf(const Pose& T_previous_current)
 {
   MotionEstimate motion;
@@ -41,7 +41,7 @@ struct Consistency
   double keyframe = 0;  //!< of every five together
 };
 
-/** A drive whose poses are found with independent errors. */
+/** A drive whose estimated poses have independent errors. */
 Consistency drive(double noise, double angular_noise, const UncertaintyOptions& options)
 {
   std::mt19937 rng(7);

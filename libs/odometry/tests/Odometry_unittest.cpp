@@ -152,7 +152,7 @@ TEST_F(Fusion, AMatcherThatFailedSaysWhy)
   EXPECT_EQ(frame.odometry_rejection, "scripted to fail");
 }
 
-/** One that fuses the prior itself may only correct it a little. */
+/** A matcher that fuses the prior may only correct it a little. */
 TEST_F(Fusion, AnInformedMatcherHasTheTighterGate)
 {
   const Pose step = poseFromYpr(0.5, 0, 0, 0, 0, 0);
@@ -183,7 +183,7 @@ TEST_F(Fusion, WithoutRegistrationTheMatchersMotionIsTheMotion)
   EXPECT_TRUE(next(Pose::Identity()).prior.T_previous_current.isApprox(step, 1e-9));
 }
 
-/** A segmenter that found its own ego-motion by what looks static. */
+/** A segmenter with ego-motion from the appearance prior. */
 class SegmenterMotion : public Fusion
 {
  protected:
@@ -209,7 +209,8 @@ TEST_F(SegmenterMotion, IsFusedWithThePriorOfTheFirstMotion)
   estimate(frame);
   EXPECT_NEAR(frame.prior.T_previous_current.translation().x(), 1.5, 0.02);
   EXPECT_NEAR(script_.seen_prior.T_previous_current.translation().x(), 1.5, 0.02);
-  EXPECT_EQ(frame.odometry_rejection, "the segmenter's motion starts the map");
+  EXPECT_EQ(frame.odometry_rejection,
+            "the segmenter's motion is the initial guess of the first registration");
   EXPECT_LT((T_.inverse() * frame.T_odom_vehicle).translation().norm(), 0.03);
 }
 

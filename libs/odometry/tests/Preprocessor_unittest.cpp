@@ -99,7 +99,7 @@ TEST(Preprocessor, NoDeskewWithoutPeriodOrIfOff)
   EXPECT_TRUE(b.T_sweep.isApprox(Pose::Identity()));
 }
 
-/** The phases of a first scan, whose motion is told by the second one. */
+/** The phases of a first scan, whose motion is known with the second one. */
 TEST(Preprocessor, PhasesWithoutAPeriodAreInUnitsOfTheScansDuration)
 {
   const test::StreetScene scene;

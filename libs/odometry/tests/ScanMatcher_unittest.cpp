@@ -19,8 +19,8 @@ constexpr double degree = 3.14159265358979323846 / 180;
 struct Method
 {
   std::string name;
-  bool looks_at_points = true;
-  double translation = 0.03;  //!< accuracy asked for on the test scene [m]
+  bool uses_points = true;
+  double translation = 0.03;  //!< required accuracy on the test scene [m]
   double rotation = 0.2 * degree;
 };
 
@@ -32,19 +32,19 @@ std::vector<Method> methods(bool all_of_them = true)
 #ifndef DYSLAM_HAVE_TORCH
     if (name == "dylo")
     {
-      continue;  // says so when it is asked for; see below
+      continue;  // throws on construction; see below
     }
 #endif
     Method method;
     method.name = name;
-    method.looks_at_points = name != "constant_velocity" && name != "zero_motion";
+    method.uses_points = name != "constant_velocity" && name != "zero_motion";
     if (name == "icp_po2po")
     {
       // Ground rings move with the sensor and hold a point-to-point match back.
       method.translation = 0.08;
       method.rotation = 0.3 * degree;
     }
-    if (all_of_them || method.looks_at_points)
+    if (all_of_them || method.uses_points)
     {
       all.push_back(method);
     }
@@ -93,7 +93,7 @@ class EveryMatcher : public testing::TestWithParam<Method>
   }
 };
 
-/** Those that look at the points. */
+/** Those that use the points. */
 class EveryPointMatcher : public EveryMatcher
 {
 };
@@ -141,7 +141,7 @@ TEST_P(EveryMatcher, GoesOnFromItsState)
 
 TEST_P(EveryMatcher, FindsKnownMotionForwardAndInverse)
 {
-  if (!GetParam().looks_at_points)
+  if (!GetParam().uses_points)
   {
     EXPECT_TRUE(
         move(T_, T_, pool_)
@@ -199,7 +199,7 @@ TEST_P(EveryPointMatcher, MotionGoesOnAfterAUselessFrame)
   const Pose half = poseFromYpr(0.3, 0, 0, 0, 0, 0);
   matchFrom(*matcher, scene_.frame(Pose::Identity(), 0.01, 1), Pose::Identity());
   matchFrom(*matcher, test::frameOf({}), half);
-  // From where the prediction put the useless frame.
+  // From the predicted pose of the unusable frame.
   const MotionEstimate estimate = matchFrom(*matcher, scene_.frame(T_, 0.01, 2), half);
   expectNear(estimate, half.inverse() * T_);
 }

@@ -75,7 +75,7 @@ TEST_P(ScanToMapTest, LevelGroundCountsWithinItsShare)
     return registration.align(scan, shapes_, map_, Pose::Identity(), T_, settings_)
         .information(2, 2);
   };
-  // It counts less than all the walls, but a fifth is always left.
+  // Its weight is below that of all walls, but at least a fifth of its own.
   const double full = heightInformation(scan_, 1e9);
   const double half = heightInformation(scan_, 0.5);
   const double least = heightInformation(scan_, 1e-3);

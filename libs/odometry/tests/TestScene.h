@@ -148,7 +148,7 @@ class StreetScene
                                       {18, -7},  {-15, 6.8}, {-20, -7}};
 };
 
-/** What no algorithm can use. */
+/** Clouds that no algorithm can use. */
 inline Frame frameOf(std::vector<Eigen::Vector3f> points)
 {
   Frame frame;

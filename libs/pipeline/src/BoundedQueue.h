@@ -12,7 +12,7 @@
 
 namespace dyslam
 {
-/** How long the two sides of a queue have waited for each other [s]. */
+/** Waiting times of the two sides of a queue [s]. */
 struct QueueWaits
 {
   double for_room = 0;   //!< the pushing side, as the queue was full

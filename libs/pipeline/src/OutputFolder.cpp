@@ -42,7 +42,7 @@ bool isNumbered(const fs::path& file, const std::string& extension)
                      [](unsigned char c) { return std::isdigit(c) != 0; });
 }
 
-/** With what a run that was killed left of it; nothing happens where it is not there. */
+/** Also removes its temporary file of a killed run; no error if there is none. */
 void removeFile(const fs::path& file)
 {
   std::error_code ignored;
@@ -73,7 +73,7 @@ bool isLink(const fs::path& path)
   return fs::is_symlink(fs::symlink_status(path, ignored));
 }
 
-/** Whether a run was ever written here: it left its settings. */
+/** Whether the folder is of a run: it has a run's settings. */
 bool isOfARun(const fs::path& folder)
 {
   const fs::path settings = folder / "effective.ini";
@@ -82,7 +82,7 @@ bool isOfARun(const fs::path& folder)
          readWhole(settings.string()).find("[output]") != std::string::npos;
 }
 
-/** Whether there is something of that name; empty folders are nothing. */
+/** Whether a file or non-empty folder of that name exists. */
 bool isTaken(const fs::path& base, const OutputName& name)
 {
   const fs::path path = base / name.name;
@@ -111,7 +111,7 @@ void requireNoInput(const fs::path& base,
   }
 }
 
-/** \throws UserError if something stands there that no run wrote, or that a link points to. */
+/** \throws UserError if there is a file that no run wrote, or a link. */
 void requireOwn(const fs::path& base, const std::vector<OutputName>& names, bool force)
 {
   const bool replace = force || isOfARun(base);
@@ -153,7 +153,7 @@ FolderLock::FolderLock(const std::string& folder)
       ::close(file_);
       throw UserError(folder + ": another run is writing to it; wait for its end, or " + advice);
     }
-    // Where the other run has just ended, its file has lost the name: that lock is worth nothing.
+    // If the other run has just ended, its lock file was removed: that lock is void.
     struct stat named = {};
     struct stat held = {};
     if (::stat(path_.c_str(), &named) == 0 && ::fstat(file_, &held) == 0 &&

@@ -11,8 +11,8 @@
 
 namespace dyslam
 {
-/** Gets frames in a thread of its own, a few ahead of whoever takes them; their order stays. What
- * gets them may take them from another such thread, so that stages overlap. */
+/** Gets frames in a thread of its own, a few ahead of the consumer, in their order. The source may
+ * be another ReadAhead, so that stages overlap. */
 class ReadAhead
 {
  public:

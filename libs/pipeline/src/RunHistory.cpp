@@ -23,7 +23,7 @@ ReportedObject reportOf(const TrackedObject& object, std::size_t scan)
   return report;
 }
 
-/** One value after the other: objects have members of Eigen, and gaps. */
+/** Member by member: objects have members of Eigen, and padding. */
 template <typename Value>
 void put(std::string& bytes, const Value& value)
 {

@@ -22,7 +22,7 @@ class StateArchive;
 class Backend;
 class RunHistory;
 
-/** What a run has come to after its last frame. */
+/** Results of a run after its last frame. */
 struct RunResults
 {
   const Backend* backend = nullptr;
@@ -57,7 +57,7 @@ struct OutputName
   std::string extension;  //!< of the files 000000.label, 000001.label, ... if it is a folder
 };
 
-/** What outputs are made from. An output's own options are a section of the config. */
+/** Arguments of an output. An output's own options are a section of the config. */
 struct RunOutputContext
 {
   const SlamRunSettings& settings;
@@ -78,16 +78,16 @@ class RunOutput
   RunOutput(const RunOutput&) = delete;
   RunOutput& operator=(const RunOutput&) = delete;
 
-  /** All that it may leave. What an earlier run left under these names is removed, whether the
-   * output is switched on or not. */
+  /** All files that it may write. Those of an earlier run are removed, whether the output is
+   * switched on or not. */
   [[nodiscard]] const std::vector<OutputName>& names() const { return names_; }
 
   /** Whether add() takes long: it is then called in another thread, frame by frame in order. All
    * calls of one output come one after the other either way. */
   [[nodiscard]] virtual bool isSlow() const { return false; }
 
-  /** Whether add() gets the frames once what moves in them is decided for good, see
-   * Pipeline::onDecided(), not as the causal pipeline leaves them. */
+  /** Whether add() gets the frames once their moving points are final, see Pipeline::onDecided(),
+   * not as the causal pipeline leaves them. */
   [[nodiscard]] virtual bool wantsDecided() const { return false; }
 
   // An exception out of one of these ends this output alone, except in open().
@@ -95,11 +95,11 @@ class RunOutput
   /** Before the first frame, in the folder without this output's files. */
   virtual void open() {}
   virtual void add(const Frame& /*frame*/) {}
-  /** Between two frames: writes what is worth keeping if the run is killed, complete by itself. It
-   * changes nothing of what finish() writes. Not called for slow outputs. */
+  /** Between two frames: writes the results so far, for a run that is killed. It does not change
+   * what finish() writes. Not called for slow outputs. */
   virtual void checkpoint(const RunResults& /*results so far*/) {}
-  /** What is kept from frame to frame, and how far files have come that grow. Loading it stands for
-   * open() and all frames so far. */
+  /** What is kept from frame to frame, and the state of growing files. Loading it stands for open()
+   * and all frames so far. */
   virtual void exchangeState(StateArchive& /*archive*/) {}
   /** After the last frame. */
   virtual void finish(const RunResults& /*results*/) {}
@@ -128,6 +128,6 @@ struct RunOutputKind
   bool SlamRunSettings::*flag = nullptr;
 };
 
-/** Every output, in the order in which they finish: what matters most is written first. */
+/** Every output, in the order in which they finish: the most important first. */
 [[nodiscard]] std::vector<RunOutputKind> runOutputKinds();
 }  // namespace dyslam

@@ -11,8 +11,8 @@ RunOutputFactory makeSettingsOutput, makeTrajectoryOutput, makeGraphOutput, make
 
 std::vector<RunOutputKind> runOutputKinds()
 {
-  // Files of an earlier run are removed from the last row to the first: report.json, which says
-  // that a folder is whole, goes first, and effective.ini, which says that it is a run's, last.
+  // Files of an earlier run are removed from the last row to the first: report.json, which marks a
+  // complete folder, first, and effective.ini, which marks a run's folder, last.
   return {
       {makeSettingsOutput},
       {makeTrajectoryOutput},

@@ -46,7 +46,7 @@ struct OutputOptions : Options
     v.real("scene_voxel_size", scene_voxel_size, 0.01, 100,
            "m, one map point of the scene per cube");
     v.real("checkpoint_seconds", checkpoint_seconds, 0, 1e6,
-           "s between checkpoints, from which --resume goes on after a kill; 0: none");
+           "s between checkpoints for --resume; 0: none");
   }
 
   std::map<std::string, bool> on;  //!< by RunOutputKind::key
@@ -54,7 +54,7 @@ struct OutputOptions : Options
   double checkpoint_seconds = 60;  //!< between checkpoints [s]; 0: none
 };
 
-/** Values of a config that are files, such as weights and detections. */
+/** Files named in a config, such as weights and detections. */
 std::vector<std::string> filesNamedIn(const Config& config)
 {
   std::vector<std::string> files;
@@ -72,7 +72,7 @@ std::vector<std::string> filesNamedIn(const Config& config)
   return files;
 }
 
-/** Calls `action` with the output; one that throws is given up. */
+/** Calls `action` with the output; one that throws is disabled. */
 template <typename Entry, typename Action>
 void attempt(Entry& entry, const Action& action)
 {
@@ -93,7 +93,7 @@ void attempt(Entry& entry, const Action& action)
   {
     entry.failure = entry.names.front().name + ": " + error.what();
   }
-  entry.output.reset();  // what it holds of a half file may be what fills the disk
+  entry.output.reset();  // its partial file may be what fills the disk
 }
 }  // namespace
 
@@ -190,7 +190,7 @@ void RunOutputs::checkpoint(const std::function<void(StateFileWriter&)>& add_sta
     }
     catch (const std::exception&)
     {
-      // finish() will tell, if it is still so.
+      // finish() reports it, if it persists.
     }
     listFiles(entry, so_far.report);
   }
@@ -204,7 +204,7 @@ void RunOutputs::checkpoint(const std::function<void(StateFileWriter&)>& add_sta
   }
   catch (const std::exception&)
   {
-    // the state before stays
+    // the previous state is kept
   }
 }
 
@@ -218,7 +218,7 @@ void RunOutputs::finishState(StateFileWriter& state)
   }
   catch (const std::exception&)
   {
-    // the state before stays
+    // the previous state is kept
   }
 }
 
@@ -275,7 +275,7 @@ void RunOutputs::finish(RunResults& results)
   {
     results.failures.push_back(folder_ + ": was removed during the run, with what was in it");
     std::error_code ignored;
-    fs::create_directories(folder_, ignored);  // what is written now is worth keeping
+    fs::create_directories(folder_, ignored);  // the files written now are to be kept
   }
   for (Entry& entry : entries_)
   {

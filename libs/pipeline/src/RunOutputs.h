@@ -15,7 +15,7 @@ namespace dyslam
 {
 /** Everything that a run writes into its folder.
  *
- * An output that fails (disk full) writes no more; the others go on, and the reasons are found in
+ * An output that fails (disk full) writes no more; the others continue, and the reasons are in
  * RunResults::failures at the end. */
 class RunOutputs
 {
@@ -27,25 +27,26 @@ class RunOutputs
 
   /** Makes the folder, removes what an earlier run left and opens the files. \throws UserError. */
   void open();
-  /** Takes the frame over; slow writing happens in another thread. */
+  /** Takes the frame; slow outputs write in another thread. */
   void add(Frame frame);
   /** Whether an output wants decided frames. */
   [[nodiscard]] bool wantDecided() const;
-  /** The same frame again, later, for the outputs that want it decided for good. */
+  /** The same frame again, later, for the outputs that want final moving points. */
   void addDecided(Frame frame);
   /** Seconds between checkpoints, 0: none. */
   [[nodiscard]] double checkpointSeconds() const { return checkpoint_seconds_; }
-  /** Between two frames: writes what is worth keeping, and the state, which gets its name in the
-   * writing thread once all frames so far are written. What cannot be written, or while the state
-   * before is still being written, is left for the next checkpoint.
+  /** Between two frames: writes a checkpoint: the results so far, and the state, which gets its
+   * final name in the writing thread once all frames so far are written. If that fails, or while
+   * the previous state is still being written, it is left for the next checkpoint.
    * \param add_state adds the parts of the state before those of the outputs */
   void checkpoint(const std::function<void(StateFileWriter&)>& add_state,
                   const RunResults& results);
   /** Instead of open(): goes on with the files of a run that was killed. \throws UserError. */
   void resume(RunToResume& run);
-  /** How long the writing thread and those that hand over to it have waited for each other. */
+  /** Waiting times of the writing thread and of those that pass frames to it. */
   [[nodiscard]] QueueWaits waits() const { return writer_->waits(); }
-  /** Writes what is only known at the end; fills the report's files and the failures. */
+  /** Writes the results that are known at the end only; fills the report's files and the
+   * failures. */
   void finish(RunResults& results);
 
  private:

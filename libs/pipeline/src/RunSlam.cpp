@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A recording from its first scan to the last file: the threads of a run, and runs that go on.
+// A recording from its first scan to the last file: the threads of a run, and resumed runs.
 #include <dyslam/core/Error.h>
 #include <dyslam/core/StateArchive.h>
 #include <dyslam/io/RawlogSource.h>
@@ -21,7 +21,7 @@ namespace
 {
 using OnFrame = std::function<void(double, std::size_t)>;
 
-/** Tells the run in the end, however it comes, how long its threads have waited. */
+/** Reports the waiting times of the threads to the run at the end, also after an exception. */
 class NotedWaits
 {
  public:
@@ -70,7 +70,7 @@ void replay(const SlamRunSettings& settings,
             ScanSum scans,
             const OnFrame& on_frame)
 {
-  std::atomic<double> read = 0;  // share of the file; only the reading thread may ask the source
+  std::atomic<double> read = 0;  // share of the file; only the reading thread may use the source
   Checkpoints checkpoints(run.checkpointSeconds());
   ReadAhead reader(
       [&]
@@ -127,13 +127,13 @@ SlamRunReport replayToTheEnd(const SlamRunSettings& settings,
   {
     replay(settings, source, run, scans, on_frame);
   }
-  catch (const std::exception& error)  // of a library, too
+  catch (const std::exception& error)  // from libraries, too
   {
     if (run.frames() == 0)
     {
       throw;
     }
-    damage = error.what();  // what was read before it is worth keeping
+    damage = error.what();  // the frames before it are kept
   }
   run.pipeline().finish();
   return run.finish(source.warnings(), damage);
@@ -155,7 +155,7 @@ SlamRunSettings settingsOf(const SavedRun& saved, const SlamRunSettings& given)
   return settings;
 }
 
-/** Passes over the scans that the run has seen. \throws UserError if they are others. */
+/** Skips the scans that the run has processed. \throws UserError if they differ. */
 ScanSum skipSeen(const SavedRun& saved, const std::string& rawlog, RawlogSource& source)
 {
   const std::string advice = "; give the recording that the run had, or start anew";

@@ -104,7 +104,7 @@ std::vector<std::string> RunStatistics::warnings() const
         std::to_string(registration_failures.total()) + of_all +
         " could not be registered, most often because: " + registration_failures.mostFrequent());
   }
-  // As LocalMapRegistration says in the reason.
+  // The words of LocalMapRegistration's reason.
   const std::size_t restarts = registration_failures.countOf("the map is restarted");
   if (restarts > 0)
   {
@@ -132,8 +132,8 @@ std::string RunStatistics::failure(bool has_ini) const
          " scans could not be registered: do not trust trajectory and map; most often because: " +
          registration_failures.mostFrequent() + "; try " +
          (has_ini ? "the settings that fit the sensor (no -c), " : "") +
-         "-c handheld.ini for one in the hand, or odometry.start_speed for a recording that begins "
-         "at speed";
+         "-c handheld.ini for a handheld one, or odometry.start_speed for a recording that begins "
+         "in motion";
 }
 
 void Reasons::exchangeState(StateArchive& archive)

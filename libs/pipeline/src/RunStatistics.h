@@ -32,7 +32,7 @@ class Reasons
   std::size_t total_ = 0;
 };
 
-/** What is counted while the frames of a run come. */
+/** Statistics of the frames of a run. */
 struct RunStatistics
 {
   void add(const Frame& frame);
@@ -45,10 +45,11 @@ struct RunStatistics
   /** Ground truth in the map frame, which begins at the trajectory's first pose. */
   [[nodiscard]] Trajectory referenceInMap(const Trajectory& trajectory) const;
 
-  /** What deserves a second look, though nothing failed; one sentence each. */
+  /** Warnings although nothing failed; one sentence each. */
   [[nodiscard]] std::vector<std::string> warnings() const;
 
-  /** Why the run is of no use, if more than half of the scans could not be registered; else empty.
+  /** Why the result is unusable, if more than half of the scans could not be registered; else
+   * empty.
    * \param has_ini an ini was given, which may be the reason */
   [[nodiscard]] std::string failure(bool has_ini) const;
 

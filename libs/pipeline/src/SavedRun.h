@@ -20,7 +20,7 @@
 
 namespace dyslam
 {
-/** Which run a state is of, and how far it had come. */
+/** Identity of the run of a state, and its progress. */
 struct SavedRun
 {
   std::string version;  //!< of the program
@@ -82,8 +82,8 @@ class ScanSum
   std::uint32_t sum_ = 0;
 };
 
-/** Decides when there is a checkpoint, and hands the front end's part of it from its thread to that
- * of the back end. */
+/** Schedules checkpoints, and passes the front end's part from its thread to that of the back
+ * end. */
 class Checkpoints
 {
  public:
@@ -102,8 +102,8 @@ class Checkpoints
   void begin(std::size_t frame, Begun begun);
 
   // The back end's thread:
-  /** How long one has held up the run [s]: the next ones come so seldom that all together take a
-   * twentieth of the time at most, however large the state has become. */
+  /** Duration of a checkpoint [s]: the interval is adapted, so that checkpoints take at most a
+   * twentieth of the time for any size of the state. */
   void took(double seconds) { cost_ = seconds; }
   /** What was begun at this frame. */
   [[nodiscard]] std::optional<Begun> take(std::size_t frame);

@@ -16,7 +16,7 @@ namespace dyslam
 namespace
 {
 constexpr int examined_scans = 5;
-/** Rings this much nearer or farther apart than the limits are a plain mismatch. */
+/** Ring spacings outside the limits by this factor are an obvious mismatch. */
 constexpr double plain_mismatch = 1.2;
 constexpr double degrees_per_radian = 180 / 3.14159265358979323846;
 
@@ -82,8 +82,8 @@ std::string wantedBy(const SensorOptions& options)
          degrees(options.max_ring_spacing, 1) + " deg apart";
 }
 
-/** A lidar that spins with many rings, even if the points do not tell them: those of an HDL-64E lie
- * too near, corrected for the place of each laser. */
+/** A lidar that spins with many rings, even if they cannot be identified: those of an HDL-64E,
+ * corrected for the position of each laser, are too close. */
 bool isDenseRevolution(const ScanPattern& pattern)
 {
   constexpr std::size_t min_returns = 50000;
@@ -105,7 +105,7 @@ double median(std::vector<double> values)
 
 void SensorOptions::describe(OptionsVisitor& v)
 {
-  v.flag("automatic", automatic, "taken by itself for recordings of such sensors");
+  v.flag("automatic", automatic, "selected automatically for recordings of such sensors");
   v.choice("rings", rings,
            {{"any", RingsWanted::any}, {"yes", RingsWanted::yes}, {"no", RingsWanted::no}},
            "whether each laser's points lie on a ring of one elevation");
@@ -170,7 +170,7 @@ RecordedSensor recogniseSensor(const std::string& rawlog, const RawlogSourceOpti
     {
       throw;
     }
-    // Of damage behind the first scan the run will say more.
+    // Damage after the first scan is reported by the run.
   }
   std::vector<double> periods;
   for (std::size_t i = 1; i < stamps.size(); ++i)
@@ -192,7 +192,7 @@ bool fits(const SensorOptions& options, const ScanPattern& pattern, double toler
   {
     return false;
   }
-  // Rings that cannot be told from each other are near each other.
+  // Rings that cannot be separated are close to each other.
   const double spacing = pattern.hasRings() ? pattern.ring_spacing : 0;
   return !wants_rings || (spacing * tolerance >= options.min_ring_spacing &&
                           spacing < options.max_ring_spacing * tolerance);

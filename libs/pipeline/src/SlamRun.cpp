@@ -57,7 +57,7 @@ void requireProfileWritable(const SlamRunSettings& settings)
   }
 }
 
-/** What is in memory, part by part [MB]. */
+/** Memory by part [MB]. */
 std::map<std::string, double> memoryOf(const Pipeline& pipeline)
 {
   constexpr double megabyte = 1 << 20;
@@ -135,7 +135,7 @@ struct SlamRun::Impl
         history(pipeline.backend().keyframes().memory().part(history_share)),
         outputs(settings, config)
   {
-    times.setMinLoggingLevel(mrpt::system::LVL_ERROR);  // it would print its table at the end
+    times.setMinLoggingLevel(mrpt::system::LVL_ERROR);  // else it prints its table at the end
     config.requireAllUsed();
     if (outputs.wantDecided())
     {

@@ -18,7 +18,7 @@ namespace dyslam
 {
 namespace
 {
-/** Times that nobody asks for. */
+/** A time logger that is not used. */
 struct NoTimes : mrpt::system::CTimeLogger
 {
   NoTimes() : CTimeLogger(false, "start") {}
@@ -26,13 +26,13 @@ struct NoTimes : mrpt::system::CTimeLogger
 
 /** Speeds nearer to each other are the same [m/s]. */
 constexpr double same_speed = 0.3;
-/** A speed this far from that of the odometry tells whether it is pulled back [m/s]. */
+/** Distance of a probe speed that shows whether it drifts back to that of the odometry [m/s]. */
 constexpr double probe_distance = 5;
-/** A speed found this near the one that the odometry finds is not news [m/s]. */
+/** A speed this near to that of the odometry is not reported [m/s]. */
 constexpr double min_difference = 3;
 
-/** Per frame, per point of its scan: probability that it is static, by its looks; empty where the
- * segmenter does not tell. */
+/** Per frame, per point of its scan: appearance prior, the probability that it is static; empty
+ * where the segmenter gives none. */
 using StaticPriors = std::vector<std::vector<float>>;
 
 struct StartSearch
@@ -73,7 +73,7 @@ Config StartSearch::startingAt(std::optional<double> speed) const
   Config changed = config;
   if (speed)
   {
-    // Zero would stand for a speed that is not known.
+    // Zero would mean an unknown speed.
     const double given = std::fabs(*speed) < 1e-3 ? 1e-3 : *speed;
     changed.set("odometry.start_speed=" + std::to_string(given));
     changed.set("odometry.start_speed_sigma=" + std::to_string(options.sigma));
@@ -87,7 +87,7 @@ double forwardSpeed(const Frame& frame)
   return frame.dt > 0 ? frame.motion.T_previous_current.translation().x() / frame.dt : 0;
 }
 
-/** Speed at the last frame after the registration alone, which began at a speed [m/s]. */
+/** Speed at the last frame by the registration alone, started at a given speed [m/s]. */
 double StartSearch::speedAfter(std::optional<double> start) const
 {
   NoTimes times;
@@ -119,7 +119,7 @@ double StartSearch::speedAfter(std::optional<double> start) const
   return speed;
 }
 
-/** Speed at the last frame that the run would find [m/s]; keeps what looks static. */
+/** Speed at the last frame that the run would estimate [m/s]; stores the appearance priors. */
 double StartSearch::speedOfFrontEnd()
 {
   NoTimes times;
@@ -158,7 +158,7 @@ std::vector<double> StartSearch::speedsAfter(const std::vector<double>& starts) 
   return speeds;
 }
 
-/** Both a lower and a higher speed at the start end up here. */
+/** Whether a lower and a higher initial speed both drift to this one. */
 bool StartSearch::isPulledTo(double speed) const
 {
   const auto speeds = speedsAfter({speed - probe_distance, speed + probe_distance});
@@ -211,13 +211,14 @@ double support(const std::vector<SpeedDrift>& drifts, double speed)
 
 void StartOptions::describe(OptionsVisitor& v)
 {
-  v.flag("search", search, "look ahead for the speed at the first scan, where scans leave it open");
-  v.integer("scans", scans, 3, 100, "that are looked at");
-  v.real("slowest", slowest, -50, 0, "speed that is tried [m/s]");
-  v.real("fastest", fastest, 0, 100, "speed that is tried [m/s]");
+  v.flag("search", search,
+         "search for the speed at the first scan where the first scans do not determine it");
+  v.integer("scans", scans, 3, 100, "scans used");
+  v.real("slowest", slowest, -50, 0, "lowest speed that is tried [m/s]");
+  v.real("fastest", fastest, 0, 100, "highest speed that is tried [m/s]");
   v.real("step", step, 0.5, 20, "between the speeds that are tried [m/s]");
   v.real("sigma", sigma, 0.1, 20, "of a speed that is tried, and of the one found [m/s]");
-  v.real("max_drift", max_drift, 0.1, 100, "a speed's drift counts as at most this [m/s]");
+  v.real("max_drift", max_drift, 0.1, 100, "upper limit of the drift of a speed [m/s]");
   v.real("min_margin", min_margin, 0, 1e6,
          "support over that of the speed that the odometry finds [m^2/s^2]");
 }
@@ -268,7 +269,7 @@ std::optional<double> findStartSpeed(const std::vector<Frame>& frames, const Con
   {
     return std::nullopt;
   }
-  // The drifts are far apart; the odometry that begins there settles the rest.
+  // The grid of speeds is coarse; the odometry refines the result.
   const double settled = search.speedAfter(*speed);
   return std::fabs(settled - *speed) < search.options.max_drift ? settled : speed;
 }
@@ -293,7 +294,7 @@ std::optional<double> findStartSpeed(const std::string& rawlog,
   }
   catch (const UserError&)
   {
-    return std::nullopt;  // the run will say it
+    return std::nullopt;  // the run reports it
   }
   return findStartSpeed(frames, config);
 }

@@ -62,7 +62,7 @@ void StateFileWriter::add(const std::function<void(StateArchive&)>& save)
       [&](std::string_view bytes)
       {
         file_.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-        requireWritten();  // or a full disk would be found out much later
+        requireWritten();  // else a full disk would be detected much later
         header.size += bytes.size();
         sum = checksum(bytes, sum);
       });
@@ -108,7 +108,7 @@ StateFileReader::StateFileReader(const std::string& path, std::size_t parts)
   }
   if (left_ != 0)
   {
-    fail(path_, "has more in it than belongs there");
+    fail(path_, "has trailing data");
   }
 }
 

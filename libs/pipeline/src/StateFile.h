@@ -30,7 +30,7 @@ class StateFileWriter
   /** Adds what `save` saves as a part, without holding it in memory. */
   void add(const std::function<void(StateArchive&)>& save);
   void add(std::string_view part);
-  /** All parts are there: the file gets its name once it is on the disk. */
+  /** Call it after the last part: the file is renamed once it is on the disk. */
   void commit();
 
  private:

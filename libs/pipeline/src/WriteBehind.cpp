@@ -41,6 +41,6 @@ void WriteBehind::finish()
   {
     thread_.join();
   }
-  (void)jobs_.pop();  // all are taken; only an error is left
+  (void)jobs_.pop();  // all are done; only an error may be left
 }
 }  // namespace dyslam

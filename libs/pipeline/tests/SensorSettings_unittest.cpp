@@ -51,7 +51,7 @@ TEST(SensorSettings, ExactlyOneShippedIniFitsEverySensor)
   }
   const std::vector<std::string> without{"solid_state.ini"};
   EXPECT_EQ(without, automaticFor(sensorWith(0, 0).pattern));
-  // A dense revolution whose rings the points do not tell.
+  // A dense revolution without identifiable rings.
   ScanPattern dense = sensorWith(0, 0).pattern;
   dense.returns = 120000;
   EXPECT_EQ(std::vector<std::string>{"kitti64.ini"}, automaticFor(dense));

@@ -42,7 +42,7 @@ TEST(StartSpeed, IsNoNewsWhereTheOdometryFindsIt)
 TEST(StartSpeed, StaysWithTheOdometryWhereNothingLeadsAway)
 {
   EXPECT_FALSE(speedOfDrifts(driftsOf([](double) { return 0.0; }), 3, {}));
-  // Each speed is pulled to 5 m/s, or to itself.
+  // Each speed drifts to 5 m/s, or stays.
   EXPECT_FALSE(
       speedOfDrifts(driftsOf([](double speed) { return speed < 12 ? 5 - speed : 0; }), 5, {}));
 }

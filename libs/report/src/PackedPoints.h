@@ -21,8 +21,8 @@ struct PackedPoints
   std::string bytes;
 };
 
-/** Packs the finite points; of more than `max_points`, the first of every cube of a
- * side that grows from 5 cm on until no more are left.
+/** Packs the finite points; if more than `max_points`, the first of every cube, whose side grows
+ * from 5 cm until the limit is met.
  * \param intensity in [0, 1], one per point; null: zeros
  * \throws std::invalid_argument for another number of intensities, and for max_points = 0. */
 [[nodiscard]] PackedPoints packPoints(const std::vector<Eigen::Vector3f>& points,

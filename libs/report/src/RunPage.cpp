@@ -13,7 +13,7 @@ namespace dyslam
 {
 namespace
 {
-/** Within a script element nothing ends it but `</script`, and `<!--` changes its meaning. */
+/** A script element is ended by `</script`, and `<!--` changes its parsing. */
 std::string withoutMarkup(const std::string& json)
 {
   std::string text;
@@ -61,9 +61,9 @@ class Template
 void RunPageOptions::describe(OptionsVisitor& v)
 {
   v.integer("max_points", max_points, 1, 100000000,
-            "map points in the 3D view of report.html; of more, one per larger cube is taken");
+            "most map points in the 3D view of report.html; beyond, they are voxel-sampled");
   v.integer("max_scans", max_scans, 2, 100000000,
-            "scans in the plots of report.html; of more, every second, third ... is taken");
+            "most scans in the plots of report.html; beyond, only every n-th");
 }
 
 std::string renderRunPage(const RunPage& page,

@@ -116,7 +116,7 @@ PageObject everyNth(const PageObject& object, std::size_t step)
   return result;
 }
 
-/** What the series of the page show. */
+/** Scans shown in the series of the page. */
 RunPage shownPart(const RunPage& page, std::size_t max_scans)
 {
   const std::size_t step = stepFor(page.scans.size(), max_scans);
@@ -253,7 +253,7 @@ void addTrajectories(const RunPage& page, Json& json)
   json["reference"] = page.reference.empty() ? Json() : posesJson(page.reference);
 }
 
-/** Where the points are, and the heights that the colours go over. */
+/** Extent of the points, and the range of heights of the colours. */
 Json mapJson(const RunPage& page, const PackedPoints& points)
 {
   Json json{{"count", points.count},

@@ -8,7 +8,7 @@ namespace dyslam::sim
 {
 /** Unevenness of a road along the two wheel tracks of a car, in addition to the shape of the
  * ground. A sum of waves whose spectrum of heights falls with the square of the wave number (ISO
- * 8608). What the tracks have in common heaves and pitches a car, their difference rolls it. */
+ * 8608). The mean of the tracks heaves and pitches a car, their difference rolls it. */
 class RoadProfile
 {
  public:
@@ -16,8 +16,8 @@ class RoadProfile
    * road (ISO 8608, class A). */
   RoadProfile(std::uint64_t seed, double roughness);
 
-  /** Height of the road's middle, as a car's tyres pass it on [m]: little of what comes more often
-   * than `wheel_hop`. \param distance driven [m] \param speed of the car [m/s]. */
+  /** Mean height of the two tracks, low-pass filtered by the tyres at `wheel_hop` [m]. \param
+   * distance driven [m] \param speed of the car [m/s]. */
   [[nodiscard]] double height(double distance, double speed) const
   {
     return sum(middle_, distance, speed);

@@ -45,7 +45,8 @@ void SimulatorOptions::describe(OptionsVisitor& visitor)
   visitor.real("loop_length", loop_length, 50, 10000, "approximate length of the ego's loop [m]");
   visitor.real("start_time", start_time, 0, 600, "time simulated before the first scan [s]");
   visitor.real("start_fraction", start_fraction, 0, 1, "start of the ego on its loop");
-  visitor.flag("reverse", reverse, "the ego goes round its loop the other way; not on a highway");
+  visitor.flag("reverse", reverse,
+               "the ego drives its loop in the opposite direction; not on a highway");
   visitor.flag("stops", stops, "the ego stops at random times");
   visitor.flag("motion_distortion", motion_distortion,
                "points are measured while the sensor moves");

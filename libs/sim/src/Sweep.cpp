@@ -100,7 +100,7 @@ class Caster
                ((column * beam_count_ + beam) * kDrawCount + draw) * 0x9E3779B97F4A7C15ULL);
   }
 
-  /** Where the head looks during a column of firings. */
+  /** Direction of the head during a column of firings. */
   struct Column
   {
     std::size_t number = 0;

@@ -250,7 +250,7 @@ class Walkers : public Crowd::Group
     }
     const double target_heading = std::atan2(d.y(), d.x());
     double desired_speed = crowd_.time() < w.pause_until ? 0 : w.desired_speed;
-    // Slower in corners and behind others; evades those that stand.
+    // Slower in corners and behind others; evades standing ones.
     const double off = wrapToPi(target_heading - w.yaw);
     desired_speed *= std::max(0.25, std::cos(std::min(std::abs(off), 1.4)));
     const auto [gap, who] =

@@ -220,7 +220,7 @@ std::vector<std::vector<std::uint32_t>> linkNodes(const std::vector<Node>& nodes
 void DetectorOptions::describe(OptionsVisitor& v)
 {
   v.real("ground_clearance", ground_clearance, -10, 10,
-         "points lower above the ground are not clustered, m");
+         "height above ground below which points are not clustered, m");
   v.real("ground_cell", ground_cell, 0.1, 100, "cell size of the local ground height map, m");
   v.real("distance", distance, 0.01, 10, "largest gap within a cluster at range 0, m");
   v.real("distance_per_range", distance_per_range, 0, 1, "its increase per metre of range");

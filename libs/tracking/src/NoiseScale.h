@@ -16,13 +16,13 @@ class StateArchive;
 [[nodiscard]] std::optional<double> whiteNoise(const PositionHistory& history,
                                                const Eigen::Matrix2d& covariance);
 
-/** Running estimate of how much noisier detections are than their covariances say. */
+/** Running estimate of the ratio of the detections' noise to their covariances. */
 class NoiseScale
 {
  public:
   void add(double white_noise);
-  /** Factor on standard deviations, 1 to 10. Errors that are alike from scan to scan do not show
-   * in differences, therefore it is not below 1. */
+  /** Factor on standard deviations, 1 to 10. Errors that are correlated from scan to scan cancel in
+   * differences, therefore it is not below 1. */
   [[nodiscard]] double factor() const;
 
   void exchangeState(StateArchive& archive);

@@ -133,8 +133,8 @@ TEST(NoiseOfDetections, IsFoundAndFilteredAway)
   const auto [error, sigma] = run(true);
   EXPECT_NEAR(sigma, 0.3, 0.04);
   EXPECT_LT(error, 0.2);  // of one coordinate; 0.3 m unfiltered
-  const auto [plain_error, told_sigma] = run(false);
-  EXPECT_NEAR(told_sigma, 0.05, 1e-9);
+  const auto [plain_error, stated_sigma] = run(false);
+  EXPECT_NEAR(stated_sigma, 0.05, 1e-9);
   EXPECT_GT(plain_error, 0.2);
 }
 

@@ -109,13 +109,13 @@ void disturb(double noise, double dropout, RandomDraws& draws, std::vector<Eigen
       p.setConstant(std::numeric_limits<float>::quiet_NaN());
       continue;
     }
-    // A sum of uniform numbers is near enough to a normal one, and cheap.
+    // A sum of uniform numbers is approximately normal, and cheap.
     const double error = noise * 1.225 * (draws.uniform(-1, 1) + draws.uniform(-1, 1));
     p *= 1 + static_cast<float>(error) / std::max(p.norm(), 0.5F);
   }
 }
 
-/** Leaves only every `keep`-th beam, of a sensor with many. */
+/** Keeps every `keep`-th beam of a sensor with many. */
 void thinBeams(int keep, int offset, std::vector<Eigen::Vector3f>& points)
 {
   constexpr int many = 32;
@@ -153,7 +153,7 @@ void pasteBodies(const AugmentationOptions& options,
     PointLabel label = PointLabel::still;
     if (jam || kind < options.co_moving)
     {
-      // Stays where it is in the sensor's view, nearly.
+      // Moves with the ego-vehicle, approximately.
       T_2_1_body =
           poseFromYpr(draws.normal(0.02), draws.normal(0.01), 0, draws.normal(0.002), 0, 0);
       label = (pair.T_2_1.translation() - T_2_1_body.translation()).norm() > 0.05
@@ -186,8 +186,8 @@ void AugmentationOptions::describe(OptionsVisitor& visitor)
   visitor.real("point_dropout", point_dropout, 0, 1, "largest share of points left out");
   visitor.real("beam_dropout", beam_dropout, 0, 1, "probability of fewer beams");
   visitor.real("bodies", bodies, 0, 1, "probability of pasted bodies");
-  visitor.integer("most_bodies", most_bodies, 1, 100, "pasted at a time");
-  visitor.real("co_moving", co_moving, 0, 1, "share of bodies that move as the ego does");
+  visitor.integer("most_bodies", most_bodies, 1, 100, "most bodies pasted into a pair");
+  visitor.real("co_moving", co_moving, 0, 1, "share of bodies that move with the ego-vehicle");
 }
 
 std::vector<Body> loadBodies(const std::string& folder, std::size_t min_points)

@@ -152,7 +152,7 @@ DataSplits DataSplits::load(const std::string& file, const std::string& field)
 
 const DataSplits::Ranges* DataSplits::recordingOf(const std::string& file, std::string& name) const
 {
-  // Links are followed: another name of a folder does not change what it holds.
+  // Links are followed: another name of a folder must not bypass the splits.
   const std::filesystem::path folder =
       std::filesystem::weakly_canonical(std::filesystem::absolute(file)).parent_path();
   const std::vector<std::filesystem::path> parts(folder.begin(), folder.end());

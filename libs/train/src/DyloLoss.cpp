@@ -16,7 +16,7 @@ torch::Tensor maskedMean(const torch::Tensor& x, const torch::Tensor& mask)
   return (x * mask).sum() / mask.sum().clamp_min(1);
 }
 
-// Errors of the answer that need not get smaller: of translation [m] and of half an angle [rad].
+// Floors of the errors of the final pose: of translation [m] and of half an angle [rad].
 constexpr double least_t = 0.005;
 constexpr double least_q = 0.0002;
 
@@ -30,10 +30,12 @@ torch::Tensor huber(const torch::Tensor& x)
 
 void DyloLossOptions::describe(OptionsVisitor& visitor)
 {
-  visitor.real("flow", flow, 0, 100, "weight of the soft correspondences' error");
-  visitor.real("precision", precision, 0, 100, "weight of the residuals' likelihood");
-  visitor.real("moving", moving, 0, 100, "weight of the moving labels");
-  visitor.real("answer", answer, 0, 100, "weight of the log error of the last, dense pass");
+  visitor.real("flow", flow, 0, 100, "weight of the error of the soft correspondences");
+  visitor.real("precision", precision, 0, 100,
+               "weight of the negative log-likelihood of the residuals");
+  visitor.real("moving", moving, 0, 100, "weight of the cross-entropy of moving labels");
+  visitor.real("final_pose", final_pose, 0, 100,
+               "weight of the log error of the pose of the last, dense pass");
 }
 
 DyloLossImpl::DyloLossImpl(const DyloLossOptions& options) : options_(options)
@@ -62,7 +64,7 @@ DyloLossImpl::Terms DyloLossImpl::forward(const std::vector<DyloStage>& stages,
     terms.translation_error.push_back(t_error.item<double>());
     if (stage.dense)
     {
-      terms.answer = torch::log(t_error + least_t) + torch::log(q_error + least_q);
+      terms.final_pose = torch::log(t_error + least_t) + torch::log(q_error + least_q);
       continue;
     }
     terms.pose = terms.pose + weight * (t_error * torch::exp(-s_x_[slot]) + s_x_[slot] +
@@ -96,7 +98,7 @@ DyloLossImpl::Terms DyloLossImpl::forward(const std::vector<DyloStage>& stages,
     terms.moving = terms.moving + weight * maskedMean(entropy * known, stage.valid);
   }
   terms.total = terms.pose + options_.flow * terms.flow + options_.precision * terms.precision +
-                options_.moving * terms.moving + options_.answer * terms.answer;
+                options_.moving * terms.moving + options_.final_pose * terms.final_pose;
   return terms;
 }
 }  // namespace dyslam

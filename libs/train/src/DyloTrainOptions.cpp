@@ -8,35 +8,36 @@ namespace dyslam
 {
 void TrainOptions::describe(OptionsVisitor& visitor)
 {
-  visitor.integer("seed", seed, 0, 1 << 30, "of weights and data");
-  visitor.integer("steps", steps, 1, 100000000, "of the optimiser");
+  visitor.integer("seed", seed, 0, 1 << 30, "random seed of weights and data");
+  visitor.integer("steps", steps, 1, 100000000, "optimiser steps");
   visitor.integer("batch", batch, 1, 1024, "pairs per step");
   rate.describe(visitor);
-  visitor.real(
-      "mean_decay", mean_decay, 0, 1,
-      "share of the weights' running mean, which is what is written, that stays in a step");
-  visitor.real("clip", clip, 1e-6, 1e6, "largest norm of a gradient");
+  visitor.real("mean_decay", mean_decay, 0, 1,
+               "decay of the exponential moving average of the weights, which is what is saved");
+  visitor.real("clip", clip, 1e-6, 1e6, "largest norm of the gradient");
   visitor.real("perturbed_starts", perturbed_starts, 0, 1,
-               "share of pairs that start near the truth, as from a prediction, not from standing");
-  visitor.integer("threads", threads, 1, 256, "of a CPU");
-  visitor.real("checkpoint_minutes", checkpoint_minutes, 0.01, 1e6, "between checkpoints");
-  visitor.integer("validate_every", validate_every, 1, 100000000, "steps");
-  visitor.integer("report_every", report_every, 1, 1000000, "steps");
+               "share of pairs with an initial guess near the truth, not at zero motion");
+  visitor.integer("threads", threads, 1, 256, "CPU threads");
+  visitor.real("checkpoint_minutes", checkpoint_minutes, 0.01, 1e6, "minutes between checkpoints");
+  visitor.integer("validate_every", validate_every, 1, 100000000, "steps between validations");
+  visitor.integer("report_every", report_every, 1, 1000000, "steps between rows of the log");
 }
 
 void DataOptions::describe(OptionsVisitor& visitor)
 {
   visitor.text("base", base, "folder of the data; a leading $NAME is an environment variable");
   visitor.text("splits", splits,
-               "file, or name of a shipped one: what is for training, validation and test");
+               "file, or name of a shipped one: training, validation and test frames");
   visitor.text("recordings", recordings,
                "folder;poses;first;last[;deskew][;labels=folder], several separated by |");
   visitor.text("singles", singles, "folders of single scans, separated by |");
-  visitor.text("bodies", bodies, "folders of labelled scans that bodies are cut from, by |");
-  visitor.text("validation", validation, "as recordings, never trained on");
+  visitor.text("bodies", bodies,
+               "folders of labelled scans from which bodies are cut, separated by |");
+  visitor.text("validation", validation, "validation recordings, in the format of recordings");
   visitor.text("simulated_validation", simulated_validation,
                "world;sensor;traffic;seed;scans of fixed simulated drives, by |");
-  visitor.integer("most_gap", most_gap, 1, 100, "steps between the scans of a pair");
+  visitor.integer("most_gap", most_gap, 1, 100,
+                  "largest gap between the scans of a pair, in scans");
   visitor.real("recordings_weight", recordings_weight, 0, 1e6, "share of pairs");
   visitor.real("singles_weight", singles_weight, 0, 1e6, "share of pairs");
   visitor.real("simulator_weight", simulator_weight, 0, 1e6, "share of pairs");

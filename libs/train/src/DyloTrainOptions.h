@@ -15,12 +15,12 @@ namespace dyslam
 {
 struct TrainOptions : Options
 {
-  int seed = 1;      //!< of the first weights and of all data
+  int seed = 1;      //!< of the initial weights and of all data
   int steps = 8000;  //!< of the optimiser
   int batch = 2;     //!< pairs in a step
   LearningRateOptions rate;
-  double mean_decay = 0.998;      //!< share of the weights' running mean that stays in a step
-  double clip = 5;                //!< largest norm of a gradient
+  double mean_decay = 0.998;      //!< decay of the exponential moving average of the weights
+  double clip = 5;                //!< largest norm of the gradient
   double perturbed_starts = 0.5;  //!< share of pairs that start near the truth
   int threads = 1;
   double checkpoint_minutes = 3;  //!< between checkpoints
@@ -33,14 +33,14 @@ struct TrainOptions : Options
 struct DataOptions : Options
 {
   std::string base = "$DYSLAM_DATA";
-  std::string splits = "splits";  //!< what is for training, validation and test
+  std::string splits = "splits";  //!< training, validation and test frames
   // Lists, separated by '|'; see describe() for their fields.
   std::string recordings;
   std::string singles;
   std::string bodies;
   std::string validation;
   std::string simulated_validation;
-  int most_gap = 5;  //!< steps between the scans of a pair; simulated ones: 3 at most
+  int most_gap = 5;  //!< largest gap in a pair, in scans; simulated ones: 3 at most
   // Shares of pairs, relative to each other.
   double recordings_weight = 1;
   double singles_weight = 0.1;

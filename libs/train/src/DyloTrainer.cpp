@@ -118,11 +118,14 @@ std::vector<torch::Tensor> nodeLabels(const PreparedScan& scan,
   return result;
 }
 
-/** Where the network's search begins: standing still, or a prediction that errs as one does. */
-Pose drawStart(const Pose& truth, double perturbed_starts, std::uint64_t seed, std::uint64_t index)
+/** Initial guess of the network: zero motion, or the truth with the errors of a prediction. */
+Pose drawInitialGuess(const Pose& truth,
+                      double perturbed_starts,
+                      std::uint64_t seed,
+                      std::uint64_t index)
 {
   RandomDraws draws(seed ^ 0x57A27ULL, index);
-  constexpr double reach = 1.5;  // m, beyond which a search from standing finds little
+  constexpr double reach = 1.5;  // m, range of a search from zero motion
   const double share =
       truth.translation().norm() > reach ? std::max(perturbed_starts, 0.8) : perturbed_starts;
   if (perturbed_starts <= 0 || !draws.chance(share))
@@ -156,7 +159,7 @@ class Trainer
   DataOptions data_;
   AugmentationOptions augmentation_;
   DyloNetwork network_{nullptr};
-  DyloNetwork mean_{nullptr};  //!< of its weights, over the last steps
+  DyloNetwork mean_{nullptr};  //!< exponential moving average of its weights
   DyloLoss loss_{nullptr};
   std::unique_ptr<torch::optim::Adam> optimizer_;
   std::unique_ptr<PairSource> source_;
@@ -256,8 +259,8 @@ DyloLossImpl::Terms Trainer::trainPair(std::uint64_t index)
   data_seconds_ += secondsSince(begin);
 
   const auto options = torch::dtype(torch::kFloat).device(device_);
-  const Pose start = drawStart(pair.T_2_1, options_.perturbed_starts,
-                               static_cast<std::uint64_t>(options_.seed), index);
+  const Pose start = drawInitialGuess(pair.T_2_1, options_.perturbed_starts,
+                                      static_cast<std::uint64_t>(options_.seed), index);
   const auto stages = network_->forward(network_->encode(scan1), network_->encode(scan2),
                                         PoseTensors::from(start, options));
   DyloLossImpl::Terms terms =
@@ -276,7 +279,7 @@ void Trainer::run()
     return;
   }
   beginLog(request_.output + "/log.csv",
-           "step,learning_rate,loss,pose,flow,precision,moving,answer,gradient,first_stage_m,"
+           "step,learning_rate,loss,pose,flow,precision,moving,final_pose,gradient,first_stage_m,"
            "last_stage_m",
            step_);
   beginLog(request_.output + "/validation.csv",
@@ -342,8 +345,8 @@ void Trainer::log(const DyloLossImpl::Terms& terms, double gradient)
   csv << step_ << ',' << options_.rate.rateAt(step_ - 1, options_.steps) << ','
       << terms.total.item<double>() << ',' << terms.pose.item<double>() << ','
       << terms.flow.item<double>() << ',' << terms.precision.item<double>() << ','
-      << terms.moving.item<double>() << ',' << terms.answer.item<double>() << ',' << gradient << ','
-      << terms.translation_error.front() << ',' << terms.translation_error.back() << '\n';
+      << terms.moving.item<double>() << ',' << terms.final_pose.item<double>() << ',' << gradient
+      << ',' << terms.translation_error.front() << ',' << terms.translation_error.back() << '\n';
   const auto done = static_cast<double>(step_ - first_step_);
   const double per_step = secondsSince(begin_) / done;
   char line[240];
@@ -406,7 +409,7 @@ void Trainer::writeCheckpoint(const std::string& path)
   checkpoint.write(path);
 }
 
-/** A checkpoint of the same network, or a model: of that, the layers both have. */
+/** Loads a checkpoint of the same network, or the common layers of a model. */
 void Trainer::startFrom(const std::string& path)
 {
   if (!isDyloModel(path))

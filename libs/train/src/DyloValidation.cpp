@@ -120,7 +120,7 @@ MotionErrors motionErrors(const std::vector<Pose>& estimates, const std::vector<
 
 namespace
 {
-/** Letters, digits, dots and dashes; what else there is becomes an underscore. */
+/** Letters, digits, dots and dashes; other characters become underscores. */
 std::string asFileName(std::string name)
 {
   std::replace_if(
@@ -170,7 +170,7 @@ std::vector<ValidationRow> validateDylo(DyloNetwork& network,
                      recording.labels.empty() ? std::vector<PointLabel>() : recording.labels[k],
                      recording.scans[k], csv.is_open() ? &csv : nullptr, mask);
         }
-        // No step before the first one: it starts from what was found from standing still.
+        // The first pair has no previous motion: it starts from the estimate with zero motion.
         const Pose start = followed.empty() ? found.back().pose.toPose() : followed.back();
         followed.push_back(
             network
@@ -178,7 +178,7 @@ std::vector<ValidationRow> validateDylo(DyloNetwork& network,
                           PoseTensors::from(start, torch::dtype(torch::kFloat).device(device)))
                 .back()
                 .pose.toPose());
-        // Pairs settle after different numbers of stages; from there on their pose stays.
+        // Pairs converge after different numbers of stages; their pose then stays.
         stages.resize(std::max(stages.size(), found.size()), estimates);
         for (std::size_t s = 0; s < stages.size(); ++s)
         {
@@ -240,7 +240,7 @@ std::string validationTable(const std::vector<ValidationRow>& rows)
     {
       char mask_text[120];
       std::snprintf(mask_text, sizeof mask_text,
-                    "    static confidence, area under ROC: %.3f (%zu moving, %zu still points)\n",
+                    "    static confidence, area under ROC: %.3f (%zu moving, %zu static points)\n",
                     row.mask_auc, row.moving_points, row.still_points);
       text += mask_text;
     }

@@ -28,11 +28,11 @@ struct MotionErrors
 struct ValidationRow
 {
   std::string recording;
-  MotionErrors network;          //!< started from standing still
-  MotionErrors predicted_start;  //!< started from its own motion of the step before
+  MotionErrors network;          //!< started from zero motion
+  MotionErrors predicted_start;  //!< started from its estimate of the previous motion
   MotionErrors zero_motion, constant_velocity;
   std::vector<double> stage_translation_rmse;  //!< m
-  /** Area under the ROC curve of static confidence, moving against still sampled points; NaN where
+  /** Area under the ROC curve of static confidence, moving against static sampled points; NaN where
    * the recording has no labels of both. */
   double mask_auc = std::numeric_limits<double>::quiet_NaN();
   std::size_t moving_points = 0;
@@ -40,7 +40,8 @@ struct ValidationRow
   double milliseconds = 0;  //!< encode one scan and match, mean
 };
 
-/** Area under the ROC curve: how often a moving point has the lower confidence, ties half. */
+/** Area under the ROC curve: probability that a moving point has the lower confidence, ties count
+ * half. */
 [[nodiscard]] double areaUnderCurve(std::vector<float> still, std::vector<float> moving);
 
 /** \param mask_folder gets a CSV per recording of its middle scan's points, if not empty. */

@@ -16,7 +16,7 @@ class Builder
 {
  public:
   Builder(CastBody& body, RandomDraws& draws) : body_(body), draws_(draws) {}
-  /** About these sizes, each off by up to 12 %. */
+  /** These sizes, varied by up to 12 %. */
   Builder& add(bool round, float x, float y, float z, float length, float width, float height)
   {
     const Eigen::Vector3f half =

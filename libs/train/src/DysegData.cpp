@@ -102,19 +102,20 @@ DysegSample doubleScan(const std::vector<Eigen::Vector3f>& points,
 
 void DysegAugmentOptions::describe(OptionsVisitor& v)
 {
-  v.integer("bodies", bodies, 0, 100, "cast into a pair at most");
-  v.real("moving_share", moving_share, 0, 1, "of the cast bodies");
-  v.real("beside_share", beside_share, 0, 1, "of the cast bodies, right beside the sensor");
-  v.real("convoy_share", convoy_share, 0, 1, "of pairs, with twice the bodies, most moving along");
+  v.integer("bodies", bodies, 0, 100, "most bodies cast into a pair");
+  v.real("moving_share", moving_share, 0, 1, "share of the cast bodies that move");
+  v.real("beside_share", beside_share, 0, 1, "share of the cast bodies close beside the sensor");
+  v.real("convoy_share", convoy_share, 0, 1,
+         "share of pairs with twice the bodies, most moving with the ego-vehicle");
   v.real("dropout", dropout, 0, 0.9, "largest share of points left out of a scan");
-  v.real("range_noise", range_noise, 0, 0.5, "m, on cast bodies");
+  v.real("range_noise", range_noise, 0, 0.5, "m, range noise of cast bodies");
 }
 
 namespace
 {
 BodyKind drawKind(bool beside, RandomDraws& draws)
 {
-  // Right beside, large bodies: they fill the view and show hardly anything but a flank.
+  // Right beside the sensor, large bodies: they fill the view and show mostly one side.
   constexpr BodyKind large[] = {BodyKind::truck, BodyKind::truck, BodyKind::truck, BodyKind::van,
                                 BodyKind::van,   BodyKind::car,   BodyKind::random};
   if (beside && draws.chance(0.7))
@@ -141,12 +142,12 @@ double drawSpeed(const CastBody& body, RandomDraws& draws)
   return std::exp(draws.uniform(std::log(0.6), std::log(18.0)));
 }
 
-/** True if something already stands (or hangs) where a body shall be, or if the sensor does. */
+/** True if the place of a body is occupied by points or by the sensor. */
 bool taken(const std::vector<Eigen::Vector3f>& points,
            const Pose& T_sensor_body,
            const CastBody& body)
 {
-  constexpr float sensor_clearance = 1.4F;  // m, half the width of what carries it, and more
+  constexpr float sensor_clearance = 1.4F;  // m, more than half the width of its vehicle
   constexpr float clearance = 0.2F;         // m
   const Eigen::Isometry3f T_body_sensor = T_sensor_body.inverse().cast<float>();
   if (body.covers(T_body_sensor.translation().head<2>(), sensor_clearance))
@@ -179,14 +180,14 @@ Pose drawPlace(const CastBody& body, bool beside, RandomDraws& draws)
     return poseFromYpr(draws.uniform(-8, 8), side * (width + draws.uniform(1.5, 6)), 0,
                        (draws.chance(0.5) ? pi : 0) + draws.normal(0.08), 0, 0);
   }
-  // Near places more often: that is where points are.
+  // Near places more often, where the points are.
   const double distance = 4 + 76 * std::pow(draws.uniform(), 1.8);
   const double bearing = draws.uniform(-pi, pi);
   return poseFromYpr(distance * std::cos(bearing), distance * std::sin(bearing), 0,
                      draws.uniform(-pi, pi), 0, 0);
 }
 
-/** How a body moves: from its place now to the place then, both in the current sensor frame. */
+/** Motion of a body, from the current to the past scan, both poses in the current sensor frame. */
 struct BodyMotion
 {
   bool moving = false;
@@ -208,7 +209,7 @@ BodyMotion drawMotion(const CastBody& body, double moving_share, double elapsed,
   return m;
 }
 
-/** As the sensor moves, but for a little. */
+/** The motion of the sensor with a small deviation. */
 BodyMotion alongMotion(const DysegSample& sample, const Pose& T_now, RandomDraws& draws)
 {
   BodyMotion m;

@@ -162,31 +162,31 @@ Tensor lovaszLoss(const Tensor& logit, const Tensor& label, const Tensor& weight
 void DysegLossOptions::describe(OptionsVisitor& v)
 {
   v.integer("iterations", iterations, 1, 12, "flow updates in training");
-  v.real("decay", decay, 0.1, 1, "weight of an update's flow against the next one's");
-  v.integer("points", points, 16, 100000, "judged one by one in a pair");
+  v.real("decay", decay, 0.1, 1, "weight of an update's flow relative to the next one's");
+  v.integer("points", points, 16, 100000, "points of a pair in the point loss");
   v.real("first_noise", first_noise, 0, 5, "m, error of the first motion in training");
   v.real("second_noise", second_noise, 0, 5, "m, error of the static flow in training");
 }
 
 namespace
 {
-PlanarMotion disturbed(PlanarMotion motion, double noise, RandomDraws& draws)
+PlanarMotion perturbed(PlanarMotion motion, double noise, RandomDraws& draws)
 {
-  // Now and then much worse, as fits are.
+  // With outliers, as fits have them.
   const double scale = noise * (draws.chance(0.15) ? 2.5 : 1);
   motion.translation += Eigen::Vector2d(draws.normal(scale), draws.normal(scale));
   motion.yaw += draws.normal(0.026 * scale);
   return motion;
 }
 
-/** Some points, and for how many of the scan's points each of them stands. */
+/** Sampled points, and the number of points that each represents. */
 struct DrawnPoints
 {
   std::vector<std::int32_t> which;
   std::vector<float> weight;
 };
 
-/** Moving and static points to judge, about as many of each where there are. */
+/** Samples moving, likely misclassified static and other points, a third each where possible. */
 DrawnPoints drawPoints(const DysegSample& sample,
                        const BevScan& scan,
                        const std::vector<float>& cell_logit,
@@ -225,13 +225,14 @@ DrawnPoints drawPoints(const DysegSample& sample,
   return chosen;
 }
 
-/** Lengths of rows, N x 2; never quite 0, where the root has no slope. */
+/** Norms of rows, N x 2; bounded away from 0, where the gradient is undefined. */
 Tensor lengthOf(const Tensor& rows)
 {
   return rows.square().sum(1).add(1e-4).sqrt();
 }
 
-/** NaN where the place a cell goes to was not seen in the past scan: nothing to match there. */
+/** Offsets; NaN where the past scan has no points at the target of a cell: nothing to match there.
+ */
 Tensor seenOffsets(const std::vector<Eigen::Vector2f>& flow,
                    const std::vector<Eigen::Vector2f>& places,
                    const PlanarMotion& centre,
@@ -263,13 +264,13 @@ Tensor seenOffsets(const std::vector<Eigen::Vector2f>& flow,
   }
   return rowsOf(offset);
 }
-/** One pair and what the network made of it. */
-struct Lesson
+/** Forward pass of one pair: scans, network output and ground truth. */
+struct ForwardPass
 {
-  Lesson(const DysegSample& pair,
-         const DysegLossOptions& loss,
-         const BevOptions& grid,
-         const Eigen::Vector2f& centre)
+  ForwardPass(const DysegSample& pair,
+              const DysegLossOptions& loss,
+              const BevOptions& grid,
+              const Eigen::Vector2f& centre)
       : sample(pair),
         options(loss),
         current(makeBevScan(pair.current, grid, centre)),
@@ -293,47 +294,50 @@ struct Lesson
   [[nodiscard]] torch::Device device() const { return out.logit.device(); }
 };
 
-/** Coarse and finer windows against the true offsets. */
-Tensor matchingLoss(const Lesson& l)
+/** Cross-entropy of the coarse and finer windows against the true offsets. */
+Tensor matchingLoss(const ForwardPass& pass)
 {
-  const DysegCells& cells = l.cells();
-  const auto coarse =
-      cellTruth(l.sample, l.current, cells.level.eighth.row_of_point, cells.eighth_centre, l.ego);
+  const DysegCells& cells = pass.cells();
+  const auto coarse = cellTruth(pass.sample, pass.current, cells.level.eighth.row_of_point,
+                                cells.eighth_centre, pass.ego);
   const auto coarse_offset =
-      seenOffsets(coarse.flow, cells.eighth_centre, PlanarMotion(), l.past, 8);
-  const auto offset = seenOffsets(l.truth.flow, cells.quarter_centre, l.guide.coarse, l.past, 4);
+      seenOffsets(coarse.flow, cells.eighth_centre, PlanarMotion(), pass.past, 8);
+  const auto offset =
+      seenOffsets(pass.truth.flow, cells.quarter_centre, pass.guide.coarse, pass.past, 4);
   return matching_weight *
-         (correlationLoss(l.match.coarse_correlation, coarse_offset.to(l.device()),
-                          flagsOf(coarse.label, DysegSample::moving_point).to(l.device()),
-                          l.radius) +
-          correlationLoss(l.match.correlation, offset.to(l.device()), l.moving, l.radius));
+         (correlationLoss(pass.match.coarse_correlation, coarse_offset.to(pass.device()),
+                          flagsOf(coarse.label, DysegSample::moving_point).to(pass.device()),
+                          pass.radius) +
+          correlationLoss(pass.match.correlation, offset.to(pass.device()), pass.moving,
+                          pass.radius));
 }
 
-/** Of the flow after each update, relative to the static flow that the network was given; without
- * a value where no cell's flow is known. */
-Tensor flowLoss(const Lesson& l)
+/** Loss of the flow after each update, relative to the static flow that the network was given;
+ * without a value where no cell's flow is known. */
+Tensor flowLoss(const ForwardPass& pass)
 {
-  std::vector<Eigen::Vector2f> residual(l.truth.flow.size());
+  std::vector<Eigen::Vector2f> residual(pass.truth.flow.size());
   for (std::size_t i = 0; i < residual.size(); ++i)
   {
-    residual[i] = l.truth.flow[i] - l.guide.fine.flowAt(l.cells().quarter_centre[i]);
+    residual[i] = pass.truth.flow[i] - pass.guide.fine.flowAt(pass.cells().quarter_centre[i]);
   }
-  const auto residual_truth = rowsOf(residual).to(l.device());
-  // What moves out of the windows cannot be followed.
-  const float farthest = (static_cast<float>(l.radius) + 0.5F) * 4 * l.current.cell_size;
+  const auto residual_truth = rowsOf(residual).to(pass.device());
+  // Motion beyond the windows cannot be matched.
+  const float farthest = (static_cast<float>(pass.radius) + 0.5F) * 4 * pass.current.cell_size;
   const auto known = residual_truth.isfinite().all(1) & residual_truth.abs().le(farthest).all(1);
   const auto index = known.nonzero().squeeze(1);
   if (index.numel() == 0)
   {
     return {};
   }
-  auto loss = torch::zeros({}, l.out.logit.options());
+  auto loss = torch::zeros({}, pass.out.logit.options());
   double weight = 1;
-  for (auto r = l.out.residual.rbegin(); r != l.out.residual.rend(); ++r, weight *= l.options.decay)
+  for (auto r = pass.out.residual.rbegin(); r != pass.out.residual.rend();
+       ++r, weight *= pass.options.decay)
   {
     loss = loss + weight * balancedMean(lengthOf(r->index_select(0, index) -
                                                  residual_truth.index_select(0, index)),
-                                        l.moving.index_select(0, index));
+                                        pass.moving.index_select(0, index));
   }
   return loss;
 }
@@ -344,24 +348,24 @@ struct CellLosses
   Tensor cell;
 };
 
-/** Without values where no cell may be judged. */
-CellLosses cellLosses(const Lesson& l)
+/** Without values where no cell has a label. */
+CellLosses cellLosses(const ForwardPass& pass)
 {
-  const auto judged = flagsOf(l.truth.label, DysegSample::ignored_point)
-                          .logical_not()
-                          .to(l.device())
-                          .nonzero()
-                          .squeeze(1);
-  if (judged.numel() == 0)
+  const auto labelled = flagsOf(pass.truth.label, DysegSample::ignored_point)
+                            .logical_not()
+                            .to(pass.device())
+                            .nonzero()
+                            .squeeze(1);
+  if (labelled.numel() == 0)
   {
     return {};
   }
-  const auto label = l.moving.index_select(0, judged);
+  const auto label = pass.moving.index_select(0, labelled);
   const auto each = nnf::BinaryCrossEntropyWithLogitsFuncOptions().reduction(torch::kNone);
-  const auto error = nnf::binary_cross_entropy_with_logits(l.out.logit.index_select(0, judged),
+  const auto error = nnf::binary_cross_entropy_with_logits(pass.out.logit.index_select(0, labelled),
                                                            label.to(torch::kFloat32), each);
   const auto static_probability_error = nnf::binary_cross_entropy_with_logits(
-      l.a.static_logit.index_select(0, judged), label.logical_not().to(torch::kFloat32), each);
+      pass.a.static_logit.index_select(0, labelled), label.logical_not().to(torch::kFloat32), each);
   return {balancedMean(static_probability_error, label),
           0.5 * balancedMean(error, label) + error.mean()};
 }
@@ -372,14 +376,14 @@ struct PointLosses
   Tensor upsampled;  //!< of the flow at the points; no value where it is not known
 };
 
-/** Without values where no point may be judged. */
-PointLosses pointLosses(DysegNet& net, const Lesson& l, RandomDraws& draws)
+/** Without values where no point has a label. */
+PointLosses pointLosses(DysegNet& net, const ForwardPass& pass, RandomDraws& draws)
 {
-  const auto logits = l.out.logit.detach().cpu().contiguous();
+  const auto logits = pass.out.logit.detach().cpu().contiguous();
   const std::vector<float> cell_logit(logits.data_ptr<float>(),
                                       logits.data_ptr<float>() + logits.numel());
   const auto drawn =
-      drawPoints(l.sample, l.current, cell_logit, l.cells(), l.options.points, draws);
+      drawPoints(pass.sample, pass.current, cell_logit, pass.cells(), pass.options.points, draws);
   const auto& which = drawn.which;
   if (which.empty())
   {
@@ -390,29 +394,30 @@ PointLosses pointLosses(DysegNet& net, const Lesson& l, RandomDraws& draws)
   for (const auto w : which)
   {
     const auto i = static_cast<std::size_t>(w);
-    label.push_back(l.sample.label[l.current.source[i]]);
-    const Eigen::Vector2f at = l.current.points[i].head<2>();
-    residual.emplace_back(l.sample.flow[l.current.source[i]] - l.guide.fine.flowAt(at));
+    label.push_back(pass.sample.label[pass.current.source[i]]);
+    const Eigen::Vector2f at = pass.current.points[i].head<2>();
+    residual.emplace_back(pass.sample.flow[pass.current.source[i]] - pass.guide.fine.flowAt(at));
   }
-  const auto answer = net->segmentPoints(l.current, l.a, l.b, l.past.rays, l.out, which);
-  const auto moving = flagsOf(label, DysegSample::moving_point).to(l.device());
-  // Half as drawn, half as often as they are: sure of movers, yet few false alarms.
-  const auto often = torch::tensor(drawn.weight).to(l.device());
+  const auto logit =
+      net->segmentPoints(pass.current, pass.a, pass.b, pass.past.rays, pass.out, which);
+  const auto moving = flagsOf(label, DysegSample::moving_point).to(pass.device());
+  // Balanced classes plus true class frequencies: high recall with few false positives.
+  const auto weight = torch::tensor(drawn.weight).to(pass.device());
   const auto error = nnf::binary_cross_entropy_with_logits(
-      answer, moving.to(torch::kFloat32),
+      logit, moving.to(torch::kFloat32),
       nnf::BinaryCrossEntropyWithLogitsFuncOptions().reduction(torch::kNone));
   PointLosses losses;
-  losses.point = 0.5 * error.mean() + 2.0 * torch::dot(error, often) / often.sum();
+  losses.point = 0.5 * error.mean() + 2.0 * torch::dot(error, weight) / weight.sum();
   if (moving.any().item<bool>())
   {
-    losses.point = losses.point + lovaszLoss(answer, moving, often);
+    losses.point = losses.point + lovaszLoss(logit, moving, weight);
   }
-  const auto fine = rowsOf(residual).to(l.device());
+  const auto fine = rowsOf(residual).to(pass.device());
   const auto known = fine.isfinite().all(1).nonzero().squeeze(1);
   if (known.numel() > 0)
   {
-    const auto off =
-        lengthOf((net->pointFlow(l.current, l.a, l.out, which) - fine).index_select(0, known));
+    const auto off = lengthOf(
+        (net->pointFlow(pass.current, pass.a, pass.out, which) - fine).index_select(0, known));
     losses.upsampled = balancedMean(off, moving.index_select(0, known));
   }
   return losses;
@@ -438,31 +443,31 @@ DysegLoss dysegLoss(DysegNet& net,
                     RandomDraws& draws)
 {
   DysegLoss loss;
-  Lesson l(sample, options, grid, centre);
-  if (l.current.size() < 50 || l.past.size() < 50)
+  ForwardPass pass(sample, options, grid, centre);
+  if (pass.current.size() < 50 || pass.past.size() < 50)
   {
     return loss;
   }
-  l.ego = PlanarMotion::fromPose(sample.T_past_current);
-  l.guide.coarse = disturbed(l.ego, options.first_noise, draws);
-  l.guide.fine = disturbed(l.ego, options.second_noise, draws);
-  l.radius = net->options().radius;
-  l.a = net->encode(l.current);
-  l.b = net->encode(l.past);
-  l.match = net->match(l.current, l.a, l.b, &l.guide);
-  l.out = net->segmentCells(l.current, l.a, l.b, l.guide.fine, options.iterations);
-  l.truth = cellTruth(sample, l.current, l.cells().level.quarter.row_of_point,
-                      l.cells().quarter_centre, l.ego);
-  l.moving = flagsOf(l.truth.label, DysegSample::moving_point).to(l.device());
+  pass.ego = PlanarMotion::fromPose(sample.T_past_current);
+  pass.guide.coarse = perturbed(pass.ego, options.first_noise, draws);
+  pass.guide.fine = perturbed(pass.ego, options.second_noise, draws);
+  pass.radius = net->options().radius;
+  pass.a = net->encode(pass.current);
+  pass.b = net->encode(pass.past);
+  pass.match = net->match(pass.current, pass.a, pass.b, &pass.guide);
+  pass.out = net->segmentCells(pass.current, pass.a, pass.b, pass.guide.fine, options.iterations);
+  pass.truth = cellTruth(sample, pass.current, pass.cells().level.quarter.row_of_point,
+                         pass.cells().quarter_centre, pass.ego);
+  pass.moving = flagsOf(pass.truth.label, DysegSample::moving_point).to(pass.device());
 
-  loss.total = matchingLoss(l);
+  loss.total = matchingLoss(pass);
   loss.matching = loss.total.item<double>();
-  loss.flow = addTo(loss.total, flowLoss(l), flow_weight);
-  const CellLosses of_cells = cellLosses(l);
+  loss.flow = addTo(loss.total, flowLoss(pass), flow_weight);
+  const CellLosses of_cells = cellLosses(pass);
   loss.static_probability =
       addTo(loss.total, of_cells.static_probability, static_probability_weight);
   loss.cell = addTo(loss.total, of_cells.cell, 1);
-  const PointLosses of_points = pointLosses(net, l, draws);
+  const PointLosses of_points = pointLosses(net, pass, draws);
   loss.point = addTo(loss.total, of_points.point, 1);
   (void)addTo(loss.total, of_points.upsampled, upsampled_weight);
   return loss;

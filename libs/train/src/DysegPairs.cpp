@@ -16,7 +16,7 @@ constexpr int clip_scans = 11;
 constexpr std::size_t longest_gap = 10;  // scans between those compared
 constexpr double period = 0.1;           // s, as if between single scans seen twice
 
-/** Streets most often, and among them places of people, fast roads, and fewer beams. */
+/** Streets most often, also campuses, highways, and sensors of few beams. */
 DysegClipScene sceneOf(std::uint64_t number, const DysegTrainerOptions& options)
 {
   DysegClipScene scene;
@@ -73,7 +73,7 @@ void DysegPairs::prepare(int step)
   {
     return;
   }
-  // A run that is continued makes the clips again that were at hand.
+  // A resumed training generates the clips of the pool again.
   const int newest = step / options_.simulate_every;
   const int oldest = pool_.empty() ? std::max(0, newest + 1 - options_.simulated_pool) : newest;
   for (int n = oldest; n <= newest; ++n)
@@ -92,7 +92,7 @@ void DysegPairs::prepare(int step)
 
 namespace
 {
-/** One scan as if seen twice, from not far apart. */
+/** One scan as if taken twice, from two nearby places. */
 DysegSample seenTwice(const std::vector<Eigen::Vector3f>& scan, RandomDraws& draws)
 {
   const double ahead = draws.chance(0.15) ? 0 : draws.uniform(-1.5, draws.chance(0.3) ? 7 : 2.5);

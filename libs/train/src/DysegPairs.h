@@ -11,8 +11,8 @@
 
 namespace dyslam
 {
-/** The pairs of scans that DySeg's network learns from: simulated clips, of which some are at hand
- * and replaced one by one, runs with truth, and single scans seen twice. */
+/** The training pairs of DySeg's network: simulated clips from a pool that is replaced one by one,
+ * runs with ground truth, and pairs made from single scans. */
 class DysegPairs
 {
  public:

@@ -62,7 +62,7 @@ DysegClip loadBoxedRun(const std::string& folder, std::size_t first, std::size_t
   const auto poses = readKittiPoses(folder + "/poses_icp_frame_to_frame.txt");
   if (poses.size() <= last)
   {
-    throw UserError(folder + ": fewer poses than frames asked for");
+    throw UserError(folder + ": fewer poses than requested frames");
   }
   std::vector<std::vector<LabelledBox>> boxes;
   std::map<std::int32_t, std::map<std::size_t, Eigen::Vector2d>> tracks;
@@ -117,7 +117,7 @@ DysegClip loadLabelledRun(const std::string& folder,
   const auto poses = readKittiPoses(pose_file);
   if (poses.size() <= last)
   {
-    throw UserError(pose_file + ": fewer poses than frames asked for");
+    throw UserError(pose_file + ": fewer poses than requested frames");
   }
   for (std::size_t f = first; f <= last; ++f)
   {
@@ -145,7 +145,7 @@ DysegClip loadLabelledRun(const std::string& folder,
     }
     for (const auto& [id, sum] : sums)
     {
-      // An id of its own per frame: where it was before is not known.
+      // A unique id per frame: its earlier position is unknown.
       const auto own = id + static_cast<std::int32_t>(f + 1) * 100000;
       DysegClip::Object object;
       object.T_sensor_object.translation() = sum.first / sum.second;

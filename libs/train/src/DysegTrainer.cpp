@@ -37,7 +37,7 @@ constexpr const char* weights_file = "dyseg.safetensors";
 constexpr const char* score_names =
     "set,iou,precision,recall,epe_static_m,epe_moving_m,own_motion_m,own_motion_rad";
 
-/** Where a crop lies: around a mover if there is one, else somewhere, near places more often. */
+/** Centre of a crop: near a moving object if there is one, else random, near places more often. */
 Eigen::Vector2f drawCentre(const DysegSample& sample,
                            const BevOptions& grid,
                            const BevOptions& crop,
@@ -63,13 +63,12 @@ Eigen::Vector2f drawCentre(const DysegSample& sample,
 void DysegTrainerOptions::describe(OptionsVisitor& v)
 {
   v.text("data", data, "folder with the real data; empty: simulated data only");
-  v.text("splits", splits,
-         "file, or name of a shipped one: what is for training, validation and test");
+  v.text("splits", splits, "file, or name of a shipped one: training, validation and test frames");
   v.text("boxed_run", boxed_run, "run with boxes, under data; empty for none");
-  v.integer("boxed_last", boxed_last, 1, 1000000, "its last frame for training");
-  v.text("labelled_run", labelled_run, "run with labels per point, under data; empty for none");
+  v.integer("boxed_last", boxed_last, 1, 1000000, "its last training frame");
+  v.text("labelled_run", labelled_run, "run with point labels, under data; empty for none");
   v.text("labelled_poses", labelled_poses, "poses, in the folders of runs with labels");
-  v.integer("labelled_last", labelled_last, 1, 1000000, "its last frame for training");
+  v.integer("labelled_last", labelled_last, 1, 1000000, "its last training frame");
   v.text("boxed_validation", boxed_validation, "run with boxes, under data; empty for none");
   v.integer("boxed_validation_first", boxed_validation_first, 8, 1000000,
             "its first frame evaluated");
@@ -80,12 +79,13 @@ void DysegTrainerOptions::describe(OptionsVisitor& v)
   v.integer("labelled_validation_last", labelled_validation_last, 1, 1000000,
             "its last frame evaluated");
   v.text("single_scans", single_scans, "folders of scans under data, separated by commas");
-  v.real("simulated_share", simulated_share, 0, 1, "of pairs");
-  v.real("single_share", single_share, 0, 1, "of the real pairs");
-  v.real("twice_share", twice_share, 0, 1, "of pairs of runs and clips: one scan seen twice");
-  v.real("campus_share", campus_share, 0, 1, "of simulated clips: many people, few cars");
-  v.real("highway_share", highway_share, 0, 1, "of the other simulated clips");
-  v.real("few_beams_share", few_beams_share, 0, 1, "of simulated clips seen by 16 beams");
+  v.real("simulated_share", simulated_share, 0, 1, "share of simulated pairs");
+  v.real("single_share", single_share, 0, 1, "share of the real pairs from single scans");
+  v.real("twice_share", twice_share, 0, 1, "share of pairs of runs and clips made from one scan");
+  v.real("campus_share", campus_share, 0, 1,
+         "share of simulated clips on a campus (many pedestrians)");
+  v.real("highway_share", highway_share, 0, 1, "share of the other simulated clips on a highway");
+  v.real("few_beams_share", few_beams_share, 0, 1, "share of simulated clips with 16 beams");
   v.integer("simulated_pool", simulated_pool, 1, 100000, "simulated clips kept in memory");
   v.integer("simulate_every", simulate_every, 1, 100000, "steps between new clips");
   v.integer("crop", crop, 64, 2048, "cells along each side in training, a multiple of 16");
@@ -94,12 +94,12 @@ void DysegTrainerOptions::describe(OptionsVisitor& v)
   v.integer("batch", batch, 1, most_pairs, "pairs in a step");
   rate.describe(v);
   v.real("mean_decay", mean_decay, 0, 1,
-         "share of the weights' running mean, which is what is written, that stays in a step");
-  v.real("weight_decay", weight_decay, 0, 1, "of AdamW");
-  v.integer("checkpoint_every", checkpoint_every, 1, 1000000, "steps");
-  v.integer("validate_every", validate_every, 0, 1000000, "steps; 0: not while training");
-  v.integer("threads", threads, 1, 256, "of the network");
-  v.integer("seed", seed, 0, 2000000000, "of everything random");
+         "decay of the exponential moving average of the weights, which is what is saved");
+  v.real("weight_decay", weight_decay, 0, 1, "weight decay of AdamW");
+  v.integer("checkpoint_every", checkpoint_every, 1, 1000000, "steps between checkpoints");
+  v.integer("validate_every", validate_every, 0, 1000000, "steps between validations; 0: none");
+  v.integer("threads", threads, 1, 256, "CPU threads of the network");
+  v.integer("seed", seed, 0, 2000000000, "random seed");
 }
 
 struct DysegTrainer::Impl
@@ -111,7 +111,7 @@ struct DysegTrainer::Impl
   BevOptions crop;
   std::string folder;
   DysegNet net{nullptr};
-  DysegNet mean{nullptr};  //!< running mean of the weights
+  DysegNet mean{nullptr};  //!< exponential moving average of the weights
   std::unique_ptr<torch::optim::AdamW> optimizer;
   int step = 0;
   int first_step = 0;  //!< of this run of the program
@@ -128,22 +128,22 @@ struct DysegTrainer::Impl
     return minutes_before + std::chrono::duration<double>(Clock::now() - start).count() / 60;
   }
   [[nodiscard]] std::string file(const char* name) const { return folder + "/" + name; }
-  DysegLoss learn();
+  DysegLoss trainStep();
   /** One line for the user. \param sum of the losses of the last `counted` steps. */
   [[nodiscard]] std::string progress(const DysegLoss& sum, int counted) const;
   void save();
   void writeCheckpoint(const std::string& path);
-  /** Saves, evaluates what was saved, and notes it in validation.csv; only once at a step. */
-  void validateNow(const std::function<void(const std::string&)>& say);
+  /** Saves and evaluates the weights, and appends the scores to validation.csv; once per step. */
+  void validateNow(const std::function<void(const std::string&)>& report);
   /** Rows "set,scores" of the weights in a file. */
   std::vector<std::string> evaluate(const std::string& weights);
 };
 
-DysegLoss DysegTrainer::Impl::learn()
+DysegLoss DysegTrainer::Impl::trainStep()
 {
   optimizer->zero_grad();
   DysegLoss sum;
-  bool learnt = false;
+  bool has_loss = false;
   for (int b = 0; b < options.batch; ++b)
   {
     RandomDraws draws(
@@ -158,16 +158,16 @@ DysegLoss DysegTrainer::Impl::learn()
       continue;
     }
     (loss.total / options.batch).backward();
-    learnt = true;
+    has_loss = true;
     sum.matching += loss.matching / options.batch;
     sum.flow += loss.flow / options.batch;
     sum.static_probability += loss.static_probability / options.batch;
     sum.cell += loss.cell / options.batch;
     sum.point += loss.point / options.batch;
   }
-  if (!learnt)
+  if (!has_loss)
   {
-    return sum;  // crops with too few points: no step, or momentum alone would move the weights
+    return sum;  // crops with too few points: no step, else momentum alone would change the weights
   }
   torch::nn::utils::clip_grad_norm_(net->parameters(), clip_norm);
   static_cast<torch::optim::AdamWOptions&>(optimizer->param_groups()[0].options())
@@ -241,7 +241,7 @@ std::vector<std::string> DysegTrainer::Impl::evaluate(const std::string& weights
   return rows;
 }
 
-void DysegTrainer::Impl::validateNow(const std::function<void(const std::string&)>& say)
+void DysegTrainer::Impl::validateNow(const std::function<void(const std::string&)>& report)
 {
   if (validated_step == step)
   {
@@ -250,11 +250,11 @@ void DysegTrainer::Impl::validateNow(const std::function<void(const std::string&
   validated_step = step;
   save();
   std::ofstream csv(file("validation.csv"), std::ios::app);
-  say("validation at step " + std::to_string(step) + ": " + score_names);
+  report("validation at step " + std::to_string(step) + ": " + score_names);
   for (const std::string& row : evaluate(file(weights_file)))
   {
     csv << step << ',' << row << '\n';
-    say("  " + row);
+    report("  " + row);
   }
 }
 
@@ -318,27 +318,27 @@ void DysegTrainer::resume()
 }
 
 void DysegTrainer::validateOnly(const std::string& weights,
-                                const std::function<void(const std::string&)>& say)
+                                const std::function<void(const std::string&)>& report)
 {
-  say(std::string("validation: ") + score_names);
+  report(std::string("validation: ") + score_names);
   for (const std::string& row :
        impl_->evaluate(weights.empty() ? impl_->file(weights_file) : weights))
   {
-    say("  " + row);
+    report("  " + row);
   }
 }
 
-void DysegTrainer::run(const std::function<void(const std::string&)>& say,
+void DysegTrainer::run(const std::function<void(const std::string&)>& report,
                        const std::function<bool()>& stopped)
 {
   Impl& t = *impl_;
   if (t.options.validate_every > 0)
   {
-    // What is missing shows now, not after hours.
+    // Missing data are reported now, not after hours.
     t.validation = makeDysegValidation(t.options);
   }
   t.pairs = std::make_unique<DysegPairs>(t.options);
-  say("data: " + t.pairs->summary());
+  report("data: " + t.pairs->summary());
   t.start = Clock::now();
   t.first_step = t.step;
   makeFolder(t.folder, "choose another --output");
@@ -353,11 +353,11 @@ void DysegTrainer::run(const std::function<void(const std::string&)>& say,
     if (stopped && stopped())
     {
       t.save();
-      say("stopped at step " + std::to_string(t.step) + "; --resume continues from here");
+      report("stopped at step " + std::to_string(t.step) + "; --resume continues from here");
       return;
     }
     t.pairs->prepare(t.step);
-    const auto loss = t.learn();
+    const auto loss = t.trainStep();
     mean.matching += loss.matching;
     mean.flow += loss.flow;
     mean.static_probability += loss.static_probability;
@@ -373,7 +373,7 @@ void DysegTrainer::run(const std::function<void(const std::string&)>& say,
                     mean.matching / counted, mean.flow / counted, mean.static_probability / counted,
                     mean.cell / counted, mean.point / counted);
       csv << line << std::endl;
-      say(t.progress(mean, counted));
+      report(t.progress(mean, counted));
       mean = DysegLoss();
       counted = 0;
     }
@@ -387,13 +387,13 @@ void DysegTrainer::run(const std::function<void(const std::string&)>& say,
     }
     if (t.options.validate_every > 0 && t.step % t.options.validate_every == 0)
     {
-      t.validateNow(say);
+      t.validateNow(report);
     }
   }
   t.save();
   if (t.options.validate_every > 0)
   {
-    t.validateNow(say);
+    t.validateNow(report);
   }
 }
 }  // namespace dyslam

@@ -23,9 +23,9 @@ struct Stretch
   int last = 0;
 };
 
-void checkApart(const Stretch& evaluated, const Stretch& trained, const std::string& data)
+void requireDisjoint(const Stretch& evaluated, const Stretch& trained, const std::string& data)
 {
-  std::error_code missing;  // told where it is read
+  std::error_code missing;  // reported where it is read
   if (!evaluated.folder.empty() && !trained.folder.empty() && evaluated.first <= trained.last &&
       fs::equivalent(fs::path(data) / evaluated.folder, fs::path(data) / trained.folder, missing))
   {
@@ -36,7 +36,7 @@ void checkApart(const Stretch& evaluated, const Stretch& trained, const std::str
   }
 }
 
-void checkThere(const Stretch& evaluated, const std::string& data)
+void requireExisting(const Stretch& evaluated, const std::string& data)
 {
   if (!evaluated.folder.empty() && !fs::is_directory(data + "/" + evaluated.folder))
   {
@@ -45,7 +45,7 @@ void checkThere(const Stretch& evaluated, const std::string& data)
   }
 }
 
-void checkSplit(const Stretch& evaluated, const std::string& data, const DataSplits& splits)
+void requireSplit(const Stretch& evaluated, const std::string& data, const DataSplits& splits)
 {
   if (!evaluated.folder.empty())
   {
@@ -88,9 +88,9 @@ void checkDysegValidation(const DysegTrainerOptions& options)
                       " is behind " + evaluated.key + "_last = " + std::to_string(evaluated.last) +
                       "; exchange them, or leave " + evaluated.key + " empty");
     }
-    checkApart(evaluated, {options.boxed_run, "boxed", 0, options.boxed_last}, options.data);
-    checkApart(evaluated, {options.labelled_run, "labelled", 0, options.labelled_last},
-               options.data);
+    requireDisjoint(evaluated, {options.boxed_run, "boxed", 0, options.boxed_last}, options.data);
+    requireDisjoint(evaluated, {options.labelled_run, "labelled", 0, options.labelled_last},
+                    options.data);
   }
 }
 
@@ -103,8 +103,8 @@ std::vector<DysegValidationSet> makeDysegValidation(const DysegTrainerOptions& o
   {
     for (const Stretch& evaluated : {boxed, labelled})
     {
-      checkThere(evaluated, options.data);
-      checkSplit(evaluated, options.data, splits);
+      requireExisting(evaluated, options.data);
+      requireSplit(evaluated, options.data, splits);
     }
   }
   std::vector<DysegValidationSet> sets(2);

@@ -15,7 +15,7 @@ struct DysegValidationSet
   std::vector<DysegSample> samples;
 };
 
-/** \throws UserError if frames that are evaluated are trained on, or their first is behind their
+/** \throws UserError if validation frames are training frames, or their first is after their
  * last. */
 void checkDysegValidation(const DysegTrainerOptions& options);
 

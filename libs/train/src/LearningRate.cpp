@@ -8,10 +8,13 @@ namespace dyslam
 {
 void LearningRateOptions::describe(OptionsVisitor& visitor)
 {
-  visitor.real("learning_rate", learning_rate, 0, 1, "after the first steps");
-  visitor.real("last_share", last_share, 0, 1, "of the learning rate, at the last step");
-  visitor.real("decay_from", decay_from, 0, 1, "share of the steps after which the rate goes down");
-  visitor.integer("warm_up", warm_up, 1, 1000000, "steps in which the rate goes up");
+  visitor.real("learning_rate", learning_rate, 0, 1, "learning rate after the warm-up");
+  visitor.real("last_share", last_share, 0, 1,
+               "final learning rate, as a fraction of learning_rate");
+  visitor.real("decay_from", decay_from, 0, 1,
+               "fraction of the steps after which the learning rate decays");
+  visitor.integer("warm_up", warm_up, 1, 1000000,
+                  "steps of the linear warm-up of the learning rate");
 }
 
 std::int64_t LearningRateOptions::firstOfDecay(std::int64_t steps) const

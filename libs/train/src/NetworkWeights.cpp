@@ -52,7 +52,7 @@ void setState(TensorFile& file, torch::optim::Optimizer& optimizer)
   for (std::size_t i = 0; i < parameters.size(); ++i)
   {
     const auto found = optimizer.state().find(keyOf(parameters[i]));
-    if (found != optimizer.state().end())  // else no gradient yet
+    if (found != optimizer.state().end())  // otherwise no gradient yet
     {
       const auto& state = static_cast<const ParamState&>(*found->second);
       file.set(prefixOf(i) + "step", torch::tensor(state.step(), torch::kInt64));

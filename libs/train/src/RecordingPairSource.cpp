@@ -42,7 +42,7 @@ TrainingPair RecordingPairSource::pair(std::uint64_t index) const
     ++chosen;
   }
   const Recording& recording = recordings_[chosen];
-  // Steps of one scan are what odometry meets most.
+  // Steps of one scan are the usual case of odometry.
   const std::size_t last = recording.scans.size() - 1;
   const std::size_t drawn =
       draws.chance(0.45) ? 1 : 1 + draws.below(static_cast<std::size_t>(most_gap_));
@@ -52,7 +52,7 @@ TrainingPair RecordingPairSource::pair(std::uint64_t index) const
   {
     forward = !forward;
   }
-  // Near the middle of a short recording neither way is long enough.
+  // Near the middle of a short recording neither direction is long enough.
   const std::size_t other = forward ? scan - std::min(gap, scan) : std::min(scan + gap, last);
 
   TrainingPair pair;

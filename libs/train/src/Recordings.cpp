@@ -59,14 +59,14 @@ Recording loadRecording(const RecordingDescription& description, bool by_own_mot
   if (description.last >= files.size() || description.last >= poses.size())
   {
     throw UserError(description.folder + ": frames " + std::to_string(description.first) + " to " +
-                    std::to_string(description.last) + " are asked for, but there are " +
+                    std::to_string(description.last) + " are requested, but there are " +
                     std::to_string(std::min(files.size(), poses.size())));
   }
   if (description.first >= description.last)
   {
     throw UserError(description.folder + ": frames " + std::to_string(description.first) + " to " +
                     std::to_string(description.last) +
-                    " are asked for; a recording needs two scans or more");
+                    " are requested; a recording needs two scans or more");
   }
   Recording recording;
   recording.name = std::filesystem::path(description.folder).parent_path().filename().string();

@@ -15,7 +15,7 @@ namespace dyslam
 #ifdef DYSLAM_HAVE_SIM
 namespace
 {
-/** Neighbouring pairs share a world, which saves its making. */
+/** Neighbouring pairs share a world, which saves generating it. */
 constexpr std::uint64_t pairs_per_world = 16;
 
 struct Scene
@@ -85,7 +85,7 @@ class SimulatorPairSource : public PairSource
                       std::uint64_t seed)
       : augmentation_(augmentation), most_gap_(std::min(most_gap, 3)), seed_(seed)
   {
-    // What the simulator shows needs no pasting.
+    // Simulated scans have moving objects already.
     augmentation_.bodies = 0;
     for (std::size_t i = 0; i < worlds.size(); ++i)
     {

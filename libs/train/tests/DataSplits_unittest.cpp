@@ -124,8 +124,8 @@ TEST(DataSplits, TheShippedFileKeepsWhatWasChosenByOutOfTrainingAndTest)
       splits.requireScan("/d/semantickitti_08_labelled_2frames/001500.bin", Split::test, "here"));
 }
 
-/** What dyslam-train says to a DyLO training with one more setting. */
-std::string saidTo(const std::string& key, const std::string& value)
+/** Error message of a DyLO training with one more setting. */
+std::string errorOf(const std::string& key, const std::string& value)
 {
   const fs::path data = fs::path(testing::TempDir()) / "splits_data";
   const fs::path drive = data / "kitti_raw_2011_09_26_drive_0005";
@@ -148,13 +148,13 @@ TEST(DataSplits, DyloTrainsAndValidatesOnNothingElse)
 {
   const std::string drive = "kitti_raw_2011_09_26_drive_0005";
   const std::string both = drive + "/velodyne; none.txt; 0; 1";
-  expectHas(saidTo("recordings", both), "frame 80 of " + drive + " is for validation");
-  expectHas(saidTo("validation", both), "frame 79 of " + drive + " is for training");
-  expectHas(saidTo("singles", drive + "/velodyne"), "frame 80 of " + drive + " is for validation");
-  expectHas(saidTo("bodies", drive + "/velodyne"), "frame 80 of " + drive + " is for validation");
-  expectHas(saidTo("simulated_validation", "urban;VLP16;0;1200000001;2"),
+  expectHas(errorOf("recordings", both), "frame 80 of " + drive + " is for validation");
+  expectHas(errorOf("validation", both), "frame 79 of " + drive + " is for training");
+  expectHas(errorOf("singles", drive + "/velodyne"), "frame 80 of " + drive + " is for validation");
+  expectHas(errorOf("bodies", drive + "/velodyne"), "frame 80 of " + drive + " is for validation");
+  expectHas(errorOf("simulated_validation", "urban;VLP16;0;1200000001;2"),
             "seed 1200000001 of the simulator is for test, not for validation");
-  expectHas(saidTo("simulated_validation", "urban;VLP16;0;500000001;2"), "is for training");
+  expectHas(errorOf("simulated_validation", "urban;VLP16;0;500000001;2"), "is for training");
 }
 }  // namespace
 }  // namespace dyslam

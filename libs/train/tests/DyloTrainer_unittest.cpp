@@ -14,8 +14,8 @@ namespace dyslam
 {
 namespace
 {
-/** A training of a tiny network on simulated pairs, at a constant rate so that the number of steps
- * decides nothing else. */
+/** A training of a tiny network on simulated pairs, at a constant learning rate, so that the number
+ * of steps changes nothing else. */
 Config tiny(int steps)
 {
   return Config::fromText(
@@ -92,7 +92,7 @@ TEST(DyloTrainer, StartsFromTheLayersThatAModelShares)
   EXPECT_LT(shared, after.size()) << "the head is its own";
 }
 
-/** As tiny(), the rate goes down from half of the steps on. */
+/** As tiny(), with learning rate decay after half of the steps. */
 Config decaying(int steps)
 {
   Config config = tiny(steps);

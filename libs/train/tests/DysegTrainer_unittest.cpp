@@ -27,7 +27,7 @@ class DysegTraining : public ::testing::Test
   DysegTraining()
       : folder_(fs::temp_directory_path() / ("dyslam_dyseg_" + std::to_string(::getpid())))
   {
-    // Small and simulated: 16 beams, two clips at hand.
+    // Small and simulated: 16 beams, a pool of two clips.
     setup_.train.simulated_share = 1;
     setup_.train.few_beams_share = 1;
     setup_.train.campus_share = 0;
@@ -37,7 +37,7 @@ class DysegTraining : public ::testing::Test
     setup_.train.crop = 128;
     setup_.train.batch = 1;
     setup_.train.steps = 6;
-    setup_.train.rate.decay_from = 1;  // the same rate however long the run
+    setup_.train.rate.decay_from = 1;  // the same learning rate for any number of steps
     setup_.train.validate_every = 0;
     setup_.augmentation.bodies = 2;
   }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Whatever is done to a pair, its truth takes what stands from the later scan to the earlier one.
+// After any augmentation the true motion of a pair maps static points of the later scan to the
+// earlier one.
 #include <dyslam/core/Error.h>
 #include <dyslam/train/RecordingPairSource.h>
 #include <gtest/gtest.h>
@@ -39,7 +40,7 @@ Points seenFrom(const Pose& T_world_sensor, const Points& world)
   return seen;
 }
 
-/** How far the truth leaves points that both scans show apart, at most [m]. */
+/** Largest distance of common points of both scans under the true motion [m]. */
 float apart(const TrainingPair& pair, std::size_t count)
 {
   const Eigen::Isometry3f T = pair.T_2_1.cast<float>();

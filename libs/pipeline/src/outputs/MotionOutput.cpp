@@ -24,7 +24,7 @@ MotionCovariance covarianceOf(const Frame& frame)
   return motion;
 }
 
-/** `motions.csv`: how sure the odometry is of each motion. */
+/** `motions.csv`: the odometry's covariance of each motion. */
 class MotionOutput : public RunOutput
 {
  public:

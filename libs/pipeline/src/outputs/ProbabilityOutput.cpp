@@ -16,7 +16,7 @@ namespace
 constexpr const char* folder = "probabilities";
 constexpr const char* extension = ".bin";
 
-/** Of every point of the frame's scan; NaN where the cloud left a point out. */
+/** Moving probability of every point of the frame's scan; NaN where the cloud left a point out. */
 std::vector<float> scanProbabilities(const Frame& frame)
 {
   std::vector<float> result(frame.scan.size(), std::numeric_limits<float>::quiet_NaN());
@@ -28,7 +28,7 @@ std::vector<float> scanProbabilities(const Frame& frame)
   return result;
 }
 
-/** `probabilities/NNNNNN.bin`: float32 of every point of the input scan, that it moves. */
+/** `probabilities/NNNNNN.bin`: float32 moving probability of every point of the input scan. */
 class ProbabilityOutput : public RunOutput
 {
  public:

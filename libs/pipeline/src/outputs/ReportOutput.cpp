@@ -16,7 +16,7 @@ namespace
 constexpr const char* name = "report.json";
 using Json = nlohmann::ordered_json;
 
-/** To nine digits, which is more than any figure here is good for. */
+/** To nine digits, more than the accuracy of any figure here. */
 double rounded(double value)
 {
   char text[32];
@@ -24,8 +24,8 @@ double rounded(double value)
   return std::strtod(text, nullptr);
 }
 
-/** `report.json`: figures of the run. It is written last: it says whether the run came to its end,
- * and which files could not be written. */
+/** `report.json`: figures of the run. It is written last: it marks a complete run, and names files
+ * that could not be written. */
 class ReportOutput : public RunOutput
 {
  public:

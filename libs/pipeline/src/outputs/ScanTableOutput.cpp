@@ -40,7 +40,7 @@ std::string rowOf(const Frame& frame)
   return row + numbers;
 }
 
-/** `scans.csv`: what became of each scan. */
+/** `scans.csv`: the result of each scan. */
 class ScanTableOutput : public RunOutput
 {
  public:

@@ -25,7 +25,7 @@ TrackedObject smoothedTrack(const TrackedObject& tracked,
   const Pose T_odom_object = T_odom_map * smoothed.T_map_object;
   result.box.center = T_odom_object.translation();
   const double yaw = yawPitchRoll(T_odom_object).x();
-  // The graph knows the axis of the box; which end is the front, the tracker does.
+  // The graph has the axis of the box, the tracker knows its front.
   const bool reversed = std::cos(yaw - tracked.box.yaw) < 0;
   result.box.yaw = std::remainder(reversed ? yaw + M_PI : yaw, 2 * M_PI);
   result.velocity = T_odom_map.linear() * smoothed.velocity;

@@ -48,7 +48,7 @@ Scan staticPartOf(const Frame& frame)
   return kept;
 }
 
-/** The scans without what moves: `static_scans/NNNNNN.bin` and `static_scans.rawlog`. */
+/** The scans without moving points: `static_scans/NNNNNN.bin` and `static_scans.rawlog`. */
 class StaticScanOutput : public RunOutput
 {
  public:

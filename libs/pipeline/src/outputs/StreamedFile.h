@@ -12,8 +12,8 @@
 
 namespace dyslam
 {
-/** A text file that grows, readable as `<name>.tmp`, while a run goes on, and gets its name when it
- * is whole. */
+/** A text file that grows during a run, readable as `<name>.tmp`, and is renamed when it is
+ * complete. */
 class StreamedFile
 {
  public:
@@ -28,13 +28,13 @@ class StreamedFile
     }
     write(header);
   }
-  /** Only close() tells whether it could be written. */
+  /** Write errors are reported by close(). */
   void write(const std::string& text)
   {
     file_ << text << std::flush;
     size_ += text.size();
   }
-  /** Saves how long the file is, or goes on with the file that was saved.
+  /** Saves the length of the file, or continues the file that was saved.
    * \throws UserError if it is not all there. */
   void exchangeState(const std::string& path, StateArchive& archive)
   {

@@ -118,7 +118,7 @@ class TrackOutput : public RunOutput
                });
   }
 
-  /** Every reported object as it is known by now. */
+  /** The current state of every reported object. */
   static void forEach(const RunResults& results,
                       const std::function<void(const TrackedObject&, const PastScan&)>& use)
   {

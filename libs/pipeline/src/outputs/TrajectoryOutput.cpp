@@ -26,8 +26,8 @@ std::string tumLine(double stamp, const Pose& pose)
   return text;
 }
 
-/** `odometry_tum.txt` while frames come; at the end `trajectory_tum.txt`, `trajectory_kitti.txt`
- * and, where the recording has ground truth, `reference_tum.txt`. */
+/** `odometry_tum.txt` frame by frame; at the end `trajectory_tum.txt`, `trajectory_kitti.txt` and,
+ * where the recording has ground truth, `reference_tum.txt`. */
 class TrajectoryOutput : public RunOutput
 {
  public:

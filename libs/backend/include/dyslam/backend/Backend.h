@@ -25,8 +25,8 @@ enum class BackendMode
 {
   odometry,  //!< the chain of odometry factors: nothing to optimise
   ego,       //!< odometry and loops (DyLO-SAM)
-  segmot,    //!< and every object as a moving one, as LIO-SEGMOT has them
-  full,  //!< and objects, standing ones as landmarks, moving ones with velocities (DyLO-SAM-MOT)
+  segmot,    //!< and every object as a moving one, as in LIO-SEGMOT
+  full,      //!< and objects, static ones as landmarks, moving ones with velocities (DyLO-SAM-MOT)
 };
 
 struct BackendOptions : Options
@@ -34,15 +34,15 @@ struct BackendOptions : Options
   BackendMode mode = BackendMode::ego;
   double keyframe_distance = 1.5;              //!< a new keyframe after this distance [m] ...
   double keyframe_angle = 0.17453292519943;    //!< ... or this turn [rad]
-  double unconverged_sigma_translation = 0.1;  //!< of a step that was not measured [m]
+  double unconverged_sigma_translation = 0.1;  //!< of a step without convergence [m]
   double unconverged_sigma_rotation = 0.005;   //!< [rad]
   /** Optimise when a new loop's residual is this large [standard deviations] ... */
   double residual_to_optimise = 3;
-  int loops_to_optimise = 20;  //!< ... or this many loops have come
-  /** Loops that odometry and earlier loops explain move this many of the newest keyframes ... */
+  int loops_to_optimise = 20;  //!< ... or after this many new loops
+  /** A loop consistent with odometry and earlier loops moves this many newest keyframes ... */
   int correction_keyframes = 100;
-  /** ... until the graph has grown by this share; then, and for all other loops, all keyframes are
-   * optimised. */
+  /** ... until the graph has grown by this fraction; then, and for all other loops, all keyframes
+   * are optimised. */
   double correction_growth = 0.1;
 
   void describe(OptionsVisitor& visitor) override;
@@ -61,7 +61,7 @@ struct BackendConfig
  * section 3.3.2).
  *
  * A frame costs a bounded time on average: the newest keyframes and objects are optimised, older
- * ones are held. Everything is optimised together after a loop that does not fit otherwise,
+ * ones are held fixed. Everything is optimised together after a loop that does not fit otherwise,
  * whenever the graph has grown by a tenth, and at the end. Deterministic; not thread-safe.
  */
 class Backend
@@ -78,19 +78,19 @@ class Backend
    * T_map_odom. Frames come in order of time. The same as the three steps below. */
   void addFrame(Frame& frame);
 
-  /** The steps of addFrame(), for who does something between them: every frame, in this order.
+  /** The steps of addFrame(), for callers that do something in between: every frame, in this order.
    * Accumulates the odometry; adds keyframe, odometry factor and objects. Fills is_keyframe, and
    * T_map_odom by the present estimate. \return is_keyframe */
   bool addOdometry(Frame& frame);
   /** Looks for loops from the frame, if it is a keyframe, and adds those accepted now; moves no
-   * pose. A backend that is never asked finds no loops. \return number of loops added */
+   * pose. Without this call no loop is found. \return number of loops added */
   std::size_t addLoops(const Frame& frame);
-  /** Optimises what is due: the newest part, or everything where a loop asks for it. Fills
+  /** Optimises what is due: the newest part, or everything where a loop requires it. Fills
    * T_map_odom. \return true if the pose of a keyframe changed */
   bool optimise(Frame& frame);
 
-  /** Decides what is still open, loops and objects, and optimises everything once more (call it
-   * after the last frame). */
+  /** Decides the pending loops and objects, and optimises everything once more (call it after the
+   * last frame). */
   void finish();
 
   [[nodiscard]] const FactorGraph& factorGraph() const;
@@ -109,7 +109,7 @@ class Backend
   [[nodiscard]] std::vector<SmoothedObject> smoothedObjects() const;
   /** Of the last optimisation of everything; default before the first. */
   [[nodiscard]] const OptimisationResult& lastOptimisation() const;
-  /** What the graph could not use, in words. */
+  /** Warnings about data that the graph could not use. */
   [[nodiscard]] std::vector<std::string> warnings() const;
 
  private:

@@ -29,8 +29,8 @@ struct FactorGraphOptions : Options
   int max_iterations = 50;
   double tolerance = 1e-6;  //!< stop when a step lowers the cost by less than this fraction
   RobustLoss loop_loss = RobustLoss::dcs;  //!< of loop factors
-  double loop_loss_width = 3;              //!< whitened residual where it sets in
-  /** The odometry may be so much worse than its information says before it contradicts a loop. */
+  double loop_loss_width = 3;              //!< width of the loss, a whitened residual
+  /** Factor on the odometry's sigmas when loops are checked against it. */
   double odometry_sigma_scale = 3;
   RobustLoss object_loss = RobustLoss::cauchy;  //!< of observation factors
   double object_loss_width = 3;
@@ -44,10 +44,10 @@ struct OptimisationResult
   double initial_chi2 = 0;  //!< sum of squared whitened residuals, without robust loss
   double final_chi2 = 0;
   int iterations = 0;
-  std::size_t false_loops = 0;  //!< left out, for they contradict the rest
+  std::size_t false_loops = 0;  //!< left out because they contradict the rest
   bool converged = false;
   std::string reason;                 //!< why it stopped
-  std::vector<std::string> warnings;  //!< of the graph, for example parts that hang on nothing
+  std::vector<std::string> warnings;  //!< of the graph, for example about unconstrained parts
 };
 
 /** The working graph of the backend (paper, Fig. 6 and Eq. 11): typed variables, factors of
@@ -72,7 +72,7 @@ class FactorGraph
   void addVelocity(const Key& key, const Vector6& twist);
   /** The same with the value as variables() has it. */
   void addBlock(const Key& key, const std::array<double, pose_block_size>& block);
-  /** Takes it away with all factors that touch it. */
+  /** Removes it with all factors that touch it. */
   void remove(const Key& key);
 
   [[nodiscard]] bool contains(const Key& key) const { return variables_.count(key) != 0; }
@@ -118,7 +118,7 @@ class FactorGraph
   /** Marginal covariances over the tangents (poses) or components (velocities) of some variables at
    * the present values, without robust loss; given the fixed variables, and where `free` is not
    * empty given all variables that it does not name.
-   * \throws std::runtime_error where the factors leave a direction open. */
+   * \throws std::runtime_error where the factors do not constrain a direction. */
   [[nodiscard]] std::vector<Matrix6> covariances(const std::vector<Key>& keys,
                                                  const std::set<Key>& free = {});
 

@@ -11,7 +11,7 @@ namespace dyslam
 enum class VariableKind : std::uint8_t
 {
   ego_pose,         //!< x_k: T_map_vehicle at keyframe k
-  static_object,    //!< s_j: T_map_object of an object that stands, one for a whole sighting
+  static_object,    //!< s_j: T_map_object of a static object, one for a whole sighting
   object_pose,      //!< l_j,k: T_map_object of a moving object at scan k
   object_velocity,  //!< V_j,k: its twist over the interval that ends at scan k
 };

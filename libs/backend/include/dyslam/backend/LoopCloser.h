@@ -16,54 +16,55 @@ class StateArchive;
 
 struct LoopCloserOptions : Options
 {
-  double min_path = 30;           //!< driven between the two keyframes, at least [m]
+  double min_path = 30;           //!< least distance travelled between the two keyframes [m]
   double search_radius = 6;       //!< around the newest keyframe, before any drift [m] ...
-  double drift_per_metre = 0.03;  //!< ... and its growth per metre driven in between
+  double drift_per_metre = 0.03;  //!< ... and its growth per metre travelled in between
   double max_search_radius = 50;  //!< [m]
-  double max_correction_angle = 0.7853981634;  //!< a loop may turn the estimate by this [rad]
-  int interval = 2;                            //!< look for loops at every n-th keyframe
+  double max_correction_angle = 0.7853981634;  //!< largest rotation by a loop [rad]
+  int interval = 2;                            //!< search for loops at every n-th keyframe
   int candidates = 2;                          //!< registered per keyframe, at most
-  double max_descriptor_distance = 0.4;        //!< 0 same appearance, 1 nothing in common
-  double descriptor_range = 60;                //!< points that the appearance is made of [m]
+  double max_descriptor_distance = 0.4;        //!< from 0 (equal) to 1 (nothing in common)
+  double descriptor_range = 60;                //!< of the points in the descriptor [m]
   int submap_keyframes = 2;  //!< neighbours on each side merged into the older keyframe's cloud
   double voxel_size = 0.5;   //!< of the clouds that are registered [m]
-  double min_overlap = 0.6;  //!< fraction of points over the ground that meet others
+  double min_overlap = 0.6;  //!< fraction of points above ground that have a correspondence
   double max_rmse = 0.2;     //!< of their point-to-plane distances [m]
   double min_observability = 0.02;  //!< weakest against strongest direction of translation
   int min_support = 1;              //!< other loops of nearby keyframes that must agree
   int support_window = 6;           //!< "nearby", in keyframes
 
   // Places that look alike but lie beyond the search radius: position gives no evidence for them.
-  bool appearance = true;                       //!< look for loops beyond the search radius
+  bool appearance = true;                       //!< search for loops beyond the search radius
   int appearance_candidates = 2;                //!< places registered per keyframe, at most
   double appearance_descriptor_distance = 0.3;  //!< as max_descriptor_distance
   double appearance_overlap = 0.75;             //!< as min_overlap
   double appearance_rmse = 0.15;                //!< as max_rmse [m]
   double appearance_observability = 0.05;       //!< as min_observability
   int appearance_support = 3;                   //!< as min_support
-  /** The odometry is off by this share of the path at most: a loop that says more is false. */
+  /** Largest drift of the odometry, as a fraction of the path: a loop that implies more is
+   * rejected. */
   double appearance_drift = 0.3;
-  double place_distance = 10;  //!< keyframes farther apart show different places [m]
+  double place_distance = 10;  //!< keyframes farther apart count as different places [m]
 
   void describe(OptionsVisitor& visitor) override;
 };
 
-/** What became of a candidate. */
+/** Decision about a candidate. */
 enum class LoopVerdict
 {
   accepted,
   appearance,     //!< the two places differ in appearance
-  not_converged,  //!< the registration did not settle
-  no_overlap,     //!< registered, but too few points meet
+  not_converged,  //!< the registration did not converge
+  no_overlap,     //!< registered, but too few points have a correspondence
   bad_fit,        //!< registered, but the surfaces do not coincide
-  degenerate,     //!< the surfaces leave a direction open
+  degenerate,     //!< the surfaces do not constrain a direction
   inconsistent,   //!< farther from the estimate than odometry could have drifted
   ambiguous,      //!< several places fit equally well
   unsupported,    //!< no loop of a nearby keyframe agrees
 };
 [[nodiscard]] std::string toString(LoopVerdict verdict);
 
-/** One loop candidate and what became of it. */
+/** One loop candidate and the decision about it. */
 struct Loop
 {
   std::size_t from = 0;  //!< the older keyframe
@@ -93,17 +94,17 @@ class LoopCloser
   LoopCloser(LoopCloser&&) noexcept;
   LoopCloser& operator=(LoopCloser&&) noexcept;
 
-  /** Makes the newest keyframe ready: once for every keyframe of the store, in its turn.
+  /** Prepares the newest keyframe: once for every keyframe of the store, in order.
    * \param static_points its vehicle frame [m]
    * \throws std::invalid_argument unless exactly one keyframe of the store is not ready yet. */
   void add(const std::vector<Eigen::Vector3f>& static_points);
 
   /** Looks for loops from the newest keyframe to older ones, from the poses of the store.
    * \return the candidates decided now: rejected ones of this keyframe, and loops of this and of
-   * recent keyframes that found agreement or waited for it in vain. */
+   * recent keyframes that found support or did not find it in time. */
   [[nodiscard]] std::vector<Loop> search();
 
-  /** The loops still waiting for agreement, as unsupported. */
+  /** The loops still waiting for support, as unsupported. */
   [[nodiscard]] std::vector<Loop> finish();
 
   /** Appearances and waiting loops; the keyframes are saved by themselves. */

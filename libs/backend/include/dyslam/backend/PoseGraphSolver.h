@@ -9,15 +9,15 @@
 
 namespace dyslam
 {
-/** How the error E = T_measured^-1 T_i^-1 T_j of an edge becomes a residual. Both agree to first
- * order, so they share one information matrix. */
+/** Parametrisation of an edge's error E = T_measured^-1 T_i^-1 T_j as a residual. Both agree to
+ * first order, so they share one information matrix. */
 enum class EdgeResidual
 {
   log,  //!< log(E) in SE(3), the paper's
   g2o,  //!< translation of E and twice its quaternion's vector part; the heading in planar graphs
 };
 
-/** Where the optimisation starts from. */
+/** Initial values of the poses. */
 enum class GraphStart
 {
   file,     //!< the graph's own poses; nodes without one are initialised from their neighbours

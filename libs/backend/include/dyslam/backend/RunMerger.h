@@ -41,7 +41,7 @@ struct RunLoop
   double residual = 0;    //!< translation between measurement and merged poses [m]
 };
 
-/** What became of the runs. */
+/** Result of a merge. */
 struct RunMerge
 {
   /** T_map_vehicle of every keyframe of every run, in the first run's map frame; empty for a run

@@ -8,7 +8,7 @@
 
 namespace dyslam
 {
-/** An object at one scan as the whole recording shows it. */
+/** State of an object at one scan, smoothed over the whole recording. */
 struct SmoothedObject
 {
   int id = -1;

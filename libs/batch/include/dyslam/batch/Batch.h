@@ -23,7 +23,7 @@ struct BatchSettings
   int attempts = 2;                    //!< of a run that fails
 };
 
-/** What became of a recording. */
+/** Result of a recording. */
 struct BatchResult
 {
   Recording recording;
@@ -33,7 +33,7 @@ struct BatchResult
 
 struct BatchWatch
 {
-  std::function<bool()> stop;  //!< asked all the time: true ends the batch
+  std::function<bool()> stop;  //!< polled: true ends the batch
   /** Share of the bytes done, recordings ended. */
   std::function<void(double, std::size_t)> progress;
   std::function<void(const BatchResult&, std::size_t ended)> ended;  //!< after each recording
@@ -50,7 +50,7 @@ std::vector<BatchResult> runBatch(const BatchSettings& settings,
                                   const std::vector<Recording>& recordings,
                                   const BatchWatch& watch);
 
-/** What is known of earlier runs, without running anything. */
+/** The results of earlier runs, without running anything. */
 [[nodiscard]] std::vector<BatchResult> readBatch(const BatchSettings& settings,
                                                  const std::vector<Recording>& recordings);
 }  // namespace dyslam::batch

@@ -24,7 +24,7 @@ struct ChildOutcome
   std::uint64_t peak_memory = 0;  //!< largest resident size [bytes]
 };
 
-/** Runs a program to its end. \param stop asked all the time; true kills it and what it started.
+/** Runs a program to its end. \param stop polled; true kills it and what it started.
  * \throws UserError if it cannot be started. */
 ChildOutcome runChild(const ChildCommand& command, const std::function<bool()>& stop = {});
 

@@ -11,7 +11,7 @@ namespace dyslam::batch
 [[nodiscard]] std::string checksumOfFile(const std::string& path);
 [[nodiscard]] std::string checksumOfText(const std::string& text);
 
-/** What the results of a recording follow from. Equal work has the same results. */
+/** All inputs of a recording's results. Equal work has the same results. */
 struct Work
 {
   std::string input;               //!< path of the recording
@@ -26,7 +26,7 @@ struct Work
 enum class State
 {
   unknown,  //!< not run
-  running,  //!< or ended without a word
+  running,  //!< or killed
   done,
   unregistered,  //!< done, but most scans could not be registered
   failed

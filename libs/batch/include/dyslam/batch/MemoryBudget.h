@@ -5,8 +5,8 @@
 
 namespace dyslam::batch
 {
-/** How many runs fit into memory. What a run takes is known when it has ended: until then it is
- * taken to be the most that any run took so far. Not for several threads at once. */
+/** Number of runs that fit into memory. The need of a run is known when it has ended; until then
+ * the maximum of all earlier runs is assumed. Not thread-safe. */
 class MemoryBudget
 {
  public:

@@ -8,7 +8,7 @@
 
 namespace dyslam::batch
 {
-/** Recordings by what became of them. */
+/** Number of recordings by result. */
 struct Counts
 {
   std::size_t done = 0;

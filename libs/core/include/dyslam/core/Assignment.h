@@ -11,11 +11,11 @@ namespace dyslam
 /** Costs of matching rows to columns. An entry that is not finite forbids its pair. */
 using CostMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-/** Which row goes with which column. */
+/** A one-to-one assignment of rows to columns. */
 struct Assignment
 {
-  std::vector<int> column_of_row;  //!< -1 for a row left alone
-  std::vector<int> row_of_column;  //!< -1 for a column left alone
+  std::vector<int> column_of_row;  //!< -1: not assigned
+  std::vector<int> row_of_column;  //!< -1: not assigned
   double cost = 0;                 //!< of the pairs
   std::size_t pairs = 0;
 };
@@ -38,7 +38,7 @@ constexpr double always_assign = std::numeric_limits<double>::infinity();
 [[nodiscard]] Assignment assignHungarian(const CostMatrix& cost,
                                          double unassigned_cost = always_assign);
 
-/** The cheapest pair first, then the cheapest that is left, and so on: not optimal, for comparison.
+/** Greedy: the cheapest pair first, then the cheapest of the rest; not optimal, for comparison.
  */
 [[nodiscard]] Assignment assignGreedy(const CostMatrix& cost,
                                       double unassigned_cost = always_assign);

@@ -6,8 +6,7 @@
 
 namespace dyslam
 {
-/** How two upright boxes of one frame share space. Boxes with NaN or without extent overlap
- * nothing. */
+/** Overlap of two upright boxes in one frame. Boxes with NaN or without extent overlap nothing. */
 struct BoxOverlap
 {
   double ground_iou = 0;  //!< intersection over union of the footprints

@@ -7,13 +7,13 @@
 
 namespace dyslam
 {
-/** Text values of an ini file by section and key, each knowing where it came from.
+/** Text values of an ini file by section and key, each with its origin.
  *
  * The syntax is MRPT's ini (`[section]`, `key = value // comment`, lines opening with `;`, `#` or
  * `//` are comments) read strictly: junk lines and repeated keys are errors. Two keys may stand
- * before the first section: `include = FILE` takes over another ini (of the same folder, or a
- * shipped one) whose values the file may change, and may be repeated; `program = NAME` is the
- * program that the ini is for.
+ * before the first section: `include = FILE` includes another ini (of the same folder, or a shipped
+ * one), whose values the file may override, and may be repeated; `program = NAME` is the program
+ * that the ini is for.
  */
 class Config
 {
@@ -30,7 +30,7 @@ class Config
   [[nodiscard]] static Config fromFile(const std::string& path);
   [[nodiscard]] static Config fromText(const std::string& text, const std::string& name);
 
-  /** Takes over every value of another config, which replaces one of its own. */
+  /** Merges another config: its values replace those of this one. */
   void merge(const Config& other);
 
   /** \throws UserError if the ini is for another program. */

@@ -6,8 +6,8 @@
 
 namespace dyslam
 {
-/** atan2(y, x) / 2 pi in (-0.5, 0.5], by an odd polynomial on [0, 1]: for what asks of every point
- * where the sensor looked. Abramowitz and Stegun 4.4.49: |error| < 1e-5 rad; 0 for (0, 0). */
+/** atan2(y, x) / 2 pi in (-0.5, 0.5], by an odd polynomial on [0, 1]: fast enough for the azimuth
+ * of every point. Abramowitz and Stegun 4.4.49: |error| < 1e-5 rad; 0 for (0, 0). */
 [[nodiscard]] inline float turnsOf(float y, float x)
 {
   const float ax = std::fabs(x);

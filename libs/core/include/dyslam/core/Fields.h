@@ -32,7 +32,7 @@ constexpr std::false_type isMadeFrom(...)
 
 constexpr std::size_t most = 24;
 
-/** How many fields an aggregate has, `most` at the utmost. */
+/** Number of fields of an aggregate, at most `most`. */
 template <typename T, std::size_t N = most>
 constexpr std::size_t count()
 {

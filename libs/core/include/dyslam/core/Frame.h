@@ -13,9 +13,10 @@
 
 namespace dyslam
 {
-/** What travels down the pipeline: each stage reads what earlier ones wrote and fills its own part.
+/** The data of one scan in the pipeline: each stage reads what earlier stages wrote and fills in
+ * its own part.
  *
- * It is the only thing that stages tell each other anything by.
+ * Stages exchange data through it alone.
  */
 struct Frame
 {
@@ -39,11 +40,13 @@ struct Frame
   std::vector<float> moving_probability;  //!< in [0, 1]
   /** Ego-motion relative to the static world that the segmenter found by itself. */
   std::optional<MotionEstimate> segmenter_motion;
-  /** Appearance prior: probability in [0, 1] that a point belongs to something static, by its looks
-   * alone. Given only while too few scans have been seen for motion to show; else empty. */
+  /** Appearance prior: probability in [0, 1] that a point belongs to a static object, from its
+   * appearance alone. Given only until enough scans have been seen to observe motion; else
+   * empty. */
   std::vector<float> static_prior;
 
-  /** The one decision of what moves, per cloud point; empty where nothing was decided. */
+  /** The moving/static decision that all later stages use, per cloud point; empty where nothing was
+   * decided. */
   std::vector<bool> moving;
 
   // Odometry::estimate

@@ -74,9 +74,10 @@ struct Keyframe
 /** The keyframes of a run with their poses, in order of time; the number of a keyframe is its node
  * in the pose graph. Backend and map share one store. Not thread-safe.
  *
- * Loop closure and map each keep what they need of a keyframe's points: a loop is looked for in all
- * that was seen from there, coarsely; the map drops what it has from elsewhere. Clouds that were
- * not used lately are on disk. A reference to one is valid until the next use of one of its kind.
+ * Loop closure and map each keep the points that they need: loop closure all points of the keyframe
+ * at a coarse resolution, the map only those that other keyframes have not filled in. Clouds that
+ * were not used recently are on disk. A reference to one is valid until the next access to one of
+ * its kind.
  */
 class KeyframeStore
 {
@@ -107,10 +108,10 @@ class KeyframeStore
   {
     return loop_clouds_.memory() + map_clouds_.memory();
   }
-  /** How much backend and map together may have in memory. */
+  /** Memory limit of backend and map together. */
   [[nodiscard]] const MemoryLimit& memory() const { return memory_; }
 
-  /** Gives the keyframes from number `first` on corrected poses. \throws std::invalid_argument
+  /** Sets corrected poses of the keyframes from number `first` on. \throws std::invalid_argument
    * unless there is one each. */
   void correct(const std::vector<Pose>& T_map_vehicle, std::size_t first = 0);
   /** Number of corrections so far. */

@@ -8,8 +8,8 @@
 
 namespace dyslam
 {
-/** Sizes in bytes that a library and its user must agree on. They hang on Eigen's alignment, which
- * other compiler flags (AVX) would change; the targets of dyslam pass it on. */
+/** Sizes in bytes that a library and its user must agree on. They depend on Eigen's alignment,
+ * which other compiler flags (AVX) would change; the targets of dyslam pass it on. */
 struct Layout
 {
   std::size_t eigen_alignment = 0;

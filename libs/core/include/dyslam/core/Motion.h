@@ -8,16 +8,17 @@
 
 namespace dyslam
 {
-/** A relative motion and how far to trust it. */
+/** A relative motion with its information matrix. */
 struct MotionEstimate
 {
   Pose T_previous_current =
       Pose::Identity();  //!< takes this scan's vehicle frame to the previous one's
   /** Of r = log(T_measured^-1 T), [translation, rotation]; units 1/m^2, 1/rad^2. */
   Matrix6 information = Matrix6::Identity();
-  /** Covariance of the error of this scan's pose that the next motion takes back: a pose found in a
-   * map errs anew at each scan. Over the tangent of the pose; zero where errors add up from motion
-   * to motion. `information` contains it, and that of the scan before. */
+  /** Covariance of the part of this scan's pose error that does not accumulate: a registration to a
+   * map has an independent error at each scan, which the next motion cancels. Over the tangent of
+   * the pose; zero where errors accumulate from motion to motion. `information` contains it, and
+   * that of the scan before. */
   Matrix6 pose_noise = Matrix6::Zero();
   bool converged = false;
   int iterations = 0;
@@ -26,13 +27,13 @@ struct MotionEstimate
   std::string reason;  //!< why it did not converge; empty if it did
 };
 
-/** What is known of the motion since the previous scan before this scan's points are used. */
+/** Prior of the motion since the previous scan, before this scan's points are used. */
 struct MotionPrior
 {
   Pose T_previous_current = Pose::Identity();
   /** Of log(T_prior^-1 T), [translation, rotation]; zero where nothing is known. */
   Matrix6 information = Matrix6::Zero();
-  /** Good enough to search for the motion around it alone. */
+  /** Accurate enough to restrict the search for the motion to its neighbourhood. */
   bool reliable = false;
 
   /** Fuse an independent measurement of the same motion (Gaussian product, first order). */

@@ -7,7 +7,7 @@ namespace dyslam
 {
 class StateArchive;
 
-/** What the odometry states of the error of one motion; tangents are [translation, rotation]. */
+/** Error model of one odometry motion; tangents are [translation, rotation]. */
 struct MotionCovariance
 {
   double stamp = 0;  //!< of the newer scan [s]
@@ -18,10 +18,10 @@ struct MotionCovariance
 
 /** The motion over several scans with its covariance, as an edge between two keyframes needs it.
  *
- * Of the error of a motion one part stays in the trajectory and adds up; the other is the noise of
- * the two poses at its ends (MotionEstimate::pose_noise), and the next motion takes the noise of
- * the newer one back. The covariance over several motions is therefore the sum of what stays, and
- * the noise of the first and the last pose. Tangents are [translation, rotation], in m and rad.
+ * The error of a motion has two parts: drift, which accumulates along the trajectory, and the noise
+ * of the poses at its two ends (MotionEstimate::pose_noise); the next motion cancels that of the
+ * newer one. The covariance over several motions is therefore the sum of their drift, and the noise
+ * of the first and the last pose. Tangents are [translation, rotation], in m and rad.
  */
 class MotionAccumulator
 {
@@ -30,7 +30,7 @@ class MotionAccumulator
    * \param T_previous_current the motion \param covariance its own, over its tangent, pose noise of
    * both ends included \param pose_noise of its newer end */
   void add(const Pose& T_previous_current, const Matrix6& covariance, const Matrix6& pose_noise);
-  /** Starts anew at the pose of the last motion. */
+  /** Resets the motion to the identity at the pose of the last motion. */
   void restart();
 
   /** Of the last pose in the frame of the one where it started. */
@@ -41,7 +41,7 @@ class MotionAccumulator
 
  private:
   Pose T_start_now_ = Pose::Identity();
-  Matrix6 drift_ = Matrix6::Zero();  //!< what stays, of the motions so far
+  Matrix6 drift_ = Matrix6::Zero();  //!< sum of the motions so far
   Matrix6 noise_of_start_ = Matrix6::Zero();
   Matrix6 noise_now_ = Matrix6::Zero();
   bool moved_ = false;  //!< something was added since the start

@@ -17,7 +17,7 @@ struct Neighbour
 
 /** Exact nearest neighbours by a kd-tree over its own copy of the points.
  *
- * Points that are not finite are never found. Answers are ordered by distance, ties by index.
+ * Points that are not finite are never found. Results are ordered by distance, ties by index.
  * Queries are const and may run in several threads.
  *
  * Not nanoflann's, which is slower: 1.5 times to build and 1.35 times for one neighbour, the same

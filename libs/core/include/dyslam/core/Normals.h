@@ -30,7 +30,8 @@ struct LocalShape
                                        const Eigen::Vector3f& viewpoint);
 
 /** Shapes of all points from their k nearest neighbours (the point itself among them) within
- * `max_distance` [m]; normals look to `viewpoint`. Points that are not finite get invalid shapes.
+ * `max_distance` [m]; normals point towards `viewpoint`. Points that are not finite get invalid
+ * shapes.
  */
 [[nodiscard]] std::vector<LocalShape> estimateNormals(const std::vector<Eigen::Vector3f>& points,
                                                       const KdTree& tree,

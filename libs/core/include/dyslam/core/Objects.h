@@ -25,7 +25,7 @@ enum class ObjectClass
 /** Class of a name, in any case; unknown for names that are not ours. */
 [[nodiscard]] ObjectClass objectClassFromString(const std::string& name);
 
-/** An upright box; the frame is its holder's to say. */
+/** An upright box; whoever holds it documents its frame. */
 struct Box
 {
   Eigen::Vector3d center = Eigen::Vector3d::Zero();  //!< at half height [m]
@@ -54,7 +54,7 @@ struct TrackedObject
   Eigen::Matrix4d covariance = Eigen::Matrix4d::Identity();  //!< of x, y, z, yaw
   bool confirmed = false;                                    //!< seen often enough to be reported
   bool dynamic = false;   //!< speed over the threshold, with hysteresis
-  bool reported = false;  //!< to be shown and written: confirmed and seen not long ago
+  bool reported = false;  //!< shown and written: confirmed and recently observed
   bool observed = false;  //!< matched to a detection of this scan
   int detection = -1;     //!< which one, in Frame::detections
   int age = 0;            //!< scans since birth
@@ -74,7 +74,7 @@ struct LabelledBox
   int id = -1;
   ObjectClass object_class = ObjectClass::unknown;
   std::string type;  //!< class name as the file has it
-  Box box;           //!< frame said by the reader's documentation
+  Box box;           //!< in the frame that the reader documents
   double score = 1;
   int truncated = 0;
   int occluded = 0;

@@ -10,7 +10,7 @@
 
 namespace dyslam
 {
-/** Meets every field of an options struct once: loading, saving and checking are visitors. */
+/** Visitor of every field of an options struct: loading, saving and checking are visitors. */
 class OptionsVisitor
 {
  public:
@@ -58,19 +58,19 @@ void save(const Options& options, Config& config, const std::string& section);
 /** \throws UserError naming the key whose value is out of range (for options set in code). */
 void validate(const Options& options, const std::string& section);
 
-/** What every value of one config is loaded by; afterwards it can say which sections were known. */
+/** Loads the options of one config and records which sections were requested. */
 class ConfigLoader
 {
  public:
   explicit ConfigLoader(const Config& config) : config_(config) {}
 
-  /** Load a section into T's options and note it into the effective config. */
+  /** Load a section into T's options and add it to the effective config. */
   template <typename T>
   [[nodiscard]] T get(const std::string& section);
 
-  /** \throws UserError if the config has a section that nobody asked for. */
+  /** \throws UserError if the config has a section that was never requested. */
   void requireAllUsed() const;
-  /** Every section that was asked for, with the values in force. */
+  /** Every requested section, with the values in effect. */
   [[nodiscard]] const Config& effective() const { return effective_; }
 
  private:

@@ -17,11 +17,11 @@ enum class Durable
   no
 };
 
-/** A file that grows under a temporary name and gets its own only when it is whole.
+/** A file that is written under a temporary name and renamed when it is complete.
  *
- * Write to temporary(), make sure that all could be written, then commit(). Without a commit() the
- * destructor removes what there is, and an earlier file of the name stays as it was. A killed
- * program leaves the `.tmp`.
+ * Write to temporary(), make sure that everything was written, then commit(). Without a commit()
+ * the destructor removes the temporary file, and an earlier file of the name stays as it was. A
+ * killed program leaves the `.tmp`.
  */
 class PendingFile
 {
@@ -35,9 +35,9 @@ class PendingFile
   [[nodiscard]] const std::string& path() const { return path_; }
   /** `<path>.tmp` */
   [[nodiscard]] const std::string& temporary() const { return temporary_; }
-  /** Whatever happens, what there is stays: a run that is resumed may have to be resumed again. */
+  /** Keeps the temporary file in any case: a resumed run may have to be resumed again. */
   void keep() { kept_ = true; }
-  /** Gives the closed file its name. \throws UserError. */
+  /** Renames the closed file to its final name. \throws UserError. */
   void commit(Durable durable = Durable::yes);
 
  private:
@@ -47,14 +47,14 @@ class PendingFile
   bool kept_ = false;
 };
 
-/** Writes a file by `write`, as a PendingFile: no half file is ever seen. \throws UserError. */
+/** Writes a file by `write`, as a PendingFile: it is never incomplete. \throws UserError. */
 void writeWhole(const std::string& path,
                 const std::function<void(std::ostream&)>& write,
                 Durable durable = Durable::yes);
 void writeWhole(const std::string& path, std::string_view content, Durable durable = Durable::yes);
 
-/** Cuts what a killed program left under a temporary name to the size that is known to be good. If
- * it had come to give the file its own name, the file gets the temporary one again.
+/** Truncates the temporary file of a killed program to the size that is known to be valid. A file
+ * that was already renamed gets its temporary name again.
  * \throws UserError if there is less. */
 void cutPending(const PendingFile& pending, std::uint64_t size);
 }  // namespace dyslam

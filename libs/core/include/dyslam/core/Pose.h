@@ -34,7 +34,7 @@ using Matrix6 = Eigen::Matrix<double, 6, 6>;
 /** Angle of the rotation, radians in [0, pi]. */
 [[nodiscard]] double rotationAngle(const Pose& pose);
 
-/** Size of a motion or a step: translation, and the turn as points at `lever` feel it [m]. */
+/** Size of a motion or a step: |translation| + lever |rotation| [m]. */
 [[nodiscard]] double motionSize(const Vector6& tangent, double lever = 10);
 
 /** x, y, z [m] and yaw, pitch, roll [rad] (R = Rz(yaw) Ry(pitch) Rx(roll), as MRPT's CPose3D). */

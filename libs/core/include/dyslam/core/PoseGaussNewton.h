@@ -56,14 +56,14 @@ struct PoseGaussNewtonSettings
   double end_gate = 0.2;     //!< ... and in the end
   double gate_decay = 0.75;  //!< per iteration
   std::size_t min_inliers = 30;
-  double settled_step = 1e-3;    //!< a smaller step ends it, see motionSize() [m]
-  double converged_step = 0.05;  //!< a last step below counts as converged [m]
+  double settled_step = 1e-3;    //!< stop after a smaller step, see motionSize() [m]
+  double converged_step = 0.05;  //!< converged if the last step is smaller [m]
 };
 
 struct PoseGaussNewtonResult
 {
   Pose T = Pose::Identity();
-  NormalEquations equations;  //!< where the last step began; inliers alone where they are too few
+  NormalEquations equations;  //!< at the start of the last step; inliers alone if too few
   int iterations = 0;
   bool converged = false;
   std::string reason;  //!< why it did not converge; empty if it did
@@ -83,7 +83,8 @@ using RowMatcher = std::function<void(
                                                     ThreadPool& pool);
 
 /** The result as a motion between scans, with the residuals' own variance as noise.
- * \param points_per_measurement neighbouring points err alike: so many count as one */
+ * \param points_per_measurement residuals of neighbouring points are correlated: so many count as
+ * one */
 [[nodiscard]] MotionEstimate toMotionEstimate(const PoseGaussNewtonResult& result,
                                               double points_per_measurement);
 }  // namespace dyslam

@@ -16,8 +16,8 @@ namespace dyslam
 /** d(x, y, z, yaw, pitch, roll) / d(tangent) at the mean; tangent order [translation, rotation].
  *
  * Yaw and roll are the same motion at a pitch of 90 degrees. Closer than 0.06 degrees to it the
- * matrix is that of 0.06 degrees, so that it keeps an inverse; there the numbers no longer mean
- * quite what MRPT says, but going there and back still gives the same matrix.
+ * matrix is that of 0.06 degrees, so that it keeps an inverse; there the numbers deviate from
+ * MRPT's definition, but the conversion in both directions still gives the same matrix.
  */
 [[nodiscard]] Matrix6 yprFromTangentJacobian(const Pose& mean);
 /** Its inverse. */

@@ -8,7 +8,7 @@
 namespace dyslam
 {
 /** The text for a terminal, on one line: `?` for control characters, whose codes would move the
- * cursor or worse, and not endless. */
+ * cursor or worse, and cut at a limit. */
 [[nodiscard]] std::string printable(std::string text);
 
 /** For messages: "1 pose", "2 poses". */
@@ -20,7 +20,7 @@ namespace dyslam
 /** The text for a page or an attribute of HTML in double quotes. */
 [[nodiscard]] std::string escapedHtml(const std::string& text);
 
-/** Whether brackets in this JSON text are nested deeper than `limit`: whoever walks over a parsed
- * value by recursion runs out of stack. Says nothing about whether the text is JSON. */
+/** Whether brackets in this JSON text are nested deeper than `limit`: recursion over the parsed
+ * value would overflow the stack. Does not check that the text is JSON. */
 [[nodiscard]] bool isNestedDeeper(std::string_view json, std::size_t limit = 64);
 }  // namespace dyslam

@@ -8,8 +8,8 @@
 
 namespace dyslam
 {
-/** Points of one scan ordered by where the sensor looked: rows are rings, row 0 the lowest; columns
- * are azimuths, column 0 straight behind, rising clockwise seen from above (so that left is left).
+/** Points of one scan ordered by direction: rows are rings, row 0 the lowest; columns are azimuths,
+ * column 0 straight behind, rising clockwise seen from above (so that left is left).
  *
  * A cell holds the nearest of its points (ties: the first), or none.
  */
@@ -27,7 +27,7 @@ struct RangeImage
     return static_cast<std::size_t>(row) * static_cast<std::size_t>(cols) +
            static_cast<std::size_t>(col);
   }
-  /** The column, taken around the turn: any `col` in [-cols, 2 cols). */
+  /** The column, wrapped around the revolution: any `col` in [-cols, 2 cols). */
   [[nodiscard]] int wrapped(int col) const
   {
     return col < 0 ? col + cols : (col >= cols ? col - cols : col);

@@ -9,8 +9,8 @@
 
 namespace dyslam
 {
-/** What a scan shows of the sensor that took it: field of view, rings, spacing, noise. Angles are
- * in the lidar frame [rad]; figures that a scan does not show are 0. */
+/** Properties of a sensor, measured from one of its scans: field of view, rings, spacing, noise.
+ * Angles are in the lidar frame [rad]; what a scan does not show is 0. */
 struct ScanPattern
 {
   std::size_t returns = 0;     //!< points that are returns

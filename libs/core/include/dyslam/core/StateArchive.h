@@ -38,7 +38,7 @@ struct HasOwn<
 {
 };
 
-/** Values whose bytes are all that they are, without gaps. */
+/** Types whose bytes are their value, without padding. */
 template <typename T>
 struct IsPlain
     : std::bool_constant<(std::is_arithmetic_v<T> && !std::is_same_v<T, bool>) || std::is_enum_v<T>>
@@ -58,12 +58,13 @@ struct IsPlain<std::array<T, N>> : IsPlain<T>
 };
 }  // namespace state
 
-/** The state of objects as bytes: of a run that may have to go on in another process.
+/** Serialises the state of objects, so that a run can be resumed in another process.
  *
- * One function for both directions: a class has `void exchangeState(StateArchive&)`, which hands
- * over what the object keeps, and what is saved is what is loaded. Aggregates, containers, Eigen's
- * types and numbers need none. Options are not part of a state: whoever loads makes the object from
- * the same ones. Bytes are those of this machine's numbers; StateFile guards them against damage.
+ * One function for both directions: a class has `void exchangeState(StateArchive&)`, which passes
+ * the members that the object keeps: what is saved is what is loaded. Aggregates, containers,
+ * Eigen's types and numbers need none. Options are not part of a state: the object that loads is
+ * constructed from the same ones. Bytes are those of this machine's numbers; StateFile guards them
+ * against damage.
  */
 class StateArchive
 {

@@ -14,7 +14,7 @@
 
 namespace dyslam
 {
-/** Room on the disk for what does not fit into memory.
+/** Disk space for data that does not fit into memory.
  *
  * The file has no name: nothing of it is left when the program ends, however it ends. It is made
  * with the first write. Not thread-safe.
@@ -22,7 +22,7 @@ namespace dyslam
 class SwapFile
 {
  public:
-  /** Where something is. */
+  /** A range of the file. */
   struct Slot
   {
     std::uint64_t offset = 0;
@@ -42,7 +42,7 @@ class SwapFile
   bool write(std::string_view bytes, Slot& slot);
   /** \throws UserError if it can't be read. */
   [[nodiscard]] std::string read(const Slot& slot) const;
-  /** Its room may be used again. */
+  /** Frees the slot for reuse. */
   void release(Slot& slot);
 
   /** Length of the file [bytes]. */
@@ -69,7 +69,7 @@ struct MemoryOptions : Options
   void describe(OptionsVisitor& visitor) override;
 };
 
-/** How much may be held in memory, and where the rest goes. */
+/** Memory limit, and the file for the rest. */
 struct MemoryLimit
 {
   MemoryLimit() = default;

@@ -40,7 +40,7 @@ struct MovingSegmenterOptions : Options
 {
   std::string method = "residual";
   bool filter = false;            //!< accumulate the probabilities over scans: TemporalFilter
-  double moving_threshold = 0.5;  //!< points with a higher probability move: Frame::moving
+  double moving_threshold = 0.5;  //!< points with a higher probability are moving: Frame::moving
   void describe(OptionsVisitor& visitor) override;
 };
 

@@ -12,12 +12,11 @@ namespace dyslam
 struct NetworkSegmenterOptions : Options
 {
   std::string weights = "dyseg";  //!< a file, or the name of weights that come with DySLAM
-  int first_gap = 8;              //!< scans back to the one compared with
+  int first_gap = 8;              //!< scans back to the one that is compared
   int second_gap = 0;             //!< scans back to a second one; not above the first: none
-  /** Where the static motion is searched. global: among all motions, so that no wrong prior can
-   * harm it; prior: around the prior, where that is reliable, which among vehicles that drive alike
-   * separates the world from the traffic; auto: globally until `first_gap` scans have been seen,
-   * then as `prior`. */
+  /** Search range of the static motion. global: all motions, independent of any prior; prior:
+   * around the prior, where that is reliable, which separates the static world from traffic that
+   * moves alike; auto: globally until `first_gap` scans have been seen, then as `prior`. */
   std::string search = "auto";
   std::string combine = "mean";  //!< of the two probabilities: mean (of log-odds), max
   double threshold = 0.5;        //!< of the network's output; becomes a probability of 0.5
@@ -41,10 +40,10 @@ struct SceneFlow
 /** DySeg (the paper's section 3.1): moving points by scene flow, from a trained network.
  *
  * Tracks the static motion from scan to scan and compares each scan with one some scans back, when
- * slow movers were elsewhere, or with two. Needs no pose: the static motion comes from the scans
- * themselves, and a drifting odometry cannot harm it; it is given as Frame::segmenter_motion. Until
- * `first_gap` scans have been seen, Frame::static_prior is given too. The first scan is all static,
- * as are points beyond the network's grid (102 m to each side with the shipped weights).
+ * slow objects were elsewhere, or with two. Needs no pose: the static motion is estimated from the
+ * scans, independent of odometry drift; it is given as Frame::segmenter_motion. Until `first_gap`
+ * scans have been seen, Frame::static_prior is given too. The first scan is all static, as are
+ * points beyond the network's grid (102 m to each side with the shipped weights).
  *
  * In the library dyslam::dyseg_network; makeSegmenter() loads it with the module `networks`.
  */

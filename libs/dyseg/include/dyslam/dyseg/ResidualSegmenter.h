@@ -9,32 +9,31 @@ namespace dyslam
 {
 struct ResidualSegmenterOptions : Options
 {
-  int history = 30;                //!< how far back the oldest compared scan lies
-  int compared = 6;                //!< how many scans of the history are compared
+  int history = 30;                //!< scans back to the oldest one compared
+  int compared = 6;                //!< scans of the history that are compared
   double azimuth_bin = 0.0052360;  //!< column width of the range images [rad]
   double slope_bin = 0.007;        //!< row height, in z per horizontal distance
-  double margin = 0.2;             //!< a point must lie this far before what was seen ...
+  double margin = 0.2;             //!< a moving point is nearer than the earlier range by this ...
   double margin_per_range = 0.01;  //!< ... and this much more per metre of its range [m]
-  double max_range = 60;           //!< points beyond are called static [m]
-  /** A ray without return above a point went on freely, as from a few beams under open sky; else
-   * only returns farther away above and below it say so. */
+  double max_range = 60;           //!< points beyond are static [m]
+  /** A ray without return above a point counts as free, as for sensors with few beams under open
+   * sky; else only where the returns above and below it are farther away. */
   bool open_sky = false;
   double ground_clearance = 0.15;  //!< points this little above the lowest nearby are ground [m]
-  double cell_size = 0.4;          //!< of the grid in which single votes become objects [m]
+  double cell_size = 0.4;          //!< of the grid in which votes are clustered to objects [m]
   int min_points = 8;              //!< that voted moving, in a moving object
   double min_share = 0.3;          //!< of an object's points that must have voted moving
 
   void describe(OptionsVisitor& visitor) override;
 };
 
-/** Moving points by seeing through: a point where an earlier ray went on freely has come there
- * since.
+/** Moving points by visibility: a point at which an earlier ray passed through has arrived since.
  *
- * Each point above ground is looked up in range images of a few earlier scans. Nearer than what was
- * seen there, by a margin, votes for moving; the same range votes, half as strongly, for static (a
- * mover overlaps where it was before); farther says nothing, it was hidden. Votes are gathered in
- * connected grid cells, so that single noisy points do not count. No learning: this is the baseline
- * that a network has to beat. It needs poses good to the margin.
+ * Each point above ground is looked up in range images of a few earlier scans. A range shorter than
+ * the earlier one by a margin votes for moving; an equal range votes, with half the weight, for
+ * static (a moving object overlaps its earlier position); a longer range gives no vote, the point
+ * was occluded. Votes are accumulated in connected grid cells, which rejects single noisy points.
+ * No learning: this is the baseline for the network. It needs poses accurate to the margin.
  */
 class ResidualSegmenter : public MovingSegmenter
 {
@@ -48,7 +47,7 @@ class ResidualSegmenter : public MovingSegmenter
   void exchangeState(StateArchive& archive) override;
 
  private:
-  /** Nearest range per direction as one earlier scan saw it. */
+  /** Nearest range per direction of one earlier scan. */
   struct PastScan
   {
     Pose T_lidar_odom = Pose::Identity();

@@ -14,21 +14,21 @@ class StateArchive;
 struct TemporalFilterOptions : Options
 {
   double cell_size = 0.4;         //!< side of a cell [m]
-  double ground_clearance = 0.3;  //!< lower above the lowest nearby, points stay as they are [m]
-  double decay = 0.8;             //!< of a cell's log-odds, per scan
-  double share = 0.4;             //!< weight of a cell's past log-odds in a point's
-  double max_log_odds = 4;        //!< of a cell, either way
+  double ground_clearance = 0.3;  //!< points lower above the lowest nearby are unchanged [m]
+  double decay = 0.8;             //!< factor on a cell's log-odds per scan
+  double share = 0.4;             //!< weight of a cell's past log-odds in those of its points
+  double max_log_odds = 4;        //!< limit of a cell's log-odds, positive and negative
 
   void describe(OptionsVisitor& visitor) override;
 };
 
-/** Accumulates the moving probabilities of the last scans, where in the world they lie.
+/** Accumulates the moving probabilities of the last scans in the odometry frame.
  *
  * Each cell of a grid fixed in the odometry frame keeps log-odds of moving, decaying from scan to
- * scan: what was static there for some scans does not count as moving after one, and what creeps
- * through a cell for several counts sooner. Cells that have no history change nothing, so that a
- * mover on free ground is found at once. A stage of its own: it runs once the pose is known, behind
- * any segmenter.
+ * scan: a cell that was static for some scans does not become moving after one, and an object that
+ * moves slowly through a cell is detected sooner. Cells without history change nothing, so that an
+ * object that moves on free ground is detected at once. A separate stage: it runs once the pose is
+ * known, after any segmenter.
  */
 class TemporalFilter
 {

@@ -8,7 +8,7 @@ namespace dyslam
 /** Whether the bodies of two trajectories have the same axes. */
 enum class BodyAxes
 {
-  same,              //!< or there is too little motion to say
+  same,              //!< or there is too little motion to tell
   estimate_camera,   //!< the estimate's are a camera's (z ahead), the reference's a lidar's (x
                      //!< ahead)
   reference_camera,  //!< the other way round

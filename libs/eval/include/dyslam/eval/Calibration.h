@@ -8,7 +8,7 @@
 
 namespace dyslam
 {
-/** Whether probabilities are what they say: of the points given p, a share of p should move.
+/** Calibration of probabilities: of the points with probability p, the fraction p should be moving.
  *
  * Guo, Pleiss, Sun, Weinberger: On calibration of modern neural networks, 2017. */
 class CalibrationEvaluator

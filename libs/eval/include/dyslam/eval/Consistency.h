@@ -12,8 +12,8 @@
 namespace dyslam
 {
 /** Normalised squared errors of motions: e' C^-1 e with e = log(T_estimated^-1 T_true) and the
- * stated covariance C. Its mean is 6 if C is exact (3 for translation and for rotation alone), more
- * if the motion is stated too sure, less if it is stated too unsure. */
+ * stated covariance C. Its mean is 6 if C is exact (3 for translation and for rotation alone),
+ * larger if C is too small (overconfident), smaller if C is too large. */
 struct NormalisedErrors
 {
   Statistics all;

@@ -24,11 +24,11 @@ struct PointSharpness
   std::size_t neighbours = 0;
 };
 
-/** Sharpness of a map that comes in pieces, without ground truth: a trajectory that is off draws
- * walls twice or thick.
+/** Sharpness of a map that comes in pieces, without ground truth: errors of the trajectory double
+ * or thicken walls.
  *
  * Sigma is the covariance (over n) of all points of the map within the radius of a point. Only the
- * chosen points are in memory; the map streams by.
+ * chosen points are in memory; the map is streamed.
  *
  * Source: Droeschel, Stueckler, Behnke, Local multi-resolution representation for 6D motion
  * estimation and mapping with a continuously rotating 3D laser scanner, ICRA 2014 (mean map

@@ -14,8 +14,8 @@ namespace dyslam
 enum class RosEncoding
 {
   ros1,   //!< packed, little-endian
-  cdr,    //!< ROS 2: aligned, behind four bytes that name the byte order
-  other,  //!< protobuf, JSON and what else mcap allows; not decoded
+  cdr,    //!< ROS 2: aligned, after four bytes that name the byte order
+  other,  //!< protobuf, JSON and others that mcap allows; not decoded
 };
 
 struct BagTopic
@@ -24,8 +24,8 @@ struct BagTopic
   std::string type;  //!< as ROS 1 writes it: "sensor_msgs/PointCloud2"
   RosEncoding encoding = RosEncoding::other;
   std::size_t messages = 0;
-  double first = 0;  //!< when the first message was recorded, UNIX time [s]
-  double last = 0;   //!< and the last
+  double first = 0;  //!< recording time of the first message, UNIX time [s]
+  double last = 0;   //!< ... of the last message
 };
 
 struct BagMessage
@@ -73,7 +73,7 @@ class Bag
 [[nodiscard]] std::unique_ptr<Bag> openBag(const std::string& path);
 
 /** Topics with types, counts and rates, of scans also points and frame, as lines of a table; the
- * scans that are taken unless others are asked for are marked. Then the duration, and the poses of
- * lidars that `/tf_static` has. */
+ * scans that are taken by default are marked. Then the duration, and the poses of lidars that
+ * `/tf_static` has. */
 [[nodiscard]] std::string listingOf(Bag& bag);
 }  // namespace dyslam

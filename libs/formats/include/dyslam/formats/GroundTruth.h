@@ -18,7 +18,7 @@ namespace dyslam
 /** Folder of the ground truth beside a rawlog: `dir/x.rawlog` has `dir/x.gt`. */
 [[nodiscard]] std::string groundTruthFolder(const std::string& rawlog_path);
 
-/** What a recording was simulated in. */
+/** Simulation settings of a recording. */
 struct SimulatedWorld
 {
   std::string world;
@@ -72,7 +72,7 @@ class GroundTruthReader
   std::multimap<int, std::size_t> boxes_of_frame_;
 };
 
-/** \throws UserError if a subfolder of the sidecar is a link: its files are someone else's. */
+/** \throws UserError if a subfolder of the sidecar is a link: its files may belong to others. */
 void requireNoLinks(const std::string& folder);
 
 /** Writes the sidecar: per-point files at once, poses and tracks when closed. */

@@ -11,7 +11,7 @@
 
 namespace dyslam
 {
-/** What KITTI's calibration files say about the rigid mounting of the sensors.
+/** Rigid transformations between the sensors from KITTI's calibration files.
  *
  * "Camera" is the rectified camera 0, in whose frame labels and odometry poses are given.
  */

@@ -8,7 +8,7 @@
 
 namespace dyslam
 {
-/** `motions.csv` of a run: what the odometry states of the error of each motion between scans.
+/** `motions.csv` of a run: the odometry's covariance of each motion between scans.
  *
  * A row: `stamp,keyframe`, the upper triangle of the motion's covariance row by row (`c00` to
  * `c55`, 21 numbers) and that of the pose noise (`n00` to `n55`). Tangents are [translation,

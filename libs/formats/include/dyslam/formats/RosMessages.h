@@ -26,8 +26,8 @@ struct RosScanTopic
 
 /** Makes scans of `sensor_msgs/PointCloud2` and Livox's `CustomMsg`, ROS 1 or ROS 2.
  *
- * The stamp is the header's. Every point is kept in its order. What the fields of the drivers are
- * called and count in is found in the first scan:
+ * The stamp is the header's. Every point is kept in its order. Names and units of the drivers'
+ * fields are recognised in the first scan:
  *
  * | driver | time | ring |
  * |---|---|---|
@@ -45,13 +45,14 @@ class RosScanDecoder
   /** True for the types that decode() takes. */
   [[nodiscard]] static bool reads(const BagTopic& topic);
 
-  /** What a message tells of its topic. \pre reads(topic) \throws UserError as decode(). */
+  /** Properties of a topic from one of its messages. \pre reads(topic) \throws UserError as
+   * decode(). */
   [[nodiscard]] static RosScanTopic summaryOf(const BagTopic& topic, const BagMessage& message);
 
   /** \throws UserError naming the message and what is wrong with it. */
   [[nodiscard]] Scan decode(const BagTopic& topic, const BagMessage& message);
 
-  /** What was taken for what, a line each: "per-point time: field t, nanoseconds". */
+  /** How the fields were interpreted, a line each: "per-point time: field t, nanoseconds". */
   [[nodiscard]] const std::vector<std::string>& notes() const { return notes_; }
   /** What the recording lacks, a line each. */
   [[nodiscard]] const std::vector<std::string>& warnings() const { return warnings_; }

@@ -11,7 +11,8 @@
 
 namespace dyslam
 {
-/** Lines of a text file as fields parted by spaces, tabs or commas; every error says file:line. */
+/** Lines of a text file as fields separated by spaces, tabs or commas; every error says
+ * file:line. */
 class TextFile
 {
  public:
@@ -33,7 +34,7 @@ class TextFile
   [[nodiscard]] std::vector<double> numbers(std::size_t first = 0) const;
   /** \throws UserError "file:line: has n fields, not k (what)". */
   void requireFields(std::size_t count, const char* what) const;
-  /** "file:line" of the present line. */
+  /** "file:line" of the current line. */
   [[nodiscard]] std::string position() const;
   /** \throws UserError "file:line: what". */
   [[noreturn]] void fail(const std::string& what) const;

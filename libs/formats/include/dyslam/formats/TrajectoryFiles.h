@@ -14,9 +14,9 @@ enum class TrajectoryFormat
   kitti  //!< 12 numbers: the upper 3x4 of the pose, row by row; no time
 };
 
-/** All readers skip empty lines and lines opening with `#`, accept spaces, tabs and commas between
- * numbers, and throw UserError "file:line: what" for anything else that is not as the format says.
- * Rotations are made orthonormal; one that is no rotation at all is an error. */
+/** All readers skip empty lines and lines that begin with `#`, accept spaces, tabs and commas
+ * between numbers, and throw UserError "file:line: what" for anything else that is not as the
+ * format says. Rotations are made orthonormal; one that is no rotation at all is an error. */
 
 /** TUM: `t x y z qx qy qz qw` a line. */
 [[nodiscard]] Trajectory readTum(const std::string& path);
@@ -37,7 +37,7 @@ void writeKittiPoses(const std::string& path, const Trajectory& trajectory);
 /** Poses at 0, dt, 2 dt, ... */
 [[nodiscard]] Trajectory withTimes(const std::vector<Pose>& poses, double dt);
 
-/** What a file is, by the count of numbers in its first line (8: TUM, 12: KITTI). */
+/** Format of a file, by the count of numbers in its first line (8: TUM, 12: KITTI). */
 [[nodiscard]] TrajectoryFormat trajectoryFormat(const std::string& path);
 
 struct TrajectoryFile
@@ -48,7 +48,8 @@ struct TrajectoryFile
 /** Reads either kind. A KITTI file's stamps are the line numbers 0, 1, 2, ... */
 [[nodiscard]] TrajectoryFile readTrajectory(const std::string& path);
 
-/** T_cam_velo of a camera at the lidar's place that looks ahead: its x is right, y down, z ahead.
+/** T_cam_velo of a camera at the lidar's position that faces forward: its x is right, y down, z
+ * ahead.
  */
 [[nodiscard]] Pose cameraAxes();
 /** Poses of the camera (in the first camera's frame) to those of the lidar (in the first lidar's

@@ -12,7 +12,7 @@ namespace dyslam
 /** Optimiser for mrpt::graphslam::CGraphSlamEngine: the backend's, whose result is written to the
  * nodes of the engine's network. Works with OdometryNodeDecider on the same context.
  *
- * After a step with a new node the engine itself resets all nodes to what the edges alone give
+ * After a step with a new node the engine itself resets all nodes to the poses of the chained edges
  * (dijkstra_nodes_estimate()); the next step writes the optimised poses again. Call finish() after
  * the last observation, else the network may hold the former.
  */
@@ -40,7 +40,7 @@ class FactorGraphOptimizer
 
  private:
   std::shared_ptr<GraphSlamContext> context_;
-  bool reset_ = false;  //!< the engine has put the nodes elsewhere since the poses were written
+  bool reset_ = false;  //!< the engine has reset the nodes since the poses were written
   bool moved_ = false;
 };
 }  // namespace dyslam

@@ -12,7 +12,7 @@
 
 namespace dyslam
 {
-/** What came of optimising a saved graph. */
+/** Result of optimising a saved graph. */
 struct GraphFileReport
 {
   std::size_t nodes = 0;
@@ -29,7 +29,7 @@ GraphFileReport optimizeGraphFile(const std::string& input,
                                   const std::string& output,
                                   const Config& config = {});
 
-/** What came of optimising a saved factor graph. */
+/** Result of optimising a saved factor graph. */
 struct FactorGraphFileReport
 {
   std::map<std::string, std::size_t> variables;  //!< how many of each kind

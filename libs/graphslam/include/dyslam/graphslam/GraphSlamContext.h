@@ -14,8 +14,8 @@ namespace dyslam
 class Backend;
 class Pipeline;
 
-/** What node decider, edge decider and optimiser of one engine share: the decoder of its
- * observations, the pipeline whose steps they call, and the frame of the present observation.
+/** Shared state of node decider, edge decider and optimiser of one engine: the decoder of its
+ * observations, the pipeline whose steps they call, and the frame of the current observation.
  *
  * MRPT's network holds poses and edges between them only, so it is not what is solved: that is the
  * backend's graph. The deciders show it in the engine's network: node k is keyframe k, edges are
@@ -49,7 +49,7 @@ class GraphSlamContext
   /** Pipeline::optimise(). \return whether keyframes were moved. */
   bool optimise();
 
-  /** Whether all scans asked for were used; further ones are passed over. */
+  /** Whether all requested scans were used; further ones are skipped. */
   [[nodiscard]] bool done() const { return done_; }
   /** After the last observation: decides the loops still open, solves once more. Once only. */
   void finish();

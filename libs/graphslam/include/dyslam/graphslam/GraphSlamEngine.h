@@ -9,9 +9,9 @@
 
 namespace dyslam
 {
-/** Console and keyboard cut off from construction until restore(): what is written to std::cout and
- * std::cerr is lost, what is read from standard input is at its end. Of the whole process, so not
- * for several threads. */
+/** Disconnects console and keyboard from construction until restore(): output to std::cout and
+ * std::cerr is discarded, standard input is at its end. It affects the whole process: not
+ * thread-safe. */
 class ConsoleCutOff
 {
  public:

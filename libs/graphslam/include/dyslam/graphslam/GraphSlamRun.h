@@ -17,7 +17,7 @@ struct GraphSlamPluginNames
   std::string optimizer;
 };
 
-/** As runSlam(), but with mrpt::graphslam::CGraphSlamEngine in charge, without a window. With the
+/** As runSlam(), but driven by mrpt::graphslam::CGraphSlamEngine, without a window. With the
  * default plug-ins every file that runSlam() writes has the same bytes, but for the times in
  * report.json.
  *

@@ -10,8 +10,8 @@
 
 namespace dyslam
 {
-/** Called after every scan: fraction of the work done (0 to 1) and scans so far. What it throws
- * ends the conversion and removes all that was written. */
+/** Called after every scan: fraction of the work done (0 to 1) and scans so far. An exception from
+ * it ends the conversion and removes all that was written. */
 using ConversionProgress = std::function<void(double, std::size_t)>;
 
 struct ConversionResult
@@ -23,7 +23,7 @@ struct ConversionResult
   std::size_t label_files = 0;     //!< scans with labels per point
   std::size_t boxes = 0;           //!< true boxes of all scans
   std::string ground_truth;        //!< sidecar folder; empty if there is no truth
-  std::vector<std::string> notes;  //!< what was found in the input and used, a line each
+  std::vector<std::string> notes;  //!< inputs that were found and used, a line each
   std::vector<std::string> warnings;
 };
 
@@ -34,7 +34,7 @@ enum class KittiKind
   tracking   //!< velodyne/NNNN/NNNNNN.bin, oxts/NNNN.txt, calib/NNNN.txt, label_02/NNNN.txt
 };
 
-/** Whether the motion within a scan was undone before; such scans are given point times of 0. */
+/** Whether scans are deskewed already; such scans are given point times of 0. */
 enum class ScansDeskewed
 {
   automatic,  //!< KITTI odometry's are
@@ -99,7 +99,7 @@ struct ScanConverterOptions : Options
   std::string truth_frame;    //!< child frame of truth_topic, where that has several
   std::string sensor_pose;    //!< T_vehicle_lidar: x y z yaw pitch roll [m, deg]; empty: identity
   double dt = 0;              //!< seconds between scans; 0: the recording's times, else 0.1
-  bool keep_partial = false;  //!< broken first and last revolutions of a pcap, too
+  bool keep_partial = false;  //!< also incomplete first and last revolutions of a pcap
   int skip_first_n = 0;
   int only_first_n = 0;  //!< 0: all
   bool external_storage = false;

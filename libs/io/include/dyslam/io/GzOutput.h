@@ -15,8 +15,8 @@ namespace dyslam
 {
 class StateArchive;
 
-/** Writes a gzip file for MRPT's archiveFrom(), as a PendingFile: it gets its name by close() and
- * is gone without. The headers hold no time: same data, same bytes.
+/** Writes a gzip file for MRPT's archiveFrom(), as a PendingFile: close() renames it to its final
+ * name, without that it is removed. The headers hold no time: same data, same bytes.
  *
  * The file is a row of gzip members of `member_size` bytes of content each, which is one gzip file
  * to every reader (RFC 1952, 2.2) and lets each member be packed and unpacked in one go. */
@@ -27,13 +27,13 @@ class GzOutput
 
   /** \param level 0 (none) to 9. \throws UserError. */
   GzOutput(const std::string& path, int level);
-  /** Goes on where exchangeState() saved another one. */
+  /** Continues the file of another object, saved by exchangeState(). */
   GzOutput(const std::string& path, int level, StateArchive& saved);
   ~GzOutput();
   GzOutput(const GzOutput&) = delete;
   GzOutput& operator=(const GzOutput&) = delete;
 
-  /** Notes a failure, for check() to report: MRPT would wrap an exception into pages of text. */
+  /** Records a failure, which check() reports: MRPT would wrap an exception into pages of text. */
   std::size_t Write(const void* buffer, std::size_t count);
   std::size_t Read(void* buffer, std::size_t count);  //!< throws
   [[nodiscard]] std::string getStreamDescription() const { return pending_.path(); }

@@ -11,9 +11,9 @@ struct KittiExportOptions : Options
 {
   std::string sequence = "00";  //!< name of the sequence's folder
   std::string trajectory;       //!< TUM or KITTI poses of the vehicle; empty: the recording's truth
-  std::string calib;      //!< calib.txt to go with; empty: the lidar's axes turned to a camera's
-  bool no_scans = false;  //!< only times, calibration and poses
-  bool rings = false;     //!< NNNNNN.ring beside the scans, a byte a point
+  std::string calib;            //!< calib.txt to write; empty: camera axes at the lidar
+  bool no_scans = false;        //!< only times, calibration and poses
+  bool rings = false;           //!< NNNNNN.ring beside the scans, a byte a point
   int skip_first_n = 0;
   int only_first_n = 0;  //!< 0: all
 
@@ -28,7 +28,7 @@ struct KittiExportOptions : Options
  * the frame of the first, as KITTI's are; without a calibration that is the lidar with a camera's
  * axes (x right, y down, z ahead). Poses are left out, with a warning, unless every scan has one.
  *
- * The sequence grows under a temporary name. If `progress` throws, all is removed.
+ * The sequence is written under a temporary name. If `progress` throws, all is removed.
  * \throws UserError, also if there is such a sequence already. */
 ConversionResult exportKitti(const std::string& rawlog,
                              const std::string& folder,

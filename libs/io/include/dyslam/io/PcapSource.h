@@ -23,9 +23,9 @@ struct PcapSourceOptions : Options
 {
   VelodyneModel model = VelodyneModel::automatic;
   std::string calibration_file;  //!< Velodyne's XML or YAML; empty: MRPT's default of the model
-  double min_range = 1.0;        //!< nearer returns are the vehicle or the housing [m]
+  double min_range = 1.0;        //!< nearer returns (vehicle, housing) are dropped [m]
   double cut_azimuth = 3.14159265358979323846;  //!< clockwise from ahead [rad]; the rear
-  bool keep_partial = false;  //!< deliver the broken first and last revolution, too
+  bool keep_partial = false;  //!< also deliver the incomplete first and last revolution
 
   void describe(OptionsVisitor& visitor) override;
 };
@@ -33,8 +33,9 @@ struct PcapSourceOptions : Options
 /** Revolutions of a Velodyne lidar out of a network capture (.pcap, .pcapng).
  *
  * Lidar frame as MRPT's: x ahead (the sensor's azimuth 0), y left, z up. A revolution is cut where
- * the azimuth passes `cut_azimuth`. Points carry time within the scan, ring and intensity; places
- * without a return are left out. Stamps run on the sensor's clock, set by the capture's once.
+ * the azimuth passes `cut_azimuth`. Points have time within the scan, ring and intensity; firings
+ * without a return are left out. Stamps are of the sensor's clock, aligned once with that of the
+ * capture.
  */
 class PcapSource
 {

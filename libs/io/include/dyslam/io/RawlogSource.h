@@ -18,7 +18,8 @@ struct RawlogSourceOptions : Options
   int skip_first_n = 0;      //!< scans to skip
   int only_first_n = 0;      //!< scans to deliver after those; 0: all
   std::string ground_truth_label = "ground_truth";  //!< of the CObservationRobotPose
-  /** Truth that has not the scan's own time stamp is interpolated if both neighbours are this near.
+  /** Ground truth without the scan's own time stamp is interpolated if both neighbours are this
+   * near.
    */
   double ground_truth_max_gap = 0.2;  //!< [s]
   bool external_anywhere = false;     //!< external files may lie outside of the recording's folder
@@ -33,8 +34,8 @@ struct RawlogSourceOptions : Options
  * Reads CObservationPointCloud, CObservationVelodyneScan, CObservationRotatingScan and
  * CObservation3DRangeScan, external storage (`<name>_Images/`) included. At most a few observations
  * are in memory. Frame::index counts the lidar's scans in the file from 0, so that it fits the
- * ground-truth sidecar whatever is skipped. See doc/formats.md for how per-point time and ring
- * travel.
+ * ground-truth sidecar whatever is skipped. See doc/formats.md for how per-point time and ring are
+ * stored.
  *
  * A scan whose time stamp does not come after that of the scan before is dropped with a warning;
  * more than ten in a row are an error. A file cut short delivers every complete scan first, then

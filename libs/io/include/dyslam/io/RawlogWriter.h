@@ -34,17 +34,17 @@ struct RawlogWriterOptions : Options
  * then the scan (CObservationPointCloud of XYZI, or XYZ if it has no intensity). Every point is
  * kept, in order. The same input gives the same bytes.
  *
- * The file grows under `<path>.tmp` and gets its name when closed: by close(), or by the destructor
- * when an error unwinds the program after the first scan, so a file under its own name is always
- * whole. So do clouds in files of their own, in `<name>_Images.tmp/`. A killed program leaves the
- * `.tmp`s.
+ * The file is written to `<path>.tmp` and renamed when closed: by close(), or by the destructor
+ * when an exception unwinds the stack after the first scan, so that a file under its final name is
+ * always complete. So do clouds in files of their own, in `<name>_Images.tmp/`. A killed program
+ * leaves the `.tmp`s.
  */
 class RawlogWriter
 {
  public:
   /** \throws UserError if the file cannot be made. */
   explicit RawlogWriter(const std::string& path, const RawlogWriterOptions& options = {});
-  /** Goes on where exchangeState() saved another one. \throws UserError. */
+  /** Continues the file of another object, saved by exchangeState(). \throws UserError. */
   RawlogWriter(const std::string& path, const RawlogWriterOptions& options, StateArchive& saved);
   ~RawlogWriter();
   RawlogWriter(RawlogWriter&&) noexcept;
@@ -60,7 +60,7 @@ class RawlogWriter
   void abandon();
 
   [[nodiscard]] std::size_t framesWritten() const;
-  /** Saves how far the file has come. */
+  /** The state of the file. */
   void saveState(StateArchive& archive);
 
  private:

@@ -23,23 +23,23 @@ struct ReplayWriterOptions : Options
   void describe(OptionsVisitor& visitor) override;
 };
 
-/** Writes what came of a run as a rawlog of stock MRPT classes, for an unmodified RawLogViewer.
+/** Writes the results of a run as a rawlog of stock MRPT classes, for an unmodified RawLogViewer.
  *
  * Per scan: CObservationPointCloud `static` and `moving` (XYZI, vehicle frame),
  * CObservationRobotPose `estimate` (and `ground_truth` where known), and a CObservation3DScene in
- * the vehicle frame with points coloured by what they are, boxes of the reported objects with ids,
+ * the vehicle frame with points coloured static or moving, boxes of the reported objects with ids,
  * velocity arrows and the trajectory so far. Streams: memory does not grow with the run. The same
  * input gives the same bytes.
  *
- * The file grows under `<path>.tmp` and gets its name when closed: by close(), or by the destructor
- * when an error unwinds the program after the first scan. A full disk leaves an earlier file.
+ * The file is written to `<path>.tmp` and renamed when closed: by close(), or by the destructor
+ * when an exception unwinds the stack after the first scan. A full disk leaves an earlier file.
  */
 class ReplayWriter
 {
  public:
   /** \throws UserError if the file cannot be made. */
   explicit ReplayWriter(const std::string& path, const ReplayWriterOptions& options = {});
-  /** Goes on where exchangeState() saved another one. \throws UserError. */
+  /** Continues the file of another object, saved by exchangeState(). \throws UserError. */
   ReplayWriter(const std::string& path, const ReplayWriterOptions& options, StateArchive& saved);
   ~ReplayWriter();
   ReplayWriter(ReplayWriter&&) noexcept;
@@ -52,7 +52,7 @@ class ReplayWriter
   void close();
 
   [[nodiscard]] std::size_t framesWritten() const;
-  /** Saves how far the file has come. */
+  /** The state of the file. */
   void saveState(StateArchive& archive);
 
  private:

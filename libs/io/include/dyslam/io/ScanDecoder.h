@@ -23,8 +23,8 @@ struct RecordedScan
   double clock_shift = 0;  //!< to add to its stamps, after the clock was set back [s]
 };
 
-/** Makes frames of a recording's observations, whoever reads them: chooses the lidar, drops scans
- * with bad time stamps, joins what belongs to one scan. RawlogSource says which classes are read.
+/** Makes frames from the observations of a recording: chooses the lidar, drops scans with bad time
+ * stamps, joins the observations of one scan. RawlogSource lists the supported classes.
  *
  * Stamps of the frames increase. Where those of the recording go back and run on from there, the
  * clock was set back: the scans that show it are dropped, later stamps are shifted.
@@ -51,11 +51,11 @@ class ScanDecoder
   /** Fills index and scan of a frame. \throws UserError for damaged data. */
   [[nodiscard]] Frame decode(const RecordedScan& scan);
 
-  /** Ground truth among the observations taken so far (it may stand behind its scan),
-   * T_world_vehicle at a time [s]. Times asked for must not go back. */
+  /** Ground truth among the observations taken so far (it may follow its scan), T_world_vehicle at
+   * a time [s]. Requested times must not decrease. */
   [[nodiscard]] std::optional<Pose> truthAt(double stamp);
 
-  /** Why the observations taken so far have not a single scan to use. \throws UserError always. */
+  /** Reports why the observations taken so far have no usable scan. \throws UserError always. */
   [[noreturn]] void failWithoutScans() const;
 
   /** Scans dropped for their time stamps so far. */

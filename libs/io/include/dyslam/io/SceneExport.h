@@ -11,7 +11,7 @@
 
 namespace dyslam
 {
-/** What a `.3Dscene` shows; empty parts are left out. All in the map frame. */
+/** Content of a `.3Dscene`; empty parts are left out. All in the map frame. */
 struct SceneContent
 {
   std::vector<Eigen::Vector3f> points;

@@ -9,12 +9,12 @@
 
 namespace dyslam
 {
-/** Fills in the normals: of the plane through the map points within `radius` [m] around a point,
+/** Fills in the normals: of the plane fitted to the map points within `radius` [m] around a point,
  * at most the 20 nearest, towards the sensor of its keyframe. */
 void estimateMapNormals(MapPoints& points, const StaticMap& map, double radius, ThreadPool& pool);
 
-/** The points of scans that are static: those in voxels of the cleaned map, or right beside one in
- * a voxel of which the map knows nothing. */
+/** Selects the static points of scans: those in voxels of the cleaned map, or in an unobserved
+ * voxel adjacent to one. */
 class FullResolution
 {
  public:
@@ -27,7 +27,7 @@ class FullResolution
   [[nodiscard]] MapPoints of(const Frame& frame, const MapRegion& region = {}) const;
 
  private:
-  /** The map point that stands for what is at `p`; VoxelHash::none if that is not in the map. */
+  /** The map point that represents `p`; VoxelHash::none if that is not in the map. */
   [[nodiscard]] std::uint32_t pointAt(const Eigen::Vector3d& p) const;
 
   const StaticMap& map_;

@@ -15,28 +15,28 @@ class StateArchive;
 /** Ini section `[labels]`. */
 struct HindsightOptions : Options
 {
-  bool hindsight = true;     //!< decide what moves from scans before and after
-  int window = 100;          //!< scans looked at on each side
-  int history = 400;         //!< scans before those looked at as well; one in eight is held
-  double voxel_size = 0.2;   //!< points this near to each other share their evidence [m]
-  double segment_gap = 0.4;  //!< side of the cells whose neighbours form one segment [m]
+  bool hindsight = true;     //!< label moving points from earlier and later scans
+  int window = 100;          //!< earlier and later scans used
+  int history = 400;         //!< scans before the window that are used, every eighth of them
+  double voxel_size = 0.2;   //!< side of the voxels that accumulate evidence [m]
+  double segment_gap = 0.4;  //!< side of the cells that are clustered to segments [m]
   double margin = 0.5;       //!< a ray must end this far behind a place to observe it as free [m]
-  double ground_clearance = 0.3;  //!< what is lower above the ground stays as it is around it [m]
+  double ground_clearance = 0.3;  //!< lower returns are ground: decided as their surroundings [m]
 
   void describe(OptionsVisitor& visitor) override;
 };
 
-/** Decides again what moves in each scan of a replay, which knows the scans after it as well.
+/** Labels the moving points of each scan again, from the scans before and after it.
  *
- * The returns above the ground are joined to segments. Of each place the rays of the scans before
- * and after tell whether it was free or occupied then: what was never free stands; what came or
- * will leave moves, even while it stands in between. The causal decision (network or residual) and
- * the track that a point belongs to, from its first detection to its last, are the prior. The idea
- * of ray evidence follows Removert (Kim and Kim, 2020), ERASOR (Lim et al., 2021) and DUFOMap
- * (Duberg et al., 2024).
+ * The returns above the ground are clustered to segments. The rays of the scans before and after
+ * show whether a place was free or occupied then: what was never free is static; what arrived or
+ * will leave is moving, also while it is at rest in between. The causal decision (network or
+ * residual) and the track that a point belongs to, from its first detection to its last, are the
+ * prior. The idea of ray evidence follows Removert (Kim and Kim, 2020), ERASOR (Lim et al., 2021)
+ * and DUFOMap (Duberg et al., 2024).
  *
- * Frames leave it `window` scans after they came, so that memory is bounded. The same bytes for any
- * number of threads. Not thread-safe.
+ * Frames are output `window` scans after they were added, so that memory is bounded. The same bytes
+ * for any number of threads. Not thread-safe.
  */
 class HindsightLabels
 {
@@ -49,11 +49,11 @@ class HindsightLabels
 
   /** Takes the next frame, in order of time: cloud, moving, moving_probability, poses, detections
    * and objects are read. Calls `use` with each frame that is decided now: `moving` is the new
-   * decision and `moving_probability` how sure it is (one value per cloud point each: what moves is
-   * above 0.5), and an object that was reported later is `reported`.
+   * decision and `moving_probability` its probability (one value per cloud point each; above 0.5:
+   * moving), and an object that was reported later is `reported`.
    * \param wanted false: the frame is evidence for others only, and `use` never gets it. */
   void add(const Frame& frame, bool wanted, const Use& use);
-  /** Decides the frames that are left. */
+  /** Decides the remaining frames. */
   void finish(const Use& use);
 
   /** The scans of the window. */

@@ -14,15 +14,15 @@ struct MapExportOptions : Options
 {
   bool full_resolution = false;      //!< clouds with every static point, not one per voxel
   bool normals = true;               //!< in clouds
-  double normal_radius = 0.8;        //!< neighbours up to here make a normal [m]
+  double normal_radius = 0.8;        //!< radius of the neighbourhood of a normal [m]
   double tile_size = 0;              //!< clouds in tiles of this side [m]; 0: one file
   double octree_resolution = 0.2;    //!< side of octomap's leaves [m]
   double octree_range = 40.0;        //!< rays are cut off here [m]
   double grid_resolution = 0.1;      //!< side of the occupancy grid's cells [m]
-  double obstacle_min_height = 0.3;  //!< over the ground: lower things can be driven over [m]
-  double obstacle_max_height = 2.2;  //!< over the ground: higher things can be driven under [m]
-  int obstacle_min_hits = 2;         //!< keyframes that saw something there, if the map has so many
-  int grid_max_cells = 100000000;    //!< a larger grid gets coarser cells
+  double obstacle_min_height = 0.3;  //!< above ground: lower objects can be driven over [m]
+  double obstacle_max_height = 2.2;  //!< above ground: higher objects can be driven under [m]
+  int obstacle_min_hits = 2;  //!< least keyframes that observed an obstacle, if the map has so many
+  int grid_max_cells = 100000000;  //!< a larger grid gets coarser cells
 
   void describe(OptionsVisitor& visitor) override;
 };
@@ -30,9 +30,10 @@ struct MapExportOptions : Options
 /** Called with the number of keyframes done after each of them; may be empty. */
 using MapProgress = std::function<void(std::size_t)>;
 
-/** Every writer throws UserError where the file cannot be written; the file gets its name only when
- * it is whole. The same map gives the same bytes. An empty map gives a valid file without points.
- * `origin` is where the map's frame lies in the coordinates of the file, for maps far from zero.
+/** Every writer throws UserError where the file cannot be written; the file is renamed to its final
+ * name when it is complete. The same map gives the same bytes. An empty map gives a valid file
+ * without points. `origin` is the origin of the map frame in the coordinates of the file [m], for
+ * maps far from zero.
  */
 
 /** A cloud that is written part by part: `.pcd`, `.ply` (both binary; x y z intensity and normals)
@@ -54,7 +55,7 @@ class MapCloudFile
   /** \throws std::invalid_argument if the file has normals and the points have none. */
   void add(const MapPoints& points);
   [[nodiscard]] std::size_t count() const;
-  /** Without it there is no file. \throws UserError. */
+  /** Call it last: without it there is no file. \throws UserError. */
   void close();
 
  private:
@@ -67,7 +68,8 @@ void writeMapCloud(const MapPoints& points,
                    const std::string& path,
                    const Eigen::Vector3d& origin = Eigen::Vector3d::Zero());
 
-/** The points of the map; if it has more than `most`, one of each cube, as large as it takes. */
+/** The points of the map; if it has more than `most`, one of each cube, whose side is chosen
+ * accordingly. */
 [[nodiscard]] MapPoints thinnedPoints(const StaticMap& map, std::size_t most);
 
 /** MRPT's CSimpleMap: per keyframe its pose and the static points as CObservationPointCloud. */
@@ -91,7 +93,7 @@ void writeOccupancyGrid(const StaticMap& map,
                         const Eigen::Vector3d& origin = Eigen::Vector3d::Zero(),
                         const MapProgress& on_keyframe = {});
 
-/** What an output file's name asks for. */
+/** Kind of an output file, by the ending of its name. */
 enum class MapFormat
 {
   cloud,

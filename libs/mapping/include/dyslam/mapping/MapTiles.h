@@ -15,7 +15,7 @@
 namespace dyslam
 {
 /** Scans on disk, with their poses and what moves in them: 21 bytes a point in a temporary file.
- * What a map is built from tile by tile, or in full resolution, without all scans in memory. */
+ * From these a map is built tile by tile, or in full resolution, without all scans in memory. */
 class ScanStore
 {
  public:
@@ -70,8 +70,8 @@ struct MapTile
                                            const StaticMapOptions& options,
                                            double size);
 
-/** The static map of one tile, from those scans that can reach it. It is the whole map's part: each
- * of its voxels has met the same scans. A margin around the tile is in it as well. */
+/** The static map of one tile, from those scans that can reach it. It equals that part of the whole
+ * map: each of its voxels is hit by the same scans. A margin around the tile is in it as well. */
 struct TileMap
 {
   TileMap(ScanStore& scans, const StaticMapOptions& options, const MapTile& tile);

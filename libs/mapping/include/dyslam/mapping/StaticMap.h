@@ -17,7 +17,8 @@ namespace dyslam
 {
 class StateArchive;
 
-/** What counts where runs of one place differ: a car that was parked there in one of them. */
+/** Which runs count where several runs of one place differ, as by a car that was parked in one of
+ * them. */
 enum class MapChanges
 {
   latest,  //!< the latest run that saw the place
@@ -30,16 +31,16 @@ struct StaticMapOptions : Options
   double min_range = 2.5;       //!< nearer returns (own vehicle) are left out [m]
   double max_range = 80.0;      //!< farther returns are left out [m]
   double box_margin = 0.2;      //!< dynamic tracks' boxes are widened by this on each side [m]
-  int points_per_voxel = 5;     //!< keyframe points kept per voxel: later ones add nothing
+  int points_per_voxel = 5;     //!< most keyframe points kept per voxel
   int max_voxels = 1000000000;  //!< beyond, the voxel size doubles
   int min_hits = 1;             //!< voxels hit by fewer keyframes are not part of the map
   /** insert() first corrects the map where a loop has moved one of its keyframes farther than a
    * voxel, or this far [m] ... */
   double correction_distance = 0.05;
-  /** ... and the map has grown by this share since it was corrected. */
+  /** ... and the map has grown by this fraction since it was corrected. */
   double correction_growth = 0.1;
 
-  // Visibility clean-up: what later rays pass through repeatedly was not static.
+  // Visibility clean-up: voxels that later rays pass through repeatedly were not static.
   bool visibility = true;
   double visibility_range = 40.0;  //!< voxels up to here are checked [m]
   double visibility_margin = 0.5;  //!< a ray must end this far behind the voxel [m]
@@ -79,11 +80,11 @@ struct MapRegion
   }
 };
 
-/** The static world stitched from keyframes. Its size is bounded by the area seen, not by time, and
- * its memory by that of the keyframe store: parts that were not used lately are on disk.
+/** The static map, built from keyframes. Its size is bounded by the area seen, not by time, and its
+ * memory by that of the keyframe store: parts that were not used recently are on disk.
  *
- * Each voxel keeps a few points in all, so that going round a block again adds nothing; the points
- * stay with their keyframes, so that the map can be stitched again after a loop. Left out are
+ * Each voxel keeps a limited number of points, so that driving round a block again adds nothing;
+ * the points are stored by keyframe, so that the map can be rebuilt after a loop. Left out are
  * points that move, points of dynamic tracks, and voxels that later keyframes observed as free.
  * Deterministic; not thread-safe.
  */
@@ -100,15 +101,15 @@ class StaticMap
   StaticMap& operator=(StaticMap&&) noexcept;
 
   /** Adds the next keyframe, at its pose in the store. Every keyframe of the store is inserted in
-   * its turn, also long after it was made; one whose pose is not finite stays without points.
-   * Before, a map that is off is corrected, see `correction_distance`; what it may still be off
-   * until correct() is less than a voxel.
+   * order, also long after it was created; one whose pose is not finite has no points. If keyframes
+   * have moved, the map is corrected first, see `correction_distance`; the remaining error until
+   * correct() is less than a voxel.
    * \param frame that became the keyframe: cloud, what moves in it, and its objects are read
    * \throws std::invalid_argument unless the frame is the first keyframe of the store that is not
    * in the map yet.
    */
   void insert(const Frame& frame);
-  /** The next keyframe, without its points: where it was is not known well enough.
+  /** Inserts the next keyframe without its points, because its pose is not accurate enough.
    * \throws std::invalid_argument as insert(). */
   void passOver(const Frame& frame);
 
@@ -116,7 +117,7 @@ class StaticMap
    * before. */
   void beginRun();
 
-  /** Stitches the map again at the poses of the store, if these were corrected since. */
+  /** Rebuilds the map at the poses of the store, if these were corrected since. */
   void correct();
 
   /** The cleaned map, in the order in which voxels were first met. */
@@ -135,7 +136,7 @@ class StaticMap
       const std::function<void(std::size_t keyframe, const KeyframeCloud& cloud)>& visit) const;
 
   [[nodiscard]] const KeyframeStore& keyframes() const;
-  /** Poses the map is stitched at, one per keyframe inserted. */
+  /** Poses that the map is built with, one per keyframe inserted. */
   [[nodiscard]] const std::vector<Pose>& poses() const;
   /** Side of the voxels now [m]: the option's, or doubled to keep within max_voxels. */
   [[nodiscard]] double voxelSize() const;

@@ -22,7 +22,7 @@ class TensorFile
   /** \throws UserError for a file that cannot be read, is of another format or is damaged. */
   explicit TensorFile(const std::string& path);
 
-  /** Replaces an existing file once the new one is whole. \throws UserError if it cannot be
+  /** Replaces an existing file once the new one is complete. \throws UserError if it cannot be
    * written. */
   void write(const std::string& path) const;
 

@@ -20,12 +20,12 @@ struct MotionFilterOptions : Options
   void describe(OptionsVisitor& visitor) override;
 };
 
-/** A Kalman filter of pose and velocity, white noise in the acceleration.
+/** A constant-velocity Kalman filter of pose and velocity, with white-noise acceleration.
  *
- * Where a scene shows the motion well, the velocity is that of the last motion; where it hardly
- * does (tunnels, highways between guard rails), velocities are averaged over as many scans as the
- * informations ask for. Velocities are twists [translation, rotation] in the vehicle frame, per
- * second; errors stand on the right of a pose.
+ * Where the scene constrains the motion well, the velocity is that of the last motion; where it
+ * does not (tunnels, highways between guard rails), the velocity is averaged over several scans, by
+ * their information. Velocities are twists [translation, rotation] in the vehicle frame, per
+ * second; errors are perturbations on the right of a pose.
  */
 class MotionFilter
 {
@@ -35,7 +35,7 @@ class MotionFilter
   /** Restart. \param sigma of the velocity: m/s, and rad/s for the rotation. */
   void start(const Vector6& velocity, double sigma, double angular_sigma);
 
-  /** Motion in the next `dt` seconds, previous from current; none for dt <= 0. */
+  /** T_previous_current of the next `dt` seconds; none for dt <= 0. */
   [[nodiscard]] Pose predict(double dt) const;
   /** Information of the predicted pose, of log(T_predicted^-1 T). */
   [[nodiscard]] Matrix6 information(double dt) const;
@@ -43,14 +43,14 @@ class MotionFilter
   /** Standard deviation of the predicted position, along its worst direction [m]. */
   [[nodiscard]] double sigma(double dt) const;
 
-  /** Update with the motion that was found with the prediction as a prior.
+  /** Update with a motion that was estimated with the prediction as a prior.
    * \param measured information of the measurement alone, without the prior; zero for none
    * \param prior_weight robust weight of each component of the prediction, in (0, 1] */
   void update(double dt,
               const Pose& T_previous_current,
               const Matrix6& measured,
               const Vector6& prior_weight = Vector6::Ones());
-  /** Update with a motion that is taken for exact. */
+  /** Update with a motion that is taken as exact. */
   void follow(double dt, const Pose& T_previous_current);
   /** What is kept from frame to frame. */
   void exchangeState(StateArchive& archive);

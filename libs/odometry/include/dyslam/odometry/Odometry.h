@@ -26,7 +26,7 @@ struct OdometryOptions : Options
 {
   std::string method = "constant_velocity";  //!< the scan matcher
   /** Forward speed at the first scan, if known; 0: not known. Among vehicles that all move alike
-   * nothing else shows how fast a recording begins. [m/s] */
+   * nothing else shows the speed at the start of a recording. [m/s] */
   double start_speed = 0;
   double start_speed_sigma = 3;  //!< of start_speed, where it is given [m/s]
 
@@ -42,8 +42,8 @@ struct FusionOptions : Options
   double matcher_sigma = 0.1;            //!< of a scan matcher's motion [m]
   double matcher_sigma_angle = 0.02;     //!< [rad]
   double gate = 4;  //!< Mahalanobis distance to the prior beyond which either is rejected
-  /** The same for a matcher that fuses the prior itself: it may only correct the prior a little,
-   * or it has followed the traffic. */
+  /** The same for a matcher that fuses the prior itself: a large correction of the prior means that
+   * it has matched the traffic. */
   double informed_sigma = 0.03;         //!< [m]
   double informed_sigma_angle = 0.006;  //!< [rad]
   double informed_gate = 1;
@@ -51,8 +51,8 @@ struct FusionOptions : Options
    * a matcher that fuses the prior, has given it [m]. */
   double segmenter_initial_sigma = 0.3;
   double matcher_initial_sigma = 0.1;
-  double reliable_prior_sigma = 0.1;  //!< of a prior that segmenters may search around alone [m]
-  double min_static_prior = 0.2;      //!< points less likely static by appearance get no weight
+  double reliable_prior_sigma = 0.1;  //!< up to this, segmenters search around the prior alone [m]
+  double min_static_prior = 0.2;      //!< points with a lower static probability have zero weight
 
   void describe(OptionsVisitor& visitor) override;
 };
@@ -93,15 +93,15 @@ class Odometry
    * information of `motion` is calibrated and positive definite, that of `odometry` the matcher's
    * own. */
   void estimate(Frame& frame);
-  /** Adds the frame of the last estimate() to the local map, weighted by what it knows now of what
-   * moves. */
+  /** Adds the frame of the last estimate() to the local map, weighted by its current moving
+   * probabilities. */
   void integrate(const Frame& frame);
   /** What is kept from frame to frame. */
   void exchangeState(StateArchive& archive);
 
-  /** The methods in force, e.g. "constant_velocity + point_to_plane". */
+  /** The methods in use, e.g. "constant_velocity + point_to_plane". */
   [[nodiscard]] std::string name() const;
-  /** What the config or the recording leaves open, one sentence each. */
+  /** Warnings about config and recording, one sentence each. */
   [[nodiscard]] std::vector<std::string> warnings() const;
 
  private:

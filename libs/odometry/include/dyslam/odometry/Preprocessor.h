@@ -24,14 +24,14 @@ struct PreprocessOptions : Options
   double max_range = 100;  //!< [m]
   DeskewMode deskew = DeskewMode::automatic;
   SweepModel sweep;  //!< for azimuth deskew
-  /** Azimuth deskew: the share of the sweep whose pose is the frame's pose. Straight ahead (0.5)
-   * is when KITTI's stamps are taken. */
+  /** Azimuth deskew: the fraction of the sweep at which the frame's pose is taken. KITTI's stamps
+   * are those of straight ahead (0.5). */
   double sweep_reference = 0.5;
 
   void describe(OptionsVisitor& visitor) override;
 };
 
-/** From a Scan as recorded to the Cloud that algorithms work on.
+/** Makes the Cloud that algorithms work on from a Scan as recorded.
  *
  * Thread-safe apart from the pool, which serves one loop at a time.
  */

@@ -13,7 +13,7 @@ namespace dyslam
 {
 class StateArchive;
 
-/** What a scan matcher found. */
+/** Result of a scan matcher. */
 struct ScanMatch
 {
   /** The information is that of the points alone, even where the matcher uses the prior. */
@@ -23,7 +23,7 @@ struct ScanMatch
   std::vector<float> static_confidence;
 };
 
-/** Motion between consecutive frames, by a method that the config chooses.
+/** Estimates the motion between consecutive frames, by a method that the config chooses.
  *
  * Reads Frame::cloud, and as weights Frame::moving_probability and Frame::static_confidence where
  * they are as long as the cloud. Not thread-safe; one object per recording.
@@ -37,9 +37,9 @@ class ScanMatcher
    *
    * The first frame yields the identity, converged. A frame that cannot be used (no or too few
    * points, no agreement) yields the prior's motion, converged = false and a reason; the next
-   * motion is then relative to it all the same, so that the chain of motions never breaks.
+   * motion is still relative to that frame, so that the chain of motions never breaks.
    * \param prior its motion is the initial value; its information is fused with the points by
-   *   matchers that say so in usesPrior() */
+   *   matchers whose usesPrior() is true */
   [[nodiscard]] virtual ScanMatch match(const Frame& frame, const MotionPrior& prior) = 0;
   /** Whether the prior's information is part of the motion that match() finds. */
   [[nodiscard]] virtual bool usesPrior() const { return false; }

@@ -37,9 +37,9 @@ class FrontEnd
   /** What is kept from frame to frame. */
   void exchangeState(StateArchive& archive);
 
-  /** The methods in force, as "network + constant_velocity + point_to_plane". */
+  /** The methods in use, as "network + constant_velocity + point_to_plane". */
   [[nodiscard]] std::string summary() const;
-  /** What the config or the recording leaves open, one sentence each. */
+  /** Warnings about config and recording, one sentence each. */
   [[nodiscard]] std::vector<std::string> warnings() const;
 
  private:

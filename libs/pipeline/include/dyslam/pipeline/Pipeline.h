@@ -37,8 +37,7 @@ struct PipelineOptions : Options
  */
 [[nodiscard]] std::future<void> loadAhead(const Config& config);
 
-/** The stages put together (the paper's Fig. 1): a scan goes in; its pose, moving points and
- * objects come out.
+/** The complete pipeline (the paper's Fig. 1): from a scan to its pose, moving points and objects.
  *
  * Stages are chosen by name in the config: [dyseg] method, [odometry] method, [refine] method.
  * Results depend on the frames, the config and the seed alone, not on the number of threads.
@@ -84,7 +83,7 @@ class Pipeline
    * deskews it. */
   void addToMap(const Frame& frame);
 
-  /** Sets who gets every frame, in order, once what moves in it is decided for good: with
+  /** Sets the receiver of every frame, in order, once its moving points are final: with
    * `labels.hindsight` some seconds later, the last ones in finish(). */
   void onDecided(std::function<void(Frame)> use);
 
@@ -101,9 +100,9 @@ class Pipeline
   [[nodiscard]] const StaticMap* map() const;
   /** Pose of the vehicle at every frame by the backend's present estimate, map frame. */
   [[nodiscard]] Trajectory trajectory() const;
-  /** The methods in force, e.g. for reports: "network + constant_velocity + point_to_plane". */
+  /** The methods in use, for reports: "network + constant_velocity + point_to_plane". */
   [[nodiscard]] std::string summary() const;
-  /** What the config or the recording leaves open, one sentence each. */
+  /** Warnings about config and recording, one sentence each. */
   [[nodiscard]] std::vector<std::string> warnings() const;
 
  private:

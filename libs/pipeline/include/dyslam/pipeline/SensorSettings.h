@@ -23,7 +23,7 @@ enum class RingsWanted
  * complete; one without changes the settings that fit the recording. */
 struct SensorOptions : Options
 {
-  bool automatic = false;  //!< taken by itself for recordings of such sensors
+  bool automatic = false;  //!< selected automatically for recordings of such sensors
   RingsWanted rings = RingsWanted::any;
   double min_ring_spacing = 0;    //!< [rad]
   double max_ring_spacing = 0.7;  //!< [rad]
@@ -31,7 +31,7 @@ struct SensorOptions : Options
   void describe(OptionsVisitor& visitor) override;
 };
 
-/** What the first scans of a recording show of its lidar. */
+/** Properties of a lidar, measured from the first scans of a recording. */
 struct RecordedSensor
 {
   ScanPattern pattern;     //!< of the scan that shows most rings

@@ -18,7 +18,7 @@ class Checkpoints;
 class ScanSum;
 struct RunToResume;
 
-/** What one run is asked to do. Everything else is in the config. */
+/** Request of one run. Everything else is in the config. */
 struct SlamRunSettings
 {
   std::string rawlog;         //!< input
@@ -28,17 +28,17 @@ struct SlamRunSettings
   std::string sensor;                 //!< what the recording shows of it; for the report
   std::vector<std::string> warnings;  //!< about the settings; for the report
   bool force = false;                 //!< replace files that no run wrote
-  bool probabilities = false;         //!< write how probably each point moves, .bin files
-  bool static_scans = false;   //!< write the scans without what moves: .bin files and a rawlog
+  bool probabilities = false;         //!< write the moving probability of each point, .bin files
+  bool static_scans = false;   //!< write the scans without moving points: .bin files and a rawlog
   bool labels = false;         //!< write labels/NNNNNN.label, one entry per point of the input scan
   std::string profile_csv;     //!< times of every stage, if not empty
-  std::function<bool()> stop;  //!< asked after every scan: true ends the run there
+  std::function<bool()> stop;  //!< polled after every scan: true ends the run there
 };
 
-/** What came of it; the same is in report.json. */
+/** Result of a run; the same is in report.json. */
 struct SlamRunReport
 {
-  std::string method;  //!< stages in force, e.g. "residual + constant_velocity + point_to_plane"
+  std::string method;  //!< stages in use, e.g. "residual + constant_velocity + point_to_plane"
   std::size_t frames = 0;
   std::size_t unconverged = 0;      //!< frames whose motion was predicted, not measured
   std::size_t odometry_failed = 0;  //!< frames on which odometry.method found no motion
@@ -51,7 +51,7 @@ struct SlamRunReport
   double run_time = 0;         //!< from the construction of SlamRun to its last file [s]
   double recording_time = 0;   //!< of the scans that were processed [s]
   bool has_reference = false;  //!< the recording had ground truth; reference_tum.txt was written
-  /** Why the run is of no use, as most scans could not be registered; empty if it is. */
+  /** Why the result is unusable: most scans could not be registered; empty if it is usable. */
   std::string failure;
   std::vector<std::string> warnings;
   std::vector<std::string> files;  //!< written, in the output folder
@@ -81,7 +81,7 @@ class SlamRun
   /** Instead of open(): sets pipeline, counts and outputs to a saved state.
    * \throws UserError if that cannot be. */
   void resume(RunToResume& saved);
-  /** Between two frames: writes what is worth keeping if the run is killed, and the state.
+  /** Between two frames: writes a checkpoint: the results so far and the state.
    * \param front_end Pipeline::exchangeFrontEndState() after the last frame \param scans so far */
   void checkpoint(const std::string& front_end, const ScanSum& scans);
   /** `output.checkpoint_seconds` */
@@ -89,11 +89,11 @@ class SlamRun
   /** A frame that the pipeline has processed: counted, and handed to the outputs. */
   void add(Frame frame);
   [[nodiscard]] std::size_t frames() const;
-  /** Notes for the report how long a thread of the caller's has waited for others [s]. */
+  /** Records for the report how long a thread of the caller has waited for others [s]. */
   void noteWait(const std::string& thread, double seconds);
   /** Share of the work done, given the share of the file read. */
   [[nodiscard]] double progress(double read) const;
-  /** After Pipeline::finish(): writes all that is known at the end only.
+  /** After Pipeline::finish(): writes all results that are known at the end only.
    * \param source_warnings about the recording \param damage why it ended early; empty if it did
    * not. \throws UserError for damage, and if files could not be written: the others are. */
   SlamRunReport finish(const std::vector<std::string>& source_warnings, const std::string& damage);

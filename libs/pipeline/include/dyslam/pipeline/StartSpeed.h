@@ -13,16 +13,16 @@ namespace dyslam
 {
 struct RawlogSourceOptions;
 
-/** Ini section `[start]`: how fast a recording that begins in motion is. */
+/** Ini section `[start]`: speed at the start of a recording that begins in motion. */
 struct StartOptions : Options
 {
-  bool search = true;     //!< look ahead for the speed at the first scan, where scans leave it open
-  int scans = 10;         //!< that are looked at
+  bool search = true;     //!< search for the speed at the first scan where scans leave it open
+  int scans = 10;         //!< used for the search
   double slowest = -5;    //!< speeds that are tried [m/s]
   double fastest = 45;    //!< [m/s]
   double step = 5;        //!< between them [m/s]
   double sigma = 1.5;     //!< of a speed that is tried, and of the one found [m/s]
-  double max_drift = 2;   //!< a speed's drift counts as at most this [m/s]
+  double max_drift = 2;   //!< upper limit of the drift of a speed [m/s]
   double min_margin = 6;  //!< support over that of the speed that the odometry finds [m^2/s^2]
 
   void describe(OptionsVisitor& visitor) override;
@@ -35,8 +35,8 @@ struct SpeedDrift
   double drift = 0;  //!< by which the odometry that began with it has moved away from it [m/s]
 };
 
-/** The speed that those around it drift towards, from as far and as fast as possible: the largest
- * integral of the drift over the speed.
+/** The speed towards which the speeds around it drift: the maximum of the integral of the drift
+ * over the speed.
  * \param drifts two at least, ascending by speed \param start what the odometry finds by itself
  * \return the speed at the first scan [m/s]; nothing where its integral is less than `min_margin`
  *   above that of `start` */
@@ -44,16 +44,16 @@ struct SpeedDrift
                                                   double start,
                                                   const StartOptions& options);
 
-/** Looks ahead for the speed at which a recording begins.
+/** Searches for the speed at the start of a recording.
  *
  * Between guard rails that look alike all along, or amid traffic, the first scans can be registered
- * at several speeds. The odometry is begun at each of a row of speeds. A wrong speed is pulled
- * towards the true one by what little shows it, scan after scan; so the way that the speeds drift
- * tells where it is even if none of them arrives there. Points count as much as the segmenter's
- * appearance prior says that they are static.
+ * at several speeds. The odometry is started at each of several speeds. The few informative points
+ * pull a wrong speed towards the true one, scan after scan; so the drift of the speeds shows the
+ * true one even if none of them reaches it. Points are weighted by the segmenter's appearance
+ * prior.
  * \param frames the first scans of a recording; those without dt, poses and so on
  * \param config of the run
- * \return the speed [m/s] where the odometry would miss it by itself; nothing where it finds it,
+ * \return the speed [m/s] where the odometry would not find it by itself; nothing where it does,
  *   where `odometry.start_speed` is given, and where nothing is registered or searched for
  * \throws UserError for bad options */
 [[nodiscard]] std::optional<double> findStartSpeed(const std::vector<Frame>& frames,

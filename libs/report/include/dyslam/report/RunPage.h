@@ -15,7 +15,7 @@
 
 namespace dyslam
 {
-/** What became of one scan. */
+/** Result of one scan. */
 struct PageScan
 {
   std::size_t index = 0;          //!< number in the recording
@@ -45,7 +45,7 @@ struct PageLoop
   Eigen::Vector3d from =
       Eigen::Vector3d::Zero();                   //!< where the place was seen first, map frame [m]
   Eigen::Vector3d to = Eigen::Vector3d::Zero();  //!< where it was seen again
-  bool by_appearance = false;                    //!< found by its looks, beyond the search radius
+  bool by_appearance = false;                    //!< found by appearance, beyond the search radius
 };
 
 /** All that the page of a run shows. Texts may hold anything; the page shows them as they are. */
@@ -53,9 +53,9 @@ struct RunPage
 {
   std::string title;
   std::string input;     //!< the recording
-  std::string method;    //!< stages in force
+  std::string method;    //!< stages in use
   std::string settings;  //!< the effective ini
-  std::string failure;   //!< why the run is of no use; empty if it is
+  std::string failure;   //!< why the result is unusable; empty if it is usable
   std::vector<std::string> warnings;
   std::vector<std::string> files;          //!< in the folder of the run, beside the page
   std::map<std::string, double> stage_ms;  //!< mean per scan [ms]
@@ -76,8 +76,8 @@ struct RunPage
 /** Ini section `[report]`. */
 struct RunPageOptions : Options
 {
-  int max_points = 1000000;  //!< map points in the 3D view; of more, one per larger cube is taken
-  int max_scans = 10000;     //!< poses and figures of so many scans, evenly taken
+  int max_points = 1000000;  //!< map points in the 3D view; beyond, they are voxel-sampled
+  int max_scans = 10000;     //!< upper limit of the scans in the plots, evenly sampled
   void describe(OptionsVisitor& visitor) override;
 };
 

@@ -47,7 +47,7 @@ struct Prisms
  *
  * A spinning head rotates clockwise seen from above. A sweep begins and ends facing backwards, so
  * that the stamp, in its middle, is the time at which the sensor faces forwards. A sensor with
- * prisms looks ahead and has no rings.
+ * prisms faces forward and has no rings.
  */
 struct SensorModel
 {
@@ -73,7 +73,7 @@ struct SensorModel
   /** Start of column `c` relative to the stamp [s], from -period/2. */
   [[nodiscard]] double columnTime(double column) const;
   [[nodiscard]] bool spins() const { return prisms.deflection == 0; }
-  /** Where a beam of a sensor with prisms looks, `time` seconds after it was switched on. */
+  /** Direction of a beam of a sensor with prisms, `time` seconds after it was switched on. */
   [[nodiscard]] RayAngles throughPrisms(double time, const Beam& beam) const;
 };
 

@@ -56,7 +56,7 @@ class Simulator
   /** \param threads 0 for the number of cores. \throws UserError for options out of range. */
   explicit Simulator(const SimulatorOptions& options, int threads = 1);
   /** In an existing world (generating one takes longer than a few scans).
-   * \throws std::logic_error if `world` is of another kind than the options say.
+   * \throws std::logic_error if `world` is of another kind than in the options.
    */
   Simulator(std::shared_ptr<const World> world, const SimulatorOptions& options, int threads = 1);
   ~Simulator();

@@ -42,8 +42,8 @@ struct SimulatorOptions : Options
       400;  //!< approximate length of the ego's closed loop [m]; sets the world's size
   double start_time = 5;      //!< time simulated before the first scan [s]
   double start_fraction = 0;  //!< start of the ego on its loop, in [0, 1)
-  bool reverse = false;       //!< the ego goes round its loop the other way; not on a highway
-  bool stops = true;          //!< the ego stops at random times
+  bool reverse = false;  //!< the ego drives its loop in the opposite direction; not on a highway
+  bool stops = true;     //!< the ego stops at random times
 
   bool motion_distortion = true;  //!< false: all points are measured at the stamp
   bool noise = true;              //!< false: exact ranges without losses

@@ -76,7 +76,7 @@ class AdaptivePredictor
   /** Predicted position of each member [m]. The history must not be empty. */
   [[nodiscard]] Positions memberPredictions(double stamp) const;
 
-  /** All that it is, options included. */
+  /** The complete state, options included. */
   void exchangeState(StateArchive& archive);
 
  private:

@@ -15,12 +15,12 @@ struct Sweep
   bool clockwise = true;  //!< seen from above, as Velodyne's
 };
 
-/** When a place at `azimuth` (counter-clockwise from straight ahead [rad], in [-pi, pi]) was swept,
- * relative to the scan's stamp [s]: -azimuth / (2 pi) * period for a clockwise sweep. */
+/** Time at which a place at `azimuth` (counter-clockwise from straight ahead [rad], in [-pi, pi])
+ * was swept, relative to the scan's stamp [s]: -azimuth / (2 pi) * period for a clockwise sweep. */
 [[nodiscard]] double sweepTime(double azimuth, const Sweep& sweep);
 
-/** Moves a box of a scan that is not deskewed to where it was seen at the scan's stamp, had it
- * stood still. \param box vehicle frame (straight ahead: +x), at the time it was swept
+/** Corrects a box of a scan that is not deskewed for the ego-motion, as if the object were static.
+ * \param box vehicle frame (straight ahead: +x), at the time it was swept
  * \param T_now_next ego-motion over `interval` [s], taken as constant
  * \return vehicle frame at the scan's stamp. \throws std::invalid_argument unless period and
  * interval are positive. */
@@ -28,14 +28,15 @@ struct Sweep
                            const Pose& T_now_next,
                            double interval,
                            const Sweep& sweep);
-/** The inverse, to first order in the change of azimuth: where the scan shows a box of its stamp.
+/** The inverse, to first order in the change of azimuth: from a box at the scan's stamp to the box
+ * in the distorted scan.
  */
 [[nodiscard]] Box skewed(const Box& box,
                          const Pose& T_now_next,
                          double interval,
                          const Sweep& sweep);
 
-/** deskewed() for all detections, with their covariances turned along. */
+/** deskewed() for all detections, with their covariances rotated accordingly. */
 void deskewDetections(std::vector<Detection>& detections,
                       const Pose& T_now_next,
                       double interval,

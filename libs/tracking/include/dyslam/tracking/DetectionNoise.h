@@ -25,8 +25,8 @@ struct ClassNoise : Options
 };
 
 /** Noise of a detector of boxes by class. The defaults are PointRCNN's on KITTI. Its errors are not
- * white, most of one is found again in the next scan: filters that take them for white need a
- * `factor` of 2 to 4. */
+ * white, but correlated from scan to scan: filters that assume white noise need a `factor` of 2 to
+ * 4. */
 struct DetectionNoiseOptions : Options
 {
   double factor = 1;  //!< on all standard deviations
@@ -39,7 +39,7 @@ struct DetectionNoiseOptions : Options
 };
 
 /** Covariance of x, y, z [m^2], yaw [rad^2] of a box, in the box's frame.
- * \param sensor position of the lidar in that frame [m]; radial and tangential are meant from it.
+ * \param sensor position of the lidar in that frame [m]; radial and tangential are relative to it.
  */
 [[nodiscard]] Eigen::Matrix4d detectionCovariance(
     const Box& box,

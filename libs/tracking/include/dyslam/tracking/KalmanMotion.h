@@ -38,7 +38,7 @@ class KalmanMotion
   /** The last observations. */
   [[nodiscard]] const std::deque<TimedPosition>& history() const { return history_; }
 
-  /** All that it is, options included. */
+  /** The complete state, options included. */
   void exchangeState(StateArchive& archive);
 
  private:

@@ -73,7 +73,7 @@ class PolynomialTrajectory
   [[nodiscard]] bool full() const;
   [[nodiscard]] const std::deque<TimedPosition>& history() const { return history_; }
 
-  /** All that it is, options included. */
+  /** The complete state, options included. */
   void exchangeState(StateArchive& archive);
 
  private:

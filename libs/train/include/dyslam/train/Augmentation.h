@@ -21,25 +21,25 @@ struct AugmentationOptions : Options
   double point_dropout = 0.15;  //!< largest share of points left out
   double beam_dropout = 0.1;    //!< probability of leaving out all but every 2nd or 4th beam
   double bodies = 0.5;          //!< probability of pasted bodies
-  int most_bodies = 8;          //!< pasted at a time
-  double co_moving = 0.4;       //!< share of bodies that keep the ego's own motion
+  int most_bodies = 8;          //!< most bodies pasted into a pair
+  double co_moving = 0.4;       //!< share of bodies that move with the ego-vehicle
 
   void describe(OptionsVisitor& visitor) override;
 };
 
-/** Points of one real body where its sensor saw it. */
+/** Points of one real object, in the frame of its sensor. */
 using Body = std::vector<Eigen::Vector3f>;
 
 /** Instances labelled as moving vehicles (class 252, number in the high half) with at least
  * `min_points`, of every scan in a folder that has a .label beside it. */
 [[nodiscard]] std::vector<Body> loadBodies(const std::string& folder, std::size_t min_points);
 
-/** Puts a body into both scans, hides what it hides. `T_2_1_body` moves its points from the later
- * to the earlier scan. */
+/** Inserts a body into both scans and removes the points that it occludes. `T_2_1_body` moves its
+ * points from the later to the earlier scan. */
 void pasteBody(const Body& body, const Pose& T_2_1_body, PointLabel label, TrainingPair& pair);
 
-/** Changes a pair in every way the options name. Eq. 12 with T_aug on the later scan; the truth
- * becomes T_2_1 T_aug^-1 (Eq. 13 in our direction). */
+/** Applies all augmentations of the options to a pair. Eq. 12 with T_aug on the later scan; the
+ * truth becomes T_2_1 T_aug^-1 (Eq. 13 in our direction). */
 void augment(const AugmentationOptions& options,
              const std::vector<Body>& bodies,
              RandomDraws& draws,

@@ -6,7 +6,7 @@
 
 namespace dyslam
 {
-/** What stands between the separators, blanks around it left out; empty fields stay. */
+/** The fields between the separators, without surrounding blanks; empty fields are kept. */
 [[nodiscard]] std::vector<std::string> splitFields(const std::string& text, char separator);
 
 /** The same without empty fields. */
@@ -17,9 +17,9 @@ namespace dyslam
 /** ... a whole number. */
 [[nodiscard]] int wholeNumberOf(const std::string& text);
 
-/** The CSV file of a training that is continued: rows of later steps are left out, as a training
- * that was stopped between two checkpoints makes them again; a new file gets its header. \param
- * header names of the columns; the step comes first. \throws UserError. */
+/** The CSV file of a training that is continued: rows of later steps are left out, since a training
+ * that was stopped between two checkpoints repeats them; a new file gets its header. \param header
+ * names of the columns; the step comes first. \throws UserError. */
 void beginLog(const std::string& file, const std::string& header, long long last_step);
 
 /** The folder that a setting names; a leading $NAME is read from the environment.

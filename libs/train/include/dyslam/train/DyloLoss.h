@@ -11,19 +11,19 @@ namespace dyslam
 {
 struct DyloLossOptions : Options
 {
-  double flow = 0.2;     //!< of soft correspondences against the true motion
-  double precision = 1;  //!< likelihood of the residuals at the true pose under mask and noise
-  double moving = 0.3;   //!< cross-entropy of static confidence where labels are known
-  double answer = 0;     //!< log error of the pose of the last, dense pass
+  double flow = 0.2;      //!< error of the soft correspondences at the true motion
+  double precision = 1;   //!< negative log-likelihood of the residuals at the true pose
+  double moving = 0.3;    //!< cross-entropy of static confidence where labels are known
+  double final_pose = 0;  //!< log error of the pose of the last, dense pass
 
   void describe(OptionsVisitor& visitor) override;
 };
 
-/** Loss with its learned balances: per stage ||t - t*|| e^-s_x + s_x + ||q - q*|| e^-s_q + s_q,
+/** Loss with learned weights s_x, s_q: per stage ||t - t*|| e^-s_x + s_x + ||q - q*|| e^-s_q + s_q,
  * levels weighted 1.6, 0.8, 0.4, 0.2 coarse to fine as in PWCLO-Net, further passes 0.2 each, and
- * what supervises points: flow, residual likelihood, moving labels. The dense pass, whose pose is
- * the answer, counts by log(||t - t*|| + 5 mm) + log(||q - q*|| + 0.0002): there a pair that fits
- * to centimetres teaches as much as one that is lost. */
+ * point-wise terms: flow, residual likelihood, moving labels. The term of the dense pass, whose
+ * pose is the network's output, is log(||t - t*|| + 5 mm) + log(||q - q*|| + 0.0002): relative
+ * errors count, of a pair accurate to centimetres as much as of one that diverged. */
 class DyloLossImpl : public torch::nn::Module
 {
  public:
@@ -31,10 +31,11 @@ class DyloLossImpl : public torch::nn::Module
 
   struct Terms
   {
-    torch::Tensor total, pose, flow, precision, moving, answer;
+    torch::Tensor total, pose, flow, precision, moving, final_pose;
     std::vector<double> translation_error;  //!< per stage [m]
   };
-  /** \param labels [level] 0 unknown, 1 still, 2 moving per node of scan 1; levels 1 to 3 are read.
+  /** \param labels [level] 0 unknown, 1 static, 2 moving per node of scan 1; levels 1 to 3 are
+   * read.
    */
   Terms forward(const std::vector<DyloStage>& stages,
                 const ScanTensors& scan1,

@@ -11,7 +11,7 @@
 
 namespace dyslam
 {
-/** A box or an ellipsoid of a made-up body, axes along the body's. */
+/** A box or an ellipsoid, part of a synthetic body, axes along the body's. */
 struct BodyPart
 {
   Eigen::Vector3f centre;  //!< body frame: x ahead, z up from the ground [m]
@@ -19,7 +19,7 @@ struct BodyPart
   bool round = false;      //!< an ellipsoid
 };
 
-/** A made-up body that scans can be cast against. */
+/** A synthetic body for ray casting. */
 struct CastBody
 {
   std::string kind;
@@ -27,7 +27,8 @@ struct CastBody
   float radius = 0;  //!< of a circle around the body's origin that holds it, seen from above [m]
   Eigen::AlignedBox3f bounds;  //!< of all parts, body frame [m]
 
-  /** Seen from above, the place lies within `margin` of the bounds. \param p body frame [m] */
+  /** Whether the place lies within `margin` [m] of the bounds, seen from above. \param p body frame
+   * [m] */
   [[nodiscard]] bool covers(const Eigen::Vector2f& p, float margin) const;
 };
 
@@ -38,14 +39,14 @@ enum class BodyKind
   truck,
   pedestrian,
   cyclist,
-  random  //!< some boxes and ellipsoids: no class at all
+  random  //!< some boxes and ellipsoids, of no class
 };
 
 [[nodiscard]] CastBody makeBody(BodyKind kind, RandomDraws& draws);
 
-/** Lets a scan's own rays hit a body: a point whose ray meets the body before it comes to lie on
- * the body. What the body hides disappears with that, and it is sampled as the sensor would.
- * Nothing is hit from within or from right beside the body.
+/** Casts the rays of a scan against a body: a point whose ray hits the body first is moved onto the
+ * body. So the body occludes what is behind it and is sampled as by the sensor. A body around the
+ * sensor or right beside it is not hit.
  *
  * \param T_sensor_body upright pose of the body, its origin on the ground
  * \param points sensor at the origin; changed \return positions of the points that now lie on it.

@@ -14,15 +14,16 @@
 
 namespace dyslam
 {
-/** Speeds that objects are called by; in between they are neither moving nor static [m/s]. */
+/** Speeds above and below which objects are labelled moving and static; in between they are ignored
+ * [m/s]. */
 constexpr double moving_over = 0.5;
 constexpr double standing_under = 0.25;
-/** Cast bodies move exactly as they are set to: any that move, and faster than this, are movers. */
+/** The motion of cast bodies is known exactly: those that are faster than this are moving. */
 constexpr double cast_moving_over = 0.3;  // m/s
 /** Seeds of simulated clips to validate on, from here on (splits.ini). */
 constexpr std::uint64_t unseen_seeds = 900000000;
 
-/** Some consecutive scans of one drive with what is known about every point. */
+/** Some consecutive scans of one drive with the ground truth of every point. */
 struct DysegClip
 {
   static constexpr std::int32_t still = 0;
@@ -32,7 +33,7 @@ struct DysegClip
   {
     Pose T_sensor_object = Pose::Identity();
     bool moving = false;
-    bool doubtful = false;  //!< too slow to call, or badly labelled: ignored
+    bool doubtful = false;  //!< too slow to decide, or badly labelled: ignored
   };
   struct Frame
   {
@@ -47,7 +48,7 @@ struct DysegClip
   std::vector<Frame> frames;
 };
 
-/** A pair of scans with truth per point of the first, as the network is trained and evaluated. */
+/** A pair of scans with ground truth per point of the first, for training and evaluation. */
 struct DysegSample
 {
   static constexpr std::uint8_t static_point = 0;
@@ -61,7 +62,7 @@ struct DysegSample
       flow;  //!< of each, current to past, in the plane; NaN if unknown [m]
   Pose T_past_current = Pose::Identity();
   double elapsed = 0.1;                 //!< s
-  std::vector<Eigen::Vector2f> movers;  //!< centres of what moves, to choose crops by
+  std::vector<Eigen::Vector2f> movers;  //!< centres of moving objects, for the choice of crops
 };
 
 /** Frame `current` of a clip against frame `past`: places in the clip, from 0. */
@@ -76,15 +77,15 @@ struct DysegSample
 struct DysegAugmentOptions : Options
 {
   int bodies = 7;             //!< at most, cast into a pair
-  double moving_share = 0.6;  //!< of cast bodies; the others of the same shapes stand
+  double moving_share = 0.6;  //!< of cast bodies; the others, of the same shapes, are static
   double beside_share = 0.2;  //!< of cast bodies, right beside the sensor
-  double convoy_share = 0.2;  //!< of pairs: twice the bodies, most of them moving along
+  double convoy_share = 0.2;  //!< of pairs: twice the bodies, most moving with the ego-vehicle
   double dropout = 0.3;       //!< at most, share of points left out of a scan
   double range_noise = 0.02;  //!< m, on cast bodies
   void describe(OptionsVisitor& visitor) override;
 };
 
-/** Casts bodies into both scans of a pair, some moving and some standing; then turns, mirrors and
+/** Casts bodies into both scans of a pair, some moving and some static; then turns, mirrors and
  * thins the pair. */
 void augment(const DysegAugmentOptions& options, RandomDraws& draws, DysegSample& sample);
 
@@ -101,7 +102,7 @@ void augment(const DysegAugmentOptions& options, RandomDraws& draws, DysegSample
                                         std::size_t first,
                                         std::size_t last);
 
-/** Where the simulator drives, and with what. */
+/** World and sensor of a simulated drive. */
 struct DysegClipScene
 {
   sim::WorldKind world = sim::WorldKind::urban;

@@ -10,7 +10,7 @@
 
 namespace dyslam
 {
-/** What is known about the occupied cells of a scan at one resolution. */
+/** Ground truth of the occupied cells of a scan at one resolution. */
 struct DysegCellTruth
 {
   std::vector<Eigen::Vector2f> flow;  //!< current to past [m]; NaN if unknown
@@ -37,7 +37,7 @@ struct DysegCellTruth
                                             int radius);
 
 /** Lovasz extension of 1 - IoU of the positive class, of probabilities (Berman et al. 2018).
- * \param weight how many points each stands for. */
+ * \param weight number of points that each represents. */
 [[nodiscard]] torch::Tensor lovaszLoss(const torch::Tensor& logit,
                                        const torch::Tensor& label,
                                        const torch::Tensor& weight);
@@ -55,7 +55,7 @@ struct DysegLoss
   double point = 0;
 };
 
-/** One pair through the network and all its losses. \param grid and \param centre of the crop. */
+/** Forward pass of one pair, with all losses. \param grid and \param centre of the crop. */
 [[nodiscard]] DysegLoss dysegLoss(DysegNet& net,
                                   const DysegSample& sample,
                                   const BevOptions& grid,

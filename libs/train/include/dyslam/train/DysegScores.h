@@ -12,9 +12,9 @@ namespace dyslam
 /** Sums from which the scores of moving-object segmentation and flow come. */
 struct DysegScores
 {
-  std::uint64_t hits = 0;    //!< moving, called moving
-  std::uint64_t alarms = 0;  //!< static, called moving
-  std::uint64_t misses = 0;  //!< moving, called static
+  std::uint64_t hits = 0;    //!< true positives: moving, predicted moving
+  std::uint64_t alarms = 0;  //!< false positives: static, predicted moving
+  std::uint64_t misses = 0;  //!< false negatives: moving, predicted static
   double static_error = 0;   //!< sum of end-point errors of static cells [m]
   double moving_error = 0;   //!< of moving cells [m]
   std::uint64_t static_cells = 0;
@@ -29,7 +29,7 @@ struct DysegScores
   void add(const DysegScores& other);
 };
 
-/** One pair through the whole network, evaluated on all labelled points of the scan. */
+/** Forward pass of one pair, evaluated on all labelled points of the scan. */
 [[nodiscard]] DysegScores scorePair(const DysegModel& model,
                                     const DysegSample& sample,
                                     int iterations = 2);

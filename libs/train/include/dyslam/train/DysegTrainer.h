@@ -16,8 +16,8 @@ namespace dyslam
 struct DysegLossOptions : Options
 {
   int iterations = 2;          //!< flow updates in training
-  double decay = 0.8;          //!< weight of an update's flow against the next one's
-  int points = 3072;           //!< evaluated one by one in a pair
+  double decay = 0.8;          //!< weight of an update's flow relative to the next one's
+  int points = 3072;           //!< of a pair in the point loss
   double first_noise = 0.35;   //!< m, error of the guide at 1/4 resolution; its yaw 1.5 deg per m
   double second_noise = 0.06;  //!< m, error of the static flow in training
   void describe(OptionsVisitor& visitor) override;
@@ -26,7 +26,7 @@ struct DysegLossOptions : Options
 struct DysegTrainerOptions : Options
 {
   std::string data;               //!< folder with the real data; empty: simulated data only
-  std::string splits = "splits";  //!< what is for training, validation and test
+  std::string splits = "splits";  //!< training, validation and test frames
   std::string boxed_run = "vls128_run88";  //!< under `data`; empty for none
   int boxed_last = 47;                     //!< its last training frame
   std::string labelled_run;                //!< folder under `data` with labels; empty for none
@@ -53,7 +53,7 @@ struct DysegTrainerOptions : Options
   int steps = 100000;
   int batch = 2;  //!< pairs in a step, up to 64
   LearningRateOptions rate;
-  double mean_decay = 0.998;  //!< share of the weights' running mean that stays in a step
+  double mean_decay = 0.998;  //!< decay of the exponential moving average of the weights
   double weight_decay = 1e-4;
   int checkpoint_every = 100;  //!< steps
   int validate_every = 1500;   //!< steps
@@ -72,35 +72,36 @@ struct DysegTrainerSetup
   DysegLossOptions loss;
 };
 
-/** Trains DySeg's network and writes what it has into a folder.
+/** Trains DySeg's network and writes the results into a folder.
  *
- * `dyseg.safetensors` the weights so far (a running mean), `checkpoint.safetensors` everything to
- * continue from, `train.csv` and `validation.csv`; `checkpoint_before_decay.safetensors` is the
- * last one before the learning rate goes down. The data of a step depends on seed and step alone,
+ * `dyseg.safetensors` the weights so far (exponential moving average), `checkpoint.safetensors` the
+ * state to resume from, `train.csv` and `validation.csv`; `checkpoint_before_decay.safetensors` is
+ * the last one before the learning rate decays. The data of a step depends on seed and step alone,
  * so that a run that was stopped and resumed gives the same weights.
  */
 class DysegTrainer
 {
  public:
-  /** \throws UserError for options out of range, or if frames to validate on are trained on. Frames
-   * of another split are refused where they are read. */
+  /** \throws UserError for options out of range, or if validation frames are training frames.
+   * Frames of another split are refused where they are read. */
   DysegTrainer(const DysegTrainerSetup& setup, std::string folder);
   ~DysegTrainer();
 
   /** Makes sure that no training is overwritten. \throws UserError if the folder holds one. */
   void requireFreshFolder() const;
-  /** Go on from the folder's state. \throws UserError if there is none or it does not fit. */
+  /** Resume from the folder's checkpoint. \throws UserError if there is none or it does not fit. */
   void resume();
   /** Start from the weights of a file. \throws UserError. */
   void startFrom(const std::string& weights);
-  /** \param say gets a line of progress now and then \param stopped is asked before each step
-   * whether to save and end; null for never. \throws UserError if data are missing, also those to
-   * validate on. */
-  void run(const std::function<void(const std::string&)>& say,
+  /** \param report is called with a line of progress from time to time \param stopped is polled
+   * before each step: true saves and ends; null for never. \throws UserError if data are missing,
+   * also validation data. */
+  void run(const std::function<void(const std::string&)>& report,
            const std::function<bool()>& stopped = nullptr);
   /** The validation table of a file of weights, empty for the folder's dyseg.safetensors. Writes
    * nothing. \throws UserError if there is none. */
-  void validateOnly(const std::string& weights, const std::function<void(const std::string&)>& say);
+  void validateOnly(const std::string& weights,
+                    const std::function<void(const std::string&)>& report);
 
  private:
   struct Impl;

@@ -7,13 +7,12 @@
 
 namespace dyslam
 {
-/** How the learning rate goes over a training: up in the first steps, then constant, in the last
- * part down along half a cosine. Until `decay_from` it does not depend on the number of steps, so
- * that a training can be lengthened from there. */
+/** Schedule of the learning rate: linear warm-up, constant, then cosine decay. Until `decay_from`
+ * it does not depend on the number of steps, so that a training can be extended from there. */
 struct LearningRateOptions : Options
 {
   double learning_rate = 1e-3;
-  double last_share = 0.02;  //!< of the rate, at the end
+  double last_share = 0.02;  //!< final rate as a fraction of `learning_rate`
   double decay_from = 0.5;   //!< share of the steps
   int warm_up = 100;         //!< steps
 

@@ -13,15 +13,16 @@ namespace dyslam
  * message \throws UserError if one is missing there, or is of another shape. */
 void copyWeights(torch::nn::Module& to, const torch::nn::Module& from, const std::string& file);
 
-/** Running mean of a training's weights, which does better than the last ones (Polyak and Juditsky
- * 1992). \param mean, now of the same shape \param step that gave `now`, from 0 \param decay share
- * of the mean that stays; less in the first steps, which it forgets sooner. */
+/** Exponential moving average of the weights of a training, which scores better than the last
+ * weights (Polyak and Juditsky 1992). \param mean, now of the same shape \param step that gave
+ * `now`, from 0 \param decay weight of the mean; less in the first steps, so that these are
+ * forgotten sooner. */
 void updateMean(torch::nn::Module& mean,
                 const torch::nn::Module& now,
                 std::int64_t step,
                 double decay);
 
-/** What Adam (or AdamW) remembers of each of its parameters, for a checkpoint. */
+/** State of Adam (or AdamW) for each of its parameters, for a checkpoint. */
 void setOptimizerState(TensorFile& file, torch::optim::Optimizer& optimizer);
 
 /** \throws UserError if the file lacks one or has it in another shape. */

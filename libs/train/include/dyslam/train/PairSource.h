@@ -17,7 +17,7 @@ enum class PointLabel : std::uint8_t
   moving
 };
 
-/** Two scans of one drive and the truth between them. */
+/** Two scans of one drive with their true relative pose. */
 struct TrainingPair
 {
   std::vector<Eigen::Vector3f> points1;  //!< the later scan, sensor at the origin [m]
@@ -26,8 +26,8 @@ struct TrainingPair
   Pose T_2_1 = Pose::Identity();  //!< takes points of the later scan to the earlier one's frame
 };
 
-/** Endless training pairs by number. pair(i) depends on the source and i alone, so that a run that
- * was stopped continues with exactly the data it would have seen. */
+/** Endless training pairs by number. pair(i) depends on the source and i alone, so that a resumed
+ * training continues with exactly the same data. */
 class PairSource
 {
  public:

@@ -26,8 +26,8 @@ class RecordingPairSource : public PairSource
   std::uint64_t seed_;
 };
 
-/** One scan made into two: its points are dealt out to both, one of them moves by a drawn motion.
- * For variety of places, not for accuracy: both halves show the same rings. */
+/** One scan made into two: its points are split between both, one of which is moved by a random
+ * motion. For variety of places, not for accuracy: both halves show the same rings. */
 class SingleScanSource : public PairSource
 {
  public:

@@ -10,7 +10,7 @@
 
 namespace dyslam
 {
-/** One training or validation stretch of a folder of numbered scans. */
+/** One training or validation range of a folder of numbered scans. */
 struct RecordingDescription
 {
   std::string folder;        //!< of the .bin files
@@ -30,9 +30,9 @@ struct Recording
   std::vector<Pose> T_world_scan;
 };
 
-/** \param by_own_motion deskew by the truth's motion of the same step (training); else by that of
- * the step before, as a running odometry would (validation). \throws UserError, also for fewer than
- * two scans. */
+/** \param by_own_motion deskew by the true motion of the same step (training); else by that of the
+ * step before, as an online odometry would (validation). \throws UserError, also for fewer than two
+ * scans. */
 [[nodiscard]] Recording loadRecording(const RecordingDescription& description, bool by_own_motion);
 
 /** "folder;poses;first;last[;deskew][;labels=folder]", paths relative to `base`. \throws UserError.

@@ -7,7 +7,7 @@
 
 namespace dyslam
 {
-/** log(l_from^-1 l_to) - V_to dt: a moving object goes on as its velocity says (m, Eq. 9). */
+/** log(l_from^-1 l_to) - V_to dt: a moving object follows its velocity (m, Eq. 9). */
 class ObjectMotionFactor final : public Factor
 {
  public:
