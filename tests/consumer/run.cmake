@@ -53,7 +53,7 @@ if(NOT out MATCHES "dyslam/core/Frame.h")
 endif()
 
 file(GLOB programs ${work}/all/uses_*)
-foreach(program ${programs} ${work}/all/example)
+foreach(program ${programs} ${work}/all/example ${work}/all/live)
   step(${CMAKE_COMMAND} -E chdir ${work} ${program})
 endforeach()
 

@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// SLAM on scans as a live driver delivers them: one Frame per scan goes through the pipeline, which
+// fills in pose, moving points and objects. Here the scans are of a vehicle that drives through a
+// simulated hall; exit code 0 if its path is found.
+#include <dyslam/core/Config.h>
+#include <dyslam/core/SharedFiles.h>
+#include <dyslam/pipeline/Pipeline.h>
+#include <mrpt/system/CTimeLogger.h>
+
+#include <cmath>
+#include <cstdio>
+
+namespace
+{
+constexpr double period = 0.1;  // of the sensor [s]
+
+/** Distance along a ray to the floor, the walls and four pillars of a hall of 60 x 24 m. */
+double rangeAlong(const Eigen::Vector3d& from, const Eigen::Vector3d& ray)
+{
+  double range = ray.z() < 0 ? -from.z() / ray.z() : 1e3;
+  const Eigen::Vector2d half(30, 12);
+  for (int axis = 0; axis < 2; ++axis)
+  {
+    const double wall = ray[axis] > 0 ? half[axis] : -half[axis];
+    range = std::abs(ray[axis]) > 1e-9 ? std::min(range, (wall - from[axis]) / ray[axis]) : range;
+  }
+  for (const Eigen::Vector2d& pillar : {Eigen::Vector2d(-10, 5), Eigen::Vector2d(4, -6),
+                                        Eigen::Vector2d(13, 6), Eigen::Vector2d(20, -4)})
+  {
+    const Eigen::Vector2d to = pillar - from.head<2>();
+    const double flat = ray.head<2>().norm();
+    const double along = to.dot(ray.head<2>()) / flat;
+    const double across2 = to.squaredNorm() - along * along;
+    constexpr double radius = 0.5;
+    if (along > 0 && across2 < radius * radius)
+    {
+      range = std::min(range, (along - std::sqrt(radius * radius - across2)) / flat);
+    }
+  }
+  return range;
+}
+
+/** What a driver delivers: points in the lidar frame [m], the time of the scan [s], and where the
+ * lidar is mounted. Intensities, rings and times of the points are filled in where they are known.
+ */
+dyslam::Scan scanAt(const dyslam::Pose& T_world_vehicle, double stamp)
+{
+  dyslam::Scan scan;
+  scan.stamp = stamp;
+  scan.T_vehicle_lidar.translation() = Eigen::Vector3d(0, 0, 1.8);
+  const dyslam::Pose T_world_lidar = T_world_vehicle * scan.T_vehicle_lidar;
+  for (int ring = 0; ring < 32; ++ring)
+  {
+    const double elevation = (-25.0 + ring) * M_PI / 180;
+    for (int column = 0; column < 900; ++column)
+    {
+      const double azimuth = 2 * M_PI * column / 900;
+      const Eigen::Vector3d ray(std::cos(azimuth) * std::cos(elevation),
+                                std::sin(azimuth) * std::cos(elevation), std::sin(elevation));
+      const double range = rangeAlong(T_world_lidar.translation(), T_world_lidar.linear() * ray);
+      scan.points.push_back((range * ray).cast<float>());
+      scan.ring.push_back(static_cast<std::uint16_t>(ring));
+    }
+  }
+  return scan;
+}
+}  // namespace
+
+int main()
+{
+  // Settings as for the programs: a shipped ini, and single values over it.
+  auto config = dyslam::Config::fromFile(
+      dyslam::findGivenOrShared("vlp16", "config_files", ".ini", "", "live"));
+  config.set("labels.hindsight=false");  // nothing of later scans is known
+  config.set("preprocess.deskew=none");  // these scans are taken at one moment
+  dyslam::ConfigLoader loader(config);
+  mrpt::system::CTimeLogger times(false);
+  dyslam::Pipeline slam(loader, times);
+
+  dyslam::Frame frame;
+  dyslam::Pose T_world_vehicle = dyslam::Pose::Identity();
+  for (std::size_t i = 0; i < 30; ++i)
+  {
+    frame = dyslam::Frame();
+    frame.index = i;
+    frame.scan = scanAt(T_world_vehicle, 1e9 + period * static_cast<double>(i));
+    slam.process(frame);
+    std::printf("scan %zu: at %.2f %.2f m, %zu points, %zu objects%s\n", i,
+                frame.T_map_vehicle().translation().x(), frame.T_map_vehicle().translation().y(),
+                frame.cloud.size(), frame.objects.size(), frame.is_keyframe ? ", keyframe" : "");
+    if (i < 29)
+    {
+      T_world_vehicle = T_world_vehicle * dyslam::poseFromYpr(0.3, 0, 0, 0.01, 0, 0);
+    }
+  }
+  slam.finish();
+  const double error = (T_world_vehicle.inverse() * frame.T_map_vehicle()).translation().norm();
+  std::printf("error after 8.7 m: %.3f m\n", error);
+  return error < 0.1 ? 0 : 1;
+}
