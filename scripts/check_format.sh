@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Fails naming the C++ files that clang-format 14 would change; --fix changes them.
+# Lists the C++ files that clang-format 14 would change and fails if there are any; --fix changes them.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 mode=(--dry-run --Werror)

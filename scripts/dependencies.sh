@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-# The one list of what DySLAM needs from Debian 12; sourced by demo.sh, test.sh and .ci/run.
+# The Debian 12 packages that DySLAM needs; sourced by demo.sh, test.sh and .ci/run.
 PACKAGES=(
   build-essential cmake ninja-build ccache
   libmrpt-dev mrpt-apps libeigen3-dev libtbb-dev libceres-dev libpcl-dev libopencv-dev liboctomap-dev
@@ -9,8 +9,8 @@ PACKAGES=(
   python3-numpy xz-utils
 )
 
-# Installs what is missing of these and of the arguments, with sudo where we are not root. Quiet when there
-# is nothing to do.
+# Installs the missing packages of this list and of the arguments, with sudo if not root. Prints nothing
+# if all are installed.
 install_packages() {
   local missing=() package
   for package in "${PACKAGES[@]}" "$@"; do

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Runs the fuzzers of all readers (or of those named) and prints a table: fuzz.sh RUNS SEED [PARSER...]
-# Build them first: cmake --preset fuzz && cmake --build --preset fuzz. What is found is left in build/fuzz/found.
+# Runs the fuzzers of all readers (or of the given ones) and prints a table: fuzz.sh RUNS SEED [PARSER...]
+# Build them first: cmake --preset fuzz && cmake --build --preset fuzz. Findings are in build/fuzz/found.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 runs=$1

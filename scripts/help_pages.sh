@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: BSD-3-Clause
-# Makes the man pages and the bash completion of a program from its --help, so that they say the same:
+# Generates the man pages and the bash completion of a program from its --help:
 #   scripts/help_pages.sh build/package/bin/dyslam-eval OUT
 # writes OUT/man1/dyslam-eval.1.gz, one dyslam-eval-SUBCOMMAND.1.gz per subcommand, and
 # OUT/completions/dyslam-eval. Needs help2man.
@@ -31,12 +31,12 @@ page() {
 }
 
 options() { help_of "$@" | grep -oE '^  (-[a-zA-Z],)?--?[a-zA-Z][a-zA-Z0-9-]*(,--[a-z0-9-]+)?' | tr ',' '\n' | tr -d ' ' | sort -u | tr '\n' ' '; }
-# "--option=word word" for options that take one of several words.
+# "--option=word word" for options with a fixed set of words.
 choices() { help_of "$@" | sed -nE 's/^  ((-[a-zA-Z]),)?(--[a-z-]+) [A-Z]+:\{([^}]*)\}.*/\2|\3=\4/p' | tr ',' ' '; }
 choice_cases() {
   choices "$@" | while IFS='=' read -r option words; do printf '      %s) words="%s" ;;\n' "${option#|}" "$words"; done
 }
-# completion_case [SUBCOMMAND]: what can follow the word before the cursor.
+# completion_case [SUBCOMMAND]: the completions after the word before the cursor.
 completion_case() {
   printf '    case $before in\n'
   choice_cases "$@"

@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: BSD-3-Clause
 # Every odometry method, alone and with registration to the local map, on rawlogs with ground truth: one
-# table of dyslam-eval for each rawlog.
+# table of dyslam-eval per rawlog.
 set -eu
 usage="Usage: odometry_table.sh [-c CONFIG] [-n SCANS] [-m METHODS] [-o DIR] [-l LENGTHS] RAWLOG...
 

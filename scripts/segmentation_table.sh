@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: BSD-3-Clause
-# The effect of segmentation on the whole pipeline: drift, IoU, and moving points left in the map, for each
-# segmentation method, on rawlogs with true poses and labels beside them (NAME.gt).
+# The effect of each segmentation method on the whole pipeline: drift, IoU, and moving points left in the
+# map, on rawlogs with true poses and labels (NAME.gt).
 set -eu
 usage="Usage: segmentation_table.sh [-c CONFIG] [-n SCANS] [-m METHODS] [-o DIR] [-s KEY=VALUE] RAWLOG...
 
@@ -9,7 +9,7 @@ usage="Usage: segmentation_table.sh [-c CONFIG] [-n SCANS] [-m METHODS] [-o DIR]
   -n  scans of each rawlog, 0 for all (0)
   -m  methods, several with spaces between (none residual network)
   -o  folder for the runs' results (./segmentation_table); an existing run is not repeated
-  -s  one more setting of every run; repeatable
+  -s  additional setting of every run; repeatable
 
 The programs are taken from \$DYSLAM_BIN, else from the PATH."
 config=kitti64.ini

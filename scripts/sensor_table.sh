@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: BSD-3-Clause
 # Every sensor of dyslam-sim in every world, with the default settings: unregistered scans, t_rel and the
-# error at the end, one line of a table for each recording.
+# error at the end, one table row per recording.
 set -eu
 usage="Usage: sensor_table.sh [-s SEEDS] [-t SECONDS] [-w WORLDS] [-k SENSORS] [-o DIR] [-l LENGTHS]
 
@@ -9,7 +9,7 @@ usage="Usage: sensor_table.sh [-s SEEDS] [-t SECONDS] [-w WORLDS] [-k SENSORS] [
   -t  seconds of each recording (5)
   -w  worlds (urban campus highway tunnel)
   -k  sensors (HDL64E OS1-128 OS1-64 PANDAR64 OS1-32 XT32 HDL32E VLP16 AVIA)
-  -o  folder for recordings and runs (./sensor_table); an existing one is not made again
+  -o  folder for recordings and runs (./sensor_table); existing ones are kept
   -l  segment lengths of t_rel [m] (5,10,20)
 
 The programs are taken from \$DYSLAM_BIN, else from the PATH."

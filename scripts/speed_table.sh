@@ -1,18 +1,18 @@
 #!/bin/sh
 # SPDX-License-Identifier: BSD-3-Clause
-# What a run costs by points per scan, by objects in view and by length: one line of a table for each
-# simulated recording.
+# Time and memory of a run by points per scan, objects in view and length: one table row per simulated
+# recording.
 set -eu
 usage="Usage: speed_table.sh [-k SENSORS] [-t TRAFFIC] [-l SECONDS] [-c INI] [-o DIR]
 
   -k  sensors (VLP16 OS1-32 OS1-64 HDL64E OS1-128)
-  -t  shares of traffic (0.4)
+  -t  traffic densities (0.4)
   -l  seconds of the recordings (10)
-  -c  settings (those that fit the sensor)
-  -o  folder for recordings and runs (./speed_table); recordings that are there are not made again
+  -c  settings (automatic for the sensor)
+  -o  folder for recordings and runs (./speed_table); existing recordings are kept
 
-Recordings are urban, seed 31. The programs are taken from \$DYSLAM_BIN, else from the PATH. Times are those of
-the machine: let nothing else run."
+Recordings are urban, seed 31. The programs are taken from \$DYSLAM_BIN, else from the PATH. Times depend on
+the machine: run no other programs."
 sensors="VLP16 OS1-32 OS1-64 HDL64E OS1-128"
 traffic=0.4
 lengths=10

@@ -5,18 +5,18 @@
 set -eu
 usage="Usage: split_tables.sh [-s SPLIT] [-k DRIVES] [-t SECONDS] [-m METHODS] [-l LENGTHS] [-o DIR]
 
-  -s  validation or test (validation); test is looked at once per release
+  -s  validation or test (validation); test is evaluated once per release
   -k  numbers of the drives, several with spaces between (00 01 02 03 04 05 06 07 08 09 10)
-  -t  at most so many seconds of each drive, 0 for all (0)
+  -t  at most this many seconds of each drive, 0 for all (0)
   -m  methods, several with spaces between (dyslam network causal dylo dylo+refine gicp loam
       loam_no_mapping icp_po2po icp_po2pl): dyslam is the whole pipeline, causal the same without
       hindsight, network the segmentation network without motion prior; a scan matcher is alone, with
       +refine before registration to the local map
   -l  segment lengths of t_rel [m] (100,200,300,400,500,600,700,800)
-  -o  folder for recordings, runs and tables.md (./split_tables); what is there is not made again
+  -o  folder for recordings, runs and tables.md (./split_tables); existing ones are kept
 
-Settings are those that fit the sensor. The programs are taken from \$DYSLAM_BIN, else from the PATH. Times
-are those of the machine: let nothing else run."
+Settings are the automatic ones for the sensor. The programs are taken from \$DYSLAM_BIN, else from the PATH. Times
+depend on the machine: run no other programs."
 split=validation
 drives="00 01 02 03 04 05 06 07 08 09 10"
 seconds=0
@@ -64,7 +64,7 @@ for drive in $drives; do
     run=$runs/$name/$method
     grep -qs '"finished": true' "$run/report.json" && continue
     mkdir -p "$runs/$name"
-    # A run that lost its way ends with 2 and has its results all the same.
+    # A run that registered less than half of its scans ends with 2 but has results.
     # shellcheck disable=SC2046
     "${bin}dyslam" -i "$rawlog" -o "$run" -v ERROR --set output.replay=false --set output.page=false \
       $(settings "$method") > "$run.log" 2>&1 || grep -qs '"finished": true' "$run/report.json" || {
