@@ -115,7 +115,7 @@ TEST(StateArchive, FieldsAreCounted)
 {
   EXPECT_EQ(fields::count<Box>(), 3U);
   EXPECT_EQ(fields::count<MotionEstimate>(), 8U);
-  EXPECT_EQ(fields::count<Frame>(), 21U);
+  EXPECT_EQ(fields::count<Frame>(), 22U);
 }
 
 TEST(StateArchive, BytesThatEndEarlyAreAnError)
