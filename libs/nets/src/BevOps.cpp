@@ -10,8 +10,6 @@
 #include <cmath>
 #include <vector>
 
-#include "Packets.h"
-
 namespace dyslam
 {
 namespace
@@ -114,9 +112,7 @@ CorrelationWindow windowAt(const float* centre, int radius)
   return w;
 }
 
-constexpr int largest_radius = 10;
-constexpr std::size_t largest_window = 21 * 21;
-constexpr std::size_t largest_products = 22 * 22;  // of the cells around its sampling positions
+constexpr std::size_t largest_window = 21 * 21;  // for radius 10
 
 using Row = Eigen::Map<Eigen::ArrayXf>;
 using ConstRow = Eigen::Map<const Eigen::ArrayXf>;
@@ -132,76 +128,6 @@ struct WindowTarget
   std::int64_t channels;
 };
 
-/** An occupied cell of a window, and where its product goes. */
-struct WindowCell
-{
-  const float* features;
-  float* product;
-};
-
-/** Dot products with four cells at once. The order of each sum is the same whichever they are. */
-template <std::size_t packets>
-void fourProducts(const std::array<Packet, packets>& source, const WindowCell* cells)
-{
-  using Half = float __attribute__((vector_size(16)));
-  std::array<Half, 4> sums;
-  for (std::size_t i = 0; i < sums.size(); ++i)
-  {
-    Packet sum = source[0] * packetAt(cells[i].features);
-    for (std::size_t p = 1; p < packets; ++p)
-    {
-      sum += source[p] * packetAt(cells[i].features + p * lanes);
-    }
-    sums[i] = __builtin_shufflevector(sum, sum, 0, 1, 2, 3) +
-              __builtin_shufflevector(sum, sum, 4, 5, 6, 7);
-  }
-  const auto& [a, b, c, d] = sums;
-  const Half ab =
-      __builtin_shufflevector(a, b, 0, 4, 1, 5) + __builtin_shufflevector(a, b, 2, 6, 3, 7);
-  const Half cd =
-      __builtin_shufflevector(c, d, 0, 4, 1, 5) + __builtin_shufflevector(c, d, 2, 6, 3, 7);
-  const Half total =
-      __builtin_shufflevector(ab, cd, 0, 1, 4, 5) + __builtin_shufflevector(ab, cd, 2, 3, 6, 7);
-  for (std::size_t i = 0; i < sums.size(); ++i)
-  {
-    *cells[i].product = total[i];
-  }
-}
-
-/** Dot products with the occupied cells of a window. \pre at least 3 more places behind them */
-template <int channels>
-void occupiedProducts(const float* source,
-                      std::int64_t channel_count,
-                      std::array<WindowCell, largest_products + 3>& cells,
-                      std::size_t count)
-{
-  if constexpr (channels == Eigen::Dynamic)
-  {
-    const ConstRow features(source, channel_count);
-    for (std::size_t i = 0; i < count; ++i)
-    {
-      *cells[i].product = (features * ConstRow(cells[i].features, channel_count)).sum();
-    }
-  }
-  else
-  {
-    std::array<Packet, static_cast<std::size_t>(channels / lanes)> features;
-    for (std::size_t p = 0; p < features.size(); ++p)
-    {
-      features[p] = packetAt(source + p * lanes);
-    }
-    float unused = 0;
-    for (std::size_t i = count; i % 4 != 0; ++i)
-    {
-      cells[i] = {source, &unused};
-    }
-    for (std::size_t i = 0; i < count; i += 4)
-    {
-      fourProducts(features, &cells[i]);
-    }
-  }
-}
-
 /** Dot products of a cell's features with those of the (2 radius + 2)^2 cells around the window's
  * sampling positions.
  *
@@ -213,13 +139,14 @@ void windowProducts(const float* source,
                     std::int64_t side,
                     float* out)
 {
-  const Eigen::Array<float, channels, 1> features =
-      ConstRow(source, target.channels) / std::sqrt(static_cast<float>(target.channels));
-  const float empty_product = (features * ConstRow(target.empty, target.channels)).sum();
+  using Features = Eigen::Array<float, channels, 1>;
+  using ConstFeatures = Eigen::Map<const Features>;
+  const Features source_features =
+      ConstFeatures(source, target.channels) / std::sqrt(static_cast<float>(target.channels));
+  const float empty_product =
+      (source_features * ConstFeatures(target.empty, target.channels)).sum();
   const auto first = std::clamp<std::int64_t>(-w.x, 0, side);
   const auto last = std::clamp<std::int64_t>(target.width - w.x, first, side);
-  std::array<WindowCell, largest_products + 3> cells;
-  std::size_t count = 0;
   for (std::int64_t y = w.y; y < w.y + side; ++y, out += side)
   {
     if (y < 0 || y >= target.height)
@@ -228,17 +155,17 @@ void windowProducts(const float* source,
       continue;
     }
     std::fill_n(out, first, 0.0F);
-    std::fill(out + first, out + last, empty_product);
     std::fill(out + last, out + side, 0.0F);
     const std::int32_t* row = target.index + y * target.width;
     for (std::int64_t x = first; x < last; ++x)
     {
       const auto cell = row[w.x + x];
-      cells[count] = {target.rows + std::max(cell, 0) * target.channels, out + x};
-      count += cell >= 0 ? 1 : 0;  // without a branch: half of the cells are empty, in no order
+      out[x] = cell < 0 ? empty_product
+                        : (source_features *
+                           ConstFeatures(target.rows + cell * target.channels, target.channels))
+                              .sum();
     }
   }
-  occupiedProducts<channels>(features.data(), target.channels, cells, count);
 }
 
 class Correlate : public torch::autograd::Function<Correlate>
@@ -397,7 +324,7 @@ Tensor pillarMax(const Tensor& features, const Tensor& cell, std::int64_t cells)
 
 Tensor correlate(const Tensor& source, const SparseMap& target, const Tensor& centre, int radius)
 {
-  return source.is_cuda() || radius > largest_radius
+  return source.is_cuda()
              ? correlateReference(source, target, centre, radius)
              : Correlate::apply(source, target.rows, target.index, target.empty, centre, radius);
 }
@@ -430,7 +357,7 @@ Tensor correlateReference(const Tensor& source,
 Tensor peakOffset(const Tensor& correlation_in, int radius)
 {
   torch::NoGradGuard no_gradient;
-  if (correlation_in.is_cuda() || radius > largest_radius)
+  if (correlation_in.is_cuda() || radius > 10)
   {
     return peakOffsetReference(correlation_in, radius);
   }

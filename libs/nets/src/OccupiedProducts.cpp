@@ -4,12 +4,25 @@
 #include <algorithm>
 #include <array>
 
-#include "Packets.h"
-
 namespace dyslam
 {
 namespace
 {
+// Vectors of 8 floats, as GCC and clang have them for every processor.
+constexpr std::int64_t lanes = 8;
+using Packet = float __attribute__((vector_size(32)));
+using UnalignedPacket = float __attribute__((vector_size(32), aligned(4), may_alias));
+
+const UnalignedPacket& packetAt(const float* p)
+{
+  return *reinterpret_cast<const UnalignedPacket*>(p);
+}
+
+UnalignedPacket& packetAt(float* p)
+{
+  return *reinterpret_cast<UnalignedPacket*>(p);
+}
+
 /** A cell's features and where its sums are. */
 struct Term
 {
