@@ -18,14 +18,29 @@ namespace
 {
 constexpr int deepest_list = 8;  // lists within lists
 
+/** The folder of a run: its rawlogs are results, not recordings. */
+bool isRun(const fs::path& folder)
+{
+  return fs::exists(folder / "report.json") || fs::exists(folder / "manifest.json");
+}
+
 std::vector<std::string> within(const std::string& folder)
 {
   std::vector<std::string> files;
-  for (const auto& entry : fs::recursive_directory_iterator(folder))
+  if (isRun(folder))
   {
-    if (entry.is_regular_file() && entry.path().extension() == ".rawlog")
+    return files;
+  }
+  for (auto entry = fs::recursive_directory_iterator(folder);
+       entry != fs::recursive_directory_iterator(); ++entry)
+  {
+    if (entry->is_directory() && isRun(entry->path()))
     {
-      files.push_back(entry.path().string());
+      entry.disable_recursion_pending();
+    }
+    else if (entry->is_regular_file() && entry->path().extension() == ".rawlog")
+    {
+      files.push_back(entry->path().string());
     }
   }
   std::sort(files.begin(), files.end());
@@ -68,7 +83,7 @@ void expandList(const std::string& list, int depth, std::vector<std::string>& fi
 void expand(const std::string& entry, int depth, std::vector<std::string>& files)
 {
   const std::size_t before = files.size();
-  std::string why = ": has no recordings (*.rawlog)";
+  std::string why = ": has no recordings (*.rawlog; those in folders of runs are results)";
   if (fs::is_directory(entry))
   {
     const auto found = within(entry);

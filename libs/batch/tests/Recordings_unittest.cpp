@@ -39,6 +39,19 @@ TEST(Recordings, AreFilesFoldersPatternsAndLists)
   EXPECT_EQ(listed[0].path, folder.file("two/x1.rawlog"));
 }
 
+TEST(Recordings, ResultsOfRunsAreNone)
+{
+  const TestFolder folder;
+  folder.write("drives/a.rawlog", "");
+  folder.write("drives/out/a/report.json", "{}");
+  folder.write("drives/out/a/replay.rawlog", "");
+  folder.write("drives/out/b/manifest.json", "{}");
+  folder.write("drives/out/b/static_scans.rawlog", "");
+  EXPECT_EQ(namesOf(listRecordings({folder.file("drives")})), std::vector<std::string>{"a"});
+  EXPECT_THROW((void)listRecordings({folder.file("drives/out/a")}), UserError);
+  EXPECT_EQ(listRecordings({folder.file("drives/out/a/replay.rawlog")}).size(), 1U) << "if named";
+}
+
 TEST(Recordings, OfOneNameAreToldApartByTheirFolders)
 {
   const TestFolder folder;

@@ -25,12 +25,23 @@ bool isKittiFolder(const fs::path& folder)
   return fs::is_directory(folder / "velodyne") || fs::is_directory(folder / "velodyne_points");
 }
 
-std::string firstMake(const char* program, const std::string& path)
+/** Argument of kitti2rawlog's --kind, by what lies beside the scans. */
+std::string kittiKind(const fs::path& folder)
+{
+  if (fs::is_directory(folder / "velodyne_points") || fs::exists(folder / "oxts.txt"))
+  {
+    return "raw";
+  }
+  return fs::is_directory(folder / "label_02") || fs::is_directory(folder / "oxts") ? "tracking"
+                                                                                    : "odometry";
+}
+
+std::string firstMake(const std::string& program, const std::string& path)
 {
   fs::path name = fs::path(path).lexically_normal();
   name = name.has_filename() ? name : name.parent_path();
-  return std::string("; make a rawlog of it first: ") + program + " -i " + path + " -o " +
-         name.stem().string() + ".rawlog";
+  return "; make a rawlog of it first: " + program + " -i " + path + " -o " + name.stem().string() +
+         ".rawlog";
 }
 }  // namespace
 
@@ -69,8 +80,8 @@ std::string conversionAdvice(const std::string& path)
   }
   if (isKittiFolder(path))
   {
-    return "is a KITTI recording" + firstMake("kitti2rawlog --kind odometry", path) +
-           " (or --kind raw, tracking)";
+    return "is a KITTI recording" + firstMake("kitti2rawlog --kind " + kittiKind(path), path) +
+           " (--kind is raw, odometry or tracking)";
   }
   if (hasFile(path, isCloudFile))
   {

@@ -14,6 +14,7 @@
 #include <filesystem>
 #include <limits>
 #include <opencv2/imgcodecs.hpp>
+#include <utility>
 #include <vector>
 
 namespace dyslam
@@ -41,20 +42,21 @@ class Ground
  public:
   explicit Ground(const MapPoints& map)
   {
-    for (const auto& p : map.points)
+    for (std::size_t i = 0; i < map.size(); ++i)
     {
-      const auto next = static_cast<std::uint32_t>(lowest_.size());
+      const Eigen::Vector3f& p = map.points[i];
+      const auto next = static_cast<std::uint32_t>(columns_.size());
       const auto found = index_.findOrInsert(columnKey(p.x(), p.y()), next);
       if (found == next)
       {
-        lowest_.push_back(p.z());
-        columns_.emplace_back(p.x(), p.y());
+        columns_.emplace_back();
+        columns_.back().at = p.head<2>().cast<double>();
       }
-      lowest_[found] = std::min(lowest_[found], p.z());
+      columns_[found].add(p.z(), map.hits[i]);
     }
-    for (const auto& at : columns_)
+    for (const Column& one : columns_)
     {
-      height_.push_back(nearby(at));
+      height_.push_back(nearby(one.at));
     }
   }
 
@@ -67,20 +69,48 @@ class Ground
   }
 
  private:
-  /** Lower quartile of the columns around: robust to a ghost below the road and to a wall. */
+  static constexpr float none = std::numeric_limits<float>::infinity();
+
+  /** The lowest points of a column. Multipath echoes lie metres below the road, where hardly any
+   * voxel is seen from two keyframes. */
+  struct Column
+  {
+    Eigen::Vector2d at = Eigen::Vector2d::Zero();
+    float lowest = none;
+    float lowest_seen_twice = none;
+
+    void add(float z, std::uint32_t hits)
+    {
+      lowest = std::min(lowest, z);
+      lowest_seen_twice = hits > 1 ? std::min(lowest_seen_twice, z) : lowest_seen_twice;
+    }
+  };
+
+  /** Lower quartile of the columns around: robust to a ghost below the road and to a wall. Columns
+   * that two keyframes saw count, if there are any. */
   [[nodiscard]] float nearby(const Eigen::Vector2d& at) const
   {
     std::vector<float> heights;
+    std::vector<float> heights_seen_twice;
     for (int dx = -2; dx <= 2; ++dx)
     {
       for (int dy = -2; dy <= 2; ++dy)
       {
         const auto found = index_.find(columnKey(at.x(), at.y(), dx, dy));
-        if (found != VoxelHash::none)
+        if (found == VoxelHash::none)
         {
-          heights.push_back(lowest_[found]);
+          continue;
+        }
+        heights.push_back(columns_[found].lowest);
+        if (columns_[found].lowest_seen_twice < none)
+        {
+          heights_seen_twice.push_back(columns_[found].lowest_seen_twice);
         }
       }
+    }
+    if (!heights_seen_twice.empty())
+    {
+      heights = std::move(heights_seen_twice);
     }
     const auto quartile = heights.begin() + static_cast<std::ptrdiff_t>(heights.size() / 4);
     std::nth_element(heights.begin(), quartile, heights.end());
@@ -88,9 +118,8 @@ class Ground
   }
 
   VoxelHash index_;
-  std::vector<float> lowest_;
+  std::vector<Column> columns_;
   std::vector<float> height_;
-  std::vector<Eigen::Vector2d> columns_;
 };
 
 /** Cells on a plane; cell (0, 0) has its lower left corner at the origin. */

@@ -446,6 +446,45 @@ TEST_F(MapExport, ObstaclesOfTheGridAreSeenByTwoKeyframes)
   EXPECT_TRUE(occupied(1, 2, 3.05)) << "there is but one keyframe";
 }
 
+/** Multipath echoes lie below the road; a quarter of the columns with one is no obstacle. */
+TEST_F(MapExport, EchoesBelowTheRoadLeaveItFree)
+{
+  test::TestMap map;
+  for (std::size_t k = 0; k < 3; ++k)
+  {
+    Frame frame;
+    frame.index = k;
+    frame.scan.T_vehicle_lidar.translation().z() = 1.7;
+    const auto add = [&](double x, double y, double z)
+    {
+      frame.cloud.points.emplace_back(static_cast<float>(x), static_cast<float>(y),
+                                      static_cast<float>(z));
+      frame.cloud.source.push_back(0);
+    };
+    for (int i = 0; i < 6400; ++i)  // road of 8 m by 8 m
+    {
+      add(0.1 * (i % 80) + 0.05, 0.1 * (i / 80) - 3.95, 0.02);
+    }
+    for (int i = 0; k == 1 && i < 64; ++i)  // an echo in every second column, seen once
+    {
+      if (i % 2 == 0)
+      {
+        add(i % 8 + 0.55, i / 8 - 3.45, -0.8);
+      }
+    }
+    map.insert(frame);
+  }
+  writeOccupancyGrid(map.map, path("m.gridmap"), MapExportOptions());
+  mrpt::io::CFileGZInputStream file(path("m.gridmap"));
+  mrpt::maps::COccupancyGridMap2D grid;
+  auto archive = mrpt::serialization::archiveFrom(file);
+  archive >> grid;
+  for (float x = 0.55F; x < 7.5F; x += 0.1F)
+  {
+    EXPECT_GT(grid.getPos(x, 0.05F), 0.4F) << x;
+  }
+}
+
 TEST_F(MapExport, LargeGridsGetCoarserCells)
 {
   MapExportOptions options;
