@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # Shared files, notices, doc, and what makes find_package(dyslam COMPONENTS ...) work.
 # Component `programs`: what users need; `development`: what programs of their own need beyond it.
-install(DIRECTORY share/dyslam DESTINATION ${CMAKE_INSTALL_DATADIR} COMPONENT programs)
+install(DIRECTORY share/dyslam DESTINATION ${CMAKE_INSTALL_DATADIR} COMPONENT programs
+  PATTERN training EXCLUDE)
 install(FILES LICENSE NOTICE README.md DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/dyslam COMPONENT programs)
 install(DIRECTORY doc DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/dyslam COMPONENT programs)
 if(DYSLAM_TRAIN_ONLY)
