@@ -5,6 +5,7 @@
 #include <dyslam/core/SharedFiles.h>
 #include <dyslam/formats/TrajectoryFiles.h>
 #include <dyslam/odometry/Preprocessor.h>
+#include <dyslam/odometry/ScanClock.h>
 
 #include <algorithm>
 #include <cstdint>
@@ -29,8 +30,10 @@ std::size_t forEachScan(const MapSelfArguments& a,
 {
   RawlogSource source(a.rawlog, a.source);
   Progress progress(what);
-  while (const auto frame = source.next())
+  ScanClock clock;
+  while (auto frame = source.next())
   {
+    frame->sweep_duration = clock.nextSweep(frame->scan.stamp);
     use(*frame);
     progress.update(source.progress(), source.framesRead());
   }
@@ -120,7 +123,7 @@ class ScanPlacer
           (t[current - 1].pose * T_body_vehicle).inverse() * (t[current].pose * T_body_vehicle);
       dt = t[current].stamp - t[current - 1].stamp;
     }
-    Cloud cloud = preprocessor_.prepare(frame.scan, T_previous_current, dt);
+    Cloud cloud = preprocessor_.prepare(frame.scan, T_previous_current, dt, frame.sweep_duration);
     const Eigen::Isometry3f T = (t[pose].pose * T_body_vehicle).cast<float>();
     for (auto& point : cloud.points)
     {

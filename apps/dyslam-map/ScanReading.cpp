@@ -87,9 +87,7 @@ std::string readScans(RawlogSource& source,
       progress.finish(source.framesRead());
       return {};
     }
-    clock.advance(frame->scan.stamp);
-    frame->sweep_duration = clock.sweepDuration();
-    clock.settle(clock.interval());
+    frame->sweep_duration = clock.nextSweep(frame->scan.stamp);
     use(std::move(*frame));
     progress.update(source.progress(), source.framesRead());
   }

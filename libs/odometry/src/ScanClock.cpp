@@ -81,6 +81,14 @@ void ScanClock::settle(double passed)
   }
 }
 
+double ScanClock::nextSweep(double stamp)
+{
+  advance(stamp);
+  const double duration = sweepDuration();
+  settle(interval_);
+  return duration;
+}
+
 std::string ScanClock::warning() const
 {
   if (steps_ == 0)

@@ -2,6 +2,7 @@
 // Clocks that are set during a recording, and scans that are missing.
 #include <dyslam/odometry/Odometry.h>
 #include <dyslam/odometry/Preprocessor.h>
+#include <dyslam/odometry/ScanClock.h>
 #include <gtest/gtest.h>
 #include <mrpt/system/CTimeLogger.h>
 
@@ -91,5 +92,22 @@ INSTANTIATE_TEST_SUITE_P(Gaps,
                                          Event{8, 0.6, 0, 0, ""},
                                          Event{0, 36000, 0, 0, ""},
                                          Event{0, 5, 0, 0, ""}));
+
+/** A sweep lasts one period, also after scans that are missing. */
+TEST(ScanClock, SweepsLastAsLongAsTheSensorTurns)
+{
+  ScanClock clock;
+  EXPECT_EQ(clock.nextSweep(100), 0);
+  double stamp = 100;
+  for (int i = 0; i < 8; ++i)
+  {
+    stamp += period;
+    EXPECT_NEAR(clock.nextSweep(stamp), period, 1e-9);
+  }
+  stamp += 4 * period;
+  EXPECT_NEAR(clock.nextSweep(stamp), period, 1e-9);
+  EXPECT_NEAR(clock.interval(), 4 * period, 1e-9);
+  EXPECT_NEAR(clock.nextSweep(stamp + period), period, 1e-9);
+}
 }  // namespace
 }  // namespace dyslam

@@ -27,6 +27,9 @@ class ScanClock
   [[nodiscard]] bool isDoubtful() const;
   /** Of the last scan: interval(), or period() where that does not fit the rate [s]. */
   [[nodiscard]] double sweepDuration() const { return isDoubtful() ? period() : interval_; }
+  /** advance(), sweepDuration() and settle() of a scan whose stamps are believed: for programs that
+   * place scans along a given trajectory. \return duration of the sweep [s] */
+  double nextSweep(double stamp);
   /** By the stamps, of the last scan [s]. */
   [[nodiscard]] double interval() const { return interval_; }
   /** Median of the intervals before [s]; 0 while too few are known. */
