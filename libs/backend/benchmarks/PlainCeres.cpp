@@ -2,6 +2,7 @@
 #include "PlainCeres.h"
 
 #include <ceres/ceres.h>
+#include <dyslam/mrpt/Conversions.h>
 
 #include <Eigen/Dense>
 #include <vector>
@@ -75,7 +76,7 @@ int solveByPlainCeres(mrpt::graphs::CNetworkOfPoses3DInf& graph, double limit)
   for (std::size_t i = 0; i < data.size(); ++i)
   {
     data.poses[i].linear() = rotations[i].toRotationMatrix();
-    static_cast<mrpt::poses::CPose3D&>(graph.nodes[data.ids[i]]) = toMrptPose(data.poses[i]);
+    static_cast<mrpt::poses::CPose3D&>(graph.nodes[data.ids[i]]) = toMrpt(data.poses[i]);
   }
   return static_cast<int>(summary.iterations.size()) - 1;
 }

@@ -3,6 +3,7 @@
 
 #include <dyslam/core/Error.h>
 #include <dyslam/core/PoseInformation.h>
+#include <dyslam/mrpt/Conversions.h>
 
 #include <Eigen/Dense>
 #include <algorithm>
@@ -151,19 +152,6 @@ bool isPlanar(const GraphData& data)
 }
 }  // namespace
 
-mrpt::poses::CPose3D toMrptPose(const Pose& pose)
-{
-  return mrpt::poses::CPose3D(mrpt::math::CMatrixDouble44(pose.matrix()));
-}
-
-Pose fromMrptPose(const mrpt::poses::CPose3D& pose)
-{
-  Pose result = Pose::Identity();
-  result.linear() = pose.getRotationMatrix().asEigen();
-  result.translation() = Eigen::Vector3d(pose.x(), pose.y(), pose.z());
-  return result;
-}
-
 GraphData unroll(const mrpt::graphs::CNetworkOfPoses3DInf& graph, IndefiniteInformation indefinite)
 {
   GraphData data;
@@ -183,7 +171,7 @@ GraphData unroll(const mrpt::graphs::CNetworkOfPoses3DInf& graph, IndefiniteInfo
   for (const auto& [id, pose] : graph.nodes)
   {
     const std::size_t i = indexOf(data.ids, id);
-    data.poses[i] = fromMrptPose(pose);
+    data.poses[i] = toPose(pose);
     data.has_pose[i] = true;
     if (!data.poses[i].matrix().allFinite())
     {
@@ -197,7 +185,7 @@ GraphData unroll(const mrpt::graphs::CNetworkOfPoses3DInf& graph, IndefiniteInfo
     GraphEdge edge;
     edge.from = indexOf(data.ids, pair.first);
     edge.to = indexOf(data.ids, pair.second);
-    edge.T_from_to = fromMrptPose(measured.mean);
+    edge.T_from_to = toPose(measured.mean);
     edge.information = informationFromYpr(edge.T_from_to, measured.cov_inv.asEigen());
     requireGood(data, edge);
     data.projected_edges += makePositiveDefinite(data, edge, indefinite) ? 1 : 0;

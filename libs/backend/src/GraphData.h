@@ -10,9 +10,6 @@
 
 namespace dyslam
 {
-[[nodiscard]] mrpt::poses::CPose3D toMrptPose(const Pose& pose);
-[[nodiscard]] Pose fromMrptPose(const mrpt::poses::CPose3D& pose);
-
 /** An edge between nodes counted from 0, information over the tangent of the measurement. */
 struct GraphEdge
 {

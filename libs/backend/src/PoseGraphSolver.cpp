@@ -2,6 +2,7 @@
 #include <ceres/ceres.h>
 #include <dyslam/backend/PoseGraphSolver.h>
 #include <dyslam/core/Error.h>
+#include <dyslam/mrpt/Conversions.h>
 
 #include <array>
 #include <utility>
@@ -199,7 +200,7 @@ PoseGraphResult PoseGraphSolver::solve(PoseGraph& graph) const
   for (std::size_t i = 0; i < data.size(); ++i)
   {
     auto& node = graph.nodes[data.ids[i]];
-    static_cast<mrpt::poses::CPose3D&>(node) = toMrptPose(data.poses[i]);
+    static_cast<mrpt::poses::CPose3D&>(node) = toMrpt(data.poses[i]);
   }
   return result;
 }

@@ -2,8 +2,8 @@
 #include "PoseGraphView.h"
 
 #include <dyslam/core/PoseInformation.h>
-
-#include "GraphData.h"
+#include <dyslam/mrpt/Conversions.h>
+#include <mrpt/graphs/CNetworkOfPoses.h>
 
 namespace dyslam
 {
@@ -15,7 +15,7 @@ PoseGraph poseGraphView(const FactorGraph& graph)
     if (key.kind == VariableKind::ego_pose)
     {
       static_cast<mrpt::poses::CPose3D&>(view.nodes[static_cast<std::size_t>(key.index)]) =
-          toMrptPose(unpackPose(variable.block.data()));
+          toMrpt(unpackPose(variable.block.data()));
     }
   }
   for (const FactorGraph::FactorId id : graph.factorIds())
@@ -28,7 +28,7 @@ PoseGraph poseGraphView(const FactorGraph& graph)
       view.insertEdge(
           static_cast<std::size_t>(factor.keys()[0].index),
           static_cast<std::size_t>(factor.keys()[1].index),
-          {toMrptPose(T), mrpt::math::CMatrixDouble66(informationToYpr(T, factor.information()))});
+          {toMrpt(T), mrpt::math::CMatrixDouble66(informationToYpr(T, factor.information()))});
     }
   }
   return view;

@@ -3,6 +3,7 @@
 #include <dyslam/core/Error.h>
 #include <dyslam/core/PoseInformation.h>
 #include <dyslam/io/GraphFiles.h>
+#include <dyslam/mrpt/Conversions.h>
 #include <gtest/gtest.h>
 #include <mrpt/graphs/CNetworkOfPoses.h>
 
@@ -16,19 +17,6 @@ namespace dyslam
 {
 namespace
 {
-mrpt::poses::CPose3D toMrptPose(const Pose& pose)
-{
-  return mrpt::poses::CPose3D(mrpt::math::CMatrixDouble44(pose.matrix()));
-}
-
-Pose toPose(const mrpt::poses::CPose3D& from)
-{
-  Pose pose = Pose::Identity();
-  pose.linear() = from.getRotationMatrix().asEigen();
-  pose.translation() = Eigen::Vector3d(from.x(), from.y(), from.z());
-  return pose;
-}
-
 void addEdge(PoseGraph& graph,
              mrpt::graphs::TNodeID from,
              mrpt::graphs::TNodeID to,
@@ -36,8 +24,7 @@ void addEdge(PoseGraph& graph,
              const Matrix6& information)
 {
   graph.insertEdge(
-      from, to,
-      {toMrptPose(mean), mrpt::math::CMatrixDouble66(informationToYpr(mean, information))});
+      from, to, {toMrpt(mean), mrpt::math::CMatrixDouble66(informationToYpr(mean, information))});
 }
 
 Matrix6 diagonalInformation(double translation_sigma, double rotation_sigma)
@@ -82,12 +69,12 @@ World twoRounds(unsigned seed, double loop_sigma = 0.02)
     pose = origin * pose;
   }
   Pose estimate = Pose::Identity();
-  static_cast<mrpt::poses::CPose3D&>(world.graph.nodes[0]) = toMrptPose(estimate);
+  static_cast<mrpt::poses::CPose3D&>(world.graph.nodes[0]) = toMrpt(estimate);
   for (std::size_t i = 1; i < world.truth.size(); ++i)
   {
     const Pose step = noisy(world.truth[i - 1].inverse() * world.truth[i], rng, 0.05, 0.01);
     estimate = estimate * step;
-    static_cast<mrpt::poses::CPose3D&>(world.graph.nodes[i]) = toMrptPose(estimate);
+    static_cast<mrpt::poses::CPose3D&>(world.graph.nodes[i]) = toMrpt(estimate);
     addEdge(world.graph, i - 1, i, step, diagonalInformation(0.05, 0.01));
   }
   for (std::size_t i = per_round; i < world.truth.size(); i += 6)
@@ -178,7 +165,7 @@ TEST(PoseGraphSolver, EmptyAndSingleNodeGraphsConverge)
 {
   PoseGraph graph;
   EXPECT_TRUE(PoseGraphSolver({}).solve(graph).converged);
-  static_cast<mrpt::poses::CPose3D&>(graph.nodes[0]) = toMrptPose(poseFromYpr(1, 2, 3, 1, 0, 0));
+  static_cast<mrpt::poses::CPose3D&>(graph.nodes[0]) = toMrpt(poseFromYpr(1, 2, 3, 1, 0, 0));
   const PoseGraphResult result = PoseGraphSolver({}).solve(graph);
   EXPECT_TRUE(result.converged);
   EXPECT_EQ(result.final_chi2, 0);
@@ -246,7 +233,7 @@ TEST(PoseGraphSolver, BadGraphsAreNamed)
   EXPECT_NE(messageOf(graph).find("node 5000, is not in the graph"), std::string::npos);
 
   graph = world.graph;
-  static_cast<mrpt::poses::CPose3D&>(graph.nodes[777]) = toMrptPose(Pose::Identity());
+  static_cast<mrpt::poses::CPose3D&>(graph.nodes[777]) = toMrpt(Pose::Identity());
   addEdge(graph, 777, 778, Pose::Identity(), Matrix6::Identity());
   EXPECT_NE(messageOf(graph).find("2 of 122 nodes, the first of them node 777"), std::string::npos)
       << messageOf(graph);

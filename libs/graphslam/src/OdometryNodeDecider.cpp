@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/backend/Backend.h>
 #include <dyslam/graphslam/OdometryNodeDecider.h>
+#include <dyslam/mrpt/Conversions.h>
 #include <dyslam/pipeline/Pipeline.h>
 
 #include <utility>
@@ -59,8 +60,7 @@ void OdometryNodeDecider::registerKeyframe()
 
 OdometryNodeDecider::global_pose_t OdometryNodeDecider::getCurrentRobotPosEstimation() const
 {
-  const mrpt::math::CMatrixDouble44 matrix(context_->vehicle().matrix());
-  return global_pose_t(mrpt::poses::CPose3D(matrix));
+  return global_pose_t(toMrpt(context_->vehicle()));
 }
 
 void OdometryNodeDecider::getDescriptiveReport(std::string* report) const

@@ -18,7 +18,6 @@
 #include <string>
 
 #include "GzInput.h"
-#include "MrptConversions.h"
 #include "RawlogObjects.h"
 
 namespace dyslam

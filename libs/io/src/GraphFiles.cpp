@@ -4,6 +4,7 @@
 #include <dyslam/core/PoseInformation.h>
 #include <dyslam/formats/TextFile.h>
 #include <dyslam/io/GraphFiles.h>
+#include <dyslam/mrpt/Conversions.h>
 
 #include <Eigen/Dense>
 #include <array>
@@ -12,8 +13,6 @@
 #include <optional>
 #include <string_view>
 #include <vector>
-
-#include "MrptConversions.h"
 
 namespace dyslam
 {

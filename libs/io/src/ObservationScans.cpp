@@ -2,6 +2,7 @@
 #include "ObservationScans.h"
 
 #include <dyslam/core/Error.h>
+#include <dyslam/mrpt/Conversions.h>
 #include <mrpt/maps/CSimplePointsMap.h>
 #include <mrpt/obs/CObservation3DRangeScan.h>
 #include <mrpt/obs/CObservationPointCloud.h>
@@ -14,7 +15,6 @@
 #include <vector>
 
 #include "ExternalScans.h"
-#include "MrptConversions.h"
 #include "VelodynePackets.h"
 
 namespace dyslam

@@ -11,7 +11,7 @@
 #include <filesystem>
 
 #include "GzInput.h"
-#include "MrptConversions.h"
+#include "MrptErrors.h"
 #include "RawlogObjects.h"
 
 namespace dyslam

@@ -4,6 +4,7 @@
 #include <dyslam/formats/TextFile.h>
 #include <dyslam/io/GzOutput.h>
 #include <dyslam/io/RawlogWriter.h>
+#include <dyslam/mrpt/Conversions.h>
 #include <mrpt/maps/CPointsMapXYZI.h>
 #include <mrpt/maps/CSimplePointsMap.h>
 #include <mrpt/obs/CObservationPointCloud.h>
@@ -17,7 +18,6 @@
 #include <stdexcept>
 #include <vector>
 
-#include "MrptConversions.h"
 #include "ObservationScans.h"
 
 namespace dyslam

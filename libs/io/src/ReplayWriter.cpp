@@ -3,6 +3,7 @@
 #include <dyslam/core/VoxelGrid.h>
 #include <dyslam/io/GzOutput.h>
 #include <dyslam/io/ReplayWriter.h>
+#include <dyslam/mrpt/Conversions.h>
 #include <mrpt/maps/CPointsMapXYZI.h>
 #include <mrpt/obs/CObservation3DScene.h>
 #include <mrpt/obs/CObservationPointCloud.h>
@@ -16,7 +17,6 @@
 #include <cstdio>
 #include <stdexcept>
 
-#include "MrptConversions.h"
 #include "SceneParts.h"
 
 namespace dyslam

@@ -4,6 +4,7 @@
 #include <dyslam/core/Trajectory.h>
 #include <dyslam/io/RawlogSource.h>
 #include <dyslam/io/ScanDecoder.h>
+#include <dyslam/mrpt/Conversions.h>
 #include <mrpt/obs/CObservationRobotPose.h>
 
 #include <algorithm>
@@ -15,7 +16,7 @@
 #include <utility>
 
 #include "IntensityScaler.h"
-#include "MrptConversions.h"
+#include "MrptErrors.h"
 #include "ObservationScans.h"
 
 namespace dyslam

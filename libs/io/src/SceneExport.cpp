@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/io/GzOutput.h>
 #include <dyslam/io/SceneExport.h>
+#include <dyslam/mrpt/Conversions.h>
 #include <mrpt/opengl/CGridPlaneXY.h>
 #include <mrpt/opengl/COpenGLScene.h>
 #include <mrpt/opengl/stock_objects.h>
@@ -9,7 +10,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "MrptConversions.h"
 #include "SceneParts.h"
 
 namespace dyslam

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "SceneParts.h"
 
+#include <dyslam/mrpt/Conversions.h>
 #include <mrpt/core/bits_math.h>
 #include <mrpt/opengl/CArrow.h>
 #include <mrpt/opengl/CSetOfLines.h>
@@ -10,8 +11,6 @@
 #include <array>
 #include <cmath>
 #include <memory>
-
-#include "MrptConversions.h"
 
 namespace dyslam
 {

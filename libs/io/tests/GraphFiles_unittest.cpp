@@ -2,6 +2,7 @@
 #include <dyslam/core/Error.h>
 #include <dyslam/core/PoseInformation.h>
 #include <dyslam/io/GraphFiles.h>
+#include <dyslam/mrpt/Conversions.h>
 #include <gtest/gtest.h>
 
 #include <Eigen/Dense>
@@ -20,19 +21,6 @@ namespace
 {
 using Graph = mrpt::graphs::CNetworkOfPoses3DInf;
 
-Pose toPose(const mrpt::poses::CPose3D& from)
-{
-  Pose pose = Pose::Identity();
-  pose.linear() = from.getRotationMatrix().asEigen();
-  pose.translation() = Eigen::Vector3d(from.x(), from.y(), from.z());
-  return pose;
-}
-
-mrpt::poses::CPose3D toMrptPose(const Pose& pose)
-{
-  return mrpt::poses::CPose3D(mrpt::math::CMatrixDouble44(pose.matrix()));
-}
-
 Graph randomGraph(unsigned seed)
 {
   std::mt19937 rng(seed);
@@ -42,7 +30,7 @@ Graph randomGraph(unsigned seed)
   for (mrpt::graphs::TNodeID id = 3; id < 13; ++id)
   {
     const Vector6 x = Vector6::NullaryExpr([&] { return n(rng); });
-    static_cast<mrpt::poses::CPose3D&>(graph.nodes[id]) = toMrptPose(expSE3(x));
+    static_cast<mrpt::poses::CPose3D&>(graph.nodes[id]) = toMrpt(expSE3(x));
   }
   for (mrpt::graphs::TNodeID id = 3; id < 12; ++id)
   {
@@ -51,8 +39,7 @@ Graph randomGraph(unsigned seed)
       const Vector6 x = Vector6::NullaryExpr([&] { return n(rng); });
       const Matrix6 a = Matrix6::NullaryExpr([&] { return n(rng); });
       const Matrix6 information = a * a.transpose() + Matrix6::Identity();
-      graph.insertEdge(id, id + 1,
-                       {toMrptPose(expSE3(x)), mrpt::math::CMatrixDouble66(information)});
+      graph.insertEdge(id, id + 1, {toMrpt(expSE3(x)), mrpt::math::CMatrixDouble66(information)});
     }
   }
   return graph;
@@ -222,10 +209,10 @@ TEST_F(GraphFiles, GraphSlamProgramAcceptsOurFile)
   const Pose step = poseFromYpr(1, 0, 0, M_PI / 2, 0, 0);
   for (mrpt::graphs::TNodeID id = 0; id < 4; ++id)
   {
-    static_cast<mrpt::poses::CPose3D&>(graph.nodes[id]) = toMrptPose(pose);
+    static_cast<mrpt::poses::CPose3D&>(graph.nodes[id]) = toMrpt(pose);
     pose = pose * poseFromYpr(1.1, 0.02, 0, M_PI / 2 - 0.05, 0, 0);
     graph.insertEdge(id, (id + 1) % 4,
-                     {toMrptPose(step), mrpt::math::CMatrixDouble66(100 * Matrix6::Identity())});
+                     {toMrpt(step), mrpt::math::CMatrixDouble66(100 * Matrix6::Identity())});
   }
   writeGraph(graph, folder_.file("in.graph"));
   const std::string command = "graph-slam --3d --levmarq --no-span -i " + folder_.file("in.graph") +

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/io/GzOutput.h>
 #include <dyslam/mapping/MapExport.h>
+#include <dyslam/mrpt/Conversions.h>
 #include <mrpt/maps/CPointsMapXYZI.h>
 #include <mrpt/maps/CSimpleMap.h>
 #include <mrpt/obs/CObservationPointCloud.h>
@@ -8,34 +9,14 @@
 #include <mrpt/poses/CPose3DPDFGaussian.h>
 #include <mrpt/serialization/CArchive.h>
 
-#include <cmath>
+#include <algorithm>
 #include <cstdint>
+#include <vector>
 
 namespace dyslam
 {
 namespace
 {
-mrpt::poses::CPose3D toMrpt(const Pose& pose)
-{
-  mrpt::math::CMatrixDouble44 matrix;
-  for (int i = 0; i < 4; ++i)
-  {
-    for (int j = 0; j < 4; ++j)
-    {
-      matrix(i, j) = pose.matrix()(i, j);
-    }
-  }
-  return mrpt::poses::CPose3D(matrix);
-}
-
-/** MRPT counts ticks of 100 ns since 1601. */
-mrpt::Clock::time_point toMrptTime(double stamp)
-{
-  constexpr std::int64_t unix_epoch_ticks = 116444736000000000;
-  return mrpt::Clock::time_point(
-      mrpt::Clock::duration(std::llround(stamp * 1e7) + unix_epoch_ticks));
-}
-
 mrpt::obs::CObservationPointCloud::Ptr observationOf(const Keyframe& keyframe,
                                                      const KeyframeCloud& cloud)
 {
