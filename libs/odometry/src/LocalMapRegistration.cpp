@@ -296,32 +296,34 @@ ScanToMapResult LocalMapRegistration::State::alignSecond(const Pose& T_guess,
 
 void LocalMapRegistration::State::fail(RegistrationResult& result)
 {
-  char text[200];
+  // Values are rounded down, so that none reads as its limit.
+  char text[240];
   if (result.surface_share < options.min_surface_share)
   {
-    std::snprintf(
-        text, sizeof text,
-        "%.0f %% of the points have a surface in the local map, the limit is %.0f %%: the map's "
-        "cells are too small for the sensor, raise refine.levels or refine.cell_size",
-        100 * result.surface_share, 100 * options.min_surface_share);
+    std::snprintf(text, sizeof text,
+                  "%.0f %% of the points have a surface in the local map, the limit is %g %% "
+                  "(refine.min_surface_share): the map's cells are too small for the sensor, raise "
+                  "refine.levels or refine.cell_size",
+                  std::floor(100 * result.surface_share), 100 * options.min_surface_share);
   }
   else if (result.motion.inliers < min_inliers)
   {
-    std::snprintf(text, sizeof text, "%zu of %zu points agree with the local map, the limit is %zu",
-                  result.motion.inliers, result.points, min_inliers);
+    std::snprintf(text, sizeof text,
+                  "the scan does not fit the local map: %zu inliers, the limit is %zu",
+                  result.motion.inliers, min_inliers);
   }
   else
   {
-    std::snprintf(
-        text, sizeof text,
-        "the scan does not fit the local map: %zu of %zu points agree, inlier ratio %.2f, "
-        "the limit is %.2f",
-        result.motion.inliers, result.points, result.inlier_ratio, options.min_inlier_ratio);
+    std::snprintf(text, sizeof text,
+                  "the scan does not fit the local map: inlier ratio %.2f, the limit is %g "
+                  "(refine.min_inlier_ratio)",
+                  std::floor(100 * result.inlier_ratio) / 100, options.min_inlier_ratio);
   }
   result.motion.reason = text;
   if (++failures >= max_failures)
   {
     pending = Pending::restart;
+    result.motion.map_restarted = true;
     result.motion.reason += "; the map is restarted";
   }
 }

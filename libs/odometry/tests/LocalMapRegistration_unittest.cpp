@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Eigenvalues>
+#include <cstdio>
 #include <optional>
 
 #include "TestScene.h"
@@ -216,8 +217,38 @@ TEST_P(Registration, AForeignSceneFailsAndThenRestartsTheMap)
     const RegistrationResult result = step(registration, foreign, guess);
     EXPECT_FALSE(result.motion.converged);
     EXPECT_NE(result.motion.reason.find("local map"), std::string::npos);
+    EXPECT_EQ(result.motion.map_restarted, i == 4) << i;
   }
-  EXPECT_TRUE(step(registration, foreign, guess).motion.converged);
+  const RegistrationResult after = step(registration, foreign, guess);
+  EXPECT_TRUE(after.motion.converged);
+  EXPECT_FALSE(after.motion.map_restarted);
+}
+
+/** Value and limit of a rejected scan have the same unit, and the value is below the limit. */
+TEST_P(Registration, ARejectedScanHasItsRatioAndTheLimit)
+{
+  for (const double limit : {1.0, 0.995})
+  {
+    RefineOptions o = options();
+    o.min_inlier_ratio = limit;
+    LocalMapRegistration registration(o, pool_);
+    step(registration, scene_.frame(Pose::Identity(), 0.01, 1), Pose::Identity());
+    const RegistrationResult result =
+        step(registration, scene_.frame(Pose::Identity(), 0.01, 2), Pose::Identity(), 0.1);
+    ASSERT_FALSE(result.motion.converged);
+    double ratio = 0;
+    double read_limit = 0;
+    ASSERT_EQ(std::sscanf(result.motion.reason.c_str(),
+                          "the scan does not fit the local map: inlier ratio %lf, the limit is %lf "
+                          "(refine.min_inlier_ratio)",
+                          &ratio, &read_limit),
+              2)
+        << result.motion.reason;
+    EXPECT_EQ(read_limit, limit);
+    EXPECT_LT(ratio, limit);
+    EXPECT_GT(ratio, result.inlier_ratio - 0.01);
+    EXPECT_LE(ratio, result.inlier_ratio);
+  }
 }
 
 /** Every n-th of the scene's 32 rings. */

@@ -27,21 +27,12 @@ std::string Reasons::mostFrequent() const
   return most == kinds_.end() ? "" : most->second.second;
 }
 
-std::size_t Reasons::countOf(const std::string& words) const
-{
-  std::size_t result = 0;
-  for (const auto& [kind, counted] : kinds_)
-  {
-    result += kind.find(words) == std::string::npos ? 0 : counted.first;
-  }
-  return result;
-}
-
 void RunStatistics::add(const Frame& frame)
 {
   first_time = frames == 0 ? frame.time() : first_time;
   last_time = frame.time();
   ++frames;
+  map_restarts += frame.motion.map_restarted ? 1U : 0U;
   if (!frame.motion.converged)
   {
     registration_failures.add(frame.motion.reason);
@@ -104,12 +95,10 @@ std::vector<std::string> RunStatistics::warnings() const
         std::to_string(registration_failures.total()) + of_all +
         " could not be registered, most often because: " + registration_failures.mostFrequent());
   }
-  // The words of LocalMapRegistration's reason.
-  const std::size_t restarts = registration_failures.countOf("the map is restarted");
-  if (restarts > 0)
+  if (map_restarts > 0)
   {
     result.push_back("the local map was restarted " +
-                     (restarts == 1 ? "once" : std::to_string(restarts) + " times") +
+                     (map_restarts == 1 ? "once" : std::to_string(map_restarts) + " times") +
                      ", as scans in a row could not be registered: the trajectory before and after "
                      "is joined by prediction only");
   }
@@ -143,7 +132,7 @@ void Reasons::exchangeState(StateArchive& archive)
 
 void RunStatistics::exchangeState(StateArchive& archive)
 {
-  archive(frames, first_time, last_time, registration_failures, unregistered_keyframes,
-          odometry_failures, moving_objects, reference);
+  archive(frames, first_time, last_time, registration_failures, map_restarts,
+          unregistered_keyframes, odometry_failures, moving_objects, reference);
 }
 }  // namespace dyslam

@@ -23,8 +23,6 @@ class Reasons
   [[nodiscard]] std::size_t total() const { return total_; }
   /** An example of the most frequent kind; empty if there was none. */
   [[nodiscard]] std::string mostFrequent() const;
-  /** How many contain these words. */
-  [[nodiscard]] std::size_t countOf(const std::string& words) const;
   void exchangeState(StateArchive& archive);
 
  private:
@@ -57,6 +55,7 @@ struct RunStatistics
   double first_time = 0;  //!< Frame::time() of the first frame [s]
   double last_time = 0;
   Reasons registration_failures;  //!< of frames whose motion was predicted, not measured
+  std::size_t map_restarts = 0;   //!< of the local map, after failures in a row
   std::size_t unregistered_keyframes = 0;
   Reasons odometry_failures;
   std::set<int> moving_objects;  //!< ids of those reported

@@ -23,8 +23,9 @@ struct MotionEstimate
   bool converged = false;
   int iterations = 0;
   std::size_t inliers = 0;
-  double rmse = 0;     //!< of the inliers' residuals [m]
-  std::string reason;  //!< why it did not converge; empty if it did
+  double rmse = 0;             //!< of the inliers' residuals [m]
+  std::string reason;          //!< why it did not converge; empty if it did
+  bool map_restarted = false;  //!< the local map is started anew from this scan, after failures
 };
 
 /** Prior of the motion since the previous scan, before this scan's points are used. */
