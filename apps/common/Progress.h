@@ -16,7 +16,7 @@ namespace dyslam
 class Progress
 {
  public:
-  /** \param unit what is counted, in the plural. \param quiet prints nothing. */
+  /** \param unit what is counted, in the plural with an s. \param quiet prints nothing. */
   explicit Progress(std::string what, std::string unit = "scans", bool quiet = false)
       : what_(std::move(what)), unit_(std::move(unit)), quiet_(quiet), terminal_(isatty(2) == 1)
   {
@@ -60,21 +60,22 @@ class Progress
   {
     const double seconds = std::chrono::duration<double>(Clock::now() - start_).count();
     const double rate = seconds > 0 ? static_cast<double>(count) / seconds : 0;
+    const std::string unit = count == 1 ? unit_.substr(0, unit_.size() - 1) : unit_;
     char text[160];
     if (fraction >= 1)
     {
-      std::snprintf(text, sizeof text, "100%% %zu %s in %.1f s, %.1f/s", count, unit_.c_str(),
+      std::snprintf(text, sizeof text, "100%% %zu %s in %.1f s, %.1f/s", count, unit.c_str(),
                     seconds, rate);
     }
     else if (fraction > 0)
     {
       const long left = static_cast<long>(seconds * (1 - fraction) / fraction + 0.5);
       std::snprintf(text, sizeof text, "%3.0f%% %zu %s, %.1f/s, %ld:%02ld left", 100 * fraction,
-                    count, unit_.c_str(), rate, left / 60, left % 60);
+                    count, unit.c_str(), rate, left / 60, left % 60);
     }
     else
     {
-      std::snprintf(text, sizeof text, "%zu %s, %.1f/s", count, unit_.c_str(), rate);
+      std::snprintf(text, sizeof text, "%zu %s, %.1f/s", count, unit.c_str(), rate);
     }
     if (!terminal_)
     {

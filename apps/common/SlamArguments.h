@@ -47,7 +47,8 @@ inline void declareSlamArguments(CLI::App& app, SlamArguments& a)
   app.add_option("-c,--config", a.config,
                  "ini file, or the name of a shipped one (default: the shipped one that fits the "
                  "recording's sensor)");
-  app.add_option("--set", a.assignments, "section.key=value, overrides the ini; repeatable")
+  app.add_option("--set", a.assignments, "one setting, overrides the ini; repeatable")
+      ->type_name("SECTION.KEY=VALUE")
       ->take_all()
       ->allow_extra_args(false);
   app.add_flag("--force", a.settings.force, "also replace files in --output that no run wrote");
@@ -135,7 +136,8 @@ inline void chooseSettings(const std::string& program, SlamArguments& a)
       has_deskew ? a.settings.config.section("preprocess").at("deskew").text : "auto");
   if (!missing_times.empty())
   {
-    a.settings.warnings.push_back(missing_times);
+    a.settings.sensor += "; " + missing_times;
+    a.messages.push_back("note: " + missing_times);
   }
   for (const std::string& warning : a.settings.warnings)
   {

@@ -51,7 +51,8 @@ void declare(CLI::App& app, Arguments& a)
   app.add_option("-o,--output", a.output, "folder for the results, one within for each recording")
       ->required();
   app.add_option("-c,--config", a.config, "as of dyslam: ini file, or the name of a shipped one");
-  app.add_option("--set", a.assignments, "as of dyslam: section.key=value; repeatable")
+  app.add_option("--set", a.assignments, "as of dyslam; repeatable")
+      ->type_name("SECTION.KEY=VALUE")
       ->take_all()
       ->allow_extra_args(false);
   app.add_flag("--labels", a.labels, "as of dyslam: write moving and static points");

@@ -185,7 +185,8 @@ Subcommand kittiMotCommand(CLI::App& app)
       ->check(CLI::ExistingDirectory);
   sub->add_option("-c,--config", a->config, "ini with the sections [tracker], [detection_noise]")
       ->capture_default_str();
-  sub->add_option("--set", a->set, "section.key=value, overrides the ini");
+  sub->add_option("--set", a->set, "one setting, overrides the ini")
+      ->type_name("SECTION.KEY=VALUE");
   sub->add_option("--split", a->split, "AB3DMOT's validation sequences, or the others")
       ->check(CLI::IsMember({"validation", "training"}))
       ->capture_default_str();

@@ -313,7 +313,8 @@ Subcommand kittiSlamCommand(CLI::App& app)
       ->required()
       ->check(CLI::ExistingDirectory);
   sub->add_option("-c,--config", a->config, "ini with tracker and backend")->capture_default_str();
-  sub->add_option("--set", a->set, "section.key=value, overrides the ini");
+  sub->add_option("--set", a->set, "one setting, overrides the ini")
+      ->type_name("SECTION.KEY=VALUE");
   sub->add_option("--detector", a->detector, "det_NAME of the data, or labels")
       ->capture_default_str();
   sub->add_option("--min-score", a->min_score, "of detections")->capture_default_str();

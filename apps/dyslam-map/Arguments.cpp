@@ -175,7 +175,8 @@ void declare(CLI::App& app, Arguments& a)
   app.add_option("-c,--config", a.config,
                  "ini file with [map], [labels], [preprocess], [input], [map_export], [memory] and "
                  "backend.keyframe_distance (default: effective.ini beside the trajectory)");
-  app.add_option("--set", a.assignments, "section.key=value, overrides the ini; repeatable")
+  app.add_option("--set", a.assignments, "one setting, overrides the ini; repeatable")
+      ->type_name("SECTION.KEY=VALUE")
       ->take_all()
       ->allow_extra_args(false);
   app.add_option("--keyframe-distance", a.keyframe_distance,

@@ -118,12 +118,13 @@ void recordOne(const Recording& recording, bool quiet)
     progress.finish(result.scans);
   }
   std::printf(
-      "%s: %zu scans, %zu points (%.1f %% moving), %zu objects observed, %.1f m travelled, loop "
-      "%.1f m; ground truth in %s\n",
-      recording.output.c_str(), result.scans, result.points,
+      "%s: %s, %zu points (%.1f %% moving), %s observed, %.1f m travelled, loop %.1f m; ground "
+      "truth in %s\n",
+      recording.output.c_str(), counted(result.scans, "scan").c_str(), result.points,
       100.0 * static_cast<double>(result.moving_points) /
           static_cast<double>(std::max<std::size_t>(1, result.points)),
-      result.objects, result.distance, result.loop_length, result.ground_truth.c_str());
+      counted(result.objects, "object").c_str(), result.distance, result.loop_length,
+      result.ground_truth.c_str());
 }
 
 /** Those of the requested shard. */

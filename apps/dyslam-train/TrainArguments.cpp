@@ -21,7 +21,8 @@ void declareCommon(CLI::App& app, TrainArguments& a)
   app.add_option("--start", a.start, "initial weights, from another training");
   app.add_flag("--validate", a.validate_only,
                "only print the validation table of --start, or of the training in --output");
-  app.add_option("--set", a.assignments, "section.key=value, overrides the ini; repeatable")
+  app.add_option("--set", a.assignments, "one setting, overrides the ini; repeatable")
+      ->type_name("SECTION.KEY=VALUE")
       ->take_all()
       ->allow_extra_args(false);
 }

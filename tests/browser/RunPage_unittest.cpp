@@ -225,6 +225,25 @@ TEST(RunPageInBrowser, FitsASmallScreenAndShowsTextsAsTheyAre)
   EXPECT_EQ(browser.errors(), "");
 }
 
+TEST(RunPageInBrowser, StatesTheSensorAndWhereTheTruthIsFrom)
+{
+  DYSLAM_REQUIRE_BROWSER();
+  RunPage page = smallRun();
+  page.sensor = "64 rings; the points have no times";
+  page.reference = page.trajectory;
+  page.reference_origin = "GNSS/INS (oxts), not exact";
+  page.stage_ms["deskew"] = 2;
+  Browser browser;
+  browser.open(written(page, "origin.html"));
+  ASSERT_TRUE(browser.waitFor(all_drawn)) << browser.errors();
+  EXPECT_NE(textOf(browser, "summary").find("Sensor: 64 rings; the points have no times."),
+            std::string::npos);
+  EXPECT_NE(textOf(browser, "verdict").find("No warnings."), std::string::npos);
+  EXPECT_NE(textOf(browser, "errors").find("(GNSS/INS (oxts), not exact)"), std::string::npos);
+  EXPECT_NE(textOf(browser, "times").find("with the motion that was found"), std::string::npos);
+  EXPECT_EQ(browser.errors(), "");
+}
+
 TEST(RunPageInBrowser, HasAWordForARunWithoutScans)
 {
   DYSLAM_REQUIRE_BROWSER();

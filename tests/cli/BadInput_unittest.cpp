@@ -340,6 +340,15 @@ TEST_F(BadInput, Configs)
   EXPECT_FALSE(fs::exists(at("never") + "/trajectory_tum.txt"));
 }
 
+TEST_F(BadInput, FoldersToResume)
+{
+  expectRefusal("dyslam", "--resume -o " + at("nowhere"),
+                {"nowhere: no such folder", "--output names the folder of the run to resume"});
+  EXPECT_FALSE(fs::exists(at("nowhere")));
+  fs::create_directories(at("no_state"));
+  expectRefusal("dyslam", "--resume -o " + at("no_state"), {"no_state: nothing to resume"});
+}
+
 TEST_F(BadInput, WordsOfTheCommandLine)
 {
   const std::string out = " -o " + at("never.rawlog");

@@ -144,14 +144,17 @@ TEST_F(Exports, PlyIsReadByPclTools)
   EXPECT_NE(read.out.find(std::to_string(points) + " points"), std::string::npos) << read.out;
 }
 
-/** loaders.gl (npm install @loaders.gl/core @loaders.gl/las), where DYSLAM_LOADERS_GL names the
- * folder of its node_modules: Debian 12 has no program that reads LAS. */
+/** loaders.gl, where DYSLAM_LOADERS_GL names the folder that it is installed in: Debian 12 has no
+ * program that reads LAS. */
 TEST_F(Exports, LasIsReadByLoadersGl)
 {
   const char* modules = std::getenv("DYSLAM_LOADERS_GL");
   if (modules == nullptr || !installed("node"))
   {
-    GTEST_SKIP() << "needs node, and DYSLAM_LOADERS_GL with @loaders.gl/las";
+    GTEST_SKIP()
+        << "Debian has no program that reads LAS; to test with loaders.gl: apt-get install "
+           "nodejs npm; npm install --prefix ~/loaders_gl @loaders.gl/core "
+           "@loaders.gl/las; export DYSLAM_LOADERS_GL=~/loaders_gl";
   }
   fs::copy_file(DYSLAM_SOURCE_DIR "/tests/cli/read_las.mjs", fs::path(modules) / "read_las.mjs",
                 fs::copy_options::overwrite_existing);

@@ -25,6 +25,10 @@ std::string_view bytesOf(const std::vector<T>& values)
 std::unique_ptr<OutputFolder> lockedFolder(const std::string& folder)
 {
   std::error_code ignored;
+  if (!fs::is_directory(folder, ignored))
+  {
+    throw UserError(folder + ": no such folder; --output names the folder of the run to resume");
+  }
   if (!fs::is_regular_file(fs::path(folder) / state_file_name, ignored))
   {
     throw UserError(folder + ": nothing to resume: there is no " + state_file_name +

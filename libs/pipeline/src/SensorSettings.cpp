@@ -33,11 +33,28 @@ std::string degrees(double radians, int decimals)
   return fixed(degrees_per_radian * radians, decimals);
 }
 
+bool turnsFully(const ScanPattern& pattern)
+{
+  return degrees_per_radian * pattern.azimuth_extent > 359;
+}
+
+/** A lidar that spins with many rings, even if they cannot be told apart: those of an HDL-64E,
+ * corrected for the position of each laser, overlap. */
+bool isDenseRevolution(const ScanPattern& pattern)
+{
+  constexpr std::size_t min_returns = 50000;
+  return !pattern.hasRings() && turnsFully(pattern) && pattern.returns >= min_returns;
+}
+
 std::string ringsOf(const ScanPattern& pattern)
 {
-  return pattern.hasRings() ? std::to_string(pattern.rings.size()) + " rings, " +
-                                  degrees(pattern.ring_spacing, 1) + " deg apart"
-                            : "no rings, " + std::to_string(pattern.returns) + " points a scan";
+  if (pattern.hasRings())
+  {
+    return std::to_string(pattern.rings.size()) + " rings, " + degrees(pattern.ring_spacing, 1) +
+           " deg apart";
+  }
+  return (isDenseRevolution(pattern) ? "rings too close to tell apart, " : "no rings, ") +
+         std::to_string(pattern.returns) + " points a scan";
 }
 
 SensorOptions sensorOptionsOf(const Config& config)
@@ -78,18 +95,10 @@ std::string wantedBy(const SensorOptions& options)
   {
     return "sensors without rings";
   }
-  return "sensors with rings " + degrees(options.min_ring_spacing, 1) + " to " +
-         degrees(options.max_ring_spacing, 1) + " deg apart";
-}
-
-/** A lidar that spins with many rings, even if they cannot be identified: those of an HDL-64E,
- * corrected for the position of each laser, are too close. */
-bool isDenseRevolution(const ScanPattern& pattern)
-{
-  constexpr std::size_t min_returns = 50000;
-  constexpr double full_turn = 359 / degrees_per_radian;
-  return !pattern.hasRings() && pattern.azimuth_extent > full_turn &&
-         pattern.returns >= min_returns;
+  const std::string most = degrees(options.max_ring_spacing, 1) + " deg apart";
+  return options.min_ring_spacing > 0
+             ? "sensors with rings " + degrees(options.min_ring_spacing, 1) + " to " + most
+             : "sensors with rings up to " + most;
 }
 
 double median(std::vector<double> values)
@@ -117,8 +126,7 @@ std::string RecordedSensor::summary() const
 {
   std::string text = ringsOf(pattern) + ", " + degrees(pattern.lowest, 1) + " to " +
                      degrees(pattern.highest, 1) + " deg";
-  constexpr double full_turn = 359.5;
-  if (degrees_per_radian * pattern.azimuth_extent < full_turn)
+  if (!turnsFully(pattern))
   {
     text += ", " + degrees(pattern.azimuth_extent, 0) + " deg wide";
   }
@@ -132,12 +140,24 @@ std::string RecordedSensor::missingTimes(const std::string& deskew) const
   {
     return {};
   }
-  const bool by_azimuth = deskew == "auto" || deskew == "azimuth";
-  return std::string("the points have no times: scans are ") +
-         (by_azimuth ? "deskewed by azimuth, as those of a lidar that turns clockwise and begins "
-                       "straight behind"
-                     : "not deskewed") +
-         " (preprocess.deskew)";
+  const std::string spins = "turns clockwise and begins each scan straight behind";
+  if (deskew == "auto" || deskew == "azimuth")
+  {
+    return "the points have no times: scans are deskewed by azimuth, which is right for a lidar "
+           "that " +
+           spins + ", as KITTI's; for any other, and for scans deskewed before: " +
+           "preprocess.deskew=none";
+  }
+  std::string text =
+      "the points have no times: scans are not deskewed, so that fast motion blurs them";
+  if (deskew == "none")
+  {
+    return text;
+  }
+  text += "; better: a recording with the times of the points";
+  return turnsFully(pattern)
+             ? text + ", or, for a lidar that " + spins + ", preprocess.deskew=azimuth"
+             : text;
 }
 
 RecordedSensor recogniseSensor(const std::string& rawlog, const RawlogSourceOptions& input)

@@ -97,6 +97,36 @@ TEST(SensorSettings, AnIniForOtherSensorsIsTakenWithAWarning)
   EXPECT_EQ(1U, settingsFor(sensorWith(0, 0), kitti, "kitti64.ini").warnings.size());
 }
 
+/** An HDL-64E whose rings cannot be told apart is no sensor without rings. */
+TEST(SensorSettings, RingsThatAreTooCloseAreRings)
+{
+  RecordedSensor dense = sensorWith(0, 0);
+  dense.pattern.returns = 120000;
+  EXPECT_EQ(
+      "rings too close to tell apart, 120000 points a scan, -15.0 to 15.0 deg, to 98 m, "
+      "10.0 Hz",
+      dense.summary());
+  const auto warningFor = [&](const RecordedSensor& sensor, const std::string& ini)
+  {
+    const Config given = Config::fromFile(findGivenOrShared(ini, "config_files", ".ini"));
+    const auto warnings = settingsFor(sensor, given, ini).warnings;
+    return warnings.empty() ? "" : warnings.front();
+  };
+  EXPECT_EQ("", warningFor(dense, "kitti64.ini"));
+  EXPECT_EQ(
+      "solid_state.ini is for sensors without rings; this recording has rings too close to "
+      "tell apart, 120000 points a scan; without -c kitti64.ini is taken",
+      warningFor(dense, "solid_state.ini"));
+  EXPECT_EQ("", warningFor(dense, "handheld.ini"));
+  RecordedSensor solid = dense;
+  solid.pattern.azimuth_extent = 70 * degree;
+  EXPECT_EQ("", warningFor(solid, "solid_state.ini"));
+  EXPECT_EQ(
+      "kitti64.ini is for sensors with rings up to 0.8 deg apart; this recording has no "
+      "rings, 120000 points a scan; without -c solid_state.ini is taken",
+      warningFor(solid, "kitti64.ini"));
+}
+
 TEST(SensorSettings, SummaryAndMissingTimes)
 {
   RecordedSensor sensor = sensorWith(16, 2.0);
@@ -106,7 +136,11 @@ TEST(SensorSettings, SummaryAndMissingTimes)
   EXPECT_EQ("no rings, 20000 points a scan, -15.0 to 15.0 deg, 70 deg wide, to 98 m, 10.0 Hz",
             sensor.summary());
   EXPECT_NE(sensor.missingTimes("auto").find("deskewed by azimuth"), std::string::npos);
+  EXPECT_NE(sensor.missingTimes("auto").find("preprocess.deskew=none"), std::string::npos);
   EXPECT_NE(sensor.missingTimes("time").find("not deskewed"), std::string::npos);
+  EXPECT_EQ(sensor.missingTimes("time").find("azimuth"), std::string::npos) << "70 deg wide";
+  EXPECT_NE(sensorWith(16, 2.0).missingTimes("time").find("preprocess.deskew=azimuth"),
+            std::string::npos);
   sensor.has_times = true;
   EXPECT_EQ("", sensor.missingTimes("auto"));
 }

@@ -298,6 +298,8 @@ nlohmann::ordered_json runPageJson(const RunPage& page,
   json["version"] = DYSLAM_VERSION;
   json["title"] = page.title;
   json["input"] = page.input;
+  json["sensor"] = page.sensor;
+  json["reference_origin"] = page.reference_origin;
   json["method"] = page.method;
   json["settings"] = page.settings;
   json["failure"] = page.failure;

@@ -107,7 +107,9 @@ TEST(RunPage, WithTruthHasErrorsOfBothTrajectories)
 {
   RunPage page = smallRun();
   page.reference = page.trajectory;
+  page.reference_origin = "simulated, exact";
   const auto json = dataOf(renderRunPage(page, page_template));
+  EXPECT_EQ(json["reference_origin"], "simulated, exact");
   ASSERT_EQ(json["errors"].size(), 2U);
   EXPECT_EQ(json["errors"][0]["name"], "final");
   EXPECT_NEAR(json["errors"][0]["ate"]["translation_m"]["rmse"].get<double>(), 0, 1e-9);

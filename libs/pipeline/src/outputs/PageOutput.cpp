@@ -33,7 +33,8 @@ class PageOutput : public RunOutput
         options_(context.config.get<RunPageOptions>("report")),
         config_(context.config),
         folder_(context.settings.output_folder),
-        input_(context.settings.rawlog)
+        input_(context.settings.rawlog),
+        sensor_(context.settings.sensor)
   {
   }
 
@@ -61,6 +62,7 @@ class PageOutput : public RunOutput
     RunPage page;
     page.title = std::filesystem::absolute(folder_).lexically_normal().filename().string();
     page.input = input_;
+    page.sensor = sensor_;
     page.settings = settings_;
     page.method = results.report.method;
     page.failure = results.report.failure;
@@ -162,6 +164,7 @@ class PageOutput : public RunOutput
   const ConfigLoader& config_;  // other parts of the run load theirs until open()
   std::string folder_;
   std::string input_;
+  std::string sensor_;
   std::string settings_;
 };
 }  // namespace

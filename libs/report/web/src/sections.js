@@ -20,6 +20,11 @@ function largestCorrection(data) {
       most, Math.hypot(a.x[i] - b.x[i], a.y[i] - b.y[i], a.z[i] - b.z[i])), 0);
 }
 
+/** Where the ground truth is from, in brackets. */
+function origin(data) {
+  return data.reference_origin ? ` (${data.reference_origin})` : '';
+}
+
 function sentences(data) {
   const {scans: n, seconds} = data.totals;
   const lost = n - data.totals.registered;
@@ -27,6 +32,9 @@ function sentences(data) {
   const result = [];
   result.push(`${count(n, 'scan')} of ${fixed(seconds, 1)} s were processed; the sensor travelled ` +
       `${fixed(data.length, 1)} m.`);
+  if (data.sensor) {
+    result.push(`Sensor: ${data.sensor}.`);
+  }
   result.push(lost === 0 ?
       'The motion of every scan was found by registration.' :
       `${lost} of ${count(n, 'scan')} could not be registered: their motion was predicted from ` +
@@ -42,7 +50,8 @@ function sentences(data) {
       `${count(data.objects.length, 'moving object')} tracked: ${kindsInWords(data.objects)}.`);
   const final = data.errors.find((e) => e.name === 'final');
   if (final) {
-    result.push('Against the ground truth of the recording the final trajectory is off by ' +
+    result.push(`Against the ground truth of the recording${origin(data)} the final ` +
+        'trajectory is off by ' +
         `${fixed(final.ate.translation_m.rmse, 3)} m (RMSE, after alignment).`);
   } else {
     result.push('The recording has no ground truth, so the errors are not known.');
@@ -125,8 +134,8 @@ export function errors(data) {
   }
   const rows = figures.filter(([, , , value]) => data.errors.some((e) => Number.isFinite(value(e))));
   section.append(
-      h('p', {}, 'Against the ground truth of the recording. "Odometry" is the trajectory before the ' +
-          'factor graph, "final" the one after it, which the map is built with. Smaller is better, but ' +
+      h('p', {}, `Against the ground truth of the recording${origin(data)}. "Odometry" is the ` +
+          'trajectory before the factor graph, "final" the one after it, which the map is built with. Smaller is better, but ' +
           'for the ratio.'),
       h('div', {class: 'scroll'}, h('table', {id: 'error-table'},
           h('thead', {}, h('tr', {}, h('th', {}, 'figure'),
@@ -202,6 +211,7 @@ export function drift(data) {
 
 const stages = {
   preprocess: 'crops the scan and corrects the motion during the revolution',
+  deskew: 'corrects the scan again, with the motion that was found',
   dyseg: 'decides which points move',
   odometry: 'matches the scan with the one before it',
   refine: 'registers the scan to the local map',

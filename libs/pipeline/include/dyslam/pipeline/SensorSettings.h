@@ -40,7 +40,7 @@ struct RecordedSensor
 
   /** "16 rings, 2.0 deg apart, -15.0 to 15.0 deg, to 98 m, 10.0 Hz". */
   [[nodiscard]] std::string summary() const;
-  /** Missing point times and what follows from that; empty if they are there.
+  /** Missing point times, what follows from that and what can be done; empty if they are there.
    * \param deskew value of preprocess.deskew */
   [[nodiscard]] std::string missingTimes(const std::string& deskew) const;
 };

@@ -53,6 +53,7 @@ struct RunPage
 {
   std::string title;
   std::string input;     //!< the recording
+  std::string sensor;    //!< what the recording shows of it; may be empty
   std::string method;    //!< stages in use
   std::string settings;  //!< the effective ini
   std::string failure;   //!< why the result is unusable; empty if it is usable
@@ -62,9 +63,10 @@ struct RunPage
   std::size_t odometry_failed = 0;         //!< scans on which odometry.method found no motion
 
   std::vector<PageScan> scans;
-  Trajectory trajectory;  //!< of the vehicle in the map frame, a pose per scan
-  Trajectory odometry;    //!< before the graph, a pose per scan, in a frame of its own
-  Trajectory reference;   //!< ground truth in the map frame; empty where there is none
+  Trajectory trajectory;         //!< of the vehicle in the map frame, a pose per scan
+  Trajectory odometry;           //!< before the graph, a pose per scan, in a frame of its own
+  Trajectory reference;          //!< ground truth in the map frame; empty where there is none
+  std::string reference_origin;  //!< where the ground truth is from, and whether it is exact
   std::vector<PageLoop> loops;
   std::vector<PageObject> objects;  //!< those that moved
 
