@@ -34,6 +34,8 @@ struct SlamArguments
   std::string verbosity = "INFO";
   std::optional<int> skip_first_n;
   std::optional<int> only_first_n;
+  std::optional<double> start;
+  std::optional<double> end;
   bool resume = false;                //!< resume a killed run
   std::future<void> loading;          //!< loadAhead()
   std::vector<std::string> messages;  //!< about sensor and settings, at the first scan
@@ -61,6 +63,10 @@ inline void declareSlamArguments(CLI::App& app, SlamArguments& a)
   app.add_option("--skip-first-n", a.skip_first_n, "scans to skip")->check(notNegative());
   app.add_option("--only-first-n", a.only_first_n, "scans to process after those; 0: all")
       ->check(notNegative());
+  app.add_option("--start", a.start, "process scans from this time on [s since the first scan]")
+      ->check(notNegative());
+  app.add_option("--end", a.end, "process scans before this time [s since the first scan]")
+      ->check(positive());
   app.add_option("--profile", a.settings.profile_csv, "CSV file for the times of every stage");
   app.add_option("-v,--verbosity", a.verbosity, "what is printed")
       ->check(CLI::IsMember({"ERROR", "INFO"}))
@@ -81,6 +87,14 @@ inline void applyFlags(const SlamArguments& a, Config& config)
   if (a.only_first_n)
   {
     config.set("input.only_first_n=" + std::to_string(*a.only_first_n));
+  }
+  if (a.start)
+  {
+    config.set("input.start=" + std::to_string(*a.start));
+  }
+  if (a.end)
+  {
+    config.set("input.end=" + std::to_string(*a.end));
   }
 }
 

@@ -42,18 +42,22 @@ Json readReport(const fs::path& folder)
   return report.value_or(Json::object());
 }
 
-/** Number of a recording's scans that the run's settings use. */
-std::size_t scansTaken(const fs::path& folder, std::size_t recorded)
+/** Number of a recording's scans that the run's settings use. \param recorded all of them */
+std::size_t scansTaken(const fs::path& folder, const Trajectory& recorded)
 {
   RawlogSourceOptions input;
   if (const fs::path ini = folder / "effective.ini"; fs::exists(ini))
   {
     load(input, Config::fromFile(ini.string()), "input");
   }
-  const auto first = static_cast<std::size_t>(input.skip_first_n);
+  ScanSelection selection(input);
+  std::size_t taken = 0;
+  for (std::size_t i = 0; i < recorded.size(); ++i)
+  {
+    taken += selection.takes(i, recorded[i].stamp) ? 1U : 0U;
+  }
   const auto most = static_cast<std::size_t>(input.only_first_n);
-  const std::size_t rest = recorded - std::min(recorded, first);
-  return most > 0 ? std::min(rest, most) : rest;
+  return most > 0 ? std::min(taken, most) : taken;
 }
 
 /** Prints the progress of a killed run. \return whether it is one */
@@ -70,7 +74,7 @@ bool noteUnfinished(const std::string& folder, const Json& report, const std::st
   const fs::path poses = fs::path(truth) / "poses_tum.txt";
   if (!truth.empty() && fs::exists(poses))
   {
-    scans += " of " + std::to_string(scansTaken(folder, readTum(poses.string()).size()));
+    scans += " of " + std::to_string(scansTaken(folder, readTum(poses.string())));
   }
   std::cerr << "note: " << folder << ": unfinished: " << scans << " scans; dyslam --resume -o "
             << folder << " goes on\n";

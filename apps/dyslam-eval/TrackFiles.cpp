@@ -121,6 +121,18 @@ void removeExcluded(std::vector<LabelledBox>& boxes, const TrackSelection& selec
                              [&](const LabelledBox& box) { return isExcluded(box, selection); }),
               boxes.end());
 }
+
+/** Number of the first scan of a run, by scans.csv; nothing without. */
+std::optional<int> firstFrame(const std::string& folder)
+{
+  const fs::path path = fs::path(folder) / "scans.csv";
+  if (!fs::exists(path))
+  {
+    return std::nullopt;
+  }
+  TextFile file(path.string(), ",\r");
+  return file.next() && file.next() ? std::optional<int>(file.integer(0)) : std::nullopt;
+}
 }  // namespace
 
 TrackData readTruth(const std::string& folder, const TrackSelection& selection)
@@ -187,7 +199,13 @@ std::optional<FrameRange> processedFrames(const std::string& folder)
   }
   RawlogSourceOptions input;
   load(input, config, "input");
-  return FrameRange{input.skip_first_n, input.skip_first_n + frames->get<int>() - 1};
+  std::optional<int> first = input.skip_first_n;
+  if (input.start > 0)
+  {
+    first = firstFrame(folder);
+  }
+  return first ? std::optional<FrameRange>({*first, *first + frames->get<int>() - 1})
+               : std::nullopt;
 }
 
 std::string mergedType(const std::string& type)

@@ -21,20 +21,20 @@ namespace
 Trajectory withScanTimes(const Trajectory& poses, const Arguments& a)
 {
   RawlogSourceOptions everything = a.source;
-  everything.skip_first_n = 0;
-  everything.only_first_n = 0;
+  static_cast<ScanRange&>(everything) = ScanRange();
   RawlogSource source(a.rawlog, everything);
   std::vector<std::pair<std::size_t, double>> scans;  // number in the file and time, to be used
-  const auto first = static_cast<std::size_t>(a.source.skip_first_n);
+  ScanSelection selection(a.source);
   const auto limit = static_cast<std::size_t>(a.source.only_first_n);
-  (void)readScans(source, "dyslam-map (times)", a.quiet,
-                  [&](const Frame& frame)
-                  {
-                    if (frame.index >= first && (limit == 0 || scans.size() < limit))
-                    {
-                      scans.emplace_back(frame.index, frame.scan.stamp);
-                    }
-                  });
+  (void)readScans(
+      source, "dyslam-map (times)", a.quiet,
+      [&](const Frame& frame)
+      {
+        if (selection.takes(frame.index, frame.scan.stamp) && (limit == 0 || scans.size() < limit))
+        {
+          scans.emplace_back(frame.index, frame.scan.stamp);
+        }
+      });
   const std::size_t in_file = source.framesRead() + source.framesDropped();
   if (poses.size() != scans.size() && poses.size() != in_file)
   {

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "../common/AppMain.h"
+#include "../common/ConversionFlags.h"
 #include "../common/ConversionReport.h"
 
 namespace
@@ -58,8 +59,7 @@ void declare(CLI::App& app, Arguments& arguments)
   app.add_option("--dt", o.dt, "seconds between scans; default: the layout's times, else 0.1034");
   app.add_flag("--kitti-vertical-angle-correction", o.vertical_angle_correction,
                "correct the elevation of the points by +0.205 deg, as KITTI odometry's scans need");
-  app.add_option("--skip-first-n", o.skip_first_n, "scans to skip");
-  app.add_option("--only-first-n", o.only_first_n, "scans to convert after those");
+  declareRange(app, o, o.every_n);
   app.add_flag("--external-storage", o.external_storage, "clouds in separate files");
   app.add_flag("-q,--quiet", arguments.quiet, "no progress");
 }

@@ -4,9 +4,11 @@
 #include <dyslam/io/Converters.h>
 
 #include <iostream>
+#include <map>
 #include <string>
 
 #include "../common/AppMain.h"
+#include "../common/ConversionFlags.h"
 #include "../common/ConversionReport.h"
 
 namespace
@@ -21,6 +23,9 @@ struct Arguments
   bool list = false;
   bool quiet = false;
 };
+
+const std::map<std::string, BinLayout> bin_layouts{{"xyzi", BinLayout::xyzi},
+                                                   {"xyzir", BinLayout::xyzir}};
 
 void declare(CLI::App& app, Arguments& arguments)
 {
@@ -46,6 +51,10 @@ void declare(CLI::App& app, Arguments& arguments)
                  "otherwise the scans' sensor label");
   app.add_option("--calibration", o.calibration, "Velodyne's XML or YAML, for a pcap");
   app.add_option("--poses", o.poses, "true poses of the lidar, TUM or KITTI, a line for each scan");
+  app.add_option("--bin-layout", o.bin_layout,
+                 "columns of .bin files, all float32: xyzi (KITTI) or xyzir (nuScenes: with the "
+                 "ring); default: by their content")
+      ->transform(wordFor(bin_layouts));
   app.add_option("--times", o.times,
                  "times of a folder's scans, a line each: seconds, or KITTI's timestamps.txt");
   app.add_option("--sensor-pose", o.sensor_pose,
@@ -53,8 +62,7 @@ void declare(CLI::App& app, Arguments& arguments)
   app.add_option("--dt", o.dt, "seconds between scans; default: their own times, else 0.1");
   app.add_flag("--keep-partial", o.keep_partial,
                "also a pcap's incomplete first and last revolutions");
-  app.add_option("--skip-first-n", o.skip_first_n, "scans to skip");
-  app.add_option("--only-first-n", o.only_first_n, "scans to convert after those");
+  declareRange(app, o, o.every_n);
   app.add_flag("--external-storage", o.external_storage, "clouds in separate files");
   app.add_flag("-q,--quiet", arguments.quiet, "no progress");
 }

@@ -337,6 +337,8 @@ TEST_F(BadInput, Configs)
                 "-i " + at("good.rawlog") + " --trajectory x -o m.pcd -c " +
                     write("bad.ini", "[mapp]\nvoxel_size = 1\n"),
                 {"bad.ini:1", "[mapp]", "did you mean [map]"});
+  expectRefusal("dyslam", start + "--start 2 --end 1", {"end = 1 s is not after start = 2 s"});
+  expectRefusal("dyslam", start + "--start 999", {"start = 999 s", "the file has 12 scans"});
   EXPECT_FALSE(fs::exists(at("never") + "/trajectory_tum.txt"));
 }
 

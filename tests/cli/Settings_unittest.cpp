@@ -132,6 +132,33 @@ TEST(Settings, MissingTimesOfPointsAreSaid)
   EXPECT_TRUE(contains(contentOf(folder.file("run/report.json")), "the points have no times"));
 }
 
+TEST(Settings, ARangeOfTimeIsProcessedAndEvaluated)
+{
+  const TestFolder folder;
+  const Outcome outcome =
+      runProgram("dyslam", "-i " + recording + " --start 0.25 --end 0.55 -o " + folder.file("run"),
+                 folder.path());
+  EXPECT_EQ(0, outcome.code) << outcome.err;
+  const auto rows = lines(contentOf(folder.file("run/scans.csv")));
+  ASSERT_EQ(4U, rows.size());
+  EXPECT_EQ("3,", rows[1].substr(0, 2));
+  EXPECT_EQ("5,", rows[3].substr(0, 2));
+  const std::string truth = std::string(DYSLAM_SOURCE_DIR) + "/rawlog/campus16.gt";
+  const Outcome tracks =
+      runProgram("dyslam-eval", "tracks --reference " + truth + " --estimate " + folder.file("run"),
+                 folder.path());
+  EXPECT_EQ(0, tracks.code) << tracks.err;
+  EXPECT_TRUE(contains(tracks.out, "frames 3-5 of ")) << tracks.out;
+  // Poses without times: those of the scans used.
+  const Outcome map =
+      runProgram("dyslam-map",
+                 "-q -i " + recording + " --trajectory " + folder.file("run/trajectory_kitti.txt") +
+                     " -o " + folder.file("m.pcd"),
+                 folder.path());
+  EXPECT_EQ(0, map.code) << map.err;
+  EXPECT_TRUE(contains(map.out, "3 scans, 0 without a pose")) << map.out;
+}
+
 TEST(Settings, OnlyInisOfTheProgramAreOffered)
 {
   const TestFolder folder;

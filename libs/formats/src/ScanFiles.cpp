@@ -8,8 +8,10 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <cmath>
 #include <cstring>
 #include <filesystem>
+#include <set>
 
 #include "PcdFile.h"
 #include "PlyFile.h"
@@ -91,6 +93,44 @@ std::string packed(const std::vector<Eigen::Vector3f>& points,
   return bytes;
 }
 
+/** The fifth of five columns. */
+void readRingColumn(const std::string& path, const std::string& bytes, Scan& scan)
+{
+  constexpr float max_ring = 65535;
+  scan.ring.reserve(scan.size());
+  for (std::size_t i = 0; i < scan.size(); ++i)
+  {
+    float ring = 0;
+    std::memcpy(&ring, &bytes[(5 * i + 4) * sizeof(float)], sizeof(float));
+    if (!(ring >= 0 && ring <= max_ring))
+    {
+      throw UserError(path + ": the fifth number of point " + std::to_string(i) +
+                      " is not the number of a ring; the file has other columns than x y z "
+                      "intensity ring");
+    }
+    scan.ring.push_back(static_cast<std::uint16_t>(ring));
+  }
+}
+
+/** The file of rings beside a scan, if there is one. */
+void readRingFile(const std::string& path, Scan& scan)
+{
+  const std::string ring_path = fs::path(path).replace_extension(".ring").string();
+  if (!fs::exists(ring_path))
+  {
+    return;
+  }
+  const std::string rings = readWhole(ring_path);
+  if (rings.size() != scan.size())
+  {
+    throw UserError(ring_path + ": has " + std::to_string(rings.size()) +
+                    " rings, but the scan has " + std::to_string(scan.size()) + " points");
+  }
+  for (const char ring : rings)
+  {
+    scan.ring.push_back(static_cast<std::uint8_t>(ring));
+  }
+}
 }  // namespace
 
 std::vector<std::string> listFiles(const std::string& folder,
@@ -120,14 +160,43 @@ std::string lowerExtension(const std::string& path)
   return extension;
 }
 
-Scan readBin(const std::string& path)
+BinLayout binLayoutOf(const std::string& path)
+{
+  constexpr std::size_t min_points = 100;
+  constexpr std::size_t min_rings = 4;
+  constexpr float max_ring = 255;
+  const std::string bytes = readWhole(path);
+  constexpr std::size_t step = 5 * sizeof(float);
+  if (bytes.size() % step != 0 || bytes.size() < min_points * step)
+  {
+    return BinLayout::xyzi;
+  }
+  std::set<float> rings;
+  bool fractions = false;  // among the coordinates
+  for (std::size_t at = 0; at < bytes.size(); at += step)
+  {
+    std::array<float, 5> row{};
+    std::memcpy(row.data(), &bytes[at], step);
+    if (!(row[4] >= 0 && row[4] <= max_ring && row[4] == std::floor(row[4])))
+    {
+      return BinLayout::xyzi;
+    }
+    rings.insert(row[4]);
+    fractions = fractions || std::any_of(row.begin(), row.begin() + 3,
+                                         [](float x) { return x != std::floor(x); });
+  }
+  return fractions && rings.size() >= min_rings ? BinLayout::xyzir : BinLayout::xyzi;
+}
+
+Scan readBin(const std::string& path, BinLayout layout)
 {
   const std::string bytes = readWhole(path);
-  constexpr std::size_t step = 4 * sizeof(float);
+  const std::size_t columns = layout == BinLayout::xyzir ? 5 : 4;
+  const std::size_t step = columns * sizeof(float);
   if (bytes.size() % step != 0)
   {
-    throw UserError(path + ": " + std::to_string(bytes.size()) +
-                    " bytes are not whole points of 4 floats; the file is cut short or no scan");
+    throw UserError(path + ": " + std::to_string(bytes.size()) + " bytes are not whole points of " +
+                    std::to_string(columns) + " floats; the file is cut short or no scan");
   }
   Scan scan;
   const std::size_t count = bytes.size() / step;
@@ -138,19 +207,13 @@ Scan readBin(const std::string& path)
     std::memcpy(scan.points[i].data(), &bytes[i * step], 3 * sizeof(float));
     std::memcpy(&scan.intensity[i], &bytes[i * step + 3 * sizeof(float)], sizeof(float));
   }
-  const std::string ring_path = fs::path(path).replace_extension(".ring").string();
-  if (fs::exists(ring_path))
+  if (layout == BinLayout::xyzir)
   {
-    const std::string rings = readWhole(ring_path);
-    if (rings.size() != count)
-    {
-      throw UserError(ring_path + ": has " + std::to_string(rings.size()) +
-                      " rings, but the scan has " + std::to_string(count) + " points");
-    }
-    for (const char ring : rings)
-    {
-      scan.ring.push_back(static_cast<std::uint8_t>(ring));
-    }
+    readRingColumn(path, bytes, scan);
+  }
+  else
+  {
+    readRingFile(path, scan);
   }
   return scan;
 }

@@ -32,6 +32,91 @@ TEST(ScanFiles, RingsBesideBin)
   EXPECT_THROW((void)readBin(folder.file("a.bin")), UserError);
 }
 
+std::string bytesOf(const std::vector<float>& values)
+{
+  return {reinterpret_cast<const char*>(values.data()), values.size() * sizeof(float)};
+}
+
+/** Points on rings with `columns` numbers each; the count of 32 makes whole points of 4, too. */
+std::vector<float> ringScan(std::size_t columns, std::size_t points = 320)
+{
+  std::vector<float> values;
+  for (std::size_t i = 0; i < points; ++i)
+  {
+    const auto k = static_cast<float>(i);
+    const std::vector<float> row{3.3F + 0.1F * k, -2.7F, 0.01F * k, k, static_cast<float>(i % 32)};
+    values.insert(values.end(), row.begin(), row.begin() + static_cast<std::ptrdiff_t>(columns));
+  }
+  return values;
+}
+
+TEST(ScanFiles, FiveColumnsAreRecognisedAndRead)
+{
+  const TestFolder folder;
+  const std::string path = folder.write("a.bin", bytesOf(ringScan(5)));
+  ASSERT_EQ(0U, std::filesystem::file_size(path) % 16) << "the size alone does not tell";
+  EXPECT_EQ(BinLayout::xyzir, binLayoutOf(path));
+  folder.write("a.ring", "of another file");
+  const Scan scan = readBin(path, BinLayout::xyzir);
+  ASSERT_EQ(320U, scan.size());
+  EXPECT_TRUE(scan.points[33].isApprox(Eigen::Vector3f(6.6F, -2.7F, 0.33F), 1e-5F));
+  EXPECT_EQ(33.0F, scan.intensity[33]);
+  EXPECT_EQ(1, scan.ring[33]);
+  std::vector<float> bad = ringScan(5);
+  bad[9] = -1;
+  folder.write("a.bin", bytesOf(bad));
+  EXPECT_TRUE(contains(messageOfError<UserError>([&] { (void)readBin(path, BinLayout::xyzir); }),
+                       "the fifth number of point 1"));
+  folder.write("a.bin", bytesOf(ringScan(5)).substr(0, 100 * 20 - 4));
+  EXPECT_TRUE(contains(messageOfError<UserError>([&] { (void)readBin(path, BinLayout::xyzir); }),
+                       "not whole points of 5 floats"));
+}
+
+TEST(ScanFiles, FourColumnsAreNeverTakenForFive)
+{
+  const TestFolder folder;
+  const auto layoutOf = [&folder](const std::vector<float>& values)
+  { return binLayoutOf(folder.write("a.bin", bytesOf(values))); };
+  EXPECT_EQ(BinLayout::xyzi, layoutOf({}));
+  EXPECT_EQ(BinLayout::xyzi, layoutOf(ringScan(4)));
+  EXPECT_EQ(BinLayout::xyzi, layoutOf(std::vector<float>(4000, 0)));
+  // Coordinates in whole metres, with intensities of both kinds.
+  for (const float intensity : {7.0F, 0.5F})
+  {
+    std::vector<float> grid;
+    for (std::size_t i = 0; i < 1000; ++i)
+    {
+      const auto k = static_cast<float>(i % 100);
+      grid.insert(grid.end(), {k, 2 * k, 1, intensity});
+    }
+    EXPECT_EQ(BinLayout::xyzi, layoutOf(grid)) << intensity;
+  }
+  // A scan that was cut short behind whole points of five.
+  std::vector<float> cut = ringScan(4);
+  cut.resize(1005);
+  EXPECT_EQ(BinLayout::xyzi, layoutOf(cut));
+  // Five columns, but the fifth is a time.
+  std::vector<float> timed = ringScan(5);
+  for (std::size_t i = 4; i < timed.size(); i += 5)
+  {
+    timed[i] = 0.001F * static_cast<float>(i);
+  }
+  EXPECT_EQ(BinLayout::xyzi, layoutOf(timed));
+}
+
+TEST(ScanFiles, FourColumnsOfRealScansAreNotTakenForFive)
+{
+  DYSLAM_REQUIRE_DATA();
+  for (const char* name : {"/hdl32_nuscenes", "/hdl32_nclt", "/hdl64_singles_other", "/vlp16_run30",
+                           "/sfnd_lidar_data_1/velodyne"})
+  {
+    for (const std::string& file : listBinFiles(*realDataFolder() + name))
+    {
+      EXPECT_EQ(BinLayout::xyzi, binLayoutOf(file)) << file;
+    }
+  }
+}
+
 TEST(ScanFiles, ListsInNumericalOrder)
 {
   const TestFolder folder;

@@ -191,7 +191,7 @@ void convertBag(const std::string& input, ScanSink& sink, const ScanConverterOpt
   if (sink.written() == 0)
   {
     throw UserError(input + ": " + topic.name + " has " + std::to_string(topic.messages) +
-                    " scans; --skip-first-n leaves none");
+                    " scans; " + emptyRange(options));
   }
   if (!truth.empty() && without_pose > 0)
   {

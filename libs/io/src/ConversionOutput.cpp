@@ -47,6 +47,12 @@ Pose sensorPoseFrom(std::string text)
   return poseFromYpr(v[0], v[1], v[2], rad * v[3], rad * v[4], rad * v[5]);
 }
 
+std::string emptyRange(const ScanRange& range)
+{
+  return range.start > 0 || range.end > 0 ? "--skip-first-n, --start and --end leave none"
+                                          : "--skip-first-n leaves none";
+}
+
 void requireNoInput(const std::string& output, const std::vector<std::string>& inputs)
 {
   const auto resolved = [](const std::string& path)

@@ -20,6 +20,15 @@ namespace dyslam
  * \throws UserError if writing the rawlog `output` with its sidecar would replace one of them. */
 void requireNoInput(const std::string& output, const std::vector<std::string>& inputs);
 
+/** For errors: the flags of the range, which leave no scan. */
+[[nodiscard]] std::string emptyRange(const ScanRange& range);
+
+/** Warning for scans that are thinned out and whose points have no times. */
+constexpr const char* thinned_without_times =
+    "not every scan is converted and the points have no times: deskewing by azimuth would take the "
+    "time between two converted scans for a revolution; run dyslam with --set "
+    "preprocess.deskew=none";
+
 /** A rawlog and, once there is truth for it, its sidecar; counts what it writes.
  *
  * Both get their names by close(), or by the destructor when an error ends the work after the first

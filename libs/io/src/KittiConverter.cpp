@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/Error.h>
+#include <dyslam/core/Printable.h>
 #include <dyslam/formats/ScanFiles.h>
 #include <dyslam/io/Converters.h>
 
@@ -28,6 +29,39 @@ void correctVerticalAngles(Scan& scan)
     {
       point = Eigen::AngleAxisf(vertical_angle_error, axis / length) * point;
     }
+  }
+}
+
+/** The scans to convert. \throws UserError if there are none. */
+std::vector<const KittiLayout::Entry*> usedEntries(const std::string& input,
+                                                   const KittiLayout& layout,
+                                                   const KittiConverterOptions& options)
+{
+  std::vector<const KittiLayout::Entry*> used;
+  ScanSelection selection(options, options.every_n);
+  const auto most = static_cast<std::size_t>(options.only_first_n);
+  for (std::size_t i = 0; i < layout.entries.size() && (most == 0 || used.size() < most); ++i)
+  {
+    if (selection.takes(i, layout.entries[i].stamp))
+    {
+      used.push_back(&layout.entries[i]);
+    }
+  }
+  if (used.empty())
+  {
+    throw UserError(input + ": has " + counted(layout.entries.size(), "scan") + "; " +
+                    emptyRange(options));
+  }
+  return used;
+}
+
+/** \throws UserError for scans with other columns than KITTI's. */
+void requireKittiColumns(const std::string& scan)
+{
+  if (binLayoutOf(scan) != BinLayout::xyzi)
+  {
+    throw UserError(scan + ": has 5 numbers per point (x y z intensity ring), KITTI's have 4; " +
+                    "convert the folder of the scans with scans2rawlog");
   }
 }
 }  // namespace
@@ -59,8 +93,8 @@ void KittiConverterOptions::describe(OptionsVisitor& visitor)
   visitor.real("dt", dt, 0, 3600, "seconds between scans; 0: the layout's times, else 0.1034");
   visitor.flag("vertical_angle_correction", vertical_angle_correction,
                "correct the elevation of points by +0.205 deg");
-  visitor.integer("skip_first_n", skip_first_n, 0, 1000000000, "scans to skip");
-  visitor.integer("only_first_n", only_first_n, 0, 1000000000, "scans to convert; 0: all");
+  describeRange(visitor);
+  visitor.integer("every_n", every_n, 1, 1000000, "of the scans, every n-th is converted");
   visitor.flag("external_storage", external_storage, "clouds in separate files");
   visitor.integer("compression_level", compression_level, 0, 9, "of gzip");
 }
@@ -75,29 +109,20 @@ ConversionResult convertKitti(const std::string& input,
                           options.boxes, options.times});
   const Pose T_vehicle_lidar = sensorPoseFrom(options.sensor_pose);
   const KittiLayout layout = readKittiLayout(input, options);
+  requireKittiColumns(layout.entries.front().scan);
   std::multimap<int, const LabelledBox*> boxes;
   for (const LabelledBox& box : layout.boxes)
   {
     boxes.emplace(box.frame, &box);
   }
-  const std::size_t begin =
-      std::min(layout.entries.size(), static_cast<std::size_t>(options.skip_first_n));
-  const std::size_t count =
-      options.only_first_n == 0
-          ? layout.entries.size() - begin
-          : std::min(layout.entries.size() - begin, static_cast<std::size_t>(options.only_first_n));
-  if (count == 0)
-  {
-    throw UserError(input + ": has " + std::to_string(layout.entries.size()) +
-                    " scans; --skip-first-n leaves none");
-  }
+  const std::vector<const KittiLayout::Entry*> entries = usedEntries(input, layout, options);
   const bool deskewed =
       options.deskewed == ScansDeskewed::yes ||
       (options.deskewed == ScansDeskewed::automatic && options.kind == KittiKind::odometry);
   ConversionOutput out(output, options.external_storage, options.compression_level);
-  for (std::size_t i = begin; i < begin + count; ++i)
+  for (std::size_t i = 0; i < entries.size(); ++i)
   {
-    const KittiLayout::Entry& entry = layout.entries[i];
+    const KittiLayout::Entry& entry = *entries[i];
     Scan scan = readBin(entry.scan);
     scan.stamp = entry.stamp;
     scan.sensor_label = "velodyne";
@@ -117,7 +142,7 @@ ConversionResult convertKitti(const std::string& input,
     }
     const auto range = boxes.equal_range(static_cast<int>(entry.number));
     std::for_each(range.first, range.second, [&out](const auto& box) { out.addBox(*box.second); });
-    out.tell(progress, static_cast<double>(i + 1 - begin) / static_cast<double>(count));
+    out.tell(progress, static_cast<double>(i + 1) / static_cast<double>(entries.size()));
   }
   ConversionResult result = out.close();
   result.warnings = layout.warnings;
@@ -125,6 +150,10 @@ ConversionResult convertKitti(const std::string& input,
       deskewed ? "the scans count as deskewed (--deskewed no: as they were recorded)"
                : "the points have no times: dyslam deskews by azimuth or not at all "
                  "(preprocess.deskew)");
+  if (options.every_n > 1 && !deskewed)
+  {
+    result.warnings.emplace_back(thinned_without_times);
+  }
   result.pose_source = layout.pose_file;
   return result;
 }

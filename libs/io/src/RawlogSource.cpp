@@ -11,8 +11,7 @@ namespace dyslam
 void RawlogSourceOptions::describe(OptionsVisitor& visitor)
 {
   visitor.text("sensor_label", sensor_label, "regex for the lidar's label; empty: the first lidar");
-  visitor.integer("skip_first_n", skip_first_n, 0, 1000000000, "scans to skip");
-  visitor.integer("only_first_n", only_first_n, 0, 1000000000, "scans to deliver; 0: all");
+  describeRange(visitor);
   visitor.text("ground_truth_label", ground_truth_label, "of the true poses; empty: use none");
   visitor.real("ground_truth_max_gap", ground_truth_max_gap, 0, 10,
                "largest gap between true poses that are interpolated [s]");
@@ -47,7 +46,7 @@ struct RawlogSource::Impl
   {
     try
     {
-      while (!postponed)
+      while (!postponed && !decoder.isPastEnd())
       {
         const auto observation = stream.next();
         if (!observation)

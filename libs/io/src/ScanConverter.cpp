@@ -45,6 +45,19 @@ double secondsOf(double time)
   return time * (time < 1e11 ? 1 : time < 1e14 ? 1e-3 : time < 1e17 ? 1e-6 : 1e-9);
 }
 
+/** The part of a file's name that may be a time: all of it, or of nuScenes' names, such as
+ * n008-2018-08-01-15-16-36-0400__LIDAR_TOP__1533151603547590.pcd.bin, the end. */
+std::string timeInName(const std::string& file)
+{
+  std::string stem = fs::path(file).stem().string();
+  if (lowerExtension(stem) == ".pcd")
+  {
+    stem.resize(stem.size() - 4);
+  }
+  const auto end = stem.rfind("__");
+  return end == std::string::npos ? stem : stem.substr(end + 2);
+}
+
 /** Times since 1970 out of file names such as 1317042145951199337.bin, in nano-, micro-,
  * milliseconds or seconds by their size; nothing unless all names are such. */
 std::vector<double> stampsFromNames(const std::vector<std::string>& files)
@@ -52,7 +65,7 @@ std::vector<double> stampsFromNames(const std::vector<std::string>& files)
   std::vector<double> stamps;
   for (const std::string& file : files)
   {
-    std::string stem = fs::path(file).stem().string();
+    std::string stem = timeInName(file);
     const auto part = stem.find('_');
     if (part != std::string::npos)
     {
@@ -98,6 +111,26 @@ std::vector<double> stampsFor(const std::vector<std::string>& files,
   return stamps;
 }
 
+/** The columns of a folder's .bin files: as requested, or those of the first one with points. */
+BinLayout binLayoutFor(const std::vector<std::string>& files,
+                       const ScanConverterOptions& options,
+                       ScanSink& sink)
+{
+  BinLayout layout = options.bin_layout.value_or(BinLayout::xyzi);
+  if (!options.bin_layout && lowerExtension(files.front()) == ".bin")
+  {
+    const auto with_points =
+        std::find_if(files.begin(), files.end(),
+                     [](const std::string& file) { return fs::file_size(file) > 0; });
+    layout = with_points == files.end() ? layout : binLayoutOf(*with_points);
+  }
+  if (layout == BinLayout::xyzir)
+  {
+    sink.note("points: x y z intensity ring (--bin-layout xyzir)");
+  }
+  return layout;
+}
+
 void convertFolder(const std::string& input,
                    ScanSink& sink,
                    const std::vector<std::string>& files,
@@ -105,9 +138,10 @@ void convertFolder(const std::string& input,
                    const ScanConverterOptions& options)
 {
   const std::vector<double> stamps = stampsFor(files, options, sink);
+  const BinLayout layout = binLayoutFor(files, options, sink);
   for (std::size_t i = 0; i < files.size(); ++i)
   {
-    Scan scan = readCloud(files[i]);
+    Scan scan = layout == BinLayout::xyzir ? readBin(files[i], layout) : readCloud(files[i]);
     if (!stamps.empty())
     {
       scan.stamp = stamps[i];
@@ -122,7 +156,7 @@ void convertFolder(const std::string& input,
   }
   if (sink.written() == 0)
   {
-    throw UserError(input + ": --skip-first-n leaves none of the " + std::to_string(files.size()) +
+    throw UserError(input + ": " + emptyRange(options) + " of the " + std::to_string(files.size()) +
                     " scans");
   }
 }
@@ -169,7 +203,9 @@ void convertPcap(const std::string& input, ScanSink& sink, const ScanConverterOp
   }
   if (sink.written() == 0)
   {
-    throw UserError(input + ": holds no whole revolution; try --keep-partial");
+    throw UserError(
+        input + ": " +
+        (sink.seen() > 0 ? emptyRange(options) : "holds no whole revolution; try --keep-partial"));
   }
   for (const std::string& warning : source.warnings())
   {
@@ -213,7 +249,8 @@ void requireFitting(InputKind kind, const ScanConverterOptions& options)
     const char* with;
   };
   for (const Use& use :
-       {Use{"--poses", !options.poses.empty(), InputKind::folder, "a folder of scans"},
+       {Use{"--bin-layout", options.bin_layout.has_value(), InputKind::folder, "a folder of scans"},
+        Use{"--poses", !options.poses.empty(), InputKind::folder, "a folder of scans"},
         Use{"--times", !options.times.empty(), InputKind::folder, "a folder of scans"},
         Use{"--calibration", !options.calibration.empty(), InputKind::pcap, "a .pcap"},
         Use{"--keep-partial", options.keep_partial, InputKind::pcap, "a .pcap"},
@@ -249,8 +286,8 @@ void ScanConverterOptions::describe(OptionsVisitor& visitor)
   visitor.text("sensor_pose", sensor_pose, "x y z yaw pitch roll of the lidar [m, deg]");
   visitor.real("dt", dt, 0, 3600, "seconds between scans; 0: the scans' own times, else 0.1");
   visitor.flag("keep_partial", keep_partial, "also incomplete first and last revolutions");
-  visitor.integer("skip_first_n", skip_first_n, 0, 1000000000, "scans to skip");
-  visitor.integer("only_first_n", only_first_n, 0, 1000000000, "scans to convert; 0: all");
+  describeRange(visitor);
+  visitor.integer("every_n", every_n, 1, 1000000, "of the scans, every n-th is converted");
   visitor.flag("external_storage", external_storage, "clouds in separate files");
   visitor.integer("compression_level", compression_level, 0, 9, "of gzip");
 }

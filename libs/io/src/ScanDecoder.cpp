@@ -13,6 +13,7 @@
 #include <deque>
 #include <map>
 #include <regex>
+#include <sstream>
 #include <utility>
 
 #include "IntensityScaler.h"
@@ -61,7 +62,8 @@ struct ScanDecoder::Impl
         recording(std::move(name)),
         external{std::move(folder), options_in.external_anywhere},
         wanted(compiled(options_in.sensor_label)),
-        scale_intensity(options_in.intensity_scale)
+        scale_intensity(options_in.intensity_scale),
+        selection(options_in)
   {
   }
 
@@ -147,6 +149,7 @@ struct ScanDecoder::Impl
     if (has_time && (!last_stamp || stamp > *last_stamp || bridgesStep(stamp)))
     {
       last_stamp = toStamp(observation.timestamp) + clock_shift;
+      first_stamp = first_stamp ? first_stamp : last_stamp;
       dropped_in_a_row = 0;
       stamps_gone_back.clear();
       return true;
@@ -249,18 +252,45 @@ struct ScanDecoder::Impl
     return interpolate(before->pose, after->pose, fraction);
   }
 
+  /** Why the options leave no scan. */
+  [[nodiscard]] std::string emptyRange() const
+  {
+    std::ostringstream text;
+    text << "skip_first_n = " << options.skip_first_n;
+    if (options.start > 0 || options.end > 0)
+    {
+      text << ", start = " << options.start << " s and end = " << options.end << " s leave";
+    }
+    else
+    {
+      text << " leaves";
+    }
+    text << " no scan";
+    if (!selection.isPastEnd())
+    {
+      text << "; the file has " << counted(scans_seen, "scan");
+      if (options.start > 0)
+      {
+        text << ", the last " << *last_stamp - *first_stamp << " s after the first";
+      }
+    }
+    return text.str();
+  }
+
   RawlogSourceOptions options;
   std::string recording;
   ExternalFiles external;
   std::regex wanted;
   IntensityScaler scale_intensity;
+  ScanSelection selection;
   std::string label;  //!< of the lidar in use, once it is known
 
   CObservation::Ptr companion;  //!< read, its scan not yet
   std::deque<StampedPose> truths;
 
   std::size_t scans_seen = 0;            //!< with the wanted label, delivered or not
-  std::optional<double> last_stamp;      //!< of those used, shifted
+  std::optional<double> first_stamp;     //!< of those with a good stamp
+  std::optional<double> last_stamp;      //!< of those with a good stamp, shifted
   double clock_shift = 0;                //!< from the recording's stamps to the frames' [s]
   std::vector<double> stamps_gone_back;  //!< of scans dropped in a row, ascending
   std::size_t dropped = 0;
@@ -298,11 +328,16 @@ std::optional<RecordedScan> ScanDecoder::take(const CObservation::Ptr& observati
   }
   const std::size_t index = s.scans_seen++;
   CObservation::Ptr own = std::exchange(s.companion, nullptr);
-  if (s.acceptStamp(*observation) && index >= static_cast<std::size_t>(s.options.skip_first_n))
+  if (s.acceptStamp(*observation) && s.selection.takes(index, *s.last_stamp))
   {
     return RecordedScan{observation, std::move(own), index, s.clock_shift};
   }
   return std::nullopt;
+}
+
+bool ScanDecoder::isPastEnd() const
+{
+  return impl_->selection.isPastEnd();
 }
 
 Frame ScanDecoder::decode(const RecordedScan& scan)
@@ -351,8 +386,7 @@ void ScanDecoder::failWithoutScans() const
   const Impl& s = *impl_;
   if (s.scans_seen > 0)
   {
-    throw UserError(s.recording + ": skip_first_n = " + std::to_string(s.options.skip_first_n) +
-                    " leaves no scan; the file has " + std::to_string(s.scans_seen));
+    throw UserError(s.recording + ": " + s.emptyRange());
   }
   if (!s.lidar_labels.empty())
   {

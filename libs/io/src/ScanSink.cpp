@@ -11,6 +11,7 @@ constexpr double default_dt = 0.1;  //!< [s]
 ScanSink::ScanSink(const std::string& output, const ScanConverterOptions& options)
     : options_(options),
       T_vehicle_lidar_(sensorPoseFrom(options.sensor_pose)),
+      selection_(options, options.every_n),
       out_(output, options.external_storage, options.compression_level)
 {
 }
@@ -21,16 +22,19 @@ bool ScanSink::put(Scan scan,
                    double progress)
 {
   const std::size_t number = seen_++;
-  if (number < static_cast<std::size_t>(options_.skip_first_n))
+  const auto first = static_cast<std::size_t>(options_.skip_first_n);
+  const bool assume_rate = options_.dt > 0 || !has_stamp;
+  const double dt = options_.dt > 0 ? options_.dt : default_dt;
+  const double recorded = assume_rate ? static_cast<double>(number) * dt : scan.stamp;
+  if (!selection_.takes(number, recorded))
   {
-    return true;
+    return !selection_.isPastEnd();
   }
   scaler_(scan);
-  if (options_.dt > 0 || !has_stamp)
+  if (assume_rate)
   {
     assumed_rate_ = assumed_rate_ || options_.dt <= 0;
-    const double dt = options_.dt > 0 ? options_.dt : default_dt;
-    scan.stamp = static_cast<double>(written_) * dt;
+    scan.stamp = static_cast<double>(number - first) * dt;
   }
   if (scan.sensor_label.empty())
   {
@@ -54,6 +58,10 @@ ConversionResult ScanSink::close()
   if (!any_times_)
   {
     warn("the points have no times: dyslam deskews by azimuth or not at all (preprocess.deskew)");
+    if (options_.every_n > 1)
+    {
+      warn(thinned_without_times);
+    }
   }
   result.notes = notes_;
   result.warnings = warnings_;

@@ -23,6 +23,7 @@ class ScanSink
   bool put(Scan scan, bool has_stamp, const std::optional<Pose>& T_world_lidar, double progress);
 
   void setProgress(const ConversionProgress& progress) { progress_ = progress; }
+  [[nodiscard]] std::size_t seen() const { return seen_; }
   [[nodiscard]] std::size_t written() const { return written_; }
   [[nodiscard]] const Pose& T_vehicle_lidar() const { return T_vehicle_lidar_; }
   void note(const std::string& what) { notes_.push_back(what); }
@@ -32,6 +33,7 @@ class ScanSink
  private:
   const ScanConverterOptions& options_;
   Pose T_vehicle_lidar_;
+  ScanSelection selection_;
   ConversionOutput out_;
   IntensityScaler scaler_;
   ConversionProgress progress_;

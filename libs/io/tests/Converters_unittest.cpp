@@ -55,6 +55,19 @@ std::vector<Frame> readAll(const std::string& path)
   return frames;
 }
 
+/** A scan as nuScenes writes it: x y z intensity ring, 320 points on 32 rings. */
+std::string fiveColumns(std::size_t seed)
+{
+  std::vector<float> values;
+  for (std::size_t i = 0; i < 320; ++i)
+  {
+    const auto k = static_cast<float>(i + seed);
+    values.insert(values.end(),
+                  {3.3F + 0.1F * k, -2.7F, 0.01F * k, 255, static_cast<float>(i % 32)});
+  }
+  return {reinterpret_cast<const char*>(values.data()), values.size() * sizeof(float)};
+}
+
 std::string oxtsLine(double metres_north)
 {
   const double latitude = 49.0 + metres_north / 111319.49;
@@ -224,6 +237,51 @@ TEST(KittiConverter, SkipsAndLimitsRenumberTheTruth)
   EXPECT_EQ(1U, GroundTruthReader(folder.file("x.gt")).boxes(1).size());
   options.skip_first_n = 5;
   EXPECT_THROW(convertKitti(folder.file("in"), folder.file("x.rawlog"), options), UserError);
+}
+
+TEST(KittiConverter, ARangeOfTimeAndEveryNthScan)
+{
+  const TestFolder folder;
+  writeBins(folder, "in/velodyne", 8);
+  folder.write("in/times.txt", "5\n5.1\n5.2\n5.3\n5.4\n5.5\n5.6\n5.7\n");
+  writeLabels((makeFolderOf(folder, "in/labels"), folder.file("in/labels/000004.label")),
+              std::vector<Label>(14, 252));
+  KittiConverterOptions options;
+  options.start = 0.2;
+  options.end = 0.7;
+  options.every_n = 2;
+  const auto convert = [&]
+  { return convertKitti(folder.file("in"), folder.file("x.rawlog"), options); };
+  std::size_t stated = 0;
+  EXPECT_EQ(3U, convertKitti(folder.file("in"), folder.file("x.rawlog"), options,
+                             [&stated](double, std::size_t scans) { stated = scans; })
+                    .scans);
+  EXPECT_EQ(3U, stated);
+  const auto frames = readAll(folder.file("x.rawlog"));
+  ASSERT_EQ(3U, frames.size());
+  EXPECT_NEAR(5.2, frames[0].scan.stamp, 1e-9);
+  EXPECT_NEAR(5.6, frames[2].scan.stamp, 1e-9);
+  EXPECT_TRUE(samePoints(someScan(4, 14), frames[1].scan));
+  EXPECT_TRUE(GroundTruthReader(folder.file("x.gt")).labels(1, 14));
+  EXPECT_TRUE(convert().warnings.size() == 1 && contains(convert().warnings[0], "labels for 1"))
+      << "KITTI odometry's scans are deskewed";
+  options.deskewed = ScansDeskewed::no;
+  EXPECT_TRUE(contains(convert().warnings.back(), "preprocess.deskew=none"));
+  options.start = 0.75;
+  options.end = 0;
+  EXPECT_TRUE(contains(messageOfError<UserError>([&] { (void)convert(); }), "leave none"));
+  options.end = 0.5;
+  EXPECT_TRUE(contains(messageOfError<UserError>([&] { (void)convert(); }), "is not after start"));
+}
+
+TEST(KittiConverter, OtherColumnsAreRefused)
+{
+  const TestFolder folder;
+  folder.write("in/velodyne/000000.bin", fiveColumns(0));
+  EXPECT_TRUE(
+      contains(messageOfError<UserError>(
+                   [&] { (void)convertKitti(folder.file("in"), folder.file("x.rawlog"), {}); }),
+               "scans2rawlog"));
 }
 
 TEST(KittiConverter, Errors)
@@ -416,6 +474,61 @@ TEST(ScanConverter, StampsFromNames)
     EXPECT_NEAR(1600000000.5, frames.at(1).scan.stamp, 1e-6) << names.folder;
     EXPECT_TRUE(contains(result.notes.at(0), "time stamps: the file names")) << names.folder;
   }
+}
+
+TEST(ScanConverter, FilesOfNuScenes)
+{
+  const TestFolder folder;
+  const std::string base = "in/n008-2018-08-01-15-16-36-0400__LIDAR_TOP__15331516035";
+  folder.write(base + "47590.pcd.bin", fiveColumns(0));
+  folder.write(base + "97590.pcd.bin", fiveColumns(1));
+  ScanConverterOptions options;
+  const auto result = convertScans(folder.file("in"), folder.file("x.rawlog"), options);
+  EXPECT_TRUE(contains(result.notes.at(0), "time stamps: the file names")) << result.notes[0];
+  EXPECT_TRUE(contains(result.notes.at(1), "x y z intensity ring")) << result.notes[1];
+  const auto frames = readAll(folder.file("x.rawlog"));
+  ASSERT_EQ(2U, frames.size());
+  EXPECT_NEAR(1533151603.59759, frames[1].scan.stamp, 1e-6);
+  ASSERT_EQ(320U, frames[1].scan.size());
+  EXPECT_TRUE(frames[1].scan.points[33].isApprox(Eigen::Vector3f(6.7F, -2.7F, 0.34F), 1e-5F));
+  EXPECT_EQ(1.0F, frames[1].scan.intensity[33]);
+  EXPECT_EQ(1, frames[1].scan.ring[33]);
+  // As requested, whatever the content looks like.
+  options.bin_layout = BinLayout::xyzi;
+  EXPECT_EQ(800U, convertScans(folder.file("in"), folder.file("x.rawlog"), options).points);
+  options.bin_layout = BinLayout::xyzir;
+  writeBins(folder, "four", 1);
+  EXPECT_TRUE(contains(
+      messageOfError<UserError>(
+          [&] { (void)convertScans(folder.file("four"), folder.file("x.rawlog"), options); }),
+      "000000.bin"));
+}
+
+TEST(ScanConverter, ARangeOfTimeAndEveryNthScan)
+{
+  const TestFolder folder;
+  writeBins(folder, "in", 10);
+  ScanConverterOptions options;
+  options.dt = 0.1;
+  options.skip_first_n = 1;
+  options.start = 0.3;
+  options.end = 0.8;
+  options.every_n = 2;
+  const auto convert = [&]
+  { return convertScans(folder.file("in"), folder.file("x.rawlog"), options); };
+  EXPECT_TRUE(contains(convert().warnings.back(), "preprocess.deskew=none"));
+  const auto frames = readAll(folder.file("x.rawlog"));
+  ASSERT_EQ(3U, frames.size());
+  EXPECT_TRUE(samePoints(someScan(3, 13), frames[0].scan));
+  EXPECT_TRUE(samePoints(someScan(7, 17), frames[2].scan));
+  EXPECT_NEAR(0.2, frames[1].scan.stamp - frames[0].scan.stamp, 1e-6);
+  options.every_n = 1;
+  EXPECT_FALSE(contains(convert().warnings.back(), "preprocess.deskew=none"));
+  EXPECT_EQ(5U, convert().scans);
+  options.start = 1;
+  options.end = 0;
+  EXPECT_TRUE(contains(messageOfError<UserError>([&] { (void)convert(); }),
+                       "--start and --end leave none of the 10 scans"));
 }
 
 TEST(ScanConverter, CountedNamesAndTimesOfAFile)

@@ -168,6 +168,42 @@ TEST(RawlogSource, SkipsAndLimits)
   EXPECT_THROW(RawlogSource(folder.file("a.rawlog"), options), UserError);
 }
 
+TEST(RawlogSource, TakesARangeOfTime)
+{
+  const TestFolder folder;
+  writeScans(folder.file("a.rawlog"), 10);
+  std::vector<double> stamps;
+  RawlogSource all(folder.file("a.rawlog"));
+  while (const auto frame = all.next())
+  {
+    stamps.push_back(frame->scan.stamp);
+  }
+  ASSERT_EQ(10U, stamps.size());
+  RawlogSourceOptions options;
+  options.start = stamps[3] - stamps[0];
+  options.end = stamps[6] - stamps[0];
+  // Damage behind the end is not met.
+  const std::string whole = folder.read("a.rawlog");
+  RawlogSource source(folder.write("cut.rawlog", whole.substr(0, whole.size() - 20)), options);
+  for (std::size_t i = 3; i < 6; ++i)
+  {
+    const auto frame = source.next();
+    ASSERT_TRUE(frame);
+    EXPECT_EQ(i, frame->index);
+    EXPECT_EQ(stamps[i], frame->scan.stamp);
+  }
+  EXPECT_FALSE(source.next());
+
+  options.start = 1000;
+  options.end = 0;
+  const auto message =
+      messageOfError<UserError>([&] { const RawlogSource none(folder.file("a.rawlog"), options); });
+  EXPECT_TRUE(contains(message, "start = 1000 s")) << message;
+  EXPECT_TRUE(contains(message, "the file has 10 scans, the last ")) << message;
+  options.end = 999;
+  EXPECT_THROW(RawlogSource(folder.file("a.rawlog"), options), UserError);
+}
+
 TEST(RawlogSource, ChoosesTheSensor)
 {
   const TestFolder folder;

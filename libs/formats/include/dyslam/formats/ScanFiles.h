@@ -9,9 +9,20 @@
 
 namespace dyslam
 {
-/** KITTI's scan: little-endian float32 x y z intensity a point, every point kept. A file of the
- * same name ending in `.ring` (one byte a point) fills Scan::ring. \throws UserError. */
-[[nodiscard]] Scan readBin(const std::string& path);
+/** Columns of a .bin file, little-endian float32. */
+enum class BinLayout
+{
+  xyzi,  //!< KITTI: x y z intensity
+  xyzir  //!< nuScenes: x y z intensity ring
+};
+
+/** A scan of a .bin file, every point kept. A file of the same name ending in `.ring` (one byte a
+ * point) fills Scan::ring, if there is no such column. \throws UserError. */
+[[nodiscard]] Scan readBin(const std::string& path, BinLayout layout = BinLayout::xyzi);
+/** Columns of a .bin file by its content: xyzir if every fifth number is a whole one, as the
+ * numbers of rings are, and the others are not, as in no scan of four columns. \throws UserError
+ * if it cannot be read. */
+[[nodiscard]] BinLayout binLayoutOf(const std::string& path);
 /** \param intensity empty (0 is written) or one per point. \throws UserError. */
 void writeBin(const std::string& path,
               const std::vector<Eigen::Vector3f>& points,

@@ -2,9 +2,12 @@
 #pragma once
 
 #include <dyslam/core/Options.h>
+#include <dyslam/formats/ScanFiles.h>
+#include <dyslam/io/ScanRange.h>
 
 #include <cstddef>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -50,7 +53,7 @@ enum class PoseFrame
   camera
 };
 
-struct KittiConverterOptions : Options
+struct KittiConverterOptions : Options, ScanRange
 {
   KittiKind kind = KittiKind::odometry;
   std::string calib;     //!< file or folder; empty: where the layout has it
@@ -66,8 +69,7 @@ struct KittiConverterOptions : Options
   ScansDeskewed deskewed = ScansDeskewed::automatic;
   double dt = 0;  //!< seconds between scans; 0: the layout's own times, else 0.1034
   bool vertical_angle_correction = false;  //!< lifts the points by 0.205 deg about the sensor
-  int skip_first_n = 0;
-  int only_first_n = 0;  //!< 0: all
+  int every_n = 1;  //!< of the scans behind those skipped, every n-th is converted
   bool external_storage = false;
   int compression_level = 1;
 
@@ -88,20 +90,20 @@ ConversionResult convertKitti(const std::string& input,
                               const KittiConverterOptions& options,
                               const ConversionProgress& progress = {});
 
-struct ScanConverterOptions : Options
+struct ScanConverterOptions : Options, ScanRange
 {
   std::string sensor;       //!< VLP16, HDL32E or HDL64E for a pcap; label of the scans otherwise
   std::string calibration;  //!< Velodyne XML or YAML for a pcap
   std::string poses;        //!< TUM or KITTI file of the lidar, for folders
   std::string times;  //!< file of times [s] or KITTI time stamps for a folder, a line for each scan
   std::string topic;  //!< of a bag's scans; empty: the one with the most
-  std::string truth_topic;    //!< of a bag's true poses of the vehicle; empty: none
-  std::string truth_frame;    //!< child frame of truth_topic, where that has several
+  std::string truth_topic;              //!< of a bag's true poses of the vehicle; empty: none
+  std::string truth_frame;              //!< child frame of truth_topic, where that has several
+  std::optional<BinLayout> bin_layout;  //!< of .bin files; nothing: by their content
   std::string sensor_pose;    //!< T_vehicle_lidar: x y z yaw pitch roll [m, deg]; empty: identity
   double dt = 0;              //!< seconds between scans; 0: the recording's times, else 0.1
   bool keep_partial = false;  //!< also incomplete first and last revolutions of a pcap
-  int skip_first_n = 0;
-  int only_first_n = 0;  //!< 0: all
+  int every_n = 1;            //!< of the scans behind those skipped, every n-th is converted
   bool external_storage = false;
   int compression_level = 1;
 

@@ -3,6 +3,7 @@
 
 #include <dyslam/core/Frame.h>
 #include <dyslam/core/Options.h>
+#include <dyslam/io/ScanRange.h>
 
 #include <cstddef>
 #include <memory>
@@ -12,11 +13,9 @@
 
 namespace dyslam
 {
-struct RawlogSourceOptions : Options
+struct RawlogSourceOptions : Options, ScanRange
 {
   std::string sensor_label;  //!< regex for the lidar's label; empty: the first lidar of the file
-  int skip_first_n = 0;      //!< scans to skip
-  int only_first_n = 0;      //!< scans to deliver after those; 0: all
   std::string ground_truth_label = "ground_truth";  //!< of the CObservationRobotPose
   /** Ground truth without the scan's own time stamp is interpolated if both neighbours are this
    * near.

@@ -48,6 +48,9 @@ class ScanDecoder
    * \throws UserError if the time stamps stand still or run backwards for long. */
   [[nodiscard]] std::optional<RecordedScan> take(const mrpt::obs::CObservation::Ptr& observation);
 
+  /** No later scan is to be used: it would be at or after the end of the options. */
+  [[nodiscard]] bool isPastEnd() const;
+
   /** Fills index and scan of a frame. \throws UserError for damaged data. */
   [[nodiscard]] Frame decode(const RecordedScan& scan);
 

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <dyslam/io/ScanRange.h>
+
+#include <CLI/CLI.hpp>
+
+#include "Checks.h"
+
+namespace dyslam
+{
+/** Which scans of a recording a converter takes. */
+inline void declareRange(CLI::App& app, ScanRange& range, int& every_n)
+{
+  app.add_option("--skip-first-n", range.skip_first_n, "scans to skip");
+  app.add_option("--only-first-n", range.only_first_n, "scans to convert after those");
+  app.add_option("--start", range.start, "convert scans from this time on [s since the first scan]")
+      ->check(notNegative());
+  app.add_option("--end", range.end, "convert scans before this time [s since the first scan]")
+      ->check(positive());
+  app.add_option("--every", every_n, "convert every n-th scan only")->check(positive());
+}
+}  // namespace dyslam

@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/Error.h>
+#include <dyslam/io/ScanRange.h>
+#include <gtest/gtest.h>
+
+#include <vector>
+
+namespace dyslam
+{
+namespace
+{
+/** Numbers of the scans taken out of twenty, 0.1 s apart from 1000 s on. */
+std::vector<std::size_t> taken(const ScanRange& range, int every_n = 1)
+{
+  ScanSelection selection(range, every_n);
+  std::vector<std::size_t> numbers;
+  for (std::size_t i = 0; i < 20; ++i)
+  {
+    const bool takes = selection.takes(i, 1000 + 0.1 * static_cast<double>(i));
+    EXPECT_FALSE(takes && selection.isPastEnd());
+    if (takes)
+    {
+      numbers.push_back(i);
+    }
+  }
+  return numbers;
+}
+
+ScanRange range(int skip_first_n, double start, double end)
+{
+  ScanRange range;
+  range.skip_first_n = skip_first_n;
+  range.start = start;
+  range.end = end;
+  return range;
+}
+
+TEST(ScanRange, TimesAreSinceTheFirstScanAndTheEndIsLeftOut)
+{
+  EXPECT_EQ(20U, taken({}).size());
+  EXPECT_EQ((std::vector<std::size_t>{5, 6, 7}), taken(range(0, 0.5, 0.8)));
+  EXPECT_EQ((std::vector<std::size_t>{0, 1}), taken(range(0, 0, 0.2)));
+  EXPECT_EQ((std::vector<std::size_t>{18, 19}), taken(range(0, 1.75, 0)));
+}
+
+TEST(ScanRange, ConsecutivePartsTakeEachScanOnce)
+{
+  std::vector<std::size_t> all = taken(range(0, 0, 0.7));
+  for (const double start : {0.7, 1.4})
+  {
+    const auto part = taken(range(0, start, start + 0.7));
+    all.insert(all.end(), part.begin(), part.end());
+  }
+  EXPECT_EQ(all, taken({}));
+}
+
+TEST(ScanRange, SkippedAndThinned)
+{
+  EXPECT_EQ((std::vector<std::size_t>{3, 7, 11, 15, 19}), taken(range(3, 0, 0), 4));
+  EXPECT_EQ((std::vector<std::size_t>{6, 8}), taken(range(2, 0.5, 1.0), 2));
+  EXPECT_TRUE(taken(range(20, 0, 0)).empty());
+}
+
+TEST(ScanRange, PastTheEndNothingFollows)
+{
+  ScanSelection selection(range(0, 0, 0.2));
+  EXPECT_TRUE(selection.takes(0, 7));
+  EXPECT_FALSE(selection.isPastEnd());
+  EXPECT_FALSE(selection.takes(1, 7.2));
+  EXPECT_TRUE(selection.isPastEnd());
+}
+
+TEST(ScanRange, AnEndBeforeTheStartIsAnError)
+{
+  EXPECT_THROW(ScanSelection(range(0, 2, 1)), UserError);
+  EXPECT_THROW(ScanSelection(range(0, 2, 2)), UserError);
+}
+}  // namespace
+}  // namespace dyslam
