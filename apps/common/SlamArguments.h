@@ -2,16 +2,14 @@
 #pragma once
 
 #include <dyslam/core/Printable.h>
-#include <dyslam/core/SharedFiles.h>
 #include <dyslam/io/RawlogSource.h>
+#include <dyslam/pipeline/GivenSettings.h>
 #include <dyslam/pipeline/Pipeline.h>
-#include <dyslam/pipeline/SensorSettings.h>
 #include <dyslam/pipeline/SlamRun.h>
 #include <dyslam/pipeline/StartSpeed.h>
 
 #include <CLI/CLI.hpp>
 #include <cstdio>
-#include <filesystem>
 #include <functional>
 #include <future>
 #include <optional>
@@ -73,82 +71,44 @@ inline void declareSlamArguments(CLI::App& app, SlamArguments& a)
       ->capture_default_str();
 }
 
-/** Applies the command line's values. \throws UserError. */
-inline void applyFlags(const SlamArguments& a, Config& config)
+/** Settings of the command line: those of --set, then those with flags of their own. */
+inline std::vector<std::string> assignmentsOf(const SlamArguments& a)
 {
-  for (const auto& assignment : a.assignments)
+  std::vector<std::string> assignments = a.assignments;
+  const auto add = [&assignments](const std::string& key, const auto& value)
   {
-    config.set(assignment);
-  }
-  if (a.skip_first_n)
-  {
-    config.set("input.skip_first_n=" + std::to_string(*a.skip_first_n));
-  }
-  if (a.only_first_n)
-  {
-    config.set("input.only_first_n=" + std::to_string(*a.only_first_n));
-  }
-  if (a.start)
-  {
-    config.set("input.start=" + std::to_string(*a.start));
-  }
-  if (a.end)
-  {
-    config.set("input.end=" + std::to_string(*a.end));
-  }
-}
-
-/** Searches for the speed at the first scan, and sets it where the odometry would not find it. */
-inline void beginInMotion(const std::string& program,
-                          const RawlogSourceOptions& input,
-                          SlamArguments& a)
-{
-  Config& config = a.settings.config;
-  const auto speed = findStartSpeed(a.settings.rawlog, input, config);
-  if (!speed)
-  {
-    return;
-  }
-  StartOptions start;
-  load(start, config, "start");
-  char text[40];
-  std::snprintf(text, sizeof text, "%.1f", *speed);
-  config.set(std::string("odometry.start_speed=") + text);
-  config.set("odometry.start_speed_sigma=" + std::to_string(start.sigma));
-  a.messages.push_back(program + ": the recording begins at about " + text +
-                       " m/s, estimated from the scans that follow (odometry.start_speed)");
+    if (value)
+    {
+      assignments.push_back(key + "=" + std::to_string(*value));
+    }
+  };
+  add("input.skip_first_n", a.skip_first_n);
+  add("input.only_first_n", a.only_first_n);
+  add("input.start", a.start);
+  add("input.end", a.end);
+  return assignments;
 }
 
 /** Fills the settings' config: the ini, the settings of the sensor and the command line.
  * \throws UserError. */
 inline void chooseSettings(const std::string& program, SlamArguments& a)
 {
-  Config given;
-  std::string name;
-  if (!a.config.empty())
+  const GivenSettings given = readGivenSettings(a.config, assignmentsOf(a));
+  if (!given.path.empty())
   {
-    const std::string path = findGivenOrShared(a.config, "config_files", ".ini", "", "dyslam");
-    name = std::filesystem::path(path).filename().string();
-    given = Config::fromFile(path);
-    given.requireFor("dyslam");
-    a.settings.inputs.push_back(path);
+    a.settings.inputs.push_back(given.path);
   }
-  Config with_flags = given;
-  applyFlags(a, with_flags);
   RawlogSourceOptions input;
-  load(input, with_flags, "input");
+  load(input, given.merged(), "input");
   const RecordedSensor sensor = recogniseSensor(a.settings.rawlog, input);
-  const ChosenSettings chosen = settingsFor(sensor, given, name);
-  a.settings.config = chosen.config;
-  applyFlags(a, a.settings.config);
-  a.loading = loadAhead(a.settings.config);
+  const ChosenSettings chosen = settingsFor(sensor, given);
+  Config& config = a.settings.config;
+  config = chosen.config;
+  a.loading = loadAhead(config);
   a.settings.sensor = sensor.summary();
   a.settings.warnings = chosen.warnings;
   a.messages.push_back(program + ": " + sensor.summary() + "; settings: " + chosen.source);
-  const bool has_deskew = a.settings.config.has("preprocess", "deskew");
-  const std::string missing_times = sensor.missingTimes(
-      has_deskew ? a.settings.config.section("preprocess").at("deskew").text : "auto");
-  if (!missing_times.empty())
+  if (const std::string missing_times = sensor.missingTimes(config); !missing_times.empty())
   {
     a.settings.sensor += "; " + missing_times;
     a.messages.push_back("note: " + missing_times);
@@ -157,20 +117,20 @@ inline void chooseSettings(const std::string& program, SlamArguments& a)
   {
     a.messages.push_back("warning: " + warning);
   }
-  beginInMotion(program, input, a);
+  if (const auto speed = findStartSpeed(a.settings.rawlog, input, config))
+  {
+    setStartSpeed(*speed, config);
+    a.messages.push_back(program + ": the recording begins at about " +
+                         config.section("odometry").at("start_speed").text +
+                         " m/s, estimated from the scans that follow (odometry.start_speed)");
+  }
 }
 
 /** Fills the config with what is given, for a run that is resumed and has all settings.
  * \throws UserError. */
 inline void checkSettings(SlamArguments& a)
 {
-  if (!a.config.empty())
-  {
-    a.settings.config =
-        Config::fromFile(findGivenOrShared(a.config, "config_files", ".ini", "", "dyslam"));
-    a.settings.config.requireFor("dyslam");
-  }
-  applyFlags(a, a.settings.config);
+  a.settings.config = readGivenSettings(a.config, assignmentsOf(a)).merged();
 }
 
 /** \throws UserError */

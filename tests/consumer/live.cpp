@@ -2,13 +2,15 @@
 // SLAM on scans as a live driver delivers them: one Frame per scan goes through the pipeline, which
 // fills in pose, moving points and objects. Here the scans are of a vehicle that drives through a
 // simulated hall; exit code 0 if its path is found.
-#include <dyslam/core/Config.h>
-#include <dyslam/core/SharedFiles.h>
+#include <dyslam/pipeline/GivenSettings.h>
 #include <dyslam/pipeline/Pipeline.h>
+#include <dyslam/pipeline/StartSpeed.h>
 #include <mrpt/system/CTimeLogger.h>
 
 #include <cmath>
 #include <cstdio>
+#include <string>
+#include <vector>
 
 namespace
 {
@@ -64,37 +66,70 @@ dyslam::Scan scanAt(const dyslam::Pose& T_world_vehicle, double stamp)
   }
   return scan;
 }
+
+/** The vehicle drives in a curve, at 3 m/s. */
+dyslam::Pose poseAt(std::size_t scan)
+{
+  dyslam::Pose T_world_vehicle = dyslam::Pose::Identity();
+  for (std::size_t i = 0; i < scan; ++i)
+  {
+    T_world_vehicle = T_world_vehicle * dyslam::poseFromYpr(0.3, 0, 0, 0.01, 0, 0);
+  }
+  return T_world_vehicle;
+}
+
+/** A driver would be asked here. */
+dyslam::Frame frameAt(std::size_t scan)
+{
+  dyslam::Frame frame;
+  frame.index = scan;
+  frame.scan = scanAt(poseAt(scan), 1e9 + period * static_cast<double>(scan));
+  return frame;
+}
+
+/** The settings with which dyslam would run: the shipped ones that fit the sensor, single values
+ * over them and, where the first scans leave it open, the speed at which they begin. */
+dyslam::Config settingsFrom(const std::vector<dyslam::Frame>& first)
+{
+  const dyslam::GivenSettings given = dyslam::readGivenSettings(
+      "", {"labels.hindsight=false",    // nothing of later scans is known
+           "preprocess.deskew=none"});  // these scans are taken at one moment
+  const dyslam::RecordedSensor sensor = dyslam::recogniseSensor(first);
+  dyslam::ChosenSettings chosen = dyslam::settingsFor(sensor, given);
+  std::printf("%s; settings: %s\n", sensor.summary().c_str(), chosen.source.c_str());
+  if (const auto speed = dyslam::findStartSpeed(first, chosen.config))
+  {
+    dyslam::setStartSpeed(*speed, chosen.config);
+  }
+  return chosen.config;
+}
 }  // namespace
 
 int main()
 {
-  // Settings as for the programs: a shipped ini, and single values over it.
-  auto config = dyslam::Config::fromFile(
-      dyslam::findGivenOrShared("vlp16", "config_files", ".ini", "", "live"));
-  config.set("labels.hindsight=false");  // nothing of later scans is known
-  config.set("preprocess.deskew=none");  // these scans are taken at one moment
+  constexpr std::size_t count = 30;
+  constexpr std::size_t waited_for = 10;  // that choose the settings
+  std::vector<dyslam::Frame> frames;
+  for (std::size_t i = 0; i < waited_for; ++i)
+  {
+    frames.push_back(frameAt(i));
+  }
+  const dyslam::Config config = settingsFrom(frames);
   dyslam::ConfigLoader loader(config);
   mrpt::system::CTimeLogger times(false);
   dyslam::Pipeline slam(loader, times);
 
   dyslam::Frame frame;
-  dyslam::Pose T_world_vehicle = dyslam::Pose::Identity();
-  for (std::size_t i = 0; i < 30; ++i)
+  for (std::size_t i = 0; i < count; ++i)
   {
-    frame = dyslam::Frame();
-    frame.index = i;
-    frame.scan = scanAt(T_world_vehicle, 1e9 + period * static_cast<double>(i));
+    frame = i < waited_for ? frames[i] : frameAt(i);
     slam.process(frame);
     std::printf("scan %zu: at %.2f %.2f m, %zu points, %zu objects%s\n", i,
                 frame.T_map_vehicle().translation().x(), frame.T_map_vehicle().translation().y(),
                 frame.cloud.size(), frame.objects.size(), frame.is_keyframe ? ", keyframe" : "");
-    if (i < 29)
-    {
-      T_world_vehicle = T_world_vehicle * dyslam::poseFromYpr(0.3, 0, 0, 0.01, 0, 0);
-    }
   }
   slam.finish();
-  const double error = (T_world_vehicle.inverse() * frame.T_map_vehicle()).translation().norm();
+  const double error = (poseAt(count - 1).inverse() * frame.T_map_vehicle()).translation().norm();
   std::printf("error after 8.7 m: %.3f m\n", error);
   return error < 0.1 ? 0 : 1;
 }

@@ -10,6 +10,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <optional>
+#include <stdexcept>
 
 namespace dyslam
 {
@@ -110,6 +111,37 @@ double median(std::vector<double> values)
   std::sort(values.begin(), values.end());
   return values[values.size() / 2];
 }
+
+/** Collects what scans show of their sensor. */
+class ExaminedScans
+{
+ public:
+  void add(const Scan& scan)
+  {
+    const ScanPattern pattern = measureScanPattern(scan);
+    const bool better = pattern.rings.size() > sensor_.pattern.rings.size() ||
+                        (!sensor_.pattern.hasRings() && pattern.returns > sensor_.pattern.returns);
+    sensor_.pattern = better ? pattern : sensor_.pattern;
+    sensor_.has_times = sensor_.has_times || !scan.time.empty();
+    stamps_.push_back(scan.stamp);
+  }
+  [[nodiscard]] bool empty() const { return stamps_.empty(); }
+  [[nodiscard]] RecordedSensor sensor() const
+  {
+    std::vector<double> periods;
+    for (std::size_t i = 1; i < stamps_.size(); ++i)
+    {
+      periods.push_back(stamps_[i] - stamps_[i - 1]);
+    }
+    RecordedSensor sensor = sensor_;
+    sensor.period = median(periods);
+    return sensor;
+  }
+
+ private:
+  RecordedSensor sensor_;
+  std::vector<double> stamps_;
+};
 }  // namespace
 
 void SensorOptions::describe(OptionsVisitor& v)
@@ -160,45 +192,49 @@ std::string RecordedSensor::missingTimes(const std::string& deskew) const
              : text;
 }
 
+std::string RecordedSensor::missingTimes(const Config& config) const
+{
+  return missingTimes(
+      config.has("preprocess", "deskew") ? config.section("preprocess").at("deskew").text : "auto");
+}
+
 RecordedSensor recogniseSensor(const std::string& rawlog, const RawlogSourceOptions& input)
 {
   RawlogSourceOptions options = input;
   options.only_first_n =
       input.only_first_n > 0 ? std::min(input.only_first_n, examined_scans) : examined_scans;
   RawlogSource source(rawlog, options);
-  RecordedSensor sensor;
-  std::vector<double> stamps;
-  const auto take = [&](const Scan& scan)
-  {
-    const ScanPattern pattern = measureScanPattern(scan);
-    const bool better = pattern.rings.size() > sensor.pattern.rings.size() ||
-                        (!sensor.pattern.hasRings() && pattern.returns > sensor.pattern.returns);
-    sensor.pattern = better ? pattern : sensor.pattern;
-    sensor.has_times = sensor.has_times || !scan.time.empty();
-    stamps.push_back(scan.stamp);
-  };
+  ExaminedScans scans;
   try
   {
     while (const auto frame = source.next())
     {
-      take(frame->scan);
+      scans.add(frame->scan);
     }
   }
   catch (const UserError&)
   {
-    if (stamps.empty())
+    if (scans.empty())
     {
       throw;
     }
     // Damage after the first scan is reported by the run.
   }
-  std::vector<double> periods;
-  for (std::size_t i = 1; i < stamps.size(); ++i)
+  return scans.sensor();
+}
+
+RecordedSensor recogniseSensor(const std::vector<Frame>& frames)
+{
+  if (frames.empty())
   {
-    periods.push_back(stamps[i] - stamps[i - 1]);
+    throw std::invalid_argument("recogniseSensor: no frames");
   }
-  sensor.period = median(periods);
-  return sensor;
+  ExaminedScans scans;
+  for (std::size_t i = 0; i < frames.size() && i < examined_scans; ++i)
+  {
+    scans.add(frames[i].scan);
+  }
+  return scans.sensor();
 }
 
 bool fits(const SensorOptions& options, const ScanPattern& pattern, double tolerance)

@@ -12,6 +12,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
+#include <string>
 #include <utility>
 
 namespace dyslam
@@ -297,5 +299,15 @@ std::optional<double> findStartSpeed(const std::string& rawlog,
     return std::nullopt;  // the run reports it
   }
   return findStartSpeed(frames, config);
+}
+
+void setStartSpeed(double speed, Config& config)
+{
+  StartOptions start;
+  load(start, config, "start");
+  char text[40];
+  std::snprintf(text, sizeof text, "%.1f", speed);
+  config.set(std::string("odometry.start_speed=") + text);
+  config.set("odometry.start_speed_sigma=" + std::to_string(start.sigma));
 }
 }  // namespace dyslam

@@ -145,6 +145,54 @@ TEST(SensorSettings, SummaryAndMissingTimes)
   EXPECT_EQ("", sensor.missingTimes("auto"));
 }
 
+/** A scan of 16 rings, 2 deg apart. */
+Frame frameOfRings(double stamp)
+{
+  Frame frame;
+  frame.scan.stamp = stamp;
+  for (int ring = 0; ring < 16; ++ring)
+  {
+    const double elevation = (2 * ring - 15) * degree;
+    for (int column = 0; column < 360; ++column)
+    {
+      const double azimuth = column * degree;
+      const Eigen::Vector3d ray(std::cos(azimuth) * std::cos(elevation),
+                                std::sin(azimuth) * std::cos(elevation), std::sin(elevation));
+      frame.scan.points.push_back((20 * ray).cast<float>());
+      frame.scan.ring.push_back(static_cast<std::uint16_t>(ring));
+    }
+  }
+  return frame;
+}
+
+TEST(SensorSettings, IsRecognisedFromTheFirstScans)
+{
+  const RecordedSensor one = recogniseSensor(std::vector<Frame>{frameOfRings(7)});
+  EXPECT_EQ(16U, one.pattern.rings.size());
+  EXPECT_EQ(0, one.period);
+  EXPECT_FALSE(one.has_times);
+  std::vector<Frame> frames;
+  for (int i = 0; i < 8; ++i)
+  {
+    frames.push_back(i < 5 ? frameOfRings(0.1 * i) : Frame());  // five are enough
+  }
+  frames[1].scan.time.assign(frames[1].scan.size(), 0);
+  const RecordedSensor sensor = recogniseSensor(frames);
+  EXPECT_NEAR(2 * degree, sensor.pattern.ring_spacing, 0.01 * degree);
+  EXPECT_NEAR(0.1, sensor.period, 1e-9);
+  EXPECT_TRUE(sensor.has_times);
+  EXPECT_EQ("vlp16.ini", settingsFor(sensor, Config(), "").source);
+  EXPECT_THROW((void)recogniseSensor(std::vector<Frame>()), std::invalid_argument);
+}
+
+TEST(SensorSettings, MissingTimesAreByTheConfig)
+{
+  const RecordedSensor sensor = sensorWith(16, 2.0);
+  EXPECT_EQ(sensor.missingTimes("auto"), sensor.missingTimes(Config()));
+  const Config none = Config::fromText("[preprocess]\ndeskew = none\n", "test");
+  EXPECT_EQ(sensor.missingTimes("none"), sensor.missingTimes(none));
+}
+
 TEST(SensorSettings, ARecordingThatIsMissingIsNamed)
 {
   EXPECT_THROW((void)recogniseSensor("none.rawlog", RawlogSourceOptions()), UserError);

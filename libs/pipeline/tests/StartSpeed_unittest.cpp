@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/Error.h>
 #include <dyslam/pipeline/StartSpeed.h>
 #include <gtest/gtest.h>
 
@@ -54,6 +55,19 @@ TEST(StartSpeed, OneWildDriftCountsLittle)
   EXPECT_FALSE(speedOfDrifts(drifts, 5, {}));
   drifts[7].drift = std::numeric_limits<double>::quiet_NaN();
   EXPECT_FALSE(speedOfDrifts(drifts, 5, {}));
+}
+
+TEST(StartSpeed, IsSetWithItsDeviation)
+{
+  Config config = Config::fromText("[start]\nsigma = 2.5\n[odometry]\nmethod = gicp\n", "test");
+  setStartSpeed(26.7123, config);
+  const Config::Section& odometry = config.section("odometry");
+  EXPECT_EQ("26.7", odometry.at("start_speed").text);
+  EXPECT_EQ(2.5, std::stod(odometry.at("start_speed_sigma").text));
+  EXPECT_EQ("gicp", odometry.at("method").text);
+  EXPECT_FALSE(findStartSpeed(std::vector<Frame>(20), config)) << "it is known now";
+  Config bad = Config::fromText("[start]\nsigma = -1\n", "test");
+  EXPECT_THROW(setStartSpeed(3, bad), UserError);
 }
 }  // namespace
 }  // namespace dyslam

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <dyslam/core/Config.h>
+#include <dyslam/core/Frame.h>
 #include <dyslam/core/Options.h>
 #include <dyslam/core/ScanPattern.h>
 
@@ -43,11 +44,17 @@ struct RecordedSensor
   /** Missing point times, what follows from that and what can be done; empty if they are there.
    * \param deskew value of preprocess.deskew */
   [[nodiscard]] std::string missingTimes(const std::string& deskew) const;
+  /** The same with preprocess.deskew of a run's config. */
+  [[nodiscard]] std::string missingTimes(const Config& config) const;
 };
 
 /** Reads a few scans. \throws UserError if there is none. */
 [[nodiscard]] RecordedSensor recogniseSensor(const std::string& rawlog,
                                              const RawlogSourceOptions& input);
+
+/** The same from the first scans of a live sensor; five are enough.
+ * \param frames `scan` of each is read \throws std::invalid_argument without a frame. */
+[[nodiscard]] RecordedSensor recogniseSensor(const std::vector<Frame>& frames);
 
 /** \param tolerance factor by which the spacing of the rings may be outside the limits. */
 [[nodiscard]] bool fits(const SensorOptions& options, const ScanPattern& pattern, double tolerance);

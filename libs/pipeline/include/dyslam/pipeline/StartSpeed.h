@@ -63,4 +63,9 @@ struct SpeedDrift
 [[nodiscard]] std::optional<double> findStartSpeed(const std::string& rawlog,
                                                    const RawlogSourceOptions& input,
                                                    const Config& config);
+
+/** Lets a run begin at a speed that findStartSpeed() has found: `odometry.start_speed`, rounded to
+ * 0.1 m/s, with `start.sigma` as its standard deviation.
+ * \param speed at the first scan [m/s] \throws UserError for a bad `start.sigma`. */
+void setStartSpeed(double speed, Config& config);
 }  // namespace dyslam
