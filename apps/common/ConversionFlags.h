@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <dyslam/formats/GroundTruth.h>
 #include <dyslam/io/ScanRange.h>
 
 #include <CLI/CLI.hpp>
+#include <map>
+#include <string>
 
 #include "Checks.h"
 
@@ -19,5 +22,18 @@ inline void declareRange(CLI::App& app, ScanRange& range, int& every_n)
   app.add_option("--end", range.end, "convert scans before this time [s since the first scan]")
       ->check(positive());
   app.add_option("--every", every_n, "convert every n-th scan only")->check(positive());
+}
+
+/** Whether the errors of the true poses are known to be zero. */
+inline void declarePoseSource(CLI::App& app, PoseSource& source, const std::string& what)
+{
+  const std::map<std::string, PoseSource> words{{"simulated", PoseSource::simulated},
+                                                {"gnss_ins", PoseSource::gnss_ins},
+                                                {"given", PoseSource::given}};
+  app.add_option("--pose-source", source,
+                 what +
+                     ": simulated (exact), gnss_ins, or given (of unknown accuracy); "
+                     "default: by the files")
+      ->transform(wordFor(words));
 }
 }  // namespace dyslam

@@ -2,6 +2,7 @@
 #include "RunCommand.h"
 
 #include <dyslam/core/Error.h>
+#include <dyslam/core/Printable.h>
 
 #include <filesystem>
 #include <iostream>
@@ -135,6 +136,28 @@ std::string splitLines(const std::vector<RunScores>& runs)
   return lines;
 }
 
+/** Where the ground truth of each run is from, and what follows from it. */
+std::string truthLines(const std::vector<RunScores>& runs)
+{
+  std::string lines;
+  for (const RunScores& run : runs)
+  {
+    if (!run.trajectory)
+    {
+      continue;
+    }
+    lines += run.name + ": ground truth: " + printable(run.truth.text());
+    if (!run.truth.isExact())
+    {
+      lines +=
+          "; its own errors are part of all figures, and NEES is not computed, as it would take "
+          "them for errors of the odometry";
+    }
+    lines += '\n';
+  }
+  return lines;
+}
+
 Json neesJson(const NormalisedErrors& errors)
 {
   return Json{{"count", errors.all.count},
@@ -163,6 +186,12 @@ std::string runJson(const std::vector<RunScores>& runs)
     if (run.odometry)
     {
       entry["odometry"] = Json::parse(trajectoryJson({*run.odometry}))["trajectories"][0];
+    }
+    if (run.trajectory)
+    {
+      entry["ground_truth"] = {{"source", toString(run.truth.source)},
+                               {"name", run.truth.name},
+                               {"exact", run.truth.isExact()}};
     }
     if (run.consistency)
     {
@@ -193,7 +222,7 @@ void run(const Arguments& a)
     runs.back().name = names[i];
   }
   a.output.write(runTable(runs), runJson(runs));
-  std::cout << splitLines(runs);
+  std::cout << splitLines(runs) << truthLines(runs);
   std::vector<OdometryConsistency> consistencies;
   for (RunScores& one : runs)
   {

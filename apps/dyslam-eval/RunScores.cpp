@@ -88,6 +88,37 @@ fs::path referenceOf(const fs::path& folder, const std::string& truth)
   return fs::exists(own) || truth.empty() ? own : fs::path(truth) / "poses_tum.txt";
 }
 
+std::string textIn(const Json& json, const char* key)
+{
+  const auto it = json.find(key);
+  return it != json.end() && it->is_string() ? it->get<std::string>() : "";
+}
+
+/** Where the poses of referenceOf() are from: as the run recorded it, else as the ground-truth
+ * folder of its recording or the given one states it. */
+PoseOrigin originOf(const fs::path& folder,
+                    const Json& report,
+                    const std::string& beside_rawlog,
+                    const std::string& given_truth)
+{
+  PoseOrigin origin;
+  if (fs::exists(folder / "reference_tum.txt"))
+  {
+    const auto recorded = report.find("ground_truth");
+    if (recorded != report.end() && recorded->is_object())
+    {
+      origin.source = poseSourceFromString(textIn(*recorded, "source"));
+      origin.name = textIn(*recorded, "name");
+    }
+    if (origin.source == PoseSource::unknown && !beside_rawlog.empty())
+    {
+      origin = poseOrigin(beside_rawlog);
+    }
+  }
+  return origin.source == PoseSource::unknown && !given_truth.empty() ? poseOrigin(given_truth)
+                                                                      : origin;
+}
+
 /** Nothing, with a note, if the run has no or too little ground truth. */
 std::optional<TrajectoryReport> evaluate(const fs::path& folder,
                                          const char* file,
@@ -166,7 +197,11 @@ RunScores scoresOf(const std::string& folder,
   if (scores.trajectory)
   {
     scores.odometry = evaluate(folder, "odometry_tum.txt", reference, metrics);
-    scores.consistency = evaluateConsistency(folder, reference);
+    scores.truth = originOf(folder, scores.report, truthFolder("", scores.report), given_truth);
+    if (scores.truth.isExact())
+    {
+      scores.consistency = evaluateConsistency(folder, reference);
+    }
   }
   else if (!fs::exists(reference))
   {

@@ -21,7 +21,8 @@ struct RunScores
   nlohmann::ordered_json report;
   std::optional<TrajectoryReport> trajectory;
   std::optional<TrajectoryReport> odometry;
-  std::optional<OdometryConsistency> consistency;
+  std::optional<OdometryConsistency> consistency;  //!< nothing unless the ground truth is exact
+  PoseOrigin truth;                                //!< of the true poses
   std::optional<LabelComparison> labels;
   std::optional<SimulatedWorld> world;  //!< nothing if the recording is not known to be simulated
 };

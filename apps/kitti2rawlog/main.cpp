@@ -44,6 +44,7 @@ void declare(CLI::App& app, Arguments& arguments)
   app.add_option("--poses", o.poses, "true poses, TUM or KITTI");
   app.add_option("--pose-frame", o.pose_frame, "frame of these poses: auto, lidar or camera")
       ->transform(wordFor(pose_frames));
+  declarePoseSource(app, o.pose_source, "where the true poses are from");
   app.add_option("--deskewed", o.deskewed,
                  "whether the scans are deskewed already: auto (odometry's are), yes or no")
       ->transform(wordFor(deskewed));

@@ -51,6 +51,7 @@ void declare(CLI::App& app, Arguments& arguments)
                  "otherwise the scans' sensor label");
   app.add_option("--calibration", o.calibration, "Velodyne's XML or YAML, for a pcap");
   app.add_option("--poses", o.poses, "true poses of the lidar, TUM or KITTI, a line for each scan");
+  declarePoseSource(app, o.pose_source, "where --poses or --truth-topic are from");
   app.add_option("--bin-layout", o.bin_layout,
                  "columns of .bin files, all float32: xyzi (KITTI) or xyzir (nuScenes: with the "
                  "ring); default: by their content")

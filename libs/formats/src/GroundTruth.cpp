@@ -2,11 +2,13 @@
 #include <dyslam/core/Config.h>
 #include <dyslam/core/Error.h>
 #include <dyslam/core/PendingFile.h>
+#include <dyslam/core/Printable.h>
 #include <dyslam/formats/GroundTruth.h>
 #include <dyslam/formats/TextFile.h>
 #include <dyslam/formats/TrajectoryFiles.h>
 
 #include <algorithm>
+#include <array>
 #include <cstring>
 #include <filesystem>
 
@@ -20,6 +22,30 @@ namespace
 {
 constexpr const char* simulator_file = "simulator.ini";
 constexpr const char* simulator_section = "simulator";
+constexpr const char* origin_file = "poses.ini";
+constexpr const char* origin_section = "poses";
+
+struct NamedSource
+{
+  const char* word;
+  PoseSource source;
+};
+constexpr std::array<NamedSource, 4> pose_sources{{{"unknown", PoseSource::unknown},
+                                                   {"simulated", PoseSource::simulated},
+                                                   {"gnss_ins", PoseSource::gnss_ins},
+                                                   {"given", PoseSource::given}}};
+
+/** poses.ini */
+struct OriginOptions : Options
+{
+  PoseOrigin values;
+  void describe(OptionsVisitor& visitor) override
+  {
+    describePoseSource(visitor, "source", values.source,
+                       "of the true poses; only simulated ones are exact");
+    visitor.text("name", values.name, "file or topic that they were read from");
+  }
+};
 
 /** The keys of simulator.ini that are read. */
 struct WorldOptions : Options
@@ -56,6 +82,66 @@ std::optional<SimulatedWorld> simulatedWorld(const std::string& folder)
   }
   WorldOptions options;
   load(options, read, simulator_section);
+  return options.values;
+}
+
+std::string PoseOrigin::text() const
+{
+  const std::string from = name.empty() ? "" : " (" + name + ")";
+  switch (source)
+  {
+    case PoseSource::simulated:
+      return "simulated" + from + ", exact";
+    case PoseSource::gnss_ins:
+      return "GNSS/INS" + from + ", not exact";
+    case PoseSource::given:
+      return "given poses" + from + ", not known to be exact";
+    case PoseSource::unknown:
+      break;
+  }
+  return "of unknown source" + from + ", not known to be exact";
+}
+
+std::string toString(PoseSource source)
+{
+  return std::find_if(pose_sources.begin(), pose_sources.end(),
+                      [source](const NamedSource& named) { return named.source == source; })
+      ->word;
+}
+
+PoseSource poseSourceFromString(const std::string& word)
+{
+  const auto found = std::find_if(pose_sources.begin(), pose_sources.end(),
+                                  [&word](const NamedSource& named) { return word == named.word; });
+  return found == pose_sources.end() ? PoseSource::unknown : found->source;
+}
+
+void describePoseSource(OptionsVisitor& visitor,
+                        const char* key,
+                        PoseSource& source,
+                        const char* help)
+{
+  std::vector<std::string> words;
+  for (const NamedSource& named : pose_sources)
+  {
+    words.emplace_back(named.word);
+  }
+  std::string word = toString(source);
+  visitor.word(key, word, words, help);
+  source = poseSourceFromString(word);
+}
+
+PoseOrigin poseOrigin(const std::string& folder)
+{
+  if (fs::exists(fs::path(folder) / simulator_file))
+  {
+    return {PoseSource::simulated, ""};
+  }
+  OriginOptions options;
+  if (const fs::path path = fs::path(folder) / origin_file; fs::exists(path))
+  {
+    load(options, Config::fromFile(path.string()), origin_section);
+  }
   return options.values;
 }
 
@@ -198,7 +284,7 @@ GroundTruthWriter::GroundTruthWriter(const std::string& folder) : folder_(folder
 {
   requireNoLinks(folder);
   makeFolder(folder);
-  for (const char* old : {"poses_tum.txt", "tracks.txt", simulator_file})
+  for (const char* old : {"poses_tum.txt", "tracks.txt", simulator_file, origin_file})
   {
     std::error_code ignored;
     fs::remove(fs::path(folder) / old, ignored);
@@ -276,6 +362,14 @@ void GroundTruthWriter::close()
   if (!poses_.empty())
   {
     writeTum((fs::path(folder_) / "poses_tum.txt").string(), poses_);
+    if (origin_.source != PoseSource::unknown)
+    {
+      OriginOptions options;
+      options.values = {origin_.source, printable(origin_.name)};
+      Config config;
+      save(options, config, origin_section);
+      writeWhole((fs::path(folder_) / origin_file).string(), config.toIni());
+    }
   }
   if (!boxes_.empty())
   {

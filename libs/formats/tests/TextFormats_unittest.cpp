@@ -299,6 +299,46 @@ TEST(GroundTruth, NamesTheSimulatedWorldUntilSomethingElseIsWritten)
   expectError([&] { (void)simulatedWorld(truth); }, "seed");
 }
 
+TEST(GroundTruth, StatesWhereThePosesAreFrom)
+{
+  const TestFolder folder;
+  const std::string truth = folder.file("a.gt");
+  const auto write = [&](const PoseOrigin& origin, bool pose)
+  {
+    GroundTruthWriter writer(truth);
+    writer.setPoseOrigin(origin);
+    if (pose)
+    {
+      writer.addPose(0, Pose::Identity());
+    }
+    writer.close();
+    return poseOrigin(truth);
+  };
+  EXPECT_EQ(PoseSource::unknown, poseOrigin(truth).source);
+  for (const PoseSource source :
+       {PoseSource::unknown, PoseSource::simulated, PoseSource::gnss_ins, PoseSource::given})
+  {
+    const PoseOrigin read = write({source, "a file.txt"}, true);
+    EXPECT_EQ(source, read.source);
+    EXPECT_EQ(source == PoseSource::unknown ? "" : "a file.txt", read.name);
+    EXPECT_EQ(source == PoseSource::simulated, read.isExact());
+    EXPECT_EQ(source, poseSourceFromString(toString(source)));
+  }
+  EXPECT_EQ("GNSS/INS (oxts), not exact", (PoseOrigin{PoseSource::gnss_ins, "oxts"}.text()));
+  // A name cannot add lines of its own.
+  EXPECT_EQ(PoseSource::given, write({PoseSource::given, "a\nsource = simulated"}, true).source);
+  // That of an earlier recording does not stay, and without poses there is nothing to state.
+  EXPECT_EQ(PoseSource::unknown, write({}, true).source);
+  EXPECT_EQ(PoseSource::unknown, write({PoseSource::given, "x"}, false).source);
+  // Simulated recordings have been marked by simulator.ini alone.
+  GroundTruthWriter(truth).addSimulator(WorldOfTest());
+  EXPECT_TRUE(poseOrigin(truth).isExact());
+  EXPECT_EQ(PoseSource::unknown, poseSourceFromString("exact"));
+  const TestFolder other;
+  other.write("b.gt/poses.ini", "[poses]\nsource = guessed\n");
+  expectError([&] { (void)poseOrigin(other.file("b.gt")); }, "guessed");
+}
+
 TEST(GroundTruth, BadFiles)
 {
   const TestFolder folder;

@@ -164,6 +164,10 @@ void convertBag(const std::string& input, ScanSink& sink, const ScanConverterOpt
   const BagTopic topic = bag->topics()[at];
   const Trajectory truth =
       options.truth_topic.empty() ? Trajectory() : readTruth(input, *bag, options);
+  if (!truth.empty())
+  {
+    sink.setPoseOrigin(PoseSource::given, options.truth_topic);
+  }
   for (const std::string& warning : bag->warnings())
   {
     sink.warn(warning);

@@ -16,6 +16,9 @@ namespace dyslam
  * empty. \throws UserError. */
 [[nodiscard]] Pose sensorPoseFrom(std::string text);
 
+/** Of a path, also of a folder with a slash at its end. */
+[[nodiscard]] std::string nameOfFile(const std::string& path);
+
 /** \param inputs files and folders that a conversion reads; empty ones are skipped.
  * \throws UserError if writing the rawlog `output` with its sidecar would replace one of them. */
 void requireNoInput(const std::string& output, const std::vector<std::string>& inputs);
@@ -43,6 +46,8 @@ class ConversionOutput
   ConversionOutput& operator=(const ConversionOutput&) = delete;
 
   void write(const Scan& scan, const std::optional<Pose>& T_world_lidar);
+  /** Where the true poses are from, before the first one. */
+  void setPoseOrigin(const PoseOrigin& origin) { origin_ = origin; }
   /** For the scan written last. */
   void addLabels(const std::vector<Label>& labels);
   void addBox(LabelledBox box);
@@ -60,6 +65,7 @@ class ConversionOutput
   std::string folder_;   //!< of the truth
   std::string pending_;  //!< where it grows
   RawlogWriter writer_;
+  PoseOrigin origin_;
   std::unique_ptr<GroundTruthWriter> truth_;
   ConversionResult result_;
   bool closed_ = false;

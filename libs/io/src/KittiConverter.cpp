@@ -93,6 +93,8 @@ void KittiConverterOptions::describe(OptionsVisitor& visitor)
   visitor.real("dt", dt, 0, 3600, "seconds between scans; 0: the layout's times, else 0.1034");
   visitor.flag("vertical_angle_correction", vertical_angle_correction,
                "correct the elevation of points by +0.205 deg");
+  describePoseSource(visitor, "pose_source", pose_source,
+                     "of the true poses; unknown: by the files that they are from");
   describeRange(visitor);
   visitor.integer("every_n", every_n, 1, 1000000, "of the scans, every n-th is converted");
   visitor.flag("external_storage", external_storage, "clouds in separate files");
@@ -120,6 +122,7 @@ ConversionResult convertKitti(const std::string& input,
       options.deskewed == ScansDeskewed::yes ||
       (options.deskewed == ScansDeskewed::automatic && options.kind == KittiKind::odometry);
   ConversionOutput out(output, options.external_storage, options.compression_level);
+  out.setPoseOrigin(layout.pose_origin);
   for (std::size_t i = 0; i < entries.size(); ++i)
   {
     const KittiLayout::Entry& entry = *entries[i];
@@ -153,6 +156,12 @@ ConversionResult convertKitti(const std::string& input,
   if (options.every_n > 1 && !deskewed)
   {
     result.warnings.emplace_back(thinned_without_times);
+  }
+  if (layout.pose_origin.source == PoseSource::gnss_ins)
+  {
+    result.notes.push_back("the true poses are from GNSS/INS (" + layout.pose_origin.name +
+                           "), which is off by centimetres from scan to scan; --poses FILE for "
+                           "better ones, --no-truth for none");
   }
   result.pose_source = layout.pose_file;
   return result;

@@ -12,6 +12,7 @@
 #include <filesystem>
 #include <functional>
 
+#include "ConversionOutput.h"
 #include "KittiScans.h"
 
 namespace dyslam
@@ -281,8 +282,7 @@ class LayoutReader
       }
       assign(poses);
     }
-    layout_.pose_file = path;
-    warnAboutMissing(path);
+    took(PoseSource::given, path);
   }
 
   [[nodiscard]] bool isCameraFrame(const std::string& path, TrajectoryFormat format) const
@@ -319,8 +319,7 @@ class LayoutReader
                       "), needed for oxts");
     }
     assign(imuToLidarPoses(oxtsPoses(readOxts(path)), calib_.T_velo_imu));
-    layout_.pose_file = path;
-    warnAboutMissing(path);
+    took(PoseSource::gnss_ins, path);
   }
 
   /** Pose files have a line for each frame number, or for each scan there is. */
@@ -336,6 +335,14 @@ class LayoutReader
         entries[i].T_world_lidar = poses[line];
       }
     }
+  }
+
+  void took(PoseSource source, const std::string& path)
+  {
+    layout_.pose_file = path;
+    const bool is_said = options_.pose_source != PoseSource::unknown;
+    layout_.pose_origin = {is_said ? options_.pose_source : source, nameOfFile(path)};
+    warnAboutMissing(path);
   }
 
   void warnAboutMissing(const std::string& path)

@@ -3,6 +3,7 @@
 
 #include <dyslam/core/Objects.h>
 #include <dyslam/core/Trajectory.h>
+#include <dyslam/formats/GroundTruth.h>
 #include <dyslam/formats/KittiFiles.h>
 #include <dyslam/io/Converters.h>
 
@@ -25,7 +26,8 @@ struct KittiLayout
     std::optional<Pose> T_world_lidar;
   };
   std::vector<Entry> entries;
-  std::string pose_file;           //!< that the true poses are from; empty without
+  std::string pose_file;  //!< that the true poses are from; empty without
+  PoseOrigin pose_origin;
   std::vector<LabelledBox> boxes;  //!< lidar frame; LabelledBox::frame is an Entry::number
   std::vector<std::string> warnings;
 };

@@ -139,6 +139,10 @@ void convertFolder(const std::string& input,
 {
   const std::vector<double> stamps = stampsFor(files, options, sink);
   const BinLayout layout = binLayoutFor(files, options, sink);
+  if (!poses.empty())
+  {
+    sink.setPoseOrigin(PoseSource::given, nameOfFile(options.poses));
+  }
   for (std::size_t i = 0; i < files.size(); ++i)
   {
     Scan scan = layout == BinLayout::xyzir ? readBin(files[i], layout) : readCloud(files[i]);
@@ -267,6 +271,11 @@ void requireFitting(InputKind kind, const ScanConverterOptions& options)
   {
     throw UserError("--times and --dt exclude each other");
   }
+  if (options.pose_source != PoseSource::unknown && options.poses.empty() &&
+      options.truth_topic.empty())
+  {
+    throw UserError("--pose-source states where --poses or --truth-topic are from; give one, too");
+  }
   if (!options.truth_frame.empty() && options.truth_topic.empty())
   {
     throw UserError("--truth-frame chooses one of the bodies of --truth-topic; give that, too");
@@ -286,6 +295,8 @@ void ScanConverterOptions::describe(OptionsVisitor& visitor)
   visitor.text("sensor_pose", sensor_pose, "x y z yaw pitch roll of the lidar [m, deg]");
   visitor.real("dt", dt, 0, 3600, "seconds between scans; 0: the scans' own times, else 0.1");
   visitor.flag("keep_partial", keep_partial, "also incomplete first and last revolutions");
+  describePoseSource(visitor, "pose_source", pose_source,
+                     "of poses or truth_topic; unknown: given, of unknown accuracy");
   describeRange(visitor);
   visitor.integer("every_n", every_n, 1, 1000000, "of the scans, every n-th is converted");
   visitor.flag("external_storage", external_storage, "clouds in separate files");

@@ -16,6 +16,12 @@ ScanSink::ScanSink(const std::string& output, const ScanConverterOptions& option
 {
 }
 
+void ScanSink::setPoseOrigin(PoseSource source, const std::string& name)
+{
+  const bool is_said = options_.pose_source != PoseSource::unknown;
+  out_.setPoseOrigin({is_said ? options_.pose_source : source, name});
+}
+
 bool ScanSink::put(Scan scan,
                    bool has_stamp,
                    const std::optional<Pose>& T_world_lidar,

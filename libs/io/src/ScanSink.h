@@ -22,6 +22,8 @@ class ScanSink
    */
   bool put(Scan scan, bool has_stamp, const std::optional<Pose>& T_world_lidar, double progress);
 
+  /** Where the true poses are from, if the options do not say it. \param name file or topic */
+  void setPoseOrigin(PoseSource source, const std::string& name);
   void setProgress(const ConversionProgress& progress) { progress_ = progress; }
   [[nodiscard]] std::size_t seen() const { return seen_; }
   [[nodiscard]] std::size_t written() const { return written_; }

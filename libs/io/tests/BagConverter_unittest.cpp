@@ -156,6 +156,8 @@ TEST(BagConverter, PosesAreInterpolatedAndMissingOnesCounted)
   options.truth_topic = "/pose";
   const auto result = convertScans(folder.file("x.bag"), folder.file("x.rawlog"), options);
   EXPECT_EQ(2U, result.poses);  // those between two poses
+  EXPECT_EQ(PoseSource::given, poseOrigin(folder.file("x.gt")).source);
+  EXPECT_EQ("/pose", poseOrigin(folder.file("x.gt")).name);
   EXPECT_TRUE(contains(result.warnings.at(0), "no pose within 0.2 s of 5 scans"));
   const auto frames = readAll(folder.file("x.rawlog"));
   EXPECT_NEAR(3, frames.at(2).T_world_vehicle_truth->translation().x(), 1e-5);

@@ -239,6 +239,35 @@ TEST(KittiConverter, SkipsAndLimitsRenumberTheTruth)
   EXPECT_THROW(convertKitti(folder.file("in"), folder.file("x.rawlog"), options), UserError);
 }
 
+TEST(KittiConverter, TheTruthStatesItsSource)
+{
+  const TestFolder folder;
+  writeBins(folder, "in/velodyne", 2);
+  folder.write("in/calib.txt", tracking_calib);
+  folder.write("in/oxts.txt", oxtsLine(0) + oxtsLine(1));
+  const auto originWith = [&](const KittiConverterOptions& options)
+  {
+    (void)convertKitti(folder.file("in"), folder.file("x.rawlog"), options);
+    return poseOrigin(folder.file("x.gt"));
+  };
+  KittiConverterOptions options;
+  options.kind = KittiKind::tracking;
+  EXPECT_EQ(PoseSource::gnss_ins, originWith(options).source);
+  EXPECT_EQ("oxts.txt", originWith(options).name);
+  const auto result = convertKitti(folder.file("in"), folder.file("x.rawlog"), options);
+  EXPECT_TRUE(contains(result.notes.back(), "GNSS/INS (oxts.txt)")) << result.notes.back();
+  options.poses = folder.file("icp.txt");
+  writeKittiPoses(options.poses, std::vector<Pose>{somePose(0), somePose(1)});
+  EXPECT_EQ(PoseSource::given, originWith(options).source);
+  EXPECT_EQ("icp.txt", originWith(options).name);
+  options.pose_source = PoseSource::simulated;
+  EXPECT_TRUE(originWith(options).isExact());
+  options = {};
+  options.kind = KittiKind::tracking;
+  options.no_truth = true;
+  EXPECT_EQ(PoseSource::unknown, originWith(options).source) << "of the conversion before";
+}
+
 TEST(KittiConverter, ARangeOfTimeAndEveryNthScan)
 {
   const TestFolder folder;
@@ -594,7 +623,16 @@ TEST(ScanConverter, PosesAndStaleTruth)
   EXPECT_EQ(2U, convertScans(folder.file("in"), folder.file("x.rawlog"), options).poses);
   EXPECT_TRUE(
       readAll(folder.file("x.rawlog"))[1].T_world_vehicle_truth->isApprox(somePose(1), 1e-9));
+  EXPECT_EQ(PoseSource::given, poseOrigin(folder.file("x.gt")).source);
+  options.pose_source = PoseSource::simulated;
+  (void)convertScans(folder.file("in"), folder.file("x.rawlog"), options);
+  EXPECT_TRUE(poseOrigin(folder.file("x.gt")).isExact());
   options.poses = "";
+  EXPECT_TRUE(contains(
+      messageOfError<UserError>(
+          [&] { (void)convertScans(folder.file("in"), folder.file("x.rawlog"), options); }),
+      "--pose-source"));
+  options.pose_source = PoseSource::unknown;
   EXPECT_EQ(0U, convertScans(folder.file("in"), folder.file("x.rawlog"), options).poses);
   EXPECT_TRUE(GroundTruthReader(folder.file("x.gt")).poses().empty());
 }

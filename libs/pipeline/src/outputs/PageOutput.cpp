@@ -5,6 +5,7 @@
 #include <dyslam/core/PendingFile.h>
 #include <dyslam/core/SharedFiles.h>
 #include <dyslam/eval/MapPicture.h>
+#include <dyslam/formats/GroundTruth.h>
 #include <dyslam/report/RunPage.h>
 
 #include <algorithm>
@@ -34,7 +35,8 @@ class PageOutput : public RunOutput
         config_(context.config),
         folder_(context.settings.output_folder),
         input_(context.settings.rawlog),
-        sensor_(context.settings.sensor)
+        sensor_(context.settings.sensor),
+        truth_(poseOrigin(groundTruthFolder(context.settings.rawlog)).text())
   {
   }
 
@@ -63,6 +65,7 @@ class PageOutput : public RunOutput
     page.title = std::filesystem::absolute(folder_).lexically_normal().filename().string();
     page.input = input_;
     page.sensor = sensor_;
+    page.reference_origin = truth_;
     page.settings = settings_;
     page.method = results.report.method;
     page.failure = results.report.failure;
@@ -165,6 +168,7 @@ class PageOutput : public RunOutput
   std::string folder_;
   std::string input_;
   std::string sensor_;
+  std::string truth_;  //!< where the ground truth is from
   std::string settings_;
 };
 }  // namespace

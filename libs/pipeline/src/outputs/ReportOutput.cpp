@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/PendingFile.h>
+#include <dyslam/formats/GroundTruth.h>
 
 #include <cmath>
 #include <cstdio>
@@ -32,7 +33,8 @@ class ReportOutput : public RunOutput
   explicit ReportOutput(const RunOutputContext& context)
       : RunOutput(context, {name}),
         input_(std::filesystem::absolute(context.settings.rawlog).lexically_normal().string()),
-        sensor_(context.settings.sensor)
+        sensor_(context.settings.sensor),
+        truth_(poseOrigin(groundTruthFolder(context.settings.rawlog)))
   {
   }
   void checkpoint(const RunResults& results) override { write(results, false); }
@@ -54,6 +56,10 @@ class ReportOutput : public RunOutput
     Json json;
     json["input"] = input_;
     json["sensor"] = sensor_;
+    if (report.has_reference)
+    {
+      json["ground_truth"] = {{"source", toString(truth_.source)}, {"name", truth_.name}};
+    }
     json["method"] = report.method;
     json["finished"] = finished;
     json["frames"] = report.frames;
@@ -93,6 +99,7 @@ class ReportOutput : public RunOutput
 
   std::string input_;
   std::string sensor_;
+  PoseOrigin truth_;
 };
 }  // namespace
 

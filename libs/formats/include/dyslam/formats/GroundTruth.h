@@ -30,6 +30,38 @@ struct SimulatedWorld
  * is damaged. */
 [[nodiscard]] std::optional<SimulatedWorld> simulatedWorld(const std::string& folder);
 
+/** Where the true poses of a recording are from. */
+enum class PoseSource
+{
+  unknown,
+  simulated,  //!< exact
+  gnss_ins,   //!< satellites and inertial unit: off by centimetres from scan to scan
+  given       //!< by the user or a data set, of unknown accuracy
+};
+
+struct PoseOrigin
+{
+  PoseSource source = PoseSource::unknown;
+  std::string name;  //!< of their file or topic; empty if unknown
+
+  /** Errors against these poses are those of the estimate alone. */
+  [[nodiscard]] bool isExact() const { return source == PoseSource::simulated; }
+  /** "GNSS/INS (oxts), not exact" */
+  [[nodiscard]] std::string text() const;
+};
+/** The word of a file or a flag: "gnss_ins". */
+[[nodiscard]] std::string toString(PoseSource source);
+/** Its reverse; unknown for any other word. */
+[[nodiscard]] PoseSource poseSourceFromString(const std::string& word);
+/** A field of options. */
+void describePoseSource(OptionsVisitor& visitor,
+                        const char* key,
+                        PoseSource& source,
+                        const char* help);
+/** By simulator.ini or poses.ini of the ground-truth folder; unknown where neither is there.
+ * \throws UserError if poses.ini is damaged. */
+[[nodiscard]] PoseOrigin poseOrigin(const std::string& folder);
+
 /** Tracks in a text file: the columns of KITTI's tracking labels, but in the lidar frame.
  *
  * `frame id type truncated occluded alpha left top right bottom height width length x y z yaw
@@ -87,18 +119,21 @@ class GroundTruthWriter
   GroundTruthWriter& operator=(const GroundTruthWriter&) = delete;
 
   void addPose(double stamp, const Pose& T_world_vehicle);
+  /** Where the poses are from: poses.ini, if there are any. */
+  void setPoseOrigin(const PoseOrigin& origin) { origin_ = origin; }
   /** Lidar frame; box.frame says which scan. */
   void addBox(const LabelledBox& box);
   void addLabels(std::size_t frame, const std::vector<Label>& labels);
   void addFlow(std::size_t frame, const std::vector<Eigen::Vector3f>& flow);
   /** What the recording was simulated with: simulator.ini. \throws UserError. */
   void addSimulator(const Options& options);
-  /** Writes poses_tum.txt and tracks.txt if there is anything for them. */
+  /** Writes poses_tum.txt, poses.ini and tracks.txt if there is anything for them. */
   void close();
 
  private:
   std::string folder_;
   Trajectory poses_;
+  PoseOrigin origin_;
   std::vector<LabelledBox> boxes_;
   bool closed_ = false;
 };

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <dyslam/core/Options.h>
+#include <dyslam/formats/GroundTruth.h>
 #include <dyslam/formats/ScanFiles.h>
 #include <dyslam/io/ScanRange.h>
 
@@ -66,6 +67,7 @@ struct KittiConverterOptions : Options, ScanRange
   std::string sensor_pose;  //!< T_vehicle_lidar: x y z yaw pitch roll [m, deg]; empty: identity
   bool no_truth = false;    //!< scans only: no poses, labels or boxes
   PoseFrame pose_frame = PoseFrame::automatic;
+  PoseSource pose_source = PoseSource::unknown;  //!< of the poses; unknown: by the files
   ScansDeskewed deskewed = ScansDeskewed::automatic;
   double dt = 0;  //!< seconds between scans; 0: the layout's own times, else 0.1034
   bool vertical_angle_correction = false;  //!< lifts the points by 0.205 deg about the sensor
@@ -97,9 +99,10 @@ struct ScanConverterOptions : Options, ScanRange
   std::string poses;        //!< TUM or KITTI file of the lidar, for folders
   std::string times;  //!< file of times [s] or KITTI time stamps for a folder, a line for each scan
   std::string topic;  //!< of a bag's scans; empty: the one with the most
-  std::string truth_topic;              //!< of a bag's true poses of the vehicle; empty: none
-  std::string truth_frame;              //!< child frame of truth_topic, where that has several
-  std::optional<BinLayout> bin_layout;  //!< of .bin files; nothing: by their content
+  std::string truth_topic;  //!< of a bag's true poses of the vehicle; empty: none
+  std::string truth_frame;  //!< child frame of truth_topic, where that has several
+  PoseSource pose_source = PoseSource::unknown;  //!< of poses or truth_topic; unknown: given
+  std::optional<BinLayout> bin_layout;           //!< of .bin files; nothing: by their content
   std::string sensor_pose;    //!< T_vehicle_lidar: x y z yaw pitch roll [m, deg]; empty: identity
   double dt = 0;              //!< seconds between scans; 0: the recording's times, else 0.1
   bool keep_partial = false;  //!< also incomplete first and last revolutions of a pcap
