@@ -24,11 +24,11 @@ namespace
 std::vector<std::string> knownSections()
 {
   std::vector<std::string> known{
-      "map",      "labels",   "preprocess",   "map_export",    "input",  "pipeline",
-      "dyseg",    "residual", "odometry",     "dyseg_network", "refine", "motion",
-      "detector", "tracker",  "dyseg_filter", "solver",        "loop",   "backend",
-      "output",   "replay",   "merge",        "start",         "report", "fusion",
-      "sensor",   "objects",  "uncertainty",  "memory"};
+      "map",      "labels",   "preprocess",   "map_export",    "input",          "pipeline",
+      "dyseg",    "residual", "odometry",     "dyseg_network", "refine",         "motion",
+      "detector", "tracker",  "dyseg_filter", "solver",        "loop",           "backend",
+      "output",   "replay",   "merge",        "start",         "report",         "fusion",
+      "sensor",   "objects",  "uncertainty",  "memory",        "track_smoothing"};
   const auto methods = scanMatcherNames();
   known.insert(known.end(), methods.begin(), methods.end());
   return known;

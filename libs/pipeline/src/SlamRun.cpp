@@ -9,6 +9,7 @@
 #include <dyslam/pipeline/SensorSettings.h>
 #include <dyslam/pipeline/SlamRun.h>
 #include <dyslam/pipeline/StartSpeed.h>
+#include <dyslam/tracking/Tracker.h>
 #include <mrpt/system/CTimeLogger.h>
 #include <sys/resource.h>
 
@@ -16,13 +17,16 @@
 #include <chrono>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <map>
+#include <tuple>
 #include <utility>
 
 #include "RunHistory.h"
 #include "RunOutputs.h"
 #include "RunStatistics.h"
 #include "SavedRun.h"
+#include "TrackHindsight.h"
 
 namespace dyslam
 {
@@ -130,6 +134,8 @@ struct SlamRun::Impl
         config(settings.config),
         sensor(config.get<SensorOptions>("sensor")),
         start(config.get<StartOptions>("start")),
+        track_smoothing(config.get<TrackSmoothingOptions>("track_smoothing")),
+        complete_boxes(config.get<TrackerOptions>("tracker").complete_boxes),
         input(config.get<RawlogSourceOptions>("input")),
         pipeline(config, times, settings.output_folder),
         history(pipeline.backend().keyframes().memory().part(history_share)),
@@ -149,6 +155,8 @@ struct SlamRun::Impl
   [[nodiscard]] SavedRun saved(const ScanSum& scans) const;
   /** \throws UserError if the settings are not those of the state. */
   void requireSame(const SavedRun& saved) const;
+  /** Of the graph, and those that it does not have from earlier and later scans alone. */
+  [[nodiscard]] std::vector<SmoothedObject> smoothedObjects(const Trajectory& trajectory) const;
   void fillReport(SlamRunReport& report, const RunResults& results) const;
 
   std::chrono::steady_clock::time_point begin = std::chrono::steady_clock::now();
@@ -157,6 +165,8 @@ struct SlamRun::Impl
   ConfigLoader config;
   SensorOptions sensor;
   StartOptions start;
+  TrackSmoothingOptions track_smoothing;
+  bool complete_boxes;
   RawlogSourceOptions input;
   Pipeline pipeline;
   RunHistory history;
@@ -188,7 +198,7 @@ RunResults SlamRun::Impl::results(const std::vector<std::string>& source_warning
   results.map_points =
       results.map == nullptr ? MapPoints() : thinnedPoints(*results.map, max_shown_points);
   results.trajectory = pipeline.trajectory();
-  results.objects = pipeline.backend().smoothedObjects();
+  results.objects = smoothedObjects(results.trajectory);
   results.reference = statistics.referenceInMap(results.trajectory);
   results.stage_ms = stageMilliseconds(times, statistics.frames);
   results.wait_ms = waitMilliseconds();
@@ -199,6 +209,19 @@ RunResults SlamRun::Impl::results(const std::vector<std::string>& source_warning
   append(results.report.warnings, pipeline.warnings());
   append(results.report.warnings, statistics.warnings());
   return results;
+}
+
+std::vector<SmoothedObject> SlamRun::Impl::smoothedObjects(const Trajectory& trajectory) const
+{
+  const std::vector<SmoothedObject> of_graph = pipeline.backend().smoothedObjects();
+  const std::vector<SmoothedObject> of_tracks =
+      smoothReported(history, trajectory, track_smoothing, complete_boxes);
+  std::vector<SmoothedObject> objects;
+  std::set_union(of_graph.begin(), of_graph.end(), of_tracks.begin(), of_tracks.end(),
+                 std::back_inserter(objects),
+                 [](const SmoothedObject& a, const SmoothedObject& b)
+                 { return std::tie(a.scan, a.id) < std::tie(b.scan, b.id); });
+  return objects;
 }
 
 void SlamRun::Impl::fillReport(SlamRunReport& report, const RunResults& results) const

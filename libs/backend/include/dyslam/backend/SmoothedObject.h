@@ -5,6 +5,7 @@
 
 #include <Eigen/Core>
 #include <cstddef>
+#include <optional>
 
 namespace dyslam
 {
@@ -17,6 +18,7 @@ struct SmoothedObject
   Pose T_map_object = Pose::Identity();
   Eigen::Vector3d velocity = Eigen::Vector3d::Zero();  //!< map frame [m/s]
   bool moving = false;                                 //!< a dynamic object of the graph
+  std::optional<Eigen::Vector3d> size;  //!< of its box [m], if it is known better than at the scan
   /** Of x, y, z [m^2], yaw [rad^2], map frame, given the ego poses. */
   Eigen::Matrix4d covariance = Eigen::Matrix4d::Zero();
   Eigen::Matrix3d velocity_covariance = Eigen::Matrix3d::Zero();  //!< map frame [m^2/s^2]

@@ -1,0 +1,158 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "TrackHindsight.h"
+
+#include <dyslam/core/BoxOverlap.h>
+#include <dyslam/tracking/Detector.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <tuple>
+
+namespace dyslam
+{
+namespace
+{
+constexpr double size_quantile = 0.8;  // of the sizes of a box, the largest of which are outliers
+
+/** An object at one of the scans at which it was reported, map frame. */
+struct Sighting
+{
+  std::size_t scan;  //!< Frame::index
+  double stamp;      //!< [s]
+  ObjectClass object_class;
+  Box box;
+  Eigen::Vector3d velocity;  //!< [m/s]
+  Eigen::Vector3d sensor;    //!< the lidar's position [m]
+  bool observed;
+  bool dynamic;
+};
+
+using Track = std::vector<Sighting>;
+
+Sighting sightingOf(const ReportedObject& report,
+                    const PastScan& scan,
+                    const Pose& T_vehicle_lidar,
+                    const StampedPose& T_map_vehicle)
+{
+  const Pose T_map_odom = T_map_vehicle.pose * scan.T_odom_vehicle.inverse();
+  Sighting s;
+  s.scan = scan.index;
+  s.stamp = T_map_vehicle.stamp;
+  s.object_class = report.object_class;
+  s.box = transformed(report.box, T_map_odom);
+  s.velocity = T_map_odom.linear() * report.velocity;
+  s.sensor = T_map_vehicle.pose * T_vehicle_lidar.translation();
+  s.observed = report.observed;
+  s.dynamic = report.dynamic;
+  return s;
+}
+
+/** Size of the whole body, of which single scans see a part. */
+Eigen::Vector3d sizeOf(const Track& track)
+{
+  Eigen::Vector3d size;
+  for (int k = 0; k < 3; ++k)
+  {
+    std::vector<double> sizes;
+    for (const Sighting& s : track)
+    {
+      sizes.push_back(s.box.size[k]);
+    }
+    const auto nth = sizes.begin() + static_cast<std::ptrdiff_t>(
+                                         size_quantile * static_cast<double>(sizes.size() - 1));
+    std::nth_element(sizes.begin(), nth, sizes.end());
+    size[k] = *nth;
+  }
+  return size;
+}
+
+/** The others are small enough to be seen whole. */
+bool isVehicle(ObjectClass object_class)
+{
+  return object_class == ObjectClass::car || object_class == ObjectClass::van ||
+         object_class == ObjectClass::truck || object_class == ObjectClass::bus;
+}
+
+/** Whether most sightings are of a vehicle. */
+bool isVehicle(const Track& track)
+{
+  const auto vehicles = std::count_if(track.begin(), track.end(),
+                                      [](const Sighting& s) { return isVehicle(s.object_class); });
+  return 2 * vehicles > static_cast<std::ptrdiff_t>(track.size());
+}
+
+/** Gives the boxes their size as if the hidden sides had been seen, so that a body which comes into
+ * view by and by does not seem slower or faster than it is. */
+void complete(Track& track)
+{
+  const Eigen::Vector3d size = sizeOf(track);
+  for (Sighting& s : track)
+  {
+    const Eigen::Vector3d sensor(s.sensor.x(), s.sensor.y(), 0);
+    s.box.center -= sensor;
+    s.box = completeBox(s.box, size);
+    s.box.center += sensor;
+  }
+}
+
+SmoothedObject smoothedObject(int id, const Sighting& sighting, const TrackState& smooth)
+{
+  SmoothedObject object;
+  object.id = id;
+  object.scan = sighting.scan;
+  object.stamp = sighting.stamp;
+  object.T_map_object = Eigen::Translation3d(smooth.center) *
+                        Eigen::AngleAxisd(sighting.box.yaw, Eigen::Vector3d::UnitZ());
+  object.velocity = smooth.velocity;
+  object.moving = sighting.dynamic;
+  object.size = sighting.box.size;
+  return object;
+}
+}  // namespace
+
+std::vector<SmoothedObject> smoothReported(const RunHistory& history,
+                                           const Trajectory& trajectory,
+                                           const TrackSmoothingOptions& options,
+                                           bool complete_boxes)
+{
+  std::vector<SmoothedObject> objects;
+  if (options.window <= 0)
+  {
+    return objects;
+  }
+  std::map<int, Track> tracks;
+  history.forEachReported(
+      [&](const ReportedObject& report)
+      {
+        const PastScan& scan = history.scans()[report.scan];
+        const StampedPose& pose = trajectory[report.scan];
+        Track& track = tracks[report.id];
+        if (track.empty() || pose.stamp > track.back().stamp)
+        {
+          track.push_back(sightingOf(report, scan, history.mounts()[scan.mount], pose));
+        }
+      });
+  for (auto& [id, track] : tracks)
+  {
+    if (complete_boxes && isVehicle(track))
+    {
+      complete(track);
+    }
+    std::vector<TrackState> states;
+    for (const Sighting& s : track)
+    {
+      states.push_back({s.stamp, s.box.center, s.velocity, s.observed});
+    }
+    states = smoothTrack(states, options);
+    for (std::size_t i = 0; i < states.size(); ++i)
+    {
+      objects.push_back(smoothedObject(id, track[i], states[i]));
+    }
+  }
+  std::sort(objects.begin(), objects.end(),
+            [](const SmoothedObject& a, const SmoothedObject& b)
+            { return std::tie(a.scan, a.id) < std::tie(b.scan, b.id); });
+  return objects;
+}
+}  // namespace dyslam

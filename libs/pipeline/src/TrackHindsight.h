@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <dyslam/backend/SmoothedObject.h>
+#include <dyslam/core/Trajectory.h>
+#include <dyslam/tracking/TrackSmoother.h>
+
+#include <vector>
+
+#include "RunHistory.h"
+
+namespace dyslam
+{
+/** The reported objects of a run with sizes, positions and velocities from earlier and later scans,
+ * in the map frame of `trajectory`, by scan, then id; without covariances. The tracker decides
+ * whether they move, and their heading. \param trajectory poses of the scans of `history` \param
+ * complete_boxes boxes are those of the visible parts of objects \return none if smoothing is off.
+ */
+[[nodiscard]] std::vector<SmoothedObject> smoothReported(const RunHistory& history,
+                                                         const Trajectory& trajectory,
+                                                         const TrackSmoothingOptions& options,
+                                                         bool complete_boxes);
+}  // namespace dyslam

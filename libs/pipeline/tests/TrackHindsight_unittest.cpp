@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "../src/TrackHindsight.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace dyslam
+{
+namespace
+{
+constexpr double speed = 6;     // of the vehicle, along +x [m/s]
+constexpr double length = 4.5;  // [m]
+
+/** A vehicle that drives past the sensor at the origin and comes into view from its rear on: its
+ * visible part grows for a second. Its centre is at `x(t) = 5 m + speed t`. */
+RunHistory vehicleThatComesIntoView(int scans, Trajectory& trajectory)
+{
+  RunHistory history;
+  for (int i = 0; i < scans; ++i)
+  {
+    const double time = 0.1 * i;
+    Frame frame;
+    frame.index = static_cast<std::size_t>(3 + i);
+    frame.scan.stamp = time;
+    TrackedObject object;
+    object.id = 7;
+    object.object_class = ObjectClass::car;
+    object.reported = object.observed = object.dynamic = true;
+    object.box.size = {std::min(length, 0.5 + 4 * time), 1.8, 1.5};
+    object.box.center = {5 + speed * time - 0.5 * (length - object.box.size.x()), 3, 0.8};
+    object.velocity = {speed, 0, 0};
+    frame.objects.push_back(object);
+    history.add(frame);
+    trajectory.push_back(time, Pose::Identity());
+  }
+  return history;
+}
+
+TEST(TrackHindsight, VehiclesHaveTheirWholeSizeFromTheFirstScanOn)
+{
+  Trajectory trajectory;
+  const RunHistory history = vehicleThatComesIntoView(40, trajectory);
+  const auto objects = smoothReported(history, trajectory, {}, true);
+  ASSERT_EQ(objects.size(), 40U);
+  for (std::size_t i = 0; i < objects.size(); ++i)
+  {
+    const SmoothedObject& object = objects[i];
+    EXPECT_EQ(object.id, 7);
+    EXPECT_EQ(object.scan, 3 + i);
+    EXPECT_TRUE(object.moving);
+    ASSERT_TRUE(object.size);
+    EXPECT_NEAR(object.size->x(), length, 1e-9);
+    EXPECT_NEAR(object.T_map_object.translation().x(), 5 + speed * object.stamp, 0.05) << i;
+    EXPECT_NEAR(object.velocity.x(), speed, 0.1) << i;
+  }
+  // Boxes of a detector are those of whole objects.
+  const auto given = smoothReported(history, trajectory, {}, false);
+  EXPECT_NEAR(given.front().size->x(), 0.5, 1e-9);
+  EXPECT_GT(given.front().velocity.x(), speed + 1);
+}
+
+TEST(TrackHindsight, PositionsAreInTheMapFrame)
+{
+  Trajectory trajectory;
+  const RunHistory history = vehicleThatComesIntoView(20, trajectory);
+  const Pose T_map_odom(Eigen::Translation3d(10, -20, 1) *
+                        Eigen::AngleAxisd(0.5, Eigen::Vector3d::UnitZ()));
+  Trajectory moved;
+  for (const auto& [stamp, pose] : trajectory)
+  {
+    moved.push_back(stamp, T_map_odom * pose);
+  }
+  const auto objects = smoothReported(history, trajectory, {}, true);
+  const auto in_map = smoothReported(history, moved, {}, true);
+  ASSERT_EQ(objects.size(), in_map.size());
+  for (std::size_t i = 0; i < objects.size(); ++i)
+  {
+    EXPECT_TRUE(in_map[i].T_map_object.isApprox(T_map_odom * objects[i].T_map_object, 1e-6));
+    EXPECT_TRUE(in_map[i].velocity.isApprox(T_map_odom.linear() * objects[i].velocity, 1e-6));
+  }
+}
+
+TEST(TrackHindsight, NoneWithoutWindow)
+{
+  Trajectory trajectory;
+  const RunHistory history = vehicleThatComesIntoView(5, trajectory);
+  TrackSmoothingOptions options;
+  options.window = 0;
+  EXPECT_TRUE(smoothReported(history, trajectory, options, true).empty());
+}
+}  // namespace
+}  // namespace dyslam

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <dyslam/core/Options.h>
+
+#include <Eigen/Core>
+#include <vector>
+
+namespace dyslam
+{
+struct TrackSmoothingOptions : Options
+{
+  double window = 1.5;  //!< earlier and later observations used [s]; 0: tracks are not smoothed
+  int degree = 2;       //!< of the polynomials
+
+  void describe(OptionsVisitor& visitor) override;
+};
+
+/** State of an object at one time, in a fixed frame. */
+struct TrackState
+{
+  double time = 0;                                     //!< [s]
+  Eigen::Vector3d center = Eigen::Vector3d::Zero();    //!< of its box [m]
+  Eigen::Vector3d velocity = Eigen::Vector3d::Zero();  //!< [m/s]
+  bool observed = true;  //!< false: predicted by the tracker, which smoothing leaves out
+};
+
+/** Smooths the path of one object with the observations before and after each time: robust locally
+ * weighted regression with polynomials (Cleveland, 1979), a centred form of the sliding window of
+ * the paper's Eqs. 2-5. The velocity is their derivative.
+ *
+ * The degree is reduced where there are few observations; a state without any in its window stays
+ * as it is. Same bytes for the same input. \param track by time, which increases \throws
+ * std::invalid_argument if it does not. */
+[[nodiscard]] std::vector<TrackState> smoothTrack(const std::vector<TrackState>& track,
+                                                  const TrackSmoothingOptions& options);
+}  // namespace dyslam

@@ -1,0 +1,159 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/tracking/TrackSmoother.h>
+
+#include <Eigen/QR>
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+namespace dyslam
+{
+namespace
+{
+constexpr int robust_rounds = 2;          // fits after the first one, with outliers down-weighted
+constexpr double least_scatter = 0.02;    // of positions, so that exact ones have no outliers [m]
+constexpr double outlier_medians = 6;     // median residuals beyond which a position has no weight
+constexpr double samples_per_degree = 2;  // observations for each degree beyond the first
+
+struct Observation
+{
+  double time;
+  Eigen::RowVector3d center;
+  double robust = 1;  // weight
+};
+
+struct Fit
+{
+  Eigen::RowVector3d center;
+  Eigen::RowVector3d velocity = Eigen::RowVector3d::Zero();
+};
+
+double tricube(double u)
+{
+  const double rest = 1 - std::abs(u * u * u);
+  return std::abs(u) < 1 ? rest * rest * rest : 0;
+}
+
+double bisquare(double u)
+{
+  const double rest = 1 - u * u;
+  return std::abs(u) < 1 ? rest * rest : 0;
+}
+
+std::vector<Observation> observationsOf(const std::vector<TrackState>& track)
+{
+  std::vector<Observation> observations;
+  for (const TrackState& state : track)
+  {
+    if (state.observed)
+    {
+      observations.push_back({state.time, state.center.transpose()});
+    }
+  }
+  return observations;
+}
+
+/** Fits the observations within `window` of `time`.
+ * \return false if there are none. */
+bool fitAt(const std::vector<Observation>& observations,
+           double time,
+           const TrackSmoothingOptions& options,
+           Fit& fit)
+{
+  // Beyond the window the weights are zero.
+  const double reach = 1.000001 * options.window;
+  const auto begin = std::lower_bound(observations.begin(), observations.end(), time - reach,
+                                      [](const Observation& o, double t) { return o.time < t; });
+  const auto end = std::upper_bound(observations.begin(), observations.end(), time + reach,
+                                    [](double t, const Observation& o) { return t < o.time; });
+  const auto count = end - begin;
+  if (count == 0)
+  {
+    return false;
+  }
+  const int degree = std::clamp(static_cast<int>(static_cast<double>(count) / samples_per_degree),
+                                0, options.degree);
+  Eigen::MatrixXd basis(count, degree + 1);
+  Eigen::MatrixXd centers(count, 3);
+  for (Eigen::Index i = 0; i < count; ++i)
+  {
+    const Observation& o = begin[i];
+    const double u = (o.time - time) / options.window;
+    // An outlier keeps a little weight, so that a window of outliers alone has a fit.
+    const double weight = std::sqrt(std::max(tricube(u / 1.01), 1e-6) * std::max(o.robust, 1e-3));
+    double power = weight;
+    for (int d = 0; d <= degree; ++d, power *= u)
+    {
+      basis(i, d) = power;
+    }
+    centers.row(i) = weight * o.center;
+  }
+  const Eigen::MatrixXd coefficients = basis.colPivHouseholderQr().solve(centers);
+  fit.center = coefficients.row(0);
+  if (degree > 0)
+  {
+    fit.velocity = coefficients.row(1) / options.window;
+  }
+  return true;
+}
+
+/** Weights of the observations by their distance from the fit. */
+void weighOutliers(std::vector<Observation>& observations, const TrackSmoothingOptions& options)
+{
+  std::vector<double> residuals;
+  for (const Observation& o : observations)
+  {
+    Fit fit;
+    fitAt(observations, o.time, options, fit);
+    residuals.push_back((o.center - fit.center).head<2>().norm());
+  }
+  std::vector<double> sorted = residuals;
+  const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
+  std::nth_element(sorted.begin(), middle, sorted.end());
+  const double limit = outlier_medians * std::max(*middle, least_scatter);
+  for (std::size_t i = 0; i < observations.size(); ++i)
+  {
+    observations[i].robust = bisquare(residuals[i] / limit);
+  }
+}
+}  // namespace
+
+void TrackSmoothingOptions::describe(OptionsVisitor& v)
+{
+  v.real("window", window, 0, 100,
+         "s, earlier and later observations of a track used to smooth it; 0: not smoothed");
+  v.integer("degree", degree, 0, 5, "degree of the polynomials");
+}
+
+std::vector<TrackState> smoothTrack(const std::vector<TrackState>& track,
+                                    const TrackSmoothingOptions& options)
+{
+  for (std::size_t i = 1; i < track.size(); ++i)
+  {
+    if (!(track[i].time > track[i - 1].time))
+    {
+      throw std::invalid_argument("smoothTrack: times must increase");
+    }
+  }
+  std::vector<TrackState> result = track;
+  std::vector<Observation> observations = observationsOf(track);
+  if (options.window <= 0 || observations.empty())
+  {
+    return result;
+  }
+  for (int round = 0; round < robust_rounds; ++round)
+  {
+    weighOutliers(observations, options);
+  }
+  for (TrackState& state : result)
+  {
+    Fit fit;
+    if (fitAt(observations, state.time, options, fit))
+    {
+      state.center = fit.center.transpose();
+      state.velocity = fit.velocity.transpose();
+    }
+  }
+  return result;
+}
+}  // namespace dyslam

@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/tracking/TrackSmoother.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+#include <stdexcept>
+
+namespace dyslam
+{
+namespace
+{
+/** A body on a circle of 20 m at 8 m/s, ten states a second. */
+TrackState onCircle(double time)
+{
+  const double rate = 8.0 / 20.0;
+  TrackState state;
+  state.time = time;
+  state.center = {20 * std::sin(rate * time), 20 - 20 * std::cos(rate * time), 1};
+  state.velocity = {8 * std::cos(rate * time), 8 * std::sin(rate * time), 0};
+  return state;
+}
+
+std::vector<TrackState> circle(int count)
+{
+  std::vector<TrackState> track;
+  for (int i = 0; i < count; ++i)
+  {
+    track.push_back(onCircle(0.1 * i));
+  }
+  return track;
+}
+
+double rmsError(const std::vector<TrackState>& track)
+{
+  double sum = 0;
+  for (const TrackState& state : track)
+  {
+    sum += (state.center - onCircle(state.time).center).squaredNorm();
+  }
+  return std::sqrt(sum / static_cast<double>(track.size()));
+}
+
+TEST(TrackSmoother, NoiseIsReducedAndOutliersHaveNoInfluence)
+{
+  auto track = circle(80);
+  std::mt19937 random(3);
+  std::normal_distribution<double> noise(0, 0.2);
+  for (TrackState& state : track)
+  {
+    state.center += Eigen::Vector3d(noise(random), noise(random), 0);
+    state.velocity.setZero();
+  }
+  const double before = rmsError(track);
+  track[40].center.x() += 3;
+  track[41].center.x() += 3;
+  const auto smooth = smoothTrack(track, {});
+  EXPECT_LT(rmsError(smooth), 0.5 * before);
+  EXPECT_LT((smooth[40].center - onCircle(4.0).center).norm(), 0.3);
+  for (std::size_t i = 5; i + 5 < smooth.size(); ++i)
+  {
+    EXPECT_LT((smooth[i].velocity - onCircle(smooth[i].time).velocity).norm(), 1.0) << i;
+  }
+}
+
+TEST(TrackSmoother, MotionsOfTheDegreeStayAsTheyAre)
+{
+  std::vector<TrackState> track;
+  for (int i = 0; i < 30; ++i)
+  {
+    const double t = 0.1 * i;
+    TrackState state;
+    state.time = t;
+    state.center = {3 * t - 0.5 * t * t, 2 + t, 0.5};
+    track.push_back(state);
+  }
+  const auto smooth = smoothTrack(track, {});
+  for (std::size_t i = 0; i < track.size(); ++i)
+  {
+    EXPECT_LT((smooth[i].center - track[i].center).norm(), 1e-9);
+    EXPECT_NEAR(smooth[i].velocity.x(), 3 - track[i].time, 1e-8);
+    EXPECT_NEAR(smooth[i].velocity.y(), 1, 1e-8);
+  }
+}
+
+TEST(TrackSmoother, PredictedStatesFollowTheObservationsAroundThem)
+{
+  auto track = circle(60);
+  for (std::size_t i = 30; i < 33; ++i)
+  {
+    track[i].observed = false;
+    track[i].center.y() += 2;
+  }
+  const auto smooth = smoothTrack(track, {});
+  EXPECT_LT(rmsError(smooth), 0.1);
+}
+
+TEST(TrackSmoother, FewObservationsLowerTheDegree)
+{
+  TrackSmoothingOptions options;
+  EXPECT_TRUE(smoothTrack({}, options).empty());
+  const auto one = smoothTrack(circle(1), options);
+  EXPECT_LT((one[0].center - onCircle(0).center).norm(), 1e-12);
+  // Farther from all observations than the window: as the tracker predicted it.
+  auto track = circle(2);
+  track[1].time = 5;
+  track[1].observed = false;
+  EXPECT_EQ(smoothTrack(track, options)[1].center, track[1].center);
+}
+
+TEST(TrackSmoother, NoWindowChangesNothingAndTimesMustIncrease)
+{
+  TrackSmoothingOptions options;
+  options.window = 0;
+  auto track = circle(5);
+  track[2].center.x() = 7;
+  EXPECT_EQ(smoothTrack(track, options)[2].center.x(), 7);
+  track[2].time = track[1].time;
+  EXPECT_THROW((void)smoothTrack(track, options), std::invalid_argument);
+}
+}  // namespace
+}  // namespace dyslam
