@@ -74,12 +74,18 @@ bool isVehicle(ObjectClass object_class)
          object_class == ObjectClass::truck || object_class == ObjectClass::bus;
 }
 
-/** Whether most sightings are of a vehicle. */
-bool isVehicle(const Track& track)
+/** The class of most sightings. */
+ObjectClass classOf(const Track& track)
 {
-  const auto vehicles = std::count_if(track.begin(), track.end(),
-                                      [](const Sighting& s) { return isVehicle(s.object_class); });
-  return 2 * vehicles > static_cast<std::ptrdiff_t>(track.size());
+  std::map<ObjectClass, int> counts;
+  for (const Sighting& s : track)
+  {
+    ++counts[s.object_class];
+  }
+  const auto most =
+      std::max_element(counts.begin(), counts.end(),
+                       [](const auto& a, const auto& b) { return a.second < b.second; });
+  return most->first;
 }
 
 /** Gives the boxes their size as if the hidden sides had been seen, so that a body which comes into
@@ -96,7 +102,10 @@ void complete(Track& track)
   }
 }
 
-SmoothedObject smoothedObject(int id, const Sighting& sighting, const TrackState& smooth)
+SmoothedObject smoothedObject(int id,
+                              ObjectClass object_class,
+                              const Sighting& sighting,
+                              const TrackState& smooth)
 {
   SmoothedObject object;
   object.id = id;
@@ -107,6 +116,7 @@ SmoothedObject smoothedObject(int id, const Sighting& sighting, const TrackState
   object.velocity = smooth.velocity;
   object.moving = sighting.dynamic;
   object.size = sighting.box.size;
+  object.object_class = object_class;
   return object;
 }
 }  // namespace
@@ -135,7 +145,8 @@ std::vector<SmoothedObject> smoothReported(const RunHistory& history,
       });
   for (auto& [id, track] : tracks)
   {
-    if (complete_boxes && isVehicle(track))
+    const ObjectClass object_class = classOf(track);
+    if (complete_boxes && isVehicle(object_class))
     {
       complete(track);
     }
@@ -147,7 +158,7 @@ std::vector<SmoothedObject> smoothReported(const RunHistory& history,
     states = smoothTrack(states, options);
     for (std::size_t i = 0; i < states.size(); ++i)
     {
-      objects.push_back(smoothedObject(id, track[i], states[i]));
+      objects.push_back(smoothedObject(id, object_class, track[i], states[i]));
     }
   }
   std::sort(objects.begin(), objects.end(),

@@ -11,11 +11,13 @@
 
 namespace dyslam
 {
-/** The reported objects of a run with sizes, positions and velocities from earlier and later scans,
- * in the map frame of `trajectory`, by scan, then id; without covariances. The tracker decides
- * whether they move, and their heading. \param trajectory poses of the scans of `history` \param
- * complete_boxes boxes are those of the visible parts of objects \return none if smoothing is off.
- */
+/** The reported objects of a run with class, size, position and velocity from earlier and later
+ * scans, in the map frame of `trajectory`, by scan, then id; without covariances. The tracker
+ * decides whether they move, and their heading.
+ *
+ * \param trajectory poses of the scans of `history`
+ * \param complete_boxes boxes are those of the visible parts of objects
+ * \return none if smoothing is off. */
 [[nodiscard]] std::vector<SmoothedObject> smoothReported(const RunHistory& history,
                                                          const Trajectory& trajectory,
                                                          const TrackSmoothingOptions& options,

@@ -127,7 +127,7 @@ class PageOutput : public RunOutput
           }
           PageObject& object = objects[report.id];
           object.id = report.id;
-          object.object_class = report.object_class;
+          object.object_class = state.object_class;
           object.states.push_back({report.scan, transformed(state.box, T_map_odom),
                                    T_map_odom.linear() * state.velocity});
         });

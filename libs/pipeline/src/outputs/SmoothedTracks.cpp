@@ -29,6 +29,7 @@ TrackedObject smoothedTrack(const TrackedObject& tracked,
   const bool reversed = std::cos(yaw - tracked.box.yaw) < 0;
   result.box.yaw = std::remainder(reversed ? yaw + M_PI : yaw, 2 * M_PI);
   result.box.size = smoothed.size.value_or(tracked.box.size);
+  result.object_class = smoothed.object_class.value_or(tracked.object_class);
   result.velocity = T_odom_map.linear() * smoothed.velocity;
   Eigen::Matrix4d R = Eigen::Matrix4d::Identity();
   R.topLeftCorner<3, 3>() = T_odom_map.linear();

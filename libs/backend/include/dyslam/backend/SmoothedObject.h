@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <dyslam/core/Objects.h>
 #include <dyslam/core/Pose.h>
 
 #include <Eigen/Core>
@@ -19,6 +20,7 @@ struct SmoothedObject
   Eigen::Vector3d velocity = Eigen::Vector3d::Zero();  //!< map frame [m/s]
   bool moving = false;                                 //!< a dynamic object of the graph
   std::optional<Eigen::Vector3d> size;  //!< of its box [m], if it is known better than at the scan
+  std::optional<ObjectClass> object_class;  //!< likewise
   /** Of x, y, z [m^2], yaw [rad^2], map frame, given the ego poses. */
   Eigen::Matrix4d covariance = Eigen::Matrix4d::Zero();
   Eigen::Matrix3d velocity_covariance = Eigen::Matrix3d::Zero();  //!< map frame [m^2/s^2]
