@@ -104,4 +104,33 @@ MapPoints FullResolution::of(const Frame& frame, const MapRegion& region) const
   }
   return result;
 }
+
+MapPoints thinnedFullResolution(const StaticMap& map,
+                                const StaticMapOptions& options,
+                                ScanStore& scans,
+                                double spacing)
+{
+  const MapPoints points = map.points();
+  const FullResolution full(map, options, points);
+  VoxelHash taken;
+  MapPoints result;
+  for (std::size_t k = 0; k < scans.size(); ++k)
+  {
+    const MapPoints part = full.of(scans.read(k));
+    for (std::size_t i = 0; i < part.size(); ++i)
+    {
+      const auto next = static_cast<std::uint32_t>(result.size());
+      const auto cell = voxelCell(part.points[i], static_cast<float>(1 / spacing));
+      if (taken.findOrInsert(voxelKey(cell), next) == next)
+      {
+        result.points.push_back(part.points[i]);
+        result.intensity.push_back(part.intensity[i]);
+        result.hits.push_back(part.hits[i]);
+        result.voxel.push_back(part.voxel[i]);
+        result.keyframe.push_back(part.keyframe[i]);
+      }
+    }
+  }
+  return result;
+}
 }  // namespace dyslam

@@ -11,6 +11,7 @@
 #include <tuple>
 
 #include "TestMap.h"
+#include "WalledStreet.h"
 
 namespace dyslam
 {
@@ -29,46 +30,6 @@ std::vector<Place> placesOf(const MapPoints& points)
     places.emplace_back(p.x(), p.y(), p.z(), points.intensity[i], points.hits[i]);
   }
   return places;
-}
-
-/** A street along x between two walls; a box stands in the way of the first scans and is gone
- * later. The last points of each scan move. */
-Frame streetScan(std::size_t k)
-{
-  Frame frame;
-  frame.index = 2 * k;
-  frame.scan.stamp = 100 + static_cast<double>(k);
-  frame.scan.T_vehicle_lidar.translation().z() = 1.7;
-  frame.T_odom_vehicle = poseFromYpr(1.5 * static_cast<double>(k), 0.3, 0, 0.02, 0, 0);
-  const Pose T_vehicle_map = frame.T_odom_vehicle.inverse();
-  frame.cloud.T_sweep = poseFromYpr(1.5, 0, 0, 0.01, 0, 0);
-  const double at = frame.T_odom_vehicle.translation().x();
-  const auto add = [&](double x, double y, double z, bool moving)
-  {
-    frame.cloud.points.push_back((T_vehicle_map * Eigen::Vector3d(x, y, z)).cast<float>());
-    frame.cloud.intensity.push_back(static_cast<float>(std::abs(std::sin(x))));
-    frame.cloud.source.push_back(0);
-    frame.cloud.phase.push_back(static_cast<float>(std::atan2(y, x - at) / 6.3));
-    frame.moving.push_back(moving);
-  };
-  for (double x = at - 25; x < at + 25; x += 0.17)
-  {
-    for (double y = -6; y < 6; y += 0.31)
-    {
-      add(x, y, 0.01, false);
-    }
-    for (double z = 0.1; z < 3; z += 0.23)
-    {
-      add(x, 6.05, z, false);
-      add(x, -6.05, z, false);
-    }
-  }
-  for (double z = 0.5; z < 1.5 && k < 3; z += 0.1)
-  {
-    add(12.1, 1.0, z, false);
-    add(14.1, 1.0 + z, z, true);
-  }
-  return frame;
 }
 
 class MapTiles : public testing::Test
@@ -92,7 +53,7 @@ TEST_F(MapTiles, TogetherAreTheWholeMap)
   ScanStore store(file_, options_);
   for (std::size_t k = 0; k < scans_; ++k)
   {
-    const Frame frame = streetScan(k);
+    const Frame frame = test::streetScan(k);
     whole.insert(frame);
     store.add(frame);
   }
@@ -119,12 +80,12 @@ TEST_F(MapTiles, ScansComeBackFromDiskAndTheFileGoes)
     ScanStore store(file_, options_);
     for (std::size_t k = 0; k < 4; ++k)
     {
-      store.add(streetScan(k));
+      store.add(test::streetScan(k));
     }
     EXPECT_TRUE(fs::exists(file_ + ".tmp"));
     for (const std::size_t k : {2U, 0U, 3U})
     {
-      const Frame frame = streetScan(k);
+      const Frame frame = test::streetScan(k);
       const Frame back = store.read(k);
       EXPECT_EQ(back.index, frame.index);
       EXPECT_EQ(back.cloud.points, frame.cloud.points);
@@ -134,8 +95,8 @@ TEST_F(MapTiles, ScansComeBackFromDiskAndTheFileGoes)
       EXPECT_EQ(back.moving, frame.moving);
       EXPECT_TRUE(back.T_map_vehicle().isApprox(frame.T_map_vehicle(), 0));
     }
-    store.add(streetScan(4));
-    EXPECT_EQ(store.read(4).cloud.points, streetScan(4).cloud.points);
+    store.add(test::streetScan(4));
+    EXPECT_EQ(store.read(4).cloud.points, test::streetScan(4).cloud.points);
   }
   EXPECT_FALSE(fs::exists(file_ + ".tmp"));
   EXPECT_THROW(ScanStore("/no/such/folder/scans", options_), UserError);
@@ -146,13 +107,13 @@ TEST_F(MapTiles, FullResolutionKeepsEveryStaticPointAndNothingElse)
   test::TestMap whole(options_);
   for (std::size_t k = 0; k < scans_; ++k)
   {
-    whole.insert(streetScan(k));
+    whole.insert(test::streetScan(k));
   }
   const MapPoints points = whole.map.points();
   const FullResolution full(whole.map, options_, points);
   for (const std::size_t k : {0U, 1U, 10U})
   {
-    const Frame frame = streetScan(k);
+    const Frame frame = test::streetScan(k);
     std::size_t expected = 0;
     for (std::size_t i = 0; i < frame.cloud.size(); ++i)
     {
@@ -179,7 +140,7 @@ TEST_F(MapTiles, NormalsLookAtTheSensor)
   test::TestMap whole(options_);
   for (std::size_t k = 0; k < scans_; ++k)
   {
-    whole.insert(streetScan(k));
+    whole.insert(test::streetScan(k));
   }
   MapPoints points = whole.map.points();
   ThreadPool pool(2);

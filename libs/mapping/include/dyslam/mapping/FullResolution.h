@@ -2,6 +2,7 @@
 #pragma once
 
 #include <dyslam/core/Parallel.h>
+#include <dyslam/mapping/MapTiles.h>
 #include <dyslam/mapping/StaticMap.h>
 
 #include <cstdint>
@@ -35,4 +36,11 @@ class FullResolution
   const MapPoints& points_;
   std::vector<std::uint32_t> point_of_voxel_;
 };
+
+/** The static points of all scans, the first of each cube, without normals.
+ * \param map made of the scans \param spacing side of the cubes [m] */
+[[nodiscard]] MapPoints thinnedFullResolution(const StaticMap& map,
+                                              const StaticMapOptions& options,
+                                              ScanStore& scans,
+                                              double spacing);
 }  // namespace dyslam
