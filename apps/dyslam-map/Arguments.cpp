@@ -69,7 +69,7 @@ std::string iniOf(const Arguments& a)
   {
     return effectiveIniOfRun(a.runs.front());
   }
-  std::string ini = effectiveIniBeside(a.trajectory);
+  std::string ini = effectiveIniBeside(a.recording.trajectory);
   if (!ini.empty() && !a.quiet)
   {
     std::fprintf(stderr, "settings: %s\n", printable(ini).c_str());
@@ -151,10 +151,11 @@ void declare(CLI::App& app, Arguments& a)
 {
   app.description(
       "Builds the static map of a rawlog along a trajectory, or one map of several runs");
-  app.add_option("-i,--input", a.rawlog, "rawlog of 3D LiDAR scans");
-  app.add_option("--trajectory", a.trajectory, "poses of the scans: TUM, or KITTI line by line");
+  app.add_option("-i,--input", a.recording.rawlog, "rawlog of 3D LiDAR scans");
+  app.add_option("--trajectory", a.recording.trajectory,
+                 "poses of the scans: TUM, or KITTI line by line");
   app.add_option_function<std::string>(
-         "--poses-of", [&a](const std::string& body) { a.of_lidar = body == "lidar"; },
+         "--poses-of", [&a](const std::string& body) { a.recording.of_lidar = body == "lidar"; },
          "what the poses are of: vehicle (default) or lidar, as KISS-ICP and others write them")
       ->check(CLI::IsMember({"vehicle", "lidar"}));
   CLI::Option* merge = app.add_option(
@@ -162,16 +163,18 @@ void declare(CLI::App& app, Arguments& a)
       "RUN RUN...: instead, output folders of dyslam of one place, in order of time: one map and "
       "one trajectory each, in the first run's frame (RUN=RAWLOG where the recording was moved)");
   app.add_option(
-      "-o,--output", a.outputs,
+      "-o,--output", a.outputs.maps,
       "map.{pcd,ply,las,bt,ot,simplemap,3Dscene,png,gridmap}; any number (png: grid with "
       "its yaml)");
   app.add_flag("--full", a.full, "clouds hold every static point (map_export.full_resolution)");
-  app.add_option("--picture", a.picture, "F.png: the map from above with paths and objects");
-  app.add_option("--compare", a.compare,
+  app.add_option("--picture", a.outputs.picture,
+                 "F.png: the map from above with paths and objects");
+  app.add_option("--compare", a.outputs.comparison,
                  "F.png: the map with everything that moved beside the clean one; what was removed "
                  "is red");
-  app.add_option("--labels", a.scans.labels, "folder of .label files: moving points are left out");
-  app.add_option("--tracks", a.scans.tracks, "tracks.txt: moving objects are left out");
+  app.add_option("--labels", a.recording.scans.labels,
+                 "folder of .label files: moving points are left out");
+  app.add_option("--tracks", a.recording.scans.tracks, "tracks.txt: moving objects are left out");
   app.add_option("-c,--config", a.config,
                  "ini file with [map], [labels], [preprocess], [input], [map_export], [memory] and "
                  "backend.keyframe_distance (default: effective.ini beside the trajectory)");
@@ -183,14 +186,15 @@ void declare(CLI::App& app, Arguments& a)
                  "a scan is used after this distance [m], or a turn of 0.17 rad; 0: every scan; "
                  "default: the ini's backend.keyframe_distance, else 1")
       ->check(notNegative());
-  app.add_option("--tolerance", a.scans.tolerance, "largest difference of time stamps [s]")
+  app.add_option("--tolerance", a.recording.scans.tolerance,
+                 "largest difference of time stamps [s]")
       ->check(notNegative())
       ->capture_default_str();
   app.add_option("--skip-first-n", a.skip_first_n, "scans to skip")->check(notNegative());
   app.add_option("--only-first-n", a.only_first_n, "scans to use after those; 0: all")
       ->check(notNegative());
   app.add_option(
-      "--labelled-map", a.labelled_map,
+      "--labelled-map", a.outputs.labelled_map,
       "also write all points with the true labels of --labels or --tracks (F.ply or F.pcd, "
       "and F.label beside it): the reference for dyslam-eval map");
   app.add_option("--threads", a.builder.threads, "0: all cores")
@@ -235,10 +239,10 @@ void loadConfig(Arguments& a)
   a.builder.hindsight = loader.get<HindsightOptions>("labels");
   if (a.runs.empty())
   {
-    a.scans.preprocess = loader.get<PreprocessOptions>("preprocess");
-    a.source = loader.get<RawlogSourceOptions>("input");
-    a.source.skip_first_n = a.skip_first_n.value_or(a.source.skip_first_n);
-    a.source.only_first_n = a.only_first_n.value_or(a.source.only_first_n);
+    a.recording.scans.preprocess = loader.get<PreprocessOptions>("preprocess");
+    a.recording.source = loader.get<RawlogSourceOptions>("input");
+    a.recording.source.skip_first_n = a.skip_first_n.value_or(a.recording.source.skip_first_n);
+    a.recording.source.only_first_n = a.only_first_n.value_or(a.recording.source.only_first_n);
   }
   else
   {
@@ -246,96 +250,60 @@ void loadConfig(Arguments& a)
     a.merger.solver = loader.get<FactorGraphOptions>("solver");
     a.merger.merge = loader.get<RunMergerOptions>("merge");
   }
-  a.exports = loader.get<MapExportOptions>("map_export");
+  a.outputs.exports = loader.get<MapExportOptions>("map_export");
   a.builder.memory = loader.get<MemoryOptions>("memory");
-  a.exports.full_resolution = a.exports.full_resolution || a.full;
+  a.outputs.exports.full_resolution = a.outputs.exports.full_resolution || a.full;
   a.builder.keyframe_distance =
       a.keyframe_distance ? *a.keyframe_distance : keyframeDistance(config);
   Config effective = loader.effective();
   if (a.runs.empty())
   {
-    save(a.source, effective, "input");
+    save(a.recording.source, effective, "input");
   }
-  save(a.exports, effective, "map_export");
+  save(a.outputs.exports, effective, "map_export");
   KeyframeOptions keyframes;
   keyframes.distance = a.builder.keyframe_distance;
   save(keyframes, effective, "backend");
-  a.effective = effective.toIni();
-}
-
-std::string besideOutput(const Arguments& a, const std::string& ending)
-{
-  for (const std::string& path : {a.outputs.empty() ? "" : a.outputs.front(), a.picture, a.compare})
-  {
-    if (!path.empty())
-    {
-      return std::filesystem::path(path).replace_extension("").string() + ending;
-    }
-  }
-  return {};
-}
-
-std::string effectiveIniOf(const Arguments& a)
-{
-  return besideOutput(a, ".effective.ini");
-}
-
-bool needsWholeMap(const Arguments& a)
-{
-  const bool clouds_only =
-      std::all_of(a.outputs.begin(), a.outputs.end(),
-                  [](const auto& path) { return mapFormatOf(path) == MapFormat::cloud; });
-  return a.exports.tile_size == 0 || !clouds_only || !a.picture.empty() || !a.compare.empty();
-}
-
-bool needsScans(const Arguments& a)
-{
-  return std::any_of(
-      a.outputs.begin(), a.outputs.end(),
-      [&a](const auto& path)
-      {
-        const MapFormat format = mapFormatOf(path);
-        const bool is_cloud = format == MapFormat::cloud;
-        return (is_cloud && a.exports.tile_size > 0) ||
-               ((is_cloud || format == MapFormat::scene) && a.exports.full_resolution);
-      });
+  a.outputs.settings = effective.toIni();
 }
 
 void checkOutputs(const Arguments& a)
 {
-  if (a.runs.empty() && (a.rawlog.empty() || a.trajectory.empty()))
+  if (a.runs.empty() && (a.recording.rawlog.empty() || a.recording.trajectory.empty()))
   {
-    throw UserError(std::string(a.rawlog.empty() ? "--input" : "--trajectory") +
+    throw UserError(std::string(a.recording.rawlog.empty() ? "--input" : "--trajectory") +
                     " is required: give a recording and its trajectory, or --merge RUN RUN (see "
                     "dyslam-map --help)");
   }
-  if (a.outputs.empty() && a.labelled_map.empty() && a.picture.empty() && a.compare.empty())
+  if (a.outputs.maps.empty() && a.outputs.labelled_map.empty() && a.outputs.picture.empty() &&
+      a.outputs.comparison.empty())
   {
     throw UserError("nothing to write: give at least one --output");
   }
-  for (const auto& path : {a.picture, a.compare})
+  for (const auto& path : {a.outputs.picture, a.outputs.comparison})
   {
     if (!path.empty() && lowerExtension(path) != ".png")
     {
       throw UserError(path + ": pictures are .png");
     }
   }
-  for (const auto& path : a.outputs)
+  for (const auto& path : a.outputs.maps)
   {
     (void)mapFormatOf(path);
   }
-  if (!a.labelled_map.empty() && !isCloudFile(a.labelled_map))
+  if (!a.outputs.labelled_map.empty() && !isCloudFile(a.outputs.labelled_map))
   {
-    throw UserError("--labelled-map " + a.labelled_map +
+    throw UserError("--labelled-map " + a.outputs.labelled_map +
                     ": the ending is none of .ply, .pcd and .bin");
   }
-  if (!a.labelled_map.empty() && a.scans.labels.empty() && a.scans.tracks.empty())
+  if (!a.outputs.labelled_map.empty() && a.recording.scans.labels.empty() &&
+      a.recording.scans.tracks.empty())
   {
-    throw UserError("--labelled-map " + a.labelled_map +
+    throw UserError("--labelled-map " + a.outputs.labelled_map +
                     ": nothing says what moves; give --labels or --tracks");
   }
-  std::vector<std::string> files = a.outputs;
-  files.insert(files.end(), {a.picture, a.compare, a.labelled_map});
+  std::vector<std::string> files = a.outputs.maps;
+  files.insert(files.end(), {a.outputs.picture, a.outputs.comparison, a.outputs.labelled_map});
   for (const auto& file : files)
   {
     prepareOutput(file, a.force);

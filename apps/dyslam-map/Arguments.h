@@ -1,14 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <dyslam/backend/RunMerger.h>
-#include <dyslam/io/RawlogSource.h>
+#include <dyslam/mapbuilder/MapRun.h>
 
 #include <optional>
 #include <string>
 #include <vector>
-
-#include "MapBuilder.h"
 
 namespace CLI
 {
@@ -20,27 +17,18 @@ namespace dyslam
 /** Arguments of dyslam-map. */
 struct Arguments
 {
-  std::string rawlog;
-  std::string trajectory;
-  std::vector<std::string> runs;  //!< to be merged; then there is no rawlog and no trajectory
+  RecordingOnTrajectory recording;
+  std::vector<std::string> runs;  //!< to be merged, instead of a recording
   std::string config;
   std::vector<std::string> assignments;
-  std::vector<std::string> outputs;
   MapBuilderOptions builder;
-  RunScansOptions scans;
   RunMergerConfig merger;
-  RawlogSourceOptions source;
-  MapExportOptions exports;
-  std::string labelled_map;
-  std::string picture;
-  std::string compare;
-  bool of_lidar = false;  //!< the poses are the lidar's, not the vehicle's
+  MapOutputs outputs;
   std::optional<int> skip_first_n;
   std::optional<int> only_first_n;
-  bool full = false;
-  bool force = false;     //!< replace files of a run
-  std::string effective;  //!< all settings in effect, as an ini
   std::optional<double> keyframe_distance;
+  bool full = false;
+  bool force = false;  //!< replace files of a run
   bool quiet = false;
 };
 
@@ -49,14 +37,6 @@ void declare(CLI::App& app, Arguments& a);
  * `effective.ini` beside the trajectory, if there is one, or of the first merged run.
  * \throws UserError. */
 void loadConfig(Arguments& a);
-/** `map.las` and `_tum.txt` become `map_tum.txt`: beside the first output; empty without any. */
-[[nodiscard]] std::string besideOutput(const Arguments& a, const std::string& ending);
-/** File that the settings are written to; empty without any output. */
-[[nodiscard]] std::string effectiveIniOf(const Arguments& a);
-/** Whether some output needs the map in memory as a whole: all but clouds in tiles. */
-[[nodiscard]] bool needsWholeMap(const Arguments& a);
-/** Whether some output needs the scans again after the map is built. */
-[[nodiscard]] bool needsScans(const Arguments& a);
 /** Finds bad endings, folders, flags and files of a run that would be replaced before the work
  * starts. \throws UserError. */
 void checkOutputs(const Arguments& a);

@@ -1,22 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "MergeReport.h"
+#include "MergeTable.h"
 
-#include <dyslam/core/PendingFile.h>
-#include <dyslam/eval/MapPicture.h>
 #include <dyslam/eval/Statistics.h>
-#include <dyslam/formats/ScanFiles.h>
 
 #include <cmath>
-#include <filesystem>
 #include <optional>
-#include <string_view>
 
 namespace dyslam
 {
 namespace
 {
-namespace fs = std::filesystem;
-
 constexpr double same_place = 5;    // true positions this near to each other [m]
 constexpr double stamp_gap = 0.01;  // of a pose and its truth [s]
 
@@ -27,17 +20,17 @@ struct Checked
   std::vector<Pose> truth;
 };
 
-Checked checkedPoses(const Run& run, const Trajectory& merged)
+Checked checkedPoses(const RunFolder& run, const Trajectory& merged, const Trajectory& truth)
 {
   Checked result;
   for (const double stamp : run.keyframe_stamps)
   {
     const auto estimate = merged.nearest(stamp, stamp_gap);
-    const auto truth = run.truth.nearest(stamp, stamp_gap);
-    if (estimate && truth)
+    const auto true_pose = truth.nearest(stamp, stamp_gap);
+    if (estimate && true_pose)
     {
       result.merged.push_back(merged[*estimate].pose);
-      result.truth.push_back(run.truth[*truth].pose);
+      result.truth.push_back(truth[*true_pose].pose);
     }
   }
   return result;
@@ -92,8 +85,8 @@ LoopCount loopsBetween(const RunMerge& merge, std::size_t a, std::size_t b)
 }
 }  // namespace
 
-Table mergeTable(const std::vector<Run>& runs,
-                 const RunMerge& merge,
+Table mergeTable(const std::vector<RunFolder>& runs,
+                 const MergedRuns& joined,
                  const std::vector<Trajectory>& merged)
 {
   Table table(
@@ -101,13 +94,13 @@ Table mergeTable(const std::vector<Run>& runs,
   std::vector<Checked> checked;
   for (std::size_t r = 0; r < runs.size(); ++r)
   {
-    checked.push_back(checkedPoses(runs[r], merged[r]));
+    checked.push_back(checkedPoses(runs[r], merged[r], joined.truth[r]));
   }
   for (std::size_t b = 1; b < runs.size(); ++b)
   {
     for (std::size_t a = 0; a < b; ++a)
     {
-      const LoopCount count = loopsBetween(merge, a, b);
+      const LoopCount count = loopsBetween(joined.merge, a, b);
       const std::vector<double> errors = errorsBetween(checked[a], checked[b]);
       if (count.loops == 0 && errors.empty())
       {
@@ -131,52 +124,5 @@ Table mergeTable(const std::vector<Run>& runs,
     }
   }
   return table;
-}
-
-void writeRunComparison(const std::vector<Run>& runs,
-                        const RunMerge& merge,
-                        const MapBuilder& builder,
-                        const std::string& path)
-{
-  std::vector<Eigen::Vector3f> points;
-  MapPictureContent before;
-  for (std::size_t r = 0; r < runs.size(); ++r)
-  {
-    if (!merge.joined(r))
-    {
-      continue;
-    }
-    const fs::path map = fs::path(runs[r].folder) / "map_static.ply";
-    if (fs::exists(map))
-    {
-      const Scan scan = readCloud(map.string());
-      points.insert(points.end(), scan.points.begin(), scan.points.end());
-    }
-    before.path.emplace_back(Eigen::Vector3d::Constant(NAN));
-    for (const auto& [stamp, pose] : runs[r].trajectory)
-    {
-      before.path.emplace_back(pose.translation());
-    }
-  }
-  before.points = &points;
-  MapPictureContent after = builder.picture();
-  after.objects.clear();
-  const MapPoints merged = builder.map().points();
-  after.points = &merged.points;
-  const auto png = renderMapComparison({"each run in its own frame", before}, {"merged", after});
-  writeWhole(path, std::string_view(reinterpret_cast<const char*>(png.data()), png.size()));
-}
-
-std::string namesOfUnjoined(const std::vector<Run>& runs, const RunMerge& merge)
-{
-  std::string names;
-  for (std::size_t r = 0; r < runs.size(); ++r)
-  {
-    if (!merge.joined(r))
-    {
-      names += (names.empty() ? "" : ", ") + runs[r].folder;
-    }
-  }
-  return names;
 }
 }  // namespace dyslam

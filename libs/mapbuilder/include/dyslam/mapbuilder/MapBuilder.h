@@ -3,12 +3,9 @@
 
 #include <dyslam/core/Parallel.h>
 #include <dyslam/core/Trajectory.h>
-#include <dyslam/core/VoxelGrid.h>
-#include <dyslam/eval/MapPicture.h>
-#include <dyslam/formats/LabelFiles.h>
-#include <dyslam/io/SceneExport.h>
+#include <dyslam/mapbuilder/RunScans.h>
 #include <dyslam/mapping/HindsightLabels.h>
-#include <dyslam/mapping/MapExport.h>
+#include <dyslam/mapping/LabelledMap.h>
 #include <dyslam/mapping/MapTiles.h>
 #include <dyslam/mapping/StaticMap.h>
 
@@ -19,8 +16,6 @@
 #include <string>
 #include <vector>
 
-#include "RunScans.h"
-
 namespace dyslam
 {
 struct MapBuilderOptions
@@ -28,26 +23,26 @@ struct MapBuilderOptions
   StaticMapOptions map;
   HindsightOptions hindsight;
   MemoryOptions memory;
-  std::string temporary_folder;    //!< where the map beyond `memory` goes, in a file without a name
-  double keyframe_distance = 1.0;  //!< [m]
+  double keyframe_distance = 1.0;  //!< a scan is used after this distance [m], or a turn; 0: all
   int threads = 0;                 //!< 0: the machine's number
-  bool labelled_map = false;       //!< collect labelledMap() as well
-  bool whole_map = true;           //!< build map()
-  bool uncleaned_map = false;      //!< build uncleanedMap() as well
-  std::string scan_store;          //!< keep the scans used in this file; empty: do not
+
+  // What else is built, and where. For buildMap() and mergeMaps() it follows from the outputs.
+  bool whole_map = true;         //!< build map()
+  bool labelled_map = false;     //!< collect labelledMap() as well
+  bool uncleaned_map = false;    //!< build uncleanedMap() as well
+  std::string scan_store;        //!< keep the scans used in this file; empty: do not
+  std::string temporary_folder;  //!< where the map beyond `memory` goes, in a file without a name
 };
 
-/** Every point of a recording, thinned, with its true label: the reference of map metrics. */
-struct LabelledMap
-{
-  std::vector<Eigen::Vector3f> points;  //!< map frame
-  std::vector<Label> labels;            //!< a voxel that ever held something static is static
-};
-
-/** Builds the static map of a recording along a known trajectory, or of several of one place. */
+/** Builds the static map of a recording along a known trajectory, or of several of one place.
+ *
+ * Of the scans with a pose, keyframes are chosen by distance and turn; what moves in them is left
+ * out: by the labels of RunScans, else by labels with hindsight, and the boxes of objects that
+ * move. Not thread-safe. */
 class MapBuilder
 {
  public:
+  /** \throws UserError if the scans cannot be stored. */
   explicit MapBuilder(const MapBuilderOptions& options);
 
   /** The next recording, the first one also. \throws UserError as RunScans. */
@@ -66,25 +61,27 @@ class MapBuilder
    * starts farther than 10 km from zero, where float32 would round. Else 0. */
   [[nodiscard]] const Eigen::Vector3d& origin() const { return origin_; }
   [[nodiscard]] const StaticMap& map() const { return map_; }
-  /** The same with everything that moved. */
-  [[nodiscard]] const StaticMap& uncleanedMap() const { return uncleaned_->map; }
+  /** The same with everything that moved; null without `uncleaned_map`. */
+  [[nodiscard]] const StaticMap* uncleanedMap() const
+  {
+    return uncleaned_ ? &uncleaned_->map : nullptr;
+  }
   /** The scans that make the map; null without `scan_store`. */
   [[nodiscard]] ScanStore* scans() { return scans_ ? &*scans_ : nullptr; }
   [[nodiscard]] std::size_t keyframes() const { return keyframes_.size(); }
   /** Why the map stayed in memory; empty if all is well. */
   [[nodiscard]] const std::string& memoryProblem() const { return memory_.file->problem(); }
   [[nodiscard]] ThreadPool& pool() { return pool_; }
-  /** Path and last box of each object that moves, and the path of the vehicle. */
-  [[nodiscard]] MapPictureContent picture() const;
+  /** Scans without a pose. */
   [[nodiscard]] std::size_t skipped() const { return skipped_; }
-  /** Content of a scene: the map, the trajectory, the moving objects. */
-  [[nodiscard]] SceneContent scene() const;
+  /** Trajectory and objects of each recording. */
+  [[nodiscard]] const std::deque<RunScans>& runs() const { return runs_; }
+  [[nodiscard]] const MapBuilderOptions& options() const { return options_; }
   /** The labels are those of the labels' folder and of moving objects' boxes. */
   [[nodiscard]] const LabelledMap& labelledMap() const { return labelled_; }
 
  private:
   [[nodiscard]] bool isKeyframe(const Pose& T_map_vehicle) const;
-  void collectLabelled(const Frame& frame);
   void insert(const Frame& frame);
 
   /** What moved is in it. */
@@ -111,6 +108,5 @@ class MapBuilder
   std::optional<Pose> last_keyframe_;
   std::size_t skipped_ = 0;
   LabelledMap labelled_;
-  VoxelHash labelled_index_;
 };
 }  // namespace dyslam

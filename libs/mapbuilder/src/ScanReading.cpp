@@ -6,28 +6,27 @@
 #include <dyslam/formats/TrajectoryFiles.h>
 #include <dyslam/odometry/ScanClock.h>
 
-#include <cstdio>
 #include <optional>
 #include <utility>
 #include <vector>
-
-#include "../common/Progress.h"
 
 namespace dyslam
 {
 namespace
 {
 /** Poses of KITTI with the times of the scans they are of. */
-Trajectory withScanTimes(const Trajectory& poses, const Arguments& a)
+Trajectory withScanTimes(const Trajectory& poses,
+                         const RecordingOnTrajectory& recording,
+                         MapListener& listener)
 {
-  RawlogSourceOptions everything = a.source;
+  RawlogSourceOptions everything = recording.source;
   static_cast<ScanRange&>(everything) = ScanRange();
-  RawlogSource source(a.rawlog, everything);
+  RawlogSource source(recording.rawlog, everything);
   std::vector<std::pair<std::size_t, double>> scans;  // number in the file and time, to be used
-  ScanSelection selection(a.source);
-  const auto limit = static_cast<std::size_t>(a.source.only_first_n);
+  ScanSelection selection(recording.source);
+  const auto limit = static_cast<std::size_t>(recording.source.only_first_n);
   (void)readScans(
-      source, "dyslam-map (times)", a.quiet,
+      source, "times", listener,
       [&](const Frame& frame)
       {
         if (selection.takes(frame.index, frame.scan.stamp) && (limit == 0 || scans.size() < limit))
@@ -39,8 +38,8 @@ Trajectory withScanTimes(const Trajectory& poses, const Arguments& a)
   if (poses.size() != scans.size() && poses.size() != in_file)
   {
     throw UserError(
-        a.trajectory + ": has " + counted(poses.size(), "pose") + ", but " +
-        std::to_string(scans.size()) + " scans are used and " + a.rawlog + " has " +
+        recording.trajectory + ": has " + counted(poses.size(), "pose") + ", but " +
+        std::to_string(scans.size()) + " scans are used and " + recording.rawlog + " has " +
         std::to_string(in_file) +
         "; give the run's --skip-first-n and --only-first-n, or its trajectory_tum.txt");
   }
@@ -51,10 +50,11 @@ Trajectory withScanTimes(const Trajectory& poses, const Arguments& a)
   }
   return timed;
 }
+
 /** Poses of the lidar to those of the vehicle, by the mounting that the first scan states. */
-void toVehicle(Trajectory& poses, const Arguments& a)
+void toVehicle(Trajectory& poses, const RecordingOnTrajectory& recording)
 {
-  RawlogSource source(a.rawlog, a.source);
+  RawlogSource source(recording.rawlog, recording.source);
   const auto frame = source.next();
   const Pose T_lidar_vehicle = frame ? frame->scan.T_vehicle_lidar.inverse() : Pose::Identity();
   for (std::size_t i = 0; i < poses.size(); ++i)
@@ -65,11 +65,11 @@ void toVehicle(Trajectory& poses, const Arguments& a)
 }  // namespace
 
 std::string readScans(RawlogSource& source,
-                      const std::string& what,
-                      bool quiet,
+                      const std::string& purpose,
+                      MapListener& listener,
                       const std::function<void(Frame)>& use)
 {
-  Progress progress(what, "scans", quiet);
+  listener.beginReading(purpose);
   ScanClock clock;
   for (;;)
   {
@@ -84,23 +84,37 @@ std::string readScans(RawlogSource& source,
     }
     if (!frame)
     {
-      progress.finish(source.framesRead());
+      listener.finish(source.framesRead());
       return {};
     }
     frame->sweep_duration = clock.nextSweep(frame->scan.stamp);
     use(std::move(*frame));
-    progress.update(source.progress(), source.framesRead());
+    listener.update(source.progress(), source.framesRead());
   }
 }
 
-Trajectory readPoses(const Arguments& a)
+std::string readScansAndWarn(RawlogSource& source,
+                             const std::string& purpose,
+                             MapListener& listener,
+                             const std::function<void(Frame)>& use)
 {
-  auto file = readTrajectory(a.trajectory);
-  Trajectory poses = file.format == TrajectoryFormat::tum ? std::move(file.trajectory)
-                                                          : withScanTimes(file.trajectory, a);
-  if (a.of_lidar)
+  std::string damage = readScans(source, purpose, listener, use);
+  for (const auto& warning : source.warnings())
   {
-    toVehicle(poses, a);
+    listener.warn(warning);
+  }
+  return damage;
+}
+
+Trajectory readPoses(const RecordingOnTrajectory& recording, MapListener& listener)
+{
+  auto file = readTrajectory(recording.trajectory);
+  Trajectory poses = file.format == TrajectoryFormat::tum
+                         ? std::move(file.trajectory)
+                         : withScanTimes(file.trajectory, recording, listener);
+  if (recording.of_lidar)
+  {
+    toVehicle(poses, recording);
   }
   return poses;
 }

@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "MapBuilder.h"
-
-#include <dyslam/core/Labels.h>
+#include <dyslam/mapbuilder/MapBuilder.h>
 
 #include <cmath>
 #include <utility>
@@ -11,7 +9,6 @@ namespace dyslam
 namespace
 {
 constexpr double keyframe_angle = 0.17;  // a scan is used after this rotation [rad]
-constexpr double labelled_voxel = 0.1;   // of the labelled map [m]
 
 /** Whole kilometres of where the trajectory starts, if that is far from zero. */
 Eigen::Vector3d originOf(const Trajectory& trajectory)
@@ -98,50 +95,6 @@ bool MapBuilder::isKeyframe(const Pose& T_map_vehicle) const
          rotationAngle(moved) >= keyframe_angle;
 }
 
-void MapBuilder::collectLabelled(const Frame& frame)
-{
-  std::vector<Label> labels = runs_.back().hasLabels()
-                                  ? runs_.back().labelsOf(frame)
-                                  : std::vector<Label>(frame.cloud.size(), label_static);
-  constexpr double margin = 0.1;
-  for (const auto& object : frame.objects)
-  {
-    for (std::size_t i = 0; i < labels.size() && object.dynamic; ++i)
-    {
-      const Eigen::Vector3d p = frame.T_odom_vehicle * frame.cloud.points[i].cast<double>();
-      const Eigen::Vector3d d =
-          Eigen::AngleAxisd(-object.box.yaw, Eigen::Vector3d::UnitZ()) * (p - object.box.center);
-      const Eigen::Vector3d half = 0.5 * object.box.size + Eigen::Vector3d(margin, margin, 0.0);
-      // What touches the ground is the ground.
-      if ((d.cwiseAbs() - half).maxCoeff() <= 0 && d.z() > 0.25 - half.z())
-      {
-        labels[i] = label_moving;
-      }
-    }
-  }
-  const auto inverse = static_cast<float>(1.0 / labelled_voxel);
-  for (std::size_t i = 0; i < labels.size(); ++i)
-  {
-    if (isIgnoredLabel(labels[i]))
-    {
-      continue;
-    }
-    const Eigen::Vector3f p =
-        (frame.T_odom_vehicle * frame.cloud.points[i].cast<double>()).cast<float>();
-    const auto next = static_cast<std::uint32_t>(labelled_.points.size());
-    const auto found = labelled_index_.findOrInsert(voxelKey(voxelCell(p, inverse)), next);
-    if (found == next)
-    {
-      labelled_.points.push_back(p);
-      labelled_.labels.push_back(labels[i]);
-    }
-    else if (!isMovingLabel(labels[i]))
-    {
-      labelled_.labels[found] = labels[i];
-    }
-  }
-}
-
 void MapBuilder::add(Frame frame)
 {
   RunScans& run = runs_.back();
@@ -164,7 +117,7 @@ void MapBuilder::add(Frame frame)
     run.fillMoving(frame);
     if (options_.labelled_map)
     {
-      collectLabelled(frame);
+      labelled_.add(frame, run.hasLabels() ? run.labelsOf(frame) : std::vector<Label>());
     }
     keyframes_.add(keyframeOf(frame));
   }
@@ -210,47 +163,5 @@ void MapBuilder::finish()
   {
     hindsight_->finish([this](const Frame& f) { insert(f); });
   }
-}
-
-MapPictureContent MapBuilder::picture() const
-{
-  MapPictureContent content;
-  for (const RunScans& run : runs_)
-  {
-    if (!content.path.empty())
-    {
-      content.path.emplace_back(Eigen::Vector3d::Constant(NAN));  // not joined to the run before
-    }
-    for (const auto& [stamp, pose] : run.trajectory())
-    {
-      content.path.emplace_back(pose.translation());
-    }
-    for (const auto& [id, object] : run.movingObjects())
-    {
-      content.objects.push_back({object.last.object_class, object.path, object.last.box});
-    }
-  }
-  return content;
-}
-
-SceneContent MapBuilder::scene() const
-{
-  SceneContent scene;
-  const MapPoints points = map_.points();
-  scene.points = points.points;
-  scene.intensity = points.intensity;
-  for (const RunScans& run : runs_)
-  {
-    const bool first = scene.trajectory.empty();
-    (first ? scene.trajectory : scene.other_trajectories.emplace_back()) = run.trajectory();
-    for (const auto& [id, object] : run.movingObjects())
-    {
-      const int free_id = scene.object_paths.empty() ? id : scene.object_paths.rbegin()->first + 1;
-      scene.object_paths[first ? id : free_id] = object.path;
-      scene.boxes.push_back(object.last);
-      scene.boxes.back().id = first ? id : free_id;
-    }
-  }
-  return scene;
 }
 }  // namespace dyslam

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "RunScans.h"
-
 #include <dyslam/core/BoxOverlap.h>
 #include <dyslam/core/Error.h>
 #include <dyslam/core/Labels.h>
+#include <dyslam/mapbuilder/RunScans.h>
 
 #include <algorithm>
 #include <cstdio>

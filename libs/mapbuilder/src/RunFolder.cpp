@@ -1,23 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "Runs.h"
-
 #include <dyslam/backend/FactorGraphFile.h>
 #include <dyslam/core/Error.h>
 #include <dyslam/core/Files.h>
 #include <dyslam/core/Options.h>
 #include <dyslam/formats/MotionFiles.h>
 #include <dyslam/formats/TrajectoryFiles.h>
-#include <dyslam/mapping/MovingInMap.h>
+#include <dyslam/mapbuilder/RunFolder.h>
 
-#include <cmath>
 #include <filesystem>
 #include <nlohmann/json.hpp>
-#include <optional>
 #include <set>
 #include <tuple>
 #include <utility>
-
-#include "ScanReading.h"
 
 namespace dyslam
 {
@@ -80,9 +74,9 @@ std::size_t keyframesOf(const FactorGraph& graph)
   return count;
 }
 
-Run readRun(const std::string& argument, double tolerance)
+RunFolder readRun(const std::string& argument, double tolerance)
 {
-  Run run;
+  RunFolder run;
   std::tie(run.folder, run.rawlog) = partsOf(argument);
   if (!fs::is_directory(run.folder))
   {
@@ -121,10 +115,10 @@ Run readRun(const std::string& argument, double tolerance)
 }
 
 /** The last parts of the folders, as many as make them differ. */
-void nameRuns(std::vector<Run>& runs)
+void nameRuns(std::vector<RunFolder>& runs)
 {
   std::set<std::string> folders;
-  for (Run& run : runs)
+  for (RunFolder& run : runs)
   {
     const fs::path whole = fs::weakly_canonical(run.folder);
     if (!folders.insert(whole.string()).second)
@@ -134,11 +128,11 @@ void nameRuns(std::vector<Run>& runs)
     run.name = whole.filename().string();
   }
   std::multiset<std::string> names;
-  for (const Run& run : runs)
+  for (const RunFolder& run : runs)
   {
     names.insert(run.name);
   }
-  for (Run& run : runs)
+  for (RunFolder& run : runs)
   {
     if (names.count(run.name) > 1)
     {
@@ -157,123 +151,20 @@ void nameRuns(std::vector<Run>& runs)
     }
   }
 }
-
-/** Static points of a keyframe: by labels, else outside the boxes of tracked objects.
- */
-std::vector<Eigen::Vector3f> staticPoints(const RunScans& scans, Frame& frame, std::size_t pose)
-{
-  frame.T_odom_vehicle = scans.trajectory()[pose].pose;
-  scans.fillCloud(frame, pose);
-  scans.fillMoving(frame);
-  for (TrackedObject& object : frame.objects)
-  {
-    object.dynamic = true;
-  }
-  const std::vector<bool> moving = movingInMap(frame, StaticMapOptions());
-  std::vector<Eigen::Vector3f> points;
-  for (std::size_t i = 0; i < frame.cloud.size(); ++i)
-  {
-    if (!moving[i])
-    {
-      points.push_back(frame.cloud.points[i]);
-    }
-  }
-  return points;
-}
-
-void addRun(Run& run, ThreadPool& pool, bool quiet, RunMerger& merger)
-{
-  merger.addRun(run.graph);
-  const RunScans scans(run.trajectory, run.scans, pool);
-  RawlogSource source(run.rawlog, run.source);
-  std::size_t next = 0;
-  bool found = false;
-  const std::string damage =
-      readScans(source, "dyslam-map (" + run.name + ")", quiet,
-                [&](Frame frame)
-                {
-                  if (frame.T_world_vehicle_truth)
-                  {
-                    run.truth.push_back(frame.scan.stamp, *frame.T_world_vehicle_truth);
-                  }
-                  const auto stamp = [&](std::size_t k) { return run.keyframe_stamps[k]; };
-                  while (next < run.keyframe_stamps.size() &&
-                         stamp(next) < frame.scan.stamp - run.scans.tolerance)
-                  {
-                    merger.addKeyframe({});  // its scan is not in the recording any more
-                    ++next;
-                  }
-                  const auto pose = scans.poseOf(frame);
-                  if (pose && next < run.keyframe_stamps.size() &&
-                      std::abs(stamp(next) - frame.scan.stamp) <= run.scans.tolerance)
-                  {
-                    merger.addKeyframe(staticPoints(scans, frame, *pose));
-                    ++next;
-                    found = true;
-                  }
-                });
-  if (!found)
-  {
-    throw UserError(run.rawlog + ": " +
-                    (damage.empty() ? "has none of the keyframes of " + run.folder +
-                                          "; is it the recording of that run?"
-                                    : damage));
-  }
-  for (; next < run.keyframe_stamps.size(); ++next)
-  {
-    merger.addKeyframe({});
-  }
-}
 }  // namespace
 
-std::vector<Run> readRuns(const std::vector<std::string>& folders, double tolerance)
+std::vector<RunFolder> readRunFolders(const std::vector<std::string>& folders, double tolerance)
 {
   if (folders.size() < 2)
   {
     throw UserError("--merge: give two runs or more");
   }
-  std::vector<Run> runs;
+  std::vector<RunFolder> runs;
   for (const std::string& folder : folders)
   {
     runs.push_back(readRun(folder, tolerance));
   }
   nameRuns(runs);
   return runs;
-}
-
-RunMerge mergeRuns(std::vector<Run>& runs, const RunMergerConfig& config, int threads, bool quiet)
-{
-  ThreadPool pool(threads);
-  RunMerger merger(config);
-  for (Run& run : runs)
-  {
-    addRun(run, pool, quiet, merger);
-  }
-  return merger.merge();
-}
-
-Trajectory mergedTrajectory(const Run& run, const std::vector<Pose>& merged)
-{
-  Trajectory result;
-  std::size_t k = 0;
-  const std::size_t last = merged.size() - 1;
-  for (const auto& [stamp, pose] : run.trajectory)
-  {
-    while (k < last && run.keyframe_stamps[k + 1] <= stamp)
-    {
-      ++k;
-    }
-    const auto from = [&](std::size_t keyframe, const Pose& T)
-    { return Pose(merged[keyframe] * run.graph.pose(Key::ego(keyframe)).inverse() * T); };
-    Pose corrected = from(k, pose);
-    if (k < last && stamp > run.keyframe_stamps[k])
-    {
-      const double span = run.keyframe_stamps[k + 1] - run.keyframe_stamps[k];
-      corrected =
-          interpolate(corrected, from(k + 1, pose), (stamp - run.keyframe_stamps[k]) / span);
-    }
-    result.push_back(stamp, orthonormalized(corrected));
-  }
-  return result;
 }
 }  // namespace dyslam

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <dyslam/mapping/MapExport.h>
+
+#include <string>
+#include <vector>
+
+namespace dyslam
+{
+/** Files to be written of a map; those without a name are not. */
+struct MapOutputs
+{
+  std::vector<std::string> maps;  //!< by their endings, see mapFormatOf()
+  MapExportOptions exports;
+  std::string picture;       //!< PNG: the map from above, with paths and objects
+  std::string comparison;    //!< PNG: the map before and after cleaning; of runs: before merging
+  std::string labelled_map;  //!< `.ply` or `.pcd`: LabelledMap, with a `.label` file beside it
+  std::string settings;      //!< as an ini: written beside the first output
+
+  /** `map.las` and `_tum.txt` become `map_tum.txt`: beside the first output; empty without any. */
+  [[nodiscard]] std::string beside(const std::string& ending) const;
+  /** File of the settings; empty without any output but a labelled map. */
+  [[nodiscard]] std::string settingsFile() const { return beside(".effective.ini"); }
+  /** Whether some output needs the map in memory as a whole: all but clouds in tiles. */
+  [[nodiscard]] bool needWholeMap() const;
+  /** Whether some output needs the scans again after the map is built. */
+  [[nodiscard]] bool needScans() const;
+};
+}  // namespace dyslam

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <dyslam/backend/RunMerger.h>
+#include <dyslam/io/RawlogSource.h>
+#include <dyslam/mapbuilder/MapBuilder.h>
+#include <dyslam/mapbuilder/MapListener.h>
+#include <dyslam/mapbuilder/MapOutputs.h>
+#include <dyslam/mapbuilder/RunFolder.h>
+#include <dyslam/mapbuilder/RunScans.h>
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+namespace dyslam
+{
+/** A recording and the poses of its scans. */
+struct RecordingOnTrajectory
+{
+  std::string rawlog;
+  std::string trajectory;  //!< TUM, or KITTI line by line
+  bool of_lidar = false;   //!< the poses are the lidar's, not the vehicle's
+  RawlogSourceOptions source;
+  RunScansOptions scans;
+};
+
+/** What was built and written. */
+struct MapReport
+{
+  std::size_t scans = 0;
+  std::size_t skipped = 0;  //!< scans without a pose
+  std::size_t keyframes = 0;
+  std::size_t points = 0;  //!< of the clouds, or of the map
+  double voxel_size = 0;   //!< [m]
+  std::string problem;     //!< what the files lack: scans after damage, runs; empty if nothing
+};
+
+/** The same of several runs. */
+struct MergeReport : MapReport
+{
+  std::size_t joined = 0;  //!< runs in the map
+  std::string table;       //!< loops and errors between the runs, as text
+};
+
+/** Builds the static map of a recording along a trajectory, and writes it.
+ *
+ * A recording that turns out damaged halfway still gives the map of the scans before.
+ * \throws UserError for bad input, and for files that cannot be written. */
+MapReport buildMap(const RecordingOnTrajectory& recording,
+                   const MapBuilderOptions& options,
+                   const MapOutputs& outputs,
+                   MapListener& listener);
+
+/** Merges runs of one place: writes one map of all that share places with those joined before, a
+ * trajectory of each in the frame of the first (TUM and KITTI) and a table, all beside the first
+ * output. Runs that share no place with the others are left out.
+ * \param runs from readRunFolders(), in order of time
+ * \throws UserError as buildMap(), and if no run could be joined to the first: nothing is written
+ *   then. */
+MergeReport mergeMaps(const std::vector<RunFolder>& runs,
+                      const RunMergerConfig& merger,
+                      const MapBuilderOptions& options,
+                      const MapOutputs& outputs,
+                      MapListener& listener);
+}  // namespace dyslam

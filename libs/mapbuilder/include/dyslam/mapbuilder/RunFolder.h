@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <dyslam/backend/FactorGraph.h>
+#include <dyslam/core/Trajectory.h>
+#include <dyslam/io/RawlogSource.h>
+#include <dyslam/mapbuilder/RunScans.h>
+
+#include <string>
+#include <vector>
+
+namespace dyslam
+{
+/** A run of dyslam, read from its output folder. */
+struct RunFolder
+{
+  std::string folder;
+  std::string name;       //!< last part of the folder; longer where two would have one name
+  std::string rawlog;     //!< as report.json has it, unless another was given
+  Trajectory trajectory;  //!< T_map_vehicle, every scan
+  FactorGraph graph;
+  std::vector<double> keyframe_stamps;  //!< UNIX time [s], one per ego pose of the graph
+  RawlogSourceOptions source;
+  RunScansOptions scans;
+};
+
+/** \param folders output folders of dyslam, each of which may be followed by `=` and its recording;
+ * at least two \param tolerance of time stamps of scans and poses [s]
+ * \throws UserError naming what is missing. */
+[[nodiscard]] std::vector<RunFolder> readRunFolders(const std::vector<std::string>& folders,
+                                                    double tolerance);
+}  // namespace dyslam

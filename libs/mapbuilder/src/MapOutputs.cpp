@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/mapbuilder/MapOutputs.h>
+
+#include <algorithm>
+#include <filesystem>
+
+namespace dyslam
+{
+std::string MapOutputs::beside(const std::string& ending) const
+{
+  for (const std::string& path : {maps.empty() ? "" : maps.front(), picture, comparison})
+  {
+    if (!path.empty())
+    {
+      return std::filesystem::path(path).replace_extension("").string() + ending;
+    }
+  }
+  return {};
+}
+
+bool MapOutputs::needWholeMap() const
+{
+  const bool clouds_only =
+      std::all_of(maps.begin(), maps.end(),
+                  [](const auto& path) { return mapFormatOf(path) == MapFormat::cloud; });
+  return exports.tile_size == 0 || !clouds_only || !picture.empty() || !comparison.empty();
+}
+
+bool MapOutputs::needScans() const
+{
+  return std::any_of(maps.begin(), maps.end(),
+                     [this](const auto& path)
+                     {
+                       const MapFormat format = mapFormatOf(path);
+                       const bool is_cloud = format == MapFormat::cloud;
+                       return (is_cloud && exports.tile_size > 0) ||
+                              ((is_cloud || format == MapFormat::scene) && exports.full_resolution);
+                     });
+}
+}  // namespace dyslam

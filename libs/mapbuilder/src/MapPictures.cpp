@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "MapPictures.h"
+
+#include <dyslam/core/PendingFile.h>
+#include <dyslam/eval/MapPicture.h>
+#include <dyslam/formats/ScanFiles.h>
+#include <dyslam/mapping/MapDifference.h>
+
+#include <cmath>
+#include <cstdint>
+#include <filesystem>
+#include <string_view>
+
+namespace dyslam
+{
+namespace
+{
+namespace fs = std::filesystem;
+
+void writePng(const std::vector<std::uint8_t>& png, const std::string& path)
+{
+  writeWhole(path, std::string_view(reinterpret_cast<const char*>(png.data()), png.size()));
+}
+
+void addPath(const Trajectory& trajectory, std::vector<Eigen::Vector3d>& path)
+{
+  for (const auto& [stamp, pose] : trajectory)
+  {
+    path.emplace_back(pose.translation());
+  }
+}
+
+/** Between the paths of two runs. */
+Eigen::Vector3d interruption()
+{
+  return Eigen::Vector3d::Constant(NAN);
+}
+
+/** Paths and objects of all runs, without points. */
+MapPictureContent pathsOf(const MapBuilder& builder)
+{
+  MapPictureContent content;
+  for (const RunScans& run : builder.runs())
+  {
+    if (!content.path.empty())
+    {
+      content.path.push_back(interruption());
+    }
+    addPath(run.trajectory(), content.path);
+    for (const auto& [id, object] : run.movingObjects())
+    {
+      content.objects.push_back({object.last.object_class, object.path, object.last.box});
+    }
+  }
+  return content;
+}
+}  // namespace
+
+void writeMapPicture(const MapBuilder& builder, const std::string& path)
+{
+  MapPictureContent content = pathsOf(builder);
+  const MapPoints points = builder.map().points();
+  content.points = &points.points;
+  writePng(renderMapPicture(content), path);
+}
+
+void writeCleaningPicture(const MapBuilder& builder, const std::string& path)
+{
+  MapPictureContent after = pathsOf(builder);
+  after.objects.clear();
+  const MapPoints clean = builder.map().points();
+  after.points = &clean.points;
+  MapPictureContent before = after;
+  const MapPoints all = builder.uncleanedMap()->points();
+  const std::vector<Eigen::Vector3f> removed = removedPoints(all, builder.map());
+  before.points = &all.points;
+  before.marked = &removed;
+  writePng(renderMapComparison({"everything that was seen; red: removed", before},
+                               {"static map", after}),
+           path);
+}
+
+void writeMergePicture(const std::vector<RunFolder>& runs,
+                       const RunMerge& merge,
+                       const MapBuilder& builder,
+                       const std::string& path)
+{
+  std::vector<Eigen::Vector3f> points;
+  MapPictureContent before;
+  for (std::size_t r = 0; r < runs.size(); ++r)
+  {
+    if (!merge.joined(r))
+    {
+      continue;
+    }
+    const fs::path map = fs::path(runs[r].folder) / "map_static.ply";
+    if (fs::exists(map))
+    {
+      const Scan scan = readCloud(map.string());
+      points.insert(points.end(), scan.points.begin(), scan.points.end());
+    }
+    before.path.push_back(interruption());
+    addPath(runs[r].trajectory, before.path);
+  }
+  before.points = &points;
+  MapPictureContent after = pathsOf(builder);
+  after.objects.clear();
+  const MapPoints merged = builder.map().points();
+  after.points = &merged.points;
+  writePng(renderMapComparison({"each run in its own frame", before}, {"merged", after}), path);
+}
+}  // namespace dyslam

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/Error.h>
+#include <dyslam/core/Printable.h>
+#include <dyslam/mapbuilder/MapRun.h>
+
+#include <utility>
+
+#include "MapWriting.h"
+#include "ScanReading.h"
+
+namespace dyslam
+{
+namespace
+{
+/** Boxes know the number of their scan alone: stamps and the lidar's place are in the rawlog. */
+void noteObjects(const RecordingOnTrajectory& recording, MapListener& listener, MapBuilder& builder)
+{
+  RawlogSource first_pass(recording.rawlog, recording.source);
+  std::size_t scans = 0;
+  (void)readScans(first_pass, "tracks", listener,
+                  [&](const Frame& frame)
+                  {
+                    scans = frame.index + 1;
+                    builder.noteObjects(frame);
+                  });
+  if (recording.source.only_first_n == 0 && builder.trackedScans() > scans)
+  {
+    listener.warn(recording.scans.tracks + ": has boxes up to scan " +
+                  std::to_string(builder.trackedScans() - 1) + ", but " + recording.rawlog +
+                  " has " + counted(scans, "scan") + "; are they of one recording?");
+  }
+}
+}  // namespace
+
+MapReport buildMap(const RecordingOnTrajectory& recording,
+                   const MapBuilderOptions& options,
+                   const MapOutputs& outputs,
+                   MapListener& listener)
+{
+  MapBuilderOptions own = withNeedsOf(outputs, options);
+  own.uncleaned_map = !outputs.comparison.empty();
+  MapBuilder builder(own);
+  RawlogSource source(recording.rawlog, recording.source);
+  builder.beginRun(readPoses(recording, listener), recording.scans);
+  if (!recording.scans.tracks.empty())
+  {
+    noteObjects(recording, listener, builder);
+  }
+  const std::string damage =
+      readScansAndWarn(source, "", listener, [&](Frame frame) { builder.add(std::move(frame)); });
+  builder.finish();
+  if (!damage.empty() && source.framesRead() == 0)
+  {
+    throw UserError(damage);
+  }
+  if (builder.keyframes() == 0)
+  {
+    throw UserError(recording.trajectory + ": has no pose for any scan of " + recording.rawlog +
+                    "; are they of one recording? (--tolerance)");
+  }
+  MapReport report = writeMapOutputs(builder, outputs, listener);
+  report.scans = source.framesRead();
+  if (!damage.empty())
+  {
+    report.problem = damage + "; the map of the " + std::to_string(report.scans) +
+                     " scans before it was written";
+  }
+  return report;
+}
+}  // namespace dyslam

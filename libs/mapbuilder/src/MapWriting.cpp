@@ -1,0 +1,199 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "MapWriting.h"
+
+#include <dyslam/core/PendingFile.h>
+#include <dyslam/formats/LabelFiles.h>
+#include <dyslam/formats/ScanFiles.h>
+#include <dyslam/mapping/MapClouds.h>
+
+#include <cstdio>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "MapPictures.h"
+#include "MapScene.h"
+
+namespace dyslam
+{
+namespace
+{
+namespace fs = std::filesystem;
+
+double fractionOf(std::size_t done, std::size_t all)
+{
+  return static_cast<double>(done) / static_cast<double>(all);
+}
+
+/** Formats whose coordinates are float32 or small keys. */
+void warnOfOrigin(const Eigen::Vector3d& origin,
+                  const std::vector<std::string>& maps,
+                  MapListener& listener)
+{
+  if (origin.isZero(0))
+  {
+    return;
+  }
+  char numbers[80];
+  std::snprintf(numbers, sizeof numbers, "%.0f %.0f %.0f", origin.x(), origin.y(), origin.z());
+  for (const auto& path : maps)
+  {
+    const std::string ending = fs::path(path).extension().string();
+    if (ending != ".las" && ending != ".ply" && ending != ".simplemap" && ending != ".png")
+    {
+      listener.warn(path +
+                    ": coordinates so far from zero would be rounded: the map is relative "
+                    "to " +
+                    numbers);
+    }
+  }
+}
+
+std::vector<std::string> cloudsOf(const MapOutputs& outputs)
+{
+  std::vector<std::string> paths;
+  for (const auto& path : outputs.maps)
+  {
+    if (mapFormatOf(path) == MapFormat::cloud)
+    {
+      paths.push_back(path);
+    }
+  }
+  return paths;
+}
+
+std::string namesOf(const std::vector<std::string>& paths)
+{
+  std::string names;
+  for (const auto& path : paths)
+  {
+    names += (names.empty() ? "" : " ") + fs::path(path).filename().string();
+  }
+  return names;
+}
+
+/** All clouds together. \return their points */
+std::size_t writeClouds(MapBuilder& builder,
+                        const std::vector<std::string>& paths,
+                        const MapExportOptions& exports,
+                        MapListener& listener)
+{
+  const MapClouds clouds(builder.options().map, exports, builder.origin(), builder.pool());
+  if (exports.tile_size > 0)
+  {
+    listener.beginWriting(namesOf(paths), "tiles");
+    std::size_t tiles = 0;
+    const std::size_t points = clouds.writeTiles(*builder.scans(), paths,
+                                                 [&](std::size_t done, std::size_t all)
+                                                 {
+                                                   tiles = all;
+                                                   listener.update(fractionOf(done, all), done);
+                                                 });
+    listener.finish(tiles);
+    return points;
+  }
+  const std::size_t keyframes = builder.keyframes();
+  listener.beginWriting(namesOf(paths), "keyframes");
+  const std::size_t points =
+      clouds.write(builder.map(), builder.scans(), paths,
+                   [&](std::size_t done) { listener.update(fractionOf(done, keyframes), done); });
+  listener.finish(keyframes);
+  return points;
+}
+
+/** What is no cloud. */
+void writeOther(MapBuilder& builder,
+                const std::string& path,
+                const MapExportOptions& exports,
+                MapListener& listener)
+{
+  const std::size_t keyframes = builder.keyframes();
+  listener.beginWriting(fs::path(path).filename().string(), "keyframes");
+  const MapProgress update = [&](std::size_t done)
+  { listener.update(fractionOf(done, keyframes), done); };
+  switch (mapFormatOf(path))
+  {
+    case MapFormat::cloud:
+      break;
+    case MapFormat::octree:
+      writeOctomap(builder.map(), path, exports, update);
+      break;
+    case MapFormat::simplemap:
+      writeSimplemap(builder.map(), path, builder.origin(), update);
+      break;
+    case MapFormat::scene:
+      writeScene(sceneOf(builder, exports.full_resolution), path);
+      break;
+    case MapFormat::grid:
+      writeOccupancyGrid(builder.map(), path, exports, builder.origin(), update);
+      break;
+  }
+  listener.finish(keyframes);
+}
+
+void writePictures(const MapBuilder& builder, const MapOutputs& outputs)
+{
+  if (!outputs.picture.empty())
+  {
+    writeMapPicture(builder, outputs.picture);
+  }
+  if (!outputs.comparison.empty() && builder.uncleanedMap() != nullptr)
+  {
+    writeCleaningPicture(builder, outputs.comparison);
+  }
+}
+
+void writeLabelledMap(const LabelledMap& map, const std::string& path)
+{
+  writeCloud(path, map.points());
+  writeLabels(fs::path(path).replace_extension(".label").string(), map.labels());
+}
+}  // namespace
+
+MapBuilderOptions withNeedsOf(const MapOutputs& outputs, MapBuilderOptions options)
+{
+  options.whole_map = outputs.needWholeMap();
+  options.labelled_map = !outputs.labelled_map.empty();
+  options.scan_store = outputs.needScans() ? outputs.maps.front() + ".scans" : "";
+  const std::string ini = outputs.settingsFile();
+  options.temporary_folder =
+      fs::absolute(ini.empty() ? outputs.labelled_map : ini).parent_path().string();
+  return options;
+}
+
+MapReport writeMapOutputs(MapBuilder& builder, const MapOutputs& outputs, MapListener& listener)
+{
+  warnOfOrigin(builder.origin(), outputs.maps, listener);
+  MapReport report;
+  report.keyframes = builder.keyframes();
+  report.skipped = builder.skipped();
+  const bool whole = outputs.needWholeMap();
+  report.voxel_size = whole ? builder.map().voxelSize() : builder.options().map.voxel_size;
+  report.points = whole ? builder.map().pointCount() : 0;
+  if (const auto clouds = cloudsOf(outputs); !clouds.empty())
+  {
+    report.points = writeClouds(builder, clouds, outputs.exports, listener);
+  }
+  for (const auto& path : outputs.maps)
+  {
+    if (mapFormatOf(path) != MapFormat::cloud)
+    {
+      writeOther(builder, path, outputs.exports, listener);
+    }
+  }
+  writePictures(builder, outputs);
+  if (!builder.memoryProblem().empty())
+  {
+    listener.warn(builder.memoryProblem());
+  }
+  if (const std::string ini = outputs.settingsFile(); !ini.empty())
+  {
+    writeWhole(ini, outputs.settings);
+  }
+  if (!outputs.labelled_map.empty())
+  {
+    writeLabelledMap(builder.labelledMap(), outputs.labelled_map);
+  }
+  return report;
+}
+}  // namespace dyslam

@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <dyslam/mapbuilder/MapBuilder.h>
+#include <dyslam/mapbuilder/MapListener.h>
+#include <dyslam/mapbuilder/MapOutputs.h>
+#include <dyslam/mapbuilder/MapRun.h>
+
+namespace dyslam
+{
+/** The options with what the outputs need of a MapBuilder, but for the uncleaned map. */
+[[nodiscard]] MapBuilderOptions withNeedsOf(const MapOutputs& outputs, MapBuilderOptions options);
+
+/** Writes the maps, the picture, the picture of what was removed (with an uncleaned map), the
+ * settings and the labelled map. Warns of coordinates that are relative to an origin.
+ * \return all but MapReport::scans and `problem`. \throws UserError. */
+MapReport writeMapOutputs(MapBuilder& builder, const MapOutputs& outputs, MapListener& listener);
+}  // namespace dyslam

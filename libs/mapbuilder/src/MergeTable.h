@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <dyslam/eval/Table.h>
+#include <dyslam/mapbuilder/RunFolder.h>
+
+#include <vector>
+
+#include "RunMerging.h"
+
+namespace dyslam
+{
+/** A row for each two joined runs that share places: loops, those left out, their residual, and,
+ * where both have ground truth in one frame, the error between the runs at places that both
+ * visited.
+ * \param merged trajectories by run, empty where a run was not joined */
+[[nodiscard]] Table mergeTable(const std::vector<RunFolder>& runs,
+                               const MergedRuns& joined,
+                               const std::vector<Trajectory>& merged);
+}  // namespace dyslam

@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "RunMerging.h"
+
+#include <dyslam/core/Error.h>
+#include <dyslam/mapping/MovingInMap.h>
+
+#include <cmath>
+#include <string>
+
+#include "ScanReading.h"
+
+namespace dyslam
+{
+namespace
+{
+/** Static points of a keyframe: by labels, else outside the boxes of tracked objects. */
+std::vector<Eigen::Vector3f> staticPoints(const RunScans& scans, Frame& frame, std::size_t pose)
+{
+  frame.T_odom_vehicle = scans.trajectory()[pose].pose;
+  scans.fillCloud(frame, pose);
+  scans.fillMoving(frame);
+  for (TrackedObject& object : frame.objects)
+  {
+    object.dynamic = true;
+  }
+  const std::vector<bool> moving = movingInMap(frame, StaticMapOptions());
+  std::vector<Eigen::Vector3f> points;
+  for (std::size_t i = 0; i < frame.cloud.size(); ++i)
+  {
+    if (!moving[i])
+    {
+      points.push_back(frame.cloud.points[i]);
+    }
+  }
+  return points;
+}
+
+/** \return the ground truth of its recording */
+Trajectory addRun(const RunFolder& run, ThreadPool& pool, MapListener& listener, RunMerger& merger)
+{
+  merger.addRun(run.graph);
+  const RunScans scans(run.trajectory, run.scans, pool);
+  RawlogSource source(run.rawlog, run.source);
+  Trajectory truth;
+  std::size_t next = 0;
+  bool found = false;
+  const std::string damage =
+      readScans(source, run.name, listener,
+                [&](Frame frame)
+                {
+                  if (frame.T_world_vehicle_truth)
+                  {
+                    truth.push_back(frame.scan.stamp, *frame.T_world_vehicle_truth);
+                  }
+                  const auto stamp = [&](std::size_t k) { return run.keyframe_stamps[k]; };
+                  while (next < run.keyframe_stamps.size() &&
+                         stamp(next) < frame.scan.stamp - run.scans.tolerance)
+                  {
+                    merger.addKeyframe({});  // its scan is not in the recording any more
+                    ++next;
+                  }
+                  const auto pose = scans.poseOf(frame);
+                  if (pose && next < run.keyframe_stamps.size() &&
+                      std::abs(stamp(next) - frame.scan.stamp) <= run.scans.tolerance)
+                  {
+                    merger.addKeyframe(staticPoints(scans, frame, *pose));
+                    ++next;
+                    found = true;
+                  }
+                });
+  if (!found)
+  {
+    throw UserError(run.rawlog + ": " +
+                    (damage.empty() ? "has none of the keyframes of " + run.folder +
+                                          "; is it the recording of that run?"
+                                    : damage));
+  }
+  for (; next < run.keyframe_stamps.size(); ++next)
+  {
+    merger.addKeyframe({});
+  }
+  return truth;
+}
+}  // namespace
+
+MergedRuns mergeRuns(const std::vector<RunFolder>& runs,
+                     const RunMergerConfig& config,
+                     int threads,
+                     MapListener& listener)
+{
+  ThreadPool pool(threads);
+  RunMerger merger(config);
+  MergedRuns result;
+  for (const RunFolder& run : runs)
+  {
+    result.truth.push_back(addRun(run, pool, listener, merger));
+  }
+  result.merge = merger.merge();
+  return result;
+}
+
+Trajectory mergedTrajectory(const RunFolder& run, const std::vector<Pose>& merged)
+{
+  Trajectory result;
+  std::size_t k = 0;
+  const std::size_t last = merged.size() - 1;
+  for (const auto& [stamp, pose] : run.trajectory)
+  {
+    while (k < last && run.keyframe_stamps[k + 1] <= stamp)
+    {
+      ++k;
+    }
+    const auto from = [&](std::size_t keyframe, const Pose& T)
+    { return Pose(merged[keyframe] * run.graph.pose(Key::ego(keyframe)).inverse() * T); };
+    Pose corrected = from(k, pose);
+    if (k < last && stamp > run.keyframe_stamps[k])
+    {
+      const double span = run.keyframe_stamps[k + 1] - run.keyframe_stamps[k];
+      corrected =
+          interpolate(corrected, from(k + 1, pose), (stamp - run.keyframe_stamps[k]) / span);
+    }
+    result.push_back(stamp, orthonormalized(corrected));
+  }
+  return result;
+}
+}  // namespace dyslam

@@ -1,0 +1,191 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/Error.h>
+#include <dyslam/formats/LabelFiles.h>
+#include <dyslam/formats/ScanFiles.h>
+#include <dyslam/formats/TrajectoryFiles.h>
+#include <dyslam/mapbuilder/MapRun.h>
+#include <gtest/gtest.h>
+
+#include "TestFolder.h"
+#include "TestRun.h"
+
+namespace dyslam
+{
+namespace
+{
+namespace fs = std::filesystem;
+
+class MapRun : public testing::Test
+{
+ protected:
+  void SetUp() override
+  {
+    recording.rawlog = folder.file("r.rawlog");
+    recording.trajectory = folder.file("tum.txt");
+    recording.scans = test::asRecorded();
+    test::writeRecording(recording.rawlog, drive);
+    writeTum(recording.trajectory, drive);
+    options.threads = 1;
+    options.hindsight.hindsight = false;
+    outputs.settings = "[map]\n";
+  }
+  MapReport build() { return buildMap(recording, options, outputs, listener); }
+
+  TestFolder folder;
+  Trajectory drive = test::straightDrive(8, 1);
+  RecordingOnTrajectory recording;
+  MapBuilderOptions options;
+  MapOutputs outputs;
+  test::RecordingListener listener;
+};
+
+TEST_F(MapRun, WritesEveryOutput)
+{
+  for (const char* name : {"m.ply", "m.pcd", "m.bt", "m.simplemap", "m.3Dscene", "m.png"})
+  {
+    outputs.maps.push_back(folder.file(name));
+  }
+  outputs.picture = folder.file("picture.png");
+  outputs.comparison = folder.file("comparison.png");
+  const MapReport report = build();
+  EXPECT_EQ(8U, report.scans);
+  EXPECT_EQ(0U, report.skipped);
+  EXPECT_EQ(8U, report.keyframes);
+  EXPECT_EQ(0.2, report.voxel_size);
+  EXPECT_EQ("", report.problem);
+  EXPECT_EQ(report.points, readCloud(folder.file("m.ply")).points.size());
+  for (const std::string& file :
+       {outputs.maps[2], outputs.maps[3], outputs.maps[4], outputs.maps[5], folder.file("m.yaml"),
+        outputs.picture, outputs.comparison})
+  {
+    EXPECT_GT(fs::file_size(file), 0U) << file;
+  }
+  EXPECT_EQ("[map]\n", folder.read("m.effective.ini"));
+  EXPECT_EQ(
+      (std::vector<std::string>{
+          "reading ", "finished 8", "writing m.ply m.pcd, keyframes", "finished 8",
+          "writing m.bt, keyframes", "finished 8", "writing m.simplemap, keyframes", "finished 8",
+          "writing m.3Dscene, keyframes", "finished 8", "writing m.png, keyframes", "finished 8"}),
+      listener.log);
+  EXPECT_TRUE(listener.warnings.empty());
+  EXPECT_TRUE(listener.in_range);
+}
+
+TEST_F(MapRun, TilesAreCountedAndTheScansAreRemoved)
+{
+  outputs.maps = {folder.file("t.las")};
+  outputs.exports.tile_size = 10;
+  const MapReport report = build();
+  EXPECT_GT(report.points, 1000U);
+  EXPECT_EQ("writing t.las, tiles", listener.log.at(2));
+  EXPECT_TRUE(fs::exists(folder.file("t.las.tiles.yaml")));
+  EXPECT_FALSE(fs::exists(folder.file("t.las.scans.tmp")));
+}
+
+TEST_F(MapRun, TheSceneHasAPointPerTenCentimetresInFullResolution)
+{
+  outputs.maps = {folder.file("m.3Dscene"), folder.file("m.ply")};
+  const MapReport voxels = build();
+  const auto size = fs::file_size(outputs.maps[0]);
+  options.map.voxel_size = 1;
+  const MapReport coarse = build();
+  EXPECT_LT(coarse.points, voxels.points / 2);
+  outputs.exports.full_resolution = true;
+  EXPECT_GT(build().points, voxels.points);
+  EXPECT_GT(fs::file_size(outputs.maps[0]), size / 2) << "not one per voxel of 1 m";
+}
+
+TEST_F(MapRun, TheLabelledMapIsWrittenAlone)
+{
+  std::vector<LabelledBox> boxes(1);
+  boxes[0].type = "Car";
+  boxes[0].box.center = {100, 0, 0};
+  recording.scans.tracks = folder.file("tracks.txt");
+  writeTracks(recording.scans.tracks, boxes);
+  outputs.labelled_map = folder.file("truth.ply");
+  (void)build();
+  const std::size_t points = readCloud(outputs.labelled_map).points.size();
+  EXPECT_GT(points, 1000U);
+  EXPECT_EQ(points, readLabels(folder.file("truth.label")).size());
+  EXPECT_EQ((std::vector<std::string>{"reading tracks", "finished 8", "reading ", "finished 8"}),
+            listener.log);
+}
+
+TEST_F(MapRun, TracksOfALongerRecordingAreWarnedOf)
+{
+  std::vector<LabelledBox> boxes(1);
+  boxes[0].frame = 20;
+  boxes[0].type = "Car";
+  recording.scans.tracks = folder.file("tracks.txt");
+  writeTracks(recording.scans.tracks, boxes);
+  outputs.maps = {folder.file("m.ply")};
+  (void)build();
+  ASSERT_EQ(1U, listener.warnings.size());
+  EXPECT_TRUE(contains(listener.warnings[0], "boxes up to scan 20, but"));
+  recording.source.only_first_n = 5;
+  (void)build();
+  EXPECT_EQ(1U, listener.warnings.size()) << "a part was asked for";
+}
+
+TEST_F(MapRun, OfADamagedRecordingTheScansBeforeAreMapped)
+{
+  const std::string whole = folder.read("r.rawlog");
+  recording.rawlog = folder.write("cut.rawlog", whole.substr(0, whole.size() / 2));
+  outputs.maps = {folder.file("m.ply")};
+  const MapReport report = build();
+  EXPECT_LT(report.scans, 8U);
+  EXPECT_GT(report.points, 0U);
+  EXPECT_TRUE(contains(report.problem, "cut.rawlog"));
+  EXPECT_TRUE(contains(report.problem, "scans before it was written")) << report.problem;
+  EXPECT_EQ(report.points, readCloud(folder.file("m.ply")).points.size());
+}
+
+TEST_F(MapRun, ATrajectoryOfAnotherRecordingIsRefused)
+{
+  Trajectory later;
+  for (const auto& [stamp, pose] : drive)
+  {
+    later.push_back(stamp + 3600, pose);
+  }
+  writeTum(recording.trajectory, later);
+  outputs.maps = {folder.file("m.ply")};
+  const std::string said = messageOfError<UserError>([&] { (void)build(); });
+  EXPECT_TRUE(contains(said, "has no pose for any scan of")) << said;
+  EXPECT_FALSE(fs::exists(folder.file("m.ply")));
+}
+
+TEST_F(MapRun, FilesWithCoordinatesOfTheirOwnAreWarnedOf)
+{
+  Trajectory far;
+  for (const auto& [stamp, pose] : drive)
+  {
+    far.push_back(stamp, Eigen::Translation3d(20500, 0, 0) * pose);
+  }
+  writeTum(recording.trajectory, far);
+  outputs.maps = {folder.file("m.ply"), folder.file("m.pcd")};
+  (void)build();
+  ASSERT_EQ(1U, listener.warnings.size());
+  EXPECT_EQ(folder.file("m.pcd") +
+                ": coordinates so far from zero would be rounded: the map is relative to 20000 0 0",
+            listener.warnings[0]);
+}
+
+TEST_F(MapRun, RunsWithoutAPlaceInCommonAreNotMerged)
+{
+  for (const char* name : {"a", "b"})
+  {
+    test::writeRunFolder(folder.file(name), recording.rawlog, drive, 4);
+  }
+  outputs.maps = {folder.file("m.ply")};
+  const auto runs = readRunFolders({folder.file("a"), folder.file("b")}, 0.01);
+  RunMergerConfig merger;
+  merger.loops.appearance_support = 10;  // more than two keyframes can give
+  const std::string said =
+      messageOfError<UserError>([&] { (void)mergeMaps(runs, merger, options, outputs, listener); });
+  EXPECT_TRUE(contains(said, folder.file("b") + ": no place in common with " + folder.file("a")))
+      << said;
+  EXPECT_TRUE(contains(said, "nothing was written"));
+  EXPECT_FALSE(fs::exists(folder.file("m.ply")));
+}
+}  // namespace
+}  // namespace dyslam

@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/Error.h>
+#include <dyslam/mapbuilder/RunFolder.h>
+#include <gtest/gtest.h>
+
+#include "TestFolder.h"
+#include "TestRun.h"
+
+namespace dyslam
+{
+namespace
+{
+namespace fs = std::filesystem;
+
+class RunFolderTest : public testing::Test
+{
+ protected:
+  void SetUp() override
+  {
+    folder.write("r.rawlog", "not read here");
+    for (const char* name : {"monday", "tuesday", "week2/monday"})
+    {
+      test::writeRunFolder(folder.file(name), folder.file("r.rawlog"), test::straightDrive(9, 1),
+                           4);
+    }
+  }
+  [[nodiscard]] std::vector<RunFolder> read(const std::vector<std::string>& names) const
+  {
+    std::vector<std::string> paths;
+    for (const std::string& name : names)
+    {
+      paths.push_back(folder.file(name));
+    }
+    return readRunFolders(paths, 0.02);
+  }
+  /** What is said of monday and another folder. */
+  [[nodiscard]] std::string said(const std::string& other) const
+  {
+    return messageOfError<UserError>([&] { (void)read({"monday", other}); });
+  }
+
+  TestFolder folder;
+};
+
+TEST_F(RunFolderTest, HasTheResultsOfTheRun)
+{
+  const auto runs = read({"monday", "tuesday"});
+  ASSERT_EQ(2U, runs.size());
+  const RunFolder& run = runs.front();
+  EXPECT_EQ(folder.file("monday"), run.folder);
+  EXPECT_EQ("monday", run.name);
+  EXPECT_EQ(folder.file("r.rawlog"), run.rawlog);
+  EXPECT_EQ(9U, run.trajectory.size());
+  ASSERT_EQ(3U, run.keyframe_stamps.size());
+  EXPECT_NEAR(test::start_time + 4 * test::period, run.keyframe_stamps[1], 1e-6);
+  EXPECT_TRUE(run.graph.pose(Key::ego(2)).isApprox(run.trajectory[8].pose, 1e-9));
+  EXPECT_EQ(DeskewMode::none, run.scans.preprocess.deskew);
+  EXPECT_EQ(0.02, run.scans.tolerance);
+  EXPECT_EQ("", run.scans.labels);
+  EXPECT_EQ("", run.scans.tracks);
+}
+
+TEST_F(RunFolderTest, LabelsComeBeforeTracks)
+{
+  folder.write("monday/tracks.txt", "");
+  folder.write("tuesday/tracks.txt", "");
+  fs::create_directories(folder.file("tuesday/labels"));
+  const auto runs = read({"monday", "tuesday"});
+  EXPECT_EQ(folder.file("monday/tracks.txt"), runs[0].scans.tracks);
+  EXPECT_EQ(folder.file("tuesday/labels"), runs[1].scans.labels);
+  EXPECT_EQ("", runs[1].scans.tracks);
+}
+
+TEST_F(RunFolderTest, NamesDiffer)
+{
+  const auto runs = read({"monday", "tuesday", "week2/monday"});
+  EXPECT_EQ(fs::path(folder.path()).filename().string() + "_monday", runs[0].name);
+  EXPECT_EQ("tuesday", runs[1].name);
+  EXPECT_EQ("week2_monday", runs[2].name);
+}
+
+TEST_F(RunFolderTest, AMovedRecordingIsGivenWithTheFolder)
+{
+  folder.write("moved.rawlog", "");
+  const auto runs = read({"monday", "tuesday=" + folder.file("moved.rawlog")});
+  EXPECT_EQ(folder.file("moved.rawlog"), runs[1].rawlog);
+  EXPECT_EQ(folder.file("tuesday"), runs[1].folder);
+  fs::remove(folder.file("r.rawlog"));
+  EXPECT_TRUE(contains(said("tuesday"), "r.rawlog: the recording of"));
+}
+
+TEST_F(RunFolderTest, WhatIsNoRunIsNamed)
+{
+  EXPECT_TRUE(contains(messageOfError<UserError>([&] { (void)read({"monday"}); }), "two runs"));
+  EXPECT_TRUE(contains(said("none"), "none: is not a folder"));
+  EXPECT_TRUE(contains(said("monday"), "is given twice"));
+  for (const char* file :
+       {"report.json", "trajectory_tum.txt", "factor_graph.txt", "motions.csv", "effective.ini"})
+  {
+    const std::string name = folder.file(std::string("tuesday/") + file);
+    fs::rename(name, name + ".gone");
+    EXPECT_TRUE(contains(said("tuesday"), std::string("has no ") + file)) << said("tuesday");
+    fs::rename(name + ".gone", name);
+  }
+  folder.write("tuesday/report.json", "{\"input\": 7}");
+  EXPECT_TRUE(contains(said("tuesday"), "does not name the recording"));
+}
+
+TEST_F(RunFolderTest, KeyframesOfAnotherRunAreNoticed)
+{
+  fs::copy_file(folder.file("monday/motions.csv"), folder.file("other.csv"));
+  test::writeRunFolder(folder.file("tuesday"), folder.file("r.rawlog"), test::straightDrive(9, 1),
+                       2);
+  fs::copy_file(folder.file("other.csv"), folder.file("tuesday/motions.csv"),
+                fs::copy_options::overwrite_existing);
+  EXPECT_TRUE(contains(said("tuesday"), "has 3 keyframes, but factor_graph.txt has 5"));
+}
+}  // namespace
+}  // namespace dyslam

@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/Error.h>
+#include <dyslam/mapbuilder/RunScans.h>
+#include <gtest/gtest.h>
+
+#include "TestFolder.h"
+#include "TestRecording.h"
+
+namespace dyslam
+{
+namespace
+{
+/** A box of 4 x 2 x 1.5 m on the ground, in the frame of the lidar of frameFrom(). */
+LabelledBox boxAt(int frame, int id, double x)
+{
+  LabelledBox box;
+  box.frame = frame;
+  box.id = id;
+  box.object_class = ObjectClass::car;
+  box.type = "Car";
+  box.box.center = {x, 0, 0.75 - 1.7};
+  box.box.size = {4, 2, 1.5};
+  return box;
+}
+
+class RunScansTest : public testing::Test
+{
+ protected:
+  [[nodiscard]] RunScans scans(const Trajectory& trajectory) { return {trajectory, options, pool}; }
+
+  TestFolder folder;
+  ThreadPool pool{1};
+  RunScansOptions options = test::asRecorded();
+};
+
+TEST_F(RunScansTest, ScansHaveThePoseOfTheirTime)
+{
+  const RunScans run = scans(test::straightDrive(5, 1));
+  Frame frame = test::frameFrom(Pose::Identity(), 3);
+  EXPECT_EQ(3U, run.poseOf(frame));
+  frame.scan.stamp += 0.009;
+  EXPECT_EQ(3U, run.poseOf(frame));
+  frame.scan.stamp += 0.002;
+  EXPECT_FALSE(run.poseOf(frame)) << "beyond the tolerance";
+  EXPECT_THROW((void)scans(Trajectory()), UserError);
+}
+
+TEST_F(RunScansTest, CloudsAreInTheVehicleFrame)
+{
+  const RunScans run = scans(test::straightDrive(3, 1));
+  Frame frame = test::frameFrom(poseFromYpr(1, 0, 0, 0, 0, 0), 1);
+  run.fillCloud(frame, 1);
+  ASSERT_FALSE(frame.cloud.points.empty());
+  const std::size_t source = frame.cloud.source.front();
+  EXPECT_TRUE(frame.cloud.points.front().isApprox(
+      frame.scan.points[source] + Eigen::Vector3f(0, 0, 1.7F), 1e-5F));
+}
+
+TEST_F(RunScansTest, WhatMovesIsByTheLabels)
+{
+  Frame frame = test::frameFrom(Pose::Identity(), 0, {{5, 1, 1}});
+  std::vector<Label> labels(frame.scan.size(), label_static);
+  labels.back() = label_moving;
+  folder.write("run/labels/none.txt", "");
+  options.labels = folder.file("run");
+  EXPECT_THROW((void)scans(test::straightDrive(2, 1)), UserError) << "no .label file";
+  writeLabels(folder.file("run/labels/000000.label"), labels);
+  const RunScans run = scans(test::straightDrive(2, 1));
+  EXPECT_TRUE(run.hasLabels());
+  run.fillCloud(frame, 0);
+  run.fillMoving(frame);
+  ASSERT_EQ(frame.cloud.size(), frame.moving.size());
+  for (std::size_t i = 0; i < frame.cloud.size(); ++i)
+  {
+    EXPECT_EQ(frame.cloud.source[i] + 1 == frame.scan.size(), frame.moving[i]);
+  }
+  Frame later = test::frameFrom(Pose::Identity(), 1);
+  run.fillCloud(later, 1);
+  const std::string said = messageOfError<UserError>([&] { run.fillMoving(later); });
+  EXPECT_TRUE(contains(said, "000001.label")) << said;
+}
+
+TEST_F(RunScansTest, ObjectsMoveInAllScansIfTheyMoveAtAll)
+{
+  options.tracks = folder.file("tracks.txt");
+  // The vehicle drives on by 1 m a scan: object 1 stays, object 2 keeps its distance.
+  writeTracks(options.tracks, {boxAt(0, 1, 10), boxAt(1, 1, 9), boxAt(2, 1, 8), boxAt(0, 2, 10),
+                               boxAt(1, 2, 10), boxAt(2, 2, 10)});
+  const Trajectory drive = test::straightDrive(3, 1);
+  RunScans run = scans(drive);
+  EXPECT_TRUE(run.hasTracks());
+  EXPECT_EQ(3U, run.trackedScans());
+  EXPECT_TRUE(run.movingObjects().empty());
+  for (std::size_t i = 0; i < 3; ++i)
+  {
+    run.noteObjects(test::frameFrom(drive[i].pose, i));
+  }
+  const auto moving = run.movingObjects();
+  ASSERT_EQ(1U, moving.size());
+  const ObjectPath& path = moving.at(2);
+  ASSERT_EQ(3U, path.path.size());
+  EXPECT_TRUE(path.path[2].isApprox(Eigen::Vector3d(12, 0, 0.75), 1e-6)) << path.path[2];
+  EXPECT_TRUE(path.last.box.center.isApprox(path.path[2], 1e-9));
+
+  Frame frame = test::frameFrom(drive[0].pose, 0);
+  frame.T_odom_vehicle = drive[0].pose;
+  run.fillMoving(frame);
+  ASSERT_EQ(2U, frame.objects.size());
+  for (const TrackedObject& object : frame.objects)
+  {
+    EXPECT_EQ(object.id == 2, object.dynamic);
+    EXPECT_TRUE(object.box.center.isApprox(Eigen::Vector3d(10, 0, 0.75), 1e-6));
+  }
+}
+
+TEST_F(RunScansTest, ScansWithoutAPoseHaveNoObjects)
+{
+  options.tracks = folder.file("tracks.txt");
+  writeTracks(options.tracks, {boxAt(0, 1, 10), boxAt(7, 1, 30)});
+  RunScans run = scans(test::straightDrive(3, 1));
+  EXPECT_EQ(8U, run.trackedScans());
+  run.noteObjects(test::frameFrom(Pose::Identity(), 0));
+  run.noteObjects(test::frameFrom(Pose::Identity(), 7));  // after the trajectory
+  EXPECT_TRUE(run.movingObjects().empty());
+}
+}  // namespace
+}  // namespace dyslam
