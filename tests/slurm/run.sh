@@ -70,4 +70,4 @@ different=$(diff -rq -x report.json -x report.html -x log.txt -x manifest.json "
 [[ $(ls "$work/slurm" | grep -cE '^(campus|long)') == "$total" ]] || { echo "results are missing" >&2; exit 1; }
 [[ -z $(find "${TMPDIR:-/tmp}" -maxdepth 1 -name 'dyslam.*' -newer "$work/local.txt") ]] || echo "note: scratch folders are left"
 tail -1 "$work/slurm/slurm/gather.log"
-echo "same bytes in $(find "$work/slurm" -type f -not -path '*/slurm/slurm/*' | wc -l) files; $SECONDS s in all"
+echo "same bytes in $(find "$work/slurm" -type f -not -path "$work/slurm/slurm/*" | wc -l) files; $SECONDS s in all"
