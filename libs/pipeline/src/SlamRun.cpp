@@ -214,8 +214,12 @@ RunResults SlamRun::Impl::results(const std::vector<std::string>& source_warning
 std::vector<SmoothedObject> SlamRun::Impl::smoothedObjects(const Trajectory& trajectory) const
 {
   const std::vector<SmoothedObject> of_graph = pipeline.backend().smoothedObjects();
-  const std::vector<SmoothedObject> of_tracks =
+  std::vector<SmoothedObject> of_tracks =
       smoothReported(history, trajectory, track_smoothing, complete_boxes);
+  if (of_graph.empty())
+  {
+    return of_tracks;
+  }
   std::vector<SmoothedObject> objects;
   std::set_union(of_graph.begin(), of_graph.end(), of_tracks.begin(), of_tracks.end(),
                  std::back_inserter(objects),
