@@ -16,7 +16,7 @@ constexpr double max_distance = 2;  // of an observation from its label [m]
 
 using Track = std::map<int, Eigen::Vector2d>;  // positions in the plane by scan
 
-bool isVehicle(ObjectClass object_class)
+bool isEvaluated(ObjectClass object_class)
 {
   return object_class == ObjectClass::car || object_class == ObjectClass::van ||
          object_class == ObjectClass::truck;
@@ -29,7 +29,7 @@ std::map<int, Track> labelledTracks(const KittiDrive& drive)
   for (const LabelledBox& label : drive.labels)
   {
     const auto scan = static_cast<std::size_t>(label.frame);
-    if (label.frame < 1 || scan >= drive.truth.size() || !isVehicle(label.object_class))
+    if (label.frame < 1 || scan >= drive.truth.size() || !isEvaluated(label.object_class))
     {
       continue;
     }

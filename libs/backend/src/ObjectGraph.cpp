@@ -20,12 +20,6 @@ constexpr std::size_t stray_confirmations = 3;
 /** Undecided objects that were not observed for so long are dropped [s]. */
 constexpr double forget_after = 5;
 
-bool isVehicle(ObjectClass object_class)
-{
-  return object_class == ObjectClass::car || object_class == ObjectClass::van ||
-         object_class == ObjectClass::truck || object_class == ObjectClass::bus;
-}
-
 Pose poseOf(const Box& box)
 {
   return poseFromYpr(box.center.x(), box.center.y(), box.center.z(), box.yaw, 0, 0);

@@ -66,4 +66,10 @@ ObjectClass objectClassFromString(const std::string& name)
   }
   return ObjectClass::unknown;
 }
+
+bool isVehicle(ObjectClass object_class)
+{
+  return object_class == ObjectClass::car || object_class == ObjectClass::van ||
+         object_class == ObjectClass::truck || object_class == ObjectClass::bus;
+}
 }  // namespace dyslam

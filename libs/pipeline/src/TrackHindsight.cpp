@@ -67,13 +67,6 @@ Eigen::Vector3d sizeOf(const Track& track)
   return size;
 }
 
-/** The others are small enough to be seen whole. */
-bool isVehicle(ObjectClass object_class)
-{
-  return object_class == ObjectClass::car || object_class == ObjectClass::van ||
-         object_class == ObjectClass::truck || object_class == ObjectClass::bus;
-}
-
 /** The class of most sightings. */
 ObjectClass classOf(const Track& track)
 {
@@ -88,8 +81,9 @@ ObjectClass classOf(const Track& track)
   return most->first;
 }
 
-/** Gives the boxes their size as if the hidden sides had been seen, so that a body which comes into
- * view by and by does not seem slower or faster than it is. */
+/** Gives the boxes of a vehicle, others being small enough to be seen whole, their size as if the
+ * hidden sides had been seen, so that a body which comes into view by and by does not seem slower
+ * or faster than it is. */
 void complete(Track& track)
 {
   const Eigen::Vector3d size = sizeOf(track);

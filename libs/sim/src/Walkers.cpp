@@ -13,7 +13,7 @@ namespace
 constexpr double kPi = 3.14159265358979;
 constexpr double kFar = 1e9;
 
-bool isVehicle(ObjectClass c)
+bool isMotorised(ObjectClass c)
 {
   return c != ObjectClass::pedestrian && c != ObjectClass::cyclist;
 }
@@ -206,7 +206,7 @@ class Walkers : public Crowd::Group
     for (std::size_t i = 0; i < actors.size(); ++i)
     {
       const BodyModel& m = crowd_.model(static_cast<int>(i));
-      if (!actors[i].frozen && isVehicle(m.object_class) &&
+      if (!actors[i].frozen && isMotorised(m.object_class) &&
           comes(actors[i].state.position.head<2>(), actors[i].state.yaw, actors[i].state.speed,
                 0.5 * m.size.x()))
       {

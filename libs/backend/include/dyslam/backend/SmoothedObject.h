@@ -21,7 +21,7 @@ struct SmoothedObject
   bool moving = false;                                 //!< a dynamic object of the graph
   std::optional<Eigen::Vector3d> size;  //!< of its box [m], if it is known better than at the scan
   std::optional<ObjectClass> object_class;  //!< likewise
-  /** Of x, y, z [m^2], yaw [rad^2], map frame, given the ego poses. */
+  /** Of x, y, z [m^2], yaw [rad^2], map frame, given the ego poses; zero if not from the graph. */
   Eigen::Matrix4d covariance = Eigen::Matrix4d::Zero();
   Eigen::Matrix3d velocity_covariance = Eigen::Matrix3d::Zero();  //!< map frame [m^2/s^2]
 };

@@ -24,6 +24,8 @@ enum class ObjectClass
 [[nodiscard]] std::string toString(ObjectClass object_class);
 /** Class of a name, in any case; unknown for names that are not ours. */
 [[nodiscard]] ObjectClass objectClassFromString(const std::string& name);
+/** Car, van, truck or bus. */
+[[nodiscard]] bool isVehicle(ObjectClass object_class);
 
 /** An upright box; whoever holds it documents its frame. */
 struct Box
