@@ -92,15 +92,16 @@ same_results() { # FOLDER OTHER: every file, but for times of the clock
   check diff <(grep -E '"(frames|keyframes|loops|tracks|map_points|path_length_m)"' "$1/report.json") \
     <(grep -E '"(frames|keyframes|loops|tracks|map_points|path_length_m)"' "$2/report.json")
 }
-killed_and_resumed() { # at random moments within scans, three times in one run
-  local flags=(--only-first-n 25 --labels --static-scans --set labels.window=6 --set backend.mode=full)
+killed_and_resumed() { # at random moments within scans, three times in one run; RECORDING, SCANS: of another
+  local count=${SCANS:-25} input=${RECORDING:-$recording}
+  local flags=(--only-first-n "$count" --labels --static-scans --set labels.window=6 --set backend.mode=full)
   local often=(--set output.checkpoint_seconds=0.02) run code scans tries=0
   check slam m/run "${flags[@]}" # pictures have the name of the last folder
   for ((round = 0; round < ${ROUNDS:-3}; ++round)); do
     rm -rf n && mkdir n
-    timeout 120 "$bin/dyslam" -v ERROR -i "$recording" -c vlp16.ini -o n/run "${flags[@]}" "${often[@]}" 2>n.err &
-    for kill in 1 2 3; do # within scans 5-9, 10-14 and 15-19
-      scans=$((5 * kill + RANDOM % 5))
+    timeout 120 "$bin/dyslam" -v ERROR -i "$input" -c vlp16.ini -o n/run "${flags[@]}" "${often[@]}" 2>n.err &
+    for kill in 1 2 3; do # in the second, third and last quarter
+      scans=$((count * kill / 4 + RANDOM % (count / 4)))
       until [[ -e n/run/resume.state && $(cat n/run/odometry_tum.txt.tmp 2>/dev/null | wc -l) -ge $scans ]] ||
         ! kill -0 $! 2>/dev/null; do sleep 0.00$((RANDOM % 10)); done
       run=$(pgrep -P $!) && kill -KILL "$run"

@@ -57,14 +57,15 @@ struct NetworkSegmenter::Impl
   {
     std::size_t index = 0;
     std::shared_ptr<const DysegModel::Encoded> encoded;
-    PlanarMotion from_current;  //!< static motion from the scan at hand to this one, in steps
+    PlanarMotion from_current;  //!< static motion from the scan at hand to this one
+    Pose T_odom_vehicle = Pose::Identity();
     std::vector<Eigen::Vector3f> points;  //!< that were encoded
   };
 
   NetworkSegmenterOptions options;
   DysegModel model;
-  std::deque<Past> past;   //!< newest first
-  RigidFlowFit last_step;  //!< to the scan before
+  std::deque<Past> past;                  //!< newest first
+  std::optional<RigidFlowFit> last_step;  //!< to the scan before, if it was estimated
   std::optional<SceneFlow> flow;
   std::vector<PastVisibility> seen;  //!< of the scan at hand, in the first one compared with
 
@@ -79,9 +80,12 @@ struct NetworkSegmenter::Impl
   {
     return past.size() >= static_cast<std::size_t>(options.first_gap);
   }
-  [[nodiscard]] RigidFlowFit matchLast(const DysegModel::Encoded& current,
-                                       const Frame& frame,
-                                       const Eigen::Vector3d& sensor) const;
+  /** Past::from_current of all of them, by the odometry. */
+  void followOdometry(const Frame& frame, const Eigen::Vector3d& sensor);
+  /** The same by the static motion to the scan before, which is estimated. */
+  void followScans(const DysegModel::Encoded& current,
+                   const Frame& frame,
+                   const Eigen::Vector3d& sensor);
   /** Segments by comparison with the scan `back` scans ago, if there is one; keeps the flow of the
    * first. */
   [[nodiscard]] std::vector<float> judge(const DysegModel::Encoded& current,
@@ -124,7 +128,7 @@ void NetworkSegmenter::exchangeState(StateArchive& archive)
   for (std::size_t i = 0; i < count; ++i)
   {
     Impl::Past past = archive.isLoading() ? Impl::Past() : s.past[i];
-    archive(past.index, past.from_current, past.points);
+    archive(past.index, past.from_current, past.T_odom_vehicle, past.points);
     if (archive.isLoading())
     {
       past.encoded = s.model.encode(past.points);
@@ -175,20 +179,31 @@ void combine(bool highest, const std::vector<float>& other, std::vector<float>& 
 }
 }  // namespace
 
-RigidFlowFit NetworkSegmenter::Impl::matchLast(const DysegModel::Encoded& current,
-                                               const Frame& frame,
-                                               const Eigen::Vector3d& sensor) const
+void NetworkSegmenter::Impl::followOdometry(const Frame& frame, const Eigen::Vector3d& sensor)
 {
-  const auto& before = *past.front().encoded;
-  if (!searchesAroundPrior(frame))
+  const Pose to_vehicle = Pose(Eigen::Translation3d(sensor));
+  for (Past& p : past)
   {
-    return model.match(current, before);
+    p.from_current = PlanarMotion::fromPose(to_vehicle.inverse() * p.T_odom_vehicle.inverse() *
+                                            frame.T_odom_vehicle * to_vehicle);
   }
+  last_step.reset();
+}
+
+void NetworkSegmenter::Impl::followScans(const DysegModel::Encoded& current,
+                                         const Frame& frame,
+                                         const Eigen::Vector3d& sensor)
+{
   const Pose to_vehicle = Pose(Eigen::Translation3d(sensor));
   const PlanarPrior guess{
       PlanarMotion::fromPose(to_vehicle.inverse() * frame.prior.T_previous_current * to_vehicle),
       prior_search_radius};
-  return model.match(current, before, &guess);
+  last_step =
+      model.match(current, *past.front().encoded, searchesAroundPrior(frame) ? &guess : nullptr);
+  for (Past& p : past)
+  {
+    p.from_current = PlanarMotion::fromPose(p.from_current.pose() * last_step->motion.pose());
+  }
 }
 
 std::vector<float> NetworkSegmenter::Impl::judge(const DysegModel::Encoded& current,
@@ -200,7 +215,8 @@ std::vector<float> NetworkSegmenter::Impl::judge(const DysegModel::Encoded& curr
   const PlanarPrior guess{earlier.from_current, searchesAroundPrior(frame)
                                                     ? prior_search_radius
                                                     : PlanarPrior().max_error};
-  const RigidFlowFit step = back == 1 ? last_step : model.match(current, *earlier.encoded, &guess);
+  const RigidFlowFit step =
+      back == 1 && last_step ? *last_step : model.match(current, *earlier.encoded, &guess);
   auto result = model.segment(current, *earlier.encoded, step, options.iterations);
   if (!flow)
   {
@@ -239,15 +255,20 @@ void NetworkSegmenter::segment(Frame& frame)
   }
   if (!s.past.empty())
   {
-    s.last_step = s.matchLast(*encoded, frame, sensor);
-    MotionEstimate motion = motionOf(s.last_step, sensor);
-    if (motion.converged)
+    // Known only now: the odometry has estimated the pose of the scan before since.
+    s.past.front().T_odom_vehicle = frame.T_odom_vehicle * frame.prior.T_previous_current.inverse();
+    if (s.historyComplete() && s.searchesAroundPrior(frame))
     {
-      frame.segmenter_motion = std::move(motion);
+      s.followOdometry(frame, sensor);
     }
-    for (auto& p : s.past)
+    else
     {
-      p.from_current = PlanarMotion::fromPose(p.from_current.pose() * s.last_step.motion.pose());
+      s.followScans(*encoded, frame, sensor);
+      MotionEstimate motion = motionOf(*s.last_step, sensor);
+      if (motion.converged)
+      {
+        frame.segmenter_motion = std::move(motion);
+      }
     }
     const auto reach = [&](int gap)
     { return std::min(s.past.size(), static_cast<std::size_t>(gap)); };
@@ -265,7 +286,8 @@ void NetworkSegmenter::segment(Frame& frame)
     groups.min_points = s.options.min_points;
     keepMovingGroups(points, s.seen, groups, frame.moving_probability);
   }
-  s.past.push_front({frame.index, encoded, PlanarMotion(), std::move(points)});
+  s.past.push_front(
+      {frame.index, encoded, PlanarMotion(), frame.T_odom_vehicle, std::move(points)});
   if (s.past.size() > static_cast<std::size_t>(std::max(s.options.first_gap, s.options.second_gap)))
   {
     s.past.pop_back();

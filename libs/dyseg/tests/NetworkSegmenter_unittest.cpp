@@ -97,40 +97,60 @@ TEST(NetworkSegmenter, AppearanceCountsUntilTheFirstGapIsReached)
   }
 }
 
-/** Static scans with a prior of 2 m: the prior is the start of the search, not its result.
- */
+/** Static scans with a prior and poses of 1 m per scan: they are the start of the search, not its
+ * result. */
 TEST(NetworkSegmenter, TheSearchIsAroundThePriorOnceTheFirstGapIsReached)
 {
+  struct Motions
+  {
+    std::vector<double> step;     //!< to the scan before, as far as it was estimated
+    std::vector<double> to_past;  //!< to the scan that was compared with
+  };
   const auto motions = [](const std::string& search)
   {
     NetworkSegmenterOptions options;
     options.search = search;
     options.first_gap = 2;
     NetworkSegmenter segmenter(options);
-    std::vector<double> x;
-    for (std::size_t i = 0; i < 3; ++i)
+    Motions m;
+    for (std::size_t i = 0; i < 4; ++i)
     {
       auto frame = frameOf(street(static_cast<unsigned>(i)), i);
-      frame.prior.T_previous_current = poseFromYpr(2, 0, 0, 0, 0, 0);
+      frame.prior.T_previous_current = poseFromYpr(1, 0, 0, 0, 0, 0);
       frame.prior.reliable = true;
+      frame.T_odom_vehicle = poseFromYpr(static_cast<double>(i), 0, 0, 0, 0, 0);
       segmenter.segment(frame);
       if (i > 0)
       {
-        x.push_back(frame.segmenter_motion.value().T_previous_current.translation().x());
+        m.to_past.push_back(
+            segmenter.sceneFlow()->static_motion.T_previous_current.translation().x());
+      }
+      if (frame.segmenter_motion)
+      {
+        m.step.push_back(frame.segmenter_motion->T_previous_current.translation().x());
       }
     }
-    return x;
+    return m;
   };
-  const auto global = motions("global");
-  const auto automatic = motions("auto");
-  const auto around_prior = motions("prior");
-  EXPECT_EQ(automatic[0], global[0]);
-  EXPECT_NE(automatic[1], global[1]);
-  EXPECT_NE(around_prior[0], global[0]);
-  for (const auto& x : {global, automatic, around_prior})
+  const Motions global = motions("global");
+  const Motions automatic = motions("auto");
+  const Motions around_prior = motions("prior");
+  EXPECT_EQ(global.step.size(), 3U);
+  EXPECT_EQ(automatic.step.size(), 1U) << "the odometry gives it afterwards";
+  EXPECT_EQ(automatic.step[0], global.step[0]);
+  EXPECT_EQ(automatic.to_past[0], global.to_past[0]);
+  EXPECT_NE(automatic.to_past[1], global.to_past[1]);
+  EXPECT_NE(around_prior.step[0], global.step[0]);
+  for (const Motions& m : {global, automatic, around_prior})
   {
-    EXPECT_NEAR(x[0], 0, 0.1);
-    EXPECT_NEAR(x[1], 0, 0.1);
+    for (const double x : m.step)
+    {
+      EXPECT_NEAR(x, 0, 0.1);
+    }
+    for (const double x : m.to_past)
+    {
+      EXPECT_NEAR(x, 0, 0.1);
+    }
   }
 }
 

@@ -201,8 +201,7 @@ DysegMatch DysegNetImpl::match(const BevScan& scan,
   double margin = 1;
   out.initial = guess != nullptr ? guess->motion : matcher.search(out.coarse_correlation, margin);
   constexpr double search_error = 0.6;  // largest expected error of the search [m]
-  out.fit = matcher.refine(out.initial, guess != nullptr ? guess->max_error : search_error,
-                           out.correlation);
+  out.fit = matcher.refine(out.initial, guess != nullptr ? guess->max_error : search_error);
   out.fit.margin = margin;
   return out;
 }

@@ -13,6 +13,7 @@ using torch::Tensor;
 namespace
 {
 constexpr float voting_half_extent = 51.2F;  // of the cells that vote [m]
+constexpr float min_static_weight = 0.01F;   // below, a cell does not take part in the refinement
 constexpr double fine_width = 0.15;          // final width of the robust loss [m]
 // Yaw grids of the motion search: step [rad] and number of steps to each side.
 constexpr double coarse_yaw_step = 0.035;
@@ -103,43 +104,67 @@ PlanarMotion StaticMotionMatcher::search(const Tensor& coarse_correlation, doubl
       .motion;
 }
 
-RigidFlowFit StaticMotionMatcher::fitPeaks(const Tensor& correlation,
+StaticMotionMatcher::Voters StaticMotionMatcher::voters() const
+{
+  torch::NoGradGuard no_gradient;
+  const auto weights = static_weight_.cpu().contiguous();
+  const float* w = weights.data_ptr<float>();
+  Voters v;
+  std::vector<std::int64_t> rows;
+  for (std::size_t i = 0; i < cells_.quarter_centre.size(); ++i)
+  {
+    if (w[i] > min_static_weight)
+    {
+      rows.push_back(static_cast<std::int64_t>(i));
+      v.centre.push_back(cells_.quarter_centre[i]);
+      v.weight.push_back(w[i]);
+    }
+  }
+  const auto index = torch::tensor(rows, torch::kLong).to(current_.middle.device());
+  v.features = current_.middle.index_select(0, index);
+  v.position = cells_.quarter_position.index_select(0, index);
+  return v;
+}
+
+RigidFlowFit StaticMotionMatcher::fitPeaks(const Voters& voters,
                                            const PlanarMotion& centre,
                                            double start_width) const
 {
   torch::NoGradGuard no_gradient;
-  const auto& positions = cells_.quarter_centre;
+  const auto base = rigidFlow(centre, voters.centre);
+  const auto correlation =
+      correlate(voters.features, past_,
+                voters.position + base.to(current_.middle.device()) / cell_size_, radius_);
   const auto peak = peakOffset(correlation, radius_).cpu().contiguous();
-  const auto base = rigidFlow(centre, positions);
-  const auto weights = static_weight_.cpu().contiguous();
   const float* p = peak.data_ptr<float>();
-  const float* w = weights.data_ptr<float>();
   const float* b = base.data_ptr<float>();
-  std::vector<Eigen::Vector2f> flow(positions.size());
-  std::vector<float> weight(positions.size());
-  for (std::size_t i = 0; i < positions.size(); ++i)
+  std::vector<Eigen::Vector2f> flow(voters.centre.size());
+  std::vector<float> weight(voters.centre.size());
+  for (std::size_t i = 0; i < flow.size(); ++i)
   {
     flow[i] = cell_size_ * Eigen::Vector2f(p[3 * i], p[3 * i + 1]) +
               Eigen::Vector2f(b[2 * i], b[2 * i + 1]);
-    weight[i] = p[3 * i + 2] * p[3 * i + 2] * w[i];
+    weight[i] = p[3 * i + 2] * p[3 * i + 2] * voters.weight[i];
   }
-  return fitRigidFlow(positions, flow, weight, fine_width, start_width, &centre);
+  return fitRigidFlow(voters.centre, flow, weight, fine_width, start_width, &centre);
 }
 
 /** Peaks between cells are biased towards the window's centre: the fit is repeated with the windows
  * centred at the estimate. The error shrinks by a constant factor, which Aitken's delta-squared
  * method extrapolates. */
-RigidFlowFit StaticMotionMatcher::refine(const PlanarMotion& initial,
-                                         double start_width,
-                                         Tensor& correlation) const
+RigidFlowFit StaticMotionMatcher::refine(const PlanarMotion& initial, double start_width) const
 {
+  const Voters cells = voters();
   RigidFlowFit fit;
+  if (cells.centre.empty())
+  {
+    return fit;
+  }
   PlanarMotion centre = initial;
   Eigen::Vector3d last_step = Eigen::Vector3d::Zero();
   for (int iteration = 0; iteration < max_refinements; ++iteration)
   {
-    correlation = correlationAround(centre);
-    fit = fitPeaks(correlation, centre, start_width);
+    fit = fitPeaks(cells, centre, start_width);
     if (!fit.converged)
     {
       break;

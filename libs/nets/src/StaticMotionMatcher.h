@@ -33,14 +33,20 @@ class StaticMotionMatcher
   [[nodiscard]] PlanarMotion search(const torch::Tensor& coarse_correlation, double& margin) const;
 
   /** Refines a motion at 1/4 by repeated robust fits to the correlation's peaks.
-   * \param start_width initial width of the robust loss [m]
-   * \param[out] correlation of the last iteration */
-  [[nodiscard]] RigidFlowFit refine(const PlanarMotion& initial,
-                                    double start_width,
-                                    torch::Tensor& correlation) const;
+   * \param start_width initial width of the robust loss [m] */
+  [[nodiscard]] RigidFlowFit refine(const PlanarMotion& initial, double start_width) const;
 
  private:
-  [[nodiscard]] RigidFlowFit fitPeaks(const torch::Tensor& correlation,
+  /** The cells at 1/4 that may be static, those within the radius that votes. */
+  struct Voters
+  {
+    std::vector<Eigen::Vector2f> centre;  //!< [m]
+    std::vector<float> weight;
+    torch::Tensor features;  //!< of the current scan, a row each
+    torch::Tensor position;  //!< in cells, a row each
+  };
+  [[nodiscard]] Voters voters() const;
+  [[nodiscard]] RigidFlowFit fitPeaks(const Voters& voters,
                                       const PlanarMotion& centre,
                                       double start_width) const;
 

@@ -60,8 +60,9 @@ TEST(DysegNet, EveryParameterHasAGradient)
   const auto past = dyslam::makeBevScan(before, smallGrid());
   const auto a = net->encode(current);
   const auto b = net->encode(past);
-  const auto match = net->match(current, a, b);
-  const auto cells = net->segmentCells(current, a, b, match.fit.motion, 2);
+  const dyslam::TeacherMotions teacher;
+  const auto match = net->match(current, a, b, &teacher);
+  const auto cells = net->segmentCells(current, a, b, teacher.fine, 2);
   std::vector<std::int32_t> indices(current.size());
   std::iota(indices.begin(), indices.end(), 0);
   const auto points = net->segmentPoints(current, a, b, past.rays, cells, indices);

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <future>
 
 #include "ScanSample.h"
 #include "ScanToMap.h"
@@ -111,6 +112,11 @@ struct LocalMapRegistration::State
   void fail(RegistrationResult& result);
   void succeed(const Pose& T_guess, const ScanToMapResult& found, RegistrationResult& result);
   void add(const std::vector<Eigen::Vector3f>& points, const Pose& T);
+  /** Starts adding the current frame to the map in a thread beside the caller, if the pool has more
+   * than one. */
+  void startAdding();
+  /** Waits for startAdding(): before anything else that uses the map or the current frame. */
+  void finishAdding();
 
   RefineOptions options;
   ThreadPool& pool;
@@ -137,6 +143,8 @@ struct LocalMapRegistration::State
   Matrix6 guess_information = Matrix6::Zero();  //!< of a guess that is not the prior
   ScanSample points;
   std::vector<Eigen::Matrix3f> covariances;  //!< of the sample's surroundings in its own scan
+
+  std::future<void> adding;  //!< last: its thread uses the others
 };
 
 /** The map's resolution for the sensor of this scan. */
@@ -364,6 +372,32 @@ void LocalMapRegistration::State::add(const std::vector<Eigen::Vector3f>& deskew
   }
 }
 
+void LocalMapRegistration::State::startAdding()
+{
+  const auto job = [this]
+  {
+    const Pose T_sweep = T_odom_previous.inverse() * T_odom_vehicle;
+    points.scan.deskewed(T_sweep, pool, points.deskewed);
+    add(points.deskewed, T_odom_vehicle);
+  };
+  if (pool.size() > 1)
+  {
+    adding = std::async(std::launch::async, job);
+  }
+  else
+  {
+    job();
+  }
+}
+
+void LocalMapRegistration::State::finishAdding()
+{
+  if (adding.valid())
+  {
+    adding.get();
+  }
+}
+
 LocalMapRegistration::LocalMapRegistration(const RefineOptions& options, ThreadPool& pool)
 {
   validate(options, "refine");
@@ -378,6 +412,7 @@ RegistrationResult LocalMapRegistration::registerFrame(const Frame& frame,
                                                        std::optional<double> initial_sigma)
 {
   State& s = *state_;
+  s.finishAdding();
   s.T_odom_previous = s.T_odom_vehicle;
   s.sensor = frame.scan.T_vehicle_lidar.translation();
   s.pending = Pending::nothing;
@@ -441,6 +476,7 @@ RegistrationResult LocalMapRegistration::tryFrame(const Frame& frame,
                                                   const MotionPrior* prior)
 {
   State& s = *state_;
+  s.finishAdding();
   const auto T_previous = s.T_odom_previous;
   const auto T_current = s.T_odom_vehicle;
   const auto failures = s.failures;
@@ -459,6 +495,7 @@ RegistrationResult LocalMapRegistration::tryFrame(const Frame& frame,
 void LocalMapRegistration::integrate(const Frame& frame)
 {
   State& s = *state_;
+  s.finishAdding();
   if (s.pending == Pending::nothing)
   {
     return;
@@ -477,15 +514,14 @@ void LocalMapRegistration::integrate(const Frame& frame)
   else
   {
     s.first.clear();
-    const Pose T_sweep = s.T_odom_previous.inverse() * s.T_odom_vehicle;
-    s.points.scan.deskewed(T_sweep, s.pool, s.points.deskewed);
-    s.add(s.points.deskewed, s.T_odom_vehicle);
+    s.startAdding();
   }
   s.pending = Pending::nothing;
 }
 
 int LocalMapRegistration::framesInMap() const
 {
+  state_->finishAdding();
   return state_->frames;
 }
 
@@ -496,6 +532,7 @@ const Pose& LocalMapRegistration::pose() const
 
 std::vector<Eigen::Vector3f> LocalMapRegistration::mapPoints() const
 {
+  state_->finishAdding();
   return state_->map.means();
 }
 
@@ -507,6 +544,7 @@ void LocalMapRegistration::reset()
 void LocalMapRegistration::exchangeState(StateArchive& archive)
 {
   State& s = *state_;
+  s.finishAdding();
   archive(s.map, s.cropped_at, s.spacing, s.cell_size, s.levels, s.frames, s.failures,
           s.guess_error2, s.usual_inliers, s.first, s.T_odom_first, s.T_odom_previous,
           s.T_odom_vehicle, s.pending);

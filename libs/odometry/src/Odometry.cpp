@@ -351,6 +351,7 @@ void Odometry::predict(Frame& frame)
   frame.dt = frame.sweep_duration;  // settleTime() corrects it
   frame.clock_offset = s.clock.offset();
   frame.prior = s.priorAfter(frame.dt);
+  frame.T_odom_vehicle = s.T_odom_previous * frame.prior.T_previous_current;
   s.started = true;
 }
 
@@ -376,6 +377,7 @@ void Odometry::settleTime(Frame& frame, const std::function<Cloud(const Pose&, d
   {
     frame.prior.T_previous_current = *T_found;
   }
+  frame.T_odom_vehicle = s.T_odom_previous * frame.prior.T_previous_current;
   // Beyond the extrapolation the prior covers a part of dt; the sweep is deskewed by its velocity.
   const double beyond = frame.dt / ScanClock::max_extrapolation;
   frame.cloud =

@@ -15,9 +15,12 @@
 #include <mrpt/system/CTimeLogger.h>
 
 #include <functional>
+#include <memory>
 #include <optional>
 #include <utility>
 #include <vector>
+
+#include "WriteBehind.h"
 
 namespace dyslam
 {
@@ -245,15 +248,16 @@ void Pipeline::finish()
   s.decideFirst();
   if (s.hindsight)
   {
-    std::optional<CTimeLoggerEntry> timed;
-    timed.emplace(s.times, "hindsight.finish");
+    const CTimeLoggerEntry timed(s.times, "hindsight.finish");
+    // No scan is estimated any more: a frame is inserted in the map while the next one is decided.
+    WriteBehind users;
     s.hindsight->finish(
         [&](Frame frame)
         {
-          timed.reset();
-          s.use(std::move(frame));
-          timed.emplace(s.times, "hindsight.finish");
+          users.add([&s, decided = std::make_shared<Frame>(std::move(frame))]
+                    { s.use(std::move(*decided)); });
         });
+    users.finish();
   }
   if (s.options.mapping)
   {

@@ -49,7 +49,7 @@ struct StartSearch
 
   [[nodiscard]] bool isWanted() const;
   [[nodiscard]] Config startingAt(std::optional<double> speed) const;
-  [[nodiscard]] double speedAfter(std::optional<double> start) const;
+  [[nodiscard]] double speedAfter(std::optional<double> start, int of_threads) const;
   [[nodiscard]] std::vector<double> speedsAfter(const std::vector<double>& starts) const;
   [[nodiscard]] double speedOfFrontEnd();
   [[nodiscard]] bool isPulledTo(double speed) const;
@@ -90,12 +90,12 @@ double forwardSpeed(const Frame& frame)
 }
 
 /** Speed at the last frame by the registration alone, started at a given speed [m/s]. */
-double StartSearch::speedAfter(std::optional<double> start) const
+double StartSearch::speedAfter(std::optional<double> start, int of_threads) const
 {
   NoTimes times;
   const Config changed = startingAt(start);
   ConfigLoader loader(changed);
-  ThreadPool pool(1);
+  ThreadPool pool(of_threads);
   Preprocessor preprocessor(loader.get<PreprocessOptions>("preprocess"), pool);
   Odometry odometry(loader, pool, times);
   double speed = 0;
@@ -154,7 +154,7 @@ std::vector<double> StartSearch::speedsAfter(const std::vector<double>& starts) 
                  {
                    for (std::size_t i = begin; i < end; ++i)
                    {
-                     speeds[i] = speedAfter(starts[i]);
+                     speeds[i] = speedAfter(starts[i], 1);
                    }
                  });
   return speeds;
@@ -257,7 +257,7 @@ std::optional<double> speedOfDrifts(const std::vector<SpeedDrift>& drifts,
 std::optional<double> findStartSpeed(const std::vector<Frame>& frames, const Config& config)
 {
   StartSearch search(frames, config);
-  if (!search.isWanted() || search.isPulledTo(search.speedAfter(std::nullopt)))
+  if (!search.isWanted() || search.isPulledTo(search.speedAfter(std::nullopt, search.threads)))
   {
     return std::nullopt;
   }
@@ -272,7 +272,7 @@ std::optional<double> findStartSpeed(const std::vector<Frame>& frames, const Con
     return std::nullopt;
   }
   // The grid of speeds is coarse; the odometry refines the result.
-  const double settled = search.speedAfter(*speed);
+  const double settled = search.speedAfter(*speed, search.threads);
   return std::fabs(settled - *speed) < search.options.max_drift ? settled : speed;
 }
 

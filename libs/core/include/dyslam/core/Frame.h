@@ -50,12 +50,12 @@ struct Frame
   std::vector<bool> moving;
 
   // Odometry::estimate
-  MotionEstimate odometry;               //!< of the scan matcher
-  bool odometry_accepted = false;        //!< used as the initial guess, or as the motion itself
-  std::string odometry_rejection;        //!< why it was not accepted; empty if it was
-  std::vector<float> static_confidence;  //!< of the matcher, per cloud point in [0, 1], or empty
-  MotionEstimate motion;                 //!< the motion that later stages use
-  Pose T_odom_vehicle = Pose::Identity();
+  MotionEstimate odometry;                 //!< of the scan matcher
+  bool odometry_accepted = false;          //!< used as the initial guess, or as the motion itself
+  std::string odometry_rejection;          //!< why it was not accepted; empty if it was
+  std::vector<float> static_confidence;    //!< of the matcher, per cloud point in [0, 1], or empty
+  MotionEstimate motion;                   //!< the motion that later stages use
+  Pose T_odom_vehicle = Pose::Identity();  //!< from Odometry::predict on: predicted
 
   // Detection and tracking
   std::vector<Detection> detections;

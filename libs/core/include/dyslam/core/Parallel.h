@@ -11,8 +11,8 @@ namespace dyslam
  *
  * Work is cut into chunks whose borders depend on the sizes alone, never on the number of threads,
  * so that a reduction which keeps one partial result per chunk and adds them in order gives the
- * same bytes for any thread count. Not reentrant: one loop at a time per pool, no loops inside
- * loops.
+ * same bytes for any thread count. Several callers may run loops at a time and share the threads;
+ * no loops inside loops.
  */
 class ThreadPool
 {

@@ -22,8 +22,8 @@ class MovingSegmenter
   /** The word that chooses it in the ini ([dyseg] method). */
   [[nodiscard]] virtual std::string name() const = 0;
 
-  /** True if segment() reads Frame::T_odom_vehicle: it then runs after the pose is known, not
-   * before. */
+  /** True if segment() needs the estimated Frame::T_odom_vehicle, not only the predicted one: it
+   * then runs after the estimation, not before. */
   [[nodiscard]] virtual bool needsPose() const = 0;
 
   /** Fills Frame::moving_probability with one value in [0, 1] per point of Frame::cloud, and, where

@@ -39,11 +39,13 @@ struct SceneFlow
 
 /** DySeg (the paper's section 3.1): moving points by scene flow, from a trained network.
  *
- * Tracks the static motion from scan to scan and compares each scan with one some scans back, when
- * slow objects were elsewhere, or with two. Needs no pose: the static motion is estimated from the
- * scans, independent of odometry drift; it is given as Frame::segmenter_motion. Until `first_gap`
- * scans have been seen, Frame::static_prior is given too. The first scan is all static, as are
- * points beyond the network's grid (102 m to each side with the shipped weights).
+ * Compares each scan with one some scans back, when slow objects were elsewhere, or with two. The
+ * static motion between the two is estimated from the scans. The search starts at the static motion
+ * from scan to scan, which is estimated too and given as Frame::segmenter_motion; once it is around
+ * the prior, at the motion between their Frame::T_odom_vehicle, and Frame::segmenter_motion is left
+ * out. Until `first_gap` scans have been seen, Frame::static_prior is given too. The first scan is
+ * all static, as are points beyond the network's grid (102 m to each side with the shipped
+ * weights).
  *
  * In the library dyslam::dyseg_network; makeSegmenter() loads it with the module `networks`.
  */

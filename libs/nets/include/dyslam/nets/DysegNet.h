@@ -66,7 +66,7 @@ struct TeacherMotions
 struct DysegMatch
 {
   torch::Tensor coarse_correlation;  //!< N8 x (2r+1)^2, around zero motion; undefined with a prior
-  torch::Tensor correlation;         //!< N x (2r+1)^2, around the last estimate
+  torch::Tensor correlation;         //!< N x (2r+1)^2, around `initial`; with teacher forcing only
   PlanarMotion initial;  //!< initial static motion (current to past): prior, or estimate at 1/8
   RigidFlowFit fit;      //!< estimate at 1/4; empty with teacher forcing
 };

@@ -123,7 +123,8 @@ class LocalMapRegistration
 
   /** Add the frame registered last to the map, at the estimated pose and with its current weights.
    * A frame whose registration failed is left out; after five such frames in a row that had points,
-   * the map is restarted from the last one. */
+   * the map is restarted from the last one. If the pool has several threads, the points are added
+   * beside the caller, until the map is used next. */
   void integrate(const Frame& frame);
 
   /** Frames in the map since it was started; 0 with method none. */
