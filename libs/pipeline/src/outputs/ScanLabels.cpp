@@ -3,6 +3,8 @@
 
 #include <cstdio>
 
+#include "NearReturns.h"
+
 namespace dyslam
 {
 namespace
@@ -52,6 +54,7 @@ std::vector<Label> scanLabels(const Frame& frame)
       labels[frame.cloud.source[i]] = frame.isMoving(i) ? label : labels[frame.cloud.source[i]];
     }
   }
+  labelNearReturns(frame, labels);
   return labels;
 }
 

@@ -9,8 +9,9 @@
 
 namespace dyslam
 {
-/** SemanticKITTI's label of every point of the frame's scan: moving or static, unlabelled where the
- * cloud left a point out; points of reported objects have their class and id + 1 as instance. */
+/** SemanticKITTI's label of every point of the frame's scan: moving or static; points of reported
+ * objects have their class and id + 1 as instance. Points that the cloud left out are unlabelled,
+ * but for near ones that continue something moving (labelNearReturns()). */
 [[nodiscard]] std::vector<Label> scanLabels(const Frame& frame);
 
 /** `<folder>/NNNNNN<extension>`, numbered by the frame's index. */

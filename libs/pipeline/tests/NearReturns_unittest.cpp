@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "../src/outputs/NearReturns.h"
+
+#include <gtest/gtest.h>
+
+namespace dyslam
+{
+namespace
+{
+constexpr float min_range = 1.5F;
+
+/** A frame whose cloud has the returns from `min_range` on. */
+Frame frameOf(const std::vector<Eigen::Vector3f>& points)
+{
+  Frame frame;
+  frame.scan.points = points;
+  for (std::size_t i = 0; i < points.size(); ++i)
+  {
+    if (isReturn(points[i]) && points[i].norm() >= min_range)
+    {
+      frame.cloud.source.push_back(static_cast<std::uint32_t>(i));
+      frame.cloud.points.push_back(points[i]);
+    }
+  }
+  return frame;
+}
+
+/** Returns of an upright surface from (x, y0) to (x, y1). */
+void addWall(float x, float y0, float y1, std::vector<Eigen::Vector3f>& points)
+{
+  for (float y = y0; y <= y1; y += 0.1F)
+  {
+    for (float z = -0.5F; z <= 0.5F; z += 0.1F)
+    {
+      points.emplace_back(x, y, z);
+    }
+  }
+}
+
+TEST(NearReturns, ContinueWhatMoves)
+{
+  std::vector<Eigen::Vector3f> points;
+  addWall(0.6F, -0.8F, 2.5F, points);  // a vehicle that passes
+  const std::size_t body = points.size();
+  addWall(-0.7F, -0.5F, 0.5F, points);  // the sensor's own, which touches nothing
+  const std::size_t own = points.size();
+  addWall(0.6F, -3.5F, -2.6F, points);  // a house
+  const Frame frame = frameOf(points);
+  const Label car = makeLabel(252, 7);
+  std::vector<Label> labels(points.size(), 0);
+  for (const std::uint32_t i : frame.cloud.source)
+  {
+    labels[i] = i < body ? car : label_static;
+  }
+  std::size_t near = 0;
+  labelNearReturns(frame, labels);
+  for (std::size_t i = 0; i < points.size(); ++i)
+  {
+    near += i < body && points[i].norm() < min_range ? 1 : 0;
+    EXPECT_EQ(labels[i], i < body ? car : i < own ? 0U : label_static) << points[i].transpose();
+  }
+  EXPECT_GT(near, 100U);
+}
+
+TEST(NearReturns, StayUnlabelledBesideWhatIsStatic)
+{
+  std::vector<Eigen::Vector3f> points;
+  addWall(0.6F, -2.5F, 2.5F, points);
+  points.emplace_back(0.0F, 0.0F, 0.0F);  // no return
+  const Frame frame = frameOf(points);
+  std::vector<Label> labels(points.size(), 0);
+  for (const std::uint32_t i : frame.cloud.source)
+  {
+    labels[i] = label_static;
+  }
+  const std::vector<Label> before = labels;
+  labelNearReturns(frame, labels);
+  EXPECT_EQ(labels, before);
+}
+
+TEST(NearReturns, AFrameWithoutACloudIsLeftAsItIs)
+{
+  std::vector<Eigen::Vector3f> points;
+  addWall(0.6F, -0.5F, 0.5F, points);
+  const Frame frame = frameOf(points);
+  ASSERT_TRUE(frame.cloud.source.empty());
+  std::vector<Label> labels(points.size(), 0);
+  labelNearReturns(frame, labels);
+  EXPECT_EQ(labels, std::vector<Label>(points.size(), 0));
+}
+}  // namespace
+}  // namespace dyslam
