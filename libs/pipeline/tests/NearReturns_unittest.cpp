@@ -78,6 +78,21 @@ TEST(NearReturns, StayUnlabelledBesideWhatIsStatic)
   EXPECT_EQ(labels, before);
 }
 
+TEST(NearReturns, StayUnlabelledBesideMovingPointsThatAreNoObjects)
+{
+  std::vector<Eigen::Vector3f> points;
+  addWall(0.6F, -2.5F, 2.5F, points);
+  const Frame frame = frameOf(points);
+  std::vector<Label> labels(points.size(), 0);
+  for (const std::uint32_t i : frame.cloud.source)
+  {
+    labels[i] = label_moving;
+  }
+  const std::vector<Label> before = labels;
+  labelNearReturns(frame, labels);
+  EXPECT_EQ(labels, before);
+}
+
 TEST(NearReturns, AFrameWithoutACloudIsLeftAsItIs)
 {
   std::vector<Eigen::Vector3f> points;

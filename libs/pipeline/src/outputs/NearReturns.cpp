@@ -16,7 +16,8 @@ namespace
 {
 constexpr float cell_size = 0.5F;  // [m]
 
-/** Labelled points of a cell, or of several. */
+/** Labelled points of a cell, or of several. Moving points that are no reported object's are less
+ * certain and have no vote. */
 struct Votes
 {
   std::size_t stationary = 0;
@@ -25,6 +26,10 @@ struct Votes
 
   void add(Label label, std::size_t points)
   {
+    if (isMovingLabel(label) && instanceOf(label) == 0)
+    {
+      return;
+    }
     if (isMovingLabel(label))
     {
       moving += points;
@@ -86,31 +91,23 @@ Votes votesAround(const VoxelCell& cell, const VotesByCell& votes)
   return sum;
 }
 
-/** The returns outside the cloud that are nearer than `nearest2`, by cell. */
-std::vector<NearCell> nearCells(const std::vector<Eigen::Vector3f>& points,
-                                const std::vector<bool>& in_cloud,
-                                float nearest2)
+/** Votes of the cloud's points that are nearer than `reach` [m]. */
+VotesByCell votesOfCloud(const Frame& frame, const std::vector<Label>& labels, float reach)
 {
-  std::vector<NearCell> cells;
-  std::unordered_map<std::uint64_t, std::size_t> index;
-  for (std::size_t i = 0; i < points.size(); ++i)
+  VotesByCell votes;
+  for (const std::uint32_t i : frame.cloud.source)
   {
-    if (!in_cloud[i] && isReturn(points[i]) && points[i].squaredNorm() < nearest2)
+    const Eigen::Vector3f& p = frame.scan.points[i];
+    if (p.squaredNorm() < reach * reach)
     {
-      const VoxelCell cell = voxelCell(points[i], 1 / cell_size);
-      const auto [entry, added] = index.emplace(voxelKey(cell), cells.size());
-      if (added)
-      {
-        cells.push_back({cell, {}});
-      }
-      cells[entry->second].points.push_back(static_cast<std::uint32_t>(i));
+      votes[voxelKey(voxelCell(p, 1 / cell_size))].add(labels[i], 1);
     }
   }
-  return cells;
+  return votes;
 }
-}  // namespace
 
-void labelNearReturns(const Frame& frame, std::vector<Label>& labels)
+/** The returns outside the cloud and nearer than all of it. */
+std::vector<std::uint32_t> nearReturns(const Frame& frame, float& nearest)
 {
   const std::vector<Eigen::Vector3f>& points = frame.scan.points;
   std::vector<bool> in_cloud(points.size(), false);
@@ -120,50 +117,86 @@ void labelNearReturns(const Frame& frame, std::vector<Label>& labels)
     in_cloud[i] = true;
     nearest2 = std::min(nearest2, points[i].squaredNorm());
   }
+  std::vector<std::uint32_t> near;
+  for (std::size_t i = 0; i < points.size(); ++i)
+  {
+    if (!in_cloud[i] && isReturn(points[i]) && points[i].squaredNorm() < nearest2)
+    {
+      near.push_back(static_cast<std::uint32_t>(i));
+    }
+  }
+  nearest = std::sqrt(nearest2);
+  return near;
+}
+
+std::vector<NearCell> byCell(const std::vector<std::uint32_t>& returns,
+                             const std::vector<Eigen::Vector3f>& points)
+{
+  std::vector<NearCell> cells;
+  std::unordered_map<std::uint64_t, std::size_t> index;
+  for (const std::uint32_t i : returns)
+  {
+    const VoxelCell cell = voxelCell(points[i], 1 / cell_size);
+    const auto [entry, added] = index.emplace(voxelKey(cell), cells.size());
+    if (added)
+    {
+      cells.push_back({cell, {}});
+    }
+    cells[entry->second].points.push_back(i);
+  }
+  return cells;
+}
+
+/** Labels the cells that have a vote around them. \return the others */
+std::vector<NearCell> labelNext(std::vector<NearCell> open,
+                                VotesByCell& votes,
+                                std::vector<Label>& labels)
+{
+  std::vector<NearCell> left;
+  std::vector<std::pair<NearCell, Label>> decided;
+  for (NearCell& cell : open)
+  {
+    const Votes around = votesAround(cell.cell, votes);
+    if (around.empty())
+    {
+      left.push_back(std::move(cell));
+    }
+    else
+    {
+      decided.emplace_back(std::move(cell), around.winner());
+    }
+  }
+  for (const auto& [cell, label] : decided)
+  {
+    votes[voxelKey(cell.cell)].add(label, cell.points.size());
+    for (const std::uint32_t i : cell.points)
+    {
+      labels[i] = label;
+    }
+  }
+  return left;
+}
+}  // namespace
+
+void labelNearReturns(const Frame& frame, std::vector<Label>& labels)
+{
   if (frame.cloud.source.empty())
   {
     return;
   }
-  std::vector<NearCell> open = nearCells(points, in_cloud, nearest2);
-  if (open.empty())
+  float nearest = 0;
+  const std::vector<std::uint32_t> near = nearReturns(frame, nearest);
+  if (near.empty())
   {
     return;
   }
-  VotesByCell votes;
-  const float reach = std::sqrt(nearest2) + 4 * cell_size;  // beyond the cells next to near ones
-  for (const std::uint32_t i : frame.cloud.source)
+  // As far as cells beside those of near returns reach.
+  VotesByCell votes = votesOfCloud(frame, labels, nearest + 4 * cell_size);
+  std::vector<NearCell> open = byCell(near, frame.scan.points);
+  for (std::size_t before = open.size() + 1; open.size() < before;)
   {
-    if (points[i].squaredNorm() < reach * reach)
-    {
-      votes[voxelKey(voxelCell(points[i], 1 / cell_size))].add(labels[i], 1);
-    }
-  }
-  for (bool changed = true; changed;)
-  {
-    std::vector<NearCell> left;
-    std::vector<std::pair<NearCell, Label>> decided;
-    for (NearCell& cell : open)
-    {
-      const Votes around = votesAround(cell.cell, votes);
-      if (around.empty())
-      {
-        left.push_back(std::move(cell));
-      }
-      else
-      {
-        decided.emplace_back(std::move(cell), around.winner());
-      }
-    }
-    for (const auto& [cell, label] : decided)
-    {
-      votes[voxelKey(cell.cell)].add(label, cell.points.size());
-      for (const std::uint32_t i : cell.points)
-      {
-        labels[i] = label;
-      }
-    }
-    changed = !decided.empty();
-    open = std::move(left);
+    before = open.size();
+    open = labelNext(std::move(open), votes, labels);
   }
 }
 }  // namespace dyslam

@@ -9,10 +9,11 @@
 namespace dyslam
 {
 /** Labels the returns that are nearer than every point of the cloud (preprocess.min_range) as
- * moving if they continue something that moves: the near part of a cyclist who passes the sensor.
+ * moving if they continue a reported moving object: the near part of a cyclist who passes the
+ * sensor.
  *
- * Cells of 0.5 m take the label of most points in the cells around them, from the cloud inwards;
- * what continues nothing, or something static, stays unlabelled: the sensor's own vehicle.
+ * Cells of 0.5 m take the label of most points in the cells around them, from the cloud inwards.
+ * What continues nothing (the sensor's own vehicle) or something static stays unlabelled.
  * \param labels of every point of frame.scan, final for those in the cloud */
 void labelNearReturns(const Frame& frame, std::vector<Label>& labels);
 }  // namespace dyslam

@@ -11,7 +11,7 @@ namespace dyslam
 {
 /** SemanticKITTI's label of every point of the frame's scan: moving or static; points of reported
  * objects have their class and id + 1 as instance. Points that the cloud left out are unlabelled,
- * but for near ones that continue something moving (labelNearReturns()). */
+ * but for near ones that continue a moving object (labelNearReturns()). */
 [[nodiscard]] std::vector<Label> scanLabels(const Frame& frame);
 
 /** `<folder>/NNNNNN<extension>`, numbered by the frame's index. */
