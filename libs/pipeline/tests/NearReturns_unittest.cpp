@@ -62,35 +62,23 @@ TEST(NearReturns, ContinueWhatMoves)
   EXPECT_GT(near, 100U);
 }
 
-TEST(NearReturns, StayUnlabelledBesideWhatIsStatic)
+TEST(NearReturns, StayUnlabelledBesideWhatIsStaticOrNoObject)
 {
   std::vector<Eigen::Vector3f> points;
   addWall(0.6F, -2.5F, 2.5F, points);
   points.emplace_back(0.0F, 0.0F, 0.0F);  // no return
   const Frame frame = frameOf(points);
-  std::vector<Label> labels(points.size(), 0);
-  for (const std::uint32_t i : frame.cloud.source)
+  for (const Label of_cloud : {label_static, label_moving})
   {
-    labels[i] = label_static;
+    std::vector<Label> labels(points.size(), 0);
+    for (const std::uint32_t i : frame.cloud.source)
+    {
+      labels[i] = of_cloud;
+    }
+    const std::vector<Label> before = labels;
+    labelNearReturns(frame, labels);
+    EXPECT_EQ(labels, before) << of_cloud;
   }
-  const std::vector<Label> before = labels;
-  labelNearReturns(frame, labels);
-  EXPECT_EQ(labels, before);
-}
-
-TEST(NearReturns, StayUnlabelledBesideMovingPointsThatAreNoObjects)
-{
-  std::vector<Eigen::Vector3f> points;
-  addWall(0.6F, -2.5F, 2.5F, points);
-  const Frame frame = frameOf(points);
-  std::vector<Label> labels(points.size(), 0);
-  for (const std::uint32_t i : frame.cloud.source)
-  {
-    labels[i] = label_moving;
-  }
-  const std::vector<Label> before = labels;
-  labelNearReturns(frame, labels);
-  EXPECT_EQ(labels, before);
 }
 
 TEST(NearReturns, AFrameWithoutACloudIsLeftAsItIs)
