@@ -26,18 +26,14 @@ struct Votes
 
   void add(Label label, std::size_t points)
   {
-    if (isMovingLabel(label) && instanceOf(label) == 0)
+    if (!isMovingLabel(label))
     {
-      return;
+      stationary += points;
     }
-    if (isMovingLabel(label))
+    else if (instanceOf(label) != 0)
     {
       moving += points;
       of_label[label] += points;
-    }
-    else
-    {
-      stationary += points;
     }
   }
   void add(const Votes& other)
