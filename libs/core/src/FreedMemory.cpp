@@ -16,6 +16,7 @@ void keepFreedMemory()
   mallopt(M_MMAP_THRESHOLD, 32 * mebibyte);  // the most that glibc allows
   mallopt(M_TRIM_THRESHOLD, 1024 * mebibyte);
   mallopt(M_TOP_PAD, 64 * mebibyte);
+  mallopt(M_ARENA_MAX, 1);  // what one thread frees, another one takes
 #endif
 }
 }  // namespace dyslam

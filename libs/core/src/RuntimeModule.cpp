@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dlfcn.h>
 #include <dyslam/core/Error.h>
+#include <dyslam/core/Parallel.h>
 #include <dyslam/core/RuntimeModule.h>
 #include <dyslam/core/Version.h>
 
@@ -48,6 +49,15 @@ bool usesV3()
 #else
   return false;
 #endif
+}
+
+/** TBB's first loop loads a library of TBB's, for which it would wait until the module is loaded.
+ */
+void startThreadPools()
+{
+  ThreadPool pool(0);
+  pool.forChunks(static_cast<std::size_t>(pool.size()), 1,
+                 [](std::size_t, std::size_t, std::size_t) {});
 }
 
 std::string notFound(const std::string& module, const std::string& needed_by)
@@ -111,6 +121,7 @@ void* runtimeModuleFunction(const std::string& module,
 
 std::future<void> loadRuntimeModuleAhead(const std::string& module)
 {
+  startThreadPools();
   return std::async(std::launch::async,
                     [path = runtimeModuleFile(module)]
                     {

@@ -8,6 +8,8 @@
 #include <cmath>
 #include <deque>
 #include <optional>
+#include <stdexcept>
+#include <utility>
 
 #include "MovingGroups.h"
 
@@ -51,16 +53,27 @@ MotionEstimate motionOf(const RigidFlowFit& fit, const Eigen::Vector3d& sensor)
 }
 }  // namespace
 
+namespace
+{
+struct EncodedPoints : EncodedCloud
+{
+  std::vector<Eigen::Vector3f> points;  //!< of the vehicle's axes, from the sensor [m]
+  std::shared_ptr<const DysegModel::Encoded> encoded;
+};
+}  // namespace
+
 struct NetworkSegmenter::Impl
 {
   struct Past
   {
     std::size_t index = 0;
-    std::shared_ptr<const DysegModel::Encoded> encoded;
+    std::shared_ptr<const EncodedPoints> scan;
     PlanarMotion from_current;  //!< static motion from the scan at hand to this one
     Pose T_odom_vehicle = Pose::Identity();
-    std::vector<Eigen::Vector3f> points;  //!< that were encoded
   };
+
+  [[nodiscard]] std::shared_ptr<const EncodedPoints> encode(
+      std::vector<Eigen::Vector3f> points) const;
 
   NetworkSegmenterOptions options;
   DysegModel model;
@@ -128,10 +141,15 @@ void NetworkSegmenter::exchangeState(StateArchive& archive)
   for (std::size_t i = 0; i < count; ++i)
   {
     Impl::Past past = archive.isLoading() ? Impl::Past() : s.past[i];
-    archive(past.index, past.from_current, past.T_odom_vehicle, past.points);
+    std::vector<Eigen::Vector3f> points;
+    if (!archive.isLoading())
+    {
+      points = past.scan->points;
+    }
+    archive(past.index, past.from_current, past.T_odom_vehicle, points);
     if (archive.isLoading())
     {
-      past.encoded = s.model.encode(past.points);
+      past.scan = s.encode(std::move(points));
       s.past.push_back(std::move(past));
     }
   }
@@ -198,8 +216,8 @@ void NetworkSegmenter::Impl::followScans(const DysegModel::Encoded& current,
   const PlanarPrior guess{
       PlanarMotion::fromPose(to_vehicle.inverse() * frame.prior.T_previous_current * to_vehicle),
       prior_search_radius};
-  last_step =
-      model.match(current, *past.front().encoded, searchesAroundPrior(frame) ? &guess : nullptr);
+  last_step = model.match(current, *past.front().scan->encoded,
+                          searchesAroundPrior(frame) ? &guess : nullptr);
   for (Past& p : past)
   {
     p.from_current = PlanarMotion::fromPose(p.from_current.pose() * last_step->motion.pose());
@@ -216,8 +234,8 @@ std::vector<float> NetworkSegmenter::Impl::judge(const DysegModel::Encoded& curr
                                                     ? prior_search_radius
                                                     : PlanarPrior().max_error};
   const RigidFlowFit step =
-      back == 1 && last_step ? *last_step : model.match(current, *earlier.encoded, &guess);
-  auto result = model.segment(current, *earlier.encoded, step, options.iterations);
+      back == 1 && last_step ? *last_step : model.match(current, *earlier.scan->encoded, &guess);
+  auto result = model.segment(current, *earlier.scan->encoded, step, options.iterations);
   if (!flow)
   {
     seen = std::move(result.past_visibility);
@@ -235,23 +253,55 @@ std::vector<float> NetworkSegmenter::Impl::judge(const DysegModel::Encoded& curr
   return std::move(result.moving_probability);
 }
 
-void NetworkSegmenter::segment(Frame& frame)
+std::shared_ptr<const EncodedPoints> NetworkSegmenter::Impl::encode(
+    std::vector<Eigen::Vector3f> points) const
 {
-  Impl& s = *impl_;
-  const Eigen::Vector3d sensor = frame.scan.T_vehicle_lidar.translation();
-  std::vector<Eigen::Vector3f> points(frame.cloud.points);
+  auto scan = std::make_shared<EncodedPoints>();
+  scan->points = std::move(points);
+  scan->encoded = model.encode(scan->points);
+  return scan;
+}
+
+bool NetworkSegmenter::encodesAhead() const
+{
+  return impl_->historyComplete();
+}
+
+std::shared_ptr<const EncodedCloud> NetworkSegmenter::encode(const Cloud& cloud,
+                                                             const Pose& T_vehicle_lidar) const
+{
+  const Eigen::Vector3f sensor = T_vehicle_lidar.translation().cast<float>();
+  std::vector<Eigen::Vector3f> points(cloud.points);
   for (auto& p : points)
   {
-    p -= sensor.cast<float>();
+    p -= sensor;
   }
-  const auto encoded = s.model.encode(points);
-  frame.moving_probability.assign(points.size(), 0.0F);
+  return impl_->encode(std::move(points));
+}
+
+void NetworkSegmenter::segment(Frame& frame)
+{
+  segmentEncoded(frame, encode(frame.cloud, frame.scan.T_vehicle_lidar));
+}
+
+void NetworkSegmenter::segmentEncoded(Frame& frame,
+                                      const std::shared_ptr<const EncodedCloud>& encoded_cloud)
+{
+  Impl& s = *impl_;
+  const auto scan = std::dynamic_pointer_cast<const EncodedPoints>(encoded_cloud);
+  if (!scan || scan->points.size() != frame.cloud.size())
+  {
+    throw std::invalid_argument("NetworkSegmenter: not the encoding of the frame's cloud");
+  }
+  const Eigen::Vector3d sensor = frame.scan.T_vehicle_lidar.translation();
+  const DysegModel::Encoded& encoded = *scan->encoded;
+  frame.moving_probability.assign(scan->points.size(), 0.0F);
   s.flow.reset();
   frame.segmenter_motion.reset();
   frame.static_prior.clear();
   if (!s.historyComplete())
   {
-    frame.static_prior = s.model.appearancePrior(*encoded);
+    frame.static_prior = s.model.appearancePrior(encoded);
   }
   if (!s.past.empty())
   {
@@ -263,7 +313,7 @@ void NetworkSegmenter::segment(Frame& frame)
     }
     else
     {
-      s.followScans(*encoded, frame, sensor);
+      s.followScans(encoded, frame, sensor);
       MotionEstimate motion = motionOf(*s.last_step, sensor);
       if (motion.converged)
       {
@@ -274,20 +324,19 @@ void NetworkSegmenter::segment(Frame& frame)
     { return std::min(s.past.size(), static_cast<std::size_t>(gap)); };
     const auto first = reach(s.options.first_gap);
     const auto second = reach(s.options.second_gap);
-    frame.moving_probability = s.judge(*encoded, frame, first, sensor);
+    frame.moving_probability = s.judge(encoded, frame, first, sensor);
     if (second > first)
     {
-      combine(s.options.combine == "max", s.judge(*encoded, frame, second, sensor),
+      combine(s.options.combine == "max", s.judge(encoded, frame, second, sensor),
               frame.moving_probability);
     }
     shiftTo(s.options.threshold, frame.moving_probability);
     MovingGroupsOptions groups;
     groups.reach = static_cast<double>(s.model.grid().halfExtent());
     groups.min_points = s.options.min_points;
-    keepMovingGroups(points, s.seen, groups, frame.moving_probability);
+    keepMovingGroups(scan->points, s.seen, groups, frame.moving_probability);
   }
-  s.past.push_front(
-      {frame.index, encoded, PlanarMotion(), frame.T_odom_vehicle, std::move(points)});
+  s.past.push_front({frame.index, scan, PlanarMotion(), frame.T_odom_vehicle});
   if (s.past.size() > static_cast<std::size_t>(std::max(s.options.first_gap, s.options.second_gap)))
   {
     s.past.pop_back();

@@ -62,6 +62,16 @@ class BoundedQueue
     return item;
   }
 
+  /** The item that pop() will give, after waiting for it; null once the queue has ended and all
+   * items are taken. Valid until the next pop() or the end; for a single taking thread. Throws
+   * nothing: an error is left to pop(). */
+  [[nodiscard]] const T* peek()
+  {
+    std::unique_lock<std::mutex> lock(mutex_);
+    wait(lock, waits_.for_items, [&] { return ended_ || !items_.empty(); });
+    return items_.empty() ? nullptr : &items_.front();
+  }
+
   /** No more items will come. */
   void close() { end({}, false); }
   /** No more items will come, because of this error. */

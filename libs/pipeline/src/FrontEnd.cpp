@@ -8,9 +8,46 @@
 #include <dyslam/pipeline/FrontEnd.h>
 #include <mrpt/system/CTimeLogger.h>
 
+#include <future>
+#include <memory>
+#include <optional>
+#include <utility>
+
+#include "JobThread.h"
+
 namespace dyslam
 {
 using mrpt::system::CTimeLoggerEntry;
+
+namespace
+{
+/** A motion to deskew with. */
+struct SweepPrediction
+{
+  Pose T_previous_current = Pose::Identity();
+  double dt = 0;              //!< [s]
+  double sweep_duration = 0;  //!< [s]
+};
+
+struct EncodedScan
+{
+  Cloud cloud;
+  std::shared_ptr<const EncodedCloud> encoded;
+};
+
+/** Waits for the work on the next scan, also after an exception: it reads the caller's frame. */
+struct WaitAtEnd
+{
+  const std::future<EncodedScan>& ahead;
+  ~WaitAtEnd()
+  {
+    if (ahead.valid())
+    {
+      ahead.wait();
+    }
+  }
+};
+}  // namespace
 
 struct FrontEnd::Stages
 {
@@ -25,9 +62,14 @@ struct FrontEnd::Stages
   {
   }
 
-  void preprocess(Frame& frame);
+  [[nodiscard]] Cloud prepare(const Scan& scan, const SweepPrediction& sweep);
+  [[nodiscard]] std::shared_ptr<const EncodedCloud> encode(const Cloud& cloud, const Scan& scan);
+  [[nodiscard]] EncodedScan encodeAhead(const Scan& scan, const SweepPrediction& sweep);
+  void beginAhead(const Frame* next);
+  /** \return the encoded cloud, null if there is none */
+  [[nodiscard]] std::shared_ptr<const EncodedCloud> preprocess(Frame& frame);
   /** Segments now if the segmenter runs before (false) or after (true) the pose is known. */
-  void segment(Frame& frame, bool pose_known);
+  void segment(Frame& frame, bool pose_known, const std::shared_ptr<const EncodedCloud>& encoded);
   void filterOverTime(Frame& frame);
 
   mrpt::system::CTimeLogger& times;
@@ -37,6 +79,10 @@ struct FrontEnd::Stages
   std::unique_ptr<MovingSegmenter> segmenter;  //!< null: nothing is segmented
   TemporalFilter filter;
   Odometry odometry;
+  /** That the next scan is encoded with, before its own is known; nothing: after it. */
+  std::optional<SweepPrediction> sweep_ahead;
+  std::future<EncodedScan> ahead;  //!< of the next scan, if it was there
+  JobThread ahead_thread{1};
 };
 
 FrontEnd::FrontEnd(int threads, ConfigLoader& config, mrpt::system::CTimeLogger& times)
@@ -46,34 +92,95 @@ FrontEnd::FrontEnd(int threads, ConfigLoader& config, mrpt::system::CTimeLogger&
 
 FrontEnd::~FrontEnd() = default;
 
-void FrontEnd::process(Frame& frame)
+void FrontEnd::process(Frame& frame, const Frame* next)
 {
   Stages& s = *stages_;
   s.odometry.predict(frame);
-  s.preprocess(frame);
-  s.segment(frame, false);
+  const auto encoded = s.preprocess(frame);
+  s.beginAhead(next);
+  const WaitAtEnd wait{s.ahead};
+  s.segment(frame, false, encoded);
   s.odometry.estimate(frame);
-  s.segment(frame, true);
+  s.segment(frame, true, encoded);
   s.filterOverTime(frame);
   decideMoving(frame, s.segmentation.moving_threshold);
   s.odometry.integrate(frame);
 }
 
-void FrontEnd::Stages::preprocess(Frame& frame)
+Cloud FrontEnd::Stages::prepare(const Scan& scan, const SweepPrediction& sweep)
 {
   const CTimeLoggerEntry timed(times, "preprocess");
-  const auto prepare = [&](const Pose& T_previous_current, double dt)
-  { return preprocessor.prepare(frame.scan, T_previous_current, dt, frame.sweep_duration); };
-  frame.cloud = prepare(frame.prior.T_previous_current, frame.dt);
-  odometry.settleTime(frame, prepare);
+  return preprocessor.prepare(scan, sweep.T_previous_current, sweep.dt, sweep.sweep_duration);
 }
 
-void FrontEnd::Stages::segment(Frame& frame, bool pose_known)
+std::shared_ptr<const EncodedCloud> FrontEnd::Stages::encode(const Cloud& cloud, const Scan& scan)
+{
+  const CTimeLoggerEntry timed(times, "dyseg");
+  return segmenter->encode(cloud, scan.T_vehicle_lidar);
+}
+
+EncodedScan FrontEnd::Stages::encodeAhead(const Scan& scan, const SweepPrediction& sweep)
+{
+  EncodedScan result;
+  result.cloud = prepare(scan, sweep);
+  result.encoded = encode(result.cloud, scan);
+  return result;
+}
+
+void FrontEnd::Stages::beginAhead(const Frame* next)
+{
+  if (next != nullptr && sweep_ahead)
+  {
+    auto job = std::make_shared<std::packaged_task<EncodedScan()>>(
+        [this, next, sweep = *sweep_ahead] { return encodeAhead(next->scan, sweep); });
+    ahead = job->get_future();
+    ahead_thread.add([job] { (*job)(); });
+  }
+}
+
+std::shared_ptr<const EncodedCloud> FrontEnd::Stages::preprocess(Frame& frame)
+{
+  const SweepPrediction predicted{frame.prior.T_previous_current, frame.dt, frame.sweep_duration};
+  std::shared_ptr<const EncodedCloud> encoded;
+  if (sweep_ahead)
+  {
+    EncodedScan scan = ahead.valid() ? ahead.get() : encodeAhead(frame.scan, *sweep_ahead);
+    frame.cloud = std::move(scan.cloud);
+    encoded = std::move(scan.encoded);
+    const CTimeLoggerEntry timed(times, "preprocess");
+    redeskew(predicted.T_previous_current, frame.dt, pool, frame.cloud);
+  }
+  else
+  {
+    frame.cloud = prepare(frame.scan, predicted);
+  }
+  bool prepared_again = false;
+  odometry.settleTime(frame,
+                      [&](const Pose& T_previous_current, double dt)
+                      {
+                        prepared_again = true;
+                        return prepare(frame.scan, {T_previous_current, dt, frame.sweep_duration});
+                      });
+  if (segmenter && (!encoded || prepared_again))
+  {
+    encoded = encode(frame.cloud, frame.scan);
+  }
+  sweep_ahead.reset();
+  if (segmenter && segmenter->encodesAhead() && frame.prior.reliable && !prepared_again)
+  {
+    sweep_ahead = predicted;
+  }
+  return encoded;
+}
+
+void FrontEnd::Stages::segment(Frame& frame,
+                               bool pose_known,
+                               const std::shared_ptr<const EncodedCloud>& encoded)
 {
   if (segmenter && segmenter->needsPose() == pose_known)
   {
     const CTimeLoggerEntry timed(times, "dyseg");
-    segmenter->segment(frame);
+    segmenter->segmentEncoded(frame, encoded);
   }
 }
 
@@ -93,7 +200,7 @@ void FrontEnd::exchangeState(StateArchive& archive)
   {
     archive(*s.segmenter);
   }
-  archive(s.filter, s.odometry);
+  archive(s.filter, s.odometry, s.sweep_ahead);
 }
 
 std::string FrontEnd::summary() const

@@ -20,7 +20,7 @@
 #include <utility>
 #include <vector>
 
-#include "WriteBehind.h"
+#include "JobThread.h"
 
 namespace dyslam
 {
@@ -130,9 +130,9 @@ void Pipeline::process(Frame& frame)
   runBackEnd(frame);
 }
 
-void Pipeline::runFrontEnd(Frame& frame)
+void Pipeline::runFrontEnd(Frame& frame, const Frame* next)
 {
-  stages_->front_end.process(frame);
+  stages_->front_end.process(frame, next);
 }
 
 void Pipeline::runBackEnd(Frame& frame)
@@ -250,7 +250,7 @@ void Pipeline::finish()
   {
     const CTimeLoggerEntry timed(s.times, "hindsight.finish");
     // No scan is estimated any more: a frame is inserted in the map while the next one is decided.
-    WriteBehind users;
+    JobThread users;
     s.hindsight->finish(
         [&](Frame frame)
         {

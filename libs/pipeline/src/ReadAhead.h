@@ -27,6 +27,9 @@ class ReadAhead
    */
   [[nodiscard]] std::optional<Frame> next() { return frames_.pop(); }
 
+  /** The frame that next() will give, after waiting for it; null at the end. Valid until then. */
+  [[nodiscard]] const Frame* peek() { return frames_.peek(); }
+
   [[nodiscard]] QueueWaits waits() { return frames_.waits(); }
 
  private:

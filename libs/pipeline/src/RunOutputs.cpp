@@ -133,7 +133,7 @@ void RunOutputs::open()
   {
     entry.output->open();
   }
-  writer_ = std::make_unique<WriteBehind>();
+  writer_ = std::make_unique<JobThread>();
 }
 
 namespace
@@ -228,7 +228,7 @@ void RunOutputs::resume(RunToResume& run)
   run.load(StatePart::outputs, [this](StateArchive& archive) { exchangeState(archive, false); });
   run.load(StatePart::slow_outputs,
            [this](StateArchive& archive) { exchangeState(archive, true); });
-  writer_ = std::make_unique<WriteBehind>();
+  writer_ = std::make_unique<JobThread>();
 }
 
 void RunOutputs::add(Frame frame)

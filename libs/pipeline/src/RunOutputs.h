@@ -6,10 +6,10 @@
 #include <string>
 #include <vector>
 
+#include "JobThread.h"
 #include "OutputFolder.h"
 #include "RunOutput.h"
 #include "SavedRun.h"
-#include "WriteBehind.h"
 
 namespace dyslam
 {
@@ -77,6 +77,6 @@ class RunOutputs
   std::vector<OutputName> names_;  //!< of all kinds, those switched off too
   std::vector<Entry> entries_;
   std::weak_ptr<StateFileWriter> state_;  //!< while it is written
-  std::unique_ptr<WriteBehind> writer_;   //!< last: its jobs use the entries
+  std::unique_ptr<JobThread> writer_;     //!< last: its jobs use the entries
 };
 }  // namespace dyslam

@@ -86,7 +86,7 @@ void replay(const SlamRunSettings& settings,
         if (frame)
         {
           scans.add(*frame);
-          run.pipeline().runFrontEnd(*frame);
+          run.pipeline().runFrontEnd(*frame, reader.peek());
           beginCheckpoint(run.pipeline(), frame->index, scans, checkpoints);
         }
         return frame;

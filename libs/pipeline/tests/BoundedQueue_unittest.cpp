@@ -53,6 +53,23 @@ TEST(BoundedQueue, SaysWhichSideWaited)
   EXPECT_GT(queue.waits().for_room, 0.03);
 }
 
+TEST(BoundedQueue, ShowsTheItemThatComesNext)
+{
+  BoundedQueue<int> queue(2);
+  const int* seen = nullptr;
+  EXPECT_TRUE(waits([&] { seen = queue.peek(); }, [&] { queue.push(7); }));
+  ASSERT_NE(seen, nullptr);
+  queue.push(8);
+  EXPECT_EQ(*seen, 7) << "it stays where it is";
+  EXPECT_EQ(queue.pop(), 7);
+  EXPECT_EQ(*queue.peek(), 8);
+  queue.fail(anError());
+  EXPECT_EQ(*queue.peek(), 8);
+  EXPECT_EQ(queue.pop(), 8);
+  EXPECT_EQ(queue.peek(), nullptr) << "the error is left to pop()";
+  EXPECT_THROW((void)queue.pop(), std::runtime_error);
+}
+
 TEST(BoundedQueue, KeepsTheOrderOfManyItems)
 {
   BoundedQueue<int> queue(3);

@@ -4,8 +4,8 @@
 #include <stdexcept>
 #include <vector>
 
+#include "../src/JobThread.h"
 #include "../src/ReadAhead.h"
-#include "../src/WriteBehind.h"
 
 namespace dyslam
 {
@@ -103,10 +103,10 @@ TEST(ReadAhead, MayBeDroppedHalfway)
   EXPECT_TRUE(reader.next());
 }
 
-TEST(WriteBehind, RunsJobsInOrder)
+TEST(JobThread, RunsJobsInOrder)
 {
   std::vector<int> done;
-  WriteBehind writer(2);
+  JobThread writer(2);
   for (int i = 0; i < 20; ++i)
   {
     writer.add([&done, i] { done.push_back(i); });
@@ -117,10 +117,10 @@ TEST(WriteBehind, RunsJobsInOrder)
   EXPECT_EQ(done.back(), 19);
 }
 
-TEST(WriteBehind, TellsOfAFailureAndDropsTheRest)
+TEST(JobThread, TellsOfAFailureAndDropsTheRest)
 {
   bool later = false;
-  WriteBehind writer;
+  JobThread writer;
   writer.add([] { throw std::runtime_error("disk full"); });
   EXPECT_THROW({ writer.finish(); }, std::runtime_error);
   writer.add([&] { later = true; });

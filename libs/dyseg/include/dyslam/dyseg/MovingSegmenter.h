@@ -13,6 +13,13 @@ namespace dyslam
 {
 class StateArchive;
 
+/** A cloud as a segmenter has encoded it. */
+class EncodedCloud
+{
+ public:
+  virtual ~EncodedCloud() = default;
+};
+
 /** Finds the points of a frame that belong to moving things. */
 class MovingSegmenter
 {
@@ -29,6 +36,24 @@ class MovingSegmenter
   /** Fills Frame::moving_probability with one value in [0, 1] per point of Frame::cloud, and, where
    * it has them, Frame::segmenter_motion and Frame::static_prior. */
   virtual void segment(Frame& frame) = 0;
+
+  /** Whether the next cloud may be encoded before the motion up to it is predicted: deskewed by an
+   * older prediction, while the scans before it are segmented and registered. */
+  [[nodiscard]] virtual bool encodesAhead() const { return false; }
+  /** The part of segment() that needs nothing but the cloud; null if there is none. May run in
+   * another thread beside segment().
+   * \param T_vehicle_lidar Scan::T_vehicle_lidar of the cloud's scan */
+  [[nodiscard]] virtual std::shared_ptr<const EncodedCloud> encode(
+      const Cloud& /*cloud*/, const Pose& /*T_vehicle_lidar*/) const
+  {
+    return nullptr;
+  }
+  /** segment() with the result of encode(), whose cloud has the points of Frame::cloud, perhaps
+   * deskewed by another motion. */
+  virtual void segmentEncoded(Frame& frame, const std::shared_ptr<const EncodedCloud>& /*encoded*/)
+  {
+    segment(frame);
+  }
 
   /** Forget the past scans. */
   virtual void reset() = 0;

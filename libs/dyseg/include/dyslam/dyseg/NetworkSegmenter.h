@@ -59,6 +59,11 @@ class NetworkSegmenter : public MovingSegmenter
   [[nodiscard]] std::string name() const override { return "network"; }
   [[nodiscard]] bool needsPose() const override { return false; }
   void segment(Frame& frame) override;
+  /** True once scans `first_gap` apart are compared: until then the motion is not known well. */
+  [[nodiscard]] bool encodesAhead() const override;
+  [[nodiscard]] std::shared_ptr<const EncodedCloud> encode(
+      const Cloud& cloud, const Pose& T_vehicle_lidar) const override;
+  void segmentEncoded(Frame& frame, const std::shared_ptr<const EncodedCloud>& encoded) override;
   void reset() override;
   /** The past scans: their points, which are encoded again when they are loaded. */
   void exchangeState(StateArchive& archive) override;

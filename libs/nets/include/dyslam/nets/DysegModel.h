@@ -36,7 +36,8 @@ struct DysegResult
   std::vector<float> cell_moving_probability;
 };
 
-/** A trained DySeg network; free of torch headers. Not thread-safe. */
+/** A trained DySeg network; free of torch headers. Its const functions may run in several threads
+ * at a time. */
 class DysegModel
 {
  public:

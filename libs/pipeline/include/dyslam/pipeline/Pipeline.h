@@ -61,7 +61,7 @@ class Pipeline
   // another runs the back end on the frame before. Each gets every frame, in order of time.
 
   /** FrontEnd::process(). */
-  void runFrontEnd(Frame& frame);
+  void runFrontEnd(Frame& frame, const Frame* next = nullptr);
   /** deskew(), trackObjects(), addOdometry(), addLoops(), optimise() and addToMap(). */
   void runBackEnd(Frame& frame);
 

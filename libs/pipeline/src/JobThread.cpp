@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "WriteBehind.h"
+#include "JobThread.h"
 
 #include <exception>
 
 namespace dyslam
 {
-WriteBehind::WriteBehind(std::size_t depth)
+JobThread::JobThread(std::size_t depth)
     : jobs_(depth),
       thread_(
           [this]
@@ -25,7 +25,7 @@ WriteBehind::WriteBehind(std::size_t depth)
 {
 }
 
-WriteBehind::~WriteBehind()
+JobThread::~JobThread()
 {
   jobs_.close();
   if (thread_.joinable())
@@ -34,7 +34,7 @@ WriteBehind::~WriteBehind()
   }
 }
 
-void WriteBehind::finish()
+void JobThread::finish()
 {
   jobs_.close();
   if (thread_.joinable())

@@ -8,17 +8,17 @@
 
 namespace dyslam
 {
-/** Runs jobs one after the other in a thread of its own, so that compressing and writing do not
- * hold up the estimation. Jobs run in the order they were given. */
-class WriteBehind
+/** Runs jobs one after the other in a thread of its own, in the order they were given, such as
+ * compressing and writing, which do not hold up the estimation then. */
+class JobThread
 {
  public:
   /** \param depth jobs that may wait; add() blocks beyond. */
-  explicit WriteBehind(std::size_t depth = 4);
+  explicit JobThread(std::size_t depth = 4);
   /** Waits for every job. */
-  ~WriteBehind();
-  WriteBehind(const WriteBehind&) = delete;
-  WriteBehind& operator=(const WriteBehind&) = delete;
+  ~JobThread();
+  JobThread(const JobThread&) = delete;
+  JobThread& operator=(const JobThread&) = delete;
 
   /** Throws what an earlier job threw, once; jobs after a failed one and after finish() are
    * dropped. */
