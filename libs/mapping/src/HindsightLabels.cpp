@@ -16,6 +16,7 @@
 #include "GroundHeights.h"
 #include "PlaceFacts.h"
 #include "PlaceVerdict.h"
+#include "Posts.h"
 #include "RayHistory.h"
 #include "Segments.h"
 #include "VisibilityImage.h"
@@ -31,6 +32,8 @@ constexpr int past_stride = 8;            // scans before the window between tho
 constexpr double growth = 1.1;            // of the distances to those that are used
 constexpr float full_change = 3;          // free observations of a place that suffice
 constexpr float threshold = 0.5F;         // above this probability a point is moving
+constexpr float doubtful_score = -2;      // of places that may be moving
+constexpr float post_score = 2.5F;        // by which the places of a post are less likely to move
 
 /** Distances to the scans that are used: all near ones, fewer far ones. */
 std::vector<int> scanOffsets(int window)
@@ -356,10 +359,22 @@ void HindsightLabels::Impl::decide(WindowScan& scan)
   const Segments segments =
       findSegments(points, use_point, options.voxel_size, options.segment_gap);
   const std::vector<PlaceFacts> facts = factsOf(segments, evidenceOf(segments), points, heights);
-  std::vector<float> place_probability;
+  std::vector<Eigen::Vector3f> places;
+  places.reserve(facts.size());
   for (const PlaceFacts& f : facts)
   {
-    place_probability.push_back(1 / (1 + std::exp(-movingScore(f))));
+    places.push_back(points[f.point]);
+  }
+  const Posts posts(places);
+  std::vector<float> place_probability;
+  for (std::size_t g = 0; g < facts.size(); ++g)
+  {
+    float score = movingScore(facts[g]);
+    if (score > doubtful_score && posts.contain(g))
+    {
+      score -= post_score;
+    }
+    place_probability.push_back(1 / (1 + std::exp(-score)));
   }
   frame.moving_probability.resize(frame.cloud.size(), 0);
   frame.moving.resize(frame.cloud.size());

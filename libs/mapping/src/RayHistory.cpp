@@ -34,7 +34,7 @@ struct Sides
 
 void add(const OtherScan& other, Evidence seen, RayCounts& c, Sides& sides)
 {
-  const bool free = seen == Evidence::free;
+  const bool free = seen == Evidence::free || seen == Evidence::enclosed;
   if (!free && seen != Evidence::occupied)
   {
     return;

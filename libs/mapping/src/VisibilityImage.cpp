@@ -18,6 +18,8 @@ constexpr float pi = 3.14159265358979F;
 constexpr float row_height = 0.4F * pi / 180.0F;
 constexpr float horizon = 0.5F * row_height;  // row 0 begins there
 constexpr int widest_window = 4;              // pixels to each side
+constexpr int widest_gap = 6;                 // rows to the nearest rays above and below
+constexpr int widest_side = 3;                // columns to the nearest rays on both sides
 constexpr float nearest = 0.5F;               // [m]
 constexpr float closest_pass = 0.1F;          // of a ray through a place [m]
 
@@ -176,16 +178,20 @@ void VisibilityImage::aim(Rays& rays) const
   rays.findRows();
 }
 
+/** Pixels to each side of a place whose rays are evaluated. */
+int VisibilityImage::windowOf(float size, float range)
+{
+  return std::clamp(static_cast<int>(std::ceil(0.5F * size / range / pixel)), 1, widest_window);
+}
+
 Evidence VisibilityImage::look(int row, int col, float range, float size, float margin) const
 {
-  constexpr float pixel = 2 * pi / cols;
   const int hit = static_cast<int>(closest_pass / (range * pixel));
   if (!std::isfinite(range) || range < nearest)
   {
     return Evidence::none;
   }
-  const int half =
-      std::clamp(static_cast<int>(std::ceil(0.5F * size / range / pixel)), 1, widest_window);
+  const int half = windowOf(size, range);
   if (row < half || row >= rows_ - half)
   {
     return Evidence::none;
@@ -209,8 +215,61 @@ Evidence VisibilityImage::look(int row, int col, float range, float size, float 
       close = close || (passes && std::abs(r - row) <= hit && std::abs(c - col) <= hit);
     }
   }
-  return !stopped && passed > half ? (close ? Evidence::free : Evidence::passed_by)
-                                   : Evidence::none;
+  if (stopped)
+  {
+    return Evidence::occluded;
+  }
+  return passed > half ? (close ? Evidence::free : Evidence::passed_by) : Evidence::none;
+}
+
+Evidence VisibilityImage::lookBetween(int row, int col, float range, float margin) const
+{
+  if (!std::isfinite(range) || range < nearest)
+  {
+    return Evidence::none;
+  }
+  for (const int up : {-1, 1})
+  {
+    Evidence seen = Evidence::none;
+    for (int gap = 0; gap <= widest_gap && seen == Evidence::none; ++gap)
+    {
+      seen = lookAtRow(row + up * gap, col, range, margin);
+    }
+    if (seen != Evidence::free)
+    {
+      return seen;
+    }
+  }
+  return Evidence::enclosed;
+}
+
+/** The nearest rays of one row: free if they passed on both sides of the place, of which one would
+ * have ended before it on a surface that is seen at a grazing angle. */
+Evidence VisibilityImage::lookAtRow(int row, int col, float range, float margin) const
+{
+  if (row < 0 || row >= rows_)
+  {
+    return Evidence::none;
+  }
+  int passed = 0;
+  for (const int side : {0, -1, 1})
+  {
+    float seen = std::numeric_limits<float>::infinity();
+    for (int gap = 1; gap <= widest_side && !std::isfinite(seen); ++gap)
+    {
+      seen = seenAt(row, col + side * gap);
+    }
+    if (std::abs(seen - range) <= margin)
+    {
+      return Evidence::occupied;
+    }
+    if (seen < range)
+    {
+      return Evidence::occluded;
+    }
+    passed += std::isfinite(seen) && side != 0 ? 1 : 0;
+  }
+  return passed == 0 ? Evidence::none : passed == 2 ? Evidence::free : Evidence::passed_by;
 }
 
 void VisibilityImage::at(const Eigen::Vector3f* places,
@@ -231,7 +290,20 @@ void VisibilityImage::at(const Eigen::Vector3f* places,
     aim(rays);
     for (std::size_t i = 0; i < rays.count; ++i)
     {
-      evidence[begin + i] = look(rays.row[i] - lowest_, rays.col[i], rays.range[i], size, margin);
+      const int row = rays.row[i] - lowest_;
+      Evidence& seen = evidence[begin + i];
+      seen = look(row, rays.col[i], rays.range[i], size, margin);
+      if (seen == Evidence::none || seen == Evidence::passed_by)
+      {
+        seen = lookBetween(row, rays.col[i], rays.range[i], margin);
+      }
+      else if (seen == Evidence::free)
+      {
+        // Sparse rays that ended behind a place on a surface seen at a grazing angle may have none
+        // beside them in the window.
+        const Evidence beside = lookAtRow(row, rays.col[i], rays.range[i], margin);
+        seen = beside == Evidence::occupied || beside == Evidence::occluded ? beside : seen;
+      }
     }
   }
 }

@@ -15,9 +15,11 @@ class StateArchive;
 /** Evidence of one scan's rays about a place. */
 enum class Evidence
 {
-  none,       //!< no ray in this direction, or occluded
+  none,       //!< no ray in this direction
+  occluded,   //!< a ray ended before it
   free,       //!< rays passed through it
   passed_by,  //!< rays passed around it, but too far away to exclude thin objects
+  enclosed,   //!< the nearest rays above and below passed it, too far away for thin objects
   occupied    //!< a ray ended there
 };
 
@@ -37,8 +39,10 @@ class VisibilityImage
    * if all of them ended more than `margin` behind it, and there were such rays: directions without
    * a return (sky, black cars) prove nothing. It is occupied if one ended within `margin`. */
   [[nodiscard]] Evidence at(const Eigen::Vector3f& p, float size, float margin) const;
-  /** at() of `count` places, which is faster than one by one.
-   * \param T takes them to the vehicle frame. */
+  /** at() of `count` places, which is faster than one by one. Where no ray passed through a place
+   * or ended there, those above and below are evaluated, up to 2.4 degrees away as between the
+   * rings of a sensor with 16: `enclosed` or `occupied`. \param T takes the places to the vehicle
+   * frame. */
   void at(const Eigen::Vector3f* places,
           std::size_t count,
           const Eigen::Isometry3f& T,
@@ -55,11 +59,19 @@ class VisibilityImage
 
  private:
   static constexpr int cols = 900;
+  static constexpr float pixel = 6.2831853F / cols;  // of a column [rad]
 
   struct Rays;
 
+  [[nodiscard]] static int windowOf(float size, float range);
   void aim(Rays& rays) const;
   [[nodiscard]] Evidence look(int row, int col, float range, float size, float margin) const;
+  [[nodiscard]] Evidence lookBetween(int row, int col, float range, float margin) const;
+  [[nodiscard]] Evidence lookAtRow(int row, int col, float range, float margin) const;
+  [[nodiscard]] float seenAt(int row, int col) const
+  {
+    return range_[static_cast<std::size_t>(row * cols + (col + cols) % cols)];
+  }
   void setRows(const std::vector<Eigen::Vector3f>& points);
   void setColumnOrigins(const std::vector<Eigen::Vector3f>& sum, const std::vector<int>& count);
 

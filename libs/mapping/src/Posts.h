@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <cstdint>
+#include <unordered_map>
+#include <vector>
+
+namespace dyslam
+{
+/** Finds places of posts, poles and trunks: thin upright columns that stand by themselves.
+ *
+ * Rays hit them in some scans and pass beside them in others, so that they look as if they came and
+ * went. */
+class Posts
+{
+ public:
+  /** \param places map frame [m]; kept by reference */
+  explicit Posts(const std::vector<Eigen::Vector3f>& places);
+
+  /** Whether the place belongs to a post: the places within 0.4 m horizontally are higher than 1.2
+   * m together and spread by less than 0.12 m (standard deviation), and within 1 m there are at
+   * most half as many others. */
+  [[nodiscard]] bool contain(std::size_t place) const;
+
+ private:
+  const std::vector<Eigen::Vector3f>& places_;
+  std::unordered_map<std::uint64_t, std::vector<std::uint32_t>> columns_;  // of squares
+};
+}  // namespace dyslam

@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "../src/VisibilityImage.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+
+namespace dyslam
+{
+namespace
+{
+constexpr float degree = 0.017453293F;
+
+/** Returns of a sensor at the origin. \param range of a ray, infinite without a return */
+Cloud cloudOf(float ring_step,
+              float column_step,
+              const std::function<float(const Eigen::Vector3f&)>& range)
+{
+  Cloud cloud;
+  for (float elevation = -15 * degree; elevation < 15.01F * degree; elevation += ring_step)
+  {
+    for (float azimuth = -60 * degree; azimuth < 60 * degree; azimuth += column_step)
+    {
+      const Eigen::Vector3f ray(std::cos(elevation) * std::cos(azimuth),
+                                std::cos(elevation) * std::sin(azimuth), std::sin(elevation));
+      if (std::isfinite(range(ray)))
+      {
+        cloud.points.emplace_back(range(ray) * ray);
+      }
+    }
+  }
+  return cloud;
+}
+
+Evidence at(const Cloud& cloud, const Eigen::Vector3f& place)
+{
+  const VisibilityImage image(cloud, Eigen::Vector3f::Zero());
+  Evidence evidence = Evidence::none;
+  image.at(&place, 1, Eigen::Isometry3f::Identity(), 0.2F, 0.5F, &evidence);
+  return evidence;
+}
+
+/** At an elevation between the rings of a sensor with 2 degrees between them. */
+Eigen::Vector3f betweenRings(float distance)
+{
+  return {distance, 0, distance * std::tan(2 * degree)};
+}
+
+TEST(VisibilityImage, RaysThroughAPlaceObserveItFree)
+{
+  const Cloud far = cloudOf(0.4F * degree, 0.2F * degree, [](const auto&) { return 40.0F; });
+  EXPECT_EQ(at(far, {20, 0.03F, 0}), Evidence::free);
+  EXPECT_EQ(at(far, {40, 0, 0}), Evidence::occupied);
+  EXPECT_EQ(at(far, {50, 0, 0}), Evidence::occluded);
+}
+
+TEST(VisibilityImage, RaysAboveAndBelowEncloseAPlaceBetweenRings)
+{
+  const Cloud far = cloudOf(2 * degree, 0.4F * degree, [](const auto&) { return 40.0F; });
+  EXPECT_EQ(at(far, betweenRings(20)), Evidence::enclosed);
+  EXPECT_EQ(at(far, betweenRings(40)), Evidence::occupied) << "the wall goes on between the rings";
+  EXPECT_EQ(at(far, betweenRings(50)), Evidence::occluded);
+}
+
+TEST(VisibilityImage, APlaceIsNotEnclosedBesideWhatRaysHit)
+{
+  // A low wall at 20 m: the ring above passes over it, the one below ends there.
+  const auto low_wall = [](const Eigen::Vector3f& ray)
+  { return ray.z() < 2 * degree ? 20 / ray.x() : 40.0F; };
+  EXPECT_EQ(at(cloudOf(2 * degree, 0.4F * degree, low_wall), betweenRings(20)), Evidence::occupied);
+}
+
+TEST(VisibilityImage, SkyProvesNothing)
+{
+  const auto sky_above = [](const Eigen::Vector3f& ray)
+  { return ray.z() < 2 * degree ? 40.0F : std::numeric_limits<float>::infinity(); };
+  EXPECT_EQ(at(cloudOf(2 * degree, 0.4F * degree, sky_above), betweenRings(20)), Evidence::none);
+}
+
+TEST(VisibilityImage, AWallAtGrazingIncidenceIsNotFree)
+{
+  // Along x at 3 m to the left: next to a ray that ended there, others end metres before and after.
+  const auto beside = [](const Eigen::Vector3f& ray) { return ray.y() > 0.05F ? 3 / ray.y() : 60; };
+  const Cloud sparse = cloudOf(0.4F * degree, 0.85F * degree, beside);
+  for (float x = 10; x < 25; x += 0.1F)
+  {
+    const Evidence seen = at(sparse, {x, 3, 0.4F});
+    EXPECT_NE(seen, Evidence::free) << x;
+    EXPECT_NE(seen, Evidence::enclosed) << x;
+  }
+}
+}  // namespace
+}  // namespace dyslam
