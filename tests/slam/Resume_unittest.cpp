@@ -219,6 +219,12 @@ TEST_F(Resume, FirstScanIsEnough)
       {1});
 }
 
+/** The network encodes each scan ahead, beside the one before it. */
+TEST_F(Resume, TheNetworkGivesTheSameBytes)
+{
+  expectResumes("network", {"dyseg.method=network", "labels.hindsight=false"}, {5, 14});
+}
+
 TEST_F(Resume, ResumedRunsCanBeKilledAgain)
 {
   const std::vector<std::string> some{"output.checkpoint_seconds=1e-6", "labels.window=6"};
@@ -291,6 +297,9 @@ TEST_F(Resume, DamageAndDifferencesAreErrorsThatRemoveNothing)
   SlamRunSettings other;
   other.config.set("map.voxel_size=0.7");
   expectRefused(other, "map.voxel_size is 0.7");
+  other = {};
+  other.probabilities = true;
+  expectRefused(other, "--probabilities: the run to resume was started without it");
   other = {};
   other.rawlog = std::string(DYSLAM_SOURCE_DIR) + "/rawlog/campus16.rawlog";
   expectRefused(other, "has another size");

@@ -66,6 +66,12 @@ std::string readWhole(const std::string& path, const std::string& advice)
   return content;
 }
 
+std::string nameOfFile(const std::string& path)
+{
+  const fs::path normal = fs::absolute(path).lexically_normal();
+  return (normal.has_filename() ? normal : normal.parent_path()).filename().string();
+}
+
 void makeFolder(const std::string& path, const std::string& advice)
 {
   std::error_code error;

@@ -47,12 +47,6 @@ Pose sensorPoseFrom(std::string text)
   return poseFromYpr(v[0], v[1], v[2], rad * v[3], rad * v[4], rad * v[5]);
 }
 
-std::string nameOfFile(const std::string& path)
-{
-  const fs::path normal = fs::absolute(path).lexically_normal();
-  return (normal.has_filename() ? normal : normal.parent_path()).filename().string();
-}
-
 std::string emptyRange(const ScanRange& range)
 {
   return range.start > 0 || range.end > 0 ? "--skip-first-n, --start and --end leave none"

@@ -16,9 +16,6 @@ namespace dyslam
  * empty. \throws UserError. */
 [[nodiscard]] Pose sensorPoseFrom(std::string text);
 
-/** Of a path, also of a folder with a slash at its end. */
-[[nodiscard]] std::string nameOfFile(const std::string& path);
-
 /** \param inputs files and folders that a conversion reads; empty ones are skipped.
  * \throws UserError if writing the rawlog `output` with its sidecar would replace one of them. */
 void requireNoInput(const std::string& output, const std::vector<std::string>& inputs);

@@ -2,6 +2,7 @@
 #include "KittiLayout.h"
 
 #include <dyslam/core/Error.h>
+#include <dyslam/core/Files.h>
 #include <dyslam/formats/RecordingKind.h>
 #include <dyslam/formats/ScanFiles.h>
 #include <dyslam/formats/SustechFiles.h>

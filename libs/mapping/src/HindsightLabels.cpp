@@ -57,7 +57,8 @@ struct WindowScan
 {
   WindowScan() = default;
   WindowScan(const Frame& given, bool wanted)
-      : T_odom_vehicle(given.T_odom_vehicle),
+      : index(given.index),
+        T_odom_vehicle(given.T_odom_vehicle),
         image(given.cloud, given.scan.T_vehicle_lidar.translation().cast<float>()),
         lowest(given.cloud.points, T_odom_vehicle.cast<float>())
   {
@@ -70,11 +71,40 @@ struct WindowScan
   }
 
   std::optional<Frame> frame;  //!< none if it is not wanted, and once it is decided
+  std::size_t index = 0;       //!< Frame::index
   Pose T_odom_vehicle = Pose::Identity();
   VisibilityImage image;
   LowestReturns lowest;
 
-  void exchangeState(StateArchive& archive) { archive(frame, T_odom_vehicle, image, lowest); }
+  void exchangeState(StateArchive& archive)
+  {
+    archive(frame, index, T_odom_vehicle, image, lowest);
+  }
+};
+
+/** Tracks with a property that they keep: to the last Frame::index at which each was there. */
+class LastingTracks
+{
+ public:
+  void note(int id, bool has_property, std::size_t frame)
+  {
+    if (has_property || contain(id))
+    {
+      last_[id] = frame;
+    }
+  }
+  [[nodiscard]] bool contain(int id) const { return last_.count(id) != 0; }
+  void forgetBefore(std::size_t frame)
+  {
+    for (auto track = last_.begin(); track != last_.end();)
+    {
+      track = track->second < frame ? last_.erase(track) : std::next(track);
+    }
+  }
+  void exchangeState(StateArchive& archive) { archive(last_); }
+
+ private:
+  std::map<int, std::size_t> last_;
 };
 
 /** One of the scans before the window. */
@@ -177,11 +207,11 @@ struct HindsightLabels::Impl
   std::vector<int> offsets;
   ThreadPool pool;
   std::deque<WindowScan> scans;
-  std::deque<PastScan> past;                 //!< some of those before the window
-  std::size_t next = 0;                      //!< of `scans`, to be decided
-  std::size_t count = 0;                     //!< of all scans added
-  std::map<int, std::size_t> dynamic_until;  //!< last Frame::index at which the track was dynamic
-  std::map<int, std::size_t> reported_until;
+  std::deque<PastScan> past;  //!< some of those before the window
+  std::size_t next = 0;       //!< of `scans`, to be decided
+  std::size_t count = 0;      //!< of all scans added
+  LastingTracks dynamic;      //!< have been at some time
+  LastingTracks reported;
 };
 
 GroundHeights HindsightLabels::Impl::ground() const
@@ -236,7 +266,7 @@ std::vector<float> HindsightLabels::Impl::trackedShare(const Frame& frame) const
   std::vector<float> tracked(frame.cloud.size(), 0.0F);
   for (const TrackedObject& object : frame.objects)
   {
-    if (object.detection >= 0 && dynamic_until.count(object.id) != 0)
+    if (object.detection >= 0 && dynamic.contain(object.id))
     {
       for (const std::uint32_t i :
            frame.detections[static_cast<std::size_t>(object.detection)].points)
@@ -297,14 +327,8 @@ void HindsightLabels::Impl::noteTracks(const Frame& frame)
 {
   for (const TrackedObject& object : frame.objects)
   {
-    if (object.confirmed && object.dynamic)
-    {
-      dynamic_until[object.id] = frame.index;
-    }
-    if (object.reported)
-    {
-      reported_until[object.id] = frame.index;
-    }
+    dynamic.note(object.id, object.confirmed && object.dynamic, frame.index);
+    reported.note(object.id, object.reported, frame.index);
   }
 }
 
@@ -322,6 +346,8 @@ void HindsightLabels::Impl::leaveWindow()
   }
   scans.pop_front();
   --next;
+  dynamic.forgetBefore(scans.front().index);
+  reported.forgetBefore(scans.front().index);
 }
 
 /** Outputs the next frame, if it is wanted, and drops the oldest scan. */
@@ -390,7 +416,7 @@ void HindsightLabels::Impl::decide(WindowScan& scan)
   }
   for (TrackedObject& object : frame.objects)
   {
-    object.reported = object.reported || reported_until.count(object.id) != 0;
+    object.reported = object.reported || reported.contain(object.id);
   }
 }
 
@@ -431,7 +457,6 @@ void HindsightLabels::finish(const Use& use)
 
 void HindsightLabels::exchangeState(StateArchive& archive)
 {
-  archive(impl_->scans, impl_->past, impl_->next, impl_->count, impl_->dynamic_until,
-          impl_->reported_until);
+  archive(impl_->scans, impl_->past, impl_->next, impl_->count, impl_->dynamic, impl_->reported);
 }
 }  // namespace dyslam

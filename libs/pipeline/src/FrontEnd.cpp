@@ -8,6 +8,8 @@
 #include <dyslam/pipeline/FrontEnd.h>
 #include <mrpt/system/CTimeLogger.h>
 
+#include <atomic>
+#include <chrono>
 #include <future>
 #include <memory>
 #include <optional>
@@ -39,11 +41,15 @@ struct EncodedScan
 struct WaitAtEnd
 {
   const std::future<EncodedScan>& ahead;
+  std::atomic<double>& waited;  //!< [s]
   ~WaitAtEnd()
   {
     if (ahead.valid())
     {
+      const auto begin = std::chrono::steady_clock::now();
       ahead.wait();
+      const std::chrono::duration<double> wait = std::chrono::steady_clock::now() - begin;
+      waited = waited + wait.count();
     }
   }
 };
@@ -82,6 +88,7 @@ struct FrontEnd::Stages
   /** That the next scan is encoded with, before its own is known; nothing: after it. */
   std::optional<SweepPrediction> sweep_ahead;
   std::future<EncodedScan> ahead;  //!< of the next scan, if it was there
+  std::atomic<double> waited = 0;  //!< for it [s]
   JobThread ahead_thread{1};
 };
 
@@ -98,7 +105,7 @@ void FrontEnd::process(Frame& frame, const Frame* next)
   s.odometry.predict(frame);
   const auto encoded = s.preprocess(frame);
   s.beginAhead(next);
-  const WaitAtEnd wait{s.ahead};
+  const WaitAtEnd wait{s.ahead, s.waited};
   s.segment(frame, false, encoded);
   s.odometry.estimate(frame);
   s.segment(frame, true, encoded);
@@ -191,6 +198,11 @@ void FrontEnd::Stages::filterOverTime(Frame& frame)
     const CTimeLoggerEntry timed(times, "dyseg");
     filter.apply(frame);
   }
+}
+
+FrontEndWaits FrontEnd::waits() const
+{
+  return {stages_->waited, stages_->ahead_thread.waits().for_items};
 }
 
 void FrontEnd::exchangeState(StateArchive& archive)

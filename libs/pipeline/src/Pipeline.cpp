@@ -297,6 +297,11 @@ Trajectory Pipeline::trajectory() const
   return stages_->backend.optimizedTrajectory();
 }
 
+FrontEndWaits Pipeline::frontEndWaits() const
+{
+  return stages_->front_end.waits();
+}
+
 std::string Pipeline::summary() const
 {
   return stages_->front_end.summary();

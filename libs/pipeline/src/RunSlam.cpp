@@ -3,6 +3,7 @@
 #include <dyslam/core/Error.h>
 #include <dyslam/core/StateArchive.h>
 #include <dyslam/io/RawlogSource.h>
+#include <dyslam/pipeline/FrontEnd.h>
 #include <dyslam/pipeline/Pipeline.h>
 #include <dyslam/pipeline/SlamRun.h>
 
@@ -34,7 +35,9 @@ class NotedWaits
     const QueueWaits scans = reader_.waits();
     const QueueWaits frames = front_end_.waits();
     run_.noteWait("reading", scans.for_room);
-    run_.noteWait("front_end", scans.for_items + frames.for_room);
+    const FrontEndWaits encoding = run_.pipeline().frontEndWaits();
+    run_.noteWait("front_end", scans.for_items + frames.for_room + encoding.for_encoding);
+    run_.noteWait("encoding", encoding.for_scans);
     run_.noteWait("back_end", frames.for_items);
   }
   NotedWaits(const NotedWaits&) = delete;
@@ -139,6 +142,16 @@ SlamRunReport replayToTheEnd(const SlamRunSettings& settings,
   return run.finish(source.warnings(), damage);
 }
 
+/** \throws UserError if an output is asked for that the run did not have from its first scan on. */
+void requireHad(bool asked, bool had, const std::string& flag)
+{
+  if (asked && !had)
+  {
+    throw UserError(flag +
+                    ": the run to resume was started without it; leave it out, or start anew");
+  }
+}
+
 /** The settings of the run, as far as they are not given anew. */
 SlamRunSettings settingsOf(const SavedRun& saved, const SlamRunSettings& given)
 {
@@ -149,6 +162,9 @@ SlamRunSettings settingsOf(const SavedRun& saved, const SlamRunSettings& given)
   settings.inputs = saved.inputs;
   settings.sensor = saved.sensor;
   settings.warnings = saved.warnings;
+  requireHad(given.static_scans, saved.static_scans, "--static-scans");
+  requireHad(given.labels, saved.labels, "--labels");
+  requireHad(given.probabilities, saved.probabilities, "--probabilities");
   settings.static_scans = saved.static_scans;
   settings.labels = saved.labels;
   settings.probabilities = saved.probabilities;

@@ -83,6 +83,7 @@ std::map<std::string, double> memoryOf(const Pipeline& pipeline)
   return bytes;
 }
 
+/** \param frames whose times were taken */
 std::map<std::string, double> stageMilliseconds(const CTimeLogger& times, std::size_t frames)
 {
   std::map<std::string, CTimeLogger::TCallStats> stats;
@@ -149,6 +150,8 @@ struct SlamRun::Impl
     }
   }
 
+  /** Scans of this process, whose times are known: not those before a resumed run. */
+  [[nodiscard]] std::size_t timedScans() const { return statistics.frames - resumed_after; }
   [[nodiscard]] std::map<std::string, double> waitMilliseconds() const;
   [[nodiscard]] RunResults results(const std::vector<std::string>& source_warnings) const;
   [[nodiscard]] RunResults resultsSoFar() const;
@@ -172,6 +175,7 @@ struct SlamRun::Impl
   RunHistory history;
   RunOutputs outputs;
   RunStatistics statistics;
+  std::size_t resumed_after = 0;        //!< scans
   std::map<std::string, double> waits;  //!< of the caller's threads [s]
 };
 
@@ -183,7 +187,7 @@ std::map<std::string, double> SlamRun::Impl::waitMilliseconds() const
   seconds["writing"] += writing.for_items;
   for (auto& [thread, wait] : seconds)
   {
-    wait *= statistics.frames > 0 ? 1e3 / static_cast<double>(statistics.frames) : 0;
+    wait *= timedScans() > 0 ? 1e3 / static_cast<double>(timedScans()) : 0;
   }
   return seconds;
 }
@@ -200,7 +204,7 @@ RunResults SlamRun::Impl::results(const std::vector<std::string>& source_warning
   results.trajectory = pipeline.trajectory();
   results.objects = smoothedObjects(results.trajectory);
   results.reference = statistics.referenceInMap(results.trajectory);
-  results.stage_ms = stageMilliseconds(times, statistics.frames);
+  results.stage_ms = stageMilliseconds(times, timedScans());
   results.wait_ms = waitMilliseconds();
   results.memory_mb = memoryOf(pipeline);
   fillReport(results.report, results);
@@ -352,7 +356,8 @@ void SlamRun::Impl::requireSame(const SavedRun& saved) const
       {
         throw UserError(section + "." + key + " is " + value.text +
                         ", in the run to resume it is " + before +
-                        "; leave --config and --set out, or start anew");
+                        "; leave out --config, --set and other options of the settings, or start "
+                        "anew");
       }
     }
   }
@@ -371,6 +376,7 @@ void SlamRun::resume(RunToResume& saved)
                m.pipeline.exchangeBackEndState(archive);
                archive(m.statistics, m.history);
              });
+  m.resumed_after = m.statistics.frames;
   m.begin -= std::chrono::duration_cast<std::chrono::steady_clock::duration>(
       std::chrono::duration<double>(saved.run.seconds));
   m.outputs.resume(saved);

@@ -37,6 +37,13 @@ constexpr double min_difference = 3;
  * where the segmenter gives none. */
 using StaticPriors = std::vector<std::vector<float>>;
 
+/** A speed as odometry.start_speed: zero would mean an unknown one [m/s]. */
+double knownSpeed(double speed)
+{
+  constexpr double standing = 1e-3;
+  return std::fabs(speed) < standing ? standing : speed;
+}
+
 struct StartSearch
 {
   StartSearch(const std::vector<Frame>& first_frames, const Config& run_config)
@@ -75,9 +82,7 @@ Config StartSearch::startingAt(std::optional<double> speed) const
   Config changed = config;
   if (speed)
   {
-    // Zero would mean an unknown speed.
-    const double given = std::fabs(*speed) < 1e-3 ? 1e-3 : *speed;
-    changed.set("odometry.start_speed=" + std::to_string(given));
+    changed.set("odometry.start_speed=" + std::to_string(knownSpeed(*speed)));
     changed.set("odometry.start_speed_sigma=" + std::to_string(options.sigma));
   }
   return changed;
@@ -305,8 +310,9 @@ void setStartSpeed(double speed, Config& config)
 {
   StartOptions start;
   load(start, config, "start");
+  const double rounded = std::round(10 * speed) / 10;
   char text[40];
-  std::snprintf(text, sizeof text, "%.1f", speed);
+  std::snprintf(text, sizeof text, "%g", knownSpeed(rounded));
   config.set(std::string("odometry.start_speed=") + text);
   config.set("odometry.start_speed_sigma=" + std::to_string(start.sigma));
 }

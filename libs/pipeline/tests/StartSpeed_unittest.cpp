@@ -66,6 +66,11 @@ TEST(StartSpeed, IsSetWithItsDeviation)
   EXPECT_EQ(2.5, std::stod(odometry.at("start_speed_sigma").text));
   EXPECT_EQ("gicp", odometry.at("method").text);
   EXPECT_FALSE(findStartSpeed(std::vector<Frame>(20), config)) << "it is known now";
+  for (const double standing : {0.02, -0.02, 0.0})
+  {
+    setStartSpeed(standing, config);
+    EXPECT_EQ("0.001", odometry.at("start_speed").text) << "zero would mean an unknown speed";
+  }
   Config bad = Config::fromText("[start]\nsigma = -1\n", "test");
   EXPECT_THROW(setStartSpeed(3, bad), UserError);
 }

@@ -9,7 +9,6 @@
 #include <dyslam/report/RunPage.h>
 
 #include <algorithm>
-#include <filesystem>
 #include <map>
 #include <string_view>
 #include <utility>
@@ -62,7 +61,7 @@ class PageOutput : public RunOutput
   [[nodiscard]] RunPage pageOf(const RunResults& results) const
   {
     RunPage page;
-    page.title = std::filesystem::absolute(folder_).lexically_normal().filename().string();
+    page.title = nameOfFile(folder_);
     page.input = input_;
     page.sensor = sensor_;
     page.reference_origin = truth_;
@@ -109,28 +108,20 @@ class PageOutput : public RunOutput
   static std::vector<PageObject> objectsOf(const RunResults& results)
   {
     std::map<int, PageObject> objects;
-    results.history->forEachReported(
-        [&](const ReportedObject& report)
-        {
-          if (!report.dynamic)
-          {
-            return;
-          }
-          // Loops closed since have moved the odometry frame of each scan.
-          const PastScan& scan = results.history->scans()[report.scan];
-          const Pose T_map_odom =
-              results.trajectory[report.scan].pose * scan.T_odom_vehicle.inverse();
-          TrackedObject state = report.tracked();
-          if (const SmoothedObject* smoothed = findSmoothed(results.objects, scan.index, report.id))
-          {
-            state = smoothedTrack(state, *smoothed, T_map_odom.inverse());
-          }
-          PageObject& object = objects[report.id];
-          object.id = report.id;
-          object.object_class = state.object_class;
-          object.states.push_back({report.scan, transformed(state.box, T_map_odom),
-                                   T_map_odom.linear() * state.velocity});
-        });
+    forEachReported(results,
+                    [&](const ReportedState& state)
+                    {
+                      if (!state.dynamic)
+                      {
+                        return;
+                      }
+                      PageObject& object = objects[state.object.id];
+                      object.id = state.object.id;
+                      object.object_class = state.object.object_class;
+                      object.states.push_back({state.scan_number,
+                                               transformed(state.object.box, state.T_map_odom),
+                                               state.T_map_odom.linear() * state.object.velocity});
+                    });
     std::vector<PageObject> result;
     for (auto& [id, object] : objects)
     {

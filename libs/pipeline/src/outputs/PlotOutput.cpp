@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/Files.h>
 #include <dyslam/core/PendingFile.h>
 #include <dyslam/eval/TrajectoryPlot.h>
 
-#include <filesystem>
 #include <string_view>
 
 #include "../RunOutput.h"
@@ -18,8 +18,7 @@ class PlotOutput : public RunOutput
 {
  public:
   explicit PlotOutput(const RunOutputContext& context)
-      : RunOutput(context, {picture}),
-        title_(std::filesystem::path(context.settings.output_folder).filename().string())
+      : RunOutput(context, {picture}), title_(nameOfFile(context.settings.output_folder))
   {
   }
   void finish(const RunResults& results) override

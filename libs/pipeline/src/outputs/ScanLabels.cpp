@@ -32,6 +32,12 @@ std::uint16_t movingLabel(ObjectClass object_class)
   }
   return semanticOf(label_moving);
 }
+
+/** Labels have 16 bits for the instance, of which 0 is none: numbers repeat in long recordings. */
+std::uint16_t instanceOfTrack(int id)
+{
+  return static_cast<std::uint16_t>(1 + id % 65535);
+}
 }  // namespace
 
 std::vector<Label> scanLabels(const Frame& frame)
@@ -47,8 +53,7 @@ std::vector<Label> scanLabels(const Frame& frame)
     {
       continue;
     }
-    const Label label =
-        makeLabel(movingLabel(object.object_class), static_cast<std::uint16_t>(object.id + 1));
+    const Label label = makeLabel(movingLabel(object.object_class), instanceOfTrack(object.id));
     for (const auto i : frame.detections[static_cast<std::size_t>(object.detection)].points)
     {
       labels[frame.cloud.source[i]] = frame.isMoving(i) ? label : labels[frame.cloud.source[i]];

@@ -49,28 +49,21 @@ class SceneOutput : public RunOutput
   static void addMovingObjects(const RunResults& results, SceneContent& scene)
   {
     std::map<int, std::pair<LabelledBox, Eigen::Vector3d>> last;  // and velocity, map frame
-    results.history->forEachReported(
-        [&](const ReportedObject& report)
-        {
-          if (!report.dynamic)
-          {
-            return;
-          }
-          // Loops closed since have moved the odometry frame of each scan.
-          const PastScan& scan = results.history->scans()[report.scan];
-          const Pose T = results.trajectory[report.scan].pose * scan.T_odom_vehicle.inverse();
-          TrackedObject object = report.tracked();
-          if (const SmoothedObject* smoothed = findSmoothed(results.objects, scan.index, report.id))
-          {
-            object = smoothedTrack(object, *smoothed, T.inverse());
-          }
-          scene.object_paths[report.id].push_back(T * object.box.center);
-          auto& [box, velocity] = last[report.id];
-          box.id = report.id;
-          box.object_class = object.object_class;
-          box.box = transformed(object.box, T);
-          velocity = T.linear() * object.velocity;
-        });
+    forEachReported(results,
+                    [&](const ReportedState& state)
+                    {
+                      if (!state.dynamic)
+                      {
+                        return;
+                      }
+                      const TrackedObject& object = state.object;
+                      scene.object_paths[object.id].push_back(state.T_map_odom * object.box.center);
+                      auto& [box, velocity] = last[object.id];
+                      box.id = object.id;
+                      box.object_class = object.object_class;
+                      box.box = transformed(object.box, state.T_map_odom);
+                      velocity = state.T_map_odom.linear() * object.velocity;
+                    });
     for (const auto& [id, state] : last)
     {
       scene.boxes.push_back(state.first);

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace dyslam
 {
@@ -36,5 +37,23 @@ TrackedObject smoothedTrack(const TrackedObject& tracked,
   result.covariance = R * smoothed.covariance * R.transpose();
   result.dynamic = smoothed.moving;
   return result;
+}
+
+void forEachReported(const RunResults& results,
+                     const std::function<void(const ReportedState&)>& use)
+{
+  results.history->forEachReported(
+      [&](const ReportedObject& report)
+      {
+        const PastScan& scan = results.history->scans()[report.scan];
+        const Pose T_map_odom =
+            results.trajectory[report.scan].pose * scan.T_odom_vehicle.inverse();
+        TrackedObject object = report.tracked();
+        if (const SmoothedObject* smoothed = findSmoothed(results.objects, scan.index, object.id))
+        {
+          object = smoothedTrack(object, *smoothed, T_map_odom.inverse());
+        }
+        use({std::move(object), report.dynamic, scan, report.scan, T_map_odom});
+      });
 }
 }  // namespace dyslam

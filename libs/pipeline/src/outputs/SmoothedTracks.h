@@ -6,7 +6,11 @@
 #include <dyslam/core/Pose.h>
 
 #include <cstddef>
+#include <functional>
 #include <vector>
+
+#include "../RunHistory.h"
+#include "../RunOutput.h"
 
 namespace dyslam
 {
@@ -21,4 +25,19 @@ namespace dyslam
 [[nodiscard]] TrackedObject smoothedTrack(const TrackedObject& tracked,
                                           const SmoothedObject& smoothed,
                                           const Pose& T_odom_map);
+
+/** An object at a scan at which it was reported, smoothed where there is more than the tracker's
+ * state. */
+struct ReportedState
+{
+  TrackedObject object;     //!< odometry frame
+  bool dynamic;             //!< as the tracker decided
+  const PastScan& scan;     //!< of RunHistory::scans()
+  std::size_t scan_number;  //!< in there, and in RunResults::trajectory
+  Pose T_map_odom;          //!< by the final trajectory: loops have moved the odometry frame
+};
+
+/** Calls `use` for every reported object, by scan. */
+void forEachReported(const RunResults& results,
+                     const std::function<void(const ReportedState&)>& use);
 }  // namespace dyslam

@@ -95,9 +95,9 @@ class TrackOutput : public RunOutput
                                  [&](std::ostream& out)
                                  {
                                    out << header;
-                                   forEach(results,
-                                           [&](const TrackedObject& object, const PastScan& scan)
-                                           { out << rowOf(object, scan.index, scan.stamp); });
+                                   forEachReported(
+                                       results, [&](const ReportedState& s)
+                                       { out << rowOf(s.object, s.scan.index, s.scan.stamp); });
                                  });
                     }
                   }});
@@ -109,32 +109,14 @@ class TrackOutput : public RunOutput
     writeWhole(path(kitti),
                [&](std::ostream& out)
                {
-                 forEach(results,
-                         [&](const TrackedObject& object, const PastScan& scan)
-                         {
-                           const Pose& T_vehicle_lidar = results.history->mounts()[scan.mount];
-                           out << trackLine(labelledBox(object, scan, T_vehicle_lidar));
-                         });
+                 forEachReported(results,
+                                 [&](const ReportedState& s)
+                                 {
+                                   const Pose& T_vehicle_lidar =
+                                       results.history->mounts()[s.scan.mount];
+                                   out << trackLine(labelledBox(s.object, s.scan, T_vehicle_lidar));
+                                 });
                });
-  }
-
-  /** The current state of every reported object. */
-  static void forEach(const RunResults& results,
-                      const std::function<void(const TrackedObject&, const PastScan&)>& use)
-  {
-    results.history->forEachReported(
-        [&](const ReportedObject& report)
-        {
-          const PastScan& scan = results.history->scans()[report.scan];
-          TrackedObject object = report.tracked();
-          if (const SmoothedObject* smoothed = findSmoothed(results.objects, scan.index, object.id))
-          {
-            object =
-                smoothedTrack(object, *smoothed,
-                              scan.T_odom_vehicle * results.trajectory[report.scan].pose.inverse());
-          }
-          use(object, scan);
-        });
   }
 
   StreamedFile rows_;

@@ -14,6 +14,8 @@ namespace dyslam
 void requireReadable(const std::istream& file, const std::string& path);
 /** The whole of a file. \throws UserError, also for errors while it is read. */
 [[nodiscard]] std::string readWhole(const std::string& path, const std::string& advice = "");
+/** The last part of a path: "run" for "out/run", "out/run/" and, within that folder, ".". */
+[[nodiscard]] std::string nameOfFile(const std::string& path);
 /** Makes a folder and its parents, if it is not there. \throws UserError. */
 void makeFolder(const std::string& path, const std::string& advice = "");
 }  // namespace dyslam

@@ -17,6 +17,13 @@ namespace dyslam
 {
 class StateArchive;
 
+/** Waiting times of the front end's two threads so far [s]. */
+struct FrontEndWaits
+{
+  double for_encoding = 0;  //!< of process() for the encoding of the next scan
+  double for_scans = 0;     //!< of the encoding thread for that scan and the motion before it
+};
+
 /** The stages up to the pose: motion prior, preprocessing, segmentation, odometry, and the decision
  * what moves.
  *
@@ -40,6 +47,7 @@ class FrontEnd
    * thread, beside segmentation and registration of the frame. Read until process() returns; the
    * next call gets a frame with this scan. Same bytes without it. */
   void process(Frame& frame, const Frame* next = nullptr);
+  [[nodiscard]] FrontEndWaits waits() const;
   /** What is kept from frame to frame. */
   void exchangeState(StateArchive& archive);
 

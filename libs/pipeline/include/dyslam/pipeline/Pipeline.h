@@ -23,6 +23,7 @@ class StateArchive;
 
 class Backend;
 class StaticMap;
+struct FrontEndWaits;
 
 struct PipelineOptions : Options
 {
@@ -100,6 +101,8 @@ class Pipeline
   [[nodiscard]] const StaticMap* map() const;
   /** Pose of the vehicle at every frame by the backend's present estimate, map frame. */
   [[nodiscard]] Trajectory trajectory() const;
+  /** FrontEnd::waits(). */
+  [[nodiscard]] FrontEndWaits frontEndWaits() const;
   /** The methods in use, for reports: "network + constant_velocity + point_to_plane". */
   [[nodiscard]] std::string summary() const;
   /** Warnings about config and recording, one sentence each. */
