@@ -39,7 +39,7 @@ class Printer : public dyslam::MapListener
   void warn(const std::string& text) override
   {
     progress_.reset();
-    std::fprintf(stderr, "warning: %s\n", text.c_str());
+    std::fprintf(stderr, "warning: %s\n", dyslam::printable(text).c_str());
   }
 
  private:

@@ -211,7 +211,7 @@ TEST_F(BadInput, PointsThatAreNoneAndAnEmptyScanAreSurvived)
          });
   const Outcome outcome = run("dyslam", slam(at("spoiled.rawlog"), "spoiled") + " --labels");
   EXPECT_EQ(outcome.code, 0) << outcome.err;
-  EXPECT_NE(outcome.out.find("an empty scan"), std::string::npos) << outcome.out;
+  EXPECT_NE(outcome.out.find("an empty scan (scan 6)"), std::string::npos) << outcome.out;
   EXPECT_NE(outcome.out.find("1 scans could not be registered"), std::string::npos) << outcome.out;
   EXPECT_EQ(posesIn("spoiled"), scan_count);
   const auto truth = readTum(at("spoiled") + "/reference_tum.txt");
@@ -228,6 +228,27 @@ TEST_F(BadInput, PointsThatAreNoneAndAnEmptyScanAreSurvived)
     EXPECT_TRUE(std::string(file) == "map_static.ply" || text.find("nan") == std::string::npos)
         << file;
   }
+}
+
+TEST_F(BadInput, WarningsHaveNoEscapeCodes)
+{
+  const std::string name =
+      "odd\x1b"
+      "c.rawlog";
+  record(name, [](std::size_t i, Scan& scan)
+         { scan.stamp = 100.0 + 0.1 * static_cast<double>(i == 4 ? 3 : i); });
+  std::string poses;
+  for (std::size_t i = 0; i < scan_count; ++i)
+  {
+    poses += std::to_string(100.0 + 0.1 * static_cast<double>(i)) + " 0 0 0 0 0 0 1\n";
+  }
+  const std::string trajectory = write("odd/trajectory.txt", poses);
+  const Outcome outcome = run("dyslam-map", "-q -i " + at(name) + " --trajectory " + trajectory +
+                                                " -o " + at("odd/map.ply"));
+  EXPECT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_NE(outcome.err.find("warning: "), std::string::npos) << outcome.err;
+  EXPECT_NE(outcome.err.find("odd?c.rawlog"), std::string::npos) << outcome.err;
+  EXPECT_EQ(outcome.err.find('\x1b'), std::string::npos) << outcome.err;
 }
 
 TEST_F(BadInput, TimeStampsThatRepeatOrGoBack)

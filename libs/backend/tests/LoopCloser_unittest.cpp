@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <map>
+#include <set>
 #include <stdexcept>
 #include <utility>
 
@@ -79,6 +80,18 @@ std::string textOf(const std::vector<Loop>& loops)
     text += name + " " + std::to_string(count) + ", ";
   }
   return text;
+}
+
+TEST(LoopVerdicts, AreAllListedAndNamed)
+{
+  std::set<std::string> names;
+  for (const LoopVerdict verdict : loop_verdicts)
+  {
+    names.insert(toString(verdict));
+  }
+  EXPECT_EQ(names.size(), loop_verdicts.size());
+  EXPECT_EQ(names.count("unknown"), 0U);
+  EXPECT_EQ(toString(static_cast<LoopVerdict>(loop_verdicts.size())), "unknown");
 }
 
 TEST(LoopCloser, FindsTheSecondRoundAndMeasuresItWell)

@@ -17,7 +17,7 @@ namespace dyslam
 class MovingCells
 {
  public:
-  /** \param points sensor frame [m] */
+  /** \param points vehicle frame [m] */
   MovingCells(const std::vector<Eigen::Vector3f>& points, const ResidualSegmenterOptions& options);
 
   /** Indices of the points within range and above ground; only these can be moving. */

@@ -56,12 +56,14 @@ void GraphSlamContext::takeObservation(const mrpt::obs::CObservation::Ptr& obser
   {
     return;
   }
-  frame_ = decoder_.decode(*scan);
-  pipeline_.runFrontEnd(*frame_);
-  pipeline_.deskew(*frame_);
-  pipeline_.trackObjects(*frame_);
-  pipeline_.addOdometry(*frame_);
-  T_map_vehicle_ = frame_->T_map_vehicle();
+  Frame frame = decoder_.decode(*scan);
+  pipeline_.runFrontEnd(frame);
+  pipeline_.deskew(frame);
+  pipeline_.trackObjects(frame);
+  pipeline_.addOdometry(frame);
+  T_map_vehicle_ = frame.T_map_vehicle();
+  frame_ = std::move(frame);
+  clock_shift_ = scan->clock_shift;
   in_step_ = true;
   in_map_ = false;
   ++scans_;
@@ -89,7 +91,7 @@ void GraphSlamContext::complete()
 {
   if (frame_ && on_frame_)
   {
-    frame_->T_world_vehicle_truth = decoder_.truthAt(frame_->scan.stamp);
+    frame_->T_world_vehicle_truth = decoder_.truthAt(frame_->scan.stamp, clock_shift_);
     on_frame_(std::move(*frame_));
   }
   frame_.reset();

@@ -81,10 +81,7 @@ void LoopEdgeDecider::getDescriptiveReport(std::string* report) const
   CEdgeRegistrationDecider::getDescriptiveReport(report);
   *report += m_class_name + ": loop candidates by decision\n";
   const std::vector<Loop>& loops = context_->backend().loops();
-  for (const LoopVerdict verdict :
-       {LoopVerdict::accepted, LoopVerdict::appearance, LoopVerdict::not_converged,
-        LoopVerdict::no_overlap, LoopVerdict::bad_fit, LoopVerdict::degenerate,
-        LoopVerdict::inconsistent, LoopVerdict::unsupported})
+  for (const LoopVerdict verdict : loop_verdicts)
   {
     *report += toString(verdict) + ": " + std::to_string(countOf(loops, verdict)) + "\n";
   }

@@ -13,6 +13,7 @@
 #include <mrpt/system/CTimeLogger.h>
 
 #include <algorithm>
+#include <stdexcept>
 
 #include "Fixture.h"
 
@@ -121,6 +122,12 @@ TEST_F(GraphSlamPlugins, RunInMrptsEngine)
   p.edges.getEdgesStats(&stats);
   EXPECT_EQ(static_cast<std::size_t>(stats.at("LC")),
             engine.getGraph().edgeCount() - (engine.getGraph().nodeCount() - 1));
+  std::string report;
+  p.edges.getDescriptiveReport(&report);
+  for (const LoopVerdict verdict : loop_verdicts)
+  {
+    EXPECT_NE(report.find("\n" + toString(verdict) + ": "), std::string::npos) << report;
+  }
 }
 
 /** The engine resets the nodes at a registration; the next scan's step shows the solution again. */
@@ -187,6 +194,26 @@ TEST_F(GraphSlamPlugins, TwoScansInOneSensoryFrameAreAnError)
     frame->insert(observation);
   }
   EXPECT_THROW(p.nodes.updateState(nullptr, frame, nullptr), UserError);
+}
+
+TEST_F(GraphSlamPlugins, AFrameThatFailsIsNotHandedOn)
+{
+  Plugins p(test::loopyConfig(0));
+  Graph graph;
+  p.nodes.setGraphPtr(&graph);
+  p.optimizer.setGraphPtr(&graph);
+  p.nodes.updateState(nullptr, nextSensoryFrame(p.stream), nullptr);
+  p.nodes.updateState(nullptr, nextSensoryFrame(p.stream), nullptr);
+  ASSERT_EQ(p.frames.size(), 1U);
+  Frame later = p.frames.front();
+  later.scan.stamp += 1000;
+  later.detections.clear();
+  p.pipeline.trackObjects(later);  // so that the tracker refuses the next frame
+  EXPECT_THROW(p.nodes.updateState(nullptr, nextSensoryFrame(p.stream), nullptr),
+               std::invalid_argument);
+  EXPECT_EQ(p.context->frame(), nullptr);
+  p.optimizer.finish();
+  EXPECT_EQ(p.frames.size(), 2U);
 }
 
 TEST_F(GraphSlamPlugins, NothingComesAfterTheEnd)

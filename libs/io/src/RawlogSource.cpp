@@ -84,7 +84,7 @@ struct RawlogSource::Impl
     auto following = nextScan();
     const auto current = std::exchange(pending, std::move(following));
     Frame frame = decoder.decode(*current);
-    frame.T_world_vehicle_truth = decoder.truthAt(frame.scan.stamp);
+    frame.T_world_vehicle_truth = decoder.truthAt(frame.scan.stamp, current->clock_shift);
     ++delivered;
     return frame;
   }

@@ -67,14 +67,14 @@ struct ScanDecoder::Impl
   {
   }
 
-  /** \param at_scan adds the number of the scan at hand. */
-  void warn(const std::string& text, bool at_scan = true)
+  /** \param scan index of the one it is about, if it is about one. */
+  void warn(const std::string& text, std::optional<std::size_t> scan = std::nullopt)
   {
     const auto it = std::find_if(notes.begin(), notes.end(),
                                  [&text](const Note& note) { return note.text == text; });
     if (it == notes.end())
     {
-      notes.push_back({text, 1, scans_seen - std::min<std::size_t>(scans_seen, 1), at_scan});
+      notes.push_back({text, 1, scan});
     }
     else
     {
@@ -98,8 +98,7 @@ struct ScanDecoder::Impl
     else if (name != label)
     {
       warn("scans of '" + name + "' are ignored: '" + label +
-               "' came first; choose with sensor_label",
-           false);
+           "' came first; choose with sensor_label");
       return false;
     }
     return true;
@@ -115,7 +114,8 @@ struct ScanDecoder::Impl
       if (!options.ground_truth_label.empty() &&
           robot_pose->sensorLabel == options.ground_truth_label)
       {
-        truths.push_back({toStamp(robot_pose->timestamp), toPose(robot_pose->pose.mean)});
+        truths.push_back(
+            {toStamp(robot_pose->timestamp), toPose(robot_pose->pose.mean), clock_shift});
       }
       return false;
     }
@@ -140,13 +140,13 @@ struct ScanDecoder::Impl
     return name.substr(name.find_last_of(':') + 1);
   }
 
-  /** Whether the scan's time comes after that of the one before. \throws UserError if it never
-   * does. */
-  [[nodiscard]] bool acceptStamp(const CObservation& observation)
+  /** Whether the time of scan `index` comes after that of the one before. \throws UserError if it
+   * never does. */
+  [[nodiscard]] bool acceptStamp(const CObservation& observation, std::size_t index)
   {
     const bool has_time = observation.timestamp != INVALID_TIMESTAMP;
     const double stamp = toStamp(observation.timestamp) + clock_shift;
-    if (has_time && (!last_stamp || stamp > *last_stamp || bridgesStep(stamp)))
+    if (has_time && (!last_stamp || stamp > *last_stamp || bridgesStep(stamp, index)))
     {
       last_stamp = toStamp(observation.timestamp) + clock_shift;
       first_stamp = first_stamp ? first_stamp : last_stamp;
@@ -158,11 +158,12 @@ struct ScanDecoder::Impl
     ++dropped_in_a_row;
     warn(!has_time              ? "a scan without a time stamp was dropped"
          : stamp == *last_stamp ? "a scan with the time stamp of the one before was dropped"
-                                : "a scan whose time stamp goes back was dropped");
+                                : "a scan whose time stamp goes back was dropped",
+         index);
     if (dropped_in_a_row > max_dropped_in_a_row)
     {
       throw UserError(recording + ": the time stamps stand still or run backwards from scan " +
-                      std::to_string(scans_seen - max_dropped_in_a_row - 1) +
+                      std::to_string(index - max_dropped_in_a_row) +
                       " on; give the file proper times (rawlog-edit, or convert with --dt)");
     }
     return false;
@@ -170,7 +171,7 @@ struct ScanDecoder::Impl
 
   /** A scan that is not later than the last one used. Whether it and those dropped before it show a
    * clock that was set back; then clock_shift compensates it. */
-  [[nodiscard]] bool bridgesStep(double stamp)
+  [[nodiscard]] bool bridgesStep(double stamp, std::size_t index)
   {
     if (!stamps_gone_back.empty() && stamp <= stamps_gone_back.back())
     {
@@ -184,26 +185,39 @@ struct ScanDecoder::Impl
     }
     const double period = (stamp - stamps_gone_back.front()) / static_cast<double>(n - 1);
     const double shift = *last_stamp + static_cast<double>(n) * period - stamp;
+    shiftTruths(shift);
     clock_shift += shift;
     char text[160];
     std::snprintf(text, sizeof text,
                   "the clock of the recording was set back; stamps from there on are %.3f s later "
                   "than recorded",
                   clock_shift);
-    warn(text);
-    // True poses from before it have times like those after it.
-    for (auto i = truths.size(); i > 1; --i)
-    {
-      if (truths[i - 1].stamp < truths[i - 2].stamp)
-      {
-        truths.erase(truths.begin(), truths.begin() + static_cast<std::ptrdiff_t>(i - 1));
-        break;
-      }
-    }
+    warn(text, index);
     return true;
   }
 
-  void addTimeRing(CObservation* own, Scan& scan)
+  /** The true poses read since the clock was set back are by the new clock. They begin where the
+   * times go back farthest. */
+  void shiftTruths(double shift)
+  {
+    std::size_t begin = truths.size();
+    double farthest = 0;
+    for (std::size_t i = 1; i < truths.size(); ++i)
+    {
+      const double back = truths[i - 1].stamp - truths[i].stamp;
+      if (truths[i - 1].clock_shift == clock_shift && back > farthest)
+      {
+        begin = i;
+        farthest = back;
+      }
+    }
+    for (; begin < truths.size(); ++begin)
+    {
+      truths[begin].clock_shift += shift;
+    }
+  }
+
+  void addTimeRing(CObservation* own, std::size_t index, Scan& scan)
   {
     if (own == nullptr)
     {
@@ -214,21 +228,26 @@ struct ScanDecoder::Impl
                       applyTimeRing(*own, external, scan);
     if (!fits)
     {
-      warn("times and rings that do not fit their scan were ignored");
+      warn("times and rings that do not fit their scan were ignored", index);
     }
   }
 
-  [[nodiscard]] std::optional<Pose> truthAt(double shifted_stamp)
+  [[nodiscard]] std::optional<Pose> truthAt(double shifted_stamp, double scan_shift)
   {
-    const double stamp = shifted_stamp - clock_shift;
-    while (!truths.empty() && truths.front().stamp < stamp - truth_memory)
+    const double stamp = shifted_stamp - scan_shift;
+    while (!truths.empty() &&
+           (truths.front().clock_shift < scan_shift || truths.front().stamp < stamp - truth_memory))
     {
       truths.pop_front();
     }
-    const StampedPose* before = nullptr;
-    const StampedPose* after = nullptr;
-    for (const StampedPose& truth : truths)
+    const Truth* before = nullptr;
+    const Truth* after = nullptr;
+    for (const Truth& truth : truths)
     {
+      if (truth.clock_shift > scan_shift)
+      {
+        break;  // the clock was set back; its times may be like those before
+      }
       if (std::abs(truth.stamp - stamp) <= same_time)
       {
         return truth.pose;
@@ -286,7 +305,13 @@ struct ScanDecoder::Impl
   std::string label;  //!< of the lidar in use, once it is known
 
   CObservation::Ptr companion;  //!< read, its scan not yet
-  std::deque<StampedPose> truths;
+  struct Truth
+  {
+    double stamp = 0;  //!< as recorded [s]
+    Pose pose = Pose::Identity();
+    double clock_shift = 0;  //!< of the scans with the same clock [s]
+  };
+  std::deque<Truth> truths;
 
   std::size_t scans_seen = 0;            //!< with the wanted label, delivered or not
   std::optional<double> first_stamp;     //!< of those with a good stamp
@@ -302,8 +327,7 @@ struct ScanDecoder::Impl
   {
     std::string text;
     std::size_t times = 0;
-    std::size_t first_scan = 0;
-    bool tells_scan = true;
+    std::optional<std::size_t> first_scan;
   };
   std::vector<Note> notes;
 };
@@ -328,7 +352,7 @@ std::optional<RecordedScan> ScanDecoder::take(const CObservation::Ptr& observati
   }
   const std::size_t index = s.scans_seen++;
   CObservation::Ptr own = std::exchange(s.companion, nullptr);
-  if (s.acceptStamp(*observation) && s.selection.takes(index, *s.last_stamp))
+  if (s.acceptStamp(*observation, index) && s.selection.takes(index, *s.last_stamp))
   {
     return RecordedScan{observation, std::move(own), index, s.clock_shift};
   }
@@ -358,19 +382,19 @@ Frame ScanDecoder::decode(const RecordedScan& scan)
     throw UserError(s.recording + ": scan " + std::to_string(frame.index) +
                     " is damaged: " + messageOf(error));
   }
-  s.addTimeRing(scan.time_ring.get(), frame.scan);
+  s.addTimeRing(scan.time_ring.get(), scan.index, frame.scan);
   frame.scan.stamp += scan.clock_shift;
   s.scale_intensity(frame.scan);
   if (frame.scan.size() == 0)
   {
-    s.warn("an empty scan");
+    s.warn("an empty scan", scan.index);
   }
   return frame;
 }
 
-std::optional<Pose> ScanDecoder::truthAt(double stamp)
+std::optional<Pose> ScanDecoder::truthAt(double stamp, double clock_shift)
 {
-  return impl_->truthAt(stamp);
+  return impl_->truthAt(stamp, clock_shift);
 }
 std::size_t ScanDecoder::framesDropped() const
 {
@@ -414,8 +438,8 @@ std::vector<std::string> ScanDecoder::warnings() const
   for (const Impl::Note& note : impl_->notes)
   {
     const std::string times = note.times > 1 ? std::to_string(note.times) + " times" : "";
-    const std::string scan = note.tells_scan ? (times.empty() ? "scan " : ", first scan ") +
-                                                   std::to_string(note.first_scan)
+    const std::string scan = note.first_scan ? (times.empty() ? "scan " : ", first scan ") +
+                                                   std::to_string(*note.first_scan)
                                              : "";
     lines.push_back(impl_->recording + ": " + printable(note.text) +
                     (times.empty() && scan.empty() ? "" : " (" + times + scan + ")"));

@@ -228,19 +228,61 @@ TEST(RawlogRobustness, RepeatedAndBackwardStampsAreDropped)
       << source.warnings()[1];
 }
 
-TEST(RawlogRobustness, AClockThatIsSetBackIsBridged)
+TEST(RawlogRobustness, AWarningNamesItsScan)
 {
   const TestFolder folder;
   {
     RawlogWriter writer(folder.file("a.rawlog"));
-    for (std::size_t i = 0; i < 20; ++i)
+    for (std::size_t i = 0; i < 8; ++i)
     {
-      Scan scan = someScan(i, 10);
-      scan.stamp = 100 + 0.1 * static_cast<double>(i) - (i < 10 ? 0 : 2);
-      writer.write(scan);
+      writer.write(someScan(i, i == 3 || i == 5 ? 0 : 10));
     }
     writer.close();
   }
+  RawlogSource source(folder.file("a.rawlog"));
+  while (source.next())
+  {
+  }
+  ASSERT_EQ(source.warnings().size(), 1U);
+  EXPECT_TRUE(contains(source.warnings()[0], "an empty scan (2 times, first scan 3)"))
+      << source.warnings()[0];
+}
+
+/** 20 scans with their truth; the clock is set back after ten. */
+void writeStep(const std::string& path, double step)
+{
+  RawlogWriter writer(path);
+  for (std::size_t i = 0; i < 20; ++i)
+  {
+    Scan scan = someScan(i, 10);
+    scan.stamp = 100 + 0.1 * static_cast<double>(i) - (i < 10 ? 0 : step);
+    writer.write(scan, somePose(i));
+  }
+  writer.close();
+}
+
+TEST(RawlogRobustness, GroundTruthIsKeptWhereTheClockIsSetBack)
+{
+  const TestFolder folder;
+  for (const double step : {2.0, 0.5})
+  {
+    writeStep(folder.file("a.rawlog"), step);
+    RawlogSource source(folder.file("a.rawlog"));
+    std::size_t frames = 0;
+    for (; const auto frame = source.next(); ++frames)
+    {
+      ASSERT_TRUE(frame->T_world_vehicle_truth) << frame->index << ", step " << step;
+      EXPECT_TRUE(frame->T_world_vehicle_truth->isApprox(somePose(frame->index), 1e-9))
+          << frame->index << ", step " << step;
+    }
+    EXPECT_EQ(frames, 17U);
+  }
+}
+
+TEST(RawlogRobustness, AClockThatIsSetBackIsBridged)
+{
+  const TestFolder folder;
+  writeStep(folder.file("a.rawlog"), 2);
   RawlogSource source(folder.file("a.rawlog"));
   std::vector<double> stamps;
   std::vector<std::size_t> indices;

@@ -123,11 +123,7 @@ MapPoints thinnedFullResolution(const StaticMap& map,
       const auto cell = voxelCell(part.points[i], static_cast<float>(1 / spacing));
       if (taken.findOrInsert(voxelKey(cell), next) == next)
       {
-        result.points.push_back(part.points[i]);
-        result.intensity.push_back(part.intensity[i]);
-        result.hits.push_back(part.hits[i]);
-        result.voxel.push_back(part.voxel[i]);
-        result.keyframe.push_back(part.keyframe[i]);
+        result.add(part, i);
       }
     }
   }

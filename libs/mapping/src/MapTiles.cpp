@@ -174,22 +174,13 @@ TileMap::TileMap(ScanStore& store, const StaticMapOptions& options, const MapTil
 MapPoints pointsWithin(const MapPoints& points, const MapRegion& region)
 {
   MapPoints result;
-  const bool has_normals = points.normals.size() == points.size();
   for (std::size_t i = 0; i < points.size(); ++i)
   {
     if (!region.contains(points.points[i].cast<double>()))
     {
       continue;
     }
-    result.points.push_back(points.points[i]);
-    result.intensity.push_back(points.intensity[i]);
-    result.hits.push_back(points.hits[i]);
-    result.voxel.push_back(points.voxel[i]);
-    result.keyframe.push_back(points.keyframe[i]);
-    if (has_normals)
-    {
-      result.normals.push_back(points.normals[i]);
-    }
+    result.add(points, i);
   }
   return result;
 }

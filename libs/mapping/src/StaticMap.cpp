@@ -28,8 +28,9 @@ struct Stitched
   std::vector<Pose> poses;
   VoxelMap map;
 };
+
 template <typename Value>
-void append(const std::vector<Value>& part, std::vector<Value>& all)
+void extend(std::vector<Value>& all, const std::vector<Value>& part)
 {
   all.insert(all.end(), part.begin(), part.end());
 }
@@ -42,16 +43,30 @@ void reserve(std::size_t count, MapPoints& points)
   points.voxel.reserve(count);
   points.keyframe.reserve(count);
 }
-
-void append(const MapPoints& part, MapPoints& all)
-{
-  append(part.points, all.points);
-  append(part.intensity, all.intensity);
-  append(part.hits, all.hits);
-  append(part.voxel, all.voxel);
-  append(part.keyframe, all.keyframe);
-}
 }  // namespace
+
+void MapPoints::add(const MapPoints& others, std::size_t i)
+{
+  points.push_back(others.points[i]);
+  intensity.push_back(others.intensity[i]);
+  hits.push_back(others.hits[i]);
+  voxel.push_back(others.voxel[i]);
+  keyframe.push_back(others.keyframe[i]);
+  if (!others.normals.empty())
+  {
+    normals.push_back(others.normals[i]);
+  }
+}
+
+void MapPoints::append(const MapPoints& others)
+{
+  extend(points, others.points);
+  extend(intensity, others.intensity);
+  extend(hits, others.hits);
+  extend(voxel, others.voxel);
+  extend(keyframe, others.keyframe);
+  extend(normals, others.normals);
+}
 
 void StaticMapOptions::describe(OptionsVisitor& v)
 {
@@ -340,7 +355,7 @@ MapPoints StaticMap::points() const
 {
   MapPoints result;
   reserve(pointCount(), result);
-  forEachPart([&](const MapPoints& part) { append(part, result); });
+  forEachPart([&](const MapPoints& part) { result.append(part); });
   return result;
 }
 

@@ -24,11 +24,7 @@ std::optional<MapPoints> onePerCube(const StaticMap& map, double size, std::size
           const auto next = static_cast<std::uint32_t>(result.size());
           if (cubes.findOrInsert(cube, next) == next)
           {
-            result.points.push_back(part.points[i]);
-            result.intensity.push_back(part.intensity[i]);
-            result.hits.push_back(part.hits[i]);
-            result.voxel.push_back(part.voxel[i]);
-            result.keyframe.push_back(part.keyframe[i]);
+            result.add(part, i);
           }
         }
       });

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <cstdio>
 #include <future>
+#include <stdexcept>
 
 #include "ScanSample.h"
 #include "ScanToMap.h"
@@ -477,6 +478,10 @@ RegistrationResult LocalMapRegistration::tryFrame(const Frame& frame,
 {
   State& s = *state_;
   s.finishAdding();
+  if (s.frames < 2)
+  {
+    throw std::logic_error("LocalMapRegistration::tryFrame: the map has fewer than two frames");
+  }
   const auto T_previous = s.T_odom_previous;
   const auto T_current = s.T_odom_vehicle;
   const auto failures = s.failures;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "SimpleOdometry.h"
 
+#include <dyslam/core/Printable.h>
+
 #include <algorithm>
 
 namespace dyslam
@@ -15,12 +17,19 @@ std::string cloudTrouble(const Frame& frame)
   }
   const auto finite = static_cast<std::size_t>(std::count_if(
       points.begin(), points.end(), [](const Eigen::Vector3f& p) { return p.allFinite(); }));
-  if (finite < fewest_points)
+  if (finite >= fewest_points)
   {
-    return "only " + std::to_string(finite) + " of " + std::to_string(scanned) + " points " +
-           (finite == 1 ? "is" : "are") + " left after preprocess.min_range and max_range";
+    return {};
   }
-  return {};
+  const std::vector<Eigen::Vector3f>& recorded = frame.scan.points;
+  const auto returns =
+      static_cast<std::size_t>(std::count_if(recorded.begin(), recorded.end(), isReturn));
+  if (!recorded.empty() && returns < fewest_points)
+  {
+    return "the scan has only " + counted(returns, "return");
+  }
+  return "only " + std::to_string(finite) + " of " + std::to_string(scanned) + " points " +
+         (finite == 1 ? "is" : "are") + " left after preprocess.min_range and max_range";
 }
 
 ScanMatch SimpleOdometry::match(const Frame& frame, const MotionPrior& prior)

@@ -7,6 +7,7 @@
 #include <Eigen/Eigenvalues>
 #include <cstdio>
 #include <optional>
+#include <stdexcept>
 
 #include "TestScene.h"
 
@@ -41,6 +42,16 @@ RegistrationResult step(LocalMapRegistration& registration,
       registration.registerFrame(frame, guess, nullptr, initial_sigma);
   registration.integrate(frame);
   return result;
+}
+
+/** The frame with its points where the map has nothing. */
+Frame inTheAir(Frame frame)
+{
+  for (Eigen::Vector3f& p : frame.cloud.points)
+  {
+    p.z() += 40;
+  }
+  return frame;
 }
 
 /** A drive along a bend, every frame skewed by its own motion. */
@@ -128,6 +139,46 @@ TEST_P(Registration, IntegratesWithTheWeightsOfThatMoment)
   }
 }
 
+TEST_P(Registration, ATriedFrameChangesNothing)
+{
+  const std::vector<Pose> poses = drive(4);
+  const auto frameAt = [&](std::size_t i)
+  { return scene_.frame(poses[i], 0.01, static_cast<unsigned>(i + 1)); };
+  LocalMapRegistration tried(options(), pool_);
+  LocalMapRegistration plain(options(), pool_);
+  EXPECT_THROW((void)tried.tryFrame(frameAt(0), poses[0]), std::logic_error) << "no map";
+  for (std::size_t i = 0; i < 3; ++i)
+  {
+    const Frame frame = frameAt(i);
+    step(tried, frame, poses[i]);
+    step(plain, frame, poses[i]);
+    if (i == 0)
+    {
+      EXPECT_THROW((void)tried.tryFrame(frameAt(1), poses[1]), std::logic_error);
+      continue;
+    }
+    const Frame next = frameAt(i + 1);
+    const Frame foreign = inTheAir(next);
+    EXPECT_TRUE(tried.tryFrame(next, poses[i + 1]).motion.converged);
+    for (int failed = 0; failed < 6; ++failed)
+    {
+      const MotionEstimate motion = tried.tryFrame(foreign, poses[i + 1]).motion;
+      EXPECT_FALSE(motion.converged);
+      EXPECT_FALSE(motion.map_restarted);
+    }
+    EXPECT_EQ(tried.framesInMap(), plain.framesInMap());
+    EXPECT_EQ(tried.pose().matrix(), plain.pose().matrix());
+    EXPECT_EQ(tried.mapPoints(), plain.mapPoints());
+  }
+  const RegistrationResult a = tried.registerFrame(frameAt(3), poses[3]);
+  const RegistrationResult b = plain.registerFrame(frameAt(3), poses[3]);
+  EXPECT_TRUE(a.motion.converged);
+  EXPECT_EQ(a.T_odom_vehicle.matrix(), b.T_odom_vehicle.matrix());
+  EXPECT_EQ(a.motion.T_previous_current.matrix(), b.motion.T_previous_current.matrix());
+  EXPECT_EQ(a.motion.information, b.motion.information);
+  EXPECT_EQ(a.loss_width, b.loss_width);
+}
+
 TEST_P(Registration, MotionsChainToThePoses)
 {
   Pose T = Pose::Identity();
@@ -205,12 +256,7 @@ TEST_P(Registration, AForeignSceneFailsAndThenRestartsTheMap)
   LocalMapRegistration registration(options(), pool_);
   step(registration, scene_.frame(Pose::Identity(), 0.01, 1), Pose::Identity());
   step(registration, scene_.frame(poseFromYpr(0.1, 0, 0, 0, 0, 0), 0.01, 2), Pose::Identity());
-  // Points in the air where the map has nothing.
-  Frame foreign = scene_.frame(Pose::Identity(), 0.01, 3);
-  for (Eigen::Vector3f& p : foreign.cloud.points)
-  {
-    p.z() += 40;
-  }
+  const Frame foreign = inTheAir(scene_.frame(Pose::Identity(), 0.01, 3));
   const Pose guess = registration.pose();
   for (int i = 0; i < 5; ++i)
   {

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Eigenvalues>
+#include <algorithm>
 #include <cctype>
 
 #include "TestScene.h"
@@ -191,6 +192,24 @@ TEST_P(EveryMatcher, UselessFramesGetAReasonAndThePrediction)
     EXPECT_FALSE(estimate.reason.empty());
     EXPECT_TRUE(estimate.T_previous_current.isApprox(T_));
   }
+}
+
+TEST_P(EveryMatcher, TheReasonNamesScanOrLimits)
+{
+  const auto reasonOf = [&](const Frame& frame)
+  {
+    const auto matcher = make(GetParam().name, pool_);
+    matchFrom(*matcher, scene_.frame(Pose::Identity(), 0.01, 1), T_);
+    return matchFrom(*matcher, frame, T_).reason;
+  };
+  EXPECT_EQ(reasonOf(test::frameOf(std::vector<Eigen::Vector3f>(500, test::nanPoint()))),
+            "the scan has only 0 returns");
+  Frame cropped = test::frameOf(std::vector<Eigen::Vector3f>(500, {1, 0, 0}));
+  cropped.cloud = Cloud();
+  EXPECT_EQ(reasonOf(cropped),
+            "only 0 of 500 points are left after preprocess.min_range and max_range");
+  std::fill(cropped.scan.points.begin() + 1, cropped.scan.points.end(), Eigen::Vector3f::Zero());
+  EXPECT_EQ(reasonOf(cropped), "the scan has only 1 return");
 }
 
 TEST_P(EveryPointMatcher, MotionGoesOnAfterAUselessFrame)

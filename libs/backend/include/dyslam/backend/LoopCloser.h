@@ -5,6 +5,7 @@
 #include <dyslam/core/Options.h>
 #include <dyslam/core/Pose.h>
 
+#include <array>
 #include <cstddef>
 #include <memory>
 #include <string>
@@ -62,6 +63,11 @@ enum class LoopVerdict
   ambiguous,      //!< several places fit equally well
   unsupported,    //!< no loop of a nearby keyframe agrees
 };
+/** All of them. */
+constexpr std::array<LoopVerdict, 9> loop_verdicts{
+    LoopVerdict::accepted,     LoopVerdict::appearance, LoopVerdict::not_converged,
+    LoopVerdict::no_overlap,   LoopVerdict::bad_fit,    LoopVerdict::degenerate,
+    LoopVerdict::inconsistent, LoopVerdict::ambiguous,  LoopVerdict::unsupported};
 [[nodiscard]] std::string toString(LoopVerdict verdict);
 
 /** One loop candidate and the decision about it. */

@@ -55,8 +55,9 @@ class ScanDecoder
   [[nodiscard]] Frame decode(const RecordedScan& scan);
 
   /** Ground truth among the observations taken so far (it may follow its scan), T_world_vehicle at
-   * a time [s]. Requested times must not decrease. */
-  [[nodiscard]] std::optional<Pose> truthAt(double stamp);
+   * a scan. Requested times must not decrease.
+   * \param stamp of its frame [s] \param clock_shift of its RecordedScan [s] */
+  [[nodiscard]] std::optional<Pose> truthAt(double stamp, double clock_shift);
 
   /** Reports why the observations taken so far have no usable scan. \throws UserError always. */
   [[noreturn]] void failWithoutScans() const;

@@ -66,6 +66,10 @@ struct MapPoints
   std::vector<Eigen::Vector3f> normals;
 
   [[nodiscard]] std::size_t size() const { return points.size(); }
+  /** Adds point `i` of others, with its normal if they have normals. */
+  void add(const MapPoints& others, std::size_t i);
+  /** Adds all points of others. */
+  void append(const MapPoints& others);
 };
 
 /** Part of the map plane, the upper borders excluded. */

@@ -116,7 +116,8 @@ class LocalMapRegistration
                                                  const MotionPrior* prior = nullptr,
                                                  std::optional<double> initial_sigma = {});
 
-  /** The result of registerFrame(), without changing the object. */
+  /** The result of registerFrame(), without changing the object. Between integrate() and
+   * registerFrame() only. \throws std::logic_error if the map has fewer than two frames. */
   [[nodiscard]] RegistrationResult tryFrame(const Frame& frame,
                                             const Pose& T_odom_vehicle_guess,
                                             const MotionPrior* prior = nullptr);

@@ -33,7 +33,7 @@ struct PreprocessOptions : Options
 
 /** Makes the Cloud that algorithms work on from a Scan as recorded.
  *
- * Thread-safe apart from the pool, which serves one loop at a time.
+ * Thread-safe; callers share the threads of the pool.
  */
 class Preprocessor
 {
