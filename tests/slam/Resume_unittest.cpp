@@ -222,7 +222,10 @@ TEST_F(Resume, FirstScanIsEnough)
 /** The network encodes each scan ahead, beside the one before it. */
 TEST_F(Resume, TheNetworkGivesTheSameBytes)
 {
-  expectResumes("network", {"dyseg.method=network", "labels.hindsight=false"}, {5, 14});
+  expectResumes(
+      "network",
+      {"dyseg.method=network", "dyseg_network.encode_ahead=true", "labels.hindsight=false"},
+      {5, 14});
 }
 
 TEST_F(Resume, ResumedRunsCanBeKilledAgain)

@@ -264,7 +264,7 @@ std::shared_ptr<const EncodedPoints> NetworkSegmenter::Impl::encode(
 
 bool NetworkSegmenter::encodesAhead() const
 {
-  return impl_->historyComplete();
+  return impl_->options.encode_ahead && impl_->historyComplete();
 }
 
 std::shared_ptr<const EncodedCloud> NetworkSegmenter::encode(const Cloud& cloud,

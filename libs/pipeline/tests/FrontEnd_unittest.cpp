@@ -86,8 +86,10 @@ class FrontEndWithNetwork : public testing::Test
 
   static std::unique_ptr<FrontEnd> make(int threads)
   {
-    const Config config =
-        Config::fromText("[dyseg]\nmethod = network\n[preprocess]\ndeskew = azimuth\n", "test");
+    const Config config = Config::fromText(
+        "[dyseg]\nmethod = network\n[dyseg_network]\nencode_ahead = true\n[preprocess]\ndeskew = "
+        "azimuth\n",
+        "test");
     ConfigLoader loader(config);
     static NoTimes times;
     return std::make_unique<FrontEnd>(threads, loader, times);

@@ -23,6 +23,9 @@ struct NetworkSegmenterOptions : Options
   int min_points = 5;            //!< of the smallest moving group
   int iterations = 2;            //!< of the flow update
   int threads = 1;               //!< of the network
+  /** Encode each scan deskewed by the motion predicted for the scan before, beside the work on that
+   * one: faster on three cores and more, with a few more false alarms. */
+  bool encode_ahead = false;
 
   void describe(OptionsVisitor& visitor) override;
 };
@@ -59,7 +62,8 @@ class NetworkSegmenter : public MovingSegmenter
   [[nodiscard]] std::string name() const override { return "network"; }
   [[nodiscard]] bool needsPose() const override { return false; }
   void segment(Frame& frame) override;
-  /** True once scans `first_gap` apart are compared: until then the motion is not known well. */
+  /** With `encode_ahead` true once scans `first_gap` apart are compared: until then the motion is
+   * not known well. */
   [[nodiscard]] bool encodesAhead() const override;
   [[nodiscard]] std::shared_ptr<const EncodedCloud> encode(
       const Cloud& cloud, const Pose& T_vehicle_lidar) const override;

@@ -41,11 +41,11 @@ class FrontEnd
   /** Fills every part of the frame between source and detection. Frames come in order of time. The
    * cloud of the frame is deskewed by the prior.
    *
-   * Once the motion is known well, a segmenter that encodes clouds gets them as they were expected
-   * to be one scan earlier: deskewed by the prior of the scan before.
-   * \param next the scan after the frame, if it is there: it is prepared and encoded so in another
-   * thread, beside segmentation and registration of the frame. Read until process() returns; the
-   * next call gets a frame with this scan. Same bytes without it. */
+   * A segmenter that encodes ahead (MovingSegmenter::encodesAhead()) gets its clouds as they were
+   * expected to be one scan earlier: deskewed by the prior of the scan before. \param next the scan
+   * after the frame, if it is there: it is prepared and encoded so in another thread, beside
+   * segmentation and registration of the frame. Read until process() returns; the next call gets a
+   * frame with this scan. Same bytes without it. */
   void process(Frame& frame, const Frame* next = nullptr);
   [[nodiscard]] FrontEndWaits waits() const;
   /** What is kept from frame to frame. */
