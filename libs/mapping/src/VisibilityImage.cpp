@@ -178,20 +178,16 @@ void VisibilityImage::aim(Rays& rays) const
   rays.findRows();
 }
 
-/** Pixels to each side of a place whose rays are evaluated. */
-int VisibilityImage::windowOf(float size, float range)
-{
-  return std::clamp(static_cast<int>(std::ceil(0.5F * size / range / pixel)), 1, widest_window);
-}
-
 Evidence VisibilityImage::look(int row, int col, float range, float size, float margin) const
 {
+  constexpr float pixel = 2 * pi / cols;
   const int hit = static_cast<int>(closest_pass / (range * pixel));
   if (!std::isfinite(range) || range < nearest)
   {
     return Evidence::none;
   }
-  const int half = windowOf(size, range);
+  const int half =
+      std::clamp(static_cast<int>(std::ceil(0.5F * size / range / pixel)), 1, widest_window);
   if (row < half || row >= rows_ - half)
   {
     return Evidence::none;
@@ -220,6 +216,24 @@ Evidence VisibilityImage::look(int row, int col, float range, float size, float 
     return Evidence::occluded;
   }
   return passed > half ? (close ? Evidence::free : Evidence::passed_by) : Evidence::none;
+}
+
+/** look(), and the nearest rays around the place where those towards it are too few. */
+Evidence VisibilityImage::lookAround(int row, int col, float range, float size, float margin) const
+{
+  const Evidence seen = look(row, col, range, size, margin);
+  if (seen == Evidence::none || seen == Evidence::passed_by)
+  {
+    return lookBetween(row, col, range, margin);
+  }
+  if (seen == Evidence::free)
+  {
+    // Sparse rays that ended behind a place on a surface seen at a grazing angle may have none
+    // beside them in the window.
+    const Evidence beside = lookAtRow(row, col, range, margin);
+    return beside == Evidence::occupied || beside == Evidence::occluded ? beside : seen;
+  }
+  return seen;
 }
 
 Evidence VisibilityImage::lookBetween(int row, int col, float range, float margin) const
@@ -290,20 +304,8 @@ void VisibilityImage::at(const Eigen::Vector3f* places,
     aim(rays);
     for (std::size_t i = 0; i < rays.count; ++i)
     {
-      const int row = rays.row[i] - lowest_;
-      Evidence& seen = evidence[begin + i];
-      seen = look(row, rays.col[i], rays.range[i], size, margin);
-      if (seen == Evidence::none || seen == Evidence::passed_by)
-      {
-        seen = lookBetween(row, rays.col[i], rays.range[i], margin);
-      }
-      else if (seen == Evidence::free)
-      {
-        // Sparse rays that ended behind a place on a surface seen at a grazing angle may have none
-        // beside them in the window.
-        const Evidence beside = lookAtRow(row, rays.col[i], rays.range[i], margin);
-        seen = beside == Evidence::occupied || beside == Evidence::occluded ? beside : seen;
-      }
+      evidence[begin + i] =
+          lookAround(rays.row[i] - lowest_, rays.col[i], rays.range[i], size, margin);
     }
   }
 }

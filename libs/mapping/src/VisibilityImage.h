@@ -59,13 +59,12 @@ class VisibilityImage
 
  private:
   static constexpr int cols = 900;
-  static constexpr float pixel = 6.2831853F / cols;  // of a column [rad]
 
   struct Rays;
 
-  [[nodiscard]] static int windowOf(float size, float range);
   void aim(Rays& rays) const;
   [[nodiscard]] Evidence look(int row, int col, float range, float size, float margin) const;
+  [[nodiscard]] Evidence lookAround(int row, int col, float range, float size, float margin) const;
   [[nodiscard]] Evidence lookBetween(int row, int col, float range, float margin) const;
   [[nodiscard]] Evidence lookAtRow(int row, int col, float range, float margin) const;
   [[nodiscard]] float seenAt(int row, int col) const

@@ -37,7 +37,10 @@ class NotedWaits
     run_.noteWait("reading", scans.for_room);
     const FrontEndWaits encoding = run_.pipeline().frontEndWaits();
     run_.noteWait("front_end", scans.for_items + frames.for_room + encoding.for_encoding);
-    run_.noteWait("encoding", encoding.for_scans);
+    if (encoding.for_scans > 0)
+    {
+      run_.noteWait("encoding", encoding.for_scans);
+    }
     run_.noteWait("back_end", frames.for_items);
   }
   NotedWaits(const NotedWaits&) = delete;

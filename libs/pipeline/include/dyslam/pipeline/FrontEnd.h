@@ -21,7 +21,7 @@ class StateArchive;
 struct FrontEndWaits
 {
   double for_encoding = 0;  //!< of process() for the encoding of the next scan
-  double for_scans = 0;     //!< of the encoding thread for that scan and the motion before it
+  double for_scans = 0;     //!< of the encoding thread; 0 if nothing was encoded ahead
 };
 
 /** The stages up to the pose: motion prior, preprocessing, segmentation, odometry, and the decision
