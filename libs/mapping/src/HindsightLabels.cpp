@@ -31,6 +31,8 @@ constexpr int ground_stride = 5;          // scans of the window between those u
 constexpr int past_stride = 8;            // scans before the window between those that are used
 constexpr double growth = 1.1;            // of the distances to those that are used
 constexpr float full_change = 3;          // free observations of a place that suffice
+constexpr float highest_object = 5;       // over the ground [m]
+constexpr float suspicious = 0.1F;        // causal probability of places that may be moving
 constexpr float threshold = 0.5F;         // above this probability a point is moving
 constexpr float doubtful_score = -2;      // of places that may be moving
 constexpr float post_score = 2.5F;        // by which the places of a post are less likely to move
@@ -199,7 +201,8 @@ struct HindsightLabels::Impl
   [[nodiscard]] GroundHeights ground() const;
   [[nodiscard]] std::vector<OtherScan> others() const;
   [[nodiscard]] std::vector<float> trackedShare(const Frame& frame) const;
-  [[nodiscard]] std::vector<PlaceEvidence> evidenceOf(const Segments& segments);
+  [[nodiscard]] std::vector<PlaceEvidence> evidenceOf(const Segments& segments,
+                                                      const std::vector<float>& heights);
   void noteTracks(const Frame& frame);
   void leaveWindow();
 
@@ -278,32 +281,14 @@ std::vector<float> HindsightLabels::Impl::trackedShare(const Frame& frame) const
   return tracked;
 }
 
-/** Evidence of each place by itself. */
-std::vector<PlaceEvidence> HindsightLabels::Impl::evidenceOf(const Segments& segments)
+/** Evidence of each place by itself. \param heights of the points over the ground [m] */
+std::vector<PlaceEvidence> HindsightLabels::Impl::evidenceOf(const Segments& segments,
+                                                             const std::vector<float>& heights)
 {
   const Frame& frame = *scans[next].frame;
-  std::vector<Eigen::Vector3f> places;
-  places.reserve(segments.first_point.size());
-  for (const std::uint32_t first : segments.first_point)
-  {
-    places.push_back(frame.cloud.points[first]);
-  }
-  const std::vector<RayCounts> counts =
-      countRays(others(), places, static_cast<float>(0.5 * options.voxel_size),
-                static_cast<float>(options.margin), pool);
-  std::vector<PlaceEvidence> evidence(counts.size());
-  for (std::size_t g = 0; g < counts.size(); ++g)
-  {
-    const RayCounts& c = counts[g];
-    PlaceEvidence& e = evidence[g];
-    const int known = c.free + c.occupied;
-    e.known = known > 0 ? 1.0F : 0.0F;
-    e.free = static_cast<float>(c.free) / static_cast<float>(std::max(1, known));
-    e.change_before = shareOf(c.change_before);
-    e.change_after = shareOf(c.change_after);
-  }
+  std::vector<PlaceEvidence> evidence(segments.first_point.size());
   const std::vector<float> tracked = trackedShare(frame);
-  std::vector<float> points(counts.size(), 0.0F);
+  std::vector<float> points(evidence.size(), 0.0F);
   for (std::size_t i = 0; i < segments.group_of_point.size(); ++i)
   {
     const std::uint32_t g = segments.group_of_point[i];
@@ -315,10 +300,33 @@ std::vector<PlaceEvidence> HindsightLabels::Impl::evidenceOf(const Segments& seg
           i < frame.moving_probability.size() ? frame.moving_probability[i] : 0.0F;
     }
   }
-  for (std::size_t g = 0; g < counts.size(); ++g)
+  std::vector<Eigen::Vector3f> places;
+  std::vector<RayEffort> efforts;
+  places.reserve(evidence.size());
+  efforts.reserve(evidence.size());
+  for (std::size_t g = 0; g < evidence.size(); ++g)
   {
     evidence[g].tracked /= points[g];
     evidence[g].probability /= points[g];
+    const std::uint32_t first = segments.first_point[g];
+    places.push_back(frame.cloud.points[first]);
+    const bool suspected = evidence[g].tracked > 0 || evidence[g].probability > suspicious;
+    efforts.push_back(suspected                         ? RayEffort::all
+                      : heights[first] > highest_object ? RayEffort::few
+                                                        : RayEffort::if_needed);
+  }
+  const std::vector<RayCounts> counts =
+      countRays(others(), places, efforts, static_cast<float>(0.5 * options.voxel_size),
+                static_cast<float>(options.margin), pool);
+  for (std::size_t g = 0; g < counts.size(); ++g)
+  {
+    const RayCounts& c = counts[g];
+    PlaceEvidence& e = evidence[g];
+    const int known = c.free + c.occupied;
+    e.known = known > 0 ? 1.0F : 0.0F;
+    e.free = static_cast<float>(c.free) / static_cast<float>(std::max(1, known));
+    e.change_before = shareOf(c.change_before);
+    e.change_after = shareOf(c.change_after);
   }
   return evidence;
 }
@@ -384,7 +392,8 @@ void HindsightLabels::Impl::decide(WindowScan& scan)
   }
   const Segments segments =
       findSegments(points, use_point, options.voxel_size, options.segment_gap);
-  const std::vector<PlaceFacts> facts = factsOf(segments, evidenceOf(segments), points, heights);
+  const std::vector<PlaceFacts> facts =
+      factsOf(segments, evidenceOf(segments, heights), points, heights);
   std::vector<Eigen::Vector3f> places;
   places.reserve(facts.size());
   for (const PlaceFacts& f : facts)

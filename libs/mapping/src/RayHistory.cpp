@@ -2,13 +2,14 @@
 #include "RayHistory.h"
 
 #include <algorithm>
-#include <array>
 
 namespace dyslam
 {
 namespace
 {
-constexpr std::size_t chunk = 256;  // of places in a thread
+constexpr std::size_t chunk = 256;       // of places in a thread
+constexpr std::size_t probe_stride = 4;  // of the scans that are evaluated first
+constexpr int sufficient_scans = 6;      // of these that observed a place
 
 /** Scans before or those after, from the nearest in time to the farthest. */
 struct Side
@@ -49,10 +50,88 @@ void add(const OtherScan& other, Evidence seen, RayCounts& c, Sides& sides)
     c.change_before = sides.before.add(free);
   }
 }
+/** Whether some of the scans suffice for a place: they observed it, and never free. */
+bool isClear(const RayCounts& counts)
+{
+  return counts.free == 0 && counts.occupied >= sufficient_scans;
+}
+
+/** What the other scans observed at the places of a chunk. */
+class ChunkEvidence
+{
+ public:
+  ChunkEvidence(const std::vector<OtherScan>& others,
+                const Eigen::Vector3f* places,
+                std::size_t count,
+                float size,
+                float margin)
+      : others_(others), places_(places), count_(count), size_(size), margin_(margin)
+  {
+    seen_.resize(others.size() * count, Evidence::none);
+  }
+
+  [[nodiscard]] static bool isProbe(std::size_t other) { return other % probe_stride == 0; }
+
+  /** Evaluates the first scans at all places. */
+  void probe()
+  {
+    for (std::size_t o = 0; o < others_.size(); ++o)
+    {
+      if (isProbe(o))
+      {
+        others_[o].image->at(places_, count_, others_[o].T_other_this, size_, margin_, row(o));
+      }
+    }
+  }
+
+  /** Evaluates the remaining scans at some places. */
+  void complete(const std::vector<std::size_t>& chosen)
+  {
+    std::vector<Eigen::Vector3f> places;
+    for (const std::size_t i : chosen)
+    {
+      places.push_back(places_[i]);
+    }
+    std::vector<Evidence> seen(places.size());
+    for (std::size_t o = 0; o < others_.size(); ++o)
+    {
+      if (!isProbe(o))
+      {
+        others_[o].image->at(places.data(), places.size(), others_[o].T_other_this, size_, margin_,
+                             seen.data());
+        for (std::size_t k = 0; k < chosen.size(); ++k)
+        {
+          row(o)[chosen[k]] = seen[k];
+        }
+      }
+    }
+  }
+
+  [[nodiscard]] RayCounts countsOf(std::size_t place)
+  {
+    RayCounts counts;
+    Sides sides;
+    for (std::size_t o = 0; o < others_.size(); ++o)
+    {
+      add(others_[o], row(o)[place], counts, sides);
+    }
+    return counts;
+  }
+
+ private:
+  Evidence* row(std::size_t other) { return &seen_[other * count_]; }
+
+  const std::vector<OtherScan>& others_;
+  const Eigen::Vector3f* places_;
+  std::size_t count_;
+  float size_, margin_;
+  std::vector<Evidence> seen_;  //!< of a scan at all places, then of the next scan
+};
 }  // namespace
 
 std::vector<RayCounts> countRays(const std::vector<OtherScan>& others,
                                  const std::vector<Eigen::Vector3f>& places,
+                                 const std::vector<RayEffort>& efforts,
                                  float size,
                                  float margin,
                                  ThreadPool& pool)
@@ -61,16 +140,22 @@ std::vector<RayCounts> countRays(const std::vector<OtherScan>& others,
   pool.forChunks(counts.size(), chunk,
                  [&](std::size_t begin, std::size_t end, std::size_t)
                  {
-                   std::array<Evidence, chunk> seen;
-                   std::array<Sides, chunk> sides{};
-                   for (const OtherScan& other : others)
+                   ChunkEvidence evidence(others, &places[begin], end - begin, size, margin);
+                   evidence.probe();
+                   std::vector<std::size_t> doubtful;
+                   for (std::size_t g = begin; g < end; ++g)
                    {
-                     other.image->at(&places[begin], end - begin, other.T_other_this, size, margin,
-                                     seen.data());
-                     for (std::size_t g = begin; g < end; ++g)
+                     counts[g] = evidence.countsOf(g - begin);
+                     if (efforts[g] == RayEffort::all ||
+                         (efforts[g] == RayEffort::if_needed && !isClear(counts[g])))
                      {
-                       add(other, seen[g - begin], counts[g], sides[g - begin]);
+                       doubtful.push_back(g - begin);
                      }
+                   }
+                   evidence.complete(doubtful);
+                   for (const std::size_t i : doubtful)
+                   {
+                     counts[begin + i] = evidence.countsOf(i);
                    }
                  });
   return counts;

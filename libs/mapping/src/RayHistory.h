@@ -32,13 +32,23 @@ struct RayCounts
   std::uint16_t change_after = 0;  //!< the same of later scans: an object that leaves
 };
 
-/** Evaluates all other scans at all places.
+/** How many of the other scans are evaluated at a place. */
+enum class RayEffort
+{
+  few,        //!< every fourth one
+  if_needed,  //!< the others too, if one of these observed it free or hardly any observed it
+  all
+};
+
+/** Evaluates the other scans at places. Most of them are static surfaces that no ray ever passed
+ * through, for which a few scans suffice.
  * \param others those before and those after each in order of their distance in time
- * \param places vehicle frame of the scan to be decided [m] \param size of a place and \param
- * margin of a ray behind it, see VisibilityImage::at() [m]. Same result for any number of threads.
- */
+ * \param places vehicle frame of the scan to be decided [m] \param efforts one value per place
+ * \param size of a place and \param margin of a ray behind it, see VisibilityImage::at() [m]. Same
+ * result for any number of threads. */
 [[nodiscard]] std::vector<RayCounts> countRays(const std::vector<OtherScan>& others,
                                                const std::vector<Eigen::Vector3f>& places,
+                                               const std::vector<RayEffort>& efforts,
                                                float size,
                                                float margin,
                                                ThreadPool& pool);
