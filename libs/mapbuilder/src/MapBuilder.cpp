@@ -126,8 +126,8 @@ void MapBuilder::add(Frame frame)
     insert(frame);
     return;
   }
-  const bool wanted = frame.is_keyframe;
-  hindsight_->add(std::move(frame), wanted, [this](const Frame& f) { insert(f); });
+  hindsight_->add(frame, frame.is_keyframe ? KeptParts::all : KeptParts::none,
+                  [this](const Frame& f) { insert(f); });
 }
 
 void MapBuilder::insert(const Frame& frame)

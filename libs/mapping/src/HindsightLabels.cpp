@@ -58,21 +58,19 @@ float shareOf(std::uint16_t scans)
 struct WindowScan
 {
   WindowScan() = default;
-  WindowScan(const Frame& given, bool wanted)
+  WindowScan(const Frame& given, KeptParts kept)
       : index(given.index),
         T_odom_vehicle(given.T_odom_vehicle),
         image(given.cloud, given.scan.T_vehicle_lidar.translation().cast<float>()),
         lowest(given.cloud.points, T_odom_vehicle.cast<float>())
   {
-    if (wanted)
+    if (kept != KeptParts::none)
     {
-      frame = given;
-      frame->static_confidence = {};  // no longer needed
-      frame->static_prior = {};
+      frame = copyOf(given, kept);
     }
   }
 
-  std::optional<Frame> frame;  //!< none if it is not wanted, and once it is decided
+  std::optional<Frame> frame;  //!< none if it is not kept, and once it is decided
   std::size_t index = 0;       //!< Frame::index
   Pose T_odom_vehicle = Pose::Identity();
   VisibilityImage image;
@@ -173,6 +171,40 @@ void adaptLow(const Segments& segments,
   }
 }
 }  // namespace
+
+Frame copyOf(const Frame& frame, KeptParts parts)
+{
+  Frame copy;
+  if (parts == KeptParts::all)
+  {
+    copy = frame;
+    copy.static_confidence = {};  // no longer needed
+    copy.static_prior = {};
+    return copy;
+  }
+  copy.index = frame.index;
+  copy.scan.stamp = frame.scan.stamp;
+  copy.scan.T_vehicle_lidar = frame.scan.T_vehicle_lidar;
+  copy.dt = frame.dt;
+  copy.clock_offset = frame.clock_offset;
+  copy.motion = frame.motion;
+  copy.T_odom_vehicle = frame.T_odom_vehicle;
+  copy.moving_probability = frame.moving_probability;
+  copy.moving = frame.moving;
+  copy.detections = frame.detections;
+  copy.objects = frame.objects;
+  copy.is_keyframe = frame.is_keyframe;
+  copy.T_map_odom = frame.T_map_odom;
+  if (parts == KeptParts::cloud)
+  {
+    copy.cloud = frame.cloud;
+  }
+  else
+  {
+    copy.cloud.points = frame.cloud.points;
+  }
+  return copy;
+}
 
 void HindsightOptions::describe(OptionsVisitor& v)
 {
@@ -358,7 +390,7 @@ void HindsightLabels::Impl::leaveWindow()
   reported.forgetBefore(scans.front().index);
 }
 
-/** Outputs the next frame, if it is wanted, and drops the oldest scan. */
+/** Outputs the next frame, if it was kept, and drops the oldest scan. */
 void HindsightLabels::Impl::outputNext(const Use& use)
 {
   std::optional<Frame> frame = std::exchange(scans[next].frame, std::nullopt);
@@ -444,11 +476,11 @@ HindsightLabels::HindsightLabels(const HindsightOptions& options, int threads)
 }
 HindsightLabels::~HindsightLabels() = default;
 
-void HindsightLabels::add(const Frame& frame, bool wanted, const Use& use)
+void HindsightLabels::add(const Frame& frame, KeptParts kept, const Use& use)
 {
   Impl& m = *impl_;
   m.noteTracks(frame);
-  m.scans.emplace_back(frame, wanted);
+  m.scans.emplace_back(frame, kept);
   ++m.count;
   if (m.scans.size() - m.next > static_cast<std::size_t>(m.options.window))
   {

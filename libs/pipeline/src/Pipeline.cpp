@@ -30,6 +30,8 @@ void PipelineOptions::describe(OptionsVisitor& v)
 {
   v.integer("threads", threads, 0, 256, "threads of the stages' loops; 0: all cores");
   v.flag("tracking", tracking, "detect and track moving objects");
+  v.flag("hindsight_tracking", hindsight_tracking,
+         "detect and track objects again with the labels of labels.hindsight");
   v.flag("mapping", mapping, "build the static map");
 }
 
@@ -68,10 +70,16 @@ struct Pipeline::Stages
     {
       hindsight.emplace(labels, options.threads);
     }
+    if (labels.hindsight && options.hindsight_tracking && options.tracking &&
+        config.get<BackendOptions>("backend").mode < BackendMode::segmot)
+    {
+      tracker_again.emplace(config.get<TrackerOptions>("tracker"));
+    }
   }
 
   void insertInMap(const Frame& decided);
   void use(Frame decided);
+  [[nodiscard]] KeptParts keptOf(const Frame& frame) const;
   void decide(const Frame& frame);
   void decideFirst();
 
@@ -84,9 +92,11 @@ struct Pipeline::Stages
   KeyframeStore keyframes;
   Backend backend;
   std::optional<HindsightLabels> hindsight;
-  std::optional<Frame> first;  //!< until the second one has come
+  std::optional<Tracker> tracker_again;  //!< of decided frames
+  std::optional<Frame> first;            //!< until the second one has come
   StaticMap map;
   std::function<void(Frame)> on_decided;
+  bool whole = true;  //!< frames for on_decided
 };
 
 void Pipeline::Stages::insertInMap(const Frame& decided)
@@ -108,6 +118,12 @@ void Pipeline::Stages::insertInMap(const Frame& decided)
 
 void Pipeline::Stages::use(Frame decided)
 {
+  if (tracker_again)
+  {
+    const CTimeLoggerEntry timed(times, "hindsight.tracking");
+    detector.detect(decided);
+    tracker_again->update(decided);
+  }
   insertInMap(decided);
   if (on_decided)
   {
@@ -181,6 +197,19 @@ bool Pipeline::optimise(Frame& frame)
   return stages_->backend.optimise(frame);
 }
 
+KeptParts Pipeline::Stages::keptOf(const Frame& frame) const
+{
+  if (on_decided && whole)
+  {
+    return KeptParts::all;
+  }
+  if (options.mapping && frame.is_keyframe)
+  {
+    return KeptParts::cloud;
+  }
+  return on_decided || tracker_again ? KeptParts::points : KeptParts::none;
+}
+
 void Pipeline::Stages::decide(const Frame& frame)
 {
   if (!hindsight)
@@ -188,15 +217,14 @@ void Pipeline::Stages::decide(const Frame& frame)
     insertInMap(frame);
     if (on_decided)
     {
-      on_decided(frame);
+      on_decided(copyOf(frame, keptOf(frame)));
     }
     return;
   }
-  const bool wanted = on_decided || (options.mapping && frame.is_keyframe);
   std::vector<Frame> decided;
   {
     const CTimeLoggerEntry timed(times, "hindsight");
-    hindsight->add(frame, wanted, [&](Frame f) { decided.push_back(std::move(f)); });
+    hindsight->add(frame, keptOf(frame), [&](Frame f) { decided.push_back(std::move(f)); });
   }
   for (Frame& f : decided)
   {
@@ -233,9 +261,15 @@ void Pipeline::addToMap(const Frame& frame)
   }
 }
 
-void Pipeline::onDecided(std::function<void(Frame)> use)
+void Pipeline::onDecided(std::function<void(Frame)> use, bool whole)
 {
   stages_->on_decided = std::move(use);
+  stages_->whole = whole;
+}
+
+bool Pipeline::tracksAgain() const
+{
+  return stages_->tracker_again.has_value();
 }
 
 void Pipeline::finish()
@@ -279,6 +313,10 @@ void Pipeline::exchangeBackEndState(StateArchive& archive)
   if (s.hindsight)
   {
     archive(*s.hindsight);
+  }
+  if (s.tracker_again)
+  {
+    archive(*s.tracker_again);
   }
 }
 

@@ -9,9 +9,9 @@ namespace
 {
 constexpr std::size_t part_size = 4096;
 
-ReportedObject reportOf(const TrackedObject& object, std::size_t scan)
+PastObject pastObject(const TrackedObject& object, std::size_t scan)
 {
-  ReportedObject report;
+  PastObject report;
   report.scan = scan;
   report.id = object.id;
   report.object_class = object.object_class;
@@ -20,6 +20,7 @@ ReportedObject reportOf(const TrackedObject& object, std::size_t scan)
   report.score = object.score;
   report.dynamic = object.dynamic;
   report.observed = object.observed;
+  report.reported = object.reported;
   return report;
 }
 
@@ -53,10 +54,11 @@ void forEachField(Object& o, const Field& field)
   field(o.score);
   field(o.dynamic);
   field(o.observed);
+  field(o.reported);
 }
 }  // namespace
 
-TrackedObject ReportedObject::tracked() const
+TrackedObject PastObject::tracked() const
 {
   TrackedObject object;
   object.id = id;
@@ -73,7 +75,7 @@ TrackedObject ReportedObject::tracked() const
 std::string RunHistory::Part::toBytes() const
 {
   std::string bytes;
-  for (const ReportedObject& object : objects)
+  for (const PastObject& object : objects)
   {
     forEachField(object, [&bytes](const auto& value) { put(bytes, value); });
   }
@@ -91,7 +93,7 @@ RunHistory::Part RunHistory::Part::fromBytes(std::string_view bytes)
   return part;
 }
 
-void RunHistory::add(const Frame& frame)
+void RunHistory::addScan(const Frame& frame)
 {
   const auto mount = std::find_if(mounts_.begin(), mounts_.end(),
                                   [&](const Pose& T)
@@ -110,36 +112,88 @@ void RunHistory::add(const Frame& frame)
   {
     mounts_.push_back(frame.scan.T_vehicle_lidar);
   }
-  for (const TrackedObject& object : frame.objects)
-  {
-    if (!object.reported)
-    {
-      continue;
-    }
-    if (objects_.size() == 0 || in_last_part_ == part_size)
-    {
-      objects_.add({});
-      in_last_part_ = 0;
-    }
-    objects_.edit(objects_.size() - 1).objects.push_back(reportOf(object, scans_.size()));
-    ++in_last_part_;
-  }
   scans_.push_back(scan);
 }
 
-void RunHistory::forEachReported(const std::function<void(const ReportedObject&)>& use) const
+void RunHistory::add(const TrackedObject& object)
+{
+  if (objects_.size() == 0 || in_last_part_ == part_size)
+  {
+    objects_.add({});
+    in_last_part_ = 0;
+  }
+  objects_.edit(objects_.size() - 1).objects.push_back(pastObject(object, scans_with_objects_));
+  ++in_last_part_;
+}
+
+void RunHistory::noteObservations(const std::vector<TrackedObject>& objects)
+{
+  std::map<int, Observations> unreported;
+  for (const TrackedObject& object : objects)
+  {
+    const auto known = whole_.find(object.id);
+    if (known != whole_.end())
+    {
+      known->second.last = object.observed ? scans_with_objects_ : known->second.last;
+      continue;
+    }
+    const auto before = unreported_.find(object.id);
+    Observations observations{scans_with_objects_, scans_with_objects_};
+    if (before != unreported_.end())
+    {
+      observations.first = before->second.first;
+      observations.last = object.observed ? scans_with_objects_ : before->second.last;
+    }
+    (object.reported ? whole_ : unreported)[object.id] = observations;
+  }
+  unreported_ = std::move(unreported);
+}
+
+void RunHistory::addObjects(const std::vector<TrackedObject>& objects, TrackLife life)
+{
+  if (life == TrackLife::whole)
+  {
+    noteObservations(objects);
+  }
+  for (const TrackedObject& object : objects)
+  {
+    if (object.reported && object.dynamic)
+    {
+      moving_.insert(object.id);
+    }
+    if (object.reported || life == TrackLife::whole)
+    {
+      add(object);
+    }
+  }
+  ++scans_with_objects_;
+}
+
+bool RunHistory::counts(const PastObject& object) const
+{
+  const auto whole = whole_.find(object.id);
+  return whole == whole_.end()
+             ? object.reported
+             : object.scan >= whole->second.first && object.scan <= whole->second.last;
+}
+
+void RunHistory::forEachReported(const std::function<void(const PastObject&)>& use) const
 {
   for (std::size_t i = 0; i < objects_.size(); ++i)
   {
-    for (const ReportedObject& object : objects_.get(i).objects)
+    for (const PastObject& object : objects_.get(i).objects)
     {
-      use(object);
+      if (counts(object))
+      {
+        use(object);
+      }
     }
   }
 }
 
 void RunHistory::exchangeState(StateArchive& archive)
 {
-  archive(scans_, mounts_, objects_, in_last_part_);
+  archive(scans_, mounts_, objects_, in_last_part_, scans_with_objects_, whole_, unreported_,
+          moving_);
 }
 }  // namespace dyslam

@@ -7,6 +7,8 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <map>
+#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -28,8 +30,8 @@ struct PastScan
   bool keyframe = false;
 };
 
-/** An object as it was reported at a scan: TrackedObject without its covariances. */
-struct ReportedObject
+/** An object at a scan: TrackedObject without its covariances. */
+struct PastObject
 {
   std::size_t scan = 0;  //!< position in RunHistory::scans()
   int id = -1;
@@ -39,39 +41,65 @@ struct ReportedObject
   double score = 0;
   bool dynamic = false;
   bool observed = false;
+  bool reported = false;  //!< by the tracker, at this scan
 
   [[nodiscard]] TrackedObject tracked() const;
 };
 
-/** All scans of a run and the objects that were reported at them; the objects on disk, but for the
- * last ones. */
+/** The scans at which a track counts. */
+enum class TrackLife
+{
+  reported,  //!< those at which the tracker reported it
+  whole      //!< if it was reported at one: from its first observation to its last
+};
+
+/** All scans of a run and the objects at them; the objects on disk, but for the last ones. */
 class RunHistory
 {
  public:
   explicit RunHistory(const MemoryLimit& memory = {}) : objects_(memory) {}
 
-  void add(const Frame& frame);
+  void addScan(const Frame& frame);
+  /** Adds the objects of the first scan whose objects have not been added yet. */
+  void addObjects(const std::vector<TrackedObject>& objects, TrackLife life);
   void exchangeState(StateArchive& archive);
 
   [[nodiscard]] const std::vector<PastScan>& scans() const { return scans_; }
   /** T_vehicle_lidar, the different ones. */
   [[nodiscard]] const std::vector<Pose>& mounts() const { return mounts_; }
-  /** Calls `use` with every reported object, by scan, then in the order of Frame::objects. */
-  void forEachReported(const std::function<void(const ReportedObject&)>& use) const;
+  /** Calls `use` with every object at each scan at which it counts, by scan, then in the order of
+   * Frame::objects. */
+  void forEachReported(const std::function<void(const PastObject&)>& use) const;
+  /** Number of tracks that were reported as moving. */
+  [[nodiscard]] std::size_t movingTracks() const { return moving_.size(); }
 
  private:
-  /** Objects that were reported one after the other. */
+  /** Positions in scans_ of a track's first and last observation. */
+  struct Observations
+  {
+    std::size_t first = 0;
+    std::size_t last = 0;
+  };
+  /** Objects one after the other. */
   struct Part
   {
-    std::vector<ReportedObject> objects;
-    [[nodiscard]] std::size_t memory() const { return objects.capacity() * sizeof(ReportedObject); }
+    std::vector<PastObject> objects;
+    [[nodiscard]] std::size_t memory() const { return objects.capacity() * sizeof(PastObject); }
     [[nodiscard]] std::string toBytes() const;
     [[nodiscard]] static Part fromBytes(std::string_view bytes);
   };
 
   std::vector<PastScan> scans_;
   std::vector<Pose> mounts_;
+  void add(const TrackedObject& object);
+  void noteObservations(const std::vector<TrackedObject>& objects);
+  [[nodiscard]] bool counts(const PastObject& object) const;
+
   SwappedStore<Part> objects_;
   std::size_t in_last_part_ = 0;
+  std::size_t scans_with_objects_ = 0;      //!< added
+  std::map<int, Observations> whole_;       //!< of reported tracks that count as a whole
+  std::map<int, Observations> unreported_;  //!< of present tracks that were not reported so far
+  std::set<int> moving_;                    //!< tracks
 };
 }  // namespace dyslam

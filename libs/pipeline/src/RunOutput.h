@@ -57,6 +57,15 @@ struct OutputName
   std::string extension;  //!< of the files 000000.label, 000001.label, ... if it is a folder
 };
 
+/** Frames as the causal pipeline leaves them, or once their moving points and objects are final,
+ * see Pipeline::onDecided(). */
+enum class FrameKind
+{
+  causal,
+  decided_objects,  //!< final, maybe without the scan
+  decided           //!< final, whole
+};
+
 /** Arguments of an output. An output's own options are a section of the config. */
 struct RunOutputContext
 {
@@ -86,9 +95,8 @@ class RunOutput
    * calls of one output come one after the other either way. */
   [[nodiscard]] virtual bool isSlow() const { return false; }
 
-  /** Whether add() gets the frames once their moving points are final, see Pipeline::onDecided(),
-   * not as the causal pipeline leaves them. */
-  [[nodiscard]] virtual bool wantsDecided() const { return false; }
+  /** Which frames add() gets. */
+  [[nodiscard]] virtual FrameKind wants() const { return FrameKind::causal; }
 
   // An exception out of one of these ends this output alone, except in open().
 

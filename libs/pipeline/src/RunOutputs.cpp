@@ -113,7 +113,7 @@ RunOutputs::RunOutputs(const SlamRunSettings& settings,
     entry.output = kind.make({settings, config, options.scene_voxel_size});
     entry.names = entry.output->names();
     entry.slow = entry.output->isSlow();
-    entry.decided = entry.output->wantsDecided();
+    entry.wants = entry.output->wants();
     names_.insert(names_.end(), entry.names.begin(), entry.names.end());
     const bool asked = kind.flag == nullptr || settings.*kind.flag;
     if (asked && (kind.key == nullptr || options.on.at(kind.key)))
@@ -236,10 +236,10 @@ void RunOutputs::add(Frame frame)
   add(std::move(frame), false);
 }
 
-bool RunOutputs::wantDecided() const
+bool RunOutputs::wantWhole() const
 {
   return std::any_of(entries_.begin(), entries_.end(),
-                     [](const Entry& entry) { return entry.decided; });
+                     [](const Entry& entry) { return entry.wants == FrameKind::decided; });
 }
 
 void RunOutputs::addDecided(Frame frame)
@@ -251,7 +251,8 @@ void RunOutputs::add(Frame frame, bool decided)
 {
   addTo(frame, false, decided);
   if (std::any_of(entries_.begin(), entries_.end(),
-                  [&](const Entry& entry) { return entry.slow && entry.decided == decided; }))
+                  [&](const Entry& entry)
+                  { return entry.slow && entry.wantsDecided() == decided; }))
   {
     writer_->add([this, decided, shared = std::make_shared<const Frame>(std::move(frame))]
                  { addTo(*shared, true, decided); });
@@ -262,7 +263,7 @@ void RunOutputs::addTo(const Frame& frame, bool slow, bool decided)
 {
   for (Entry& entry : entries_)
   {
-    if (entry.slow == slow && entry.decided == decided)
+    if (entry.slow == slow && entry.wantsDecided() == decided)
     {
       attempt(entry, [&](RunOutput& output) { output.add(frame); });
     }

@@ -29,8 +29,8 @@ class RunOutputs
   void open();
   /** Takes the frame; slow outputs write in another thread. */
   void add(Frame frame);
-  /** Whether an output wants decided frames. */
-  [[nodiscard]] bool wantDecided() const;
+  /** Whether an output wants whole decided frames. */
+  [[nodiscard]] bool wantWhole() const;
   /** The same frame again, later, for the outputs that want final moving points. */
   void addDecided(Frame frame);
   /** Seconds between checkpoints, 0: none. */
@@ -55,7 +55,9 @@ class RunOutputs
     std::unique_ptr<RunOutput> output;  //!< null once it has failed
     std::vector<OutputName> names;
     bool slow = false;
-    bool decided = false;  //!< wantsDecided()
+    FrameKind wants = FrameKind::causal;
+
+    [[nodiscard]] bool wantsDecided() const { return wants != FrameKind::causal; }
     std::string failure;
   };
 

@@ -42,13 +42,6 @@ void RunStatistics::add(const Frame& frame)
   {
     odometry_failures.add(frame.odometry.reason);
   }
-  for (const TrackedObject& object : frame.objects)
-  {
-    if (object.reported && object.dynamic)
-    {
-      moving_objects.insert(object.id);
-    }
-  }
   if (frame.T_world_vehicle_truth)
   {
     reference.push_back(frame.scan.stamp, *frame.T_world_vehicle_truth);
@@ -133,6 +126,6 @@ void Reasons::exchangeState(StateArchive& archive)
 void RunStatistics::exchangeState(StateArchive& archive)
 {
   archive(frames, first_time, last_time, registration_failures, map_restarts,
-          unregistered_keyframes, odometry_failures, moving_objects, reference);
+          unregistered_keyframes, odometry_failures, reference);
 }
 }  // namespace dyslam

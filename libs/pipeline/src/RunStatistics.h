@@ -6,7 +6,6 @@
 
 #include <cstddef>
 #include <map>
-#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -58,7 +57,6 @@ struct RunStatistics
   std::size_t map_restarts = 0;   //!< of the local map, after failures in a row
   std::size_t unregistered_keyframes = 0;
   Reasons odometry_failures;
-  std::set<int> moving_objects;  //!< ids of those reported
-  Trajectory reference;          //!< ground truth as recorded
+  Trajectory reference;  //!< ground truth as recorded
 };
 }  // namespace dyslam

@@ -144,12 +144,10 @@ struct SlamRun::Impl
   {
     times.setMinLoggingLevel(mrpt::system::LVL_ERROR);  // else it prints its table at the end
     config.requireAllUsed();
-    if (outputs.wantDecided())
-    {
-      pipeline.onDecided([this](Frame frame) { outputs.addDecided(std::move(frame)); });
-    }
+    pipeline.onDecided([this](Frame frame) { addDecided(std::move(frame)); }, outputs.wantWhole());
   }
 
+  void addDecided(Frame frame);
   /** Scans of this process, whose times are known: not those before a resumed run. */
   [[nodiscard]] std::size_t timedScans() const { return statistics.frames - resumed_after; }
   [[nodiscard]] std::map<std::string, double> waitMilliseconds() const;
@@ -178,6 +176,15 @@ struct SlamRun::Impl
   std::size_t resumed_after = 0;        //!< scans
   std::map<std::string, double> waits;  //!< of the caller's threads [s]
 };
+
+void SlamRun::Impl::addDecided(Frame frame)
+{
+  if (pipeline.tracksAgain())
+  {
+    history.addObjects(frame.objects, TrackLife::whole);
+  }
+  outputs.addDecided(std::move(frame));
+}
 
 std::map<std::string, double> SlamRun::Impl::waitMilliseconds() const
 {
@@ -244,7 +251,7 @@ void SlamRun::Impl::fillReport(SlamRunReport& report, const RunResults& results)
   report.loops = static_cast<std::size_t>(
       std::count_if(loops.begin(), loops.end(),
                     [](const Loop& loop) { return loop.verdict == LoopVerdict::accepted; }));
-  report.tracks = statistics.moving_objects.size();
+  report.tracks = history.movingTracks();
   report.map_points = results.map == nullptr ? 0 : results.map->pointCount();
   const auto lengths = results.trajectory.pathLengths();
   report.path_length = lengths.empty() ? 0 : lengths.back();
@@ -385,7 +392,11 @@ void SlamRun::resume(RunToResume& saved)
 void SlamRun::add(Frame frame)
 {
   impl_->statistics.add(frame);
-  impl_->history.add(frame);
+  impl_->history.addScan(frame);
+  if (!impl_->pipeline.tracksAgain())
+  {
+    impl_->history.addObjects(frame.objects, TrackLife::reported);
+  }
   impl_->outputs.add(std::move(frame));
 }
 

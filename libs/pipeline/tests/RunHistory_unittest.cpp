@@ -9,7 +9,7 @@ namespace dyslam
 {
 namespace
 {
-TEST(RunHistory, KeepsReportedObjectsOnDisk)
+TEST(RunHistory, KeepsPastObjectsOnDisk)
 {
   MemoryLimit tiny;
   tiny.file = std::make_shared<SwapFile>(testing::TempDir());
@@ -35,7 +35,8 @@ TEST(RunHistory, KeepsReportedObjectsOnDisk)
       object.score = 0.25;
       frame.objects.push_back(object);
     }
-    history.add(frame);
+    history.addScan(frame);
+    history.addObjects(frame.objects, TrackLife::reported);
   }
   ASSERT_EQ(history.scans().size(), scans);
   EXPECT_EQ(history.scans()[7].index, 17U);
@@ -45,7 +46,7 @@ TEST(RunHistory, KeepsReportedObjectsOnDisk)
   EXPECT_GT(tiny.file->size(), 100000U);
   std::size_t count = 0;
   history.forEachReported(
-      [&](const ReportedObject& object)
+      [&](const PastObject& object)
       {
         EXPECT_EQ(object.scan, count / 2);
         EXPECT_EQ(object.id, count % 2 == 0 ? 0 : 2);

@@ -89,7 +89,7 @@ class DecidedOutput : public RunOutput
 {
  public:
   explicit DecidedOutput(const RunOutputContext& context) : RunOutput(context, {"decided.txt"}) {}
-  [[nodiscard]] bool wantsDecided() const override { return true; }
+  [[nodiscard]] FrameKind wants() const override { return FrameKind::decided; }
   void add(const Frame& frame) override { frames_ += std::to_string(frame.index) + " "; }
   void finish(const RunResults& /*results*/) override { writeWhole(path("decided.txt"), frames_); }
 
@@ -145,7 +145,7 @@ TEST_F(RunOutputsTest, DecidedFramesGoToThoseThatWantThem)
   const Config given;
   ConfigLoader config(given);
   RunOutputs outputs(settings_, config, {{makeDecided}, {makeB<true>}, report_row});
-  EXPECT_TRUE(outputs.wantDecided());
+  EXPECT_TRUE(outputs.wantWhole());
   outputs.open();
   for (std::size_t i = 0; i < 4; ++i)
   {

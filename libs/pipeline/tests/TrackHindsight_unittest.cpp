@@ -31,7 +31,8 @@ RunHistory vehicleThatComesIntoView(int scans, Trajectory& trajectory)
     object.box.center = {5 + speed * time - 0.5 * (length - object.box.size.x()), 3, 0.8};
     object.velocity = {speed, 0, 0};
     frame.objects.push_back(object);
-    history.add(frame);
+    history.addScan(frame);
+    history.addObjects(frame.objects, TrackLife::reported);
     trajectory.push_back(time, Pose::Identity());
   }
   return history;

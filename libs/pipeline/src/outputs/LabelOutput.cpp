@@ -20,7 +20,7 @@ class LabelOutput : public RunOutput
   {
   }
   [[nodiscard]] bool isSlow() const override { return true; }
-  [[nodiscard]] bool wantsDecided() const override { return true; }
+  [[nodiscard]] FrameKind wants() const override { return FrameKind::decided; }
   void open() override { makeFolder(path(folder)); }
   void exchangeState(StateArchive& archive) override
   {

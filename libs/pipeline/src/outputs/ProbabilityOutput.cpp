@@ -37,7 +37,7 @@ class ProbabilityOutput : public RunOutput
   {
   }
   [[nodiscard]] bool isSlow() const override { return true; }
-  [[nodiscard]] bool wantsDecided() const override { return true; }
+  [[nodiscard]] FrameKind wants() const override { return FrameKind::decided; }
   void open() override { makeFolder(path(folder)); }
   void exchangeState(StateArchive& archive) override
   {

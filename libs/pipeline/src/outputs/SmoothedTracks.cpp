@@ -43,17 +43,19 @@ void forEachReported(const RunResults& results,
                      const std::function<void(const ReportedState&)>& use)
 {
   results.history->forEachReported(
-      [&](const ReportedObject& report)
+      [&](const PastObject& report)
       {
         const PastScan& scan = results.history->scans()[report.scan];
         const Pose T_map_odom =
             results.trajectory[report.scan].pose * scan.T_odom_vehicle.inverse();
         TrackedObject object = report.tracked();
+        bool dynamic = report.dynamic;
         if (const SmoothedObject* smoothed = findSmoothed(results.objects, scan.index, object.id))
         {
           object = smoothedTrack(object, *smoothed, T_map_odom.inverse());
+          dynamic = report.reported ? dynamic : smoothed->moving;
         }
-        use({std::move(object), report.dynamic, scan, report.scan, T_map_odom});
+        use({std::move(object), dynamic, scan, report.scan, T_map_odom});
       });
 }
 }  // namespace dyslam

@@ -57,7 +57,7 @@ class StaticScanOutput : public RunOutput
   {
   }
   [[nodiscard]] bool isSlow() const override { return true; }
-  [[nodiscard]] bool wantsDecided() const override { return true; }
+  [[nodiscard]] FrameKind wants() const override { return FrameKind::decided; }
   void open() override
   {
     makeFolder(path(folder));

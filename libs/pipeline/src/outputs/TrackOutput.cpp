@@ -68,6 +68,7 @@ class TrackOutput : public RunOutput
 {
  public:
   explicit TrackOutput(const RunOutputContext& context) : RunOutput(context, {table, kitti}) {}
+  [[nodiscard]] FrameKind wants() const override { return FrameKind::decided_objects; }
   void open() override { rows_.open(path(table), header); }
   void add(const Frame& frame) override
   {

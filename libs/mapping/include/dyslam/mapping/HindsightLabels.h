@@ -26,6 +26,19 @@ struct HindsightOptions : Options
   void describe(OptionsVisitor& visitor) override;
 };
 
+/** What is kept of a frame until it is decided. Always kept: index, stamps, poses and
+ * T_vehicle_lidar, `moving`, `moving_probability`, detections and objects. */
+enum class KeptParts
+{
+  none,    //!< nothing: the frame is evidence for others, and is not decided itself
+  points,  //!< the cloud's points, for tracking
+  cloud,   //!< the cloud, for the map
+  all      //!< the scan as well, for labels
+};
+
+/** A copy of these parts of a frame. */
+[[nodiscard]] Frame copyOf(const Frame& frame, KeptParts parts);
+
 /** Labels the moving points of each scan again, from the scans before and after it.
  *
  * The returns above the ground are clustered to segments. The rays of the scans before and after
@@ -50,9 +63,9 @@ class HindsightLabels
   /** Takes the next frame, in order of time: cloud, moving, moving_probability, poses, detections
    * and objects are read. Calls `use` with each frame that is decided now: `moving` is the new
    * decision and `moving_probability` its probability (one value per cloud point each; above 0.5:
-   * moving), and an object that was reported later is `reported`.
-   * \param wanted false: the frame is evidence for others only, and `use` never gets it. */
-  void add(const Frame& frame, bool wanted, const Use& use);
+   * moving), and an object that was reported later is `reported`. It never gets those of which
+   * `none` is kept. */
+  void add(const Frame& frame, KeptParts kept, const Use& use);
   /** Decides the remaining frames. */
   void finish(const Use& use);
 

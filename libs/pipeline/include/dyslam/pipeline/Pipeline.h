@@ -27,9 +27,10 @@ struct FrontEndWaits;
 
 struct PipelineOptions : Options
 {
-  int threads = 0;       //!< 0: as many as the machine has
-  bool tracking = true;  //!< detect and track moving objects
-  bool mapping = true;   //!< build the static map
+  int threads = 0;                 //!< 0: as many as the machine has
+  bool tracking = true;            //!< detect and track moving objects
+  bool hindsight_tracking = true;  //!< again with the labels of `labels.hindsight`
+  bool mapping = true;             //!< build the static map
   void describe(OptionsVisitor& visitor) override;
 };
 
@@ -84,9 +85,14 @@ class Pipeline
    * deskews it. */
   void addToMap(const Frame& frame);
 
-  /** Sets the receiver of every frame, in order, once its moving points are final: with
-   * `labels.hindsight` some seconds later, the last ones in finish(). */
-  void onDecided(std::function<void(Frame)> use);
+  /** Sets the receiver of every frame, in order, once its moving points and objects are final: with
+   * `labels.hindsight` some seconds later, the last ones in finish().
+   * \param whole false: what `KeptParts::points` keeps of a frame is enough, which saves memory. */
+  void onDecided(std::function<void(Frame)> use, bool whole);
+  /** Whether decided frames have other objects than those of trackObjects(), with ids of their own:
+   * detected and tracked again with hindsight (`pipeline.hindsight_tracking`). Not if objects are
+   * in the graph, which has those of trackObjects(). */
+  [[nodiscard]] bool tracksAgain() const;
 
   /** After the last frame: optimises once more and corrects the map. */
   void finish();
