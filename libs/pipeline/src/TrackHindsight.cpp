@@ -15,7 +15,6 @@ namespace
 {
 constexpr double static_speed = 0.5;  // below which an object stands before it is reported [m/s]
 constexpr double least_speed_of_course = 2;  // above which a vehicle's course is its heading [m/s]
-constexpr double length_of_car = 4;          // [m]
 constexpr double size_quantile = 0.8;  // of the sizes of a box, the largest of which are outliers
 
 /** An object at one of the scans at which it was reported, map frame. */
@@ -129,10 +128,9 @@ ObjectClass classOf(const Track& track)
   return most->first;
 }
 
-/** Gives the boxes of a vehicle, others being small enough to be seen whole, their size as if the
- * hidden sides had been seen, so that a body which comes into view by and by does not seem slower
- * or faster than it is. */
-void complete(const Eigen::Vector3d& size, Track& track)
+/** Gives the boxes of a vehicle their size as if the hidden sides had been seen, so that a body
+ * which comes into view by and by does not seem slower or faster than it is. */
+void completeVehicle(const Eigen::Vector3d& size, Track& track)
 {
   for (Sighting& s : track)
   {
@@ -140,6 +138,18 @@ void complete(const Eigen::Vector3d& size, Track& track)
     s.box.center -= sensor;
     s.box = completeBox(s.box, size);
     s.box.center += sensor;
+  }
+}
+
+/** Enlarges the boxes of people and cyclists, who are small enough for the middle of what is
+ * visible to be theirs. The top stays in place: the feet are removed with the ground. */
+void enlarge(const Eigen::Vector3d& size, Track& track)
+{
+  for (Sighting& s : track)
+  {
+    const double top = s.box.center.z() + 0.5 * s.box.size.z();
+    s.box.size = s.box.size.cwiseMax(size);
+    s.box.center.z() = top - 0.5 * s.box.size.z();
   }
 }
 
@@ -153,19 +163,34 @@ std::vector<TrackState> smoothed(const Track& track, const TrackSmoothingOptions
   return smoothTrack(states, options);
 }
 
-/** Smooths the track of a vehicle of which single scans see a part. */
-std::vector<TrackState> smoothedVehicle(ObjectClass object_class,
-                                        const TrackSmoothingOptions& options,
-                                        Track& track)
+/** Of the sides of a body, of which a lidar may see one alone [m]. */
+Eigen::Vector3d leastSize(ObjectClass object_class)
 {
-  alignWithCourse(smoothed(track, options), track);
-  Eigen::Vector3d size = sizeOf(track);
-  if (object_class == ObjectClass::car || object_class == ObjectClass::van)
+  switch (object_class)
   {
-    size.x() = std::max(size.x(), length_of_car);  // maybe only its front or rear was ever seen
+    case ObjectClass::car:
+    case ObjectClass::van:
+      return {4, 1.7, 1.4};
+    case ObjectClass::cyclist:
+    case ObjectClass::motorcyclist:
+      return {1.6, 0.6, 1.6};
+    case ObjectClass::pedestrian:
+      return {0.6, 0.6, 1.6};
+    default:
+      return Eigen::Vector3d::Zero();
   }
-  complete(size, track);
-  return smoothed(track, options);
+}
+
+double medianSpeed(const std::vector<TrackState>& states)
+{
+  std::vector<double> speeds;
+  for (const TrackState& state : states)
+  {
+    speeds.push_back(state.velocity.head<2>().norm());
+  }
+  const auto middle = speeds.begin() + static_cast<std::ptrdiff_t>(speeds.size() / 2);
+  std::nth_element(speeds.begin(), middle, speeds.end());
+  return *middle;
 }
 
 SmoothedObject smoothedObject(int id,
@@ -215,11 +240,23 @@ std::vector<SmoothedObject> smoothReported(const RunHistory& history,
     {
       continue;
     }
-    const ObjectClass object_class = classOf(track);
     alignEarlyBoxes(track);
-    const std::vector<TrackState> states = complete_boxes && isVehicle(object_class)
-                                               ? smoothedVehicle(object_class, options, track)
-                                               : smoothed(track, options);
+    ObjectClass object_class = classOf(track);
+    std::vector<TrackState> states = smoothed(track, options);
+    if (complete_boxes)
+    {
+      object_class = refineClass(object_class, sizeOf(track), medianSpeed(states));
+      if (isVehicle(object_class))
+      {
+        alignWithCourse(states, track);
+        completeVehicle(sizeOf(track).cwiseMax(leastSize(object_class)), track);
+      }
+      else
+      {
+        enlarge(leastSize(object_class), track);
+      }
+      states = smoothed(track, options);
+    }
     for (std::size_t i = 0; i < states.size(); ++i)
     {
       objects.push_back(smoothedObject(id, object_class, track[i], states[i]));
