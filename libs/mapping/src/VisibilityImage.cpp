@@ -192,6 +192,10 @@ Evidence VisibilityImage::look(int row, int col, float range, float size, float 
   {
     return Evidence::none;
   }
+  if (std::abs(range_[static_cast<std::size_t>(row * cols + col)] - range) <= margin)
+  {
+    return Evidence::occupied;  // as most places are; no need to look at the other pixels
+  }
   int passed = 0;
   bool close = false;
   bool stopped = false;

@@ -26,28 +26,48 @@ std::int64_t neighbourKey(std::int64_t key, int di, int dj)
   return key + di * (std::int64_t{1} << 32) + dj;
 }
 
-/** Ground height per cell, from all returns: a low order statistic rather than the minimum, because
- * multipath echoes lie below the road. */
+/** Ground height per cell around some points, from all returns: a low order statistic rather than
+ * the minimum, because multipath echoes lie below the road. */
 class GroundHeights
 {
  public:
-  /** \param cell size of a cell [m] \param range of the points that count, in x and y [m] */
-  GroundHeights(const Points& points, double cell, double range)
+  /** \param at the points whose ground is asked for \param cell size of a cell [m] \param range of
+   * the points that count, in x and y [m] */
+  GroundHeights(const Points& points,
+                const std::vector<std::uint32_t>& at,
+                double cell,
+                double range)
       : cell_(cell),
         half_(static_cast<int>(std::ceil(range / cell)) + 1),
         width_(2 * half_ + 1),
-        cells_(static_cast<std::size_t>(width_) * static_cast<std::size_t>(width_))
+        cells_(static_cast<std::size_t>(width_) * static_cast<std::size_t>(width_)),
+        used_(cells_.size(), 0)
   {
+    for (const std::uint32_t i : at)
+    {
+      const std::size_t own = indexOf(points[i]);
+      for (int di = -1; di <= 1; ++di)
+      {
+        for (int dj = -1; dj <= 1; ++dj)
+        {
+          used_[own + static_cast<std::size_t>(di * width_ + dj)] = 1;
+        }
+      }
+    }
     for (const Eigen::Vector3f& p : points)
     {
       if (p.allFinite() && std::abs(p.x()) < range && std::abs(p.y()) < range)
       {
-        cells_[indexOf(p)].add(p.z());
+        const std::size_t index = indexOf(p);
+        if (used_[index] != 0)
+        {
+          cells_[index].add(p.z());
+        }
       }
     }
   }
 
-  /** Ground height at a point within the range; limited by the median of the neighbouring cells
+  /** Ground height at one of these points; limited by the median of the neighbouring cells
    * because of roofs. */
   float heightAt(const Eigen::Vector3f& p) const
   {
@@ -106,6 +126,7 @@ class GroundHeights
   int half_;  //!< cells on each side of the sensor's
   int width_;
   std::vector<LowestReturns> cells_;
+  std::vector<char> used_;  //!< cells whose height is asked for, or that of a neighbour
 };
 
 /** Points of one voxel, clustered as one. */
@@ -262,7 +283,7 @@ std::vector<std::uint32_t> Detector::selectMovingPoints(const Points& points,
   {
     return selected;
   }
-  const GroundHeights ground(points, options_.ground_cell,
+  const GroundHeights ground(points, selected, options_.ground_cell,
                              options_.max_range + 2 * options_.ground_cell);
   const auto clearance = static_cast<float>(options_.ground_clearance);
   selected.erase(std::remove_if(selected.begin(), selected.end(),
