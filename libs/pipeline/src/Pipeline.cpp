@@ -48,6 +48,27 @@ std::future<void> loadAhead(const Config& config)
   return {};
 }
 
+namespace
+{
+/** Whether each point belongs to a reported object. */
+std::vector<bool> pointsOfReported(const Frame& frame)
+{
+  std::vector<bool> reported(frame.cloud.size(), false);
+  for (const TrackedObject& object : frame.objects)
+  {
+    if (object.reported && object.detection >= 0)
+    {
+      for (const std::uint32_t i :
+           frame.detections[static_cast<std::size_t>(object.detection)].points)
+      {
+        reported[i] = true;
+      }
+    }
+  }
+  return reported;
+}
+}  // namespace
+
 struct Pipeline::Stages
 {
   Stages(ConfigLoader& config,
@@ -121,6 +142,7 @@ void Pipeline::Stages::use(Frame decided)
   if (tracker_again)
   {
     const CTimeLoggerEntry timed(times, "hindsight.tracking");
+    decided.reported_before = pointsOfReported(decided);
     detector.detect(decided);
     tracker_again->update(decided);
   }

@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/Files.h>
 #include <dyslam/core/StateArchive.h>
+#include <dyslam/mapping/HindsightLabels.h>
+
+#include <map>
+#include <vector>
 
 #include "../RunOutput.h"
 #include "ScanLabels.h"
@@ -12,11 +16,24 @@ namespace
 constexpr const char* folder = "labels";
 constexpr const char* extension = ".label";
 
-/** `labels/NNNNNN.label`: SemanticKITTI labels of every point of the input scan. */
+/** Points of an object in a scan that was written before the object was reported. */
+struct UnnamedPoints
+{
+  std::size_t scan = 0;               //!< Frame::index
+  std::vector<std::uint32_t> points;  //!< of the scan
+
+  void exchangeState(StateArchive& archive) { archive(scan, points); }
+};
+
+/** `labels/NNNNNN.label`: SemanticKITTI labels of every point of the input scan. With hindsight an
+ * object has its number from its first detection on: it is entered in the files of the scans before
+ * it was reported. */
 class LabelOutput : public RunOutput
 {
  public:
-  explicit LabelOutput(const RunOutputContext& context) : RunOutput(context, {{folder, extension}})
+  explicit LabelOutput(const RunOutputContext& context)
+      : RunOutput(context, {{folder, extension}}),
+        hindsight_(context.config.get<HindsightOptions>("labels").hindsight)
   {
   }
   [[nodiscard]] bool isSlow() const override { return true; }
@@ -28,11 +45,63 @@ class LabelOutput : public RunOutput
     {
       open();
     }
+    archive(unnamed_);
   }
   void add(const Frame& frame) override
   {
-    writeLabels(numberedPath(path(folder), frame, extension), scanLabels(frame));
+    writeLabels(numberedPath(path(folder), frame.index, extension), scanLabels(frame));
+    if (hindsight_)
+    {
+      nameEarlierPoints(frame);
+    }
   }
+
+ private:
+  using UnnamedObjects = std::map<int, std::vector<UnnamedPoints>>;  //!< by track
+
+  /** Enters the objects that are reported for the first time in the files of the scans before. */
+  void nameEarlierPoints(const Frame& frame)
+  {
+    UnnamedObjects unnamed;
+    for (const TrackedObject& object : frame.objects)
+    {
+      std::vector<UnnamedPoints> earlier = std::move(unnamed_[object.id]);
+      if (object.reported)
+      {
+        for (const UnnamedPoints& scan : earlier)
+        {
+          nameObject(scan, labelOf(object));
+        }
+        continue;
+      }
+      if (object.detection >= 0)
+      {
+        earlier.push_back({frame.index, sourcesOf(frame, object)});
+      }
+      if (earlier.size() > most_scans)
+      {
+        earlier.erase(earlier.begin());
+      }
+      unnamed[object.id] = std::move(earlier);
+    }
+    unnamed_ = std::move(unnamed);
+  }
+
+  void nameObject(const UnnamedPoints& scan, Label label) const
+  {
+    const std::string file = numberedPath(path(folder), scan.scan, extension);
+    std::vector<Label> labels = readLabels(file);
+    for (const std::uint32_t i : scan.points)
+    {
+      labels[i] = isMovingLabel(labels[i]) ? label : labels[i];
+    }
+    writeLabels(file, labels);
+  }
+
+  static constexpr std::size_t most_scans = 100;  //!< of an object before it is reported
+
+  bool hindsight_;
+  UnnamedObjects unnamed_;
 };
 }  // namespace
 

@@ -16,8 +16,7 @@ namespace
 {
 constexpr float cell_size = 0.5F;  // [m]
 
-/** Labelled points of a cell, or of several. Moving points that are no reported object's are less
- * certain and have no vote. */
+/** Labelled points of a cell, or of several. */
 struct Votes
 {
   std::size_t stationary = 0;
@@ -30,7 +29,7 @@ struct Votes
     {
       stationary += points;
     }
-    else if (instanceOf(label) != 0)
+    else
     {
       moving += points;
       of_label[label] += points;
@@ -87,16 +86,25 @@ Votes votesAround(const VoxelCell& cell, const VotesByCell& votes)
   return sum;
 }
 
+/** Moving points that are no reported object's are less certain and have no vote. */
+bool hasVote(const Frame& frame, std::size_t cloud_point, Label label)
+{
+  return !isMovingLabel(label) ||
+         (frame.reported_before.empty() ? instanceOf(label) != 0
+                                        : frame.reported_before[cloud_point]);
+}
+
 /** Votes of the cloud's points that are nearer than `reach` [m]. */
 VotesByCell votesOfCloud(const Frame& frame, const std::vector<Label>& labels, float reach)
 {
   VotesByCell votes;
-  for (const std::uint32_t i : frame.cloud.source)
+  for (std::size_t i = 0; i < frame.cloud.size(); ++i)
   {
-    const Eigen::Vector3f& p = frame.scan.points[i];
-    if (p.squaredNorm() < reach * reach)
+    const std::uint32_t source = frame.cloud.source[i];
+    const Eigen::Vector3f& p = frame.scan.points[source];
+    if (p.squaredNorm() < reach * reach && hasVote(frame, i, labels[source]))
     {
-      votes[voxelKey(voxelCell(p, 1 / cell_size))].add(labels[i], 1);
+      votes[voxelKey(voxelCell(p, 1 / cell_size))].add(labels[source], 1);
     }
   }
   return votes;

@@ -51,7 +51,7 @@ class ProbabilityOutput : public RunOutput
     const std::vector<float> values = scanProbabilities(frame);
     const std::string_view bytes(reinterpret_cast<const char*>(values.data()),
                                  values.size() * sizeof(float));
-    writeWhole(numberedPath(path(folder), frame, extension), bytes, Durable::no);
+    writeWhole(numberedPath(path(folder), frame.index, extension), bytes, Durable::no);
   }
 };
 }  // namespace

@@ -40,6 +40,21 @@ std::uint16_t instanceOfTrack(int id)
 }
 }  // namespace
 
+Label labelOf(const TrackedObject& object)
+{
+  return makeLabel(movingLabel(object.object_class), instanceOfTrack(object.id));
+}
+
+std::vector<std::uint32_t> sourcesOf(const Frame& frame, const TrackedObject& object)
+{
+  std::vector<std::uint32_t> sources;
+  for (const std::uint32_t i : frame.detections[static_cast<std::size_t>(object.detection)].points)
+  {
+    sources.push_back(frame.cloud.source[i]);
+  }
+  return sources;
+}
+
 std::vector<Label> scanLabels(const Frame& frame)
 {
   std::vector<Label> labels(frame.scan.size(), 0);
@@ -53,22 +68,20 @@ std::vector<Label> scanLabels(const Frame& frame)
     {
       continue;
     }
-    const Label label = makeLabel(movingLabel(object.object_class), instanceOfTrack(object.id));
-    for (const auto i : frame.detections[static_cast<std::size_t>(object.detection)].points)
+    const Label label = labelOf(object);
+    for (const std::uint32_t i : sourcesOf(frame, object))
     {
-      labels[frame.cloud.source[i]] = frame.isMoving(i) ? label : labels[frame.cloud.source[i]];
+      labels[i] = isMovingLabel(labels[i]) ? label : labels[i];
     }
   }
   labelNearReturns(frame, labels);
   return labels;
 }
 
-std::string numberedPath(const std::string& folder,
-                         const Frame& frame,
-                         const std::string& extension)
+std::string numberedPath(const std::string& folder, std::size_t scan, const std::string& extension)
 {
   char number[32];
-  std::snprintf(number, sizeof number, "/%06zu", frame.index);
+  std::snprintf(number, sizeof number, "/%06zu", scan);
   return folder + number + extension;
 }
 }  // namespace dyslam

@@ -4,6 +4,7 @@
 #include <dyslam/core/Frame.h>
 #include <dyslam/formats/LabelFiles.h>
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -14,8 +15,14 @@ namespace dyslam
  * but for near ones that continue a moving object (labelNearReturns()). */
 [[nodiscard]] std::vector<Label> scanLabels(const Frame& frame);
 
-/** `<folder>/NNNNNN<extension>`, numbered by the frame's index. */
+/** Label of a reported object's points. */
+[[nodiscard]] Label labelOf(const TrackedObject& object);
+
+/** The points of the scan that an object was detected in. */
+[[nodiscard]] std::vector<std::uint32_t> sourcesOf(const Frame& frame, const TrackedObject& object);
+
+/** `<folder>/NNNNNN<extension>` of a scan. \param scan Frame::index */
 [[nodiscard]] std::string numberedPath(const std::string& folder,
-                                       const Frame& frame,
+                                       std::size_t scan,
                                        const std::string& extension);
 }  // namespace dyslam

@@ -60,6 +60,9 @@ struct Frame
   // Detection and tracking
   std::vector<Detection> detections;
   std::vector<TrackedObject> objects;
+  /** Per cloud point: it belongs to an object that was reported before the objects were tracked
+   * again with hindsight; else empty. */
+  std::vector<bool> reported_before;
 
   // Backend
   bool is_keyframe = false;
