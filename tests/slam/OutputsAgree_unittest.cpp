@@ -167,6 +167,10 @@ class OutputsAgree : public ::testing::Test
     writeTown(settings.rawlog);
     ASSERT_EQ(runSlam(settings).frames, static_cast<std::size_t>(scan_count));
     table_ = readTable(folder_ / "run" / "tracks.csv");
+    settings.config.set("labels.hindsight=true");
+    settings.config.set("track_smoothing.window=1.5");
+    settings.output_folder = (folder_ / "hindsight").string();
+    ASSERT_EQ(runSlam(settings).frames, static_cast<std::size_t>(scan_count));
   }
   static void TearDownTestSuite() { fs::remove_all(folder_); }
 
@@ -257,6 +261,34 @@ TEST_F(OutputsAgree, LabelsAndTable)
     char name[32];
     std::snprintf(name, sizeof name, "%06zu.label", frame);
     EXPECT_EQ(idsOf(folder_ / "run" / "labels" / name), expected) << frame;
+  }
+  EXPECT_GT(seen, 20U);
+}
+
+// The objects that are tracked again with hindsight, from their first observation on.
+TEST_F(OutputsAgree, LabelsAndTableWithHindsight)
+{
+  const std::vector<Rows> table = readTable(folder_ / "hindsight" / "tracks.csv");
+  std::map<int, std::size_t> first;
+  std::size_t seen = 0;
+  for (std::size_t frame = 0; frame < table.size(); ++frame)
+  {
+    std::set<int> expected;
+    for (const auto& [id, row] : table[frame])
+    {
+      if (row.observed)
+      {
+        expected.insert(id);
+      }
+      if (first.emplace(id, frame).second)
+      {
+        EXPECT_TRUE(row.observed) << "object " << id;
+      }
+    }
+    seen += expected.size();
+    char name[32];
+    std::snprintf(name, sizeof name, "%06zu.label", frame);
+    EXPECT_EQ(idsOf(folder_ / "hindsight" / "labels" / name), expected) << frame;
   }
   EXPECT_GT(seen, 20U);
 }

@@ -115,7 +115,7 @@ TEST(StateArchive, FieldsAreCounted)
 {
   EXPECT_EQ(fields::count<Box>(), 3U);
   EXPECT_EQ(fields::count<MotionEstimate>(), 9U);
-  EXPECT_EQ(fields::count<Frame>(), 22U);
+  EXPECT_EQ(fields::count<Frame>(), 23U);
 }
 
 TEST(StateArchive, BytesThatEndEarlyAreAnError)

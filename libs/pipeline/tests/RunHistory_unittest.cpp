@@ -59,5 +59,51 @@ TEST(RunHistory, KeepsPastObjectsOnDisk)
       });
   EXPECT_EQ(count, 2 * scans);
 }
+/** Object 7 at some scans: observed in 2 to 7 but for 4 and 5, reported in 3, 4 and 6 to 9. */
+TrackedObject sevenAt(std::size_t scan)
+{
+  TrackedObject object;
+  object.id = 7;
+  object.observed = scan >= 2 && scan <= 7 && scan != 4 && scan != 5;
+  object.reported = scan == 3 || scan == 4 || scan >= 6;
+  object.dynamic = scan >= 6;
+  return object;
+}
+
+std::vector<std::size_t> scansOfSeven(TrackLife life)
+{
+  RunHistory history;
+  for (std::size_t i = 0; i < 12; ++i)
+  {
+    Frame frame;
+    frame.index = i;
+    history.addScan(frame);
+    std::vector<TrackedObject> objects;
+    if (i >= 2 && i <= 9)
+    {
+      objects.push_back(sevenAt(i));
+    }
+    TrackedObject never_reported;
+    never_reported.id = 1;
+    never_reported.observed = true;
+    objects.push_back(never_reported);
+    history.addObjects(objects, life);
+  }
+  EXPECT_EQ(history.movingTracks(), 1U);
+  std::vector<std::size_t> scans;
+  history.forEachReported(
+      [&](const PastObject& object)
+      {
+        EXPECT_EQ(object.id, 7);
+        scans.push_back(object.scan);
+      });
+  return scans;
+}
+
+TEST(RunHistory, TracksCountWhereReportedOrFromFirstToLastObservation)
+{
+  EXPECT_EQ(scansOfSeven(TrackLife::reported), (std::vector<std::size_t>{3, 4, 6, 7, 8, 9}));
+  EXPECT_EQ(scansOfSeven(TrackLife::whole), (std::vector<std::size_t>{2, 3, 4, 5, 6, 7}));
+}
 }  // namespace
 }  // namespace dyslam

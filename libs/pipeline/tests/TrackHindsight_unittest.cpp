@@ -82,6 +82,86 @@ TEST(TrackHindsight, PositionsAreInTheMapFrame)
   }
 }
 
+/** A vehicle that drives along +y, 10 m in front of the sensor, and of which the rear alone is
+ * seen, as a box with its longer side across. The tracker reports it from the tenth scan on and
+ * does not know its heading. */
+RunHistory rearOfVehicle(ObjectClass object_class, Trajectory& trajectory)
+{
+  RunHistory history;
+  for (int i = 0; i < 30; ++i)
+  {
+    Frame frame;
+    frame.index = static_cast<std::size_t>(i);
+    frame.scan.stamp = 0.1 * i;
+    TrackedObject object;
+    object.id = 2;
+    object.object_class = object_class;
+    object.observed = true;
+    object.reported = object.dynamic = i >= 10;
+    object.box.size = {1.8, 0.4, 1.5};
+    object.box.center = {1, 10 + speed * frame.scan.stamp, 0.8};
+    object.box.yaw = i < 10 ? M_PI : 0;
+    history.addScan(frame);
+    history.addObjects({object}, TrackLife::whole);
+    trajectory.push_back(frame.scan.stamp, Pose::Identity());
+  }
+  return history;
+}
+
+TEST(TrackHindsight, VehiclesHeadWhereTheyDriveAndAreAsLongAsACar)
+{
+  Trajectory trajectory;
+  const RunHistory history = rearOfVehicle(ObjectClass::car, trajectory);
+  const auto objects = smoothReported(history, trajectory, {}, true);
+  ASSERT_EQ(objects.size(), 30U);
+  for (const SmoothedObject& object : objects)
+  {
+    EXPECT_NEAR(yawPitchRoll(object.T_map_object).x(), M_PI / 2, 0.01);
+    ASSERT_TRUE(object.size);
+    EXPECT_TRUE(object.size->isApprox(Eigen::Vector3d(4, 1.8, 1.5), 1e-9)) << *object.size;
+    // The rear stays in place: at y = 10 m - 0.2 m at the beginning.
+    EXPECT_NEAR(object.T_map_object.translation().y(), 11.8 + speed * object.stamp, 0.02);
+    EXPECT_TRUE(object.moving) << object.scan;
+  }
+}
+
+TEST(TrackHindsight, BoxesOfADetectorAreNotEnlarged)
+{
+  Trajectory trajectory;
+  const RunHistory history = rearOfVehicle(ObjectClass::car, trajectory);
+  const auto objects = smoothReported(history, trajectory, {}, false);
+  ASSERT_EQ(objects.size(), 30U);
+  EXPECT_NEAR(objects.back().size->x(), 1.8, 1e-9);
+  EXPECT_NEAR(std::abs(yawPitchRoll(objects.back().T_map_object).x()), 0, 1e-9);
+}
+
+TEST(TrackHindsight, FastPeopleAreCyclistsAndHaveTheirSize)
+{
+  Trajectory trajectory;
+  RunHistory history;
+  for (int i = 0; i < 20; ++i)
+  {
+    Frame frame;
+    frame.index = static_cast<std::size_t>(i);
+    frame.scan.stamp = 0.1 * i;
+    TrackedObject object;
+    object.id = 3;
+    object.object_class = ObjectClass::pedestrian;
+    object.observed = object.reported = object.dynamic = true;
+    object.box.size = {0.8, 0.4, 1.7};
+    object.box.center = {5 + speed * frame.scan.stamp, -3, 0.9};
+    history.addScan(frame);
+    history.addObjects({object}, TrackLife::whole);
+    trajectory.push_back(frame.scan.stamp, Pose::Identity());
+  }
+  for (const SmoothedObject& object : smoothReported(history, trajectory, {}, true))
+  {
+    EXPECT_EQ(object.object_class, ObjectClass::cyclist);
+    EXPECT_TRUE(object.size->isApprox(Eigen::Vector3d(1.6, 0.6, 1.7), 1e-9));
+    EXPECT_NEAR(object.T_map_object.translation().x(), 5 + speed * object.stamp, 0.01);
+  }
+}
+
 TEST(TrackHindsight, NoneWithoutWindow)
 {
   Trajectory trajectory;
