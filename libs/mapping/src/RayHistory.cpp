@@ -8,7 +8,7 @@ namespace dyslam
 namespace
 {
 constexpr std::size_t chunk = 256;       // of places in a thread
-constexpr std::size_t probe_stride = 4;  // of the scans that are evaluated first
+constexpr std::size_t probe_stride = 3;  // of the scans that are evaluated first; odd: both sides
 constexpr int sufficient_scans = 6;      // of these that observed a place
 
 /** Scans before or those after, from the nearest in time to the farthest. */

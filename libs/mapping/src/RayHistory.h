@@ -35,7 +35,7 @@ struct RayCounts
 /** How many of the other scans are evaluated at a place. */
 enum class RayEffort
 {
-  few,        //!< every fourth one
+  few,        //!< every third one
   if_needed,  //!< the others too, if one of these observed it free or hardly any observed it
   all
 };
