@@ -236,6 +236,17 @@ void RunOutputs::add(Frame frame)
   add(std::move(frame), false);
 }
 
+void RunOutputs::takeCausalObjects()
+{
+  for (Entry& entry : entries_)
+  {
+    if (entry.wants == FrameKind::decided_objects)
+    {
+      entry.wants = FrameKind::causal;
+    }
+  }
+}
+
 bool RunOutputs::wantWhole() const
 {
   return std::any_of(entries_.begin(), entries_.end(),

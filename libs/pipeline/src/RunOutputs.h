@@ -29,6 +29,9 @@ class RunOutputs
   void open();
   /** Takes the frame; slow outputs write in another thread. */
   void add(Frame frame);
+  /** For runs whose decided frames have the same objects: outputs that want these get causal
+   * frames. */
+  void takeCausalObjects();
   /** Whether an output wants whole decided frames. */
   [[nodiscard]] bool wantWhole() const;
   /** The same frame again, later, for the outputs that want final moving points. */

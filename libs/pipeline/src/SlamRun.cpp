@@ -144,7 +144,15 @@ struct SlamRun::Impl
   {
     times.setMinLoggingLevel(mrpt::system::LVL_ERROR);  // else it prints its table at the end
     config.requireAllUsed();
-    pipeline.onDecided([this](Frame frame) { addDecided(std::move(frame)); }, outputs.wantWhole());
+    if (!pipeline.tracksAgain())
+    {
+      outputs.takeCausalObjects();
+    }
+    if (pipeline.tracksAgain() || outputs.wantWhole())
+    {
+      pipeline.onDecided([this](Frame frame) { addDecided(std::move(frame)); },
+                         outputs.wantWhole());
+    }
   }
 
   void addDecided(Frame frame);
