@@ -36,6 +36,8 @@ constexpr int scan_count = 40;
 struct Row
 {
   Box box;  //!< odometry frame
+  bool vehicle = false;
+  double course = 0;  //!< direction of motion, odometry frame [rad]
   double speed = 0;
   bool dynamic = false;
   bool observed = false;
@@ -71,6 +73,8 @@ std::vector<Rows> readTable(const fs::path& path)
     row.box.center = {number(4), number(5), number(6)};
     row.box.size = {number(7), number(8), number(9)};
     row.box.yaw = number(10);
+    row.vehicle = isVehicle(objectClassFromString(f.at(3)));
+    row.course = std::atan2(number(12), number(11));
     row.speed = number(14);
     row.dynamic = f.at(15) == "1";
     row.observed = f.at(16) == "1";
@@ -170,6 +174,9 @@ class OutputsAgree : public ::testing::Test
     settings.config.set("labels.hindsight=true");
     settings.config.set("track_smoothing.window=1.5");
     settings.output_folder = (folder_ / "hindsight").string();
+    ASSERT_EQ(runSlam(settings).frames, static_cast<std::size_t>(scan_count));
+    settings.config.set("track_smoothing.window=0");
+    settings.output_folder = (folder_ / "not_smoothed").string();
     ASSERT_EQ(runSlam(settings).frames, static_cast<std::size_t>(scan_count));
   }
   static void TearDownTestSuite() { fs::remove_all(folder_); }
@@ -271,6 +278,7 @@ TEST_F(OutputsAgree, LabelsAndTableWithHindsight)
   const std::vector<Rows> table = readTable(folder_ / "hindsight" / "tracks.csv");
   std::map<int, std::size_t> first;
   std::size_t seen = 0;
+  std::size_t driving = 0;
   for (std::size_t frame = 0; frame < table.size(); ++frame)
   {
     std::set<int> expected;
@@ -284,6 +292,11 @@ TEST_F(OutputsAgree, LabelsAndTableWithHindsight)
       {
         EXPECT_TRUE(row.observed) << "object " << id;
       }
+      if (row.vehicle && row.speed > 2.1)
+      {
+        EXPECT_GT(std::cos(row.box.yaw - row.course), 0.9) << "object " << id << ", " << frame;
+        ++driving;
+      }
     }
     seen += expected.size();
     char name[32];
@@ -291,6 +304,30 @@ TEST_F(OutputsAgree, LabelsAndTableWithHindsight)
     EXPECT_EQ(idsOf(folder_ / "hindsight" / "labels" / name), expected) << frame;
   }
   EXPECT_GT(seen, 20U);
+  EXPECT_GT(driving, 5U);
+}
+
+// Also where the tables are not smoothed.
+TEST_F(OutputsAgree, TheTwoTablesWithHindsight)
+{
+  for (const char* run : {"hindsight", "not_smoothed"})
+  {
+    const std::vector<Rows> table = readTable(folder_ / run / "tracks.csv");
+    std::vector<std::set<int>> expected(table.size());
+    std::vector<std::set<int>> found(table.size());
+    for (std::size_t frame = 0; frame < table.size(); ++frame)
+    {
+      for (const auto& [id, row] : table[frame])
+      {
+        expected[frame].insert(id);
+      }
+    }
+    for (const LabelledBox& box : readTracks((folder_ / run / "tracks.txt").string()))
+    {
+      found.at(static_cast<std::size_t>(box.frame)).insert(box.id);
+    }
+    EXPECT_EQ(found, expected) << run;
+  }
 }
 
 TEST_F(OutputsAgree, SceneAndTable)

@@ -31,7 +31,6 @@ constexpr int ground_stride = 5;          // scans of the window between those u
 constexpr int past_stride = 8;            // scans before the window between those that are used
 constexpr double growth = 1.1;            // of the distances to those that are used
 constexpr float full_change = 3;          // free observations of a place that suffice
-constexpr float highest_object = 5;       // over the ground [m]
 constexpr float suspicious = 0.1F;        // causal probability of places that may be moving
 constexpr float threshold = 0.5F;         // above this probability a point is moving
 constexpr float doubtful_score = -2;      // of places that may be moving
@@ -344,7 +343,7 @@ std::vector<PlaceEvidence> HindsightLabels::Impl::evidenceOf(const Segments& seg
     places.push_back(frame.cloud.points[first]);
     const bool suspected = evidence[g].tracked > 0 || evidence[g].probability > suspicious;
     efforts.push_back(suspected                         ? RayEffort::all
-                      : heights[first] > highest_object ? RayEffort::few
+                      : heights[first] > vehicle_height ? RayEffort::few
                                                         : RayEffort::if_needed);
   }
   const std::vector<RayCounts> counts =

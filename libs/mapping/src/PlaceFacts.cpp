@@ -67,7 +67,6 @@ struct Extent
  * edges and errors of the poses. Measured on objects higher than any vehicle. */
 float falseFreeShare(const std::vector<PlaceFacts>& facts)
 {
-  constexpr float vehicle_height = 5;    // [m]
   constexpr float surely_static = 0.1F;  // moving probability
   constexpr std::size_t enough = 100;    // places
   constexpr double highest = 0.3;

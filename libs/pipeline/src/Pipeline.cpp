@@ -229,7 +229,7 @@ KeptParts Pipeline::Stages::keptOf(const Frame& frame) const
   {
     return KeptParts::cloud;
   }
-  return tracker_again ? KeptParts::points : KeptParts::none;
+  return tracker_again || on_decided ? KeptParts::points : KeptParts::none;
 }
 
 void Pipeline::Stages::decide(const Frame& frame)

@@ -115,18 +115,18 @@ void RunHistory::addScan(const Frame& frame)
   scans_.push_back(scan);
 }
 
-void RunHistory::add(const TrackedObject& object)
+void RunHistory::add(std::size_t scan, const TrackedObject& object)
 {
   if (objects_.size() == 0 || in_last_part_ == part_size)
   {
     objects_.add({});
     in_last_part_ = 0;
   }
-  objects_.edit(objects_.size() - 1).objects.push_back(pastObject(object, scans_with_objects_));
+  objects_.edit(objects_.size() - 1).objects.push_back(pastObject(object, scan));
   ++in_last_part_;
 }
 
-void RunHistory::noteObservations(const std::vector<TrackedObject>& objects)
+void RunHistory::noteObservations(std::size_t scan, const std::vector<TrackedObject>& objects)
 {
   std::map<int, Observations> unreported;
   for (const TrackedObject& object : objects)
@@ -134,39 +134,44 @@ void RunHistory::noteObservations(const std::vector<TrackedObject>& objects)
     const auto known = whole_.find(object.id);
     if (known != whole_.end())
     {
-      known->second.last = object.observed ? scans_with_objects_ : known->second.last;
+      known->second.last = object.observed ? scan : known->second.last;
       continue;
     }
     const auto before = unreported_.find(object.id);
-    Observations observations{scans_with_objects_, scans_with_objects_};
+    Observations observations{scan, scan};
     if (before != unreported_.end())
     {
       observations.first = before->second.first;
-      observations.last = object.observed ? scans_with_objects_ : before->second.last;
+      observations.last = object.observed ? scan : before->second.last;
     }
     (object.reported ? whole_ : unreported)[object.id] = observations;
   }
   unreported_ = std::move(unreported);
 }
 
-void RunHistory::addObjects(const std::vector<TrackedObject>& objects, TrackLife life)
+void RunHistory::addObjects(std::size_t scan,
+                            const std::vector<TrackedObject>& objects,
+                            TrackLife life)
 {
+  const auto found =
+      std::lower_bound(scans_.begin(), scans_.end(), scan,
+                       [](const PastScan& s, std::size_t index) { return s.index < index; });
+  if (found == scans_.end() || found->index != scan)
+  {
+    return;
+  }
+  const auto position = static_cast<std::size_t>(found - scans_.begin());
   if (life == TrackLife::whole)
   {
-    noteObservations(objects);
+    noteObservations(position, objects);
   }
   for (const TrackedObject& object : objects)
   {
-    if (object.reported && object.dynamic)
-    {
-      moving_.insert(object.id);
-    }
     if (object.reported || life == TrackLife::whole)
     {
-      add(object);
+      add(position, object);
     }
   }
-  ++scans_with_objects_;
 }
 
 bool RunHistory::counts(const PastObject& object) const
@@ -177,7 +182,7 @@ bool RunHistory::counts(const PastObject& object) const
              : object.scan >= whole->second.first && object.scan <= whole->second.last;
 }
 
-void RunHistory::forEachReported(const std::function<void(const PastObject&)>& use) const
+void RunHistory::forEachObject(const std::function<void(const PastObject&)>& use) const
 {
   for (std::size_t i = 0; i < objects_.size(); ++i)
   {
@@ -193,7 +198,6 @@ void RunHistory::forEachReported(const std::function<void(const PastObject&)>& u
 
 void RunHistory::exchangeState(StateArchive& archive)
 {
-  archive(scans_, mounts_, objects_, in_last_part_, scans_with_objects_, whole_, unreported_,
-          moving_);
+  archive(scans_, mounts_, objects_, in_last_part_, whole_, unreported_);
 }
 }  // namespace dyslam

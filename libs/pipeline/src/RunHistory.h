@@ -8,7 +8,6 @@
 #include <cstdint>
 #include <functional>
 #include <map>
-#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -60,8 +59,9 @@ class RunHistory
   explicit RunHistory(const MemoryLimit& memory = {}) : objects_(memory) {}
 
   void addScan(const Frame& frame);
-  /** Adds the objects of the first scan whose objects have not been added yet. */
-  void addObjects(const std::vector<TrackedObject>& objects, TrackLife life);
+  /** Adds the objects of a scan that was added, in the order of scans.
+   * \param scan Frame::index */
+  void addObjects(std::size_t scan, const std::vector<TrackedObject>& objects, TrackLife life);
   void exchangeState(StateArchive& archive);
 
   [[nodiscard]] const std::vector<PastScan>& scans() const { return scans_; }
@@ -69,9 +69,7 @@ class RunHistory
   [[nodiscard]] const std::vector<Pose>& mounts() const { return mounts_; }
   /** Calls `use` with every object at each scan at which it counts, by scan, then in the order of
    * Frame::objects. */
-  void forEachReported(const std::function<void(const PastObject&)>& use) const;
-  /** Number of tracks that were reported as moving. */
-  [[nodiscard]] std::size_t movingTracks() const { return moving_.size(); }
+  void forEachObject(const std::function<void(const PastObject&)>& use) const;
 
  private:
   /** Positions in scans_ of a track's first and last observation. */
@@ -91,15 +89,13 @@ class RunHistory
 
   std::vector<PastScan> scans_;
   std::vector<Pose> mounts_;
-  void add(const TrackedObject& object);
-  void noteObservations(const std::vector<TrackedObject>& objects);
+  void add(std::size_t scan, const TrackedObject& object);
+  void noteObservations(std::size_t scan, const std::vector<TrackedObject>& objects);
   [[nodiscard]] bool counts(const PastObject& object) const;
 
   SwappedStore<Part> objects_;
   std::size_t in_last_part_ = 0;
-  std::size_t scans_with_objects_ = 0;      //!< added
   std::map<int, Observations> whole_;       //!< of reported tracks that count as a whole
   std::map<int, Observations> unreported_;  //!< of present tracks that were not reported so far
-  std::set<int> moving_;                    //!< tracks
 };
 }  // namespace dyslam

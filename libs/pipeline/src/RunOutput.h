@@ -30,7 +30,7 @@ struct RunResults
   const RunHistory* history = nullptr;  //!< of all scans
   MapPoints map_points;   //!< of the map; a few millions of them, evenly, if it has more
   Trajectory trajectory;  //!< of the vehicle in the map frame, a pose per frame
-  std::vector<SmoothedObject> objects;  //!< of the graph, by scan, then id; empty without objects
+  std::vector<SmoothedObject> objects;  //!< smoothed ones of graph and tracks, by scan, then id
   Trajectory reference;  //!< ground truth in the map frame, where the recording has it
   std::map<std::string, double> stage_ms;   //!< mean per frame [ms]
   std::map<std::string, double> wait_ms;    //!< of each thread for the others, mean per frame [ms]

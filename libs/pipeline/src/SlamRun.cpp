@@ -27,6 +27,7 @@
 #include "RunStatistics.h"
 #include "SavedRun.h"
 #include "TrackHindsight.h"
+#include "outputs/SmoothedTracks.h"
 
 namespace dyslam
 {
@@ -189,7 +190,7 @@ void SlamRun::Impl::addDecided(Frame frame)
 {
   if (pipeline.tracksAgain())
   {
-    history.addObjects(frame.objects, TrackLife::whole);
+    history.addObjects(frame.index, frame.objects, TrackLife::whole);
   }
   outputs.addDecided(std::move(frame));
 }
@@ -259,7 +260,7 @@ void SlamRun::Impl::fillReport(SlamRunReport& report, const RunResults& results)
   report.loops = static_cast<std::size_t>(
       std::count_if(loops.begin(), loops.end(),
                     [](const Loop& loop) { return loop.verdict == LoopVerdict::accepted; }));
-  report.tracks = history.movingTracks();
+  report.tracks = movingTracks(results);
   report.map_points = results.map == nullptr ? 0 : results.map->pointCount();
   const auto lengths = results.trajectory.pathLengths();
   report.path_length = lengths.empty() ? 0 : lengths.back();
@@ -403,7 +404,7 @@ void SlamRun::add(Frame frame)
   impl_->history.addScan(frame);
   if (!impl_->pipeline.tracksAgain())
   {
-    impl_->history.addObjects(frame.objects, TrackLife::reported);
+    impl_->history.addObjects(frame.index, frame.objects, TrackLife::reported);
   }
   impl_->outputs.add(std::move(frame));
 }

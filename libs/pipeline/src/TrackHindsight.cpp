@@ -7,17 +7,19 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <optional>
 #include <tuple>
 
 namespace dyslam
 {
 namespace
 {
-constexpr double static_speed = 0.5;  // below which an object stands before it is reported [m/s]
+constexpr double static_speed =
+    0.5;  // below which an object stands that is not known to move yet [m/s]
 constexpr double least_speed_of_course = 2;  // above which a vehicle's course is its heading [m/s]
 constexpr double size_quantile = 0.8;  // of the sizes of a box, the largest of which are outliers
 
-/** An object at one of the scans at which it was reported, map frame. */
+/** An object at one of the scans at which it counts, map frame. */
 struct Sighting
 {
   std::size_t scan;  //!< Frame::index
@@ -77,19 +79,51 @@ void alignEarlyBoxes(Track& track)
   }
 }
 
-/** Vehicles head where they drive. */
+/** Vehicles head where they drive, and keep the sides of their boxes when they slow down. */
 void alignWithCourse(const std::vector<TrackState>& smooth, Track& track)
 {
+  std::optional<double> heading;
+  std::size_t first = 0;  // with a course
   for (std::size_t i = 0; i < track.size(); ++i)
   {
+    Box& box = track[i].box;
     const Eigen::Vector3d& velocity = smooth[i].velocity;
     if (velocity.head<2>().norm() > least_speed_of_course)
     {
       const double course = std::atan2(velocity.y(), velocity.x());
-      assignAxes(course, track[i].box);
-      track[i].box.yaw = course;
+      assignAxes(course, box);
+      box.yaw = course;
+      first = heading ? first : i;
+      heading = course;
+    }
+    else if (heading)
+    {
+      assignAxes(*heading, box);
+      heading = box.yaw;
     }
   }
+  for (std::size_t i = heading ? first : 0; i-- > 0;)
+  {
+    assignAxes(track[i + 1].box.yaw, track[i].box);
+  }
+}
+
+/** Whether the object moves: as the tracker decided, from its first decision that it does on;
+ * before that by its speed. */
+std::vector<bool> movingOf(const Track& track, const std::vector<TrackState>& smooth)
+{
+  const auto first =
+      std::find_if(track.begin(), track.end(), [](const Sighting& s) { return s.dynamic; });
+  const auto undecided =
+      first == track.end() ? std::ptrdiff_t{0} : std::distance(track.begin(), first);
+  std::vector<bool> moving;
+  for (std::size_t i = 0; i < track.size(); ++i)
+  {
+    moving.push_back(static_cast<std::ptrdiff_t>(i) < undecided
+                         ? smooth[i].velocity.head<2>().norm() > static_speed
+                         : track[i].dynamic);
+  }
+  return moving;
 }
 
 /** Size of the whole body, of which single scans see a part. */
@@ -196,16 +230,18 @@ double medianSpeed(const std::vector<TrackState>& states)
 SmoothedObject smoothedObject(int id,
                               ObjectClass object_class,
                               const Sighting& sighting,
-                              const TrackState& smooth)
+                              const TrackState& smooth,
+                              bool moving)
 {
   SmoothedObject object;
   object.id = id;
+  object.from_graph = false;
   object.scan = sighting.scan;
   object.stamp = sighting.stamp;
   object.T_map_object = Eigen::Translation3d(smooth.center) *
                         Eigen::AngleAxisd(sighting.box.yaw, Eigen::Vector3d::UnitZ());
   object.velocity = smooth.velocity;
-  object.moving = sighting.reported ? sighting.dynamic : smooth.velocity.norm() > static_speed;
+  object.moving = moving;
   object.size = sighting.box.size;
   object.object_class = object_class;
   return object;
@@ -223,7 +259,7 @@ std::vector<SmoothedObject> smoothReported(const RunHistory& history,
     return objects;
   }
   std::map<int, Track> tracks;
-  history.forEachReported(
+  history.forEachObject(
       [&](const PastObject& report)
       {
         const PastScan& scan = history.scans()[report.scan];
@@ -257,9 +293,10 @@ std::vector<SmoothedObject> smoothReported(const RunHistory& history,
       }
       states = smoothed(track, options);
     }
+    const std::vector<bool> moving = movingOf(track, states);
     for (std::size_t i = 0; i < states.size(); ++i)
     {
-      objects.push_back(smoothedObject(id, object_class, track[i], states[i]));
+      objects.push_back(smoothedObject(id, object_class, track[i], states[i], moving[i]));
     }
   }
   std::sort(objects.begin(), objects.end(),

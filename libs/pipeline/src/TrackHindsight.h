@@ -12,8 +12,8 @@
 namespace dyslam
 {
 /** The reported objects of a run with class, size, position and velocity from earlier and later
- * scans, in the map frame of `trajectory`, by scan, then id; without covariances. The tracker
- * decides whether they move, and their heading.
+ * scans, in the map frame of `trajectory`, by scan, then id; without covariances. Vehicles head
+ * where they drive; before the tracker decides that an object moves, its speed does.
  *
  * \param trajectory poses of the scans of `history`
  * \param complete_boxes boxes are those of the visible parts of objects

@@ -36,7 +36,7 @@ TEST(RunHistory, KeepsPastObjectsOnDisk)
       frame.objects.push_back(object);
     }
     history.addScan(frame);
-    history.addObjects(frame.objects, TrackLife::reported);
+    history.addObjects(frame.index, frame.objects, TrackLife::reported);
   }
   ASSERT_EQ(history.scans().size(), scans);
   EXPECT_EQ(history.scans()[7].index, 17U);
@@ -45,7 +45,7 @@ TEST(RunHistory, KeepsPastObjectsOnDisk)
   EXPECT_EQ(history.scans()[7].mount, 1U);
   EXPECT_GT(tiny.file->size(), 100000U);
   std::size_t count = 0;
-  history.forEachReported(
+  history.forEachObject(
       [&](const PastObject& object)
       {
         EXPECT_EQ(object.scan, count / 2);
@@ -87,11 +87,10 @@ std::vector<std::size_t> scansOfSeven(TrackLife life)
     never_reported.id = 1;
     never_reported.observed = true;
     objects.push_back(never_reported);
-    history.addObjects(objects, life);
+    history.addObjects(i, objects, life);
   }
-  EXPECT_EQ(history.movingTracks(), 1U);
   std::vector<std::size_t> scans;
-  history.forEachReported(
+  history.forEachObject(
       [&](const PastObject& object)
       {
         EXPECT_EQ(object.id, 7);

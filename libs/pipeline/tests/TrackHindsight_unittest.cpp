@@ -32,7 +32,7 @@ RunHistory vehicleThatComesIntoView(int scans, Trajectory& trajectory)
     object.velocity = {speed, 0, 0};
     frame.objects.push_back(object);
     history.addScan(frame);
-    history.addObjects(frame.objects, TrackLife::reported);
+    history.addObjects(frame.index, frame.objects, TrackLife::reported);
     trajectory.push_back(time, Pose::Identity());
   }
   return history;
@@ -102,7 +102,7 @@ RunHistory rearOfVehicle(ObjectClass object_class, Trajectory& trajectory)
     object.box.center = {1, 10 + speed * frame.scan.stamp, 0.8};
     object.box.yaw = i < 10 ? M_PI : 0;
     history.addScan(frame);
-    history.addObjects({object}, TrackLife::whole);
+    history.addObjects(frame.index, {object}, TrackLife::whole);
     trajectory.push_back(frame.scan.stamp, Pose::Identity());
   }
   return history;
@@ -151,7 +151,7 @@ TEST(TrackHindsight, FastPeopleAreCyclistsAndHaveTheirSize)
     object.box.size = {0.8, 0.4, 1.7};
     object.box.center = {5 + speed * frame.scan.stamp, -3, 0.9};
     history.addScan(frame);
-    history.addObjects({object}, TrackLife::whole);
+    history.addObjects(frame.index, {object}, TrackLife::whole);
     trajectory.push_back(frame.scan.stamp, Pose::Identity());
   }
   for (const SmoothedObject& object : smoothReported(history, trajectory, {}, true))

@@ -20,9 +20,10 @@ constexpr const char* extension = ".label";
 struct UnnamedPoints
 {
   std::size_t scan = 0;               //!< Frame::index
+  std::size_t scan_size = 0;          //!< points of the scan
   std::vector<std::uint32_t> points;  //!< of the scan
 
-  void exchangeState(StateArchive& archive) { archive(scan, points); }
+  void exchangeState(StateArchive& archive) { archive(scan, scan_size, points); }
 };
 
 /** `labels/NNNNNN.label`: SemanticKITTI labels of every point of the input scan. With hindsight an
@@ -76,7 +77,7 @@ class LabelOutput : public RunOutput
       }
       if (object.detection >= 0)
       {
-        earlier.push_back({frame.index, sourcesOf(frame, object)});
+        earlier.push_back({frame.index, frame.scan.size(), sourcesOf(frame, object)});
       }
       if (earlier.size() > most_scans)
       {
@@ -90,7 +91,7 @@ class LabelOutput : public RunOutput
   void nameObject(const UnnamedPoints& scan, Label label) const
   {
     const std::string file = numberedPath(path(folder), scan.scan, extension);
-    std::vector<Label> labels = readLabels(file);
+    std::vector<Label> labels = readLabels(file, scan.scan_size);
     for (const std::uint32_t i : scan.points)
     {
       labels[i] = isMovingLabel(labels[i]) ? label : labels[i];

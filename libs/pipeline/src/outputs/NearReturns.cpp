@@ -86,7 +86,8 @@ Votes votesAround(const VoxelCell& cell, const VotesByCell& votes)
   return sum;
 }
 
-/** Moving points that are no reported object's are less certain and have no vote. */
+/** Moving points that are no reported object's are less certain and have no vote; nor those of an
+ * object that only the second tracking, with hindsight, has reported. */
 bool hasVote(const Frame& frame, std::size_t cloud_point, Label label)
 {
   return !isMovingLabel(label) ||

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 #include <utility>
 
 namespace dyslam
@@ -26,8 +27,7 @@ TrackedObject smoothedTrack(const TrackedObject& tracked,
   const Pose T_odom_object = T_odom_map * smoothed.T_map_object;
   result.box.center = T_odom_object.translation();
   const double yaw = yawPitchRoll(T_odom_object).x();
-  // The graph has the axis of the box, the tracker knows its front.
-  const bool reversed = std::cos(yaw - tracked.box.yaw) < 0;
+  const bool reversed = smoothed.from_graph && std::cos(yaw - tracked.box.yaw) < 0;
   result.box.yaw = std::remainder(reversed ? yaw + M_PI : yaw, 2 * M_PI);
   result.box.size = smoothed.size.value_or(tracked.box.size);
   result.object_class = smoothed.object_class.value_or(tracked.object_class);
@@ -39,10 +39,24 @@ TrackedObject smoothedTrack(const TrackedObject& tracked,
   return result;
 }
 
+std::size_t movingTracks(const RunResults& results)
+{
+  std::set<int> moving;
+  forEachReported(results,
+                  [&](const ReportedState& state)
+                  {
+                    if (state.dynamic)
+                    {
+                      moving.insert(state.object.id);
+                    }
+                  });
+  return moving.size();
+}
+
 void forEachReported(const RunResults& results,
                      const std::function<void(const ReportedState&)>& use)
 {
-  results.history->forEachReported(
+  results.history->forEachObject(
       [&](const PastObject& report)
       {
         const PastScan& scan = results.history->scans()[report.scan];
@@ -53,7 +67,7 @@ void forEachReported(const RunResults& results,
         if (const SmoothedObject* smoothed = findSmoothed(results.objects, scan.index, object.id))
         {
           object = smoothedTrack(object, *smoothed, T_map_odom.inverse());
-          dynamic = report.reported ? dynamic : smoothed->moving;
+          dynamic = smoothed->from_graph ? dynamic : smoothed->moving;
         }
         use({std::move(object), dynamic, scan, report.scan, T_map_odom});
       });

@@ -14,30 +14,34 @@
 
 namespace dyslam
 {
-/** The state of an object at a scan; null if the graph does not have it.
+/** The state of an object at a scan; null if there is none.
  * \param objects by scan, then id */
 [[nodiscard]] const SmoothedObject* findSmoothed(const std::vector<SmoothedObject>& objects,
                                                  std::size_t scan,
                                                  int id);
 
-/** The tracked object with position, heading, velocity and covariance of the graph, odometry frame.
+/** The tracked object with position, heading, velocity and covariance of the smoothed one, odometry
+ * frame.
  * \param T_odom_map at that scan */
 [[nodiscard]] TrackedObject smoothedTrack(const TrackedObject& tracked,
                                           const SmoothedObject& smoothed,
                                           const Pose& T_odom_map);
 
-/** An object at a scan at which it was reported, smoothed where there is more than the tracker's
- * state. */
+/** An object at a scan at which it counts (TrackLife), smoothed where there is more than the
+ * tracker's state. */
 struct ReportedState
 {
   TrackedObject object;     //!< odometry frame
-  bool dynamic;             //!< as the tracker decided
+  bool dynamic;             //!< as the tracker decided, with hindsight if it is tracked so
   const PastScan& scan;     //!< of RunHistory::scans()
   std::size_t scan_number;  //!< in there, and in RunResults::trajectory
   Pose T_map_odom;          //!< by the final trajectory: loops have moved the odometry frame
 };
 
-/** Calls `use` for every reported object, by scan. */
+/** Calls `use` for every object at every scan at which it counts, by scan. */
 void forEachReported(const RunResults& results,
                      const std::function<void(const ReportedState&)>& use);
+
+/** Number of tracks that move at some time. */
+[[nodiscard]] std::size_t movingTracks(const RunResults& results);
 }  // namespace dyslam

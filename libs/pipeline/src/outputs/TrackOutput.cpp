@@ -90,17 +90,14 @@ class TrackOutput : public RunOutput
                   [&]
                   {
                     rows_.close();
-                    if (!results.objects.empty())
-                    {
-                      writeWhole(path(table),
-                                 [&](std::ostream& out)
-                                 {
-                                   out << header;
-                                   forEachReported(
-                                       results, [&](const ReportedState& s)
-                                       { out << rowOf(s.object, s.scan.index, s.scan.stamp); });
-                                 });
-                    }
+                    writeWhole(path(table),
+                               [&](std::ostream& out)
+                               {
+                                 out << header;
+                                 forEachReported(
+                                     results, [&](const ReportedState& s)
+                                     { out << rowOf(s.object, s.scan.index, s.scan.stamp); });
+                               });
                   }});
   }
 

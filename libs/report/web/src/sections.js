@@ -216,6 +216,7 @@ const stages = {
   odometry: 'matches the scan with the one before it',
   refine: 'registers the scan to the local map',
   tracking: 'detects and tracks the moving objects',
+  'hindsight.tracking': 'detects and tracks them again, on the final labels',
   backend: 'factor graph and search for loops',
   'backend.finish': 'last optimisation of the graph, spread over all scans',
   map: 'adds keyframes to the static map',

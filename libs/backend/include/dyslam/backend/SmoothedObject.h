@@ -14,14 +14,17 @@ namespace dyslam
 struct SmoothedObject
 {
   int id = -1;
+  /** Of the factor graph, which knows the axis of a box but not its front; else of TrackHindsight,
+   * which knows it. */
+  bool from_graph = true;
   std::size_t scan = 0;  //!< Frame::index
   double stamp = 0;      //!< [s]
   Pose T_map_object = Pose::Identity();
   Eigen::Vector3d velocity = Eigen::Vector3d::Zero();  //!< map frame [m/s]
-  bool moving = false;                                 //!< a dynamic object of the graph
+  bool moving = false;                  //!< at that scan; in the graph: a dynamic object
   std::optional<Eigen::Vector3d> size;  //!< of its box [m], if it is known better than at the scan
   std::optional<ObjectClass> object_class;  //!< likewise
-  /** Of x, y, z [m^2], yaw [rad^2], map frame, given the ego poses; zero if not from the graph. */
+  /** Of x, y, z [m^2], yaw [rad^2], map frame, given the ego poses; zero if not `from_graph`. */
   Eigen::Matrix4d covariance = Eigen::Matrix4d::Zero();
   Eigen::Matrix3d velocity_covariance = Eigen::Matrix3d::Zero();  //!< map frame [m^2/s^2]
 };

@@ -26,8 +26,9 @@ struct HindsightOptions : Options
   void describe(OptionsVisitor& visitor) override;
 };
 
-/** What is kept of a frame until it is decided. Always kept: index, stamps, poses and
- * T_vehicle_lidar, `moving`, `moving_probability`, detections and objects. */
+/** What is kept of a frame until it is decided. Of all but `none`: index, is_keyframe, stamp, dt,
+ * clock_offset, motion, estimated poses, T_vehicle_lidar, `moving`, `moving_probability`,
+ * detections and objects. */
 enum class KeptParts
 {
   none,    //!< nothing: the frame is evidence for others, and is not decided itself
@@ -36,7 +37,7 @@ enum class KeptParts
   all      //!< the scan as well, for labels
 };
 
-/** A copy of these parts of a frame. */
+/** A copy of these parts of a frame, not `none`. */
 [[nodiscard]] Frame copyOf(const Frame& frame, KeptParts parts);
 
 /** Labels the moving points of each scan again, from the scans before and after it.
