@@ -300,10 +300,9 @@ std::vector<float> HindsightLabels::Impl::trackedShare(const Frame& frame) const
   std::vector<float> tracked(frame.cloud.size(), 0.0F);
   for (const TrackedObject& object : frame.objects)
   {
-    if (object.detection >= 0 && dynamic.contain(object.id))
+    if (dynamic.contain(object.id))
     {
-      for (const std::uint32_t i :
-           frame.detections[static_cast<std::size_t>(object.detection)].points)
+      for (const std::uint32_t i : frame.pointsOf(object))
       {
         tracked[i] = 1;
       }

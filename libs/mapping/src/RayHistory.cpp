@@ -50,6 +50,7 @@ void add(const OtherScan& other, Evidence seen, RayCounts& c, Sides& sides)
     c.change_before = sides.before.add(free);
   }
 }
+
 /** Whether some of the scans suffice for a place: they observed it, and never free. */
 bool isClear(const RayCounts& counts)
 {

@@ -56,10 +56,9 @@ std::vector<bool> pointsOfReported(const Frame& frame)
   std::vector<bool> reported(frame.cloud.size(), false);
   for (const TrackedObject& object : frame.objects)
   {
-    if (object.reported && object.detection >= 0)
+    if (object.reported)
     {
-      for (const std::uint32_t i :
-           frame.detections[static_cast<std::size_t>(object.detection)].points)
+      for (const std::uint32_t i : frame.pointsOf(object))
       {
         reported[i] = true;
       }

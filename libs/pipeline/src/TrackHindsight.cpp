@@ -14,8 +14,7 @@ namespace dyslam
 {
 namespace
 {
-constexpr double static_speed =
-    0.5;  // below which an object stands that is not known to move yet [m/s]
+constexpr double static_speed = 0.5;  // below which an object not yet known to move stands [m/s]
 constexpr double least_speed_of_course = 2;  // above which a vehicle's course is its heading [m/s]
 constexpr double size_quantile = 0.8;  // of the sizes of a box, the largest of which are outliers
 
@@ -195,24 +194,6 @@ std::vector<TrackState> smoothed(const Track& track, const TrackSmoothingOptions
     states.push_back({s.stamp, s.box.center, s.velocity, s.observed});
   }
   return smoothTrack(states, options);
-}
-
-/** Of the sides of a body, of which a lidar may see one alone [m]. */
-Eigen::Vector3d leastSize(ObjectClass object_class)
-{
-  switch (object_class)
-  {
-    case ObjectClass::car:
-    case ObjectClass::van:
-      return {4, 1.7, 1.4};
-    case ObjectClass::cyclist:
-    case ObjectClass::motorcyclist:
-      return {1.6, 0.6, 1.6};
-    case ObjectClass::pedestrian:
-      return {0.6, 0.6, 1.6};
-    default:
-      return Eigen::Vector3d::Zero();
-  }
 }
 
 double medianSpeed(const std::vector<TrackState>& states)

@@ -85,7 +85,7 @@ TEST(TrackHindsight, PositionsAreInTheMapFrame)
 /** A vehicle that drives along +y, 10 m in front of the sensor, and of which the rear alone is
  * seen, as a box with its longer side across. The tracker reports it from the tenth scan on and
  * does not know its heading. */
-RunHistory rearOfVehicle(ObjectClass object_class, Trajectory& trajectory)
+RunHistory rearOfCar(Trajectory& trajectory)
 {
   RunHistory history;
   for (int i = 0; i < 30; ++i)
@@ -95,7 +95,7 @@ RunHistory rearOfVehicle(ObjectClass object_class, Trajectory& trajectory)
     frame.scan.stamp = 0.1 * i;
     TrackedObject object;
     object.id = 2;
-    object.object_class = object_class;
+    object.object_class = ObjectClass::car;
     object.observed = true;
     object.reported = object.dynamic = i >= 10;
     object.box.size = {1.8, 0.4, 1.5};
@@ -111,7 +111,7 @@ RunHistory rearOfVehicle(ObjectClass object_class, Trajectory& trajectory)
 TEST(TrackHindsight, VehiclesHeadWhereTheyDriveAndAreAsLongAsACar)
 {
   Trajectory trajectory;
-  const RunHistory history = rearOfVehicle(ObjectClass::car, trajectory);
+  const RunHistory history = rearOfCar(trajectory);
   const auto objects = smoothReported(history, trajectory, {}, true);
   ASSERT_EQ(objects.size(), 30U);
   for (const SmoothedObject& object : objects)
@@ -128,7 +128,7 @@ TEST(TrackHindsight, VehiclesHeadWhereTheyDriveAndAreAsLongAsACar)
 TEST(TrackHindsight, BoxesOfADetectorAreNotEnlarged)
 {
   Trajectory trajectory;
-  const RunHistory history = rearOfVehicle(ObjectClass::car, trajectory);
+  const RunHistory history = rearOfCar(trajectory);
   const auto objects = smoothReported(history, trajectory, {}, false);
   ASSERT_EQ(objects.size(), 30U);
   EXPECT_NEAR(objects.back().size->x(), 1.8, 1e-9);

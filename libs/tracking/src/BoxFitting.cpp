@@ -138,6 +138,23 @@ ObjectClass refineClass(ObjectClass initial, const Eigen::Vector3d& size, double
   return initial;
 }
 
+Eigen::Vector3d leastSize(ObjectClass object_class)
+{
+  switch (object_class)
+  {
+    case ObjectClass::car:
+    case ObjectClass::van:
+      return {4, 1.7, 1.4};
+    case ObjectClass::cyclist:
+    case ObjectClass::motorcyclist:
+      return {1.6, 0.6, 1.6};
+    case ObjectClass::pedestrian:
+      return {0.6, 0.6, 1.6};
+    default:
+      return Eigen::Vector3d::Zero();
+  }
+}
+
 Box completeBox(const Box& visible, const Eigen::Vector3d& size)
 {
   const Eigen::Vector2d u(std::cos(visible.yaw), std::sin(visible.yaw));

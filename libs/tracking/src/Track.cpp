@@ -22,23 +22,14 @@ constexpr double vertical_velocity_gain = 0.1;
 /** Gain of observed sizes below the present one: parts may be occluded. */
 constexpr double shrink_gain = 0.005;
 
-/** Lower bounds of width and height of a class [m]. There is none for the length: the visible part
- * may be either end. */
+/** Lower bounds of a vehicle's width and of the height of all classes [m]. There is none for the
+ * length: the visible part may be either end. */
 Eigen::Vector3d minimumSize(ObjectClass object_class)
 {
-  switch (object_class)
-  {
-    case ObjectClass::car:
-    case ObjectClass::van:
-      return {0, 1.7, 1.4};
-    case ObjectClass::cyclist:
-    case ObjectClass::motorcyclist:
-      return {0, 0, 1.6};
-    case ObjectClass::pedestrian:
-      return {0, 0, 1.6};
-    default:
-      return Eigen::Vector3d::Zero();
-  }
+  Eigen::Vector3d size = leastSize(object_class);
+  size.x() = 0;
+  size.y() = isVehicle(object_class) ? size.y() : 0;
+  return size;
 }
 
 /** Thin and long: the occlusion boundary of a wall rather than an object. */

@@ -48,7 +48,7 @@ Label labelOf(const TrackedObject& object)
 std::vector<std::uint32_t> sourcesOf(const Frame& frame, const TrackedObject& object)
 {
   std::vector<std::uint32_t> sources;
-  for (const std::uint32_t i : frame.detections[static_cast<std::size_t>(object.detection)].points)
+  for (const std::uint32_t i : frame.pointsOf(object))
   {
     sources.push_back(frame.cloud.source[i]);
   }
@@ -64,7 +64,7 @@ std::vector<Label> scanLabels(const Frame& frame)
   }
   for (const auto& object : frame.objects)
   {
-    if (object.detection < 0 || !object.reported)
+    if (!object.reported)
     {
       continue;
     }

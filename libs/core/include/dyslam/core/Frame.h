@@ -71,6 +71,12 @@ struct Frame
   /** Of a clock that was never set: differences are the time that really passed [s]. */
   [[nodiscard]] double time() const { return scan.stamp - clock_offset; }
   [[nodiscard]] Pose T_map_vehicle() const { return T_map_odom * T_odom_vehicle; }
+  /** The cloud points that an object of this frame was detected in; none if it was not observed. */
+  [[nodiscard]] std::vector<std::uint32_t> pointsOf(const TrackedObject& object) const
+  {
+    return object.detection < 0 ? std::vector<std::uint32_t>()
+                                : detections[static_cast<std::size_t>(object.detection)].points;
+  }
   [[nodiscard]] bool isMoving(std::size_t point) const
   {
     return point < moving.size() && moving[point];

@@ -71,6 +71,10 @@ class Detector
                                       const Eigen::Vector3d& size,
                                       double speed);
 
+/** Least length, width and height of a whole body of a class, of which one side alone may be
+ * visible [m]; zero if it is not known. */
+[[nodiscard]] Eigen::Vector3d leastSize(ObjectClass object_class);
+
 /** Enlarges a partly visible box to at least `size`. The sides of `visible` that face the sensor
  * (at the origin) stay in place; the occluded part is added behind them. */
 [[nodiscard]] Box completeBox(const Box& visible, const Eigen::Vector3d& size);
