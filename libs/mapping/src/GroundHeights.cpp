@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 namespace dyslam
 {
@@ -103,6 +104,26 @@ float GroundHeights::at(const Eigen::Vector3f& p) const
   const VoxelCell square = squareOf(p);
   const std::uint32_t found = index_.find(voxelKey(square));
   return found != VoxelHash::none ? ground_[found] : limited(square, p.z());
+}
+
+std::vector<float> GroundHeights::heightsOf(const std::vector<Eigen::Vector3f>& points) const
+{
+  std::vector<float> heights;
+  heights.reserve(points.size());
+  std::optional<std::uint64_t> last;  // most points are in the same square as the one before
+  std::uint32_t found = VoxelHash::none;
+  for (const Eigen::Vector3f& p : points)
+  {
+    const VoxelCell square = squareOf(p);
+    const std::uint64_t key = voxelKey(square);
+    if (key != last)
+    {
+      found = index_.find(key);
+      last = key;
+    }
+    heights.push_back(p.z() - (found != VoxelHash::none ? ground_[found] : limited(square, p.z())));
+  }
+  return heights;
 }
 
 /** \param own height of the square, no higher than its neighbours allow. */

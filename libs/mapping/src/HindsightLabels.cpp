@@ -13,6 +13,7 @@
 #include <utility>
 #include <vector>
 
+#include "ClearPlaces.h"
 #include "GroundHeights.h"
 #include "PlaceFacts.h"
 #include "PlaceVerdict.h"
@@ -27,7 +28,7 @@ namespace
 {
 constexpr float lowest_of_object = 0.1F;  // over the ground [m]
 constexpr int cells_above = 3;            // that decide whether a low point moves
-constexpr int ground_stride = 5;          // scans of the window between those used for the ground
+constexpr std::size_t ground_stride = 5;  // scans between those used for the ground
 constexpr int past_stride = 8;            // scans before the window between those that are used
 constexpr double growth = 1.1;            // of the distances to those that are used
 constexpr float full_change = 3;          // free observations of a place that suffice
@@ -229,11 +230,13 @@ struct HindsightLabels::Impl
   void decideNext(const Use& use);
   void decide(WindowScan& scan);
   void outputNext(const Use& use);
-  [[nodiscard]] GroundHeights ground() const;
+  [[nodiscard]] const GroundHeights& ground();
   [[nodiscard]] std::vector<OtherScan> others() const;
   [[nodiscard]] std::vector<float> trackedShare(const Frame& frame) const;
-  [[nodiscard]] std::vector<PlaceEvidence> evidenceOf(const Segments& segments,
-                                                      const std::vector<float>& heights);
+  [[nodiscard]] std::vector<PlaceEvidence> causalEvidence(const Segments& segments) const;
+  void addRays(const Segments& segments,
+               const std::vector<float>& heights,
+               std::vector<PlaceEvidence>& evidence);
   void noteTracks(const Frame& frame);
   void leaveWindow();
 
@@ -244,18 +247,38 @@ struct HindsightLabels::Impl
   std::deque<PastScan> past;  //!< some of those before the window
   std::size_t next = 0;       //!< of `scans`, to be decided
   std::size_t count = 0;      //!< of all scans added
+  ClearPlaces clear;
+  GroundHeights ground_heights;
+  std::vector<std::size_t> scans_of_ground;  //!< those of `ground_heights`, as they were added
   LastingTracks dynamic;      //!< have been at some time
   LastingTracks reported;
 };
 
-GroundHeights HindsightLabels::Impl::ground() const
+/** The ground as the scans of the window show it. */
+const GroundHeights& HindsightLabels::Impl::ground()
 {
-  std::vector<const LowestReturns*> lowest;
-  for (std::size_t i = next % ground_stride; i < scans.size(); i += ground_stride)
+  const std::size_t first = count - scans.size();
+  std::vector<std::size_t> used;
+  for (std::size_t n = first + (ground_stride - first % ground_stride) % ground_stride; n < count;
+       n += ground_stride)
   {
-    lowest.push_back(&scans[i].lowest);
+    used.push_back(n);
   }
-  return GroundHeights(lowest);
+  if (used.empty())  // of a narrow window
+  {
+    used.push_back(first + next);
+  }
+  if (used != scans_of_ground)
+  {
+    std::vector<const LowestReturns*> lowest;
+    for (const std::size_t n : used)
+    {
+      lowest.push_back(&scans[n - first].lowest);
+    }
+    ground_heights = GroundHeights(lowest);
+    scans_of_ground = used;
+  }
+  return ground_heights;
 }
 
 /** The scans that are used, those before and those after each in order of their distance. */
@@ -311,9 +334,8 @@ std::vector<float> HindsightLabels::Impl::trackedShare(const Frame& frame) const
   return tracked;
 }
 
-/** Evidence of each place by itself. \param heights of the points over the ground [m] */
-std::vector<PlaceEvidence> HindsightLabels::Impl::evidenceOf(const Segments& segments,
-                                                             const std::vector<float>& heights)
+/** Of each place the causal labels and the tracks of its points. */
+std::vector<PlaceEvidence> HindsightLabels::Impl::causalEvidence(const Segments& segments) const
 {
   const Frame& frame = *scans[next].frame;
   std::vector<PlaceEvidence> evidence(segments.first_point.size());
@@ -330,17 +352,36 @@ std::vector<PlaceEvidence> HindsightLabels::Impl::evidenceOf(const Segments& seg
           i < frame.moving_probability.size() ? frame.moving_probability[i] : 0.0F;
     }
   }
-  std::vector<Eigen::Vector3f> places;
-  std::vector<RayEffort> efforts;
-  places.reserve(evidence.size());
-  efforts.reserve(evidence.size());
   for (std::size_t g = 0; g < evidence.size(); ++g)
   {
     evidence[g].tracked /= points[g];
     evidence[g].probability /= points[g];
-    const std::uint32_t first = segments.first_point[g];
-    places.push_back(frame.cloud.points[first]);
+  }
+  return evidence;
+}
+
+/** Adds what the rays of the other scans observed. \param heights of the points over the ground
+ * [m] */
+void HindsightLabels::Impl::addRays(const Segments& segments,
+                                    const std::vector<float>& heights,
+                                    std::vector<PlaceEvidence>& evidence)
+{
+  const Frame& frame = *scans[next].frame;
+  clear.beginScan(count - (scans.size() - next));
+  std::vector<Eigen::Vector3f> places;
+  std::vector<RayEffort> efforts;
+  std::vector<std::size_t> groups;
+  for (std::size_t g = 0; g < evidence.size(); ++g)
+  {
     const bool suspected = evidence[g].tracked > 0 || evidence[g].probability > suspicious;
+    if (!suspected && clear.contain(segments.voxel_of_group[g]))
+    {
+      evidence[g].known = 1;
+      continue;
+    }
+    const std::uint32_t first = segments.first_point[g];
+    groups.push_back(g);
+    places.push_back(frame.cloud.points[first]);
     efforts.push_back(suspected                         ? RayEffort::all
                       : heights[first] > vehicle_height ? RayEffort::few
                                                         : RayEffort::if_needed);
@@ -348,17 +389,20 @@ std::vector<PlaceEvidence> HindsightLabels::Impl::evidenceOf(const Segments& seg
   const std::vector<RayCounts> counts =
       countRays(others(), places, efforts, static_cast<float>(0.5 * options.voxel_size),
                 static_cast<float>(options.margin), pool);
-  for (std::size_t g = 0; g < counts.size(); ++g)
+  for (std::size_t i = 0; i < counts.size(); ++i)
   {
-    const RayCounts& c = counts[g];
-    PlaceEvidence& e = evidence[g];
+    const RayCounts& c = counts[i];
+    PlaceEvidence& e = evidence[groups[i]];
     const int known = c.free + c.occupied;
     e.known = known > 0 ? 1.0F : 0.0F;
     e.free = static_cast<float>(c.free) / static_cast<float>(std::max(1, known));
     e.change_before = shareOf(c.change_before);
     e.change_after = shareOf(c.change_after);
+    if (isClear(c))
+    {
+      clear.add(segments.voxel_of_group[groups[i]]);
+    }
   }
-  return evidence;
 }
 
 void HindsightLabels::Impl::noteTracks(const Frame& frame)
@@ -406,24 +450,25 @@ void HindsightLabels::Impl::outputNext(const Use& use)
 void HindsightLabels::Impl::decide(WindowScan& scan)
 {
   Frame& frame = *scan.frame;
-  const GroundHeights heights_of_ground = ground();
   const Eigen::Isometry3f T = scan.T_odom_vehicle.cast<float>();
   std::vector<Eigen::Vector3f> points;
-  std::vector<float> heights;
-  std::vector<bool> use_point;
   points.reserve(frame.cloud.size());
-  heights.reserve(frame.cloud.size());
-  use_point.reserve(frame.cloud.size());
   for (const Eigen::Vector3f& p : frame.cloud.points)
   {
     points.push_back(T * p);
-    heights.push_back(points.back().z() - heights_of_ground.at(points.back()));
-    use_point.push_back(heights.back() > static_cast<float>(options.ground_clearance));
+  }
+  const std::vector<float> heights = ground().heightsOf(points);
+  std::vector<bool> use_point;
+  use_point.reserve(points.size());
+  for (const float height : heights)
+  {
+    use_point.push_back(height > static_cast<float>(options.ground_clearance));
   }
   const Segments segments =
       findSegments(points, use_point, options.voxel_size, options.segment_gap);
-  const std::vector<PlaceFacts> facts =
-      factsOf(segments, evidenceOf(segments, heights), points, heights);
+  std::vector<PlaceEvidence> evidence = causalEvidence(segments);
+  addRays(segments, heights, evidence);
+  const std::vector<PlaceFacts> facts = factsOf(segments, evidence, points, heights);
   std::vector<Eigen::Vector3f> places;
   places.reserve(facts.size());
   for (const PlaceFacts& f : facts)
@@ -496,6 +541,7 @@ void HindsightLabels::finish(const Use& use)
 
 void HindsightLabels::exchangeState(StateArchive& archive)
 {
-  archive(impl_->scans, impl_->past, impl_->next, impl_->count, impl_->dynamic, impl_->reported);
+  archive(impl_->scans, impl_->past, impl_->next, impl_->count, impl_->clear,
+          impl_->dynamic, impl_->reported);
 }
 }  // namespace dyslam

@@ -51,11 +51,18 @@ class NearPlaces
 };
 }  // namespace
 
-Posts::Posts(const std::vector<Eigen::Vector3f>& places) : places_(places)
+Posts::Posts(const std::vector<Eigen::Vector3f>& places)
+    : places_(places), next_(places.size(), VoxelHash::none)
 {
-  for (std::size_t i = 0; i < places.size(); ++i)
+  std::vector<std::uint32_t> last(places.size());  // of the square that begins with a place
+  for (std::uint32_t i = 0; i < places.size(); ++i)
   {
-    columns_[voxelKey(squareOf(places[i]))].push_back(static_cast<std::uint32_t>(i));
+    const std::uint32_t first = squares_.findOrInsert(voxelKey(squareOf(places[i])), i);
+    if (first != i)
+    {
+      next_[last[first]] = i;
+    }
+    last[first] = i;
   }
 }
 
@@ -70,12 +77,8 @@ bool Posts::contain(std::size_t place) const
   {
     for (int y = -reach; y <= reach; ++y)
     {
-      const auto found = columns_.find(voxelKey({middle.x + x, middle.y + y, 0}));
-      if (found == columns_.end())
-      {
-        continue;
-      }
-      for (const std::uint32_t i : found->second)
+      for (std::uint32_t i = squares_.find(voxelKey({middle.x + x, middle.y + y, 0}));
+           i != VoxelHash::none; i = next_[i])
       {
         const Eigen::Vector3f offset = places_[i] - p;
         const float distance = offset.head<2>().norm();

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <dyslam/core/VoxelGrid.h>
+
 #include <Eigen/Core>
 #include <cstddef>
 #include <cstdint>
-#include <unordered_map>
 #include <vector>
 
 namespace dyslam
@@ -26,6 +27,7 @@ class Posts
 
  private:
   const std::vector<Eigen::Vector3f>& places_;
-  std::unordered_map<std::uint64_t, std::vector<std::uint32_t>> columns_;  // of squares
+  VoxelHash squares_;                 // to their first place
+  std::vector<std::uint32_t> next_;  // place of the same square, or VoxelHash::none
 };
 }  // namespace dyslam

@@ -51,12 +51,6 @@ void add(const OtherScan& other, Evidence seen, RayCounts& c, Sides& sides)
   }
 }
 
-/** Whether some of the scans suffice for a place: they observed it, and never free. */
-bool isClear(const RayCounts& counts)
-{
-  return counts.free == 0 && counts.occupied >= sufficient_scans;
-}
-
 /** What the other scans observed at the places of a chunk. */
 class ChunkEvidence
 {
@@ -129,6 +123,11 @@ class ChunkEvidence
   std::vector<Evidence> seen_;  //!< of a scan at all places, then of the next scan
 };
 }  // namespace
+
+bool isClear(const RayCounts& counts)
+{
+  return counts.free == 0 && counts.occupied >= sufficient_scans;
+}
 
 std::vector<RayCounts> countRays(const std::vector<OtherScan>& others,
                                  const std::vector<Eigen::Vector3f>& places,

@@ -32,6 +32,9 @@ struct RayCounts
   std::uint16_t change_after = 0;  //!< the same of later scans: an object that leaves
 };
 
+/** Whether enough scans observed a place, and none free. */
+[[nodiscard]] bool isClear(const RayCounts& counts);
+
 /** How many of the other scans are evaluated at a place. */
 enum class RayEffort
 {

@@ -9,6 +9,30 @@ namespace dyslam
 {
 namespace
 {
+/** Finds the cells that touch, each pair from one side. */
+void findNeighbours(Segments& segments)
+{
+  constexpr std::uint32_t middle = 13;  // of the 27 cells: the cell itself
+  std::array<std::uint32_t, 27> nobody{};
+  nobody.fill(Segments::none);
+  segments.neighbours.assign(segments.cells.size(), nobody);
+  for (std::uint32_t i = 0; i < segments.cells.size(); ++i)
+  {
+    const VoxelCell& c = segments.cells[i];
+    segments.neighbours[i][middle] = i;
+    for (int n = 0; n < static_cast<int>(middle); ++n)
+    {
+      const std::uint32_t found = segments.cell_index.find(
+          voxelKey({c.x + n / 9 - 1, c.y + n / 3 % 3 - 1, c.z + n % 3 - 1}));
+      if (found != Segments::none)
+      {
+        segments.neighbours[i][static_cast<std::size_t>(n)] = found;
+        segments.neighbours[found][static_cast<std::size_t>(26 - n)] = i;
+      }
+    }
+  }
+}
+
 /** Joins the cells that touch. */
 DisjointSets joined(const Segments& segments)
 {
@@ -38,12 +62,13 @@ Segments findSegments(const std::vector<Eigen::Vector3f>& points,
       continue;
     }
     const auto next = static_cast<std::uint32_t>(result.first_point.size());
-    const std::uint32_t group =
-        voxel_index.findOrInsert(voxelKey(voxelCell(points[i], inverse_voxel)), next);
+    const std::uint64_t voxel = voxelKey(voxelCell(points[i], inverse_voxel));
+    const std::uint32_t group = voxel_index.findOrInsert(voxel, next);
     result.group_of_point[i] = group;
     if (group == next)
     {
       result.first_point.push_back(i);
+      result.voxel_of_group.push_back(voxel);
       const VoxelCell cell = voxelCell(points[i], result.inverse_cell_size);
       const auto next_cell = static_cast<std::uint32_t>(result.cells.size());
       result.cell_of_group.push_back(result.cell_index.findOrInsert(voxelKey(cell), next_cell));
@@ -53,6 +78,7 @@ Segments findSegments(const std::vector<Eigen::Vector3f>& points,
       }
     }
   }
+  findNeighbours(result);
   DisjointSets sets = joined(result);
   std::vector<std::uint32_t> number(result.cells.size(), Segments::none);
   for (const std::uint32_t cell : result.cell_of_group)

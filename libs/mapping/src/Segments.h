@@ -4,6 +4,7 @@
 #include <dyslam/core/VoxelGrid.h>
 
 #include <Eigen/Core>
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -16,6 +17,7 @@ struct Segments
 
   std::vector<std::uint32_t> group_of_point;    //!< or none
   std::vector<std::uint32_t> first_point;       //!< of each group
+  std::vector<std::uint64_t> voxel_of_group;    //!< its voxelKey()
   std::vector<std::uint32_t> segment_of_group;  //!< numbered in order of their first points
   std::size_t segments = 0;
   std::vector<VoxelCell> cells;  //!< that hold groups
@@ -23,30 +25,18 @@ struct Segments
   VoxelHash cell_index;         //!< from voxelKey() to position in `cells`
   float inverse_cell_size = 1;  //!< [1/m]
 
+  /** The cells that touch each cell, and the cell itself; `none` where there is no such cell. */
+  std::vector<std::array<std::uint32_t, 27>> neighbours;
+
   /** Calls `use` with the cell and the cells that touch it. */
   template <typename Use>
   void forEachNeighbour(std::uint32_t cell, const Use& use) const
   {
-    forEachNeighbour(cells[cell], use);
-  }
-  /** The same around a point. */
-  template <typename Use>
-  void forEachNeighbour(const Eigen::Vector3f& p, const Use& use) const
-  {
-    forEachNeighbour(voxelCell(p, inverse_cell_size), use);
-  }
-
- private:
-  template <typename Use>
-  void forEachNeighbour(const VoxelCell& c, const Use& use) const
-  {
-    for (int n = 0; n < 27; ++n)
+    for (const std::uint32_t n : neighbours[cell])
     {
-      const std::uint32_t found =
-          cell_index.find(voxelKey({c.x + n / 9 - 1, c.y + n / 3 % 3 - 1, c.z + n % 3 - 1}));
-      if (found != VoxelHash::none)
+      if (n != none)
       {
-        use(found);
+        use(n);
       }
     }
   }

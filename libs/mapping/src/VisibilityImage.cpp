@@ -85,7 +85,7 @@ void VisibilityImage::setRows(const std::vector<Eigen::Vector3f>& points)
   }
   lowest_ -= widest_window;
   rows_ = any ? highest + widest_window + 1 - lowest_ : 0;
-  range_.assign(static_cast<std::size_t>(rows_) * cols, std::numeric_limits<float>::infinity());
+  pixels_.assign(static_cast<std::size_t>(rows_) * cols, no_return);
 }
 
 VisibilityImage::VisibilityImage(const Cloud& cloud, const Eigen::Vector3f& sensor)
@@ -127,8 +127,11 @@ VisibilityImage::VisibilityImage(const Cloud& cloud, const Eigen::Vector3f& sens
       const int row = rays.row[i] - lowest_;
       if (row >= 0 && row < rows_)
       {
-        float& cell = range_[static_cast<std::size_t>(row * cols + col)];
-        cell = std::min(cell, range);
+        constexpr float farthest = resolution * (no_return - 1);
+        const auto nearest_multiple =
+            static_cast<std::uint16_t>(std::min(range, farthest) / resolution + 0.5F);
+        std::uint16_t& pixel = pixels_[static_cast<std::size_t>(row * cols + col)];
+        pixel = std::min(pixel, nearest_multiple);
       }
     }
   }
@@ -192,7 +195,7 @@ Evidence VisibilityImage::look(int row, int col, float range, float size, float 
   {
     return Evidence::none;
   }
-  if (std::abs(range_[static_cast<std::size_t>(row * cols + col)] - range) <= margin)
+  if (std::abs(rangeOf(pixels_[static_cast<std::size_t>(row * cols + col)]) - range) <= margin)
   {
     return Evidence::occupied;  // as most places are; no need to look at the other pixels
   }
@@ -201,10 +204,10 @@ Evidence VisibilityImage::look(int row, int col, float range, float size, float 
   bool stopped = false;
   for (int r = row - half; r <= row + half; ++r)
   {
-    const float* line = &range_[static_cast<std::size_t>(r * cols)];
+    const std::uint16_t* line = &pixels_[static_cast<std::size_t>(r * cols)];
     for (int c = col - half; c <= col + half; ++c)
     {
-      const float seen = line[c < 0 ? c + cols : (c >= cols ? c - cols : c)];
+      const float seen = rangeOf(line[c < 0 ? c + cols : (c >= cols ? c - cols : c)]);
       if (std::abs(seen - range) <= margin)
       {
         return Evidence::occupied;
@@ -325,6 +328,6 @@ Evidence VisibilityImage::at(const Eigen::Vector3f& p, float size, float margin)
 
 void VisibilityImage::exchangeState(StateArchive& archive)
 {
-  archive(sensor_, lowest_, rows_, column_sensor_, range_);
+  archive(sensor_, lowest_, rows_, column_sensor_, pixels_);
 }
 }  // namespace dyslam

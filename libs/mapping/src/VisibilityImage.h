@@ -6,6 +6,8 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 #include <cstddef>
+#include <cstdint>
+#include <limits>
 #include <vector>
 
 namespace dyslam
@@ -59,6 +61,8 @@ class VisibilityImage
 
  private:
   static constexpr int cols = 900;
+  static constexpr float resolution = 0.01F;  // of ranges [m]
+  static constexpr std::uint16_t no_return = 0xFFFF;
 
   struct Rays;
 
@@ -67,9 +71,15 @@ class VisibilityImage
   [[nodiscard]] Evidence lookAround(int row, int col, float range, float size, float margin) const;
   [[nodiscard]] Evidence lookBetween(int row, int col, float range, float margin) const;
   [[nodiscard]] Evidence lookAtRow(int row, int col, float range, float margin) const;
+  /** Range of a pixel, infinity where no ray returned [m]. */
+  [[nodiscard]] static float rangeOf(std::uint16_t pixel)
+  {
+    return pixel == no_return ? std::numeric_limits<float>::infinity()
+                              : resolution * static_cast<float>(pixel);
+  }
   [[nodiscard]] float seenAt(int row, int col) const
   {
-    return range_[static_cast<std::size_t>(row * cols + (col + cols) % cols)];
+    return rangeOf(pixels_[static_cast<std::size_t>(row * cols + (col + cols) % cols)]);
   }
   void setRows(const std::vector<Eigen::Vector3f>& points);
   void setColumnOrigins(const std::vector<Eigen::Vector3f>& sum, const std::vector<int>& count);
@@ -78,6 +88,6 @@ class VisibilityImage
   int lowest_ = 0;                              // rows below the horizon where the image begins
   int rows_ = 0;                                // the field of view and a margin
   std::vector<Eigen::Vector3f> column_sensor_;  // where the sensor was for each column, or empty
-  std::vector<float> range_;                    // row-major, infinity where no ray returned
+  std::vector<std::uint16_t> pixels_;           // row-major, ranges, or no_return
 };
 }  // namespace dyslam

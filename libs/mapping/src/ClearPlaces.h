@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <dyslam/core/VoxelGrid.h>
+
+#include <cstddef>
+#include <cstdint>
+
+namespace dyslam
+{
+class StateArchive;
+
+/** Places of the map that other scans observed, and never free. They stay known for the next scans,
+ * for which nearly the same rays decide. */
+class ClearPlaces
+{
+ public:
+  /** \param scan number, ascending. Forgets what was found 6 to 10 scans before. */
+  void beginScan(std::size_t scan);
+  [[nodiscard]] bool contain(std::uint64_t voxel) const
+  {
+    return recent_.find(voxel) != VoxelHash::none || older_.find(voxel) != VoxelHash::none;
+  }
+  void add(std::uint64_t voxel) { recent_.findOrInsert(voxel, 0); }
+  void exchangeState(StateArchive& archive);
+
+ private:
+  std::size_t begin_ = 0;  //!< scan with the first of `recent_`
+  VoxelHash recent_;
+  VoxelHash older_;
+};
+}  // namespace dyslam
