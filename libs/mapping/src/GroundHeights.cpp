@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <optional>
 
 namespace dyslam
@@ -23,14 +24,6 @@ VoxelCell squareOf(const Eigen::Vector3f& p)
           static_cast<std::int32_t>(std::floor(p.y() / square)), 0};
 }
 
-/** The square that voxelKey() made this of. */
-VoxelCell squareOfKey(std::uint64_t key)
-{
-  constexpr std::uint64_t mask = (1ULL << 21) - 1;
-  constexpr std::int32_t offset = 1 << 20;
-  return {static_cast<std::int32_t>(key >> 42) - offset,
-          static_cast<std::int32_t>((key >> 21) & mask) - offset, 0};
-}
 }  // namespace
 
 LowestReturns::LowestReturns(const std::vector<Eigen::Vector3f>& points,
@@ -71,45 +64,49 @@ LowestReturns::LowestReturns(const std::vector<Eigen::Vector3f>& points,
 
 GroundHeights::GroundHeights(const std::vector<const LowestReturns*>& scans)
 {
-  std::vector<std::vector<float>> heights;
-  std::vector<VoxelCell> squares;
+  std::vector<std::uint32_t> squares;  // of the heights, as they come
+  std::vector<std::uint32_t> ends;     // of each square: how many heights, then where they end
   for (const LowestReturns* scan : scans)
   {
     for (const auto& [key, z] : scan->heights())
     {
-      const auto next = static_cast<std::uint32_t>(heights.size());
-      const std::uint32_t found = index_.findOrInsert(key, next);
-      if (found == next)
+      const auto next = static_cast<std::uint32_t>(ends.size());
+      squares.push_back(index_.findOrInsert(key, next));
+      if (squares.back() == next)
       {
-        heights.emplace_back();
-        squares.push_back(squareOfKey(key));
+        ends.push_back(0);
       }
-      heights[found].push_back(z);
+      ++ends[squares.back()];
     }
   }
-  for (auto& z : heights)
+  std::vector<std::uint32_t> begins(ends.size());
+  std::exclusive_scan(ends.begin(), ends.end(), begins.begin(), 0U);
+  ends = begins;
+  std::vector<float> heights(squares.size());
+  std::size_t i = 0;
+  for (const LowestReturns* scan : scans)
   {
-    const auto low = z.begin() + static_cast<std::ptrdiff_t>(z.size() / 4);
-    std::nth_element(z.begin(), low, z.end());
+    for (const auto& [key, z] : scan->heights())
+    {
+      heights[ends[squares[i++]]++] = z;
+    }
+  }
+  height_.reserve(ends.size());
+  for (std::size_t s = 0; s < ends.size(); ++s)
+  {
+    const auto begin = heights.begin() + begins[s];
+    const auto end = heights.begin() + ends[s];
+    const auto low = begin + (end - begin) / 4;
+    std::nth_element(begin, low, end);
     height_.push_back(*low);
   }
-  for (std::size_t i = 0; i < squares.size(); ++i)
-  {
-    ground_.push_back(limited(squares[i], height_[i]));
-  }
-}
-
-float GroundHeights::at(const Eigen::Vector3f& p) const
-{
-  const VoxelCell square = squareOf(p);
-  const std::uint32_t found = index_.find(voxelKey(square));
-  return found != VoxelHash::none ? ground_[found] : limited(square, p.z());
 }
 
 std::vector<float> GroundHeights::heightsOf(const std::vector<Eigen::Vector3f>& points) const
 {
   std::vector<float> heights;
   heights.reserve(points.size());
+  std::vector<float> ground(height_.size(), nothing);
   std::optional<std::uint64_t> last;  // most points are in the same square as the one before
   std::uint32_t found = VoxelHash::none;
   for (const Eigen::Vector3f& p : points)
@@ -118,10 +115,14 @@ std::vector<float> GroundHeights::heightsOf(const std::vector<Eigen::Vector3f>& 
     const std::uint64_t key = voxelKey(square);
     if (key != last)
     {
-      found = index_.find(key);
       last = key;
+      found = index_.find(key);
+      if (found != VoxelHash::none && ground[found] == nothing)
+      {
+        ground[found] = limited(square, height_[found]);
+      }
     }
-    heights.push_back(p.z() - (found != VoxelHash::none ? ground_[found] : limited(square, p.z())));
+    heights.push_back(p.z() - (found != VoxelHash::none ? ground[found] : limited(square, p.z())));
   }
   return heights;
 }

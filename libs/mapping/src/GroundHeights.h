@@ -36,18 +36,15 @@ class LowestReturns
 class GroundHeights
 {
  public:
-  GroundHeights() = default;
   explicit GroundHeights(const std::vector<const LowestReturns*>& scans);
-  /** Of the ground at `p` (map frame); limited by the neighbouring squares because of roofs. */
-  [[nodiscard]] float at(const Eigen::Vector3f& p) const;
-  /** Heights of points (map frame) over the ground [m]. */
+  /** Heights of points (map frame) over the ground [m]; the ground of a square is limited by the
+   * neighbouring squares because of roofs. */
   [[nodiscard]] std::vector<float> heightsOf(const std::vector<Eigen::Vector3f>& points) const;
 
  private:
   [[nodiscard]] float limited(const VoxelCell& square, float own) const;
 
   VoxelHash index_;
-  std::vector<float> height_;
-  std::vector<float> ground_;  //!< at(), for each of `height_`
+  std::vector<float> height_;  //!< of the squares, without the limit
 };
 }  // namespace dyslam

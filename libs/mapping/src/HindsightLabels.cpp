@@ -28,7 +28,7 @@ namespace
 {
 constexpr float lowest_of_object = 0.1F;  // over the ground [m]
 constexpr int cells_above = 3;            // that decide whether a low point moves
-constexpr std::size_t ground_stride = 5;  // scans between those used for the ground
+constexpr std::size_t ground_stride = 5;  // scans of the window between those used for the ground
 constexpr int past_stride = 8;            // scans before the window between those that are used
 constexpr double growth = 1.1;            // of the distances to those that are used
 constexpr float full_change = 3;          // free observations of a place that suffice
@@ -230,7 +230,7 @@ struct HindsightLabels::Impl
   void decideNext(const Use& use);
   void decide(WindowScan& scan);
   void outputNext(const Use& use);
-  [[nodiscard]] const GroundHeights& ground();
+  [[nodiscard]] GroundHeights ground() const;
   [[nodiscard]] std::vector<OtherScan> others() const;
   [[nodiscard]] std::vector<float> trackedShare(const Frame& frame) const;
   [[nodiscard]] std::vector<PlaceEvidence> causalEvidence(const Segments& segments) const;
@@ -248,37 +248,19 @@ struct HindsightLabels::Impl
   std::size_t next = 0;       //!< of `scans`, to be decided
   std::size_t count = 0;      //!< of all scans added
   ClearPlaces clear;
-  GroundHeights ground_heights;
-  std::vector<std::size_t> scans_of_ground;  //!< those of `ground_heights`, as they were added
-  LastingTracks dynamic;      //!< have been at some time
+  LastingTracks dynamic;  //!< have been at some time
   LastingTracks reported;
 };
 
-/** The ground as the scans of the window show it. */
-const GroundHeights& HindsightLabels::Impl::ground()
+/** The ground as the scan to be decided and others of the window show it. */
+GroundHeights HindsightLabels::Impl::ground() const
 {
-  const std::size_t first = count - scans.size();
-  std::vector<std::size_t> used;
-  for (std::size_t n = first + (ground_stride - first % ground_stride) % ground_stride; n < count;
-       n += ground_stride)
+  std::vector<const LowestReturns*> lowest;
+  for (std::size_t i = next % ground_stride; i < scans.size(); i += ground_stride)
   {
-    used.push_back(n);
+    lowest.push_back(&scans[i].lowest);
   }
-  if (used.empty())  // of a narrow window
-  {
-    used.push_back(first + next);
-  }
-  if (used != scans_of_ground)
-  {
-    std::vector<const LowestReturns*> lowest;
-    for (const std::size_t n : used)
-    {
-      lowest.push_back(&scans[n - first].lowest);
-    }
-    ground_heights = GroundHeights(lowest);
-    scans_of_ground = used;
-  }
-  return ground_heights;
+  return GroundHeights(lowest);
 }
 
 /** The scans that are used, those before and those after each in order of their distance. */
@@ -541,7 +523,7 @@ void HindsightLabels::finish(const Use& use)
 
 void HindsightLabels::exchangeState(StateArchive& archive)
 {
-  archive(impl_->scans, impl_->past, impl_->next, impl_->count, impl_->clear,
-          impl_->dynamic, impl_->reported);
+  archive(impl_->scans, impl_->past, impl_->next, impl_->count, impl_->clear, impl_->dynamic,
+          impl_->reported);
 }
 }  // namespace dyslam

@@ -27,7 +27,7 @@ class Posts
 
  private:
   const std::vector<Eigen::Vector3f>& places_;
-  VoxelHash squares_;                 // to their first place
+  VoxelHash squares_;                // to their first place
   std::vector<std::uint32_t> next_;  // place of the same square, or VoxelHash::none
 };
 }  // namespace dyslam
