@@ -14,7 +14,9 @@
 #include <memory>
 #include <optional>
 #include <utility>
+#include <vector>
 
+#include "EarlierLabels.h"
 #include "JobThread.h"
 
 namespace dyslam
@@ -60,6 +62,7 @@ struct FrontEnd::Stages
   Stages(int threads, ConfigLoader& config, mrpt::system::CTimeLogger& time_logger)
       : times(time_logger),
         segmentation(config.get<MovingSegmenterOptions>("dyseg")),
+        earlier(segmentation.labels),
         pool(threads),
         preprocessor(config.get<PreprocessOptions>("preprocess"), pool),
         segmenter(makeSegmenter(segmentation.method, config, pool)),
@@ -77,14 +80,19 @@ struct FrontEnd::Stages
   /** Segments now if the segmenter runs before (false) or after (true) the pose is known. */
   void segment(Frame& frame, bool pose_known, const std::shared_ptr<const EncodedCloud>& encoded);
   void filterOverTime(Frame& frame);
+  /** Removes what an earlier run labelled moving. \return the points of the scan before */
+  [[nodiscard]] std::vector<Eigen::Vector3f> removeLabelled(Frame& frame) const;
+  void putBack(std::vector<Eigen::Vector3f> all_points, Frame& frame);
 
   mrpt::system::CTimeLogger& times;
   MovingSegmenterOptions segmentation;
+  EarlierLabels earlier;
   ThreadPool pool;
   Preprocessor preprocessor;
   std::unique_ptr<MovingSegmenter> segmenter;  //!< null: nothing is segmented
   TemporalFilter filter;
   Odometry odometry;
+  SweepPrediction sweep_used;  //!< that the cloud of the frame is deskewed with
   /** That the next scan is encoded with, before its own is known; nothing: after it. */
   std::optional<SweepPrediction> sweep_ahead;
   std::future<EncodedScan> ahead;  //!< of the next scan, if it was there
@@ -103,6 +111,7 @@ void FrontEnd::process(Frame& frame, const Frame* next)
 {
   Stages& s = *stages_;
   s.odometry.predict(frame);
+  auto all_points = s.removeLabelled(frame);
   const auto encoded = s.preprocess(frame);
   s.beginAhead(next);
   const WaitAtEnd wait{s.ahead, s.waited};
@@ -112,6 +121,7 @@ void FrontEnd::process(Frame& frame, const Frame* next)
   s.filterOverTime(frame);
   decideMoving(frame, s.segmentation.moving_threshold);
   s.odometry.integrate(frame);
+  s.putBack(std::move(all_points), frame);
 }
 
 Cloud FrontEnd::Stages::prepare(const Scan& scan, const SweepPrediction& sweep)
@@ -148,6 +158,7 @@ void FrontEnd::Stages::beginAhead(const Frame* next)
 std::shared_ptr<const EncodedCloud> FrontEnd::Stages::preprocess(Frame& frame)
 {
   const SweepPrediction predicted{frame.prior.T_previous_current, frame.dt, frame.sweep_duration};
+  sweep_used = predicted;
   std::shared_ptr<const EncodedCloud> encoded;
   if (sweep_ahead)
   {
@@ -166,14 +177,16 @@ std::shared_ptr<const EncodedCloud> FrontEnd::Stages::preprocess(Frame& frame)
                       [&](const Pose& T_previous_current, double dt)
                       {
                         prepared_again = true;
-                        return prepare(frame.scan, {T_previous_current, dt, frame.sweep_duration});
+                        sweep_used = {T_previous_current, dt, frame.sweep_duration};
+                        return prepare(frame.scan, sweep_used);
                       });
   if (segmenter && (!encoded || prepared_again))
   {
     encoded = encode(frame.cloud, frame.scan);
   }
   sweep_ahead.reset();
-  if (segmenter && segmenter->encodesAhead() && frame.prior.reliable && !prepared_again)
+  if (segmenter && segmenter->encodesAhead() && frame.prior.reliable && !prepared_again &&
+      !earlier.any())
   {
     sweep_ahead = predicted;
   }
@@ -198,6 +211,25 @@ void FrontEnd::Stages::filterOverTime(Frame& frame)
     const CTimeLoggerEntry timed(times, "dyseg");
     filter.apply(frame);
   }
+}
+
+std::vector<Eigen::Vector3f> FrontEnd::Stages::removeLabelled(Frame& frame) const
+{
+  return earlier.any() ? earlier.removeMoving(frame) : std::vector<Eigen::Vector3f>();
+}
+
+void FrontEnd::Stages::putBack(std::vector<Eigen::Vector3f> all_points, Frame& frame)
+{
+  if (!earlier.any())
+  {
+    return;
+  }
+  Scan removed = frame.scan;
+  for (std::size_t i = 0; i < all_points.size(); ++i)
+  {
+    removed.points[i] = isReturn(frame.scan.points[i]) ? Eigen::Vector3f::Zero() : all_points[i];
+  }
+  putBackMoving(prepare(removed, sweep_used), std::move(all_points), frame);
 }
 
 FrontEndWaits FrontEnd::waits() const
