@@ -16,7 +16,7 @@ namespace
 {
 namespace fs = std::filesystem;
 
-constexpr float moving = 0.95F;  // probability of a point that was labelled so
+constexpr float probability = 0.999F;  // that a point moves that was labelled so
 
 std::string labelFolder(const std::string& folder)
 {
@@ -79,37 +79,40 @@ class Merge
 
 EarlierLabels::EarlierLabels(const std::string& folder) : folder_(labelFolder(folder)) {}
 
-std::vector<Eigen::Vector3f> EarlierLabels::removeMoving(Frame& frame) const
+Scan EarlierLabels::takeMoving(Frame& frame) const
 {
+  if (folder_.empty())
+  {
+    return {};
+  }
   std::vector<Eigen::Vector3f>& points = frame.scan.points;
   const std::vector<Label> labels =
       readLabels(numberedPath(folder_, frame.index, ".label"), points.size());
-  std::vector<Eigen::Vector3f> before = points;
+  Scan taken = frame.scan;
   for (std::size_t i = 0; i < points.size(); ++i)
   {
-    if (isMovingLabel(labels[i]))
-    {
-      points[i].setZero();
-    }
+    (isMovingLabel(labels[i]) ? points[i] : taken.points[i]).setZero();
   }
-  return before;
+  return taken;
 }
 
-void putBackMoving(const Cloud& cloud, std::vector<Eigen::Vector3f> points, Frame& frame)
+void putBackMoving(const Scan& moving, const Cloud& cloud, Frame& frame)
 {
-  frame.scan.points = std::move(points);
+  for (std::size_t i = 0; i < moving.size(); ++i)
+  {
+    if (isReturn(moving.points[i]))
+    {
+      frame.scan.points[i] = moving.points[i];
+    }
+  }
   const std::size_t added = cloud.size();
-  const std::size_t kept = frame.cloud.size();
-  frame.moving.resize(kept, false);
-  frame.moving_probability.resize(kept, 0);
   const Merge merge(frame.cloud.source, cloud.source);
   merge(frame.cloud.points, cloud.points);
   merge(frame.cloud.intensity, cloud.intensity);
   merge(frame.cloud.phase, cloud.phase);
-  merge(frame.moving, std::vector<bool>(added, true));
-  merge(frame.moving_probability, std::vector<float>(added, moving));
-  merge(frame.static_prior, std::vector<float>(added, 1 - moving));
-  merge(frame.static_confidence, std::vector<float>(added, 1 - moving));
+  merge(frame.moving_probability, std::vector<float>(added, probability));
+  merge(frame.static_prior, std::vector<float>(added, 1 - probability));
+  merge(frame.static_confidence, std::vector<float>(added, 1 - probability));
   merge(frame.cloud.source, cloud.source);
 }
 }  // namespace dyslam

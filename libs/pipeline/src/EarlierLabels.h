@@ -3,9 +3,7 @@
 
 #include <dyslam/core/Frame.h>
 
-#include <Eigen/Core>
 #include <string>
-#include <vector>
 
 namespace dyslam
 {
@@ -22,15 +20,17 @@ class EarlierLabels
   explicit EarlierLabels(const std::string& folder);
 
   [[nodiscard]] bool any() const { return !folder_.empty(); }
-  /** Makes the points that are labelled moving no returns. \return the points of the scan as they
-   * were. \throws UserError if the scan has no label file, or one of another number of points. */
-  std::vector<Eigen::Vector3f> removeMoving(Frame& frame) const;
+  /** Takes the points that are labelled moving out of the scan: they are no returns any more.
+   * \return a scan of these points alone, empty if there are no labels. \throws UserError if the
+   * scan has no label file, or one of another number of points. */
+  [[nodiscard]] Scan takeMoving(Frame& frame) const;
 
  private:
   std::string folder_;
 };
 
-/** Puts points back into a frame that was processed without them: they are moving.
- * \param cloud of these points, deskewed as the frame's \param points of the scan with them */
-void putBackMoving(const Cloud& cloud, std::vector<Eigen::Vector3f> points, Frame& frame);
+/** Puts the points that were taken out back into scan and cloud; where the frame has moving
+ * probabilities, they are moving.
+ * \param moving of takeMoving() \param cloud of these points, deskewed as the frame's */
+void putBackMoving(const Scan& moving, const Cloud& cloud, Frame& frame);
 }  // namespace dyslam

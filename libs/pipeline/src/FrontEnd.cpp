@@ -14,7 +14,6 @@
 #include <memory>
 #include <optional>
 #include <utility>
-#include <vector>
 
 #include "EarlierLabels.h"
 #include "JobThread.h"
@@ -80,9 +79,8 @@ struct FrontEnd::Stages
   /** Segments now if the segmenter runs before (false) or after (true) the pose is known. */
   void segment(Frame& frame, bool pose_known, const std::shared_ptr<const EncodedCloud>& encoded);
   void filterOverTime(Frame& frame);
-  /** Removes what an earlier run labelled moving. \return the points of the scan before */
-  [[nodiscard]] std::vector<Eigen::Vector3f> removeLabelled(Frame& frame) const;
-  void putBack(std::vector<Eigen::Vector3f> all_points, Frame& frame);
+  /** \param labelled points that an earlier run labelled moving */
+  void putBack(const Scan& labelled, Frame& frame);
 
   mrpt::system::CTimeLogger& times;
   MovingSegmenterOptions segmentation;
@@ -111,17 +109,17 @@ void FrontEnd::process(Frame& frame, const Frame* next)
 {
   Stages& s = *stages_;
   s.odometry.predict(frame);
-  auto all_points = s.removeLabelled(frame);
+  const Scan labelled = s.earlier.takeMoving(frame);
   const auto encoded = s.preprocess(frame);
   s.beginAhead(next);
   const WaitAtEnd wait{s.ahead, s.waited};
   s.segment(frame, false, encoded);
   s.odometry.estimate(frame);
+  s.putBack(labelled, frame);
   s.segment(frame, true, encoded);
   s.filterOverTime(frame);
   decideMoving(frame, s.segmentation.moving_threshold);
   s.odometry.integrate(frame);
-  s.putBack(std::move(all_points), frame);
 }
 
 Cloud FrontEnd::Stages::prepare(const Scan& scan, const SweepPrediction& sweep)
@@ -213,23 +211,16 @@ void FrontEnd::Stages::filterOverTime(Frame& frame)
   }
 }
 
-std::vector<Eigen::Vector3f> FrontEnd::Stages::removeLabelled(Frame& frame) const
+void FrontEnd::Stages::putBack(const Scan& labelled, Frame& frame)
 {
-  return earlier.any() ? earlier.removeMoving(frame) : std::vector<Eigen::Vector3f>();
-}
-
-void FrontEnd::Stages::putBack(std::vector<Eigen::Vector3f> all_points, Frame& frame)
-{
-  if (!earlier.any())
+  if (earlier.any())
   {
-    return;
+    if (!segmenter)
+    {
+      frame.moving_probability.assign(frame.cloud.size(), 0);
+    }
+    putBackMoving(labelled, prepare(labelled, sweep_used), frame);
   }
-  Scan removed = frame.scan;
-  for (std::size_t i = 0; i < all_points.size(); ++i)
-  {
-    removed.points[i] = isReturn(frame.scan.points[i]) ? Eigen::Vector3f::Zero() : all_points[i];
-  }
-  putBackMoving(prepare(removed, sweep_used), std::move(all_points), frame);
 }
 
 FrontEndWaits FrontEnd::waits() const
