@@ -10,6 +10,7 @@
 
 #include <CLI/CLI.hpp>
 #include <cstdio>
+#include <filesystem>
 #include <functional>
 #include <future>
 #include <optional>
@@ -35,6 +36,7 @@ struct SlamArguments
   std::optional<double> start;
   std::optional<double> end;
   bool resume = false;                //!< resume a killed run
+  int passes = 1;                     //!< over the recording
   std::future<void> loading;          //!< loadAhead()
   std::vector<std::string> messages;  //!< about sensor and settings, at the first scan
 
@@ -65,6 +67,12 @@ inline void declareSlamArguments(CLI::App& app, SlamArguments& a)
       ->check(notNegative());
   app.add_option("--end", a.end, "process scans before this time [s since the first scan]")
       ->check(positive());
+  app.add_option(
+         "--passes", a.passes,
+         "2: process the recording twice, the second time without the points that the first "
+         "pass labelled moving (dense traffic)")
+      ->check(CLI::IsMember({1, 2}))
+      ->capture_default_str();
   app.add_option("--profile", a.settings.profile_csv, "CSV file for the times of every stage");
   app.add_option("-v,--verbosity", a.verbosity, "what is printed")
       ->check(CLI::IsMember({"ERROR", "INFO"}))
@@ -191,12 +199,84 @@ inline void print(const SlamRunReport& report, const std::string& folder, std::s
   }
 }
 
+/** Where the labels of the first of two passes are kept. */
+inline std::filesystem::path firstPassLabels(const std::string& output)
+{
+  return std::filesystem::path(output) / "first_pass" / "labels";
+}
+
+/** Moves the labels of a finished run to where the next run in the same folder leaves them.
+ * \throws UserError. */
+inline void keepLabels(const std::string& output)
+{
+  namespace fs = std::filesystem;
+  const fs::path kept = firstPassLabels(output);
+  std::error_code error;
+  fs::create_directories(kept.parent_path(), error);
+  if (!error && !fs::is_symlink(kept))
+  {
+    fs::remove_all(kept, error);
+  }
+  if (!error)
+  {
+    fs::rename(fs::path(output) / "labels", kept, error);
+  }
+  if (error)
+  {
+    throw UserError(kept.string() + ": cannot be written (" + error.message() +
+                    "); choose another --output");
+  }
+}
+
 using SlamRunner = std::function<SlamRunReport(
     const SlamRunSettings& settings, const std::function<void(double, std::size_t)>& on_frame)>;
+
+/** Runs and shows the progress. \throws UserError. */
+inline SlamRunReport runWithProgress(const std::string& title,
+                                     SlamArguments& a,
+                                     const SlamRunner& run)
+{
+  Progress progress(title, "scans", a.quiet());
+  SlamRunReport report = run(a.settings,
+                             [&](double fraction, std::size_t frames)
+                             {
+                               printAtFirstScan(a);
+                               progress.update(fraction, frames);
+                             });
+  progress.finish(report.frames);
+  return report;
+}
+
+/** Labels the moving points, for the second pass (dyseg.labels). \throws UserError. */
+inline void runFirstPass(const std::string& program, SlamArguments& a, const SlamRunner& run)
+{
+  SlamArguments first;
+  first.settings = a.settings;
+  first.settings.labels = true;
+  first.settings.probabilities = false;
+  first.settings.static_scans = false;
+  first.settings.profile_csv.clear();
+  first.config = a.config;
+  first.assignments = assignmentsOf(a);
+  first.verbosity = a.verbosity;
+  for (const char* unused :
+       {"pipeline.mapping", "pipeline.hindsight_tracking", "output.replay", "output.simplemap",
+        "output.pcd", "output.ply", "output.scene", "output.plot", "output.page"})
+  {
+    first.assignments.push_back(std::string(unused) + "=false");
+  }
+  first.assignments.emplace_back("output.checkpoint_seconds=0");
+  chooseSettings(program, first);
+  runWithProgress(program + ", first pass", first, run);
+  keepLabels(a.settings.output_folder);
+  a.assignments.push_back("dyseg.labels=" + firstPassLabels(a.settings.output_folder).string());
+}
 
 /** Runs, shows the progress and prints the result. \throws UserError, UselessResult. */
 inline void runSlamProgram(const std::string& program, SlamArguments& a, const SlamRunner& run)
 {
+  stopOnSignals();
+  a.settings.stop = [] { return stop_asked.load(); };
   if (a.resume)
   {
     checkSettings(a);
@@ -205,21 +285,17 @@ inline void runSlamProgram(const std::string& program, SlamArguments& a, const S
   {
     requireGiven(a.settings.rawlog);
     requireConverted(a.settings.rawlog);
+    if (a.passes == 2)
+    {
+      runFirstPass(program, a, run);
+    }
     chooseSettings(program, a);
   }
-  stopOnSignals();
-  a.settings.stop = [] { return stop_asked.load(); };
-  SlamRunReport report;
+  if (a.passes == 2)
   {
-    Progress progress(program, "scans", a.quiet());
-    report = run(a.settings,
-                 [&](double fraction, std::size_t frames)
-                 {
-                   printAtFirstScan(a);
-                   progress.update(fraction, frames);
-                 });
-    progress.finish(report.frames);
+    a.messages.clear();  // those of the first pass
   }
+  const SlamRunReport report = runWithProgress(program, a, run);
   if (!a.quiet())
   {
     print(report, a.settings.output_folder, a.settings.warnings.size());
