@@ -57,6 +57,21 @@ TEST(OutputSafety, ARunLeavesATruthFolderAlone)
   EXPECT_EQ(0, runProgram("dyslam", slam(folder.file("x.gt")) + "--force", folder.path()).code);
 }
 
+TEST(OutputSafety, LabelsThatARunReadsStay)
+{
+  const TestFolder folder;
+  const std::string run = slam(folder.file("run")) + "--labels";
+  ASSERT_EQ(0, runProgram("dyslam", run, folder.path()).code);
+  expectRefusal(folder, "dyslam", run + " --set dyseg.labels=" + folder.file("run"),
+                {".label: would be replaced by this run's labels"});
+  EXPECT_TRUE(fs::exists(folder.file("run/labels/000001.label")));
+
+  ASSERT_EQ(0, runProgram("dyslam", run + " --passes 2", folder.path()).code);
+  EXPECT_TRUE(fs::exists(folder.file("run/labels/000001.label")));
+  EXPECT_TRUE(fs::exists(folder.file("run/first_pass/labels/000001.label")));
+  EXPECT_TRUE(contains(folder.read("run/effective.ini"), "run/first_pass/labels"));
+}
+
 TEST(OutputSafety, ASecondRunWaitsOutside)
 {
   const TestFolder folder;

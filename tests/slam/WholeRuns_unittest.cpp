@@ -134,6 +134,37 @@ TEST_F(WholeRun, DysegDyloAndRefineTogether)
   EXPECT_GT(accepted, 20) << "of 40";
 }
 
+/** In a jam the registration follows the vehicles; their labels show the next run the static world.
+ */
+TEST_F(WholeRun, LabelsOfAnEarlierRunHelpInAJam)
+{
+  sim::SimulatorOptions options;
+  options.world = sim::WorldKind::highway;
+  options.traffic = 1;
+  options.loop_length = 2400;
+  options.seed = 700000033;
+  options.columns = 1024;
+  sim::Simulator simulator(options, 1);
+  const std::string rawlog = (folder_ / "jam.rawlog").string();
+  RawlogWriter writer(rawlog);
+  for (int i = 0; i < 50; ++i)
+  {
+    const sim::SimulatedScan scan = simulator.next();
+    writer.write(scan.scan, scan.T_map_vehicle);
+  }
+  writer.close();
+
+  auto first = settings(rawlog, "kitti64.ini", "first");
+  first.labels = true;
+  runSlam(first);
+  auto second = settings(rawlog, "kitti64.ini", "second");
+  second.config.set("dyseg.labels=" + first.output_folder);
+  const SlamRunReport report = runSlam(second);
+  EXPECT_EQ(report.unconverged, 0U);
+  EXPECT_LT(errorsOf(second).relative.translation.rmse,
+            0.7 * errorsOf(first).relative.translation.rmse);
+}
+
 /** Out along a campus path and back again, by an odometry that drifts. */
 TEST_F(WholeRun, ALoopCorrectsTrajectoryAndMap)
 {

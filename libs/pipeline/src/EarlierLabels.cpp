@@ -20,21 +20,12 @@ constexpr float probability = 0.999F;  // that a point moves that was labelled s
 
 std::string labelFolder(const std::string& folder)
 {
-  if (folder.empty())
-  {
-    return "";
-  }
-  const fs::path within = fs::path(folder) / "labels";
-  const fs::path labels = fs::is_directory(within) ? within : fs::path(folder);
-  const bool any =
-      fs::is_directory(labels) &&
-      std::any_of(fs::directory_iterator(labels), fs::directory_iterator(),
-                  [](const auto& file) { return file.path().extension() == ".label"; });
-  if (!any)
+  const std::string file = anyLabelFile(folder);
+  if (file.empty() && !folder.empty())
   {
     throw UserError(folder + ": has no labels (dyseg.labels); run dyslam --labels first");
   }
-  return labels.string();
+  return fs::path(file).parent_path().string();
 }
 
 /** Where the points of two clouds are in the one of both, in the order of the scan. */
@@ -76,6 +67,26 @@ class Merge
   std::vector<bool> from_kept_;
 };
 }  // namespace
+
+std::string anyLabelFile(const std::string& folder)
+{
+  if (folder.empty())
+  {
+    return "";
+  }
+  for (const fs::path& labels : {fs::path(folder) / "labels", fs::path(folder)})
+  {
+    std::error_code ignored;
+    for (fs::directory_iterator file(labels, ignored), end; file != end; file.increment(ignored))
+    {
+      if (file->path().extension() == ".label")
+      {
+        return file->path().string();
+      }
+    }
+  }
+  return "";
+}
 
 EarlierLabels::EarlierLabels(const std::string& folder) : folder_(labelFolder(folder)) {}
 

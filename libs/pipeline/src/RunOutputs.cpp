@@ -12,6 +12,7 @@
 #include <map>
 #include <utility>
 
+#include "EarlierLabels.h"
 #include "OutputFolder.h"
 #include "StateFile.h"
 
@@ -128,6 +129,12 @@ void RunOutputs::open()
   std::vector<std::string> inputs = inputs_;
   const std::vector<std::string> named = filesNamedIn(config_.effective());
   inputs.insert(inputs.end(), named.begin(), named.end());
+  const Config effective = config_.effective();
+  if (effective.has("dyseg", "labels"))
+  {
+    const std::string label = anyLabelFile(effective.section("dyseg").at("labels").text);
+    inputs.insert(inputs.end(), label.empty() ? 0 : 1, label);
+  }
   made_ = std::make_unique<OutputFolder>(folder_, names_, inputs, force_);
   for (const Entry& entry : entries_)
   {

@@ -42,6 +42,9 @@ void RunStatistics::add(const Frame& frame)
   {
     odometry_failures.add(frame.odometry.reason);
   }
+  points += frame.cloud.size();
+  moving_points +=
+      static_cast<std::size_t>(std::count(frame.moving.begin(), frame.moving.end(), true));
   if (frame.T_world_vehicle_truth)
   {
     reference.push_back(frame.scan.stamp, *frame.T_world_vehicle_truth);
@@ -70,7 +73,7 @@ Trajectory RunStatistics::referenceInMap(const Trajectory& trajectory) const
   return result;
 }
 
-std::vector<std::string> RunStatistics::warnings() const
+std::vector<std::string> RunStatistics::warnings(bool has_labels) const
 {
   constexpr double many = 0.2;  // of all scans
   const auto limit = many * static_cast<double>(frames);
@@ -87,6 +90,15 @@ std::vector<std::string> RunStatistics::warnings() const
     result.push_back(
         std::to_string(registration_failures.total()) + of_all +
         " could not be registered, most often because: " + registration_failures.mostFrequent());
+  }
+  constexpr double dense_traffic = 0.15;  // of the points
+  if (!has_labels &&
+      static_cast<double>(moving_points) > dense_traffic * static_cast<double>(points))
+  {
+    result.push_back(
+        std::to_string(100 * moving_points / points) +
+        " % of the points move: in traffic as dense as this, a second pass (--passes 2)"
+        " is often more accurate");
   }
   if (map_restarts > 0)
   {
@@ -126,6 +138,6 @@ void Reasons::exchangeState(StateArchive& archive)
 void RunStatistics::exchangeState(StateArchive& archive)
 {
   archive(frames, first_time, last_time, registration_failures, map_restarts,
-          unregistered_keyframes, odometry_failures, reference);
+          unregistered_keyframes, odometry_failures, points, moving_points, reference);
 }
 }  // namespace dyslam

@@ -42,8 +42,9 @@ struct RunStatistics
   /** Ground truth in the map frame, which begins at the trajectory's first pose. */
   [[nodiscard]] Trajectory referenceInMap(const Trajectory& trajectory) const;
 
-  /** Warnings although nothing failed; one sentence each. */
-  [[nodiscard]] std::vector<std::string> warnings() const;
+  /** Warnings although nothing failed; one sentence each.
+   * \param has_labels the run had labels of an earlier one (dyseg.labels) */
+  [[nodiscard]] std::vector<std::string> warnings(bool has_labels) const;
 
   /** Why the result is unusable, if more than half of the scans could not be registered; else
    * empty.
@@ -57,6 +58,8 @@ struct RunStatistics
   std::size_t map_restarts = 0;   //!< of the local map, after failures in a row
   std::size_t unregistered_keyframes = 0;
   Reasons odometry_failures;
-  Trajectory reference;  //!< ground truth as recorded
+  std::size_t points = 0;         //!< of all clouds
+  std::size_t moving_points = 0;  //!< of these, by the causal labels
+  Trajectory reference;           //!< ground truth as recorded
 };
 }  // namespace dyslam

@@ -3,6 +3,7 @@
 #include <dyslam/core/Error.h>
 #include <dyslam/core/StateArchive.h>
 #include <dyslam/core/Version.h>
+#include <dyslam/dyseg/MovingSegmenter.h>
 #include <dyslam/io/RawlogSource.h>
 #include <dyslam/mapping/MapExport.h>
 #include <dyslam/pipeline/Pipeline.h>
@@ -138,6 +139,7 @@ struct SlamRun::Impl
         start(config.get<StartOptions>("start")),
         track_smoothing(config.get<TrackSmoothingOptions>("track_smoothing")),
         complete_boxes(config.get<TrackerOptions>("tracker").complete_boxes),
+        has_labels(!config.get<MovingSegmenterOptions>("dyseg").labels.empty()),
         input(config.get<RawlogSourceOptions>("input")),
         pipeline(config, times, settings.output_folder),
         history(pipeline.backend().keyframes().memory().part(history_share)),
@@ -177,6 +179,7 @@ struct SlamRun::Impl
   StartOptions start;
   TrackSmoothingOptions track_smoothing;
   bool complete_boxes;
+  bool has_labels;  //!< of an earlier run
   RawlogSourceOptions input;
   Pipeline pipeline;
   RunHistory history;
@@ -227,7 +230,7 @@ RunResults SlamRun::Impl::results(const std::vector<std::string>& source_warning
   append(results.report.warnings, settings.warnings);
   append(results.report.warnings, source_warnings);
   append(results.report.warnings, pipeline.warnings());
-  append(results.report.warnings, statistics.warnings());
+  append(results.report.warnings, statistics.warnings(has_labels));
   return results;
 }
 

@@ -21,7 +21,7 @@ Frame failed(bool map_restarted, const std::string& reason)
 
 bool hasWarning(const RunStatistics& statistics, const std::string& part)
 {
-  const auto warnings = statistics.warnings();
+  const auto warnings = statistics.warnings(false);
   return std::any_of(warnings.begin(), warnings.end(),
                      [&part](const std::string& warning)
                      { return warning.find(part) != std::string::npos; });

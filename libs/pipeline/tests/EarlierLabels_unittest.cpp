@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "../src/EarlierLabels.h"
+
+#include <dyslam/core/Error.h>
+#include <dyslam/core/Labels.h>
+#include <dyslam/formats/LabelFiles.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+
+#include "TestFolder.h"
+
+namespace dyslam
+{
+namespace
+{
+constexpr Label moving_car = 252;
+
+Frame frameOf(std::size_t points)
+{
+  Frame frame;
+  frame.index = 7;
+  for (std::size_t i = 0; i < points; ++i)
+  {
+    frame.scan.points.emplace_back(1 + static_cast<float>(i), 2.0F, 3.0F);
+    frame.scan.intensity.push_back(0.1F * static_cast<float>(i));
+  }
+  return frame;
+}
+
+/** All returns of a scan. */
+Cloud cloudOf(const Scan& scan)
+{
+  Cloud cloud;
+  for (std::size_t i = 0; i < scan.size(); ++i)
+  {
+    if (isReturn(scan.points[i]))
+    {
+      cloud.points.push_back(scan.points[i]);
+      cloud.intensity.push_back(scan.intensity[i]);
+      cloud.source.push_back(static_cast<std::uint32_t>(i));
+    }
+  }
+  return cloud;
+}
+
+TEST(EarlierLabels, TakeMovingPointsOutAndPutThemBack)
+{
+  const TestFolder folder;
+  std::filesystem::create_directories(folder.file("run/labels"));
+  writeLabels(folder.file("run/labels/000007.label"), {9, moving_car, 9, 0, moving_car});
+  Frame frame = frameOf(5);
+  const Frame before = frame;
+
+  const Scan moving = EarlierLabels(folder.file("run")).takeMoving(frame);
+  frame.cloud = cloudOf(frame.scan);
+  EXPECT_EQ(frame.cloud.source, (std::vector<std::uint32_t>{0, 2, 3}));
+  frame.moving_probability = {0.1F, 0.2F, 0.3F};
+
+  putBackMoving(moving, cloudOf(moving), frame);
+  EXPECT_EQ(frame.scan.points, before.scan.points);
+  EXPECT_EQ(frame.cloud.source, (std::vector<std::uint32_t>{0, 1, 2, 3, 4}));
+  EXPECT_EQ(frame.cloud.points, before.scan.points);
+  EXPECT_EQ(frame.cloud.intensity, before.scan.intensity);
+  ASSERT_EQ(frame.moving_probability.size(), 5U);
+  EXPECT_EQ(frame.moving_probability[2], 0.2F);
+  EXPECT_GT(frame.moving_probability[1], 0.9F);
+  EXPECT_GT(frame.moving_probability[4], 0.9F);
+  EXPECT_TRUE(frame.static_prior.empty()) << "the segmenter gave none";
+}
+
+TEST(EarlierLabels, AreOfTheSameScans)
+{
+  const TestFolder folder;
+  EXPECT_THROW(EarlierLabels{folder.path()}, UserError) << "no labels";
+  writeLabels(folder.file("000007.label"), {9, moving_car});
+  const EarlierLabels labels(folder.path());
+  Frame longer = frameOf(3);
+  EXPECT_THROW((void)labels.takeMoving(longer), UserError);
+  Frame another = frameOf(2);
+  another.index = 8;
+  EXPECT_THROW((void)labels.takeMoving(another), UserError);
+}
+
+TEST(EarlierLabels, WithoutAFolderNothingChanges)
+{
+  const EarlierLabels none("");
+  EXPECT_FALSE(none.any());
+  Frame frame = frameOf(2);
+  EXPECT_EQ(none.takeMoving(frame).size(), 0U);
+  EXPECT_TRUE(isReturn(frame.scan.points[1]));
+  EXPECT_EQ(anyLabelFile(""), "");
+}
+}  // namespace
+}  // namespace dyslam
