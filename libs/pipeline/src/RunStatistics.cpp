@@ -97,8 +97,8 @@ std::vector<std::string> RunStatistics::warnings(bool has_labels) const
   {
     result.push_back(
         std::to_string(100 * moving_points / points) +
-        " % of the points move: in traffic as dense as this, a second pass (--passes 2)"
-        " is often more accurate");
+        " % of the points move: in traffic as dense as this the odometry may follow the vehicles; "
+        "compare with a second pass (--passes 2)");
   }
   if (map_restarts > 0)
   {
