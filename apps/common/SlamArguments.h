@@ -69,8 +69,8 @@ inline void declareSlamArguments(CLI::App& app, SlamArguments& a)
       ->check(positive());
   app.add_option(
          "--passes", a.passes,
-         "2: process the recording twice, the second time without the points that the first "
-         "pass labelled moving (dense traffic)")
+         "2: process the recording twice, with segmentation and odometry of the second pass "
+         "without the points that the first one labelled moving (dense traffic)")
       ->check(CLI::IsMember({1, 2}))
       ->capture_default_str();
   app.add_option("--profile", a.settings.profile_csv, "CSV file for the times of every stage");

@@ -48,8 +48,10 @@ void MovingSegmenterOptions::describe(OptionsVisitor& visitor)
 {
   visitor.word("method", method, segmenterMethods(), "segmentation method");
   visitor.flag("filter", filter, "accumulate the probabilities over scans in the odometry frame");
-  visitor.text("labels", labels,
-               "folder of an earlier run with --labels: points that it labelled moving are moving");
+  visitor.text(
+      "labels", labels,
+      "folder of an earlier run of the recording with --labels: segmentation and odometry do "
+      "without the points that it labelled moving");
   visitor.real("moving_threshold", moving_threshold, 0, 1,
                "points with a higher moving probability are moving");
 }

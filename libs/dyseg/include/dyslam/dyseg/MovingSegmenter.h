@@ -64,8 +64,8 @@ class MovingSegmenter
 struct MovingSegmenterOptions : Options
 {
   std::string method = "residual";
-  bool filter = false;  //!< accumulate the probabilities over scans: TemporalFilter
-  std::string labels;   //!< of an earlier run: what it labelled moving is moving; or empty
+  bool filter = false;            //!< accumulate the probabilities over scans: TemporalFilter
+  std::string labels;             //!< folder of an earlier run's labels; empty: none
   double moving_threshold = 0.5;  //!< points with a higher probability are moving: Frame::moving
   void describe(OptionsVisitor& visitor) override;
 };
