@@ -5,7 +5,7 @@
 #include <dyslam/graphslam/GraphSlamPlugins.h>
 #include <dyslam/graphslam/GraphSlamRun.h>
 
-#include "../common/SlamArguments.h"
+#include "../common/SlamProgram.h"
 
 namespace
 {

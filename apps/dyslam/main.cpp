@@ -2,7 +2,7 @@
 #include <dyslam/core/FreedMemory.h>
 #include <dyslam/pipeline/SlamRun.h>
 
-#include "../common/SlamArguments.h"
+#include "../common/SlamProgram.h"
 
 namespace
 {

@@ -23,7 +23,6 @@ VoxelCell squareOf(const Eigen::Vector3f& p)
   return {static_cast<std::int32_t>(std::floor(p.x() / square)),
           static_cast<std::int32_t>(std::floor(p.y() / square)), 0};
 }
-
 }  // namespace
 
 LowestReturns::LowestReturns(const std::vector<Eigen::Vector3f>& points,
@@ -65,23 +64,22 @@ LowestReturns::LowestReturns(const std::vector<Eigen::Vector3f>& points,
 GroundHeights::GroundHeights(const std::vector<const LowestReturns*>& scans)
 {
   std::vector<std::uint32_t> squares;  // of the heights, as they come
-  std::vector<std::uint32_t> ends;     // of each square: how many heights, then where they end
+  std::vector<std::uint32_t> counts;   // of the heights of each square
   for (const LowestReturns* scan : scans)
   {
     for (const auto& [key, z] : scan->heights())
     {
-      const auto next = static_cast<std::uint32_t>(ends.size());
+      const auto next = static_cast<std::uint32_t>(counts.size());
       squares.push_back(index_.findOrInsert(key, next));
       if (squares.back() == next)
       {
-        ends.push_back(0);
+        counts.push_back(0);
       }
-      ++ends[squares.back()];
+      ++counts[squares.back()];
     }
   }
-  std::vector<std::uint32_t> begins(ends.size());
-  std::exclusive_scan(ends.begin(), ends.end(), begins.begin(), 0U);
-  ends = begins;
+  std::vector<std::uint32_t> ends(counts.size());  // of the heights so far, square by square
+  std::exclusive_scan(counts.begin(), counts.end(), ends.begin(), 0U);
   std::vector<float> heights(squares.size());
   std::size_t i = 0;
   for (const LowestReturns* scan : scans)
@@ -91,12 +89,12 @@ GroundHeights::GroundHeights(const std::vector<const LowestReturns*>& scans)
       heights[ends[squares[i++]]++] = z;
     }
   }
-  height_.reserve(ends.size());
-  for (std::size_t s = 0; s < ends.size(); ++s)
+  height_.reserve(counts.size());
+  for (std::size_t s = 0; s < counts.size(); ++s)
   {
-    const auto begin = heights.begin() + begins[s];
     const auto end = heights.begin() + ends[s];
-    const auto low = begin + (end - begin) / 4;
+    const auto begin = end - counts[s];
+    const auto low = begin + counts[s] / 4;
     std::nth_element(begin, low, end);
     height_.push_back(*low);
   }

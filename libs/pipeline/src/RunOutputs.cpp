@@ -127,13 +127,15 @@ RunOutputs::RunOutputs(const SlamRunSettings& settings,
 void RunOutputs::open()
 {
   std::vector<std::string> inputs = inputs_;
-  const std::vector<std::string> named = filesNamedIn(config_.effective());
-  inputs.insert(inputs.end(), named.begin(), named.end());
   const Config effective = config_.effective();
-  if (effective.has("dyseg", "labels"))
+  const std::vector<std::string> named = filesNamedIn(effective);
+  inputs.insert(inputs.end(), named.begin(), named.end());
+  const std::string label = effective.has("dyseg", "labels")
+                                ? anyLabelFile(effective.section("dyseg").at("labels").text)
+                                : "";
+  if (!label.empty())
   {
-    const std::string label = anyLabelFile(effective.section("dyseg").at("labels").text);
-    inputs.insert(inputs.end(), label.empty() ? 0 : 1, label);
+    inputs.push_back(label);
   }
   made_ = std::make_unique<OutputFolder>(folder_, names_, inputs, force_);
   for (const Entry& entry : entries_)
