@@ -2,7 +2,13 @@
 # The helpers every module and app uses.
 
 function(dyslam_set_warnings target)
-  target_compile_options(${target} PRIVATE -Wall -Wextra -Wpedantic -Wshadow -Wconversion)
+  target_compile_options(${target} PRIVATE -Wall -Wextra -Wpedantic -Wconversion)
+  if(CMAKE_UNITY_BUILD AND CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+    # Of files compiled as one, each may use the names that another has for itself.
+    target_compile_options(${target} PRIVATE -Wshadow=local -Wno-subobject-linkage)
+  else()
+    target_compile_options(${target} PRIVATE -Wshadow)
+  endif()
   if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
     # With AVX, GCC 12 gives false alarms inside Eigen's templates (and PCL's, through them).
     target_compile_options(${target} PRIVATE -Wno-array-bounds -Wno-maybe-uninitialized -Wno-stringop-overflow)

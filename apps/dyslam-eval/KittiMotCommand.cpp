@@ -19,7 +19,7 @@ namespace dyslam
 {
 namespace
 {
-struct Arguments
+struct KittiMotArguments
 {
   std::string config = "kitti_mot.ini";
   std::string split = "validation";
@@ -49,7 +49,7 @@ constexpr Published ab3dmot[] = {{"Car", 93.34, 86.47, 79.40, 108.7, 93.55, 87.0
                                  {"Pedestrian", 82.73, 73.86, 67.58, 119.2, 83.24, 73.86},
                                  {"Cyclist", 93.78, 84.79, 77.23, 980.7, 95.59, 84.79}};
 
-const Published* publishedFor(const Arguments& a, const std::string& type)
+const Published* publishedFor(const KittiMotArguments& a, const std::string& type)
 {
   if (a.split != "validation" || !a.sequences.empty() || a.min_iou != 0.25 ||
       a.setup.added_noise > 0 || a.setup.every > 1)
@@ -61,7 +61,7 @@ const Published* publishedFor(const Arguments& a, const std::string& type)
   return found == std::end(ab3dmot) ? nullptr : found;
 }
 
-KittiMotSetup setupOf(const Arguments& a)
+KittiMotSetup setupOf(const KittiMotArguments& a)
 {
   Config config =
       Config::fromFile(findGivenOrShared(a.config, "config_files", ".ini", "", "dyslam-eval"));
@@ -89,7 +89,7 @@ struct Scores
   double frames_per_second = 0;
 };
 
-void addRows(const Arguments& a, const std::string& type, const Scores& scores, Table& table)
+void addRows(const KittiMotArguments& a, const std::string& type, const Scores& scores, Table& table)
 {
   const RecallAverages& averages = scores.averages;
   const ClearMot& best = averages.best;
@@ -131,7 +131,7 @@ nlohmann::ordered_json toJson(const Scores& scores, int frames)
           {"frames_per_second", scores.frames_per_second}};
 }
 
-void run(const Arguments& a)
+void runKittiMot(const KittiMotArguments& a)
 {
   const KittiMotSetup setup = setupOf(a);
   const std::vector<std::string> names = !a.sequences.empty()      ? a.sequences
@@ -172,7 +172,7 @@ void run(const Arguments& a)
 
 Subcommand kittiMotCommand(CLI::App& app)
 {
-  const auto a = std::make_shared<Arguments>();
+  const auto a = std::make_shared<KittiMotArguments>();
   CLI::App* sub = app.add_subcommand(
       "kitti-mot",
       "Evaluates the tracker on KITTI tracking with given detections, next to AB3DMOT's figures");
@@ -216,6 +216,6 @@ Subcommand kittiMotCommand(CLI::App& app)
   sub->add_option("--tracks", a->tracks,
                   "write KITTI result files to this folder (NNNN.txt, all classes)");
   a->output.declare(*sub);
-  return {sub, [a] { run(*a); }};
+  return {sub, [a] { runKittiMot(*a); }};
 }
 }  // namespace dyslam

@@ -24,7 +24,7 @@ namespace dyslam
 {
 namespace
 {
-struct Arguments
+struct KittiSlamArguments
 {
   std::string data;
   std::string config = "kitti_mot.ini";
@@ -61,7 +61,7 @@ struct Settings
   BackendConfig backend;
 };
 
-Settings settingsOf(const Arguments& a)
+Settings settingsOf(const KittiSlamArguments& a)
 {
   Config config =
       Config::fromFile(findGivenOrShared(a.config, "config_files", ".ini", "", "dyslam-eval"));
@@ -168,7 +168,7 @@ void writeSpeeds(const std::string& folder,
 /** By the visual odometry of the data where `noise` is that, else by drawn ones. */
 SequenceErrors errorsOn(const KittiDrive& drive,
                         const OdometryNoise& noise,
-                        const Arguments& a,
+                        const KittiSlamArguments& a,
                         Settings& settings,
                         std::map<std::string, KittiObjectErrors>& objects)
 {
@@ -260,7 +260,7 @@ void addPaper(Table& table, const std::vector<std::string>& modes)
   }
 }
 
-void run(const Arguments& a)
+void runKittiSlam(const KittiSlamArguments& a)
 {
   Settings settings = settingsOf(a);
   std::vector<std::string> columns{"odometry", "sequence"};
@@ -304,7 +304,7 @@ void run(const Arguments& a)
 
 Subcommand kittiSlamCommand(CLI::App& app)
 {
-  const auto a = std::make_shared<Arguments>();
+  const auto a = std::make_shared<KittiSlamArguments>();
   CLI::App* sub = app.add_subcommand(
       "kitti-slam",
       "Evaluates the factor graph of ego and objects on KITTI tracking with given detections, "
@@ -337,6 +337,6 @@ Subcommand kittiSlamCommand(CLI::App& app)
                   "folder for speeds of vehicles, by tracker and graph; dyslam-eval speeds "
                   "--series reads them (first seed, last mode)");
   a->output.declare(*sub);
-  return {sub, [a] { run(*a); }};
+  return {sub, [a] { runKittiSlam(*a); }};
 }
 }  // namespace dyslam

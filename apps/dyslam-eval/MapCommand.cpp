@@ -22,7 +22,7 @@ namespace dyslam
 {
 namespace
 {
-struct Arguments
+struct MapArguments
 {
   std::string reference;
   std::string labels;
@@ -57,7 +57,7 @@ std::vector<Label> labelsFromIntensity(const Scan& cloud, const std::string& pat
   return labels;
 }
 
-std::vector<Label> referenceLabels(const Arguments& a, const Scan& cloud)
+std::vector<Label> referenceLabels(const MapArguments& a, const Scan& cloud)
 {
   const std::string beside =
       std::filesystem::path(a.reference).replace_extension(".label").string();
@@ -83,7 +83,7 @@ nlohmann::ordered_json toJson(const MapScores& s)
 }
 
 /** `--self`: evaluates trajectories by their maps. */
-void runSelf(const Arguments& a)
+void runMapSelf(const MapArguments& a)
 {
   MapSelfArguments self = a.self;
   self.trajectories = a.estimates;
@@ -112,11 +112,11 @@ void runSelf(const Arguments& a)
   a.output.write(table, textOf(json));
 }
 
-void run(const Arguments& a)
+void runMap(const MapArguments& a)
 {
   if (!a.self.rawlog.empty())
   {
-    runSelf(a);
+    runMapSelf(a);
     return;
   }
   if (a.reference.empty())
@@ -153,7 +153,7 @@ void run(const Arguments& a)
   a.output.write(table, textOf(json));
 }
 
-void declareSelf(CLI::App& sub, Arguments& a)
+void declareSelf(CLI::App& sub, MapArguments& a)
 {
   MapSelfArguments& self = a.self;
   const char* group = "Without ground truth";
@@ -179,7 +179,7 @@ void declareSelf(CLI::App& sub, Arguments& a)
 
 Subcommand mapCommand(CLI::App& app)
 {
-  const auto a = std::make_shared<Arguments>();
+  const auto a = std::make_shared<MapArguments>();
   CLI::App* sub = app.add_subcommand(
       "map",
       "Static points preserved and dynamic points rejected by a map; with --self, the sharpness of "
@@ -200,6 +200,6 @@ Subcommand mapCommand(CLI::App& app)
       ->capture_default_str();
   declareSelf(*sub, *a);
   a->output.declare(*sub);
-  return {sub, [a] { run(*a); }};
+  return {sub, [a] { runMap(*a); }};
 }
 }  // namespace dyslam

@@ -19,7 +19,7 @@ namespace dyslam
 {
 namespace
 {
-struct Arguments
+struct PredictionArguments
 {
   std::string data;
   std::string boxes;
@@ -163,7 +163,7 @@ Table targetTable(const std::vector<KittiTarget>& targets,
   return table;
 }
 
-void runPaperTables(const Arguments& a)
+void runPaperTables(const PredictionArguments& a)
 {
   nlohmann::ordered_json json;
   for (const bool detections : {false, true})
@@ -191,7 +191,7 @@ void runPaperTables(const Arguments& a)
   }
 }
 
-void run(const Arguments& a)
+void runPrediction(const PredictionArguments& a)
 {
   if (!a.data.empty())
   {
@@ -217,7 +217,7 @@ void run(const Arguments& a)
 
 Subcommand predictionCommand(CLI::App& app)
 {
-  const auto a = std::make_shared<Arguments>();
+  const auto a = std::make_shared<PredictionArguments>();
   CLI::App* sub = app.add_subcommand(
       "prediction",
       "One-step errors of trajectory prediction by degree and window (KITTI tracking)");
@@ -232,6 +232,6 @@ Subcommand predictionCommand(CLI::App& app)
   sub->add_option("--detections", a->detections,
                   "predict from these detections (AB3DMOT's csv) instead of the labels");
   a->output.declare(*sub);
-  return {sub, [a] { run(*a); }};
+  return {sub, [a] { runPrediction(*a); }};
 }
 }  // namespace dyslam

@@ -25,7 +25,7 @@ namespace
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-struct Arguments
+struct RunArguments
 {
   std::vector<std::string> folders;
   std::string truth;
@@ -208,7 +208,7 @@ std::string runJson(const std::vector<RunScores>& runs)
   return textOf(json);
 }
 
-void run(const Arguments& a)
+void runRun(const RunArguments& a)
 {
   if (!a.truth.empty() && !fs::is_directory(a.truth))
   {
@@ -246,7 +246,7 @@ void run(const Arguments& a)
 
 Subcommand runCommand(CLI::App& app)
 {
-  const auto a = std::make_shared<Arguments>();
+  const auto a = std::make_shared<RunArguments>();
   CLI::App* sub = app.add_subcommand(
       "run", "All metrics available for the output folders of runs, in one table");
   sub->add_option("folders", a->folders, "output folders of dyslam")->required();
@@ -255,6 +255,6 @@ Subcommand runCommand(CLI::App& app)
                   "poses; default: next to the rawlog");
   a->metrics.declare(*sub);
   a->output.declare(*sub);
-  return {sub, [a] { run(*a); }};
+  return {sub, [a] { runRun(*a); }};
 }
 }  // namespace dyslam

@@ -14,7 +14,7 @@ namespace dyslam
 {
 namespace
 {
-struct Arguments
+struct SegmentationArguments
 {
   std::string reference;
   std::string estimate;
@@ -26,7 +26,7 @@ struct Arguments
 
 Subcommand segmentationCommand(CLI::App& app)
 {
-  const auto a = std::make_shared<Arguments>();
+  const auto a = std::make_shared<SegmentationArguments>();
   CLI::App* sub = app.add_subcommand(
       "segmentation", "IoU, precision and recall of moving points (SemanticKITTI .label files)");
   sub->add_option("--reference", a->reference, "folder of true labels, or a .gt folder")

@@ -22,7 +22,7 @@ namespace
 {
 constexpr double frame_time = 0.1036;  // KITTI's mean [s]
 
-struct Arguments
+struct SpeedsArguments
 {
   std::string data;
   std::string sequence;
@@ -136,7 +136,7 @@ LineSeries lineOf(const std::string& name, const Speeds& speeds)
   return line;
 }
 
-std::vector<std::pair<std::string, Speeds>> allSpeeds(const Arguments& a, const Speeds& truth)
+std::vector<std::pair<std::string, Speeds>> allSpeeds(const SpeedsArguments& a, const Speeds& truth)
 {
   const std::string file = "/" + a.sequence + ".txt";
   const KittiTarget target =
@@ -161,7 +161,7 @@ std::vector<std::pair<std::string, Speeds>> allSpeeds(const Arguments& a, const 
   return all;
 }
 
-void run(const Arguments& a)
+void runSpeeds(const SpeedsArguments& a)
 {
   const std::string file = "/" + a.sequence + ".txt";
   const KittiTarget labels = readKittiTarget(a.data + "/label_02" + file, a.data + "/oxts" + file,
@@ -197,7 +197,7 @@ void run(const Arguments& a)
 
 Subcommand speedsCommand(CLI::App& app)
 {
-  const auto a = std::make_shared<Arguments>();
+  const auto a = std::make_shared<SpeedsArguments>();
   CLI::App* sub = app.add_subcommand(
       "speeds", "Speed of one car of KITTI tracking over time, from detections and labels");
   sub->add_option("--data", a->data, "folder with label_02, oxts, calib and det_pointrcnn")
@@ -214,6 +214,6 @@ Subcommand speedsCommand(CLI::App& app)
                   "and speed (m/s)");
   sub->add_option("--plot", a->plot, "write this PNG");
   a->output.declare(*sub);
-  return {sub, [a] { run(*a); }};
+  return {sub, [a] { runSpeeds(*a); }};
 }
 }  // namespace dyslam

@@ -24,7 +24,7 @@ namespace
 {
 namespace fs = std::filesystem;
 
-struct Arguments
+struct TablesArguments
 {
   std::string runs;
   std::string whole = "dyslam";
@@ -67,7 +67,7 @@ std::vector<std::string> foldersIn(const fs::path& folder)
 }
 
 /** Every folder with runs in it is a drive. */
-std::vector<DriveScores> drivesOf(const Arguments& a, const std::vector<RunColumn>& columns)
+std::vector<DriveScores> drivesOf(const TablesArguments& a, const std::vector<RunColumn>& columns)
 {
   if (!fs::is_directory(a.runs))
   {
@@ -117,7 +117,7 @@ std::string splitLine(const std::vector<DriveScores>& drives)
   return line + (names.count("test") != 0 ? " (looked at once per release)" : "");
 }
 
-std::string tablesOf(const Arguments& a)
+std::string tablesOf(const TablesArguments& a)
 {
   const std::vector<RunColumn> odometry = columnsOf(a.odometry, "--odometry");
   const std::vector<RunColumn> labels = columnsOf(a.labels, "--labels");
@@ -151,7 +151,7 @@ std::string tablesOf(const Arguments& a)
 
 Subcommand tablesCommand(CLI::App& app)
 {
-  const auto a = std::make_shared<Arguments>();
+  const auto a = std::make_shared<TablesArguments>();
   CLI::App* sub = app.add_subcommand(
       "tables",
       "The tables of a split in Markdown: odometry, moving points, absolute errors, times");

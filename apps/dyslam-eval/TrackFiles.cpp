@@ -83,7 +83,7 @@ std::map<std::pair<int, int>, int> pointCounts(const std::string& labels_folder)
 }
 
 /** Speeds of a run's tracks.csv, by frame and id. */
-TrackSpeeds readSpeeds(const std::string& path)
+TrackSpeeds readTrackSpeeds(const std::string& path)
 {
   TextFile file(path, ",\r");
   std::array<std::size_t, 3> columns{};
@@ -177,7 +177,7 @@ TrackData readRun(const std::string& folder, const TrackSelection& selection)
   const std::string path = (fs::path(folder) / "tracks.csv").string();
   if (fs::exists(path))
   {
-    data.speeds = readSpeeds(path);
+    data.speeds = readTrackSpeeds(path);
   }
   return data;
 }

@@ -25,7 +25,7 @@ namespace dyslam
 {
 namespace
 {
-struct Arguments
+struct TracksArguments
 {
   std::string reference;
   std::string estimate;
@@ -40,7 +40,7 @@ struct Arguments
 /** Limits of the range intervals of the error table [m]. */
 constexpr std::array<double, 4> range_limits{0, 20, 40, 60};
 
-TrackData read(const Arguments& a, const std::string& path, bool truth)
+TrackData read(const TracksArguments& a, const std::string& path, bool truth)
 {
   if (std::filesystem::is_directory(path))
   {
@@ -98,7 +98,7 @@ void keepProcessedFrames(const std::string& folder, TrackSequence& sequence)
 }
 
 /** The classes to evaluate, as the boxes name them. \throws UserError for an unknown one. */
-std::vector<std::string> classesToEvaluate(const Arguments& a, const TrackSequence& sequence)
+std::vector<std::string> classesToEvaluate(const TracksArguments& a, const TrackSequence& sequence)
 {
   const bool merged = std::filesystem::is_directory(a.reference);
   std::set<std::string> known;
@@ -145,7 +145,7 @@ std::vector<std::string> classesToEvaluate(const Arguments& a, const TrackSequen
   return types;
 }
 
-TrackRules rulesFor(const Arguments& a, const std::string& type)
+TrackRules rulesFor(const TracksArguments& a, const std::string& type)
 {
   TrackRules rules = a.calib.empty() ? TrackRules{} : TrackRules::kitti(type);
   rules.type = type;
@@ -216,7 +216,7 @@ Table errorTable(const std::vector<TrackError>& errors,
 }
 
 /** The classes of the reference's counted boxes, and all together for files in the lidar frame. */
-std::vector<std::string> defaultClasses(const Arguments& a, const TrackSequence& sequence)
+std::vector<std::string> defaultClasses(const TracksArguments& a, const TrackSequence& sequence)
 {
   std::set<std::string> found;
   for (const LabelledBox& box : sequence.reference)
@@ -278,7 +278,7 @@ void addMetrics(const std::string& name,
           {"amotp", averages.amotp}};
 }
 
-void run(const Arguments& a)
+void runTracks(const TracksArguments& a)
 {
   const TrackData truth = read(a, a.reference, true);
   const TrackData estimate = read(a, a.estimate, false);
@@ -316,7 +316,7 @@ void run(const Arguments& a)
 
 Subcommand tracksCommand(CLI::App& app)
 {
-  const auto a = std::make_shared<Arguments>();
+  const auto a = std::make_shared<TracksArguments>();
   CLI::App* sub = app.add_subcommand(
       "tracks", "Evaluates tracked objects: CLEAR-MOT, HOTA, AB3DMOT's averages");
   sub->add_option("--reference", a->reference,
@@ -367,6 +367,6 @@ Subcommand tracksCommand(CLI::App& app)
                   "folders: instance in the labels minus track id")
       ->capture_default_str();
   a->output.declare(*sub);
-  return {sub, [a] { run(*a); }};
+  return {sub, [a] { runTracks(*a); }};
 }
 }  // namespace dyslam

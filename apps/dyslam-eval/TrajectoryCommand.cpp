@@ -25,7 +25,7 @@ namespace dyslam
 {
 namespace
 {
-struct Arguments
+struct TrajectoryArguments
 {
   std::vector<std::string> references;
   std::vector<std::string> estimates;
@@ -86,7 +86,7 @@ void warnAboutAxes(const std::string& reference,
 
 PosePairs associate(const std::string& reference_path,
                     const std::string& estimate_path,
-                    const Arguments& a)
+                    const TrajectoryArguments& a)
 {
   const double tolerance = a.tolerance;
   const TrajectoryFile reference = readPoses(reference_path, a.camera == "reference", a.calib);
@@ -157,7 +157,7 @@ void addMeanRow(Table& table, const std::vector<TrajectoryReport>& reports)
   table.addRow(std::move(cells));
 }
 
-void run(const Arguments& a)
+void runTrajectory(const TrajectoryArguments& a)
 {
   if (!a.plot.empty() && std::filesystem::path(a.plot).extension() != ".png")
   {
@@ -215,7 +215,7 @@ void run(const Arguments& a)
 
 Subcommand trajectoryCommand(CLI::App& app)
 {
-  const auto a = std::make_shared<Arguments>();
+  const auto a = std::make_shared<TrajectoryArguments>();
   CLI::App* sub = app.add_subcommand(
       "trajectory", "Errors of trajectories (TUM or KITTI files) against a reference");
   sub->add_option("--reference", a->references, "true poses; one file, or one for each estimate")
@@ -240,6 +240,6 @@ Subcommand trajectoryCommand(CLI::App& app)
                   "add the paper's results for a sequence: odometry/00-10, tracking/04, campus/01");
   sub->add_option("--plot", a->plot, "plot the trajectories and their errors to this PNG file");
   a->output.declare(*sub);
-  return {sub, [a] { run(*a); }};
+  return {sub, [a] { runTrajectory(*a); }};
 }
 }  // namespace dyslam

@@ -14,13 +14,13 @@ namespace dyslam
 {
 namespace
 {
-const std::string recording = std::string(DYSLAM_SOURCE_DIR) + "/rawlog/campus16.rawlog";
+const std::string campus16 = std::string(DYSLAM_SOURCE_DIR) + "/rawlog/campus16.rawlog";
 
 /** Two scans of the bundled recording of a VLP-16. */
 Outcome slam(const TestFolder& folder, const std::string& output, const std::string& flags = "")
 {
   return runProgram("dyslam",
-                    "-i " + recording + " --only-first-n 2 --set output.replay=false " + flags +
+                    "-i " + campus16 + " --only-first-n 2 --set output.replay=false " + flags +
                         " -o " + folder.file(output),
                     folder.path());
 }
@@ -136,7 +136,7 @@ TEST(Settings, ARangeOfTimeIsProcessedAndEvaluated)
 {
   const TestFolder folder;
   const Outcome outcome =
-      runProgram("dyslam", "-i " + recording + " --start 0.25 --end 0.55 -o " + folder.file("run"),
+      runProgram("dyslam", "-i " + campus16 + " --start 0.25 --end 0.55 -o " + folder.file("run"),
                  folder.path());
   EXPECT_EQ(0, outcome.code) << outcome.err;
   const auto rows = lines(contentOf(folder.file("run/scans.csv")));
@@ -152,7 +152,7 @@ TEST(Settings, ARangeOfTimeIsProcessedAndEvaluated)
   // Poses without times: those of the scans used.
   const Outcome map =
       runProgram("dyslam-map",
-                 "-q -i " + recording + " --trajectory " + folder.file("run/trajectory_kitti.txt") +
+                 "-q -i " + campus16 + " --trajectory " + folder.file("run/trajectory_kitti.txt") +
                      " -o " + folder.file("m.pcd"),
                  folder.path());
   EXPECT_EQ(0, map.code) << map.err;
@@ -174,7 +174,7 @@ TEST(Settings, AMapIsMadeWithThoseOfItsRunAndLeavesTheRunsFilesAlone)
   const TestFolder folder;
   ASSERT_EQ(0, slam(folder, "run", "--set map.voxel_size=0.77").code);
   const std::string map =
-      "-i " + recording + " --trajectory " + folder.file("run/trajectory_tum.txt") + " -o ";
+      "-i " + campus16 + " --trajectory " + folder.file("run/trajectory_tum.txt") + " -o ";
   const Outcome made = runProgram("dyslam-map", map + folder.file("new/m.pcd"), folder.path());
   EXPECT_EQ(0, made.code) << made.err;
   EXPECT_TRUE(contains(made.err, "settings: " + folder.file("run/effective.ini"))) << made.err;

@@ -30,7 +30,7 @@ namespace dyslam
 {
 namespace
 {
-constexpr int scan_count = 40;
+constexpr int town_scans = 40;
 
 /** A row of tracks.csv. */
 struct Row
@@ -58,7 +58,7 @@ std::vector<std::string> fieldsOf(const std::string& line)
 /** By frame. */
 std::vector<Rows> readTable(const fs::path& path)
 {
-  std::vector<Rows> frames(scan_count);
+  std::vector<Rows> frames(town_scans);
   std::ifstream file(path);
   std::string line;
   std::getline(file, line);
@@ -169,15 +169,15 @@ class OutputsAgree : public ::testing::Test
     settings.config.set("labels.hindsight=false");    // the others are causal
     settings.config.set("track_smoothing.window=0");  // so are the objects of the replay
     writeTown(settings.rawlog);
-    ASSERT_EQ(runSlam(settings).frames, static_cast<std::size_t>(scan_count));
+    ASSERT_EQ(runSlam(settings).frames, static_cast<std::size_t>(town_scans));
     table_ = readTable(folder_ / "run" / "tracks.csv");
     settings.config.set("labels.hindsight=true");
     settings.config.set("track_smoothing.window=1.5");
     settings.output_folder = (folder_ / "hindsight").string();
-    ASSERT_EQ(runSlam(settings).frames, static_cast<std::size_t>(scan_count));
+    ASSERT_EQ(runSlam(settings).frames, static_cast<std::size_t>(town_scans));
     settings.config.set("track_smoothing.window=0");
     settings.output_folder = (folder_ / "not_smoothed").string();
-    ASSERT_EQ(runSlam(settings).frames, static_cast<std::size_t>(scan_count));
+    ASSERT_EQ(runSlam(settings).frames, static_cast<std::size_t>(town_scans));
   }
   static void TearDownTestSuite() { fs::remove_all(folder_); }
 
@@ -190,7 +190,7 @@ class OutputsAgree : public ::testing::Test
     options.seed = 11;
     sim::Simulator simulator(options, 1);
     RawlogWriter writer(path);
-    for (int i = 0; i < scan_count; ++i)
+    for (int i = 0; i < town_scans; ++i)
     {
       const auto simulated = simulator.next();
       writer.write(simulated.scan, simulated.T_map_vehicle);

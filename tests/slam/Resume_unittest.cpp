@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Runs that were killed go on from their last checkpoint to the same bytes.
 #include <dyslam/core/Error.h>
+#include <dyslam/core/Files.h>
 #include <dyslam/io/RawlogWriter.h>
 #include <dyslam/pipeline/SlamRun.h>
 #include <dyslam/sim/Simulator.h>
@@ -24,16 +25,8 @@ namespace dyslam
 {
 namespace
 {
-constexpr int scan_count = 24;
+constexpr int street_scans = 24;
 constexpr const char* state_name = "resume.state";
-
-std::string contentOf(const fs::path& path)
-{
-  std::ifstream file(path, std::ios::binary);
-  std::stringstream text;
-  text << file.rdbuf();
-  return text.str();
-}
 
 /** Without the lines that hold times of the clock and memory. */
 std::string figuresOf(const std::string& report)
@@ -55,7 +48,7 @@ std::string figuresOf(const std::string& report)
 }
 
 /** Every file of a run by name, without times of the clock and the settings of checkpoints. */
-std::map<std::string, std::string> filesOf(const fs::path& folder)
+std::map<std::string, std::string> comparableFiles(const fs::path& folder)
 {
   std::map<std::string, std::string> files;
   for (const auto& entry : fs::recursive_directory_iterator(folder))
@@ -65,7 +58,7 @@ std::map<std::string, std::string> filesOf(const fs::path& folder)
     {
       continue;
     }
-    const std::string content = contentOf(entry.path());
+    const std::string content = readWhole(entry.path());
     files[name] = name == "report.json"   ? figuresOf(content)
                   : name == "report.html" ? content.substr(content.find("\"scans\":"))
                                           : content;
@@ -75,8 +68,8 @@ std::map<std::string, std::string> filesOf(const fs::path& folder)
 
 void expectSameFiles(const fs::path& a, const fs::path& b)
 {
-  const auto files = filesOf(a);
-  const auto others = filesOf(b);
+  const auto files = comparableFiles(a);
+  const auto others = comparableFiles(b);
   for (const auto& [name, content] : files)
   {
     const auto other = others.find(name);
@@ -103,7 +96,7 @@ class Resume : public ::testing::Test
     town.seed = 11;
     sim::Simulator simulator(town, 1);
     RawlogWriter writer(recording());
-    for (int i = 0; i < scan_count; ++i)
+    for (int i = 0; i < street_scans; ++i)
     {
       const auto simulated = simulator.next();
       writer.write(simulated.scan, simulated.T_map_vehicle);
@@ -170,7 +163,7 @@ class Resume : public ::testing::Test
     SlamRunSettings whole = settings(name, assignments);
     whole.config.set("output.checkpoint_seconds=0");
     const SlamRunReport report = runSlam(whole);
-    EXPECT_EQ(report.frames, static_cast<std::size_t>(scan_count));
+    EXPECT_EQ(report.frames, static_cast<std::size_t>(street_scans));
     EXPECT_FALSE(fs::exists(fs::path(whole.output_folder) / state_name));
 
     assignments.emplace_back("output.checkpoint_seconds=1e-6");
@@ -189,9 +182,9 @@ class Resume : public ::testing::Test
     for (const std::size_t stop : stops)
     {
       SCOPED_TRACE(name + ", killed after scan " + std::to_string(stop));
-      EXPECT_NE(contentOf(copyOf(stop) / "report.json").find("\"finished\": false"),
+      EXPECT_NE(readWhole(copyOf(stop) / "report.json").find("\"finished\": false"),
                 std::string::npos);
-      EXPECT_EQ(resume(copyOf(stop)).frames, static_cast<std::size_t>(scan_count));
+      EXPECT_EQ(resume(copyOf(stop)).frames, static_cast<std::size_t>(street_scans));
       expectSameFiles(whole.output_folder, copyOf(stop));
     }
   }
@@ -269,8 +262,8 @@ TEST_F(Resume, DamageAndDifferencesAreErrorsThatRemoveNothing)
                     snapshot(run.output_folder, killed);
                   }
                 });
-  const auto before = filesOf(killed);
-  const std::string state = contentOf(killed / state_name);
+  const auto before = comparableFiles(killed);
+  const std::string state = readWhole(killed / state_name);
   const auto write = [&](const std::string& bytes)
   { std::ofstream(killed / state_name, std::ios::binary) << bytes; };
   const auto expectRefused = [&](SlamRunSettings s, const std::string& why)
@@ -306,7 +299,7 @@ TEST_F(Resume, DamageAndDifferencesAreErrorsThatRemoveNothing)
   other = {};
   other.rawlog = std::string(DYSLAM_SOURCE_DIR) + "/rawlog/campus16.rawlog";
   expectRefused(other, "has another size");
-  EXPECT_TRUE(filesOf(killed) == before);
+  EXPECT_TRUE(comparableFiles(killed) == before);
   fs::rename(killed / "scans.csv.tmp", folder_ / "scans.csv.tmp");
   expectRefused({}, "scans.csv.tmp");
   fs::rename(folder_ / "scans.csv.tmp", killed / "scans.csv.tmp");

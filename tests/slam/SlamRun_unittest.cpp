@@ -31,14 +31,6 @@ namespace
 {
 constexpr int scan_count = 40;
 
-std::string contentOf(const fs::path& path)
-{
-  std::ifstream file(path, std::ios::binary);
-  std::stringstream text;
-  text << file.rdbuf();
-  return text.str();
-}
-
 /** Every file of a run by name, without those that hold times of the clock. */
 std::map<std::string, std::string> filesOf(const fs::path& folder)
 {
@@ -48,7 +40,7 @@ std::map<std::string, std::string> filesOf(const fs::path& folder)
     const std::string name = fs::relative(entry.path(), folder).string();
     if (entry.is_regular_file() && name != "report.json" && name != "effective.ini")
     {
-      const std::string content = contentOf(entry.path());
+      const std::string content = readWhole(entry.path());
       // What stands before the scans in the page are title, settings and times.
       files[name] = name == "report.html" ? content.substr(content.find("\"scans\":")) : content;
     }
@@ -169,7 +161,7 @@ TEST_F(SlamRun, LeavesEveryFileAndASmallError)
         "replay.rawlog",     "trajectory.png",   "report.html",         "map.png",
         "report.json"})
   {
-    EXPECT_GT(contentOf(fs::path(s.output_folder) / name).size(), 0U) << name;
+    EXPECT_GT(readWhole(fs::path(s.output_folder) / name).size(), 0U) << name;
   }
   const auto errors = errorsOf(s.output_folder);
   EXPECT_EQ(errors.pairs, static_cast<std::size_t>(scan_count));
@@ -206,9 +198,9 @@ TEST_F(SlamRun, SameBytesTwiceAndForAnyThreadCountAndMemory)
   auto little = settings("little");
   little.config.set("memory.limit=1");
   (void)runSlam(little);
-  const auto report = contentOf(little.output_folder + "/report.json");
+  const auto report = readWhole(little.output_folder + "/report.json");
   EXPECT_EQ(report.find("\"temporary_file\": 0.0"), std::string::npos) << report;
-  EXPECT_NE(contentOf(one.output_folder + "/report.json").find("\"temporary_file\": 0.0"),
+  EXPECT_NE(readWhole(one.output_folder + "/report.json").find("\"temporary_file\": 0.0"),
             std::string::npos);
   const auto expected = filesOf(one.output_folder);
   for (const auto* folder : {&again.output_folder, &three.output_folder, &little.output_folder})
@@ -233,15 +225,15 @@ TEST_F(SlamRun, EffectiveIniGivesTheSameRun)
   auto second = settings("second");
   second.config = Config::fromFile(first.output_folder + "/effective.ini");
   (void)runSlam(second);
-  EXPECT_EQ(contentOf(first.output_folder + "/trajectory_tum.txt"),
-            contentOf(second.output_folder + "/trajectory_tum.txt"));
-  EXPECT_EQ(contentOf(first.output_folder + "/effective.ini"),
-            contentOf(second.output_folder + "/effective.ini"));
+  EXPECT_EQ(readWhole(first.output_folder + "/trajectory_tum.txt"),
+            readWhole(second.output_folder + "/trajectory_tum.txt"));
+  EXPECT_EQ(readWhole(first.output_folder + "/effective.ini"),
+            readWhole(second.output_folder + "/effective.ini"));
 }
 
 TEST_F(SlamRun, ATruncatedRawlogLeavesTheResultsBeforeTheCut)
 {
-  const std::string whole = contentOf(recording());
+  const std::string whole = readWhole(recording());
   const std::string cut = (folder_ / "cut.rawlog").string();
   std::ofstream(cut, std::ios::binary)
       .write(whole.data(), static_cast<long>(whole.size() * 6 / 10));
@@ -251,7 +243,7 @@ TEST_F(SlamRun, ATruncatedRawlogLeavesTheResultsBeforeTheCut)
   const auto errors = errorsOf(s.output_folder);
   EXPECT_GT(errors.pairs, 15U);
   EXPECT_LT(errors.pairs, static_cast<std::size_t>(scan_count));
-  EXPECT_GT(contentOf(s.output_folder + "/report.json").size(), 0U);
+  EXPECT_GT(readWhole(s.output_folder + "/report.json").size(), 0U);
 }
 
 TEST_F(SlamRun, AStoppedRunLeavesItsResults)
@@ -263,7 +255,7 @@ TEST_F(SlamRun, AStoppedRunLeavesItsResults)
   const std::string error = errorOf(s);
   EXPECT_NE(error.find("stopped; results of the 6 scans"), std::string::npos) << error;
   EXPECT_EQ(readTum(s.output_folder + "/trajectory_tum.txt").size(), 6U);
-  EXPECT_GT(contentOf(s.output_folder + "/report.json").size(), 0U);
+  EXPECT_GT(readWhole(s.output_folder + "/report.json").size(), 0U);
 }
 
 TEST_F(SlamRun, AnEarlierRunLeavesNothingBehindInTheFolder)
@@ -306,7 +298,7 @@ TEST_F(SlamRun, AnOutputThatFailsIsNamedAndTheOthersAreWritten)
   {
     EXPECT_TRUE(fs::exists(folder / written)) << written;
   }
-  EXPECT_NE(contentOf(folder / "report.json").find("graph.g2o: "), std::string::npos);
+  EXPECT_NE(readWhole(folder / "report.json").find("graph.g2o: "), std::string::npos);
   EXPECT_TRUE(fs::exists(folder / "factor_graph.txt"));
 }
 
@@ -317,15 +309,15 @@ TEST_F(SlamRun, WhatNoRunWroteIsNotReplaced)
   fs::create_directories(folder / "labels");
   std::ofstream(folder / "labels" / "000000.label") << "official";
   EXPECT_NE(errorOf(s).find("files that no run wrote"), std::string::npos);
-  EXPECT_EQ(contentOf(folder / "labels" / "000000.label"), "official");
+  EXPECT_EQ(readWhole(folder / "labels" / "000000.label"), "official");
 
   s = settings("in_place");
   fs::create_directories(s.output_folder);
   s.rawlog = s.output_folder + "/static_scans.rawlog";
   fs::copy_file(recording(), s.rawlog);
-  const std::string before = contentOf(s.rawlog);
+  const std::string before = readWhole(s.rawlog);
   EXPECT_NE(errorOf(s).find("would be replaced"), std::string::npos);
-  EXPECT_EQ(contentOf(s.rawlog), before);
+  EXPECT_EQ(readWhole(s.rawlog), before);
 }
 
 TEST_F(SlamRun, WarnsWhereNothingMeasuresTheMotion)
@@ -353,7 +345,7 @@ TEST_F(SlamRun, ARunThatFailedSaysSo)
   EXPECT_NE(report.failure.find("of 12 scans could not be registered"), std::string::npos)
       << report.failure;
   EXPECT_NE(report.failure.find("inlier ratio"), std::string::npos) << report.failure;
-  EXPECT_NE(contentOf(fs::path(s.output_folder) / "report.json").find("could not be registered"),
+  EXPECT_NE(readWhole(fs::path(s.output_folder) / "report.json").find("could not be registered"),
             std::string::npos);
 }
 

@@ -57,13 +57,6 @@ class FactorGraphFile : public ::testing::Test
   fs::path folder_;
 };
 
-Matrix6 randomInformation(std::mt19937& rng)
-{
-  std::normal_distribution<double> n;
-  const Matrix6 a = Matrix6::NullaryExpr([&] { return n(rng); });
-  return a * a.transpose() + 0.1 * Matrix6::Identity();
-}
-
 /** A drive with a variable and a factor of every kind. */
 FactorGraph everyKind()
 {
@@ -80,12 +73,12 @@ FactorGraph everyKind()
   graph.setFixed(Key::objectPose(7, 3), true);
   for (const Key& key : {Key::staticObject(4), Key::staticObject(4, 2), Key::objectPose(7, 5)})
   {
-    graph.add(std::make_unique<ObservationFactor>(2, key, pose(), randomInformation(drive.rng)));
+    graph.add(std::make_unique<ObservationFactor>(2, key, pose(), test::randomInformation(drive.rng)));
   }
   graph.add(
-      std::make_unique<ObjectMotionFactor>(7, 3, 5, 0.1 + 1e-9, randomInformation(drive.rng)));
-  graph.add(std::make_unique<ObjectMotionFactor>(7, 5, 6, 0.3, randomInformation(drive.rng)));
-  graph.add(std::make_unique<SmoothMotionFactor>(7, 5, 6, randomInformation(drive.rng)));
+      std::make_unique<ObjectMotionFactor>(7, 3, 5, 0.1 + 1e-9, test::randomInformation(drive.rng)));
+  graph.add(std::make_unique<ObjectMotionFactor>(7, 5, 6, 0.3, test::randomInformation(drive.rng)));
+  graph.add(std::make_unique<SmoothMotionFactor>(7, 5, 6, test::randomInformation(drive.rng)));
   return graph;
 }
 

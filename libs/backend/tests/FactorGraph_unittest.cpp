@@ -25,7 +25,7 @@ Pose at(double x, double yaw = 0)
   return poseFromYpr(x, 0, 0, yaw, 0, 0);
 }
 
-std::unique_ptr<Factor> step(std::size_t from, std::size_t to, double x = 1)
+std::unique_ptr<Factor> odometryStep(std::size_t from, std::size_t to, double x = 1)
 {
   return std::make_unique<OdometryFactor>(from, to, at(x), diagonalInformation(0.1, 0.01));
 }
@@ -121,8 +121,8 @@ TEST(FactorGraph, VariablesAreAddedChangedAndRemoved)
 
   graph.addPose(Key::ego(1), at(3));
   graph.addPose(Key::ego(2), at(4));
-  const auto first = graph.add(step(0, 1));
-  const auto second = graph.add(step(1, 2));
+  const auto first = graph.add(odometryStep(0, 1));
+  const auto second = graph.add(odometryStep(1, 2));
   EXPECT_EQ(graph.factorsOf(Key::ego(1)), (std::vector<FactorGraph::FactorId>{first, second}));
   graph.remove(Key::ego(2));
   EXPECT_FALSE(graph.contains(Key::ego(2)));
@@ -147,7 +147,7 @@ TEST(FactorGraph, WrongUseIsRefusedAndChangesNothing)
                                  Vector6::Constant(std::numeric_limits<double>::infinity())),
                std::invalid_argument);
   EXPECT_THROW(graph.setPose(Key::ego(0), at(std::nan(""))), std::invalid_argument);
-  EXPECT_THROW(graph.add(step(0, 1)), std::invalid_argument);
+  EXPECT_THROW(graph.add(odometryStep(0, 1)), std::invalid_argument);
   EXPECT_THROW((void)graph.pose(Key::ego(7)), std::out_of_range);
   EXPECT_THROW(graph.setFixed(Key::ego(7), true), std::out_of_range);
   EXPECT_THROW(graph.remove(Key::ego(7)), std::out_of_range);
@@ -264,8 +264,8 @@ TEST(FactorGraph, LoosePartIsReportedAndTheRestIsSolved)
     graph.addPose(Key::ego(i), at(1.5 * static_cast<double>(i)));
   }
   graph.setFixed(Key::ego(0), true);
-  graph.add(step(0, 1));
-  graph.add(step(2, 3));
+  graph.add(odometryStep(0, 1));
+  graph.add(odometryStep(2, 3));
   graph.addPose(Key::staticObject(5), at(100));
   const OptimisationResult result = graph.optimise({});
   EXPECT_TRUE(result.converged);

@@ -12,6 +12,7 @@
 #include <random>
 #include <stdexcept>
 
+#include "NoisyDrive.h"
 #include "PoseManifold.h"
 
 namespace dyslam
@@ -27,13 +28,6 @@ Vector6 randomTwist(std::mt19937& rng, double translation, double rotation)
   x.head<3>() *= translation;
   x.tail<3>() *= rotation;
   return x;
-}
-
-Matrix6 randomInformation(std::mt19937& rng)
-{
-  std::normal_distribution<double> n;
-  const Matrix6 a = Matrix6::NullaryExpr([&] { return n(rng); });
-  return a * a.transpose() + 0.1 * Matrix6::Identity();
 }
 
 /** Values for the variables of a factor. */
@@ -104,7 +98,7 @@ void checkRelativePoses(const MakeFactor& make_factor)
     Blocks blocks;
     blocks.set(0, T_a);
     blocks.set(1, T_a * T_a_b * expSE3(error));
-    const auto factor = make_factor(T_a_b, randomInformation(rng));
+    const auto factor = make_factor(T_a_b, test::randomInformation(rng));
     EXPECT_LT((residualAt(*factor, blocks) - error).norm(), 1e-9);
     expectNumericalJacobians(*factor, blocks);
   }
@@ -144,7 +138,7 @@ TEST(ObjectMotionFactor, JacobiansMatchNumericalDerivatives)
     blocks.set(0, T_from);
     blocks.set(1, T_from * expSE3(dt * velocity + error));
     blocks.set(2, velocity);
-    const ObjectMotionFactor factor(7, 11, 12, dt, randomInformation(rng));
+    const ObjectMotionFactor factor(7, 11, 12, dt, test::randomInformation(rng));
     EXPECT_LT((residualAt(factor, blocks) - error).norm(), 1e-9);
     expectNumericalJacobians(factor, blocks);
   }
@@ -160,7 +154,7 @@ TEST(SmoothMotionFactor, JacobiansMatchNumericalDerivatives)
     Blocks blocks;
     blocks.set(0, before);
     blocks.set(1, after);
-    const SmoothMotionFactor factor(7, 11, 12, randomInformation(rng));
+    const SmoothMotionFactor factor(7, 11, 12, test::randomInformation(rng));
     EXPECT_LT((residualAt(factor, blocks) - (after - before)).norm(), 1e-12);
     expectNumericalJacobians(factor, blocks);
   }
@@ -170,7 +164,7 @@ TEST(Factor, WhiteningIsTheUpperRootOfTheInformation)
 {
   // The lower Cholesky factor would pass for diagonal information only.
   std::mt19937 rng(5);
-  const Matrix6 information = randomInformation(rng);
+  const Matrix6 information = test::randomInformation(rng);
   const OdometryFactor factor(0, 1, Pose::Identity(), information);
   EXPECT_TRUE(factor.whitening().isUpperTriangular());
   EXPECT_LT((factor.information() - information).norm(), 1e-12 * information.norm());

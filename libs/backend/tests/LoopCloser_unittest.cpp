@@ -18,7 +18,7 @@ namespace
 using test::BoxWorld;
 using test::driveAround;
 
-struct Drive
+struct DriftingDrive
 {
   std::vector<Pose> truth;
   std::vector<Pose> drifting;

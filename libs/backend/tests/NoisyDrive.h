@@ -23,6 +23,13 @@ inline Matrix6 diagonalInformation(double translation_sigma, double rotation_sig
   return d.asDiagonal();
 }
 
+inline Matrix6 randomInformation(std::mt19937& rng)
+{
+  std::normal_distribution<double> n;
+  const Matrix6 a = Matrix6::NullaryExpr([&] { return n(rng); });
+  return a * a.transpose() + 0.1 * Matrix6::Identity();
+}
+
 /** A measured motion between two keyframes. */
 struct LoopMeasurement
 {

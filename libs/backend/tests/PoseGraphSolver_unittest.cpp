@@ -13,6 +13,8 @@
 #include <string>
 #include <vector>
 
+#include "NoisyDrive.h"
+
 namespace dyslam
 {
 namespace
@@ -27,13 +29,6 @@ void addEdge(PoseGraph& graph,
       from, to, {toMrpt(mean), mrpt::math::CMatrixDouble66(informationToYpr(mean, information))});
 }
 
-Matrix6 diagonalInformation(double translation_sigma, double rotation_sigma)
-{
-  Vector6 d;
-  d << Eigen::Vector3d::Constant(1 / (translation_sigma * translation_sigma)),
-      Eigen::Vector3d::Constant(1 / (rotation_sigma * rotation_sigma));
-  return d.asDiagonal();
-}
 
 Pose noisy(const Pose& pose, std::mt19937& rng, double translation_sigma, double rotation_sigma)
 {
@@ -75,13 +70,13 @@ World twoRounds(unsigned seed, double loop_sigma = 0.02)
     const Pose step = noisy(world.truth[i - 1].inverse() * world.truth[i], rng, 0.05, 0.01);
     estimate = estimate * step;
     static_cast<mrpt::poses::CPose3D&>(world.graph.nodes[i]) = toMrpt(estimate);
-    addEdge(world.graph, i - 1, i, step, diagonalInformation(0.05, 0.01));
+    addEdge(world.graph, i - 1, i, step, test::diagonalInformation(0.05, 0.01));
   }
   for (std::size_t i = per_round; i < world.truth.size(); i += 6)
   {
     const std::size_t j = i - per_round;
     const Pose loop = noisy(world.truth[j].inverse() * world.truth[i], rng, loop_sigma, 0.005);
-    addEdge(world.graph, j, i, loop, diagonalInformation(loop_sigma, 0.005));
+    addEdge(world.graph, j, i, loop, test::diagonalInformation(loop_sigma, 0.005));
   }
   return world;
 }
@@ -204,8 +199,8 @@ TEST(PoseGraphSolver, ChordalStartThatFailsIsTold)
   const auto graph = []
   {
     PoseGraph g;
-    addEdge(g, 0, 1, poseFromYpr(1, 0, 0, 0, 0, 0), diagonalInformation(1, 1));
-    addEdge(g, 1, 2, poseFromYpr(1, 0, 0, 0, 0, 0), diagonalInformation(0x1p-30, 0x1p-30));
+    addEdge(g, 0, 1, poseFromYpr(1, 0, 0, 0, 0, 0), test::diagonalInformation(1, 1));
+    addEdge(g, 1, 2, poseFromYpr(1, 0, 0, 0, 0, 0), test::diagonalInformation(0x1p-30, 0x1p-30));
     return g;
   };
   PoseGraph uneven = graph();
@@ -217,9 +212,9 @@ TEST(PoseGraphSolver, ChordalStartThatFailsIsTold)
 TEST(PoseGraphSolver, TwoEdgesBetweenTheSameNodesBothCount)
 {
   PoseGraph graph;
-  addEdge(graph, 0, 1, poseFromYpr(1, 0, 0, 0, 0, 0), diagonalInformation(0.1, 0.1));
-  addEdge(graph, 0, 1, poseFromYpr(2, 0, 0, 0, 0, 0), diagonalInformation(0.1, 0.1));
-  addEdge(graph, 1, 0, poseFromYpr(-3, 0, 0, 0, 0, 0), diagonalInformation(0.1, 0.1));
+  addEdge(graph, 0, 1, poseFromYpr(1, 0, 0, 0, 0, 0), test::diagonalInformation(0.1, 0.1));
+  addEdge(graph, 0, 1, poseFromYpr(2, 0, 0, 0, 0, 0), test::diagonalInformation(0.1, 0.1));
+  addEdge(graph, 1, 0, poseFromYpr(-3, 0, 0, 0, 0, 0), test::diagonalInformation(0.1, 0.1));
   const PoseGraphResult result = PoseGraphSolver({}).solve(graph);
   EXPECT_NEAR(graph.nodes.at(1).x(), 2, 1e-9);
   EXPECT_NEAR(result.final_chi2, 200, 1e-6);

@@ -10,7 +10,6 @@ namespace dyslam
 {
 namespace
 {
-constexpr double pi = 3.14159265358979323846;
 constexpr std::size_t min_rings = 4;
 constexpr std::size_t min_ring_points = 20;
 /** Median distance of a ring's points from its elevation, against the spacing of the rings. */
@@ -186,7 +185,7 @@ void measureExtent(const std::vector<Eigen::Vector3f>& points, ScanPattern& patt
     gap = seen[i % seen.size()] ? 0 : gap + 1;
     widest = std::max(widest, gap);
   }
-  pattern.azimuth_extent = 2 * pi * (widest < min_gap ? 1.0 : 1.0 - widest / 360.0);
+  pattern.azimuth_extent = 2 * M_PI * (widest < min_gap ? 1.0 : 1.0 - widest / 360.0);
 }
 }  // namespace
 

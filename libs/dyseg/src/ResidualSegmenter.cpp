@@ -12,7 +12,6 @@ namespace dyslam
 {
 namespace
 {
-constexpr double pi = 3.14159265358979323846;
 /** Row 0 begins at this slope below the horizon; a whole number of rows fits twice. */
 constexpr double origin_slope = 0.6;
 /** Returns steeper than this are left out. */
@@ -60,7 +59,7 @@ ResidualSegmenter::ResidualSegmenter(const ResidualSegmenterOptions& options, Th
       pool_(pool),
       row_height_(
           static_cast<float>(2 * origin_slope / std::floor(2 * origin_slope / options.slope_bin))),
-      columns_(static_cast<int>(2 * pi / options.azimuth_bin))
+      columns_(static_cast<int>(2 * M_PI / options.azimuth_bin))
 {
 }
 
@@ -69,7 +68,7 @@ namespace
 /** Row and column by slope and azimuth. */
 Direction directionOf(const Eigen::Vector3f& p, float row_height, int columns)
 {
-  const SweepModel counter_clockwise{1, pi};
+  const SweepModel counter_clockwise{1, M_PI};
   const float horizontal = std::sqrt(p.x() * p.x() + p.y() * p.y());
   const float slope =
       std::clamp(p.z() / std::max(horizontal, 1e-6F), -steepest_slope, steepest_slope);

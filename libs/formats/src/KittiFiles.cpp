@@ -18,7 +18,6 @@ namespace fs = std::filesystem;
 
 namespace
 {
-constexpr double pi = 3.14159265358979323846;
 constexpr double earth_radius = 6378137.0;  // [m], as the development kit has it
 
 using CalibEntries = std::map<std::string, std::vector<double>>;
@@ -305,11 +304,11 @@ std::vector<Pose> oxtsPoses(const std::vector<OxtsReading>& readings)
   {
     return poses;
   }
-  const double scale = std::cos(readings.front().latitude * pi / 180);
+  const double scale = std::cos(readings.front().latitude * M_PI / 180);
   for (const OxtsReading& r : readings)
   {
-    const double x = scale * earth_radius * r.longitude * pi / 180;
-    const double y = scale * earth_radius * std::log(std::tan((90 + r.latitude) * pi / 360));
+    const double x = scale * earth_radius * r.longitude * M_PI / 180;
+    const double y = scale * earth_radius * std::log(std::tan((90 + r.latitude) * M_PI / 360));
     poses.push_back(poseFromYpr(x, y, r.altitude, r.yaw, r.pitch, r.roll));
   }
   const Pose T_first_world = poses.front().inverse();

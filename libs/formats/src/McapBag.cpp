@@ -5,11 +5,11 @@ namespace dyslam
 {
 namespace
 {
-constexpr std::string_view magic = "\x89MCAP0\r\n";
+constexpr std::string_view mcap_magic = "\x89MCAP0\r\n";
 constexpr std::uint64_t record_head = 9;          // opcode, length
 constexpr std::uint64_t largest_run = 4U << 20U;  // of messages outside of chunks [bytes]
 
-enum Op : std::uint8_t
+enum McapOp : std::uint8_t
 {
   footer = 0x02,
   schema = 0x03,
@@ -30,11 +30,11 @@ class McapBag : public ChunkedBag
  public:
   explicit McapBag(const std::string& path) : ChunkedBag(path)
   {
-    if (bytesAt(0, std::min<std::uint64_t>(size(), magic.size())) != magic)
+    if (bytesAt(0, std::min<std::uint64_t>(size(), mcap_magic.size())) != mcap_magic)
     {
       throw UserError(path + ": is not an mcap file (its first bytes are not those of one)");
     }
-    std::uint64_t at = magic.size();
+    std::uint64_t at = mcap_magic.size();
     bool whole = false;
     while (!whole && size() - at >= record_head)
     {

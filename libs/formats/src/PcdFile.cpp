@@ -25,7 +25,7 @@ struct Field
   std::uint64_t offset = 0;  //!< in a point [bytes]
 };
 
-struct Header
+struct PcdHeader
 {
   std::vector<std::string> names;
   std::vector<std::string> sizes;
@@ -48,15 +48,15 @@ std::string_view takeLine(std::string_view& text)
 }
 
 /** \throws UserError "path: is not a PCD file ...". */
-[[noreturn]] void failHeader(const std::string& path)
+[[noreturn]] void failPcdHeader(const std::string& path)
 {
   throw UserError(path + ": is not a PCD file: its header is missing or damaged");
 }
 
-Header headerOf(std::string_view text, const std::string& path)
+PcdHeader pcdHeaderOf(std::string_view text, const std::string& path)
 {
   const std::size_t whole = text.size();
-  Header header;
+  PcdHeader header;
   while (header.encoding.empty() && !text.empty())
   {
     std::vector<std::string> words;
@@ -88,13 +88,13 @@ Header headerOf(std::string_view text, const std::string& path)
     }
     else if (key != "VERSION" && key != "VIEWPOINT")
     {
-      failHeader(path);
+      failPcdHeader(path);
     }
   }
   header.size = whole - text.size();
   if (header.encoding.empty() || header.names.empty())
   {
-    failHeader(path);
+    failPcdHeader(path);
   }
   return header;
 }
@@ -111,7 +111,7 @@ std::uint64_t numberIn(const std::string& word, const std::string& path)
   return value;
 }
 
-std::vector<Field> fieldsOf(const Header& header, const std::string& path)
+std::vector<Field> fieldsOf(const PcdHeader& header, const std::string& path)
 {
   const std::size_t count = header.names.size();
   if (header.sizes.size() != count || header.types.size() != count ||
@@ -144,7 +144,7 @@ std::vector<Field> fieldsOf(const Header& header, const std::string& path)
   return fields;
 }
 
-std::uint64_t pointsOf(const Header& header, const std::string& path)
+std::uint64_t pointsOf(const PcdHeader& header, const std::string& path)
 {
   const std::uint64_t grid = numberIn(header.width, path) * numberIn(header.height, path);
   const std::uint64_t points = header.points.empty() ? grid : numberIn(header.points, path);
@@ -285,7 +285,7 @@ void fillFromText(std::string_view body,
 Scan readPcd(const std::string& path)
 {
   const std::string content = readWhole(path);
-  const Header header = headerOf(content, path);
+  const PcdHeader header = pcdHeaderOf(content, path);
   const std::vector<Field> fields = fieldsOf(header, path);
   const std::uint64_t points = pointsOf(header, path);
   CloudColumns columns(path);

@@ -30,7 +30,7 @@ struct Element
   std::vector<Property> properties;
 };
 
-struct Header
+struct PlyHeader
 {
   std::string encoding;
   std::vector<Element> elements;
@@ -71,7 +71,7 @@ CloudNumber typeOf(std::string_view word, const std::string& path)
   throw UserError(path + ": '" + std::string(word) + "' in its header is no type of PLY");
 }
 
-[[noreturn]] void failHeader(const std::string& path)
+[[noreturn]] void failPlyHeader(const std::string& path)
 {
   throw UserError(path + ": is not a PLY file, or its header is damaged");
 }
@@ -92,9 +92,9 @@ Element elementOf(const std::vector<std::string_view>& words, const std::string&
   return element;
 }
 
-Header headerOf(std::string_view text, const std::string& path)
+PlyHeader plyHeaderOf(std::string_view text, const std::string& path)
 {
-  Header header;
+  PlyHeader header;
   for (std::size_t at = 0; at < text.size();)
   {
     const std::size_t end = std::min(text.find('\n', at), text.size());
@@ -104,7 +104,7 @@ Header headerOf(std::string_view text, const std::string& path)
     const std::string_view key = words.empty() ? std::string_view() : words[0];
     if (first != (key == "ply"))
     {
-      failHeader(path);
+      failPlyHeader(path);
     }
     if (key == "format" && words.size() == 3)
     {
@@ -119,7 +119,7 @@ Header headerOf(std::string_view text, const std::string& path)
       const bool list = words[1] == "list";
       if (words.size() != (list ? 5U : 3U))
       {
-        failHeader(path);
+        failPlyHeader(path);
       }
       header.elements.back().properties.push_back({std::string(words.back()),
                                                    typeOf(words[words.size() - 2], path), list,
@@ -132,17 +132,17 @@ Header headerOf(std::string_view text, const std::string& path)
     }
     else if (!first && key != "comment" && key != "obj_info" && !key.empty())
     {
-      failHeader(path);
+      failPlyHeader(path);
     }
   }
-  failHeader(path);
+  failPlyHeader(path);
 }
 
 /** The numbers behind the header, one by one. */
 class Body
 {
  public:
-  Body(std::string_view bytes, const Header& header, const std::string& path)
+  Body(std::string_view bytes, const PlyHeader& header, const std::string& path)
       : bytes_(bytes),
         text_(header.encoding == "ascii"),
         swapped_(header.encoding == "binary_big_endian"),
@@ -280,7 +280,7 @@ void passRows(const Element& element, Body& body, CloudColumns* columns, const s
 Scan readPly(const std::string& path)
 {
   const std::string content = readWhole(path);
-  const Header header = headerOf(content, path);
+  const PlyHeader header = plyHeaderOf(content, path);
   Body body(std::string_view(content).substr(header.size), header, path);
   CloudColumns columns(path);
   for (const Element& element : header.elements)

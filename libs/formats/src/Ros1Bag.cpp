@@ -5,14 +5,14 @@ namespace dyslam
 {
 namespace
 {
-constexpr std::string_view magic = "#ROSBAG V2.0\n";
+constexpr std::string_view ros1_magic = "#ROSBAG V2.0\n";
 
-enum Op : std::uint8_t
+enum Ros1Op : std::uint8_t
 {
-  message_data = 0x02,
+  message_record = 0x02,
   bag_header = 0x03,
   index_data = 0x04,
-  chunk_data = 0x05,
+  chunk_record = 0x05,
   connection = 0x07,
 };
 
@@ -67,8 +67,8 @@ class Ros1Bag : public ChunkedBag
  public:
   explicit Ros1Bag(const std::string& path) : ChunkedBag(path)
   {
-    const std::string start = bytesAt(0, std::min<std::uint64_t>(size(), magic.size()));
-    if (start != magic)
+    const std::string start = bytesAt(0, std::min<std::uint64_t>(size(), ros1_magic.size()));
+    if (start != ros1_magic)
     {
       throw UserError(path + (start.rfind("#ROSBAG V1", 0) == 0
                                   ? ": is a bag of version 1; convert it with 'rosbag migrate'"
@@ -76,7 +76,7 @@ class Ros1Bag : public ChunkedBag
     }
     try
     {
-      for (std::uint64_t at = magic.size(); at < size();)
+      for (std::uint64_t at = ros1_magic.size(); at < size();)
       {
         at = readTopLevel(at);
       }
@@ -98,7 +98,7 @@ class Ros1Bag : public ChunkedBag
     {
       defineBy(fields, data, chunk.place());
     }
-    if (op != message_data)
+    if (op != message_record)
     {
       return std::nullopt;
     }
@@ -148,7 +148,7 @@ class Ros1Bag : public ChunkedBag
           warn("was not closed by its recorder; what is whole is read");
         }
         break;
-      case chunk_data:
+      case chunk_record:
       {
         Chunk chunk;
         chunk.offset = data_at;

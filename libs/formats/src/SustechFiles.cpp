@@ -13,7 +13,6 @@ namespace dyslam
 {
 namespace
 {
-constexpr double pi = 3.14159265358979323846;
 using nlohmann::json;
 
 /** The message without the library's "[json.exception.type_error.302] ". */
@@ -55,7 +54,7 @@ LabelledBox boxFrom(const json& object, int frame)
   const json& psr = object.at("psr");
   box.box.center = vectorFrom(psr.at("position"));
   box.box.size = vectorFrom(psr.at("scale"));
-  box.box.yaw = std::remainder(psr.at("rotation").at("z").get<double>(), 2 * pi);
+  box.box.yaw = std::remainder(psr.at("rotation").at("z").get<double>(), 2 * M_PI);
   return box;
 }
 }  // namespace

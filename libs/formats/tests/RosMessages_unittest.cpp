@@ -17,7 +17,7 @@ namespace
 constexpr double stamp = 1600000000.25;
 
 /** Four rings of points that get farther and higher with the ring; a tenth of a second. */
-Scan someScan(std::size_t columns)
+Scan sweepOf(std::size_t columns)
 {
   Scan scan;
   scan.stamp = stamp;
@@ -99,7 +99,7 @@ void expectSame(const Scan& expected, const Scan& scan, double time_tolerance)
 
 TEST(RosScans, VelodyneInBothSerialisations)
 {
-  const Scan scan = someScan(50);
+  const Scan scan = sweepOf(50);
   for (const bool cdr : {false, true})
   {
     RosScanDecoder decoder;
@@ -113,7 +113,7 @@ TEST(RosScans, VelodyneInBothSerialisations)
 
 TEST(RosScans, OusterCountsRingsFromTheHighest)
 {
-  const Scan scan = someScan(50);
+  const Scan scan = sweepOf(50);
   auto fields = coordinates(scan);
   fields.push_back({"intensity", 7, mapped(scan, [](std::size_t i) { return 100.0 * double(i); })});
   fields.push_back(
@@ -130,7 +130,7 @@ TEST(RosScans, OusterCountsRingsFromTheHighest)
 
 TEST(RosScans, HesaiAndRoboSenseHaveAbsoluteSeconds)
 {
-  const Scan scan = someScan(50);
+  const Scan scan = sweepOf(50);
   auto fields = test::velodyneFields(scan);
   fields[5] = {"timestamp", 8, mapped(scan, [&](std::size_t i) { return stamp + scan.time[i]; })};
   RosScanDecoder decoder;
@@ -145,7 +145,7 @@ TEST(RosScans, HesaiAndRoboSenseHaveAbsoluteSeconds)
 
 TEST(RosScans, LivoxCloudHasAbsoluteNanosecondsAndLines)
 {
-  Scan scan = someScan(50);
+  Scan scan = sweepOf(50);
   auto fields = coordinates(scan);
   fields.push_back(
       {"intensity", 7, mapped(scan, [&](std::size_t i) { return scan.intensity[i]; })});
@@ -163,7 +163,7 @@ TEST(RosScans, LivoxCloudHasAbsoluteNanosecondsAndLines)
 
 TEST(RosScans, LivoxMessage)
 {
-  const Scan scan = someScan(50);
+  const Scan scan = sweepOf(50);
   for (const bool cdr : {false, true})
   {
     for (const std::string type : {"livox_ros_driver/CustomMsg", "livox_ros_driver2/CustomMsg"})
@@ -177,7 +177,7 @@ TEST(RosScans, LivoxMessage)
 
 TEST(RosScans, MicrosecondsAsFloats)
 {
-  const Scan scan = someScan(50);
+  const Scan scan = sweepOf(50);
   auto fields = test::velodyneFields(scan);
   fields[5].values = mapped(scan, [&](std::size_t i) { return 1e6 * scan.time[i]; });
   RosScanDecoder decoder;
@@ -205,7 +205,7 @@ TEST(RosScans, RowsOfAnOrderedCloudAreRings)
 
 TEST(RosScans, TimesThatAreNone)
 {
-  const Scan scan = someScan(50);
+  const Scan scan = sweepOf(50);
   auto fields = test::velodyneFields(scan);
   fields[5].values.assign(scan.size(), 0);
   RosScanDecoder zero;
@@ -219,7 +219,7 @@ TEST(RosScans, TimesThatAreNone)
 
 TEST(RosScans, InvalidPointsKeepTheirPlaces)
 {
-  Scan scan = someScan(50);
+  Scan scan = sweepOf(50);
   scan.points[3] = Eigen::Vector3f::Constant(std::numeric_limits<float>::quiet_NaN());
   scan.points[4] = Eigen::Vector3f::Zero();
   auto fields = test::velodyneFields(scan);
@@ -243,12 +243,12 @@ TEST(RosScans, EmptyScansAndStampsOfZero)
   EXPECT_EQ(0U, scan.size());
   EXPECT_EQ(12, scan.stamp);  // when it was recorded
   EXPECT_EQ(1U, decoder.warnings().size());
-  expectSame(someScan(50), decoded(decoder, test::velodyneFields(someScan(50))), 0);
+  expectSame(sweepOf(50), decoded(decoder, test::velodyneFields(sweepOf(50))), 0);
 }
 
 TEST(RosScans, DamagedMessagesAreRefused)
 {
-  const Scan scan = someScan(5);
+  const Scan scan = sweepOf(5);
   for (const bool cdr : {false, true})
   {
     const std::string cloud = test::pointCloud2(cdr, stamp, test::velodyneFields(scan));

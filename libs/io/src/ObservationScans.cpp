@@ -28,7 +28,6 @@ using mrpt::obs::CObservationRotatingScan;
 using mrpt::obs::CObservationVelodyneScan;
 using mrpt::obs::VelodyneCalibration;
 
-constexpr double pi = 3.14159265358979323846;
 
 Scan fromPointCloud(const CObservationPointCloud& observation, const ExternalFiles& external)
 {
@@ -147,13 +146,13 @@ Scan fromRotatingScan(const CObservationRotatingScan& observation)
         continue;
       }
       const auto& laser = lasers[static_cast<std::size_t>(row)];
-      const double elevation = laser.verticalCorrection * pi / 180;
+      const double elevation = laser.verticalCorrection * M_PI / 180;
       const double time =
           observation.sweepDuration * fraction + laser_time * static_cast<double>(row);
       const double azimuth =
           sense * (observation.startAzimuth + observation.azimuthSpan * fraction +
                    rate * laser_time * static_cast<double>(row));
-      const double heading = azimuth + laser.azimuthCorrection * pi / 180;
+      const double heading = azimuth + laser.azimuthCorrection * M_PI / 180;
       const double flat = range * std::cos(elevation);
       scan.points.emplace_back(Eigen::Vector3d(flat * std::cos(heading), flat * std::sin(heading),
                                                range * std::sin(elevation))

@@ -17,12 +17,11 @@ namespace dyslam
 {
 namespace
 {
-constexpr double pi = 3.14159265358979323846;
 constexpr std::size_t probe_packets = 64;  //!< looked at to find the model
 constexpr double clock_jump = 1.0;         //!< [s] between the sensor's and the capture's clock
 constexpr int whole_turn_tolerance = 300;  //!< [0.01 deg]
 
-struct Packet
+struct CapturedPacket
 {
   std::array<std::uint8_t, velodyne_packet_size> bytes{};
   double captured = 0;  //!< UNIX time [s]
@@ -80,7 +79,7 @@ class PacketReader
   PacketReader& operator=(const PacketReader&) = delete;
 
   /** False at the end; `damage` then tells whether the file is damaged. */
-  [[nodiscard]] bool next(Packet& packet)
+  [[nodiscard]] bool next(CapturedPacket& packet)
   {
     pcap_pkthdr* header = nullptr;
     const u_char* data = nullptr;
@@ -161,7 +160,7 @@ struct PcapSource::Impl
   PacketReader reader;
   VelodyneModel model = VelodyneModel::automatic;
   std::unique_ptr<VelodyneDecoder> decoder;
-  std::deque<Packet> probed;
+  std::deque<CapturedPacket> probed;
   std::vector<std::string> notes;
   int cut = 18000;
 
@@ -179,8 +178,8 @@ struct PcapSource::Impl
   Impl(const std::string& path_in, const PcapSourceOptions& options_in)
       : path(path_in), options(options_in), reader(path_in)
   {
-    cut = static_cast<int>(std::lround(options.cut_azimuth * 18000 / pi)) % 36000;
-    Packet packet;
+    cut = static_cast<int>(std::lround(options.cut_azimuth * 18000 / M_PI)) % 36000;
+    CapturedPacket packet;
     while (probed.size() < probe_packets && reader.next(packet))
     {
       probed.push_back(packet);
@@ -197,7 +196,7 @@ struct PcapSource::Impl
   /** By the blocks' headers and the packets' pace: some firmware gives the wrong model byte. */
   VelodyneModel guessModel()
   {
-    for (const Packet& packet : probed)
+    for (const CapturedPacket& packet : probed)
     {
       if (packet.view().header(1) == VelodynePacketView::lower_bank ||
           packet.view().header(0) == VelodynePacketView::lower_bank)
@@ -256,7 +255,7 @@ struct PcapSource::Impl
                         : readVelodyneCalibration(file, lasers);
   }
 
-  [[nodiscard]] bool nextPacket(Packet& packet)
+  [[nodiscard]] bool nextPacket(CapturedPacket& packet)
   {
     if (!probed.empty())
     {
@@ -268,7 +267,7 @@ struct PcapSource::Impl
   }
 
   /** The sensor's clock unrolled over hours and set to the capture's time. */
-  double stampOf(const Packet& packet)
+  double stampOf(const CapturedPacket& packet)
   {
     const std::uint32_t clock = packet.view().clock();
     sensor_time += last_clock ? 1e-6 * microsecondsBetween(*last_clock, clock) : 0;
@@ -280,7 +279,7 @@ struct PcapSource::Impl
     return sensor_time + stamp_offset;
   }
 
-  void add(const Packet& packet)
+  void add(const CapturedPacket& packet)
   {
     const double stamp = stampOf(packet);
     const VelodynePacketView view = packet.view();
@@ -336,7 +335,7 @@ struct PcapSource::Impl
 
   std::optional<Scan> next()
   {
-    Packet packet;
+    CapturedPacket packet;
     // One revolution is held back, so that the last is known as such.
     while (ready.size() < 2 && !finished)
     {

@@ -17,7 +17,7 @@ namespace
 using mrpt::obs::CObservation;
 using mrpt::rtti::TRuntimeClassId;
 
-constexpr char end_flag = '\x88';
+constexpr char end_byte = '\x88';
 constexpr std::uint32_t most_in_frame = 100000;  //!< observations of a sensory frame
 
 /** For archiveFrom(). */
@@ -103,8 +103,8 @@ void RawlogObjects::passOver()
   {
     const std::string_view bytes = window_.ahead(std::size_t{1} << 16U);
     const bool last = bytes.size() < (std::size_t{1} << 16U);
-    for (std::size_t at = bytes.find(end_flag); at != std::string_view::npos;
-         at = bytes.find(end_flag, at + 1))
+    for (std::size_t at = bytes.find(end_byte); at != std::string_view::npos;
+         at = bytes.find(end_byte, at + 1))
     {
       if (!last && bytes.size() - at < longest_header)
       {
@@ -116,7 +116,7 @@ void RawlogObjects::passOver()
         return;
       }
     }
-    ended = bytes.empty() ? ended : bytes.back() == end_flag;
+    ended = bytes.empty() ? ended : bytes.back() == end_byte;
     window_.passAhead(last ? bytes.size() : bytes.size() - longest_header);
     if (last)
     {

@@ -8,7 +8,7 @@ namespace dyslam
 {
 namespace
 {
-constexpr double same_time = 1e-6;  // stamps this near are one [s]
+constexpr double stamp_tolerance = 1e-6;  // stamps this near are one [s]
 constexpr int most_scans = 1000000000;
 constexpr double most_seconds = 1e9;
 }  // namespace
@@ -36,7 +36,7 @@ ScanSelection::ScanSelection(const ScanRange& range, int every_n)
 bool ScanSelection::takes(std::size_t index, double stamp)
 {
   first_stamp_ = first_stamp_.value_or(stamp);
-  const double time = stamp - *first_stamp_ + same_time;
+  const double time = stamp - *first_stamp_ + stamp_tolerance;
   past_end_ = past_end_ || (range_.end != 0 && time >= range_.end);
   const auto first = static_cast<std::size_t>(range_.skip_first_n);
   return !past_end_ && index >= first && (index - first) % every_n_ == 0 && time >= range_.start;

@@ -10,9 +10,8 @@ namespace dyslam
 {
 namespace
 {
-constexpr double pi = 3.14159265358979323846;
 constexpr double range_unit = 0.002;                 // [m]
-constexpr double azimuth_unit = pi / 18000;          // [rad]
+constexpr double azimuth_unit = M_PI / 18000;          // [rad]
 constexpr double vlp16_firing_time = 55.296e-6;      // [s], a sixteen and its recharge
 constexpr double vlp16_laser_time = 2.304e-6;        // [s]
 constexpr double hdl32_block_time = 46.08e-6;        // [s]
@@ -71,8 +70,8 @@ VelodyneDecoder::VelodyneDecoder(const mrpt::obs::VelodyneCalibration& calibrati
   for (std::size_t i = 0; i < corrections.size(); ++i)
   {
     const auto& c = corrections[i];
-    const double elevation = c.verticalCorrection * pi / 180;
-    lasers_.push_back({std::cos(elevation), std::sin(elevation), c.azimuthCorrection * pi / 180,
+    const double elevation = c.verticalCorrection * M_PI / 180;
+    lasers_.push_back({std::cos(elevation), std::sin(elevation), c.azimuthCorrection * M_PI / 180,
                        c.distanceCorrection, c.verticalOffsetCorrection,
                        c.horizontalOffsetCorrection, rings[i]});
   }

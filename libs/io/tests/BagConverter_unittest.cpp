@@ -57,16 +57,6 @@ void write(const std::string& path)
   test::writeBag(path, messagesOf(test::holdsCdr(path)));
 }
 
-std::vector<Frame> readAll(const std::string& path)
-{
-  RawlogSource source(path);
-  std::vector<Frame> frames;
-  while (auto frame = source.next())
-  {
-    frames.push_back(std::move(*frame));
-  }
-  return frames;
-}
 }  // namespace
 
 TEST(BagConverter, TheSameRecordingGivesTheSameBytesWhateverItCameIn)

@@ -44,17 +44,6 @@ void writeBins(const TestFolder& folder,
   }
 }
 
-std::vector<Frame> readAll(const std::string& path)
-{
-  RawlogSource source(path);
-  std::vector<Frame> frames;
-  while (auto frame = source.next())
-  {
-    frames.push_back(std::move(*frame));
-  }
-  return frames;
-}
-
 /** A scan as nuScenes writes it: x y z intensity ring, 320 points on 32 rings. */
 std::string fiveColumns(std::size_t seed)
 {

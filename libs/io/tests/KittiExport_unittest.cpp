@@ -36,17 +36,6 @@ void writeRecording(const TestFolder& folder)
   truth.close();
 }
 
-std::vector<Frame> readAll(const std::string& path)
-{
-  RawlogSource source(path);
-  std::vector<Frame> frames;
-  while (auto frame = source.next())
-  {
-    frames.push_back(std::move(*frame));
-  }
-  return frames;
-}
-
 Pose lidarPose(std::size_t i)
 {
   return somePose(i) * someScan(i, 1).T_vehicle_lidar;

@@ -20,7 +20,7 @@ struct Revolutions
   std::vector<std::string> warnings;
 };
 
-Revolutions readAll(const std::string& path, const PcapSourceOptions& options = {})
+Revolutions revolutionsOf(const std::string& path, const PcapSourceOptions& options = {})
 {
   PcapSource source(path, options);
   Revolutions result;
@@ -39,7 +39,7 @@ TEST(PcapSource, CutsRevolutionsAndPlacesPoints)
   const std::string path = folder.write("a.pcap", captured(300));  // 3.98 turns from 0 degrees
   PcapSourceOptions options;
   options.cut_azimuth = 0;
-  const auto revolutions = readAll(path, options).scans;
+  const auto revolutions = revolutionsOf(path, options).scans;
   ASSERT_EQ(3U, revolutions.size());  // the last is broken
   for (std::size_t n = 0; n < 3; ++n)
   {
@@ -61,7 +61,7 @@ TEST(PcapSource, CutsRevolutionsAndPlacesPoints)
     }
   }
   options.keep_partial = true;
-  EXPECT_EQ(4U, readAll(path, options).scans.size());
+  EXPECT_EQ(4U, revolutionsOf(path, options).scans.size());
 }
 
 TEST(PcapSource, DropsTheBrokenFirstAndLast)
@@ -70,15 +70,15 @@ TEST(PcapSource, DropsTheBrokenFirstAndLast)
   const std::string path = folder.write("a.pcap", captured(300, 0x22, 90));
   PcapSourceOptions options;
   options.cut_azimuth = 0;
-  EXPECT_EQ(3U, readAll(path, options).scans.size());
+  EXPECT_EQ(3U, revolutionsOf(path, options).scans.size());
   options.keep_partial = true;
-  EXPECT_EQ(5U, readAll(path, options).scans.size());
+  EXPECT_EQ(5U, revolutionsOf(path, options).scans.size());
 }
 
 TEST(PcapSource, TrustsThePaceMoreThanTheModelByte)
 {
   const TestFolder folder;
-  const auto result = readAll(folder.write("a.pcap", captured(200, 0x21)));
+  const auto result = revolutionsOf(folder.write("a.pcap", captured(200, 0x21)));
   ASSERT_FALSE(result.scans.empty());
   EXPECT_EQ("VLP16", result.scans.front().sensor_label);
   ASSERT_EQ(1U, result.warnings.size());
@@ -89,7 +89,7 @@ TEST(PcapSource, RefusesWhatItCannotRead)
 {
   const TestFolder folder;
   const auto message = [&](const std::string& path)
-  { return messageOfError<UserError>([&] { readAll(path); }); };
+  { return messageOfError<UserError>([&] { revolutionsOf(path); }); };
   EXPECT_TRUE(contains(message(folder.file("none.pcap")), "no such file"));
   EXPECT_TRUE(contains(message(folder.write("a", "")), "not a network capture"));
   EXPECT_TRUE(contains(message(folder.write("b", std::string(500, 'x'))), "not a network capture"));
@@ -110,7 +110,7 @@ TEST(PcapSource, RefusesWhatItCannotRead)
   EXPECT_GE(frames, 2U);
   PcapSourceOptions options;
   options.calibration_file = folder.write("e.xml", "<nothing/>");
-  EXPECT_THROW(readAll(folder.write("f", whole), options), UserError);
+  EXPECT_THROW(revolutionsOf(folder.write("f", whole), options), UserError);
 }
 
 TEST(PcapSource, OwnCalibration)
@@ -125,7 +125,7 @@ TEST(PcapSource, OwnCalibration)
   PcapSourceOptions options;
   options.calibration_file = folder.write("a.yaml", yaml + "num_lasers: 16\n");
   const std::string path = folder.write("a.pcap", captured(300));
-  const auto scans = readAll(path, options).scans;
+  const auto scans = revolutionsOf(path, options).scans;
   ASSERT_FALSE(scans.empty());
   for (std::size_t i = 0; i < scans[0].size(); ++i)
   {
@@ -134,10 +134,10 @@ TEST(PcapSource, OwnCalibration)
     ASSERT_NEAR(0.02 * scans[0].ring[i], std::asin(p.z() / 10.5), 1e-4);
   }
   options.model = VelodyneModel::hdl64e;
-  EXPECT_THROW(readAll(path, options), UserError);
+  EXPECT_THROW(revolutionsOf(path, options), UserError);
   options.calibration_file = "";
   EXPECT_TRUE(
-      contains(messageOfError<UserError>([&] { readAll(path, options); }), "--calibration"));
+      contains(messageOfError<UserError>([&] { revolutionsOf(path, options); }), "--calibration"));
 }
 
 TEST(PcapSource, RealCaptures)
@@ -158,11 +158,11 @@ TEST(PcapSource, RealCaptures)
   {
     const std::string path = *realDataFolder() + "/misc_16beam_and_formats/" + e.name + ".pcap";
     EXPECT_EQ(e.model, PcapSource(path).model());
-    const auto scans = readAll(path).scans;
+    const auto scans = revolutionsOf(path).scans;
     EXPECT_EQ(e.whole, scans.size()) << e.name;
     PcapSourceOptions options;
     options.keep_partial = true;
-    EXPECT_EQ(e.all, readAll(path, options).scans.size()) << e.name;
+    EXPECT_EQ(e.all, revolutionsOf(path, options).scans.size()) << e.name;
     for (std::size_t i = 1; i < scans.size(); ++i)
     {
       EXPECT_NEAR(e.period, scans[i].stamp - scans[i - 1].stamp, 0.003) << e.name;

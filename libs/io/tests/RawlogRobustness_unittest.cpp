@@ -26,7 +26,7 @@ struct Outcome
   std::string error;
 };
 
-Outcome readAll(const std::string& path)
+Outcome outcomeOf(const std::string& path)
 {
   Outcome outcome;
   try
@@ -71,17 +71,17 @@ void writeObjects(const std::string& path, const Objects&... objects)
 TEST(RawlogRobustness, MissingEmptyAndFolder)
 {
   const TestFolder folder;
-  EXPECT_TRUE(contains(readAll(folder.file("none.rawlog")).error, "no such file"));
-  EXPECT_TRUE(contains(readAll(folder.write("a.rawlog", "")).error, "is empty"));
-  EXPECT_TRUE(contains(readAll(folder.path()).error, "is a folder"));
+  EXPECT_TRUE(contains(outcomeOf(folder.file("none.rawlog")).error, "no such file"));
+  EXPECT_TRUE(contains(outcomeOf(folder.write("a.rawlog", "")).error, "is empty"));
+  EXPECT_TRUE(contains(outcomeOf(folder.path()).error, "is a folder"));
 }
 
 TEST(RawlogRobustness, GarbageIsRefused)
 {
   const TestFolder folder;
-  EXPECT_TRUE(contains(readAll(folder.write("a", "x")).error, "a: "));
-  EXPECT_TRUE(contains(readAll(folder.write("b", std::string(100000, 'q'))).error, "not a rawlog"));
-  EXPECT_TRUE(contains(readAll(folder.write("c", "# .PCD v0.7 - Point Cloud Data\nVERSION 0.7\n" +
+  EXPECT_TRUE(contains(outcomeOf(folder.write("a", "x")).error, "a: "));
+  EXPECT_TRUE(contains(outcomeOf(folder.write("b", std::string(100000, 'q'))).error, "not a rawlog"));
+  EXPECT_TRUE(contains(outcomeOf(folder.write("c", "# .PCD v0.7 - Point Cloud Data\nVERSION 0.7\n" +
                                                      std::string(300, ' ')))
                            .error,
                        "not a rawlog"));
@@ -92,7 +92,7 @@ TEST(RawlogRobustness, GarbageIsRefused)
     state = state * 1664525U + 1013904223U;
     noise += static_cast<char>(state >> 24U);
   }
-  EXPECT_FALSE(readAll(folder.write("d", noise)).error.empty());
+  EXPECT_FALSE(outcomeOf(folder.write("d", noise)).error.empty());
 }
 
 TEST(RawlogRobustness, PlainUncompressedIsRead)
@@ -100,7 +100,7 @@ TEST(RawlogRobustness, PlainUncompressedIsRead)
   const TestFolder folder;
   writeScans(folder.file("a.rawlog"), 4);
   const std::string path = folder.write("plain.rawlog", unzipped(folder.file("a.rawlog")));
-  const Outcome outcome = readAll(path);
+  const Outcome outcome = outcomeOf(path);
   EXPECT_EQ(4U, outcome.frames);
   EXPECT_EQ("", outcome.error);
 }
@@ -115,7 +115,7 @@ TEST(RawlogRobustness, CutFilesDeliverWhatIsWholeAndThenSayIt)
     std::size_t most = 0;
     for (std::size_t size = 1; size < whole.size(); size += 37)
     {
-      const Outcome outcome = readAll(folder.write("cut.rawlog", whole.substr(0, size)));
+      const Outcome outcome = outcomeOf(folder.write("cut.rawlog", whole.substr(0, size)));
       // Between two objects a plain file cannot know that more should follow.
       if (!plain)
       {
@@ -128,7 +128,7 @@ TEST(RawlogRobustness, CutFilesDeliverWhatIsWholeAndThenSayIt)
   }
   const std::string whole = folder.read("a.rawlog");
   const Outcome late =
-      readAll(folder.write("late.rawlog", whole.substr(0, whole.size() - whole.size() / 12)));
+      outcomeOf(folder.write("late.rawlog", whole.substr(0, whole.size() - whole.size() / 12)));
   EXPECT_TRUE(contains(late.error, "is cut short")) << late.error;
   EXPECT_GE(late.frames, 4U);
 }
@@ -144,7 +144,7 @@ TEST(RawlogRobustness, FlippedBytesNeverCrash)
     {
       std::string damaged = whole;
       damaged[at] = static_cast<char>(damaged[at] ^ 0x55);
-      const Outcome outcome = readAll(folder.write("damaged.rawlog", damaged));
+      const Outcome outcome = outcomeOf(folder.write("damaged.rawlog", damaged));
       EXPECT_LE(outcome.frames, 3U);
     }
   }
@@ -164,7 +164,7 @@ TEST(RawlogRobustness, RotatingScansMustHaveTheRowsTheySay)
     scan.rangeImage.resize(rows, 4);
     scan.rangeImage.fill(5000);
     writeObjects(folder.file("a.rawlog"), scan);
-    const Outcome outcome = readAll(folder.file("a.rawlog"));
+    const Outcome outcome = outcomeOf(folder.file("a.rawlog"));
     EXPECT_EQ(rows == 16 ? 1U : 0U, outcome.frames);
     EXPECT_EQ(rows != 16, contains(outcome.error, "says 16 rows, but its range image has 32"))
         << outcome.error;
@@ -175,7 +175,7 @@ TEST(RawlogRobustness, OtherMrptFilesAreRefused)
 {
   const TestFolder folder;
   writeObjects(folder.file("a.simplemap"), mrpt::maps::CSimpleMap());
-  const Outcome outcome = readAll(folder.file("a.simplemap"));
+  const Outcome outcome = outcomeOf(folder.file("a.simplemap"));
   EXPECT_TRUE(contains(outcome.error, "CSimpleMap")) << outcome.error;
 }
 
@@ -184,13 +184,13 @@ TEST(RawlogRobustness, WithoutScansSaysWhatThereIs)
   const TestFolder folder;
   mrpt::obs::CObservation2DRangeScan flat;
   writeObjects(folder.file("flat.rawlog"), flat, flat, mrpt::obs::CObservationOdometry());
-  Outcome outcome = readAll(folder.file("flat.rawlog"));
+  Outcome outcome = outcomeOf(folder.file("flat.rawlog"));
   EXPECT_TRUE(contains(outcome.error, "no 3D scans")) << outcome.error;
   EXPECT_TRUE(contains(outcome.error, "2 CObservation2DRangeScan")) << outcome.error;
   EXPECT_TRUE(contains(outcome.error, "2D scans cannot be used")) << outcome.error;
 
   writeObjects(folder.file("odometry.rawlog"), mrpt::obs::CObservationOdometry());
-  outcome = readAll(folder.file("odometry.rawlog"));
+  outcome = outcomeOf(folder.file("odometry.rawlog"));
   EXPECT_TRUE(contains(outcome.error, "1 CObservationOdometry")) << outcome.error;
   EXPECT_FALSE(contains(outcome.error, "2D")) << outcome.error;
 }
@@ -320,7 +320,7 @@ TEST(RawlogRobustness, StampsThatStandStillAreAnError)
     }
     writer.close();
   }
-  const Outcome outcome = readAll(folder.file("a.rawlog"));
+  const Outcome outcome = outcomeOf(folder.file("a.rawlog"));
   EXPECT_EQ(3U, outcome.frames);
   EXPECT_TRUE(contains(outcome.error, "stand still or run backwards from scan 3")) << outcome.error;
 }
@@ -374,7 +374,7 @@ TEST(RawlogRobustness, ObjectsOfOtherKindsMayEndInAnyBytes)
       auto archive = mrpt::serialization::archiveFrom(out);
       archive << comment;
     }
-    const Outcome outcome = readAll(folder.write(
+    const Outcome outcome = outcomeOf(folder.write(
         "b.rawlog", unzipped(folder.file("comment")) + unzipped(folder.file("a.rawlog"))));
     EXPECT_EQ(4U, outcome.frames) << length;
     EXPECT_EQ("", outcome.error) << length;

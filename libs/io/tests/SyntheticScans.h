@@ -2,11 +2,14 @@
 #pragma once
 
 #include <dyslam/core/Scan.h>
+#include <dyslam/io/RawlogSource.h>
 #include <dyslam/io/RawlogWriter.h>
 
 #include <cmath>
 #include <cstring>
 #include <string>
+#include <utility>
+#include <vector>
 
 namespace dyslam
 {
@@ -29,6 +32,17 @@ inline Pose somePose(std::size_t number)
 {
   const auto n = static_cast<double>(number);
   return poseFromYpr(n, 0.1 * n, -0.01 * n, 0.02 * n, 0.01 * n, -0.005 * n);
+}
+
+inline std::vector<Frame> readAll(const std::string& path)
+{
+  RawlogSource source(path);
+  std::vector<Frame> frames;
+  while (auto frame = source.next())
+  {
+    frames.push_back(std::move(*frame));
+  }
+  return frames;
 }
 
 /** `count` scans of 50, 51, ... points with truth. */

@@ -21,11 +21,11 @@ namespace
 {
 namespace fs = std::filesystem;
 
-using Places = std::vector<std::array<float, 3>>;
+using PlaceList = std::vector<std::array<float, 3>>;
 
-Places sorted(const std::vector<Eigen::Vector3f>& points)
+PlaceList sorted(const std::vector<Eigen::Vector3f>& points)
 {
-  Places places;
+  PlaceList places;
   for (const auto& p : points)
   {
     places.push_back({p.x(), p.y(), p.z()});
@@ -64,12 +64,12 @@ class MapCloudsTest : public testing::Test
     return (folder_ / name).string();
   }
   [[nodiscard]] MapClouds clouds() { return {options_, exports_, origin_, pool_}; }
-  [[nodiscard]] Places read(const std::string& name) const
+  [[nodiscard]] PlaceList read(const std::string& name) const
   {
     return sorted(readCloud(file(name)).points);
   }
   /** Points of all tiles `NAME_X_Y.ply`. */
-  [[nodiscard]] Places readTiles(const std::string& name) const
+  [[nodiscard]] PlaceList readTiles(const std::string& name) const
   {
     std::vector<Eigen::Vector3f> points;
     for (const auto& entry : fs::directory_iterator(folder_))
@@ -103,7 +103,7 @@ TEST_F(MapCloudsTest, EveryFileHasThePointsOfTheMap)
     std::size_t last = 0;
     const std::size_t points = clouds().write(map_->map, nullptr, {file("a.ply"), file("a.pcd")},
                                               [&](std::size_t done) { last = done; });
-    const Places expected = sorted(map_->map.points().points);
+    const PlaceList expected = sorted(map_->map.points().points);
     EXPECT_EQ(expected.size(), points);
     EXPECT_EQ(expected, read("a.ply"));
     EXPECT_EQ(expected, read("a.pcd"));
@@ -139,7 +139,7 @@ TEST_F(MapCloudsTest, TilesTogetherAreTheMap)
   const std::size_t points = clouds().writeTiles(*scans_, {file("t.ply"), file("t.pcd")},
                                                  [&](std::size_t done, std::size_t all)
                                                  { progress.emplace_back(done, all); });
-  const Places expected = sorted(map_->map.points().points);
+  const PlaceList expected = sorted(map_->map.points().points);
   EXPECT_EQ(expected.size(), points);
   fs::create_directories(folder_ / "pcd");
   for (const auto& entry : fs::directory_iterator(folder_))
@@ -205,7 +205,7 @@ TEST_F(MapCloudsTest, ThinnedFullResolutionHasAPointPerCube)
 {
   exports_.full_resolution = true;
   (void)clouds().write(map_->map, scans_.get(), {file("full.ply")});
-  const Places full = read("full.ply");
+  const PlaceList full = read("full.ply");
   constexpr double spacing = 0.5;
   const MapPoints thin = thinnedFullResolution(map_->map, options_, *scans_, spacing);
   EXPECT_LT(thin.size(), full.size() / 2);

@@ -114,7 +114,7 @@ CorrelationWindow windowAt(const float* centre, int radius)
 
 constexpr std::size_t largest_window = 21 * 21;  // for radius 10
 
-using Row = Eigen::Map<Eigen::ArrayXf>;
+using RowArray = Eigen::Map<Eigen::ArrayXf>;
 using ConstRow = Eigen::Map<const Eigen::ArrayXf>;
 
 /** SparseMap as plain arrays. */
@@ -244,7 +244,7 @@ class Correlate : public torch::autograd::Function<Correlate>
     auto to_target = torch::zeros_like(target);
     auto to_empty = torch::zeros_like(saved[4]);
     const ConstRow empty_features(saved[4].data_ptr<float>(), channels);
-    Row empty_gradient(to_empty.data_ptr<float>(), channels);
+    RowArray empty_gradient(to_empty.data_ptr<float>(), channels);
     const float scale = 1.0F / std::sqrt(static_cast<float>(channels));
     const float* g = gradient.data_ptr<float>();
     const float* s = source.data_ptr<float>();
@@ -271,7 +271,7 @@ class Correlate : public torch::autograd::Function<Correlate>
         }
       }
       const ConstRow source_features(s + i * channels, channels);
-      Row source_gradient(gs + i * channels, channels);
+      RowArray source_gradient(gs + i * channels, channels);
       float on_empty = 0;
       for (std::int64_t y = 0; y <= side; ++y)
       {
@@ -291,7 +291,7 @@ class Correlate : public torch::autograd::Function<Correlate>
             continue;
           }
           source_gradient += v * ConstRow(t + place, channels);
-          Row(gt + place, channels) += v * source_features;
+          RowArray(gt + place, channels) += v * source_features;
         }
       }
       source_gradient += on_empty * empty_features;

@@ -5,7 +5,7 @@ namespace dyslam
 {
 namespace
 {
-std::size_t at(std::int32_t i)
+std::size_t index(std::int32_t i)
 {
   return static_cast<std::size_t>(i);
 }
@@ -15,16 +15,16 @@ CellLevel finestLevel(const BevScan& scan)
 {
   CellLevel level;
   level.width = scan.cells;
-  level.row_of_cell.assign(at(level.width) * at(level.width), -1);
+  level.row_of_cell.assign(index(level.width) * index(level.width), -1);
   level.row_of_point.reserve(scan.size());
   for (const auto c : scan.cell)
   {
     if (level.number.empty() || level.number.back() != c)
     {
-      level.row_of_cell[at(c)] = static_cast<std::int32_t>(level.number.size());
+      level.row_of_cell[index(c)] = static_cast<std::int32_t>(level.number.size());
       level.number.push_back(c);
     }
-    level.row_of_point.push_back(level.row_of_cell[at(c)]);
+    level.row_of_point.push_back(level.row_of_cell[index(c)]);
   }
   return level;
 }
@@ -34,12 +34,12 @@ CellLevel coarsened(const CellLevel& fine)
 {
   CellLevel level;
   level.width = fine.width / 2;
-  level.row_of_cell.assign(at(level.width) * at(level.width), -1);
+  level.row_of_cell.assign(index(level.width) * index(level.width), -1);
   const auto parent = [&](std::int32_t n)
   { return n / fine.width / 2 * level.width + n % fine.width / 2; };
   for (const auto n : fine.number)
   {
-    level.row_of_cell[at(parent(n))] = 0;
+    level.row_of_cell[index(parent(n))] = 0;
   }
   for (std::size_t c = 0; c < level.row_of_cell.size(); ++c)
   {
@@ -52,7 +52,7 @@ CellLevel coarsened(const CellLevel& fine)
   level.row_of_point.reserve(fine.row_of_point.size());
   for (const auto r : fine.row_of_point)
   {
-    level.row_of_point.push_back(level.row_of_cell[at(parent(fine.number[at(r)]))]);
+    level.row_of_point.push_back(level.row_of_cell[index(parent(fine.number[index(r)]))]);
   }
   return level;
 }
@@ -62,7 +62,7 @@ std::vector<std::int32_t> rowsAround(const CellLevel& in, const CellLevel& out, 
 {
   const int stride = in.width / out.width;
   std::vector<std::int32_t> rows;
-  rows.reserve(out.size() * at((last - first + 1) * (last - first + 1)));
+  rows.reserve(out.size() * index((last - first + 1) * (last - first + 1)));
   for (const auto n : out.number)
   {
     const int cx = n % out.width * stride;
@@ -72,7 +72,7 @@ std::vector<std::int32_t> rowsAround(const CellLevel& in, const CellLevel& out, 
       for (int x = cx + first; x <= cx + last; ++x)
       {
         const bool inside = x >= 0 && y >= 0 && x < in.width && y < in.width;
-        rows.push_back(inside ? in.row_of_cell[at(y * in.width + x)] : -1);
+        rows.push_back(inside ? in.row_of_cell[index(y * in.width + x)] : -1);
       }
     }
   }
@@ -106,7 +106,7 @@ std::vector<std::int32_t> parentRows(const CellLevel& in, const CellLevel& out)
   {
     const int x = n % in.width / 2;
     const int y = n / in.width / 2;
-    rows.push_back(out.row_of_cell[at(y * out.width + x)]);
+    rows.push_back(out.row_of_cell[index(y * out.width + x)]);
   }
   return rows;
 }

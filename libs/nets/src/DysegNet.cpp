@@ -17,9 +17,7 @@ constexpr std::int64_t motion_channels = 24;
 constexpr std::int64_t segment_channels = 32;
 constexpr std::int64_t cell_features = 24;
 constexpr std::int64_t anchor_channels = 16;
-constexpr std::int64_t peak_channels = 3;
 constexpr std::int64_t subcells = 4;
-constexpr double rectified = 0;  // slope of the leaky ReLU
 
 /** The view itself, or a copy while gradients are recorded: the graph outlives the scan's memory.
  */

@@ -9,12 +9,6 @@ namespace dyslam
 {
 using torch::Tensor;
 
-namespace
-{
-constexpr double rectified = 0;  // slope of the leaky ReLU
-constexpr std::int64_t peak_channels = 3;
-}  // namespace
-
 ConvGruImpl::ConvGruImpl(std::int64_t hidden, std::int64_t input) : hidden_(hidden)
 {
   gates_ = register_module("gates", CellConv(hidden + input, 2 * hidden));

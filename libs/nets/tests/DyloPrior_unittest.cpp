@@ -8,7 +8,7 @@ namespace dyslam
 {
 namespace
 {
-struct DyloPriorTest : testing::Test
+struct DyloPriorTest : ::testing::Test
 {
   DyloPriorTest()
   {

@@ -12,8 +12,8 @@ namespace dyslam
 namespace
 {
 /** Floor under the standard deviation of a prediction [m] and [rad]. */
-constexpr double min_sigma = 1e-3;
-constexpr double min_sigma_angle = 1e-4;
+constexpr double floor_sigma = 1e-3;
+constexpr double floor_sigma_angle = 1e-4;
 }  // namespace
 
 void MotionFilterOptions::describe(OptionsVisitor& v)
@@ -57,8 +57,8 @@ MotionFilter::Matrix12 MotionFilter::predictedCovariance(double dt) const
   P.topRightCorner<6, 6>().diagonal() += 0.5 * dt * dt * dt * noise;
   P.bottomLeftCorner<6, 6>().diagonal() += 0.5 * dt * dt * dt * noise;
   P.bottomRightCorner<6, 6>().diagonal() += dt * dt * noise;
-  P.diagonal().head<3>().array() += min_sigma * min_sigma;
-  P.diagonal().segment<3>(3).array() += min_sigma_angle * min_sigma_angle;
+  P.diagonal().head<3>().array() += floor_sigma * floor_sigma;
+  P.diagonal().segment<3>(3).array() += floor_sigma_angle * floor_sigma_angle;
   return 0.5 * (P + P.transpose());
 }
 

@@ -12,7 +12,7 @@ namespace dyslam
 {
 namespace
 {
-constexpr std::size_t chunk_size = 8192;
+constexpr std::size_t sample_chunk = 8192;
 }  // namespace
 
 void RawPoints::clear()
@@ -33,7 +33,7 @@ void RawPoints::deskewed(const Pose& T_sweep,
     return;
   }
   const SweepMotion motion(T_sweep, 0);
-  pool.forChunks(points.size(), chunk_size,
+  pool.forChunks(points.size(), sample_chunk,
                  [&](std::size_t begin, std::size_t end, std::size_t)
                  {
                    for (std::size_t i = begin; i < end; ++i)
@@ -91,7 +91,7 @@ void ScanSample::ingest(const Frame& frame, double spacing, ThreadPool& pool)
   scan.phase_unit = cloud.phase_unit;
   deskewed.resize(source.size());
   const SweepMotion motion(cloud.T_sweep, 0);
-  pool.forChunks(source.size(), chunk_size,
+  pool.forChunks(source.size(), sample_chunk,
                  [&](std::size_t begin, std::size_t end, std::size_t)
                  {
                    for (std::size_t i = begin; i < end; ++i)

@@ -12,7 +12,7 @@ namespace dyslam
 {
 namespace
 {
-constexpr std::size_t chunk_size = 512;
+constexpr std::size_t row_chunk = 512;
 /** The normal of blobs and lines is undetermined. */
 constexpr float min_planarity = 0.2F;
 /** Normals nearer to the map's z axis than this cosine belong to the ground. */
@@ -20,7 +20,7 @@ constexpr float ground_cosine = 0.9F;
 /** In an open field there is only ground. */
 constexpr double min_ground_weight = 0.2;
 /** Residuals beyond this many scales of the robust loss are outliers. */
-constexpr float gate = 4;
+constexpr float kernel_gate = 4;
 /** A surface is looked up again when the point moved by this share of a cell. */
 constexpr float reread_share = 0.2F;
 /** Noise of a range measurement [m]: a floor under all residuals' spread. */
@@ -91,7 +91,7 @@ void ScanToMap::accumulate(const RawPoints& scan,
   const float reread = reread_share * map.cellSize();
   const bool skewed = !scan.phase.empty();
   const bool weighted = !scan.weight.empty();
-  parts_.resize(ThreadPool::chunkCount(scan.size(), chunk_size));
+  parts_.resize(ThreadPool::chunkCount(scan.size(), row_chunk));
   const auto body = [&](std::size_t begin, std::size_t end, std::size_t chunk)
   {
     Sums sums;
@@ -114,7 +114,7 @@ void ScanToMap::accumulate(const RawPoints& scan,
       sums.compared += static_cast<double>(own_weight);
       const float r = match.surface.normal.dot(q) - match.offset;
       const float r2 = r * r;
-      if (!(r2 <= gate * gate * k2))
+      if (!(r2 <= kernel_gate * kernel_gate * k2))
       {
         continue;
       }
@@ -155,7 +155,7 @@ void ScanToMap::accumulate(const RawPoints& scan,
     }
     parts_[chunk] = sums;
   };
-  pool_.forChunks(scan.size(), chunk_size, body);
+  pool_.forChunks(scan.size(), row_chunk, body);
   for (const Sums& part : parts_)
   {
     total.add(part);

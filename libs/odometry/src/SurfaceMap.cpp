@@ -10,7 +10,7 @@ namespace dyslam
 {
 namespace
 {
-constexpr std::size_t chunk_size = 4096;
+constexpr std::size_t insert_chunk = 4096;
 constexpr float fewest_points = 6;
 
 /** Quadratic B-spline weights of the cells before, at and after a place at `f` in [0, 1) of its
@@ -112,12 +112,12 @@ void SurfaceMap::add(const std::vector<Eigen::Vector3f>& points,
   const VoxelCell base = cellOf(T_map_body.translation());
   const Eigen::Matrix3f R = T_map_body.linear().cast<float>();
   const Eigen::Vector3f t = (T_map_body.translation() - corner(base)).cast<float>();
-  const std::size_t chunks = ThreadPool::chunkCount(points.size(), chunk_size);
+  const std::size_t chunks = ThreadPool::chunkCount(points.size(), insert_chunk);
   if (buckets_.size() < chunks)
   {
     buckets_.resize(chunks);
   }
-  pool_.forChunks(points.size(), chunk_size,
+  pool_.forChunks(points.size(), insert_chunk,
                   [&](std::size_t begin, std::size_t end, std::size_t chunk)
                   {
                     auto& bucket = buckets_[chunk];

@@ -14,7 +14,6 @@ namespace dyslam
 {
 namespace
 {
-constexpr double degree = 3.14159265358979323846 / 180;
 
 ScanMatch matchFrom(ScanMatcher& matcher,
                     const Frame& frame,
@@ -64,7 +63,7 @@ class Dylo : public testing::Test
     for (std::size_t i = 0; i < frame.cloud.size(); ++i)
     {
       const Eigen::Vector3d p = T_lidar_vehicle * frame.cloud.points[i].cast<double>();
-      const double elevation = std::atan2(p.z(), std::hypot(p.x(), p.y())) / degree;
+      const double elevation = std::atan2(p.z(), std::hypot(p.x(), p.y())) / test::degree;
       if (std::lround(elevation + 24) % keep == 0)
       {
         cloud.points.push_back(frame.cloud.points[i]);
@@ -79,7 +78,7 @@ class Dylo : public testing::Test
     EXPECT_TRUE(estimate.converged) << estimate.reason;
     const Pose error = T.inverse() * estimate.T_previous_current;
     EXPECT_LT(error.translation().norm(), meters);
-    EXPECT_LT(rotationAngle(error) / degree, deg);
+    EXPECT_LT(rotationAngle(error) / test::degree, deg);
   }
 };
 
@@ -90,15 +89,15 @@ TEST_F(Dylo, StandsStill)
 
 TEST_F(Dylo, TurnsOnTheSpot)
 {
-  const Pose T = poseFromYpr(0, 0, 0, 3 * degree, 0, 0);
+  const Pose T = poseFromYpr(0, 0, 0, 3 * test::degree, 0, 0);
   expectNear(move(T), T, 0.05, 0.2);
 }
 
 TEST_F(Dylo, FindsASkippedFramesMotion)
 {
-  const Pose T = poseFromYpr(1.6, 0.02, 0, 1 * degree, 0, 0);
+  const Pose T = poseFromYpr(1.6, 0.02, 0, 1 * test::degree, 0, 0);
   // The prediction still is the motion of one step.
-  expectNear(move(T, poseFromYpr(0.8, 0.01, 0, 0.5 * degree, 0, 0)), T, 0.06, 0.2);
+  expectNear(move(T, poseFromYpr(0.8, 0.01, 0, 0.5 * test::degree, 0, 0)), T, 0.06, 0.2);
 }
 
 /** With zero motion as initial guess a large motion is out of range. */
@@ -121,7 +120,7 @@ TEST_F(Dylo, StartsFromThePrediction)
  */
 TEST_F(Dylo, WeighsThePredictionByItsInformation)
 {
-  const Pose T = poseFromYpr(0.6, 0, 0, 1 * degree, 0, 0);
+  const Pose T = poseFromYpr(0.6, 0, 0, 1 * test::degree, 0, 0);
   const Pose prediction = T * poseFromYpr(0.2, 0, 0, 0, 0, 0);
   const auto off = [&](double information, const std::vector<std::string>& settings)
   {
@@ -159,8 +158,8 @@ void bend(const Pose& T_own, const Pose& T_sweep, Frame& frame)
 /** The motions of the first and second scan are unknown, that of the third is wrong. */
 TEST_F(Dylo, DeskewsByTheMotionItFinds)
 {
-  const Pose T = poseFromYpr(0.7, 0, 0, 2 * degree, 0, 0);
-  const Pose predicted = T * poseFromYpr(0.15, 0, 0, -0.5 * degree, 0, 0);
+  const Pose T = poseFromYpr(0.7, 0, 0, 2 * test::degree, 0, 0);
+  const Pose predicted = T * poseFromYpr(0.15, 0, 0, -0.5 * test::degree, 0, 0);
   const auto errors = [&](const std::vector<std::string>& settings)
   {
     const auto matcher = make(settings);
@@ -188,7 +187,7 @@ TEST_F(Dylo, DeskewsByTheMotionItFinds)
 
 TEST_F(Dylo, SixteenBeamsWithTheSameWeights)
 {
-  const Pose T = poseFromYpr(0.6, 0.05, 0, 1.5 * degree, 0, 0);
+  const Pose T = poseFromYpr(0.6, 0.05, 0, 1.5 * test::degree, 0, 0);
   expectNear(move(T, Pose::Identity(), 2), T, 0.06, 0.3);
 }
 
@@ -250,7 +249,7 @@ TEST_F(Dylo, ConfidencePerPointAndInformation)
 /** An oncoming vehicle: mean static confidence of its points, and of all others. */
 TEST_F(Dylo, ConfidenceTellsWhatMoves)
 {
-  const Pose T = poseFromYpr(0.6, 0, 0, 1 * degree, 0, 0);
+  const Pose T = poseFromYpr(0.6, 0, 0, 1 * test::degree, 0, 0);
   const Eigen::Vector3d size(4.4, 1.8, 1.5);
   const auto at = [&](const Eigen::Vector3d& low)
   {

@@ -15,7 +15,6 @@ namespace dyslam
 {
 namespace
 {
-constexpr double degree = 3.14159265358979323846 / 180;
 
 class Registration : public testing::TestWithParam<RefineMethod>
 {
@@ -60,7 +59,7 @@ std::vector<Pose> drive(int frames)
   std::vector<Pose> poses{Pose::Identity()};
   for (int i = 1; i < frames; ++i)
   {
-    poses.push_back(poses.back() * poseFromYpr(0.8, 0.02, 0, 0.8 * degree, 0, 0));
+    poses.push_back(poses.back() * poseFromYpr(0.8, 0.02, 0, 0.8 * test::degree, 0, 0));
   }
   return poses;
 }
@@ -99,7 +98,7 @@ TEST_P(Registration, FollowsADriveFromAStartInMotion)
     EXPECT_FALSE(results[i].degenerate);
     const Pose error = poses[i].inverse() * results[i].T_odom_vehicle;
     EXPECT_LT(error.translation().norm(), 0.05) << i;
-    EXPECT_LT(rotationAngle(error), 0.2 * degree) << i;
+    EXPECT_LT(rotationAngle(error), 0.2 * test::degree) << i;
   }
 }
 

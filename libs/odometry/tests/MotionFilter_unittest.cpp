@@ -11,7 +11,7 @@ namespace dyslam
 {
 namespace
 {
-constexpr double period = 0.1;
+constexpr double step_time = 0.1;
 
 Matrix6 informationOf(double translation, double rotation)
 {
@@ -32,11 +32,11 @@ TEST(MotionFilter, WellSeenMotionsAreRepeated)
 {
   MotionFilter filter = started(20);
   const Pose motion = poseFromYpr(1.2, 0.1, 0, 0.05, 0.01, 0);
-  filter.update(period, motion, informationOf(1e-3, 1e-4));
-  EXPECT_LT((filter.predict(period).inverse() * motion).translation().norm(), 0.01);
-  EXPECT_LT(rotationAngle(filter.predict(period).inverse() * motion), 0.002);
+  filter.update(step_time, motion, informationOf(1e-3, 1e-4));
+  EXPECT_LT((filter.predict(step_time).inverse() * motion).translation().norm(), 0.01);
+  EXPECT_LT(rotationAngle(filter.predict(step_time).inverse() * motion), 0.002);
   // Half the time, half the distance.
-  EXPECT_NEAR(filter.predict(0.5 * period).translation().x(), 0.6, 0.01);
+  EXPECT_NEAR(filter.predict(0.5 * step_time).translation().x(), 0.6, 0.01);
   EXPECT_TRUE(filter.predict(0).isApprox(Pose::Identity()));
 }
 
@@ -44,39 +44,39 @@ TEST(MotionFilter, SpeedIsKeptWhereAMeasurementIsBlind)
 {
   MotionFilter filter = started(20);
   const Pose motion = poseFromYpr(1.5, 0, 0, 0, 0, 0);
-  filter.update(period, motion, informationOf(0.01, 1e-3));
+  filter.update(step_time, motion, informationOf(0.01, 1e-3));
   Matrix6 blind = informationOf(0.01, 1e-3);
   blind(0, 0) = 0;
   double deviation = 0;
   for (int i = 0; i < 20; ++i)
   {
-    const Pose prediction = filter.predict(period);
+    const Pose prediction = filter.predict(step_time);
     EXPECT_NEAR(prediction.translation().x(), 1.5, 0.02) << i;
-    const double now = filter.information(period).inverse()(0, 0);
+    const double now = filter.information(step_time).inverse()(0, 0);
     EXPECT_GT(now, deviation) << "what is not seen gets less certain";
     deviation = now;
-    filter.update(period, prediction, blind);
+    filter.update(step_time, prediction, blind);
   }
 }
 
 TEST(MotionFilter, TellsHowFarOffAPredictionMayBe)
 {
   MotionFilter filter = started(20);
-  EXPECT_NEAR(filter.sigma(period), 2, 0.01) << "20 m/s for 0.1 s";
-  filter.update(period, Pose::Identity(), informationOf(1e-3, 1e-4));
-  EXPECT_LT(filter.sigma(period), 0.05);
-  EXPECT_GT(filter.sigma(10 * period), 1) << "3 m/s^2 for 1 s";
+  EXPECT_NEAR(filter.sigma(step_time), 2, 0.01) << "20 m/s for 0.1 s";
+  filter.update(step_time, Pose::Identity(), informationOf(1e-3, 1e-4));
+  EXPECT_LT(filter.sigma(step_time), 0.05);
+  EXPECT_GT(filter.sigma(10 * step_time), 1) << "3 m/s^2 for 1 s";
 }
 
 TEST(MotionFilter, NoMeasurementLeavesThePredictionAsItWas)
 {
   MotionFilter filter = started(1);
-  filter.follow(period, poseFromYpr(0.7, 0, 0, 0.02, 0, 0));
-  const Pose before = filter.predict(period);
-  filter.update(period, before, Matrix6::Zero());
-  EXPECT_TRUE(filter.predict(period).isApprox(before, 1e-9));
+  filter.follow(step_time, poseFromYpr(0.7, 0, 0, 0.02, 0, 0));
+  const Pose before = filter.predict(step_time);
+  filter.update(step_time, before, Matrix6::Zero());
+  EXPECT_TRUE(filter.predict(step_time).isApprox(before, 1e-9));
   filter.update(0, poseFromYpr(9, 0, 0, 0, 0, 0), informationOf(1e-3, 1e-3));
-  EXPECT_TRUE(filter.predict(period).isApprox(before, 1e-9)) << "no time, no motion";
+  EXPECT_TRUE(filter.predict(step_time).isApprox(before, 1e-9)) << "no time, no motion";
 }
 
 TEST(MotionFilter, StaysSoundWithMeasurementsOfAnySize)
@@ -100,12 +100,12 @@ TEST(MotionFilter, StaysSoundWithMeasurementsOfAnySize)
       measured.row(0).setZero();
       measured.col(0).setZero();
     }
-    filter.update(period, poseFromYpr(0.9, 0, 0, 0.01, 0, 0), measured,
+    filter.update(step_time, poseFromYpr(0.9, 0, 0, 0.01, 0, 0), measured,
                   Vector6::Constant(i % 5 == 0 ? 0.01 : 1));
-    const Matrix6 covariance = filter.information(period).inverse();
+    const Matrix6 covariance = filter.information(step_time).inverse();
     ASSERT_GT(covariance.diagonal().minCoeff(), 0) << i;
-    ASSERT_GT(filter.information(period).ldlt().vectorD().minCoeff(), 0) << i;
-    ASSERT_LT((filter.predict(period).translation() - Eigen::Vector3d(0.9, 0, 0)).norm(), 0.5) << i;
+    ASSERT_GT(filter.information(step_time).ldlt().vectorD().minCoeff(), 0) << i;
+    ASSERT_LT((filter.predict(step_time).translation() - Eigen::Vector3d(0.9, 0, 0)).norm(), 0.5) << i;
   }
 }
 
@@ -136,10 +136,10 @@ NoisyDrive drive(double noise)
   for (int i = 0; i < steps; ++i)
   {
     const double a = options.acceleration * normal(random);
-    x += period * v + 0.5 * period * period * a;
-    v += period * a;
-    const double prediction = filter.predict(period).translation().x();
-    const Matrix6 prior = filter.information(period);
+    x += step_time * v + 0.5 * step_time * step_time * a;
+    v += step_time * a;
+    const double prediction = filter.predict(step_time).translation().x();
+    const Matrix6 prior = filter.information(step_time);
     if (i > 50)
     {
       const double error = found + prediction - x;
@@ -152,7 +152,7 @@ NoisyDrive drive(double noise)
     // The pose that prior and measurement agree on.
     const double share = information(0, 0) / (information(0, 0) + prior(0, 0));
     const double next = found + prediction + share * (measured - found - prediction);
-    filter.update(period, poseFromYpr(next - found, 0, 0, 0, 0, 0), information);
+    filter.update(step_time, poseFromYpr(next - found, 0, 0, 0, 0, 0), information);
     found = next;
     measured_before = measured_last;
     measured_last = measured;

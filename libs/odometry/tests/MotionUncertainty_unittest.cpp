@@ -13,7 +13,7 @@ namespace dyslam
 {
 namespace
 {
-constexpr double period = 0.1;
+constexpr double scan_time = 0.1;
 
 /** Estimate of a registration, far overconfident. */
 MotionEstimate estimateOf(const Pose& T_previous_current)
@@ -64,7 +64,7 @@ Consistency drive(double noise, double angular_noise, const UncertaintyOptions& 
     const Pose error = expSE3(e);
     MotionEstimate motion = estimateOf(error_before.inverse() * step * error);
     error_before = error;
-    uncertainty.calibrate(period, informationFromSigmas(1e-4, 1e-5), motion);
+    uncertainty.calibrate(scan_time, informationFromSigmas(1e-4, 1e-5), motion);
     five.add(motion.T_previous_current, covarianceOf(motion), motion.pose_noise);
     true_five = true_five * step;
     const Vector6 off = logSE3(motion.T_previous_current.inverse() * step);
@@ -103,7 +103,7 @@ TEST(MotionUncertainty, SteadyAccelerationIsNoJitter)
   for (int i = 0; i < 30; ++i)
   {
     motion = estimateOf(poseFromYpr(0.3 + 0.03 * i, 0, 0, 0, 0, 0));
-    uncertainty.calibrate(period, informationFromSigmas(1e-4, 1e-5), motion);
+    uncertainty.calibrate(scan_time, informationFromSigmas(1e-4, 1e-5), motion);
   }
   EXPECT_LT(sigma(motion, 0), 1e-3);
 }
@@ -116,7 +116,7 @@ TEST(MotionUncertainty, ALostScanIsNoJitter)
   {
     const int scans = i % 7 == 3 ? 2 : 1;
     motion = estimateOf(poseFromYpr(1.0 * scans, 0, 0, 0, 0, 0));
-    uncertainty.calibrate(scans * period, informationFromSigmas(1e-4, 1e-5), motion);
+    uncertainty.calibrate(scans * scan_time, informationFromSigmas(1e-4, 1e-5), motion);
   }
   EXPECT_LT(sigma(motion, 0), 1e-3);
 }
@@ -133,7 +133,7 @@ TEST(MotionUncertainty, ADirectionLeftOpenStaysWide)
   {
     motion = estimateOf(poseFromYpr(1, 0, 0, 0, 0, 0));
     motion.information = in_map + prior;
-    uncertainty.calibrate(period, in_map, motion);
+    uncertainty.calibrate(scan_time, in_map, motion);
   }
   EXPECT_GT(sigma(motion, 0), 10 * sigma(motion, 1));
   EXPECT_GT(sigma(motion, 0), 0.02);
@@ -149,7 +149,7 @@ TEST(MotionUncertainty, AMatchersOpenDirectionIsAsUncertainAsItsPrior)
     motion.information = informationFromSigmas(0.02, 0.002);
     motion.information.row(0).setZero();
     motion.information.col(0).setZero();
-    uncertainty.calibrateMatch(period, informationFromSigmas(0.2, 0.01), motion);
+    uncertainty.calibrateMatch(scan_time, informationFromSigmas(0.2, 0.01), motion);
   }
   EXPECT_NEAR(sigma(motion, 0), 0.2, 0.01);
   EXPECT_NEAR(sigma(motion, 1), std::sqrt(UncertaintyOptions().motion_share) * 0.02, 1e-3);
@@ -168,7 +168,7 @@ TEST(MotionUncertainty, AFailedMotionIsAsUncertainAsItsPriorAndNotJitter)
       motion.converged = false;
       motion.information = informationFromSigmas(0.3, 0.02);
     }
-    uncertainty.calibrate(period, Matrix6::Zero(), motion);
+    uncertainty.calibrate(scan_time, Matrix6::Zero(), motion);
     if (i == 20)
     {
       EXPECT_NEAR(sigma(motion, 0), 0.3, 0.01);
@@ -185,7 +185,7 @@ TEST(MotionUncertainty, UntilTheJitterIsKnownTheEstimateCountsInFull)
   MotionEstimate motion = estimateOf(Pose::Identity());
   const Matrix6 in_map = informationFromSigmas(0.02, 0.002);
   motion.information = in_map;
-  uncertainty.calibrate(period, in_map, motion);
+  uncertainty.calibrate(scan_time, in_map, motion);
   EXPECT_NEAR(sigma(motion, 0), 0.02, 1e-4);
   EXPECT_TRUE(motion.pose_noise.isApprox(covarianceOf(motion), 1e-6));
 }

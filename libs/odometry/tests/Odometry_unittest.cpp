@@ -13,7 +13,7 @@ namespace dyslam
 {
 namespace
 {
-constexpr double period = 0.1;
+constexpr double scan_period = 0.1;
 
 struct Script
 {
@@ -69,7 +69,7 @@ class Fusion : public testing::Test
   {
     Frame frame = scene_.frame(T_world_vehicle, 0.01, static_cast<unsigned>(count_ + 1));
     frame.index = count_;
-    frame.scan.stamp = 100 + period * static_cast<double>(count_++);
+    frame.scan.stamp = 100 + scan_period * static_cast<double>(count_++);
     odometry_->predict(frame);
     return frame;
   }
@@ -107,7 +107,7 @@ TEST_F(Fusion, PredictsTheMotionSoFar)
   const Pose step = poseFromYpr(0.5, 0, 0, 0.02, 0, 0);
   const Pose T = settle(step);
   Frame frame = next(T * step);
-  EXPECT_NEAR(frame.dt, period, 1e-6);
+  EXPECT_NEAR(frame.dt, scan_period, 1e-6);
   EXPECT_TRUE(frame.prior.reliable);
   EXPECT_LT((frame.prior.T_previous_current.translation() - step.translation()).norm(), 0.02);
   EXPECT_LT((T.inverse() * estimate(frame).T_odom_vehicle).translation().norm(), 0.55);

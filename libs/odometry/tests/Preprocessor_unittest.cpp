@@ -9,7 +9,6 @@ namespace dyslam
 {
 namespace
 {
-constexpr double degree = 3.14159265358979323846 / 180;
 
 /** Mean distance, along the rays of the sensor at the vehicle's origin, between the points of a
  * cloud and the surfaces they should lie on. */
@@ -60,7 +59,7 @@ TEST(Preprocessor, EmptyScanGivesEmptyCloud)
 TEST(Preprocessor, DeskewsByTimeAndByAzimuth)
 {
   const test::StreetScene scene;
-  const Pose motion = poseFromYpr(1.0, 0.05, 0, 3 * degree, 0, 0);
+  const Pose motion = poseFromYpr(1.0, 0.05, 0, 3 * test::degree, 0, 0);
   Scan skewed = scene.scan(Pose::Identity(), 0, 1, motion);
   const Eigen::Vector3d sensor = skewed.T_vehicle_lidar.translation();
   ThreadPool pool(2);
@@ -137,7 +136,7 @@ float largestDifference(const Cloud& a, const Cloud& b)
 TEST(Preprocessor, MissingScansDoNotMakeTheSweepLonger)
 {
   const test::StreetScene scene;
-  const Pose motion = poseFromYpr(1, 0, 0, 3 * degree, 0, 0);
+  const Pose motion = poseFromYpr(1, 0, 0, 3 * test::degree, 0, 0);
   Scan scan = scene.scan(Pose::Identity(), 0, 1, motion);
   scan.time.clear();
   ThreadPool pool(1);
@@ -153,14 +152,14 @@ TEST(Preprocessor, MissingScansDoNotMakeTheSweepLonger)
 TEST(Preprocessor, RedeskewsByAnotherMotion)
 {
   const test::StreetScene scene;
-  const Pose motion = poseFromYpr(1, 0.1, 0, 3 * degree, 0, 0);
+  const Pose motion = poseFromYpr(1, 0.1, 0, 3 * test::degree, 0, 0);
   Scan scan = scene.scan(Pose::Identity(), 0, 1, motion);
   ThreadPool pool(2);
   const Preprocessor preprocessor(PreprocessOptions(), pool);
   for (const bool timed : {true, false})
   {
     const Cloud expected = preprocessor.prepare(scan, motion, 0.1, 0.1);
-    const Pose wrong = motion * poseFromYpr(0.2, 0, 0, 1 * degree, 0, 0);
+    const Pose wrong = motion * poseFromYpr(0.2, 0, 0, 1 * test::degree, 0, 0);
     Cloud cloud = preprocessor.prepare(scan, wrong, 0.1, 0.1);
     EXPECT_GT(largestDifference(expected, cloud), 0.1F);
     redeskew(motion, 0.1, pool, cloud);

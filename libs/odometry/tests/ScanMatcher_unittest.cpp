@@ -15,14 +15,13 @@ namespace dyslam
 {
 namespace
 {
-constexpr double degree = 3.14159265358979323846 / 180;
 
 struct Method
 {
   std::string name;
   bool uses_points = true;
   double translation = 0.03;  //!< required accuracy on the test scene [m]
-  double rotation = 0.2 * degree;
+  double rotation = 0.2 * test::degree;
 };
 
 std::vector<Method> methods(bool all_of_them = true)
@@ -43,7 +42,7 @@ std::vector<Method> methods(bool all_of_them = true)
     {
       // Ground rings move with the sensor and hold a point-to-point match back.
       method.translation = 0.08;
-      method.rotation = 0.3 * degree;
+      method.rotation = 0.3 * test::degree;
     }
     if (all_of_them || method.uses_points)
     {
@@ -77,7 +76,7 @@ class EveryMatcher : public testing::TestWithParam<Method>
  protected:
   test::StreetScene scene_;
   ThreadPool pool_{2};
-  Pose T_ = poseFromYpr(0.6, 0.05, 0.01, 1.5 * degree, 0.2 * degree, -0.1 * degree);
+  Pose T_ = poseFromYpr(0.6, 0.05, 0.01, 1.5 * test::degree, 0.2 * test::degree, -0.1 * test::degree);
 
   MotionEstimate move(const Pose& T, const Pose& guess, ThreadPool& pool)
   {

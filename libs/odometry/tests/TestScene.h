@@ -12,6 +12,8 @@
 
 namespace dyslam::test
 {
+constexpr double degree = M_PI / 180;
+
 /** What a 32-beam sensor 1.7 m over a street with houses, walls across and poles sees, by exact ray
  * casting. */
 class StreetScene
@@ -55,7 +57,6 @@ class StreetScene
   {
     constexpr int rings = 32;
     constexpr int columns = 720;
-    constexpr double pi = 3.14159265358979323846;
     std::mt19937 random(seed);
     std::normal_distribution<double> error(0, noise);
     const Vector6 twist = logSE3(T_sweep);
@@ -63,11 +64,11 @@ class StreetScene
     scan.T_vehicle_lidar.translation().z() = 1.7;
     for (int ring = 0; ring < rings; ++ring)
     {
-      const double elevation = (-24.0 + 1.0 * ring) * pi / 180;
+      const double elevation = (-24.0 + 1.0 * ring) * M_PI / 180;
       for (int column = 0; column < columns; ++column)
       {
         const double share = (column + 0.5) / columns;
-        const double azimuth = pi - 2 * pi * share;
+        const double azimuth = M_PI - 2 * M_PI * share;
         const Pose T = T_world_vehicle * expSE3((share - 0.5) * twist) * scan.T_vehicle_lidar;
         const Eigen::Vector3d d(std::cos(elevation) * std::cos(azimuth),
                                 std::cos(elevation) * std::sin(azimuth), std::sin(elevation));

@@ -7,7 +7,7 @@ namespace dyslam::sim
 {
 namespace
 {
-constexpr float kTau = 6.2831853F;
+constexpr float kFullTurn = 6.2831853F;
 
 std::vector<Eigen::Vector3f> circle(const Eigen::Vector3f& center,
                                     const Eigen::Vector3f& u,
@@ -18,7 +18,7 @@ std::vector<Eigen::Vector3f> circle(const Eigen::Vector3f& center,
   points.reserve(static_cast<std::size_t>(sides));
   for (int i = 0; i < sides; ++i)
   {
-    const float angle = kTau * static_cast<float>(i) / static_cast<float>(sides);
+    const float angle = kFullTurn * static_cast<float>(i) / static_cast<float>(sides);
     points.push_back(center + std::cos(angle) * u + std::sin(angle) * v);
   }
   return points;
@@ -144,7 +144,7 @@ void addEllipsoid(Mesh& mesh,
   std::vector<std::vector<Eigen::Vector3f>> sections;
   for (int r = 0; r <= rows; ++r)
   {
-    const float latitude = 0.5F * kTau * (static_cast<float>(r) / static_cast<float>(rows) - 0.5F);
+    const float latitude = 0.5F * kFullTurn * (static_cast<float>(r) / static_cast<float>(rows) - 0.5F);
     const float radius = std::max(0.02F, std::cos(latitude));
     sections.push_back(circle(center + Eigen::Vector3f(0, 0, half_axes.z() * std::sin(latitude)),
                               Eigen::Vector3f(radius * half_axes.x(), 0, 0),

@@ -11,7 +11,7 @@ namespace dyslam::sim
 namespace
 {
 constexpr double kPi = 3.14159265358979;
-constexpr double kFar = 1e9;
+constexpr double kNoLimit = 1e9;
 
 bool isMotorised(ObjectClass c)
 {
@@ -27,7 +27,7 @@ std::pair<double, int> bodyAhead(const Crowd& crowd,
                                  double reach)
 {
   const Eigen::Vector2d forward(std::cos(yaw), std::sin(yaw));
-  double best = kFar;
+  double best = kNoLimit;
   int who = -1;
   const auto& actors = crowd.actors();
   for (std::size_t i = 0; i < actors.size(); ++i)
@@ -311,7 +311,7 @@ class Bicycles : public Crowd::Group
     for (const auto& loop : crowd.world().bicycle_loops)
     {
       const double traffic = crowd.options().traffic;
-      const double spacing = traffic > 0 ? 45 / traffic : kFar;
+      const double spacing = traffic > 0 ? 45 / traffic : kNoLimit;
       for (double s = rng_.uniform(0, 1) * spacing; s < loop.length() - 6;
            s += spacing * rng_.uniform(0.5, 1.5) + 5)
       {
@@ -349,7 +349,7 @@ class Bicycles : public Crowd::Group
         desired_speed = std::min(desired_speed, std::max(0.0, 0.9 * (gap - 1.4)));
       }
       const double heading_change = std::abs(wrapToPi(r.loop->at(r.s + 4).heading - at.heading));
-      desired_speed = std::min(desired_speed, heading_change > 0.3 ? 2.8 : kFar);
+      desired_speed = std::min(desired_speed, heading_change > 0.3 ? 2.8 : kNoLimit);
       r.stuck = r.v < 0.2 ? r.stuck + dt : std::max(0.0, r.stuck - 0.3 * dt);
       r.v += std::clamp(desired_speed - r.v, -3 * dt, 1.0 * dt);
       r.v = std::max(0.0, r.v);
@@ -401,7 +401,7 @@ class PathEgo : public Crowd::Group
     desired_speed = std::min(desired_speed,
                              heading_change > 0.2
                                  ? std::max(0.6, 0.5 * egoCruise(crowd_.world(), crowd_.options()))
-                                 : kFar);
+                                 : kNoLimit);
     const auto [gap, who] =
         bodyAhead(crowd_, -1, crowd_.ego().position, crowd_.ego().yaw, 0.45, 2.5 + 1.5 * v_);
     if (who >= 0 && stuck_ < 5)

@@ -15,7 +15,7 @@ constexpr double least_scatter = 0.02;    // of positions, so that exact ones ha
 constexpr double outlier_medians = 6;     // median residuals beyond which a position has no weight
 constexpr double samples_per_degree = 2;  // observations for each degree beyond the first
 
-struct Observation
+struct Position
 {
   double time;
   Eigen::RowVector3d center;
@@ -40,9 +40,9 @@ double bisquare(double u)
   return std::abs(u) < 1 ? rest * rest : 0;
 }
 
-std::vector<Observation> observationsOf(const std::vector<TrackState>& track)
+std::vector<Position> observationsOf(const std::vector<TrackState>& track)
 {
-  std::vector<Observation> observations;
+  std::vector<Position> observations;
   for (const TrackState& state : track)
   {
     if (state.observed)
@@ -55,7 +55,7 @@ std::vector<Observation> observationsOf(const std::vector<TrackState>& track)
 
 /** Fits the observations within `window` of `time`.
  * \return false if there are none. */
-bool fitAt(const std::vector<Observation>& observations,
+bool fitAt(const std::vector<Position>& observations,
            double time,
            const TrackSmoothingOptions& options,
            Fit& fit)
@@ -63,9 +63,9 @@ bool fitAt(const std::vector<Observation>& observations,
   // Beyond the window the weights are zero.
   const double reach = 1.000001 * options.window;
   const auto begin = std::lower_bound(observations.begin(), observations.end(), time - reach,
-                                      [](const Observation& o, double t) { return o.time < t; });
+                                      [](const Position& o, double t) { return o.time < t; });
   const auto end = std::upper_bound(observations.begin(), observations.end(), time + reach,
-                                    [](double t, const Observation& o) { return t < o.time; });
+                                    [](double t, const Position& o) { return t < o.time; });
   const auto count = end - begin;
   if (count == 0)
   {
@@ -77,7 +77,7 @@ bool fitAt(const std::vector<Observation>& observations,
   Eigen::MatrixXd centers(count, 3);
   for (Eigen::Index i = 0; i < count; ++i)
   {
-    const Observation& o = begin[i];
+    const Position& o = begin[i];
     const double u = (o.time - time) / options.window;
     // An outlier keeps a little weight, so that a window of outliers alone has a fit.
     const double weight = std::sqrt(std::max(tricube(u / 1.01), 1e-6) * std::max(o.robust, 1e-3));
@@ -98,10 +98,10 @@ bool fitAt(const std::vector<Observation>& observations,
 }
 
 /** Weights of the observations by their distance from the fit. */
-void weighOutliers(std::vector<Observation>& observations, const TrackSmoothingOptions& options)
+void weighOutliers(std::vector<Position>& observations, const TrackSmoothingOptions& options)
 {
   std::vector<double> residuals;
-  for (const Observation& o : observations)
+  for (const Position& o : observations)
   {
     Fit fit;
     fitAt(observations, o.time, options, fit);
@@ -136,7 +136,7 @@ std::vector<TrackState> smoothTrack(const std::vector<TrackState>& track,
     }
   }
   std::vector<TrackState> result = track;
-  std::vector<Observation> observations = observationsOf(track);
+  std::vector<Position> observations = observationsOf(track);
   if (options.window <= 0 || observations.empty())
   {
     return result;

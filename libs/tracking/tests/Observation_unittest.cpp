@@ -11,7 +11,7 @@ using namespace dyslam;
 
 namespace
 {
-constexpr double dt = 0.1;  // [s]
+constexpr double scan_time = 0.1;  // [s]
 
 Detection car(const Eigen::Vector3d& center, double yaw)
 {
@@ -31,7 +31,7 @@ TEST(TrackedObservation, isTheDetectionInTheOdometryFrame)
   const Pose T_odom_vehicle = poseFromYpr(3, -2, 0.5, M_PI / 2, 0, 0);
   Tracker tracker;
   (void)tracker.update(0, {car({10, 1, -0.8}, 0.1)}, T_odom_vehicle);
-  const auto objects = tracker.update(dt, {car({10.3, 1.2, -0.7}, 0.2)}, T_odom_vehicle);
+  const auto objects = tracker.update(scan_time, {car({10.3, 1.2, -0.7}, 0.2)}, T_odom_vehicle);
   ASSERT_EQ(objects.size(), 1u);
   ASSERT_TRUE(objects[0].observed);
   const Box& seen = objects[0].observation;
@@ -52,7 +52,7 @@ TEST(TrackedObservation, isSetAtBirthAndOnlyWhereObserved)
   EXPECT_TRUE(objects[0].observed);
   EXPECT_NEAR((objects[0].observation.center - Eigen::Vector3d(8, 3, 0)).norm(), 0, 1e-12);
   EXPECT_NEAR(objects[0].observation_covariance(0, 0), 0.04, 1e-12);
-  objects = tracker.update(dt, {}, Pose::Identity());
+  objects = tracker.update(scan_time, {}, Pose::Identity());
   ASSERT_EQ(objects.size(), 1u);
   EXPECT_FALSE(objects[0].observed);
 }
@@ -65,7 +65,7 @@ TEST(TrackedObservation, headingIsWithinAQuarterTurnOfTheTracks)
   {
     const double yaw = scan % 4 == 3 ? 0.2 - M_PI : 0.2;
     const auto objects =
-        tracker.update(dt * scan, {car({0.8 * scan, 0.16 * scan, 0}, yaw)}, Pose::Identity());
+        tracker.update(scan_time * scan, {car({0.8 * scan, 0.16 * scan, 0}, yaw)}, Pose::Identity());
     ASSERT_EQ(objects.size(), 1u);
     EXPECT_NEAR(wrapAngle(objects[0].observation.yaw - 0.2), 0, 1e-9) << scan;
   }
@@ -87,7 +87,7 @@ TEST(TrackedObservation, ofAClusterIsCompletedToTheWholeObject)
       front.box.size = {1.8, visible, 1.5};  // the longer visible side is the width
     }
     front.points = {0, 1, 2};
-    const auto objects = tracker.update(dt * scan, {front}, Pose::Identity());
+    const auto objects = tracker.update(scan_time * scan, {front}, Pose::Identity());
     ASSERT_EQ(objects.size(), 1u);
     ASSERT_TRUE(objects[0].observed);
     last = objects[0];
@@ -120,7 +120,7 @@ TEST(NoiseOfDetections, IsFoundAndFilteredAway)
       const Eigen::Vector2d truth(1.0 * scan, 3);
       Detection detection = car({truth.x() + noise(generator), truth.y() + noise(generator), 0}, 0);
       detection.covariance = Eigen::Vector4d(0.0025, 0.0025, 0.02, 0.03).asDiagonal();
-      const auto objects = tracker.update(dt * scan, {detection}, Pose::Identity());
+      const auto objects = tracker.update(scan_time * scan, {detection}, Pose::Identity());
       if (scan >= 200)
       {
         EXPECT_EQ(objects.size(), 1u);
@@ -152,7 +152,7 @@ TEST(ScoreOfATrack, FollowsItsMemoryAndItsLength)
     {
       Detection detection = car({0.5 * scan, 0, 0}, 0);
       detection.score = scan < 4 ? 6 : 2;
-      score = tracker.update(dt * scan, {detection}, Pose::Identity()).at(0).score;
+      score = tracker.update(scan_time * scan, {detection}, Pose::Identity()).at(0).score;
     }
     return score;
   };

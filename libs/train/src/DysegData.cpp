@@ -13,7 +13,6 @@ namespace dyslam
 namespace
 {
 const Eigen::Vector2f no_flow = Eigen::Vector2f::Constant(std::numeric_limits<float>::quiet_NaN());
-constexpr double pi = 3.14159265358979323846;
 
 Eigen::Vector2f flowOf(const Eigen::Isometry3f& motion, const Eigen::Vector3f& p)
 {
@@ -178,13 +177,13 @@ Pose drawPlace(const CastBody& body, bool beside, RandomDraws& draws)
     const double side = draws.chance(0.5) ? 1 : -1;
     const double width = body.bounds.max().y();
     return poseFromYpr(draws.uniform(-8, 8), side * (width + draws.uniform(1.5, 6)), 0,
-                       (draws.chance(0.5) ? pi : 0) + draws.normal(0.08), 0, 0);
+                       (draws.chance(0.5) ? M_PI : 0) + draws.normal(0.08), 0, 0);
   }
   // Near places more often, where the points are.
   const double distance = 4 + 76 * std::pow(draws.uniform(), 1.8);
-  const double bearing = draws.uniform(-pi, pi);
+  const double bearing = draws.uniform(-M_PI, M_PI);
   return poseFromYpr(distance * std::cos(bearing), distance * std::sin(bearing), 0,
-                     draws.uniform(-pi, pi), 0, 0);
+                     draws.uniform(-M_PI, M_PI), 0, 0);
 }
 
 /** Motion of a body, from the current to the past scan, both poses in the current sensor frame. */
@@ -271,7 +270,7 @@ void castOne(const DysegAugmentOptions& options,
 
 void turnAndMirror(RandomDraws& draws, DysegSample& sample)
 {
-  const Eigen::Rotation2Dd turn(draws.uniform(-pi, pi));
+  const Eigen::Rotation2Dd turn(draws.uniform(-M_PI, M_PI));
   Eigen::Matrix3d full = Eigen::Matrix3d::Identity();
   full.topLeftCorner<2, 2>() = turn.toRotationMatrix();
   if (draws.chance(0.5))

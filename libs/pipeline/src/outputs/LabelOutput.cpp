@@ -13,8 +13,8 @@ namespace dyslam
 {
 namespace
 {
-constexpr const char* folder = "labels";
-constexpr const char* extension = ".label";
+constexpr const char* label_folder = "labels";
+constexpr const char* label_extension = ".label";
 
 /** Points of an object in a scan that was written before the object was reported. */
 struct UnnamedPoints
@@ -33,13 +33,13 @@ class LabelOutput : public RunOutput
 {
  public:
   explicit LabelOutput(const RunOutputContext& context)
-      : RunOutput(context, {{folder, extension}}),
+      : RunOutput(context, {{label_folder, label_extension}}),
         hindsight_(context.config.get<HindsightOptions>("labels").hindsight)
   {
   }
   [[nodiscard]] bool isSlow() const override { return true; }
   [[nodiscard]] FrameKind wants() const override { return FrameKind::decided; }
-  void open() override { makeFolder(path(folder)); }
+  void open() override { makeFolder(path(label_folder)); }
   void exchangeState(StateArchive& archive) override
   {
     if (archive.isLoading())
@@ -50,7 +50,7 @@ class LabelOutput : public RunOutput
   }
   void add(const Frame& frame) override
   {
-    writeLabels(numberedPath(path(folder), frame.index, extension), scanLabels(frame));
+    writeLabels(numberedPath(path(label_folder), frame.index, label_extension), scanLabels(frame));
     if (hindsight_)
     {
       nameEarlierPoints(frame);
@@ -90,7 +90,7 @@ class LabelOutput : public RunOutput
 
   void nameObject(const UnnamedPoints& scan, Label label) const
   {
-    const std::string file = numberedPath(path(folder), scan.scan, extension);
+    const std::string file = numberedPath(path(label_folder), scan.scan, label_extension);
     std::vector<Label> labels = readLabels(file, scan.scan_size);
     for (const std::uint32_t i : scan.points)
     {

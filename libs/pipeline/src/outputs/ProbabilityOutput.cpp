@@ -13,8 +13,8 @@ namespace dyslam
 {
 namespace
 {
-constexpr const char* folder = "probabilities";
-constexpr const char* extension = ".bin";
+constexpr const char* probability_folder = "probabilities";
+constexpr const char* probability_extension = ".bin";
 
 /** Moving probability of every point of the frame's scan; NaN where the cloud left a point out. */
 std::vector<float> scanProbabilities(const Frame& frame)
@@ -33,12 +33,12 @@ class ProbabilityOutput : public RunOutput
 {
  public:
   explicit ProbabilityOutput(const RunOutputContext& context)
-      : RunOutput(context, {{folder, extension}})
+      : RunOutput(context, {{probability_folder, probability_extension}})
   {
   }
   [[nodiscard]] bool isSlow() const override { return true; }
   [[nodiscard]] FrameKind wants() const override { return FrameKind::decided; }
-  void open() override { makeFolder(path(folder)); }
+  void open() override { makeFolder(path(probability_folder)); }
   void exchangeState(StateArchive& archive) override
   {
     if (archive.isLoading())
@@ -51,7 +51,7 @@ class ProbabilityOutput : public RunOutput
     const std::vector<float> values = scanProbabilities(frame);
     const std::string_view bytes(reinterpret_cast<const char*>(values.data()),
                                  values.size() * sizeof(float));
-    writeWhole(numberedPath(path(folder), frame.index, extension), bytes, Durable::no);
+    writeWhole(numberedPath(path(probability_folder), frame.index, probability_extension), bytes, Durable::no);
   }
 };
 }  // namespace

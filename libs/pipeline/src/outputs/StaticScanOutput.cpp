@@ -13,8 +13,8 @@ namespace dyslam
 {
 namespace
 {
-constexpr const char* folder = "static_scans";
-constexpr const char* extension = ".bin";
+constexpr const char* scan_folder = "static_scans";
+constexpr const char* scan_extension = ".bin";
 constexpr const char* rawlog = "static_scans.rawlog";
 
 /** The scan without the points labelled as moving. */
@@ -53,21 +53,21 @@ class StaticScanOutput : public RunOutput
 {
  public:
   explicit StaticScanOutput(const RunOutputContext& context)
-      : RunOutput(context, {{folder, extension}, rawlog})
+      : RunOutput(context, {{scan_folder, scan_extension}, rawlog})
   {
   }
   [[nodiscard]] bool isSlow() const override { return true; }
   [[nodiscard]] FrameKind wants() const override { return FrameKind::decided; }
   void open() override
   {
-    makeFolder(path(folder));
+    makeFolder(path(scan_folder));
     writer_.emplace(path(rawlog));
   }
   void exchangeState(StateArchive& archive) override
   {
     if (archive.isLoading())
     {
-      makeFolder(path(folder));
+      makeFolder(path(scan_folder));
       writer_.emplace(path(rawlog), RawlogWriterOptions(), archive);
     }
     else
@@ -78,7 +78,7 @@ class StaticScanOutput : public RunOutput
   void add(const Frame& frame) override
   {
     const Scan kept = staticPartOf(frame);
-    writeBin(numberedPath(path(folder), frame.index, extension), kept.points, kept.intensity);
+    writeBin(numberedPath(path(scan_folder), frame.index, scan_extension), kept.points, kept.intensity);
     writer_->write(kept, frame.T_world_vehicle_truth);
   }
   void finish(const RunResults& /*results*/) override { writer_->close(); }

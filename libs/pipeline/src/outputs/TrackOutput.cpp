@@ -17,7 +17,7 @@ namespace dyslam
 namespace
 {
 constexpr const char* table = "tracks.csv";
-constexpr const char* kitti = "tracks.txt";
+constexpr const char* kitti_tracks = "tracks.txt";
 constexpr const char* header =
     "frame,stamp,id,class,x,y,z,length,width,height,yaw,vx,vy,vz,speed,dynamic,observed,score\n";
 
@@ -67,7 +67,7 @@ std::string rowOf(const TrackedObject& object, std::size_t scan, double stamp)
 class TrackOutput : public RunOutput
 {
  public:
-  explicit TrackOutput(const RunOutputContext& context) : RunOutput(context, {table, kitti}) {}
+  explicit TrackOutput(const RunOutputContext& context) : RunOutput(context, {table, kitti_tracks}) {}
   [[nodiscard]] FrameKind wants() const override { return FrameKind::decided_objects; }
   void open() override { rows_.open(path(table), header); }
   void add(const Frame& frame) override
@@ -104,7 +104,7 @@ class TrackOutput : public RunOutput
  private:
   void writeBoxes(const RunResults& results) const
   {
-    writeWhole(path(kitti),
+    writeWhole(path(kitti_tracks),
                [&](std::ostream& out)
                {
                  forEachReported(results,

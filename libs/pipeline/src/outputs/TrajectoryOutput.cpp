@@ -13,7 +13,7 @@ namespace
 {
 constexpr const char* odometry = "odometry_tum.txt";
 constexpr const char* tum = "trajectory_tum.txt";
-constexpr const char* kitti = "trajectory_kitti.txt";
+constexpr const char* kitti_poses = "trajectory_kitti.txt";
 constexpr const char* reference = "reference_tum.txt";
 
 std::string tumLine(double stamp, const Pose& pose)
@@ -32,7 +32,7 @@ class TrajectoryOutput : public RunOutput
 {
  public:
   explicit TrajectoryOutput(const RunOutputContext& context)
-      : RunOutput(context, {odometry, tum, kitti, reference})
+      : RunOutput(context, {odometry, tum, kitti_poses, reference})
   {
   }
   void open() override { odometry_.open(path(odometry)); }
@@ -56,7 +56,7 @@ class TrajectoryOutput : public RunOutput
   [[nodiscard]] std::vector<std::function<void()>> writers(const RunResults& results) const
   {
     return {[&] { writeTum(path(tum), results.trajectory); },
-            [&] { writeKittiPoses(path(kitti), results.trajectory); },
+            [&] { writeKittiPoses(path(kitti_poses), results.trajectory); },
             [&]
             {
               if (!results.reference.empty())

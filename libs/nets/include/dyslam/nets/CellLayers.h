@@ -9,6 +9,8 @@
 
 namespace dyslam
 {
+constexpr double rectified = 0;  //!< the slope of gatheredLinear for a ReLU
+
 /** Concatenated rows: for each of N x K indices the row of `rows`, or zeros for -1.
  *
  * \param rows M x C \param table N x K row indices (int32) \return N x (K C). Gradients reach

@@ -8,6 +8,8 @@
 
 namespace dyslam
 {
+constexpr std::int64_t peak_channels = 3;  //!< what a cell knows of the best match in its window
+
 /** Convolutional GRU over occupied cells (3 x 3 sparse convolutions). */
 class ConvGruImpl : public torch::nn::Module
 {
