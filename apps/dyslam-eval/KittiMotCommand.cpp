@@ -89,7 +89,10 @@ struct Scores
   double frames_per_second = 0;
 };
 
-void addRows(const KittiMotArguments& a, const std::string& type, const Scores& scores, Table& table)
+void addRows(const KittiMotArguments& a,
+             const std::string& type,
+             const Scores& scores,
+             Table& table)
 {
   const RecallAverages& averages = scores.averages;
   const ClearMot& best = averages.best;

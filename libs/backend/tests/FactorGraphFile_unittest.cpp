@@ -73,10 +73,11 @@ FactorGraph everyKind()
   graph.setFixed(Key::objectPose(7, 3), true);
   for (const Key& key : {Key::staticObject(4), Key::staticObject(4, 2), Key::objectPose(7, 5)})
   {
-    graph.add(std::make_unique<ObservationFactor>(2, key, pose(), test::randomInformation(drive.rng)));
+    graph.add(
+        std::make_unique<ObservationFactor>(2, key, pose(), test::randomInformation(drive.rng)));
   }
-  graph.add(
-      std::make_unique<ObjectMotionFactor>(7, 3, 5, 0.1 + 1e-9, test::randomInformation(drive.rng)));
+  graph.add(std::make_unique<ObjectMotionFactor>(7, 3, 5, 0.1 + 1e-9,
+                                                 test::randomInformation(drive.rng)));
   graph.add(std::make_unique<ObjectMotionFactor>(7, 5, 6, 0.3, test::randomInformation(drive.rng)));
   graph.add(std::make_unique<SmoothMotionFactor>(7, 5, 6, test::randomInformation(drive.rng)));
   return graph;

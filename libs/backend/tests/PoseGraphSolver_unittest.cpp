@@ -29,7 +29,6 @@ void addEdge(PoseGraph& graph,
       from, to, {toMrpt(mean), mrpt::math::CMatrixDouble66(informationToYpr(mean, information))});
 }
 
-
 Pose noisy(const Pose& pose, std::mt19937& rng, double translation_sigma, double rotation_sigma)
 {
   std::normal_distribution<double> n;

@@ -28,7 +28,6 @@ using mrpt::obs::CObservationRotatingScan;
 using mrpt::obs::CObservationVelodyneScan;
 using mrpt::obs::VelodyneCalibration;
 
-
 Scan fromPointCloud(const CObservationPointCloud& observation, const ExternalFiles& external)
 {
   if (observation.pointcloud)

@@ -11,7 +11,7 @@ namespace dyslam
 namespace
 {
 constexpr double range_unit = 0.002;                 // [m]
-constexpr double azimuth_unit = M_PI / 18000;          // [rad]
+constexpr double azimuth_unit = M_PI / 18000;        // [rad]
 constexpr double vlp16_firing_time = 55.296e-6;      // [s], a sixteen and its recharge
 constexpr double vlp16_laser_time = 2.304e-6;        // [s]
 constexpr double hdl32_block_time = 46.08e-6;        // [s]

@@ -80,9 +80,10 @@ TEST(RawlogRobustness, GarbageIsRefused)
 {
   const TestFolder folder;
   EXPECT_TRUE(contains(outcomeOf(folder.write("a", "x")).error, "a: "));
-  EXPECT_TRUE(contains(outcomeOf(folder.write("b", std::string(100000, 'q'))).error, "not a rawlog"));
+  EXPECT_TRUE(
+      contains(outcomeOf(folder.write("b", std::string(100000, 'q'))).error, "not a rawlog"));
   EXPECT_TRUE(contains(outcomeOf(folder.write("c", "# .PCD v0.7 - Point Cloud Data\nVERSION 0.7\n" +
-                                                     std::string(300, ' ')))
+                                                       std::string(300, ' ')))
                            .error,
                        "not a rawlog"));
   std::string noise;

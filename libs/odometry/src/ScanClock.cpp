@@ -18,7 +18,7 @@ constexpr std::size_t max_intervals = 15;
 constexpr double shortest = 0.75;  // of the intervals that fit the rate, in periods
 constexpr double longest = 1.3;
 constexpr std::size_t max_clock_steps = 3;  // more are called uneven stamps
-constexpr double motion_gate = 3;                  // Mahalanobis distance of a motion from its prediction
+constexpr double motion_gate = 3;           // Mahalanobis distance of a motion from its prediction
 constexpr double margin = 1;  // by which a period must explain a motion better than the interval
 // Of a motion between scans that the registration finds.
 constexpr double sigma = 0.03;         // [m]

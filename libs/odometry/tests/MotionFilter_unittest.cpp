@@ -105,7 +105,8 @@ TEST(MotionFilter, StaysSoundWithMeasurementsOfAnySize)
     const Matrix6 covariance = filter.information(step_time).inverse();
     ASSERT_GT(covariance.diagonal().minCoeff(), 0) << i;
     ASSERT_GT(filter.information(step_time).ldlt().vectorD().minCoeff(), 0) << i;
-    ASSERT_LT((filter.predict(step_time).translation() - Eigen::Vector3d(0.9, 0, 0)).norm(), 0.5) << i;
+    ASSERT_LT((filter.predict(step_time).translation() - Eigen::Vector3d(0.9, 0, 0)).norm(), 0.5)
+        << i;
   }
 }
 

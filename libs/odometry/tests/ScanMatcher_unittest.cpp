@@ -76,7 +76,8 @@ class EveryMatcher : public testing::TestWithParam<Method>
  protected:
   test::StreetScene scene_;
   ThreadPool pool_{2};
-  Pose T_ = poseFromYpr(0.6, 0.05, 0.01, 1.5 * test::degree, 0.2 * test::degree, -0.1 * test::degree);
+  Pose T_ =
+      poseFromYpr(0.6, 0.05, 0.01, 1.5 * test::degree, 0.2 * test::degree, -0.1 * test::degree);
 
   MotionEstimate move(const Pose& T, const Pose& guess, ThreadPool& pool)
   {

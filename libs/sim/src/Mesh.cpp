@@ -144,7 +144,8 @@ void addEllipsoid(Mesh& mesh,
   std::vector<std::vector<Eigen::Vector3f>> sections;
   for (int r = 0; r <= rows; ++r)
   {
-    const float latitude = 0.5F * kFullTurn * (static_cast<float>(r) / static_cast<float>(rows) - 0.5F);
+    const float latitude =
+        0.5F * kFullTurn * (static_cast<float>(r) / static_cast<float>(rows) - 0.5F);
     const float radius = std::max(0.02F, std::cos(latitude));
     sections.push_back(circle(center + Eigen::Vector3f(0, 0, half_axes.z() * std::sin(latitude)),
                               Eigen::Vector3f(radius * half_axes.x(), 0, 0),

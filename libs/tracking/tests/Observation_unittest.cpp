@@ -64,8 +64,8 @@ TEST(TrackedObservation, headingIsWithinAQuarterTurnOfTheTracks)
   for (int scan = 0; scan < 30; ++scan)
   {
     const double yaw = scan % 4 == 3 ? 0.2 - M_PI : 0.2;
-    const auto objects =
-        tracker.update(scan_time * scan, {car({0.8 * scan, 0.16 * scan, 0}, yaw)}, Pose::Identity());
+    const auto objects = tracker.update(scan_time * scan, {car({0.8 * scan, 0.16 * scan, 0}, yaw)},
+                                        Pose::Identity());
     ASSERT_EQ(objects.size(), 1u);
     EXPECT_NEAR(wrapAngle(objects[0].observation.yaw - 0.2), 0, 1e-9) << scan;
   }

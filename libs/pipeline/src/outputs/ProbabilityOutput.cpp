@@ -51,7 +51,8 @@ class ProbabilityOutput : public RunOutput
     const std::vector<float> values = scanProbabilities(frame);
     const std::string_view bytes(reinterpret_cast<const char*>(values.data()),
                                  values.size() * sizeof(float));
-    writeWhole(numberedPath(path(probability_folder), frame.index, probability_extension), bytes, Durable::no);
+    writeWhole(numberedPath(path(probability_folder), frame.index, probability_extension), bytes,
+               Durable::no);
   }
 };
 }  // namespace

@@ -78,7 +78,8 @@ class StaticScanOutput : public RunOutput
   void add(const Frame& frame) override
   {
     const Scan kept = staticPartOf(frame);
-    writeBin(numberedPath(path(scan_folder), frame.index, scan_extension), kept.points, kept.intensity);
+    writeBin(numberedPath(path(scan_folder), frame.index, scan_extension), kept.points,
+             kept.intensity);
     writer_->write(kept, frame.T_world_vehicle_truth);
   }
   void finish(const RunResults& /*results*/) override { writer_->close(); }

@@ -67,7 +67,9 @@ std::string rowOf(const TrackedObject& object, std::size_t scan, double stamp)
 class TrackOutput : public RunOutput
 {
  public:
-  explicit TrackOutput(const RunOutputContext& context) : RunOutput(context, {table, kitti_tracks}) {}
+  explicit TrackOutput(const RunOutputContext& context) : RunOutput(context, {table, kitti_tracks})
+  {
+  }
   [[nodiscard]] FrameKind wants() const override { return FrameKind::decided_objects; }
   void open() override { rows_.open(path(table), header); }
   void add(const Frame& frame) override
