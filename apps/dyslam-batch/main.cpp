@@ -36,6 +36,7 @@ struct Arguments
   std::vector<std::string> assignments;
   bool labels = false, probabilities = false, static_scans = false;
   int skip_first_n = 0, only_first_n = 0;
+  int passes = 1;
   int jobs = 0;
   double memory = 0;
   bool quiet = false, no_summary = false, gather = false, slurm = false;
@@ -63,6 +64,9 @@ void declare(CLI::App& app, Arguments& a)
       ->check(notNegative());
   app.add_option("--only-first-n", a.only_first_n, "as of dyslam, of each recording")
       ->check(notNegative());
+  app.add_option("--passes", a.passes, "as of dyslam: 2 to process each recording twice")
+      ->check(CLI::IsMember({1, 2}))
+      ->capture_default_str();
   app.add_option("--jobs", a.jobs, "recordings at once; 0: as many as cores (0)")
       ->check(CLI::Range(0, 4096));
   app.add_option("--memory", a.memory,
@@ -102,6 +106,7 @@ std::vector<std::string> runArguments(const Arguments& a)
   add(a.static_scans, {"--static-scans"});
   add(a.skip_first_n > 0, {"--skip-first-n", std::to_string(a.skip_first_n)});
   add(a.only_first_n > 0, {"--only-first-n", std::to_string(a.only_first_n)});
+  add(a.passes > 1, {"--passes", std::to_string(a.passes)});
   return words;
 }
 

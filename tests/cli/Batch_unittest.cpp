@@ -84,6 +84,21 @@ TEST(Batch, HasTheBytesOfSingleRunsAndSkipsWhatIsDone)
   EXPECT_FALSE(contains(folder.read("batch/index.html"), "<td class=\"number\"></td>"));
 }
 
+TEST(Batch, ProcessesEachRecordingTwiceIfAsked)
+{
+  const TestFolder folder;
+  const std::string twice = recordings + "/campus16.rawlog" + settings + "--passes 2 -o ";
+  const Outcome batch = runProgram("dyslam-batch", twice + folder.file("batch"), folder.path());
+  ASSERT_EQ(batch.code, 0) << batch.err;
+  const Outcome single = runProgram("dyslam", "-i " + twice + folder.file("single"), folder.path());
+  ASSERT_EQ(single.code, 0) << single.err;
+  for (const std::string name :
+       {"labels/000003.label", "first_pass/labels/000003.label", "trajectory_tum.txt"})
+  {
+    EXPECT_EQ(folder.read("batch/campus16/" + name), folder.read("single/" + name)) << name;
+  }
+}
+
 TEST(Batch, StoppedAndStartedAgainItGoesOn)
 {
   const TestFolder folder;

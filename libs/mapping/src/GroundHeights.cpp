@@ -18,10 +18,17 @@ constexpr float square = 2.0F;  // side [m]
 constexpr float step = 0.3F;    // highest above the middle of the neighbouring squares [m]
 constexpr float nothing = std::numeric_limits<float>::infinity();
 
+constexpr float last_square = (1U << 20U) - 2;  // the neighbours of which have keys of their own
+
+/** Points that are not finite or too far away are in the last square. */
 VoxelCell squareOf(const Eigen::Vector3f& p)
 {
-  return {static_cast<std::int32_t>(std::floor(p.x() / square)),
-          static_cast<std::int32_t>(std::floor(p.y() / square)), 0};
+  const auto along = [](float coordinate)
+  {
+    const float number = std::floor(coordinate / square);
+    return static_cast<std::int32_t>(std::abs(number) < last_square ? number : last_square);
+  };
+  return {along(p.x()), along(p.y()), 0};
 }
 }  // namespace
 
