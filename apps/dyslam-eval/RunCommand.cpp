@@ -208,7 +208,7 @@ std::string runJson(const std::vector<RunScores>& runs)
   return textOf(json);
 }
 
-void runRun(const RunArguments& a)
+void evaluateRuns(const RunArguments& a)
 {
   if (!a.truth.empty() && !fs::is_directory(a.truth))
   {
@@ -255,6 +255,6 @@ Subcommand runCommand(CLI::App& app)
                   "poses; default: next to the rawlog");
   a->metrics.declare(*sub);
   a->output.declare(*sub);
-  return {sub, [a] { runRun(*a); }};
+  return {sub, [a] { evaluateRuns(*a); }};
 }
 }  // namespace dyslam

@@ -17,7 +17,6 @@ namespace
 constexpr float square = 2.0F;  // side [m]
 constexpr float step = 0.3F;    // highest above the middle of the neighbouring squares [m]
 constexpr float nothing = std::numeric_limits<float>::infinity();
-
 constexpr float last_square = (1U << 20U) - 2;  // the neighbours of which have keys of their own
 
 /** Points that are not finite or too far away are in the last square. */
