@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/backend/FactorGraphFile.h>
-#include <dyslam/core/FreedMemory.h>
+#include <dyslam/core/Heap.h>
 #include <dyslam/graphslam/GraphFileRun.h>
 #include <dyslam/graphslam/GraphSlamPlugins.h>
 #include <dyslam/graphslam/GraphSlamRun.h>
@@ -181,7 +181,7 @@ void run(Arguments& a)
 
 int main(int argc, char** argv)
 {
-  dyslam::keepFreedMemory();
+  dyslam::tuneHeap();
   Arguments a;
   return dyslam::runApp(
       argc, argv, [&](CLI::App& app) { declare(app, a); }, [&] { run(a); });

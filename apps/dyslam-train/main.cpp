@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <dyslam/core/FreedMemory.h>
+#include <dyslam/core/Heap.h>
 #include <dyslam/core/Version.h>
 
 #include "../common/AppMain.h"
@@ -7,7 +7,7 @@
 
 int main(int argc, char** argv)
 {
-  dyslam::keepFreedMemory();
+  dyslam::tuneHeap();
   dyslam::TrainArguments dylo;
   dyslam::TrainArguments dyseg;
   CLI::App* dylo_parser = nullptr;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <dyslam/core/FreedMemory.h>
+#include <dyslam/core/Heap.h>
 #include <dyslam/pipeline/SlamRun.h>
 
 #include "../common/SlamProgram.h"
@@ -20,7 +20,7 @@ void declare(CLI::App& app, dyslam::SlamArguments& a)
 
 int main(int argc, char** argv)
 {
-  dyslam::keepFreedMemory();
+  dyslam::tuneHeap();
   dyslam::SlamArguments a;
   return dyslam::runApp(
       argc, argv, [&](CLI::App& app) { declare(app, a); },

@@ -81,4 +81,22 @@ bool isNestedDeeper(std::string_view json, std::size_t limit)
   }
   return false;
 }
+
+std::string csvField(const std::string& text)
+{
+  if (text.find_first_of(",\"\r\n") == std::string::npos)
+  {
+    return text;
+  }
+  std::string quoted = "\"";
+  for (const char c : text)
+  {
+    quoted += c;
+    if (c == '"')
+    {
+      quoted += c;
+    }
+  }
+  return quoted + '"';
+}
 }  // namespace dyslam

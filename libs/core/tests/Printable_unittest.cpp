@@ -27,4 +27,13 @@ TEST(Printable, DepthOfJsonCountsBracketsOutsideOfStrings)
   EXPECT_FALSE(isNestedDeeper("[][][][]", 1));
   EXPECT_TRUE(isNestedDeeper(std::string(1000000, '[')));
 }
+
+TEST(Printable, FieldsOfCsvFilesAreQuotedWhereNeeded)
+{
+  EXPECT_EQ("too few inliers", csvField("too few inliers"));
+  EXPECT_EQ("\"a, b\"", csvField("a, b"));
+  EXPECT_EQ("\"PCL: \"\"x\"\"\"", csvField("PCL: \"x\""));
+  EXPECT_EQ("\"a\rb\"", csvField("a\rb"));
+}
+
 }  // namespace dyslam

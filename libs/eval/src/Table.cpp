@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/Printable.h>
 #include <dyslam/eval/Table.h>
 
 #include <algorithm>
@@ -34,24 +35,6 @@ std::string padded(const std::string& text, std::size_t to, bool left)
 {
   const std::string fill(to - std::min(to, width(text)), ' ');
   return left ? text + fill : fill + text;
-}
-
-std::string csvField(const std::string& text)
-{
-  if (text.find_first_of(",\"\r\n") == std::string::npos)
-  {
-    return text;
-  }
-  std::string quoted = "\"";
-  for (const char c : text)
-  {
-    quoted += c;
-    if (c == '"')
-    {
-      quoted += c;
-    }
-  }
-  return quoted + '"';
 }
 }  // namespace
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Run times of the parts of DyLO on scans of a folder: dylo_benchmark FOLDER [threads] [MODEL]
-#include <dyslam/core/FreedMemory.h>
+#include <dyslam/core/Heap.h>
 #include <dyslam/nets/DyloFile.h>
 #include <torch/csrc/autograd/profiler.h>
 
@@ -10,7 +10,7 @@
 
 int main(int argc, char** argv)
 {
-  dyslam::keepFreedMemory();
+  dyslam::tuneHeap();
   if (argc < 2)
   {
     std::puts("dylo_benchmark FOLDER_OF_BIN_FILES [threads] [MODEL]");

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Run times of the parts of DySeg on scans of a folder: dyseg_benchmark FOLDER [threads] [MODEL]
-#include <dyslam/core/FreedMemory.h>
+#include <dyslam/core/Heap.h>
 #include <dyslam/nets/BevScan.h>
 #include <dyslam/nets/DysegModel.h>
 
@@ -10,7 +10,7 @@
 
 int main(int argc, char** argv)
 {
-  dyslam::keepFreedMemory();
+  dyslam::tuneHeap();
   if (argc < 2)
   {
     std::puts("dyseg_benchmark FOLDER_OF_BIN_FILES [threads] [MODEL]");

@@ -10,7 +10,7 @@
 // to the local map, refine:point_to_plane and refine:gicp that registration from the prior alone.
 // constant_velocity repeats the reference's previous motion.
 #include <dyslam/core/Error.h>
-#include <dyslam/core/FreedMemory.h>
+#include <dyslam/core/Heap.h>
 #include <dyslam/formats/ScanFiles.h>
 #include <dyslam/formats/TrajectoryFiles.h>
 #include <dyslam/odometry/Odometry.h>
@@ -298,7 +298,7 @@ void print(const std::string& method, const Row& row, const std::vector<Pose>& r
 
 int main(int argc, char** argv)
 {
-  keepFreedMemory();
+  tuneHeap();
   try
   {
     const Arguments a = parse(argc, argv);

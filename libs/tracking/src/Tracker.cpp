@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/Assignment.h>
 #include <dyslam/core/BoxOverlap.h>
+#include <dyslam/core/Error.h>
 #include <dyslam/core/StateArchive.h>
 #include <dyslam/tracking/Tracker.h>
 
@@ -65,7 +66,14 @@ Assignment solveAssignment(AssociationMethod method, const CostMatrix& cost)
 
 struct Tracker::Implementation
 {
-  explicit Implementation(const TrackerOptions& o) : options(o) { validate(options, "tracker"); }
+  explicit Implementation(const TrackerOptions& o) : options(o)
+  {
+    validate(options, "tracker");
+    if (options.static_speed > options.dynamic_speed)
+    {
+      throw UserError("[tracker] static_speed must not be above dynamic_speed");
+    }
+  }
 
   const TrackerOptions options;
   std::vector<Track> tracks;

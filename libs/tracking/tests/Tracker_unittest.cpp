@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/BoxOverlap.h>
+#include <dyslam/core/Error.h>
 #include <dyslam/core/StateArchive.h>
 #include <dyslam/tracking/Tracker.h>
 #include <gtest/gtest.h>
@@ -470,6 +471,15 @@ TEST(Tracker, rejectsInvalidInput)
   EXPECT_THROW((void)tracker.update(0.1, {}, Pose::Identity()), std::invalid_argument);
   EXPECT_THROW((void)tracker.update(std::numeric_limits<double>::quiet_NaN(), {}, Pose::Identity()),
                std::invalid_argument);
+}
+
+TEST(Tracker, speedsOfTheDecisionAreInOrder)
+{
+  TrackerOptions options;
+  options.static_speed = options.dynamic_speed;
+  EXPECT_NO_THROW(Tracker{options});
+  options.static_speed += 0.1;
+  EXPECT_THROW(Tracker{options}, UserError);
 }
 
 TEST(Tracker, optionsRoundTripThroughText)

@@ -23,4 +23,7 @@ namespace dyslam
 /** Whether brackets in this JSON text are nested deeper than `limit`: recursion over the parsed
  * value would overflow the stack. Does not check that the text is JSON. */
 [[nodiscard]] bool isNestedDeeper(std::string_view json, std::size_t limit = 64);
+
+/** A field of a CSV file, in quotes where needed (RFC 4180). */
+[[nodiscard]] std::string csvField(const std::string& text);
 }  // namespace dyslam
