@@ -39,7 +39,7 @@ MovingCells::MovingCells(const std::vector<Eigen::Vector3f>& points,
 
 int MovingCells::cellOf(const Eigen::Vector3f& p) const
 {
-  if (p.head<2>().norm() > static_cast<float>(options_.max_range))
+  if (!(p.head<2>().norm() <= static_cast<float>(options_.max_range)))  // nor is NaN within it
   {
     return -1;
   }

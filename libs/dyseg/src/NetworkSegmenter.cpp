@@ -95,7 +95,8 @@ struct NetworkSegmenter::Impl
   }
   /** Past::from_current of all of them, by the odometry. */
   void followOdometry(const Frame& frame, const Eigen::Vector3d& sensor);
-  /** The same by the static motion to the scan before, which is estimated. */
+  /** The same by the static motion to the scan before, which is estimated; the prior's where too
+   * few cells show it. */
   void followScans(const DysegModel::Encoded& current,
                    const Frame& frame,
                    const Eigen::Vector3d& sensor);
@@ -218,9 +219,10 @@ void NetworkSegmenter::Impl::followScans(const DysegModel::Encoded& current,
       prior_search_radius};
   last_step = model.match(current, *past.front().scan->encoded,
                           searchesAroundPrior(frame) ? &guess : nullptr);
+  const PlanarMotion& step = last_step->converged ? last_step->motion : guess.motion;
   for (Past& p : past)
   {
-    p.from_current = PlanarMotion::fromPose(p.from_current.pose() * last_step->motion.pose());
+    p.from_current = PlanarMotion::fromPose(p.from_current.pose() * step.pose());
   }
 }
 
@@ -233,8 +235,12 @@ std::vector<float> NetworkSegmenter::Impl::judge(const DysegModel::Encoded& curr
   const PlanarPrior guess{earlier.from_current, searchesAroundPrior(frame)
                                                     ? prior_search_radius
                                                     : PlanarPrior().max_error};
-  const RigidFlowFit step =
+  RigidFlowFit step =
       back == 1 && last_step ? *last_step : model.match(current, *earlier.scan->encoded, &guess);
+  if (!step.converged)
+  {
+    step.motion = earlier.from_current;
+  }
   auto result = model.segment(current, *earlier.scan->encoded, step, options.iterations);
   if (!flow)
   {

@@ -65,19 +65,24 @@ ResidualSegmenter::ResidualSegmenter(const ResidualSegmenterOptions& options, Th
 
 namespace
 {
-/** Row and column by slope and azimuth. */
+/** Row and column by slope and azimuth; a point that is not finite counts as steep. */
 Direction directionOf(const Eigen::Vector3f& p, float row_height, int columns)
 {
   const SweepModel counter_clockwise{1, M_PI};
+  Direction d;
+  if (!p.allFinite())
+  {
+    d.steep = true;
+    return d;
+  }
   const float horizontal = std::sqrt(p.x() * p.x() + p.y() * p.y());
   const float slope =
       std::clamp(p.z() / std::max(horizontal, 1e-6F), -steepest_slope, steepest_slope);
-  Direction d;
   d.range = p.norm();
   d.column = static_cast<int>(sweepFraction(p, counter_clockwise) * static_cast<float>(columns));
   d.column = std::clamp(d.column, 0, columns - 1);
   d.row = static_cast<int>(std::floor((slope + static_cast<float>(origin_slope)) / row_height));
-  d.steep = !(std::fabs(slope) < steepest_slope);  // so is a point that is not finite
+  d.steep = !(std::fabs(slope) < steepest_slope);
   return d;
 }
 }  // namespace

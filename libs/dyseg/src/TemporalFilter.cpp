@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/Scan.h>
 #include <dyslam/core/StateArchive.h>
+#include <dyslam/core/VoxelGrid.h>
 #include <dyslam/dyseg/TemporalFilter.h>
 
 #include <algorithm>
@@ -20,14 +21,10 @@ float logOdds(float probability)
   return std::log(p / (1 - p));
 }
 
-/** Packs three cell numbers of 21 bits. */
-std::uint64_t pack(const Eigen::Vector3f& cell)
+/** Key of the cell of a position in units of cells. */
+std::uint64_t cellKey(const Eigen::Vector3f& position)
 {
-  constexpr std::int64_t middle = 1 << 20;
-  constexpr std::uint64_t mask = (1U << 21U) - 1;
-  const auto part = [](float v)
-  { return static_cast<std::uint64_t>(static_cast<std::int64_t>(std::floor(v)) + middle) & mask; };
-  return (part(cell.x()) << 42U) | (part(cell.y()) << 21U) | part(cell.z());
+  return voxelKey(voxelCell(position, 1));
 }
 
 /** Lowest height of the points in columns around each point's own, vehicle frame. */
@@ -37,8 +34,8 @@ std::vector<float> lowestAround(const std::vector<Eigen::Vector3f>& points, floa
   std::unordered_map<std::uint64_t, float> lowest;
   const auto column = [&](const Eigen::Vector3f& p, int dx, int dy)
   {
-    return pack({p.x() / cell_size + static_cast<float>(dx),
-                 p.y() / cell_size + static_cast<float>(dy), 0});
+    return cellKey({p.x() / cell_size + static_cast<float>(dx),
+                    p.y() / cell_size + static_cast<float>(dy), 0});
   };
   for (const auto& p : points)
   {
@@ -95,7 +92,7 @@ void TemporalFilter::reset()
 
 std::uint64_t TemporalFilter::keyOf(const Eigen::Vector3f& point) const
 {
-  return pack(point / static_cast<float>(options_.cell_size));
+  return cellKey(point / static_cast<float>(options_.cell_size));
 }
 
 void TemporalFilter::apply(Frame& frame)

@@ -154,6 +154,28 @@ TEST(NetworkSegmenter, TheSearchIsAroundThePriorOnceTheFirstGapIsReached)
   }
 }
 
+/** A scan without points shows no motion: the vehicle moves on by the prior. */
+TEST(NetworkSegmenter, TheStaticMotionIsThePriorsWhereItCannotBeFound)
+{
+  NetworkSegmenterOptions options;
+  options.search = "global";
+  options.first_gap = 2;
+  NetworkSegmenter segmenter(options);
+  for (std::size_t i = 0; i < 3; ++i)
+  {
+    auto frame = frameOf(i == 1 ? std::vector<Eigen::Vector3f>() : street(1), i);
+    frame.prior.T_previous_current = poseFromYpr(1, 0, 0, 0, 0, 0);
+    segmenter.segment(frame);
+    EXPECT_FALSE(frame.segmenter_motion.has_value()) << i;
+    if (i == 1)
+    {
+      const auto& motion = segmenter.sceneFlow()->static_motion;
+      EXPECT_FALSE(motion.converged);
+      EXPECT_NEAR(motion.T_previous_current.translation().x(), 1, 1e-9);
+    }
+  }
+}
+
 TEST(NetworkSegmenter, ShiftedScanGivesTheShiftAndNoMovers)
 {
   NetworkSegmenter segmenter{NetworkSegmenterOptions()};

@@ -170,6 +170,36 @@ TEST(ResidualSegmenter, SameAnswerForAnyThreadCount)
   EXPECT_EQ(drive(-8, 1).found, drive(-8, 3).found);
 }
 
+TEST(ResidualSegmenter, PointsThatAreNotFiniteChangeNothing)
+{
+  ThreadPool pool(1);
+  ResidualSegmenter segmenter(ResidualSegmenterOptions(), pool);
+  ResidualSegmenter with_invalid(ResidualSegmenterOptions(), pool);
+  Frame frame;
+  Frame invalid;
+  for (int k = 0; k < 14; ++k)
+  {
+    frame = scene(poseFromYpr(0.8 * k, 0, 0, 0.01 * k, 0, 0), {12 - 0.8 * k, 4});
+    invalid = frame;
+    for (const float value :
+         {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity()})
+    {
+      invalid.cloud.points.emplace_back(value, value, value);
+      invalid.cloud.points.emplace_back(5, value, 0);
+      invalid.cloud.points.emplace_back(5, 0, value);
+    }
+    segmenter.segment(frame);
+    with_invalid.segment(invalid);
+  }
+  ASSERT_EQ(invalid.moving_probability.size(), frame.moving_probability.size() + 6);
+  for (std::size_t i = frame.moving_probability.size(); i < invalid.moving_probability.size(); ++i)
+  {
+    EXPECT_LT(invalid.moving_probability[i], 0.5F);
+  }
+  invalid.moving_probability.resize(frame.moving_probability.size());
+  EXPECT_EQ(invalid.moving_probability, frame.moving_probability);
+}
+
 TEST(ResidualSegmenter, EmptyAndSinglePointFramesAreFine)
 {
   ThreadPool pool(1);

@@ -57,6 +57,16 @@ DysegNetworkOptions optionsOf(const std::vector<double>& shape)
   }
   return o;
 }
+
+BevOptions gridOptionsOf(const std::vector<double>& grid)
+{
+  BevOptions o;
+  o.cells = static_cast<int>(grid[0]);
+  o.cell_size = grid[1];
+  o.ground_clearance = grid[2];
+  o.max_height = grid[3];
+  return o;
+}
 }  // namespace
 
 void saveDyseg(const DysegNetwork& network, const std::string& path)
@@ -83,13 +93,19 @@ DysegNetwork loadDyseg(const std::string& path)
                     ": weights of another network or version; give a dyseg.safetensors trained "
                     "with this version");
   }
+  const DysegNetworkOptions shape = optionsOf(valuesOf(file, path, "shape", 8));
   DysegNetwork network;
-  network.net = DysegNet(optionsOf(valuesOf(file, path, "shape", 8)));
-  const std::vector<double> grid = valuesOf(file, path, "grid", 4);
-  network.grid.cells = static_cast<int>(grid[0]);
-  network.grid.cell_size = grid[1];
-  network.grid.ground_clearance = grid[2];
-  network.grid.max_height = grid[3];
+  network.grid = gridOptionsOf(valuesOf(file, path, "grid", 4));
+  try
+  {
+    validate(shape, "network");
+    validate(network.grid, "grid");
+  }
+  catch (const UserError& error)
+  {
+    throw UserError(path + ": " + error.what() + "; train the network again");
+  }
+  network.net = DysegNet(shape);
   file.loadWeights("weights.", *network.net);
   return network;
 }

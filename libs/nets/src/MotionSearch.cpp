@@ -132,6 +132,10 @@ MotionSearchResult searchMotion(const OffsetWindows& windows,
       turn = k;
     }
   }
+  if (!(best[place] > 0))  // no cell votes
+  {
+    return {centre};
+  }
   const int x = place % side;
   const int y = place / side;
   const auto at = [&](int u, int v)
@@ -143,10 +147,7 @@ MotionSearchResult searchMotion(const OffsetWindows& windows,
   offset.x() += parabolaVertex(at(x - 1, y), at(x, y), at(x + 1, y));
   offset.y() += parabolaVertex(at(x, y - 1), at(x, y), at(x, y + 1));
   MotionSearchResult found;
-  if (best[place] > 0)
-  {
-    found.margin = 1 - static_cast<double>(bestElsewhere(best, side, x, y) / best[place]);
-  }
+  found.margin = 1 - static_cast<double>(bestElsewhere(best, side, x, y) / best[place]);
   PlanarMotion& motion = found.motion;
   motion = centre;
   motion.translation += static_cast<double>(windows.cell_size) * offset;

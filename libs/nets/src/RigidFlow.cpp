@@ -95,6 +95,10 @@ RigidFlowFit fitRigidFlow(const std::vector<Eigen::Vector2f>& positions,
 {
   RigidFlowFit fit;
   fit.inlier.assign(positions.size(), 1.0F);
+  if (start != nullptr)
+  {
+    fit.motion = *start;
+  }
   const auto usable = std::count_if(weights.begin(), weights.end(), [](float w) { return w > 0; });
   if (usable < 3)
   {
@@ -102,7 +106,6 @@ RigidFlowFit fitRigidFlow(const std::vector<Eigen::Vector2f>& positions,
   }
   if (start != nullptr)
   {
-    fit.motion = *start;
     updateInlierWeights(positions, flow, fit.motion, start_width, fit.inlier);
   }
   double current = start_width;

@@ -156,6 +156,7 @@ RigidFlowFit StaticMotionMatcher::refine(const PlanarMotion& initial, double sta
 {
   const Voters cells = voters();
   RigidFlowFit fit;
+  fit.motion = initial;
   if (cells.centre.empty())
   {
     return fit;

@@ -32,7 +32,8 @@ class StaticMotionMatcher
    * \param[out] margin of the search at 1/8 */
   [[nodiscard]] PlanarMotion search(const torch::Tensor& coarse_correlation, double& margin) const;
 
-  /** Refines a motion at 1/4 by repeated robust fits to the correlation's peaks.
+  /** Refines a motion at 1/4 by repeated robust fits to the correlation's peaks. Without cells that
+   * may be static it stays as it is, not converged.
    * \param start_width initial width of the robust loss [m] */
   [[nodiscard]] RigidFlowFit refine(const PlanarMotion& initial, double start_width) const;
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/Error.h>
+#include <dyslam/core/Files.h>
 #include <dyslam/core/PendingFile.h>
 #include <dyslam/nets/TensorFile.h>
 
@@ -7,8 +8,6 @@
 #include <cstdint>
 #include <cstdio>
 #include <cstring>
-#include <fstream>
-#include <iterator>
 #include <nlohmann/json.hpp>
 #include <ostream>
 #include <utility>
@@ -128,22 +127,11 @@ bool readTensor(const Json& entry, const std::string& values, torch::Tensor& ten
   std::memcpy(tensor.data_ptr(), values.data() + range[0], bytes);
   return true;
 }
-
-std::string contentOf(const std::string& path)
-{
-  std::ifstream file(path, std::ios::binary);
-  std::string content{std::istreambuf_iterator<char>(file), {}};
-  if (!file.is_open() || file.bad())
-  {
-    throw UserError(path + ": cannot be read; give a file of weights");
-  }
-  return content;
-}
 }  // namespace
 
 TensorFile::TensorFile(const std::string& path) : path_(path)
 {
-  const std::string content = contentOf(path);
+  const std::string content = readWhole(path, "give a file of weights");
   std::uint64_t length = 0;
   if (content.size() >= length_bytes)
   {

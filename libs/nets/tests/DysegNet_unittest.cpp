@@ -109,6 +109,33 @@ TEST(DysegModel, HasOneProbabilityPerPointAndHandlesEmptyScans)
   EXPECT_EQ(model.compare(*one, *some).moving_probability.size(), 1U);
 }
 
+/** Cells that far away do not vote for the static motion. */
+TEST(DysegModel, WithoutStaticCellsTheMotionIsTheGuess)
+{
+  BevOptions grid;
+  grid.cells = 640;
+  const DysegModel model(DysegNetworkOptions(), grid, 1);
+  std::vector<Eigen::Vector3f> points;
+  for (int i = 0; i < 2000; ++i)
+  {
+    const float y = 0.02F * static_cast<float>(i) - 20;
+    points.emplace_back(55.0F, y, -1.7F);
+    points.emplace_back(56.0F, y, -0.5F);
+  }
+  const auto scan = model.encode(points);
+  const auto result = model.compare(*scan, *scan);
+  EXPECT_FALSE(result.cell_centre.empty());
+  EXPECT_FALSE(result.static_flow.converged);
+  EXPECT_EQ(result.static_flow.motion.translation.norm(), 0) << "of a search: none";
+  dyslam::PlanarPrior guess;
+  guess.motion.translation = {1, 0.2};
+  guess.motion.yaw = 0.03;
+  const auto fit = model.match(*scan, *scan, &guess);
+  EXPECT_FALSE(fit.converged);
+  EXPECT_EQ(fit.motion.translation, guess.motion.translation);
+  EXPECT_EQ(fit.motion.yaw, guess.motion.yaw);
+}
+
 TEST(DysegModel, EachModelSetsItsThreads)
 {
   const int before = torch::get_num_threads();
@@ -135,6 +162,36 @@ TEST(DysegFile, RejectsFilesThatCannotBeWritten)
   dyslam::DysegNetwork network;
   network.net = dyslam::DysegNet(DysegNetworkOptions());
   EXPECT_THROW(saveDyseg(network, "/nowhere/dyseg.safetensors"), dyslam::UserError);
+}
+
+TEST(DysegFile, RejectsGridsOutOfRange)
+{
+  const auto file =
+      (std::filesystem::temp_directory_path() / "dyslam_dyseg_grid.safetensors").string();
+  dyslam::DysegNetwork network;
+  network.net = dyslam::DysegNet(DysegNetworkOptions());
+  const auto refusalOf = [&](const BevOptions& grid) -> std::string
+  {
+    network.grid = grid;
+    saveDyseg(network, file);
+    try
+    {
+      (void)dyslam::loadDyseg(file);
+    }
+    catch (const dyslam::UserError& error)
+    {
+      return error.what();
+    }
+    return "";
+  };
+  EXPECT_EQ(refusalOf(smallGrid()), "");
+  BevOptions grid = smallGrid();
+  grid.cell_size = 0;
+  EXPECT_NE(refusalOf(grid).find(file + ": [grid] cell_size"), std::string::npos);
+  grid = smallGrid();
+  grid.cells = 100;
+  EXPECT_NE(refusalOf(grid).find(file + ": [grid] cells"), std::string::npos);
+  std::filesystem::remove(file);
 }
 
 TEST(DysegFile, RoundTripsWeightsAndRejectsOtherFiles)

@@ -109,11 +109,16 @@ TEST(MotionSearchResult, MarginMeasuresAmbiguity)
   EXPECT_GT(cells.voted(PlanarMotion()).margin, 0.15);
 }
 
-TEST(MotionSearchResult, WithoutCellsTheMotionIsFinite)
+TEST(MotionSearchResult, WithoutVotesTheMotionIsTheCentre)
 {
   Cells cells;
-  const auto found = cells.vote(motionOf(1, 0, 0.1));
-  EXPECT_TRUE(found.translation.allFinite());
-  EXPECT_TRUE(std::isfinite(found.yaw));
+  const auto centre = motionOf(1, 0, 0.1);
+  for (int i = 0; i < 2; ++i)
+  {
+    const auto found = cells.vote(centre);
+    EXPECT_EQ(found.translation, centre.translation) << i << " cells";
+    EXPECT_EQ(found.yaw, centre.yaw) << i << " cells";
+    cells.add(motionOf(-3.2, 0, 0), false, 0);
+  }
 }
 }  // namespace

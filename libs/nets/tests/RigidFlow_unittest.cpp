@@ -117,6 +117,15 @@ TEST(RigidFlow, DoesNotConvergeWithTooFewVectors)
   EXPECT_FALSE(fitRigidFlow(three, three, {0, 0, 0}).converged);
 }
 
+TEST(RigidFlow, StaysAtTheStartWithTooFewVectors)
+{
+  const auto start = someMotion();
+  const auto fit = fitRigidFlow({{1, 1}, {5, 2}}, {{0, 0}, {0, 0}}, {1, 1}, 0.15, 2, &start);
+  EXPECT_FALSE(fit.converged);
+  EXPECT_EQ(fit.motion.translation, start.translation);
+  EXPECT_EQ(fit.motion.yaw, start.yaw);
+}
+
 TEST(RigidFlow, PlanarMotionRoundTripsThroughPose)
 {
   const auto m = PlanarMotion::fromPose(someMotion().pose());

@@ -96,7 +96,6 @@ MotionEstimate DyloOdometry::align(const Pose& T_reference_current_guess)
   const DyloMatch match =
       matcher_.match(start, referenceIsPrevious(), has_prior ? &prior : nullptr);
   MotionEstimate estimate;
-  estimate.information.setZero();
   estimate.T_previous_current =
       orthonormalized(T_vehicle_lidar_ * match.T_reference_current * T_lidar_vehicle);
   estimate.iterations = 1;

@@ -76,8 +76,6 @@ std::string GicpOdometry::extract(const Frame& frame)
 
 MotionEstimate GicpOdometry::align(const Pose& T_reference_current_guess)
 {
-  MotionEstimate estimate;
-  estimate.information.setZero();
   pcl::GeneralizedIterativeClosestPoint<pcl::PointXYZ, pcl::PointXYZ> gicp;
   gicp.setMaximumIterations(options_.max_iterations);
   gicp.setMaxCorrespondenceDistance(options_.max_distance);
@@ -91,13 +89,14 @@ MotionEstimate GicpOdometry::align(const Pose& T_reference_current_guess)
   }
   catch (const pcl::PCLException& e)
   {
-    estimate.reason = std::string("PCL: ") + e.what();
-    return estimate;
+    MotionEstimate failed;
+    failed.information.setZero();
+    failed.reason = std::string("PCL: ") + e.what();
+    return failed;
   }
   Pose T;
   T.matrix() = gicp.getFinalTransformation().cast<double>();
   T = orthonormalized(T);
-  estimate.T_previous_current = T;
 
   // PCL gives no information: point-to-plane rows at the result.
   const std::size_t step = std::max<std::size_t>(1, points_.size() / information_points);
@@ -130,18 +129,15 @@ MotionEstimate GicpOdometry::align(const Pose& T_reference_current_guess)
   PoseGaussNewtonSettings settings;
   settings.max_iterations = 1;
   settings.start_gate = settings.end_gate = options_.max_distance;
-  const MotionEstimate rows =
+  MotionEstimate estimate =
       toMotionEstimate(poseGaussNewton(points_.size() / step, match, T, settings, pool_),
                        options_.points_per_measurement / static_cast<double>(step));
-  estimate.information = rows.information;
-  estimate.inliers = rows.inliers;
-  estimate.rmse = rows.rmse;
-  estimate.iterations = 1;
-  estimate.converged =
-      gicp.hasConverged() && T.matrix().allFinite() && rows.inliers >= settings.min_inliers;
-  if (!estimate.converged)
+  estimate.T_previous_current = T;
+  const bool enough = estimate.inliers >= settings.min_inliers;
+  estimate.converged = gicp.hasConverged() && T.matrix().allFinite() && enough;
+  if (enough)
   {
-    estimate.reason = rows.inliers < settings.min_inliers ? rows.reason : "PCL did not converge";
+    estimate.reason = estimate.converged ? "" : "PCL did not converge";
   }
   return estimate;
 }

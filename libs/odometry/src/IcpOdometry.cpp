@@ -11,24 +11,39 @@ namespace
 {
 /** Neighbourhoods less flat than this have no plane. */
 constexpr float least_planarity = 0.2F;
+
+void describeCorrespondences(IcpOptions& o, OptionsVisitor& v)
+{
+  v.real("sample_size", o.sample_size, 0.05, 10, "source points: one per cube of this side [m]");
+  v.real("reference_size", o.reference_size, 0.05, 10,
+         "reference points: one per cube of this side [m]");
+  v.real("max_distance", o.max_distance, 0.01, 100,
+         "largest distance of correspondences, at the start [m]");
+  v.real("end_distance", o.end_distance, 0.01, 100,
+         "largest distance of correspondences, at the end [m]");
+}
+
+void describeIterations(IcpOptions& o, OptionsVisitor& v)
+{
+  v.integer("max_iterations", o.max_iterations, 1, 500, "most iterations");
+  v.real("points_per_measurement", o.points_per_measurement, 1, 1e6,
+         "points that count as one measurement");
+}
 }  // namespace
 
 void IcpOptions::describe(OptionsVisitor& v)
 {
-  v.real("sample_size", sample_size, 0.05, 10, "source points: one per cube of this side [m]");
-  v.real("reference_size", reference_size, 0.05, 10,
-         "reference points: one per cube of this side [m]");
-  v.real("max_distance", max_distance, 0.01, 100,
-         "largest distance of correspondences, at the start [m]");
-  v.real("end_distance", end_distance, 0.01, 100,
-         "largest distance of correspondences, at the end [m]");
+  describeCorrespondences(*this, v);
   v.real("loss_width", loss_width, 0.001, 10, "of the robust loss [m]");
-  v.integer("neighbours", neighbours, 3, 100,
-            "neighbours of a point for its normal (point to plane)");
+  v.integer("neighbours", neighbours, 3, 100, "neighbours of a point for its normal");
   v.real("normal_radius", normal_radius, 0.01, 10, "radius of the neighbourhood of a normal [m]");
-  v.integer("max_iterations", max_iterations, 1, 500, "most iterations");
-  v.real("points_per_measurement", points_per_measurement, 1, 1e6,
-         "points that count as one measurement");
+  describeIterations(*this, v);
+}
+
+void IcpPointToPointOptions::describe(OptionsVisitor& v)
+{
+  describeCorrespondences(*this, v);
+  describeIterations(*this, v);
 }
 
 std::string IcpOdometry::extract(const Frame& frame)

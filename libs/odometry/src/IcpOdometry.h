@@ -8,15 +8,15 @@
 
 namespace dyslam
 {
-/** Ini sections `[icp_po2po]` and `[icp_po2pl]`. */
+/** Ini section `[icp_po2pl]`. */
 struct IcpOptions : Options
 {
   double sample_size = 0.6;      //!< source points: one per cube of this side [m]
   double reference_size = 0.25;  //!< reference points: one per cube of this side [m]
   double max_distance = 1.5;     //!< largest distance of correspondences, at the start [m]
   double end_distance = 0.4;     //!< ... and at the end [m]
-  double loss_width = 0.1;       //!< of the robust loss [m]
-  int neighbours = 10;           //!< for normals (point to plane)
+  double loss_width = 0.1;       //!< of the robust loss, point to plane only [m]
+  int neighbours = 10;           //!< for normals, point to plane only
   double normal_radius = 1.0;    //!< ... and within [m]
   int max_iterations = 40;
   double points_per_measurement = 50;  //!< points that count as one measurement
@@ -24,10 +24,13 @@ struct IcpOptions : Options
   void describe(OptionsVisitor& visitor) override;
 };
 
-/** Point-to-point residuals include the spacing of the samples: each has less information. */
+/** Ini section `[icp_po2po]`. Point-to-point residuals include the spacing of the samples: each has
+ * less information, and the robust loss is as wide as correspondences may be apart. */
 struct IcpPointToPointOptions : IcpOptions
 {
   IcpPointToPointOptions() { points_per_measurement = 5000; }
+
+  void describe(OptionsVisitor& visitor) override;
 };
 
 /** Scan-to-scan ICP, point to point or point to plane, with exact nearest neighbours. */

@@ -9,7 +9,7 @@
 
 namespace dyslam
 {
-/** Ini sections `[loam]` and `[loam_no_mapping]`. */
+/** Ini section `[loam]`. */
 struct LoamOptions : Options
 {
   double edge_curvature = 0.02;    //!< least curvature of an edge point (1)
@@ -19,14 +19,21 @@ struct LoamOptions : Options
   int planes = 8;                  //!< flattest points per sixth of a ring, registered
   double plane_size = 0.3;  //!< plane points of the reference scan: one per cube of this side [m]
   double max_distance = 2;  //!< largest distance of correspondences between scans, at the start [m]
-  double end_distance = 0.7;  //!< ... and at the end, and to the map [m]
+  double end_distance = 0.7;  //!< ... and at the end [m]
   double loss_width = 0.1;    //!< of the robust loss [m]
   int max_iterations = 30;
+  double map_distance = 1;             //!< largest distance of correspondences to the map [m]
   double map_edge_size = 0.3;          //!< spacing of the map's edges [m]
   double map_plane_size = 0.5;         //!< ... and plane points [m]
   double map_radius = 80;              //!< farther points are dropped [m]
   double points_per_measurement = 20;  //!< points that count as one measurement
 
+  void describe(OptionsVisitor& visitor) override;
+};
+
+/** Ini section `[loam_no_mapping]`: those of the scans alone. */
+struct LoamNoMappingOptions : LoamOptions
+{
   void describe(OptionsVisitor& visitor) override;
 };
 

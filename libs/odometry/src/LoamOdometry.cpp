@@ -5,7 +5,6 @@
 #include <dyslam/core/StateArchive.h>
 
 #include <Eigen/Eigenvalues>
-#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 
@@ -110,12 +109,13 @@ std::string LoamOdometry::extract(const Frame& frame)
 
 MotionEstimate LoamOdometry::alignFeatures(const RowMatcher& match,
                                            const Pose& T_guess,
-                                           double start_gate)
+                                           double start_gate,
+                                           double end_gate)
 {
   PoseGaussNewtonSettings settings;
   settings.max_iterations = options_.max_iterations;
   settings.start_gate = start_gate;
-  settings.end_gate = options_.end_distance;
+  settings.end_gate = end_gate;
   const std::size_t count = features_.edges.size() + features_.planes.size();
   return toMotionEstimate(poseGaussNewton(count, match, T_guess, settings, pool_),
                           options_.points_per_measurement);
@@ -203,7 +203,7 @@ MotionEstimate LoamOdometry::toScan(const Pose& T_guess)
       }
     }
   };
-  return alignFeatures(match, T_guess, options_.max_distance);
+  return alignFeatures(match, T_guess, options_.max_distance, options_.end_distance);
 }
 
 MotionEstimate LoamOdometry::toMap(const Pose& T_guess)
@@ -221,7 +221,7 @@ MotionEstimate LoamOdometry::toMap(const Pose& T_guess)
       const Target& target = on_edge ? edge_map_.target : plane_map_.target;
       const Eigen::Vector3d p = f.p.cast<double>();
       const Eigen::Vector3f q = (T * p).cast<float>();
-      target.tree.nearest(q, 5, found, static_cast<float>(std::max(gate, 1.0)));
+      target.tree.nearest(q, 5, found, static_cast<float>(gate));
       if (found.size() < 5)
       {
         continue;
@@ -256,7 +256,7 @@ MotionEstimate LoamOdometry::toMap(const Pose& T_guess)
       }
     }
   };
-  return alignFeatures(match, T_guess, options_.end_distance);
+  return alignFeatures(match, T_guess, options_.map_distance, options_.map_distance);
 }
 
 MotionEstimate LoamOdometry::align(const Pose& T_reference_current_guess)

@@ -59,11 +59,12 @@ class LoamOdometry final : public ScanToScan
                    std::vector<Neighbour>& found) const;
   [[nodiscard]] MotionEstimate toScan(const Pose& T_guess);
   [[nodiscard]] MotionEstimate toMap(const Pose& T_guess);
-  /** Registers all features. \param start_gate largest distance of correspondences at the start
-   * [m] */
+  /** Registers all features. \param start_gate, end_gate largest distance of correspondences at the
+   * start and at the end [m] */
   [[nodiscard]] MotionEstimate alignFeatures(const RowMatcher& match,
                                              const Pose& T_guess,
-                                             double start_gate);
+                                             double start_gate,
+                                             double end_gate);
 
   bool mapping_;
   LoamOptions options_;

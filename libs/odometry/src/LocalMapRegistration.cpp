@@ -110,7 +110,9 @@ struct LocalMapRegistration::State
   ScanToMapResult alignCoarseToFine(const Pose& T_guess, int coarseness);
   ScanToMapResult align(const Pose& T_guess, double guess_error);
   ScanToMapResult alignSecond(const Pose& T_guess, double guess_error, double dt);
-  void fail(RegistrationResult& result);
+  /** The map of the first frame anew, deskewed by the motion of its sweep. */
+  void rebuildFromFirst(const Pose& T_sweep);
+  void fail(const ScanToMapResult& found, RegistrationResult& result);
   void succeed(const Pose& T_guess, const ScanToMapResult& found, RegistrationResult& result);
   void add(const std::vector<Eigen::Vector3f>& points, const Pose& T);
   /** Starts adding the current frame to the map in a thread beside the caller, if the pool has more
@@ -198,7 +200,7 @@ void LocalMapRegistration::State::computeCovariances()
   {
     return;
   }
-  SurfaceMap own(options.cell_size, options.max_points_per_cell, pool);
+  SurfaceMap own(cell_size, options.max_points_per_cell, pool);
   own.add(points.deskewed, points.scan.weight, Pose::Identity());
   covariances.resize(points.sample.size());
   pool.forChunks(covariances.size(), 512,
@@ -278,6 +280,14 @@ ScanToMapResult LocalMapRegistration::State::align(const Pose& T_guess, double g
   return result;
 }
 
+void LocalMapRegistration::State::rebuildFromFirst(const Pose& T_sweep)
+{
+  std::vector<Eigen::Vector3f> deskewed;
+  first.deskewed(T_sweep, pool, deskewed);
+  map.clear();
+  map.add(deskewed, first.weight, T_odom_first);
+}
+
 /** The motion to the second frame also deskews the first: both are corrected in turn. */
 ScanToMapResult LocalMapRegistration::State::alignSecond(const Pose& T_guess,
                                                          double guess_error,
@@ -289,12 +299,9 @@ ScanToMapResult LocalMapRegistration::State::alignSecond(const Pose& T_guess,
     return result;
   }
   first.rescalePhase(dt);
-  std::vector<Eigen::Vector3f> deskewed;
   for (int round = 0; round < 2; ++round)
   {
-    first.deskewed(T_odom_previous.inverse() * result.T, pool, deskewed);
-    map.clear();
-    map.add(deskewed, first.weight, T_odom_first);
+    rebuildFromFirst(T_odom_previous.inverse() * result.T);
     const int iterations = result.iterations;
     result = registration.align(points.sample, covariances, map, T_odom_previous, result.T,
                                 settings(options.max_loss_width));
@@ -303,11 +310,20 @@ ScanToMapResult LocalMapRegistration::State::alignSecond(const Pose& T_guess,
   return result;
 }
 
-void LocalMapRegistration::State::fail(RegistrationResult& result)
+void LocalMapRegistration::State::fail(const ScanToMapResult& found, RegistrationResult& result)
 {
+  if (frames == 1 && !first.phase.empty())
+  {
+    // The rejected motion has deskewed it.
+    rebuildFromFirst(result.motion.T_previous_current);
+  }
   // Values are rounded down, so that none reads as its limit.
   char text[240];
-  if (result.surface_share < options.min_surface_share)
+  if (!found.finite)
+  {
+    std::snprintf(text, sizeof text, "the registration has no finite solution");
+  }
+  else if (result.surface_share < options.min_surface_share)
   {
     std::snprintf(text, sizeof text,
                   "%.0f %% of the points have a surface in the local map, the limit is %g %% "
@@ -460,10 +476,11 @@ RegistrationResult LocalMapRegistration::registerFrame(const Frame& frame,
   result.motion.inliers = found.inliers;
   result.motion.rmse = found.rmse;
   result.loss_width = s.settings(guess_error).start_loss_width;
-  if (found.inliers < min_inliers || found.surface_share < s.options.min_surface_share ||
+  if (!found.finite || found.inliers < min_inliers ||
+      found.surface_share < s.options.min_surface_share ||
       found.inlier_ratio < s.options.min_inlier_ratio)
   {
-    s.fail(result);
+    s.fail(found, result);
   }
   else
   {

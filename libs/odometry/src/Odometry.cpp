@@ -268,6 +268,10 @@ void Odometry::State::takeMatcherMotion(Frame& frame, const Pose& T_guess)
   frame.motion = frame.odometry;
   uncertainty.calibrateMatch(frame.dt, frame.prior.information, frame.motion);
   frame.T_odom_vehicle = orthonormalized(T_odom_previous * T_guess);
+  if (after_gap)
+  {
+    return;
+  }
   if (!matcher->usesPrior())
   {
     filter.follow(frame.dt, T_guess);

@@ -63,7 +63,7 @@ Registry<ScanMatcher> matchers()
        { return icp(c.get<IcpOptions>("icp_po2pl"), Residual::point_to_plane); }},
       {"gicp", [](ConfigLoader& c) { return gicp(c.get<GicpOptions>("gicp")); }},
       {"loam_no_mapping",
-       [](ConfigLoader& c) { return loam(c.get<LoamOptions>("loam_no_mapping"), false); }},
+       [](ConfigLoader& c) { return loam(c.get<LoamNoMappingOptions>("loam_no_mapping"), false); }},
       {"loam", [](ConfigLoader& c) { return loam(c.get<LoamOptions>("loam"), true); }},
       {"dylo", [](ConfigLoader& c) { return dylo(c.get<DyloOptions>("dylo")); }},
   });

@@ -213,6 +213,8 @@ ScanToMapResult ScanToMap::align(const RawPoints& scan,
     const Vector6 step = -(H + 1e-9 * Matrix6::Identity()).ldlt().solve(g);
     if (!step.allFinite())
     {
+      result.converged = false;
+      result.finite = false;
       break;
     }
     result.T = orthonormalized(result.T * expSE3(step));

@@ -39,6 +39,7 @@ struct ScanToMapResult
   double rmse = 0;           //!< of the inliers [m]
   Vector6 prior_weight = Vector6::Ones();  //!< final robust weight of the prior
   bool converged = false;
+  bool finite = true;  //!< false after a step that was not: T is of the iteration before
 };
 
 /** Robust Gauss-Newton of one scan against a SurfacePyramid; keeps its working memory. */

@@ -5,7 +5,9 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Eigenvalues>
+#include <cstdint>
 #include <cstdio>
+#include <limits>
 #include <optional>
 #include <stdexcept>
 
@@ -296,6 +298,47 @@ TEST_P(Registration, ARejectedScanHasItsRatioAndTheLimit)
   }
 }
 
+/** The rejected motion has deskewed the first frame. */
+TEST_P(Registration, ARejectedSecondFrameLeavesTheMapAsItWas)
+{
+  RefineOptions o = options();
+  o.min_inlier_ratio = 1;
+  const std::vector<Pose> poses = drive(2);
+  const Preprocessor preprocessor(PreprocessOptions(), pool_);
+  LocalMapRegistration registration(o, pool_);
+  std::vector<Eigen::Vector3f> map_before;
+  for (std::size_t i = 0; i < poses.size(); ++i)
+  {
+    Frame frame;
+    frame.scan = scene_.scan(poses[i], 0.01, static_cast<unsigned>(i + 1), poses[1]);
+    frame.cloud = preprocessor.prepare(frame.scan, Pose::Identity(), 0.1);
+    const RegistrationResult result = step(registration, frame, Pose::Identity());
+    EXPECT_EQ(result.motion.converged, i == 0);
+    EXPECT_TRUE(result.T_odom_vehicle.isApprox(Pose::Identity()));
+    map_before = i == 0 ? registration.mapPoints() : map_before;
+  }
+  EXPECT_FALSE(map_before.empty());
+  EXPECT_EQ(registration.framesInMap(), 1);
+  EXPECT_EQ(registration.mapPoints(), map_before);
+}
+
+TEST_P(Registration, ASolutionThatIsNotFiniteIsRejected)
+{
+  LocalMapRegistration registration(options(), pool_);
+  step(registration, scene_.frame(Pose::Identity(), 0.01, 1), Pose::Identity());
+  const Frame frame = scene_.frame(poseFromYpr(0.05, 0, 0, 0, 0, 0), 0.01, 2);
+  MotionPrior prior;
+  prior.information.setConstant(std::numeric_limits<double>::quiet_NaN());
+  const RegistrationResult result =
+      registration.registerFrame(frame, Pose::Identity(), &prior, 0.1);
+  registration.integrate(frame);
+  EXPECT_FALSE(result.motion.converged);
+  EXPECT_EQ(result.motion.reason, "the registration has no finite solution");
+  EXPECT_TRUE(result.T_odom_vehicle.isApprox(Pose::Identity()));
+  EXPECT_EQ(registration.framesInMap(), 1) << "it is not added";
+  EXPECT_TRUE(step(registration, frame, Pose::Identity(), 0.1).motion.converged);
+}
+
 /** Every n-th of the scene's 32 rings. */
 Frame everyRing(int n, Frame frame)
 {
@@ -338,6 +381,39 @@ TEST_P(Registration, TheGateSeparatesFewSurfacesFromABadFit)
   const RegistrationResult in_levels = registerEvery(5, 4);
   EXPECT_TRUE(in_levels.motion.converged) << in_levels.motion.reason;
   EXPECT_LT((T.inverse() * in_levels.T_odom_vehicle).translation().norm(), 0.03);
+}
+
+/** With sparse rings the spacing of the rings determines the cells, of the scan's own surfaces too,
+ * not the option. */
+TEST_P(Registration, CellsAreAsLargeAsSparseRingsRequire)
+{
+  const auto seenBySparseRings = [&](const Pose& T, unsigned seed)
+  {
+    constexpr int n = 3;
+    Frame frame = everyRing(n, scene_.frame(T, 0.01, seed));
+    for (std::size_t i = 0; i < frame.scan.size(); ++i)
+    {
+      const int ring = frame.scan.ring[i];
+      frame.scan.ring[i] = static_cast<std::uint16_t>(ring / n);
+      if (ring % n != 0)
+      {
+        frame.scan.points[i].setZero();
+      }
+    }
+    return frame;
+  };
+  const Pose T = poseFromYpr(0.1, 0.02, 0, 0.005, 0, 0);
+  const auto poseWith = [&](double cell_size)
+  {
+    RefineOptions o = options();
+    o.cell_size = cell_size;
+    LocalMapRegistration registration(o, pool_);
+    step(registration, seenBySparseRings(Pose::Identity(), 1), Pose::Identity());
+    return step(registration, seenBySparseRings(T, 2), Pose::Identity(), 0.1).T_odom_vehicle;
+  };
+  const Pose found = poseWith(0.3);
+  EXPECT_LT((T.inverse() * found).translation().norm(), 0.08) << "registered";
+  EXPECT_EQ(found.matrix(), poseWith(0.6).matrix());
 }
 
 TEST_P(Registration, MovingPointsCanGetNoWeight)

@@ -183,6 +183,30 @@ TEST_F(Fusion, WithoutRegistrationTheMatchersMotionIsTheMotion)
   EXPECT_TRUE(next(Pose::Identity()).prior.T_previous_current.isApprox(step, 1e-9));
 }
 
+TEST_F(Fusion, WithoutRegistrationAGapKeepsTheVelocity)
+{
+  for (const bool uses_prior : {false, true})
+  {
+    script_ = Script();
+    script_.uses_prior = uses_prior;
+    script_.converged = false;
+    start({"refine.method=none", "odometry.start_speed=8"});
+    const auto predicted = [this]
+    {
+      Frame frame = next(Pose::Identity());
+      odometry_->settleTime(frame, [](const Pose&, double) { return Cloud(); });
+      return estimate(frame).prior.T_previous_current.translation().x();
+    };
+    for (int i = 0; i < 8; ++i)
+    {
+      (void)predicted();
+    }
+    count_ += 50;  // scans are missing
+    EXPECT_NEAR(predicted(), 16, 1e-6) << "for 2 s at most";
+    EXPECT_NEAR(predicted(), 8 * scan_period, 1e-6);
+  }
+}
+
 /** A segmenter with ego-motion from the appearance prior. */
 class SegmenterMotion : public Fusion
 {

@@ -93,6 +93,38 @@ INSTANTIATE_TEST_SUITE_P(Gaps,
                                          Event{0, 36000, 0, 0, ""},
                                          Event{0, 5, 0, 0, ""}));
 
+/** The motion over a gap is predicted for a part of it and does not show the velocity. */
+TEST(Gaps, TheVelocityIsKeptWithoutRegistration)
+{
+  ThreadPool pool(1);
+  mrpt::system::CTimeLogger times(false);
+  Config config;
+  config.set("odometry.method=constant_velocity");
+  config.set("odometry.start_speed=8");
+  config.set("refine.method=none");
+  ConfigLoader loader(config);
+  Odometry odometry(loader, pool, times);
+  const auto predicted = [&odometry](double stamp)
+  {
+    Frame frame;
+    frame.scan.stamp = stamp;
+    odometry.predict(frame);
+    odometry.settleTime(frame, [](const Pose&, double) { return Cloud(); });
+    odometry.estimate(frame);
+    odometry.integrate(frame);
+    return frame.prior.T_previous_current.translation().x();
+  };
+  double stamp = 100;
+  for (std::size_t i = 0; i < before; ++i)
+  {
+    (void)predicted(stamp);
+    stamp += period;
+  }
+  stamp += 5;
+  EXPECT_NEAR(predicted(stamp), 8 * ScanClock::max_extrapolation, 1e-6);
+  EXPECT_NEAR(predicted(stamp + period), 8 * period, 1e-6);
+}
+
 /** A sweep lasts one period, also after scans that are missing. */
 TEST(ScanClock, SweepsLastAsLongAsTheSensorTurns)
 {

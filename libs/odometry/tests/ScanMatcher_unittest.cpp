@@ -314,5 +314,58 @@ TEST(MakeScanMatcher, SectionsOfOtherMethodsAreKnown)
   ConfigLoader wrong(config);
   EXPECT_THROW(makeScanMatcher("icp_po2po", wrong, pool), UserError);
 }
+
+/** Methods that share an implementation have only the options that they use. */
+TEST(MakeScanMatcher, OptionsWithoutEffectAreRefused)
+{
+  ThreadPool pool(1);
+  const auto isAccepted = [&](const std::string& setting)
+  {
+    Config config;
+    config.set(setting);
+    ConfigLoader loader(config);
+    try
+    {
+      (void)makeScanMatcher("zero_motion", loader, pool);
+    }
+    catch (const UserError&)
+    {
+      return false;
+    }
+    return true;
+  };
+  for (const std::string option : {"loss_width=0.2", "neighbours=12", "normal_radius=0.8"})
+  {
+    EXPECT_TRUE(isAccepted("icp_po2pl." + option)) << option;
+    EXPECT_FALSE(isAccepted("icp_po2po." + option)) << option;
+  }
+  for (const std::string option :
+       {"map_distance=0.5", "map_edge_size=0.2", "map_plane_size=0.4", "map_radius=50"})
+  {
+    EXPECT_TRUE(isAccepted("loam." + option)) << option;
+    EXPECT_FALSE(isAccepted("loam_no_mapping." + option)) << option;
+  }
+}
+
+/** Without correspondences in the map the motion is that between the scans. */
+TEST(Loam, TheMapIsSearchedAsFarAsItsDistance)
+{
+  const test::StreetScene scene;
+  ThreadPool pool(2);
+  const Pose T = poseFromYpr(0.6, 0.05, 0.01, 1.5 * test::degree, 0, 0);
+  const auto motionBy = [&](const std::string& method, const std::string& map_distance)
+  {
+    Config config;
+    config.set("loam.map_distance=" + map_distance);
+    ConfigLoader loader(config);
+    const auto matcher = makeScanMatcher(method, loader, pool);
+    (void)matchFrom(*matcher, scene.frame(Pose::Identity(), 0.01, 1), Pose::Identity());
+    return matchFrom(*matcher, scene.frame(T, 0.01, 2), Pose::Identity())
+        .T_previous_current.matrix();
+  };
+  const auto between_scans = motionBy("loam_no_mapping", "1");
+  EXPECT_EQ(motionBy("loam", "0.01"), between_scans);
+  EXPECT_NE(motionBy("loam", "1"), between_scans);
+}
 }  // namespace
 }  // namespace dyslam

@@ -4,6 +4,8 @@
 #include <dyslam/odometry/LocalMapRegistration.h>
 #include <gtest/gtest.h>
 
+#include <limits>
+
 #include "TestScene.h"
 
 namespace dyslam
@@ -64,6 +66,18 @@ TEST_P(ScanToMapTest, AStrongGuessIsKept)
   const ScanToMapResult result =
       registration.align(scan_, shapes_, map_, Pose::Identity(), Pose::Identity(), settings_);
   EXPECT_LT(result.T.translation().norm(), 1e-3);
+}
+
+TEST_P(ScanToMapTest, AStepThatIsNotFiniteIsReported)
+{
+  ScanToMap registration(pool_);
+  EXPECT_TRUE(registration.align(scan_, shapes_, map_, Pose::Identity(), T_, settings_).finite);
+  settings_.prior_information.setConstant(std::numeric_limits<double>::quiet_NaN());
+  const ScanToMapResult result =
+      registration.align(scan_, shapes_, map_, Pose::Identity(), T_, settings_);
+  EXPECT_FALSE(result.finite);
+  EXPECT_FALSE(result.converged);
+  EXPECT_EQ(result.T.matrix(), T_.matrix());
 }
 
 TEST_P(ScanToMapTest, LevelGroundCountsWithinItsShare)

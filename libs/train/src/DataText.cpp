@@ -53,20 +53,38 @@ int wholeNumberOf(const std::string& text)
   return number;
 }
 
-void beginLog(const std::string& file, const std::string& header, long long last_step)
+long long beginLog(const std::string& file, const std::string& header, long long last_step)
 {
+  long long last_kept = -1;
   std::string kept = header + '\n';
   std::ifstream before(file);
   std::string line;
   for (bool first = true; std::getline(before, line); first = false)
   {
-    if (!first && std::atoll(line.c_str()) <= last_step)
+    const long long step = std::atoll(line.c_str());
+    if (!first && step <= last_step)
     {
       kept += line + '\n';
+      last_kept = step;
     }
   }
   before.close();
   writeWhole(file, kept);
+  return last_kept;
+}
+
+void appendRows(const std::string& file, const std::vector<std::string>& rows)
+{
+  std::ofstream csv(file, std::ios::app);
+  for (const std::string& row : rows)
+  {
+    csv << row << '\n';
+  }
+  csv.close();
+  if (!csv)
+  {
+    throw UserError(file + ": cannot be written; check the disk and that the file may be changed");
+  }
 }
 
 std::string dataFolder(const std::string& folder, const std::string& field)

@@ -20,8 +20,8 @@
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
-#include <fstream>
 #include <limits>
+#include <sstream>
 
 #include "DyloTrainOptions.h"
 #include "DyloValidation.h"
@@ -152,7 +152,8 @@ class Trainer
   void startFrom(const std::string& path);
   void validate();
   DyloLossImpl::Terms trainPair(std::uint64_t index);
-  void log(const DyloLossImpl::Terms& terms, double gradient);
+  /** \param pairs those of the step. */
+  void log(const std::vector<DyloLossImpl::Terms>& pairs, double gradient);
 
   const DyloTrainRequest& request_;
   TrainOptions options_;
@@ -266,6 +267,11 @@ DyloLossImpl::Terms Trainer::trainPair(std::uint64_t index)
   DyloLossImpl::Terms terms =
       loss_->forward(stages, scan1, PoseTensors::from(pair.T_2_1, options), labels);
   (terms.total / options_.batch).backward();
+  for (torch::Tensor* term :
+       {&terms.total, &terms.pose, &terms.flow, &terms.precision, &terms.moving, &terms.final_pose})
+  {
+    *term = term->detach();  // the graph is not needed for the log
+  }
   return terms;
 }
 
@@ -301,24 +307,15 @@ void Trainer::run()
       static_cast<torch::optim::AdamOptions&>(group.options()).lr(rate);
     }
     optimizer_->zero_grad();
-    DyloLossImpl::Terms terms;
+    std::vector<DyloLossImpl::Terms> pairs;
     for (int b = 0; b < options_.batch; ++b)
     {
-      terms = trainPair(static_cast<std::uint64_t>(step_ * options_.batch + b));
+      pairs.push_back(trainPair(static_cast<std::uint64_t>(step_ * options_.batch + b)));
     }
-    std::vector<torch::Tensor> parameters;
-    for (auto& group : optimizer_->param_groups())
-    {
-      parameters.insert(parameters.end(), group.params().begin(), group.params().end());
-    }
-    const double gradient = torch::nn::utils::clip_grad_norm_(parameters, options_.clip);
-    if (std::isfinite(gradient))
-    {
-      optimizer_->step();
-    }
+    const double gradient = clippedStep(*optimizer_, options_.clip);
     updateMean(*mean_, *network_, step_, options_.mean_decay);
     ++step_;
-    log(terms, gradient);
+    log(pairs, gradient);
     if (step_ % options_.validate_every == 0)
     {
       validate();
@@ -335,27 +332,46 @@ void Trainer::run()
   }
 }
 
-void Trainer::log(const DyloLossImpl::Terms& terms, double gradient)
+void Trainer::log(const std::vector<DyloLossImpl::Terms>& pairs, double gradient)
 {
   if (step_ % options_.report_every != 0)
   {
     return;
   }
-  std::ofstream csv(request_.output + "/log.csv", std::ios::app);
-  csv << step_ << ',' << options_.rate.rateAt(step_ - 1, options_.steps) << ','
-      << terms.total.item<double>() << ',' << terms.pose.item<double>() << ','
-      << terms.flow.item<double>() << ',' << terms.precision.item<double>() << ','
-      << terms.moving.item<double>() << ',' << terms.final_pose.item<double>() << ',' << gradient
-      << ',' << terms.translation_error.front() << ',' << terms.translation_error.back() << '\n';
+  using Terms = DyloLossImpl::Terms;
+  const auto count = static_cast<double>(pairs.size());
+  const auto mean = [&](torch::Tensor Terms::*term)
+  {
+    double sum = 0;
+    for (const Terms& pair : pairs)
+    {
+      sum += (pair.*term).item<double>();
+    }
+    return sum / count;
+  };
+  double first_error = 0;
+  double last_error = 0;
+  for (const Terms& pair : pairs)
+  {
+    first_error += pair.translation_error.front() / count;
+    last_error += pair.translation_error.back() / count;
+  }
+  const double loss = mean(&Terms::total);
+  std::ostringstream row;
+  row << step_ << ',' << options_.rate.rateAt(step_ - 1, options_.steps) << ',' << loss << ','
+      << mean(&Terms::pose) << ',' << mean(&Terms::flow) << ',' << mean(&Terms::precision) << ','
+      << mean(&Terms::moving) << ',' << mean(&Terms::final_pose) << ',' << gradient << ','
+      << first_error << ',' << last_error;
+  appendRows(request_.output + "/log.csv", {row.str()});
   const auto done = static_cast<double>(step_ - first_step_);
   const double per_step = secondsSince(begin_) / done;
   char line[240];
   std::snprintf(line, sizeof line,
                 "step %lld/%d  loss %.3f  t %.3f -> %.4f m  |g| %.2f  %.0f ms/pair (data %.0f)  "
                 "%.0f min left",
-                static_cast<long long>(step_), options_.steps, terms.total.item<double>(),
-                terms.translation_error.front(), terms.translation_error.back(), gradient,
-                1e3 * per_step / options_.batch, 1e3 * data_seconds_ / done / options_.batch,
+                static_cast<long long>(step_), options_.steps, loss, first_error, last_error,
+                gradient, 1e3 * per_step / options_.batch,
+                1e3 * data_seconds_ / done / options_.batch,
                 per_step * static_cast<double>(options_.steps - step_) / 60);
   request_.report(line);
 }
@@ -379,17 +395,20 @@ void Trainer::validate()
   {
     return;
   }
-  std::ofstream csv(request_.output + "/validation.csv", std::ios::app);
+  std::vector<std::string> lines;
   for (const ValidationRow& row : rows)
   {
     for (const bool predicted : {false, true})
     {
       const MotionErrors& e = predicted ? row.predicted_start : row.network;
-      csv << step_ << ',' << row.recording << ',' << (predicted ? "prediction" : "standing") << ','
-          << e.translation_mean << ',' << e.translation_rmse << ',' << e.rotation_mean_deg << ','
-          << e.rotation_rmse_deg << ',' << e.forward_ratio << '\n';
+      std::ostringstream line;
+      line << step_ << ',' << row.recording << ',' << (predicted ? "prediction" : "standing") << ','
+           << e.translation_mean << ',' << e.translation_rmse << ',' << e.rotation_mean_deg << ','
+           << e.rotation_rmse_deg << ',' << e.forward_ratio;
+      lines.push_back(line.str());
     }
   }
+  appendRows(request_.output + "/validation.csv", lines);
 }
 
 void Trainer::save()

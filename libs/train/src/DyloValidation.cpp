@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "DyloValidation.h"
 
+#include <dyslam/core/PendingFile.h>
+
 #include <algorithm>
 #include <cctype>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
-#include <fstream>
+#include <ostream>
 
 namespace dyslam
 {
@@ -26,12 +28,12 @@ struct MaskSamples
   std::vector<float> still, moving;
 };
 
-/** Confidence of the labelled nodes of the last stage; all points as CSV if `csv` is given. */
+/** Confidence of the labelled nodes of the last stage; all points as CSV if `csv` names a file. */
 void sampleMask(const DyloStage& stage,
                 const PreparedScan& prepared,
                 const std::vector<PointLabel>& labels,
                 const std::vector<Eigen::Vector3f>& points,
-                std::ostream* csv,
+                const std::string& csv,
                 MaskSamples& samples)
 {
   const torch::Tensor confidence = torch::sigmoid(stage.logits.is_static).cpu().contiguous();
@@ -53,15 +55,21 @@ void sampleMask(const DyloStage& stage,
       (labels[source] == PointLabel::moving ? samples.moving : samples.still).push_back(c);
     }
   }
-  if (csv != nullptr)
+  if (csv.empty())
   {
-    *csv << "x,y,z,static_confidence,label\n";
-    for (std::size_t i = 0; i < points.size(); ++i)
-    {
-      *csv << points[i].x() << ',' << points[i].y() << ',' << points[i].z() << ',' << of_point[i]
-           << ',' << (labels.empty() ? 0 : static_cast<int>(labels[i])) << '\n';
-    }
+    return;
   }
+  writeWhole(csv,
+             [&](std::ostream& out)
+             {
+               out << "x,y,z,static_confidence,label\n";
+               for (std::size_t i = 0; i < points.size(); ++i)
+               {
+                 out << points[i].x() << ',' << points[i].y() << ',' << points[i].z() << ','
+                     << of_point[i] << ',' << (labels.empty() ? 0 : static_cast<int>(labels[i]))
+                     << '\n';
+               }
+             });
 }
 }  // namespace
 
@@ -158,17 +166,17 @@ std::vector<ValidationRow> validateDylo(DyloNetwork& network,
         const auto found = network->forward(
             now, before, PoseTensors::identity(torch::dtype(torch::kFloat).device(device)));
         seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-        std::ofstream csv;
+        std::string csv;
         if (!mask_folder.empty() && k == recording.scans.size() / 2)
         {
-          csv.open(mask_folder + "/mask_" + std::to_string(rows.size()) + "_" +
-                   asFileName(recording.name) + ".csv");
+          csv = mask_folder + "/mask_" + std::to_string(rows.size()) + "_" +
+                asFileName(recording.name) + ".csv";
         }
-        if (recording.labels.size() > k || csv.is_open())
+        if (recording.labels.size() > k || !csv.empty())
         {
           sampleMask(found.back(), prepared,
                      recording.labels.empty() ? std::vector<PointLabel>() : recording.labels[k],
-                     recording.scans[k], csv.is_open() ? &csv : nullptr, mask);
+                     recording.scans[k], csv, mask);
         }
         // The first pair has no previous motion: it starts from the estimate with zero motion.
         const Pose start = followed.empty() ? found.back().pose.toPose() : followed.back();

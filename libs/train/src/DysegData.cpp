@@ -106,6 +106,7 @@ void DysegAugmentOptions::describe(OptionsVisitor& v)
   v.real("beside_share", beside_share, 0, 1, "share of the cast bodies close beside the sensor");
   v.real("convoy_share", convoy_share, 0, 1,
          "share of pairs with twice the bodies, most moving with the ego-vehicle");
+  v.real("farthest_body", farthest_body, 5, 100, "m, greatest distance of a cast body");
   v.real("dropout", dropout, 0, 0.9, "largest share of points left out of a scan");
   v.real("range_noise", range_noise, 0, 0.5, "m, range noise of cast bodies");
 }
@@ -169,7 +170,7 @@ bool taken(const std::vector<Eigen::Vector3f>& points,
 }
 
 /** Where a body is, in the current sensor frame; upright, height not yet set. */
-Pose drawPlace(const CastBody& body, bool beside, RandomDraws& draws)
+Pose drawPlace(const CastBody& body, bool beside, double farthest, RandomDraws& draws)
 {
   if (beside)
   {
@@ -180,7 +181,8 @@ Pose drawPlace(const CastBody& body, bool beside, RandomDraws& draws)
                        (draws.chance(0.5) ? M_PI : 0) + draws.normal(0.08), 0, 0);
   }
   // Near places more often, where the points are.
-  const double distance = 4 + 76 * std::pow(draws.uniform(), 1.8);
+  constexpr double nearest = 4;
+  const double distance = nearest + (farthest - nearest) * std::pow(draws.uniform(), 1.3);
   const double bearing = draws.uniform(-M_PI, M_PI);
   return poseFromYpr(distance * std::cos(bearing), distance * std::sin(bearing), 0,
                      draws.uniform(-M_PI, M_PI), 0, 0);
@@ -230,7 +232,7 @@ void castOne(const DysegAugmentOptions& options,
 {
   const bool beside = draws.chance(convoy ? 0.4 : options.beside_share);
   const CastBody body = makeBody(drawKind(beside, draws), draws);
-  Pose T_now = drawPlace(body, beside, draws);
+  Pose T_now = drawPlace(body, beside, options.farthest_body, draws);
   const bool along = convoy && draws.chance(0.7);
   const BodyMotion motion =
       along ? alongMotion(sample, T_now, draws)

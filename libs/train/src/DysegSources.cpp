@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 
 namespace dyslam
@@ -119,6 +120,7 @@ DysegClip loadLabelledRun(const std::string& folder,
   {
     throw UserError(pose_file + ": fewer poses than requested frames");
   }
+  std::int32_t last_id = 0;
   for (std::size_t f = first; f <= last; ++f)
   {
     DysegClip::Frame frame;
@@ -143,10 +145,12 @@ DysegClip loadLabelledRun(const std::string& folder,
         ++sum.second;
       }
     }
+    std::map<std::int32_t, std::int32_t> own_id;
     for (const auto& [id, sum] : sums)
     {
-      // A unique id per frame: its earlier position is unknown.
-      const auto own = id + static_cast<std::int32_t>(f + 1) * 100000;
+      // An id of this frame alone: its earlier position is unknown.
+      const std::int32_t own = ++last_id;
+      own_id[id] = own;
       DysegClip::Object object;
       object.T_sensor_object.translation() = sum.first / sum.second;
       object.moving = true;
@@ -154,7 +158,7 @@ DysegClip loadLabelledRun(const std::string& folder,
     }
     for (auto& o : frame.object)
     {
-      o = o > 0 ? o + static_cast<std::int32_t>(f + 1) * 100000 : o;
+      o = o > 0 ? own_id[o] : o;
     }
     clip.frames.push_back(std::move(frame));
   }
@@ -163,11 +167,17 @@ DysegClip loadLabelledRun(const std::string& folder,
 
 DysegClip simulateClip(std::uint64_t seed, int scans, bool deskewed, const DysegClipScene& scene)
 {
+  constexpr std::uint64_t most_seed = std::numeric_limits<std::int32_t>::max();
+  if (seed > most_seed)
+  {
+    throw UserError("seed " + std::to_string(seed) + " of the simulator is above " +
+                    std::to_string(most_seed) + ", the largest; choose a smaller one");
+  }
   RandomDraws draws(0x5EED, seed);
   sim::SimulatorOptions options;
   options.world = scene.world;
   options.sensor = scene.sensor;
-  options.seed = static_cast<int>(seed % 2000000000U);
+  options.seed = static_cast<int>(seed);
   options.traffic = draws.uniform(0.3, 1.0);
   options.traffic = scene.traffic < 0 ? options.traffic : scene.traffic;
   options.start_fraction = draws.uniform();

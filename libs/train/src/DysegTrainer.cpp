@@ -17,7 +17,6 @@
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
-#include <fstream>
 
 #include "DysegPairs.h"
 #include "DysegValidation.h"
@@ -41,10 +40,11 @@ constexpr const char* score_names =
 Eigen::Vector2f drawCentre(const DysegSample& sample,
                            const BevOptions& grid,
                            const BevOptions& crop,
+                           double farthest,
                            RandomDraws& draws)
 {
   const float half = crop.halfExtent();
-  const float reach = grid.halfExtent() - half;
+  const float reach = std::min(grid.halfExtent() - half, static_cast<float>(farthest));
   const auto within = [&](float r) { return static_cast<float>(draws.uniform(-r, r)); };
   const float some = 0.8F * reach * static_cast<float>(draws.uniform());
   const float x = within(some);
@@ -90,6 +90,8 @@ void DysegTrainerOptions::describe(OptionsVisitor& v)
   v.integer("simulate_every", simulate_every, 1, 100000, "steps between new clips");
   v.integer("crop", crop, 64, 2048, "cells along each side in training, a multiple of 16");
   requireMultipleOf16("[train] crop", crop);
+  v.real("crop_reach", crop_reach, 0, 1000,
+         "m, greatest distance of the centre of a crop from the sensor, in x and in y");
   v.integer("steps", steps, 1, 100000000, "optimiser steps");
   v.integer("batch", batch, 1, most_pairs, "pairs in a step");
   rate.describe(v);
@@ -151,7 +153,7 @@ DysegLoss DysegTrainer::Impl::trainStep()
         static_cast<std::uint64_t>(step) * most_pairs + static_cast<std::uint64_t>(b));
     auto sample = pairs->draw(draws);
     augment(augmentation, draws, sample);
-    const auto centre = drawCentre(sample, grid, crop, draws);
+    const auto centre = drawCentre(sample, grid, crop, options.crop_reach, draws);
     auto loss = dysegLoss(net, sample, crop, centre, loss_options, draws);
     if (!loss.total.defined() || !std::isfinite(loss.total.item<double>()))
     {
@@ -169,11 +171,12 @@ DysegLoss DysegTrainer::Impl::trainStep()
   {
     return sum;  // crops with too few points: no step, else momentum alone would change the weights
   }
-  torch::nn::utils::clip_grad_norm_(net->parameters(), clip_norm);
   static_cast<torch::optim::AdamWOptions&>(optimizer->param_groups()[0].options())
       .lr(options.rate.rateAt(step, options.steps));
-  optimizer->step();
-  updateMean(*mean, *net, step, options.mean_decay);
+  if (std::isfinite(clippedStep(*optimizer, clip_norm)))
+  {
+    updateMean(*mean, *net, step, options.mean_decay);
+  }
   return sum;
 }
 
@@ -249,13 +252,14 @@ void DysegTrainer::Impl::validateNow(const std::function<void(const std::string&
   }
   validated_step = step;
   save();
-  std::ofstream csv(file("validation.csv"), std::ios::app);
   report("validation at step " + std::to_string(step) + ": " + score_names);
+  std::vector<std::string> rows;
   for (const std::string& row : evaluate(file(weights_file)))
   {
-    csv << step << ',' << row << '\n';
+    rows.push_back(std::to_string(step) + "," + row);
     report("  " + row);
   }
+  appendRows(file("validation.csv"), rows);
 }
 
 DysegTrainer::DysegTrainer(const DysegTrainerSetup& setup, std::string folder)
@@ -344,8 +348,8 @@ void DysegTrainer::run(const std::function<void(const std::string&)>& report,
   makeFolder(t.folder, "choose another --output");
   beginLog(t.file("train.csv"), "step,minutes,rate,matching,flow,static_probability,cell,point",
            t.step);
-  beginLog(t.file("validation.csv"), std::string("step,") + score_names, t.step);
-  std::ofstream csv(t.file("train.csv"), std::ios::app);
+  t.validated_step = static_cast<int>(
+      beginLog(t.file("validation.csv"), std::string("step,") + score_names, t.step));
   DysegLoss mean;
   int counted = 0;
   while (t.step < t.options.steps)
@@ -372,7 +376,7 @@ void DysegTrainer::run(const std::function<void(const std::string&)>& report,
                     t.minutes(), t.options.rate.rateAt(t.step - 1, t.options.steps),
                     mean.matching / counted, mean.flow / counted, mean.static_probability / counted,
                     mean.cell / counted, mean.point / counted);
-      csv << line << std::endl;
+      appendRows(t.file("train.csv"), {line});
       report(t.progress(mean, counted));
       mean = DysegLoss();
       counted = 0;

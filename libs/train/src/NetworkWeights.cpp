@@ -3,6 +3,7 @@
 #include <dyslam/train/NetworkWeights.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <memory>
 #include <string>
@@ -120,6 +121,20 @@ void updateMean(torch::nn::Module& mean,
   {
     to[i].mul_(keep).add_(from[i], 1 - keep);
   }
+}
+
+double clippedStep(torch::optim::Optimizer& optimizer, double clip)
+{
+  const double norm = torch::nn::utils::clip_grad_norm_(parametersOf(optimizer), clip);
+  if (std::isfinite(norm))
+  {
+    optimizer.step();
+  }
+  else
+  {
+    optimizer.zero_grad();
+  }
+  return norm;
 }
 
 void setOptimizerState(TensorFile& file, torch::optim::Optimizer& optimizer)

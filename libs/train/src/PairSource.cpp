@@ -2,8 +2,6 @@
 #include <dyslam/train/PairSource.h>
 #include <dyslam/train/RandomDraws.h>
 
-#include <numeric>
-
 namespace dyslam
 {
 void MixedPairSource::add(std::unique_ptr<PairSource> source, double weight)
@@ -28,13 +26,6 @@ std::string MixedPairSource::name() const
 TrainingPair MixedPairSource::pair(std::uint64_t index) const
 {
   RandomDraws draws(seed_ ^ 0xA11CEULL, index);
-  double rest = draws.uniform() * std::accumulate(weights_.begin(), weights_.end(), 0.0);
-  std::size_t chosen = 0;
-  while (chosen + 1 < weights_.size() && rest >= weights_[chosen])
-  {
-    rest -= weights_[chosen];
-    ++chosen;
-  }
-  return sources_[chosen]->pair(index);
+  return sources_[draws.byWeight(weights_)]->pair(index);
 }
 }  // namespace dyslam

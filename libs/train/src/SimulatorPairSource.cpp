@@ -8,7 +8,6 @@
 #endif
 
 #include <algorithm>
-#include <numeric>
 
 namespace dyslam
 {
@@ -131,14 +130,7 @@ class SimulatorPairSource : public PairSource
   [[nodiscard]] std::size_t scene(std::uint64_t index) const
   {
     RandomDraws draws(seed_ ^ 0x5CE7EULL, index / pairs_per_world);
-    double rest = draws.uniform() * std::accumulate(shares_.begin(), shares_.end(), 0.0);
-    std::size_t chosen = 0;
-    while (chosen + 1 < shares_.size() && rest >= shares_[chosen])
-    {
-      rest -= shares_[chosen];
-      ++chosen;
-    }
-    return chosen;
+    return draws.byWeight(shares_);
   }
 
   AugmentationOptions augmentation_;

@@ -6,8 +6,9 @@
 
 #include <cstdlib>
 #include <filesystem>
-#include <fstream>
 #include <stdexcept>
+#include <string>
+#include <vector>
 
 namespace dyslam
 {
@@ -37,11 +38,30 @@ TEST(DataText, LogsGoOnBehindTheLastStep)
   const std::string file = testing::TempDir() + "log.csv";
   std::filesystem::remove(file);
   const auto content = [&] { return readWhole(file); };
-  beginLog(file, "step,loss", 0);
+  EXPECT_EQ(beginLog(file, "step,loss", 0), -1);
   EXPECT_EQ(content(), "step,loss\n");
-  std::ofstream(file, std::ios::app) << "10,0.5\n20,0.4\n30,0.3\n";
-  beginLog(file, "step,loss", 20);
+  appendRows(file, {"10,0.5", "20,0.4"});
+  appendRows(file, {"30,0.3"});
+  EXPECT_EQ(content(), "step,loss\n10,0.5\n20,0.4\n30,0.3\n");
+  EXPECT_EQ(beginLog(file, "step,loss", 20), 20);
   EXPECT_EQ(content(), "step,loss\n10,0.5\n20,0.4\n");
+}
+
+TEST(DataText, RowsThatCannotBeWrittenAreAnError)
+{
+  const std::string file = testing::TempDir() + "no_such_folder/log.csv";
+  for (const std::string& path : {file, std::string("/dev/full")})
+  {
+    try
+    {
+      appendRows(path, {"10,0.5"});
+      FAIL() << path;
+    }
+    catch (const UserError& error)
+    {
+      EXPECT_NE(std::string(error.what()).find(path), std::string::npos) << error.what();
+    }
+  }
 }
 
 TEST(DataText, ALeadingVariableIsReadFromTheEnvironment)

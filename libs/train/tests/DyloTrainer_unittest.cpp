@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/Error.h>
+#include <dyslam/core/Files.h>
 #include <dyslam/core/PendingFile.h>
 #include <dyslam/nets/DyloFile.h>
+#include <dyslam/train/DataText.h>
 #include <dyslam/train/DyloTrainer.h>
 #include <gtest/gtest.h>
 
@@ -61,6 +63,34 @@ TEST(DyloTrainer, AStoppedTrainingGoesOnExactly)
         learned || !torch::equal(parameter.value(), halfway->named_parameters()[parameter.key()]);
   }
   EXPECT_TRUE(learned);
+}
+
+/** At almost no learning rate the pairs of two steps have the losses that they have in one. */
+TEST(DyloTrainer, LogsTheMeanOfABatch)
+{
+  const auto losses = [](int batch, int steps)
+  {
+    Config config = tiny(steps);
+    config.set("train.batch=" + std::to_string(batch));
+    config.set("train.learning_rate=0.000000001");
+    config.set("train.report_every=1");
+    const std::string folder = freshFolder("batch_of_" + std::to_string(batch));
+    trainDylo(config, requestFor(folder));
+    std::vector<double> column;
+    const std::vector<std::string> rows = listItems(readWhole(folder + "/log.csv"), '\n');
+    for (std::size_t i = 1; i < rows.size(); ++i)
+    {
+      column.push_back(numberOf(splitFields(rows[i], ',').at(2)));
+    }
+    return column;
+  };
+  const std::vector<double> single = losses(1, 2);
+  ASSERT_EQ(single.size(), 2U);
+  EXPECT_NE(single[0], single[1]);
+  const std::vector<double> both = losses(2, 1);
+  ASSERT_EQ(both.size(), 1U);
+  const double mean = 0.5 * (single[0] + single[1]);
+  EXPECT_NEAR(both[0], mean, 1e-3 * std::abs(mean));
 }
 
 TEST(DyloTrainer, StartsFromTheLayersThatAModelShares)

@@ -6,7 +6,11 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdint>
 #include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
 
 namespace
 {
@@ -192,6 +196,52 @@ TEST_F(BoxedRun, MalformedPosesAndTruncatedScansAreRefused)
   dyslam::writeWhole(poses, pose);
   dyslam::writeWhole(folder_ + "/velodyne/000000.bin", std::string(20, '\0'));
   EXPECT_THROW((void)load(), dyslam::UserError);
+}
+
+/** The motions of labelled objects are not known: none has an earlier position. */
+TEST(LabelledRun, ObjectsOfEachFrameHaveIdsOfTheirOwn)
+{
+  const std::string folder = ::testing::TempDir() + "dyslam_labelled_run";
+  std::filesystem::create_directories(folder + "/velodyne");
+  std::filesystem::create_directories(folder + "/labels");
+  constexpr std::size_t first = 30000;
+  std::string poses;
+  for (std::size_t i = 0; i < first + 2; ++i)
+  {
+    poses += "1 0 0 0 0 1 0 0 0 0 1 0\n";
+  }
+  dyslam::writeWhole(folder + "/poses.txt", poses);
+  const std::vector<float> points{10, 0, 0, 0.5F, 0, 10, 0, 0.5F};
+  const std::vector<std::uint32_t> labels{(3U << 16U) | 252U, 40U};
+  const auto bytesOf = [](const auto& values)
+  {
+    return std::string_view(reinterpret_cast<const char*>(values.data()),
+                            values.size() * sizeof(values[0]));
+  };
+  for (const char* frame : {"030000", "030001"})
+  {
+    dyslam::writeWhole(folder + "/velodyne/" + frame + ".bin", bytesOf(points));
+    dyslam::writeWhole(folder + "/labels/" + frame + ".label", bytesOf(labels));
+  }
+  const auto clip = dyslam::loadLabelledRun(folder, folder + "/poses.txt", first, first + 1);
+  std::filesystem::remove_all(folder);
+  ASSERT_EQ(clip.frames.size(), 2U);
+  for (const auto& frame : clip.frames)
+  {
+    EXPECT_GT(frame.object[0], 0);
+    EXPECT_EQ(frame.object[1], dyslam::DysegClip::still);
+    ASSERT_EQ(frame.objects.count(frame.object[0]), 1U);
+    EXPECT_TRUE(frame.objects.at(frame.object[0]).moving);
+  }
+  EXPECT_NE(clip.frames[0].object[0], clip.frames[1].object[0]);
+  const auto sample = dyslam::makeSample(clip, 1, 0);
+  EXPECT_EQ(sample.label[0], DysegSample::moving_point);
+  EXPECT_FALSE(sample.flow[0].allFinite());
+}
+
+TEST(SimulateClip, SeedsBeyondTheLargestAreRefused)
+{
+  EXPECT_THROW((void)dyslam::simulateClip(2147483648U, 1, true), dyslam::UserError);
 }
 
 TEST(DysegSample, SameNumberSameSample)

@@ -118,6 +118,17 @@ TEST_F(DysegTraining, ValidationAloneLeavesTheFolderAsItIs)
   EXPECT_EQ(files(), before);
 }
 
+TEST_F(DysegTraining, AFinishedRunIsValidatedOnce)
+{
+  setup_.train.data.clear();
+  setup_.train.validate_every = 1000;
+  train("finished", 1);
+  const auto rows = contentOf(folder_ / "finished" / "validation.csv");
+  EXPECT_NE(rows.find("\n1,simulated,"), std::string::npos) << rows;
+  train("finished", 1, true);
+  EXPECT_EQ(contentOf(folder_ / "finished" / "validation.csv"), rows);
+}
+
 TEST_F(DysegTraining, FramesToValidateOnAreNotTrainedOn)
 {
   setup_.train.data = folder_.string();

@@ -33,8 +33,10 @@ struct NetworkSegmenterOptions : Options
 /** The network's output besides the points' probabilities; vehicle frame, current to past scan. */
 struct SceneFlow
 {
-  MotionEstimate static_motion;  //!< of the static world, in the plane, from the two scans alone
-  std::size_t past_index = 0;    //!< Frame::index of the scan compared with
+  /** Of the static world, in the plane, from the two scans alone. Where they do not show it, the
+   * start of the search, not converged. */
+  MotionEstimate static_motion;
+  std::size_t past_index = 0;                //!< Frame::index of the scan compared with
   std::vector<Eigen::Vector2f> cell_centre;  //!< [m]
   std::vector<Eigen::Vector2f> cell_flow;    //!< [m]
   std::vector<float> cell_moving_probability;

@@ -29,7 +29,8 @@ struct MotionSearchResult
 /** Maximum-likelihood planar motion over a grid of translations and yaws, with subcell refinement.
  *
  * Unlike a fit to each window's peak, it handles cells with an ambiguous direction (guard rails),
- * and the influence of moving objects is bounded.
+ * and the influence of moving objects is bounded. Without cells of some weight the result is the
+ * centre.
  *
  * \param centre motion at the windows' centres \param yaw_step between the yaws of the grid [rad]
  * \param yaw_steps number of them to each side of the centre's.

@@ -52,8 +52,9 @@ struct RigidFlowFit
  * half of the weight are rejected.
  *
  * \param positions start points of the flow vectors [m] \param flow the vectors [m] \param weights
- * >= 0 \param width, start_width of the loss [m] \param start initial motion; null to start with
- * the weighted least-squares fit.
+ * >= 0 \param width, start_width of the loss [m] \param start initial motion, which is also the
+ * result where too few vectors determine another; null to start with the weighted least-squares
+ * fit.
  */
 [[nodiscard]] RigidFlowFit fitRigidFlow(const std::vector<Eigen::Vector2f>& positions,
                                         const std::vector<Eigen::Vector2f>& flow,

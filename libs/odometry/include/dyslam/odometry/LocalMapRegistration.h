@@ -106,7 +106,8 @@ class LocalMapRegistration
    * A cloud with phases is deskewed again with the current motion in each iteration; the frame's
    * own cloud stays as it is. The first frame gets the guess; the second also corrects the
    * deskewing of the first. If the registration fails, the guess is kept and motion.converged is
-   * false with a reason.
+   * false with a reason. With enough inliers the pose found is taken even if it did not converge
+   * within max_iterations; motion.converged is false with a reason then, too.
    * \param prior of the motion since the previous frame; it is fused with the points under a robust
    *   loss. A guess that differs from it counts as a separate measurement with the standard
    *   deviation guess_sigma; without a prior the guess is the prior, with that standard deviation.
@@ -124,8 +125,9 @@ class LocalMapRegistration
 
   /** Add the frame registered last to the map, at the estimated pose and with its current weights.
    * A frame whose registration failed is left out; after five such frames in a row that had points,
-   * the map is restarted from the last one. If the pool has several threads, the points are added
-   * beside the caller, until the map is used next. */
+   * the map is restarted from the last one. A frame that was accepted although it did not converge
+   * is added. If the pool has several threads, the points are added beside the caller, until the
+   * map is used next. */
   void integrate(const Frame& frame);
 
   /** Frames in the map since it was started; 0 with method none. */

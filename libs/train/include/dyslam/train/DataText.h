@@ -19,8 +19,12 @@ namespace dyslam
 
 /** The CSV file of a training that is continued: rows of later steps are left out, since a training
  * that was stopped between two checkpoints repeats them; a new file gets its header. \param header
- * names of the columns; the step comes first. \throws UserError. */
-void beginLog(const std::string& file, const std::string& header, long long last_step);
+ * names of the columns; the step comes first. \return step of the last row kept, -1 if there is
+ * none \throws UserError. */
+long long beginLog(const std::string& file, const std::string& header, long long last_step);
+
+/** Rows behind those of a CSV file. \throws UserError if they cannot be written. */
+void appendRows(const std::string& file, const std::vector<std::string>& rows);
 
 /** The folder that a setting names; a leading $NAME is read from the environment.
  * \param field the setting, for the message \throws UserError if the variable is not set. */

@@ -14,7 +14,7 @@ struct DyloTrainRequest
                         //!< validation.csv, effective.ini
   bool resume = false;  //!< continue from checkpoint.safetensors there
   std::string start;    //!< a checkpoint.safetensors or dylo.safetensors with the initial weights,
-                        //!< with, or empty
+                        //!< or empty
   std::string device = "cpu";
   /** Gets a CSV of points and static confidence per validation recording, named by its number and
    * name; empty for none. */

@@ -80,6 +80,7 @@ struct DysegAugmentOptions : Options
   double moving_share = 0.6;  //!< of cast bodies; the others, of the same shapes, are static
   double beside_share = 0.2;  //!< of cast bodies, right beside the sensor
   double convoy_share = 0.2;  //!< of pairs: twice the bodies, most moving with the ego-vehicle
+  double farthest_body = 45;  //!< m, greatest distance of cast bodies
   double dropout = 0.3;       //!< at most, share of points left out of a scan
   double range_noise = 0.02;  //!< m, on cast bodies
   void describe(OptionsVisitor& visitor) override;
@@ -110,7 +111,8 @@ struct DysegClipScene
   double traffic = -1;  //!< 0 to 1; below 0 it is drawn
 };
 
-/** `scans` consecutive scans from the simulator. \param deskewed or as the sensor gives them. */
+/** `scans` consecutive scans from the simulator. \param deskewed or as the sensor gives them.
+ * \throws UserError for a seed above 2147483647. */
 [[nodiscard]] DysegClip simulateClip(std::uint64_t seed,
                                      int scans,
                                      bool deskewed,

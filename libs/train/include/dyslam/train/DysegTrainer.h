@@ -50,6 +50,7 @@ struct DysegTrainerOptions : Options
   int simulated_pool = 80;       //!< clips kept; the oldest is replaced
   int simulate_every = 16;       //!< steps between new clips
   int crop = 256;                //!< cells along each side in training
+  double crop_reach = 26;        //!< m, greatest distance of its centre from the sensor, in x and y
   int steps = 100000;
   int batch = 2;  //!< pairs in a step, up to 64
   LearningRateOptions rate;

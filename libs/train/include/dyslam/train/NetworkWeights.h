@@ -22,6 +22,11 @@ void updateMean(torch::nn::Module& mean,
                 std::int64_t step,
                 double decay);
 
+/** Limits the norm of all gradients together to `clip` and takes a step of the optimizer. If the
+ * norm is not finite, the gradients are set to zero and no step is taken: it would destroy the
+ * weights. \return the norm before. */
+double clippedStep(torch::optim::Optimizer& optimizer, double clip);
+
 /** State of Adam (or AdamW) for each of its parameters, for a checkpoint. */
 void setOptimizerState(TensorFile& file, torch::optim::Optimizer& optimizer);
 

@@ -2,7 +2,10 @@
 #pragma once
 
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
+#include <numeric>
+#include <vector>
 
 namespace dyslam
 {
@@ -30,6 +33,18 @@ class RandomDraws
   double uniform(double low, double high) { return low + (high - low) * uniform(); }
   /** In [0, count); count at least 1. */
   std::size_t below(std::size_t count) { return static_cast<std::size_t>(bits() % count); }
+  /** A place in a list of weights, as often as its weight is of their sum; it has one at least. */
+  std::size_t byWeight(const std::vector<double>& weights)
+  {
+    double rest = uniform() * std::accumulate(weights.begin(), weights.end(), 0.0);
+    std::size_t chosen = 0;
+    while (chosen + 1 < weights.size() && rest >= weights[chosen])
+    {
+      rest -= weights[chosen];
+      ++chosen;
+    }
+    return chosen;
+  }
   bool chance(double probability) { return uniform() < probability; }
   double normal(double deviation)
   {
