@@ -10,6 +10,7 @@
 #include <filesystem>
 #include <functional>
 #include <string>
+#include <vector>
 
 #include "AppMain.h"
 #include "Progress.h"
@@ -73,25 +74,43 @@ inline std::filesystem::path firstPassLabels(const std::string& output)
   return std::filesystem::path(output) / "first_pass" / "labels";
 }
 
+/** Removes the label files of an earlier first pass, and nothing else. */
+inline void removeLabels(const std::filesystem::path& folder)
+{
+  std::vector<std::filesystem::path> files;
+  for (const auto& entry : std::filesystem::directory_iterator(folder))
+  {
+    if (entry.path().extension() == ".label")
+    {
+      files.push_back(entry.path());
+    }
+  }
+  for (const auto& file : files)
+  {
+    std::filesystem::remove(file);
+  }
+}
+
 /** Moves the labels of a finished run to where the next run in the same folder leaves them.
  * \throws UserError. */
 inline void keepLabels(const std::string& output)
 {
   namespace fs = std::filesystem;
   const fs::path kept = firstPassLabels(output);
-  std::error_code error;
-  fs::create_directories(kept.parent_path(), error);
-  if (!error && !fs::is_symlink(kept))
+  const fs::path made = fs::path(output) / "labels";
+  try
   {
-    fs::remove_all(kept, error);
+    fs::create_directories(kept);
+    removeLabels(kept);
+    for (const auto& entry : fs::directory_iterator(made))
+    {
+      fs::rename(entry.path(), kept / entry.path().filename());
+    }
+    fs::remove(made);
   }
-  if (!error)
+  catch (const fs::filesystem_error& error)
   {
-    fs::rename(fs::path(output) / "labels", kept, error);
-  }
-  if (error)
-  {
-    throw UserError(kept.string() + ": cannot be written (" + error.message() +
+    throw UserError(kept.string() + ": cannot be written (" + error.code().message() +
                     "); choose another --output");
   }
 }

@@ -66,7 +66,12 @@ TEST(OutputSafety, LabelsThatARunReadsStay)
                 {".label: would be replaced by this run's labels"});
   EXPECT_TRUE(fs::exists(folder.file("run/labels/000001.label")));
 
+  fs::create_directories(folder.file("run/first_pass/labels"));
+  folder.write("run/first_pass/labels/000007.label", "of an earlier run");
+  folder.write("run/first_pass/labels/notes.txt", "mine");
   ASSERT_EQ(0, runProgram("dyslam", run + " --passes 2", folder.path()).code);
+  EXPECT_FALSE(fs::exists(folder.file("run/first_pass/labels/000007.label")));
+  EXPECT_EQ("mine", folder.read("run/first_pass/labels/notes.txt"));
   EXPECT_TRUE(fs::exists(folder.file("run/labels/000001.label")));
   EXPECT_TRUE(fs::exists(folder.file("run/first_pass/labels/000001.label")));
   EXPECT_TRUE(contains(folder.read("run/effective.ini"), "run/first_pass/labels"));

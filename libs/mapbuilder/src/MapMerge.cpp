@@ -100,6 +100,7 @@ MergeReport mergeMaps(const std::vector<RunFolder>& runs,
                       const MapOutputs& outputs,
                       MapListener& listener)
 {
+  validate(outputs.exports, "map_export");
   const MergedRuns joined = mergeRuns(runs, merger, options.threads, listener);
   const std::vector<Trajectory> merged = mergedTrajectories(runs, joined.merge);
   std::string problem = unjoined(runs, joined.merge);
@@ -114,7 +115,7 @@ MergeReport mergeMaps(const std::vector<RunFolder>& runs,
     if (!merged[r].empty())
     {
       const std::string damage = addRecording(runs[r], merged[r], listener, builder, scans);
-      problem = problem.empty() ? damage : problem;
+      problem += (problem.empty() || damage.empty() ? "" : "; ") + damage;
     }
   }
   builder.finish();

@@ -37,6 +37,7 @@ MapReport buildMap(const RecordingOnTrajectory& recording,
                    const MapOutputs& outputs,
                    MapListener& listener)
 {
+  validate(outputs.exports, "map_export");
   MapBuilderOptions own = withNeedsOf(outputs, options);
   own.uncleaned_map = !outputs.comparison.empty();
   MapBuilder builder(own);

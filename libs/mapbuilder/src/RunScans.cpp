@@ -2,11 +2,12 @@
 #include <dyslam/core/BoxOverlap.h>
 #include <dyslam/core/Error.h>
 #include <dyslam/core/Labels.h>
+#include <dyslam/formats/TextFile.h>
 #include <dyslam/mapbuilder/RunScans.h>
 
 #include <algorithm>
-#include <cstdio>
 #include <filesystem>
+#include <system_error>
 
 namespace dyslam
 {
@@ -16,21 +17,34 @@ namespace fs = std::filesystem;
 
 constexpr double min_distance = 1.0;  // from its start, beyond which an object moves [m]
 
+bool hasLabelFile(const fs::path& folder)
+{
+  std::error_code ignored;
+  for (fs::directory_iterator file(folder, ignored), end; file != end; file.increment(ignored))
+  {
+    if (file->path().extension() == ".label")
+    {
+      return true;
+    }
+  }
+  return false;
+}
+
+/** The folder's `labels` if that has label files, else the folder itself. */
 std::string labelFolder(const std::string& folder)
 {
   if (folder.empty())
   {
     return folder;
   }
-  const fs::path inner = fs::path(folder) / "labels";
-  const std::string result = fs::is_directory(inner) ? inner.string() : folder;
-  const auto isLabelFile = [](const fs::path& path) { return path.extension() == ".label"; };
-  if (!fs::is_directory(result) ||
-      std::none_of(fs::directory_iterator(result), fs::directory_iterator(), isLabelFile))
+  for (const fs::path& labels : {fs::path(folder) / "labels", fs::path(folder)})
   {
-    throw UserError(folder + ": is not a folder of .label files (--labels)");
+    if (hasLabelFile(labels))
+    {
+      return labels.string();
+    }
   }
-  return result;
+  throw UserError(folder + ": is not a folder of .label files (--labels)");
 }
 }  // namespace
 
@@ -78,9 +92,7 @@ void RunScans::fillCloud(Frame& frame, std::size_t pose) const
 /** One label per point of the cloud. */
 std::vector<Label> RunScans::labelsOf(const Frame& frame) const
 {
-  char name[32];
-  std::snprintf(name, sizeof name, "%06zu.label", frame.index);
-  const std::string path = (fs::path(label_folder_) / name).string();
+  const std::string path = (fs::path(label_folder_) / numberedName(frame.index, ".label")).string();
   if (!fs::exists(path))
   {
     throw UserError(path + ": no such file, but scan " + std::to_string(frame.index) +

@@ -6,6 +6,7 @@
 #include <dyslam/mapbuilder/MapRun.h>
 #include <gtest/gtest.h>
 
+#include "SyntheticScans.h"
 #include "TestFolder.h"
 #include "TestRun.h"
 
@@ -186,6 +187,64 @@ TEST_F(MapRun, RunsWithoutAPlaceInCommonAreNotMerged)
       << said;
   EXPECT_TRUE(contains(said, "nothing was written"));
   EXPECT_FALSE(fs::exists(folder.file("m.ply")));
+}
+
+/** A run of scans along these poses, each a keyframe, whose recording has lost its last tenth. */
+RunFolder damagedRun(const TestFolder& folder,
+                     const std::string& name,
+                     const test::BoxWorld& world,
+                     const std::vector<Pose>& poses,
+                     unsigned seed)
+{
+  RunFolder run;
+  run.folder = run.name = name;
+  RawlogWriter writer(folder.file("whole.rawlog"));
+  for (std::size_t i = 0; i < poses.size(); ++i)
+  {
+    Scan scan;
+    scan.stamp = test::start_time + test::period * static_cast<double>(i);
+    scan.points = world.scan(poses[i], seed + static_cast<unsigned>(i));
+    writer.write(scan);
+    run.trajectory.push_back(scan.stamp, poses.front().inverse() * poses[i]);
+    run.keyframe_stamps.push_back(scan.stamp);
+  }
+  writer.close();
+  const std::string whole = folder.read("whole.rawlog");
+  run.rawlog = folder.write(name + ".rawlog", whole.substr(0, whole.size() / 10 * 9));
+  run.graph = test::graphOf(run.trajectory, 1);
+  run.scans = test::asRecorded();
+  return run;
+}
+
+TEST_F(MapRun, OfMergedRunsEveryDamagedRecordingIsNamed)
+{
+  const test::BoxWorld world(13, 30, 20);
+  std::vector<Pose> poses = test::driveAround(30, 20, 90, 1.5);
+  RunFolder whole = damagedRun(folder, "monday", world, poses, 5000);
+  poses.resize(30);
+  RunFolder part = damagedRun(folder, "tuesday", world, poses, 6000);
+  outputs.maps = {folder.file("m.ply")};
+  const MergeReport report =
+      mergeMaps(test::listOf(std::move(whole), std::move(part)), {}, options, outputs, listener);
+  EXPECT_EQ(2U, report.joined);
+  const std::size_t first = report.problem.find("monday.rawlog");
+  const std::size_t second = report.problem.find("; ", first);
+  EXPECT_NE(std::string::npos, first) << report.problem;
+  EXPECT_NE(std::string::npos, report.problem.find("tuesday.rawlog", second)) << report.problem;
+  EXPECT_TRUE(contains(report.problem, "; the map of the rest was written")) << report.problem;
+}
+
+TEST_F(MapRun, TilesThatAreTooSmallAreRefusedBeforeAnythingIsRead)
+{
+  outputs.maps = {folder.file("t.las")};
+  outputs.exports.tile_size = 0.01;
+  recording.rawlog = folder.file("none.rawlog");
+  EXPECT_TRUE(contains(messageOfError<UserError>([&] { (void)build(); }), "tile_size"));
+  const std::vector<RunFolder> runs(2);  // without a recording
+  EXPECT_TRUE(contains(
+      messageOfError<UserError>([&] { (void)mergeMaps(runs, {}, options, outputs, listener); }),
+      "tile_size"));
+  EXPECT_TRUE(listener.log.empty());
 }
 }  // namespace
 }  // namespace dyslam

@@ -80,6 +80,18 @@ TEST_F(RunScansTest, WhatMovesIsByTheLabels)
   EXPECT_TRUE(contains(said, "000001.label")) << said;
 }
 
+TEST_F(RunScansTest, LabelsBesideAFolderWithoutAnyAreFound)
+{
+  Frame frame = test::frameFrom(Pose::Identity(), 0);
+  folder.write("run/labels/none.txt", "");
+  writeLabels(folder.file("run/000000.label"), std::vector<Label>(frame.scan.size(), label_moving));
+  options.labels = folder.file("run");
+  const RunScans run = scans(test::straightDrive(2, 1));
+  run.fillCloud(frame, 0);
+  const std::vector<Label> labels = run.labelsOf(frame);
+  EXPECT_EQ(std::vector<Label>(frame.cloud.size(), label_moving), labels);
+}
+
 TEST_F(RunScansTest, ObjectsMoveInAllScansIfTheyMoveAtAll)
 {
   options.tracks = folder.file("tracks.txt");

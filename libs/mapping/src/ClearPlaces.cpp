@@ -14,10 +14,15 @@ constexpr std::size_t renewal = 5;  // scans
 
 void ClearPlaces::beginScan(std::size_t scan)
 {
-  if (scan - begin_ >= renewal)
+  const std::size_t passed = scan - begin_;
+  if (passed >= renewal)
   {
     std::swap(recent_, older_);
     recent_.clear();
+    if (passed >= 2 * renewal)
+    {
+      older_.clear();
+    }
     begin_ = scan;
   }
 }

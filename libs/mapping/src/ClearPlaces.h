@@ -15,7 +15,8 @@ class StateArchive;
 class ClearPlaces
 {
  public:
-  /** \param scan number, ascending. Forgets what was found 6 to 10 scans before. */
+  /** \param scan number, ascending. Forgets what was found 6 to 10 scans before; up to 14 where
+   * numbers are left out. */
   void beginScan(std::size_t scan);
   [[nodiscard]] bool contain(std::uint64_t voxel) const
   {

@@ -129,16 +129,36 @@ struct Grid
   Eigen::Vector2d origin = Eigen::Vector2d::Zero();
   cv::Mat cells;  // row 0 is the highest y, as pictures have it
 
+  /** Number of a column (axis 0), or of a row from the lowest (axis 1). */
+  [[nodiscard]] double numberOf(double value, int axis) const
+  {
+    return std::floor((value - origin[axis]) / resolution);
+  }
   [[nodiscard]] cv::Point cellOf(double x, double y) const
   {
-    return {static_cast<int>(std::floor((x - origin.x()) / resolution)),
-            cells.rows - 1 - static_cast<int>(std::floor((y - origin.y()) / resolution))};
+    return {static_cast<int>(numberOf(x, 0)), cells.rows - 1 - static_cast<int>(numberOf(y, 1))};
   }
   [[nodiscard]] bool has(const cv::Point& c) const
   {
     return c.x >= 0 && c.y >= 0 && c.x < cells.cols && c.y < cells.rows;
   }
 };
+
+/** Sets the origin of a grid from `low` to `high`. \return its columns and rows */
+Eigen::Vector2d fitGrid(const Eigen::Vector2d& low, const Eigen::Vector2d& high, Grid& grid)
+{
+  grid.origin = (low / grid.resolution).array().floor() * grid.resolution;
+  Eigen::Vector2d size;
+  for (const int axis : {0, 1})
+  {
+    if (grid.numberOf(low[axis], axis) < 0)  // the origin was rounded up
+    {
+      grid.origin[axis] -= grid.resolution;
+    }
+    size[axis] = grid.numberOf(high[axis], axis) + 1;
+  }
+  return size;
+}
 
 Grid emptyGrid(const MapPoints& map, const MapExportOptions& options)
 {
@@ -157,16 +177,14 @@ Grid emptyGrid(const MapPoints& map, const MapExportOptions& options)
     low = low.cwiseMin(q);
     high = high.cwiseMax(q);
   }
-  const auto count = [&](int axis) {
-    return std::floor(high[axis] / grid.resolution) - std::floor(low[axis] / grid.resolution) + 1;
-  };
-  while (count(0) * count(1) > options.grid_max_cells)
+  Eigen::Vector2d size = fitGrid(low, high, grid);
+  while (size.x() * size.y() > options.grid_max_cells)
   {
     grid.resolution *= 2;
+    size = fitGrid(low, high, grid);
   }
-  grid.origin = (low / grid.resolution).array().floor() * grid.resolution;
   grid.cells =
-      cv::Mat(static_cast<int>(count(1)), static_cast<int>(count(0)), CV_8U, cv::Scalar(unknown));
+      cv::Mat(static_cast<int>(size.y()), static_cast<int>(size.x()), CV_8U, cv::Scalar(unknown));
   return grid;
 }
 

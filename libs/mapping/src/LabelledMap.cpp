@@ -4,6 +4,8 @@
 #include <cstdint>
 #include <stdexcept>
 
+#include "InBox.h"
+
 namespace dyslam
 {
 namespace
@@ -12,12 +14,10 @@ constexpr double cube_size = 0.1;   // [m]
 constexpr double box_margin = 0.1;  // by which boxes are widened to each side [m]
 constexpr double clearance = 0.25;  // what is lower in a box is the ground [m]
 
-bool isInBox(const Eigen::Vector3d& p, const Box& box)
+bool isOfObject(const Eigen::Vector3d& p, const Box& box)
 {
-  const Eigen::Vector3d d =
-      Eigen::AngleAxisd(-box.yaw, Eigen::Vector3d::UnitZ()) * (p - box.center);
-  const Eigen::Vector3d half = 0.5 * box.size + Eigen::Vector3d(box_margin, box_margin, 0.0);
-  return (d.cwiseAbs() - half).maxCoeff() <= 0 && d.z() > clearance - half.z();
+  return isInBox(box, p, {box_margin, box_margin, 0}) &&
+         p.z() - box.center.z() > clearance - 0.5 * box.size.z();
 }
 
 void labelObjects(const Frame& frame, std::vector<Label>& labels)
@@ -26,7 +26,7 @@ void labelObjects(const Frame& frame, std::vector<Label>& labels)
   {
     for (std::size_t i = 0; i < labels.size() && object.dynamic; ++i)
     {
-      if (isInBox(frame.T_odom_vehicle * frame.cloud.points[i].cast<double>(), object.box))
+      if (isOfObject(frame.T_odom_vehicle * frame.cloud.points[i].cast<double>(), object.box))
       {
         labels[i] = label_moving;
       }

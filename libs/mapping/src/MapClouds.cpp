@@ -1,13 +1,19 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/Error.h>
 #include <dyslam/core/PendingFile.h>
 #include <dyslam/mapping/FullResolution.h>
 #include <dyslam/mapping/MapClouds.h>
 
+#include <algorithm>
+#include <charconv>
 #include <cstdio>
 #include <filesystem>
+#include <fstream>
 #include <memory>
 #include <numeric>
+#include <set>
 #include <stdexcept>
+#include <system_error>
 
 namespace dyslam
 {
@@ -53,53 +59,110 @@ class CloudFiles
   std::size_t count_ = 0;
 };
 
-/** `map.las` becomes `map_3_-2.las`. */
-std::string tilePath(const std::string& path, const MapTile& tile)
+/** `map.las` becomes `map_3_-2.las`, without the folder. */
+std::string tileName(const fs::path& file, std::int64_t x, std::int64_t y)
 {
-  const fs::path file(path);
-  const std::string number = "_" + std::to_string(tile.x) + "_" + std::to_string(tile.y);
-  return (file.parent_path() / (file.stem().string() + number + file.extension().string()))
-      .string();
+  return file.stem().string() + "_" + std::to_string(x) + "_" + std::to_string(y) +
+         file.extension().string();
+}
+
+bool isTileName(const fs::path& file, const std::string& name)
+{
+  const char* end = name.data() + name.size();
+  std::int64_t x = 0;
+  std::int64_t y = 0;
+  const std::size_t numbers = std::min(file.stem().string().size() + 1, name.size());
+  const char* separator = std::from_chars(name.data() + numbers, end, x).ptr;
+  std::from_chars(std::min(separator + 1, end), end, y);
+  return name == tileName(file, x, y);
+}
+
+/** `map.las` has the positions of its tiles in `map.las.tiles.yaml`. */
+std::string indexPath(const fs::path& file)
+{
+  return (file.parent_path() / (file.filename().string() + ".tiles.yaml")).string();
+}
+
+/** Names of the tiles in the index of an earlier export; none without an index. */
+std::vector<std::string> tilesBefore(const fs::path& file)
+{
+  std::ifstream index(indexPath(file));
+  std::vector<std::string> names;
+  for (std::string line; std::getline(index, line);)
+  {
+    const std::string name = line.substr(0, line.rfind(": ["));
+    if (isTileName(file, name))
+    {
+      names.push_back(name);
+    }
+  }
+  return names;
+}
+
+/** \throws UserError if the tile cannot be removed. */
+void removeTile(const fs::path& tile)
+{
+  std::error_code error;
+  if (fs::is_regular_file(fs::symlink_status(tile, error)))
+  {
+    fs::remove(tile, error);
+    if (error)
+    {
+      throw UserError(tile.string() +
+                      ": is a tile of an earlier map and cannot be removed: " + error.message());
+    }
+  }
 }
 
 /** Positions of the tiles, in the layout that Autoware reads. */
 class TileIndex
 {
  public:
-  TileIndex(const Eigen::Vector3d& origin, double size) : origin_(origin)
+  /** Reads the index of an earlier export, if there is one. */
+  TileIndex(const std::string& path, const Eigen::Vector3d& origin, double size)
+      : file_(path), origin_(origin), before_(tilesBefore(path))
   {
     char text[128];
     std::snprintf(text, sizeof text, "x_resolution: %.10g\ny_resolution: %.10g\n", size, size);
     text_ = text;
   }
-  void add(const std::string& path, const MapTile& tile)
+  /** \return path of the tile's cloud */
+  std::string add(const MapTile& tile)
   {
+    const std::string name = tileName(file_, tile.x, tile.y);
     char text[128];
     std::snprintf(text, sizeof text, ": [%.10g, %.10g]\n", tile.region.low.x() + origin_.x(),
                   tile.region.low.y() + origin_.y());
-    text_ += fs::path(path).filename().string() + text;
+    text_ += name + text;
+    names_.insert(name);
+    return (file_.parent_path() / name).string();
   }
-  void write(const std::string& path) const
+  /** Writes the index and removes the tiles of the earlier export that are not in it. */
+  void write() const
   {
-    const fs::path file(path);
-    writeWhole(
-        (file.parent_path() / (file.stem().string() + file.extension().string() + ".tiles.yaml"))
-            .string(),
-        text_);
+    writeWhole(indexPath(file_), text_);
+    for (const std::string& name : before_)
+    {
+      if (names_.count(name) == 0)
+      {
+        removeTile(file_.parent_path() / name);
+      }
+    }
   }
 
  private:
+  fs::path file_;
   Eigen::Vector3d origin_;
   std::string text_;
+  std::set<std::string> names_;
+  std::vector<std::string> before_;
 };
 
 /** The clouds of one tile; without a point there are none. */
 class TileFiles
 {
  public:
-  TileFiles(const MapTile& tile, const std::vector<std::string>& paths) : tile_(tile), paths_(paths)
-  {
-  }
+  explicit TileFiles(const MapTile& tile) : tile_(tile) {}
 
   void add(const MapPoints& points,
            const Eigen::Vector3d& origin,
@@ -113,10 +176,9 @@ class TileFiles
     if (!files_)
     {
       std::vector<std::string> names;
-      for (std::size_t i = 0; i < paths_.size(); ++i)
+      for (TileIndex& index : indices)
       {
-        names.push_back(tilePath(paths_[i], tile_));
-        indices[i].add(names.back(), tile_);
+        names.push_back(index.add(tile_));
       }
       files_ = std::make_unique<CloudFiles>(names, origin, normals);
     }
@@ -135,7 +197,6 @@ class TileFiles
 
  private:
   const MapTile& tile_;
-  const std::vector<std::string>& paths_;
   std::unique_ptr<CloudFiles> files_;
 };
 }  // namespace
@@ -216,12 +277,16 @@ std::size_t MapClouds::writeTiles(
     const std::function<void(std::size_t, std::size_t)>& on_tile) const
 {
   const auto tiles = tilesOf(scans, map_options_, exports_.tile_size);
-  std::vector<TileIndex> indices(paths.size(), TileIndex(origin_, exports_.tile_size));
+  std::vector<TileIndex> indices;
+  for (const std::string& path : paths)
+  {
+    indices.emplace_back(path, origin_, exports_.tile_size);
+  }
   std::size_t count = 0;
   for (std::size_t t = 0; t < tiles.size(); ++t)
   {
     const TileMap part(scans, map_options_, tiles[t]);
-    TileFiles files(tiles[t], paths);
+    TileFiles files(tiles[t]);
     forEachPart(part.map, part.scans, tiles[t].region, &scans,
                 [&](const MapPoints& points, std::size_t)
                 { files.add(points, origin_, exports_.normals, indices); });
@@ -231,9 +296,9 @@ std::size_t MapClouds::writeTiles(
       on_tile(t + 1, tiles.size());
     }
   }
-  for (std::size_t i = 0; i < paths.size(); ++i)
+  for (const TileIndex& index : indices)
   {
-    indices[i].write(paths[i]);
+    index.write();
   }
   return count;
 }

@@ -3,19 +3,34 @@
 #include <dyslam/mapping/MapExport.h>
 
 #include <array>
+#include <cstdio>
 #include <filesystem>
 #include <utility>
 #include <vector>
 
 namespace dyslam
 {
+namespace
+{
+constexpr double smallest_tile = 5;  // [m]; a scan would reach millions of tiles that are too small
+}  // namespace
+
 void MapExportOptions::describe(OptionsVisitor& v)
 {
   v.flag("full_resolution", full_resolution, "clouds with every static point, not one per voxel");
   v.flag("normals", normals, "normals in clouds, towards the sensor");
   v.real("normal_radius", normal_radius, 0.01, 100, "m, radius of the neighbourhood of a normal");
   v.real("tile_size", tile_size, 0, 100000,
-         "m, side of the tiles of clouds, of which one is in memory; 0: one file");
+         "m, side of the tiles of clouds, of which one is in memory, at least 5; 0: one file");
+  if (tile_size > 0 && tile_size < smallest_tile)
+  {
+    char text[120];
+    std::snprintf(
+        text, sizeof text,
+        "[map_export] tile_size = %g is too small; use at least %g (m), or 0 for one file",
+        tile_size, smallest_tile);
+    throw UserError(text);
+  }
   v.real("octree_resolution", octree_resolution, 0.01, 10, "m, side of octomap's leaves");
   v.real("octree_range", octree_range, 1, 300, "m, rays are cut off here");
   v.real("grid_resolution", grid_resolution, 0.01, 10, "m, side of the occupancy grid's cells");

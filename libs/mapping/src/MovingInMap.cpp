@@ -1,23 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/mapping/MovingInMap.h>
 
-#include <cmath>
+#include "InBox.h"
 
 namespace dyslam
 {
-namespace
-{
-bool inside(const Box& box, const Eigen::Vector3d& p, double margin)
-{
-  const Eigen::Vector3d d = p - box.center;
-  const double along = std::cos(box.yaw) * d.x() + std::sin(box.yaw) * d.y();
-  const double across = -std::sin(box.yaw) * d.x() + std::cos(box.yaw) * d.y();
-  return std::abs(along) <= 0.5 * box.size.x() + margin &&
-         std::abs(across) <= 0.5 * box.size.y() + margin &&
-         std::abs(d.z()) <= 0.5 * box.size.z() + margin;
-}
-}  // namespace
-
 std::vector<bool> movingInMap(const Frame& frame, const StaticMapOptions& options)
 {
   std::vector<bool> moving = frame.moving;
@@ -34,12 +21,13 @@ std::vector<bool> movingInMap(const Frame& frame, const StaticMapOptions& option
     box.center.z() += 0.5 * over_ground;
     box.size.z() -= over_ground;
     const double reach = 0.5 * box.size.norm() + 2 * options.box_margin;
+    const Eigen::Vector3d margin = Eigen::Vector3d::Constant(options.box_margin);
     const Eigen::Vector3d center = frame.T_odom_vehicle.inverse() * box.center;
     for (std::size_t i = 0; i < moving.size(); ++i)
     {
       const Eigen::Vector3d p = frame.cloud.points[i].cast<double>();
       moving[i] = moving[i] || ((p - center).squaredNorm() < reach * reach &&
-                                inside(box, frame.T_odom_vehicle * p, options.box_margin));
+                                isInBox(box, frame.T_odom_vehicle * p, margin));
     }
   }
   return moving;

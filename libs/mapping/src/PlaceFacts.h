@@ -9,9 +9,6 @@
 
 namespace dyslam
 {
-/** No vehicle is higher: what is, is certainly static [m]. */
-constexpr float vehicle_height = 5;
-
 /** The places of a scan with the evidence of themselves, their neighbours and their segments.
  * \param evidence by place \param points of the scan, map frame [m] \param heights of them over the
  * ground [m] */

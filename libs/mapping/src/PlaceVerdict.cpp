@@ -7,11 +7,7 @@ namespace dyslam
 {
 void discount(PlaceEvidence& evidence, float false_free)
 {
-  constexpr float safety = 1.0F;
-  const float expected = safety * false_free;
-  const auto beyond = [=](float share)
-  { return std::max(0.0F, share - expected) / (1 - expected); };
-  evidence.free = beyond(evidence.free);
+  evidence.free = std::max(0.0F, evidence.free - false_free) / (1 - false_free);
 }
 
 float movingScore(const PlaceFacts& f)
@@ -30,7 +26,7 @@ float movingScore(const PlaceFacts& f)
   score += -2.2F * std::min(f.height, 4.0F) / 4;
   score += (f.places < 12 ? -0.5F : 0.0F) + (f.segment_height < 0.8F ? -2.0F : 0.0F);
   // Segments no larger than a vehicle move as a whole.
-  if (f.length < 20 && f.segment_height < 5)
+  if (f.length < 20 && f.segment_height < vehicle_height)
   {
     score += 1.5F + 0.25F * f.segment.probability;
     score += 1.75F * little(f.segment) + 2.5F * change(f.segment);

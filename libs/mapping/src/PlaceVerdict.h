@@ -5,6 +5,9 @@
 
 namespace dyslam
 {
+/** No vehicle is higher: what is, is certainly static [m]. */
+constexpr float vehicle_height = 5;
+
 /** Evidence of a place, of its neighbours, or of a segment: means over places. */
 struct PlaceEvidence
 {

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/Error.h>
 #include <dyslam/core/StateArchive.h>
 #include <dyslam/core/VoxelGrid.h>
 #include <dyslam/mapping/MovingInMap.h>
@@ -105,6 +106,10 @@ struct StaticMap::Impl
         map(o.voxel_size, store.memory().part(map_share))
   {
     validate(options, "map");
+    if (options.min_range >= options.max_range)
+    {
+      throw UserError("[map] min_range must be below max_range");
+    }
   }
 
   [[nodiscard]] KeyframeCloud thinned(const Frame& frame) const;

@@ -184,11 +184,11 @@ void VisibilityImage::aim(Rays& rays) const
 Evidence VisibilityImage::look(int row, int col, float range, float size, float margin) const
 {
   constexpr float pixel = 2 * pi / cols;
-  const int hit = static_cast<int>(closest_pass / (range * pixel));
   if (!std::isfinite(range) || range < nearest)
   {
     return Evidence::none;
   }
+  const int hit = static_cast<int>(closest_pass / (range * pixel));
   const int half =
       std::clamp(static_cast<int>(std::ceil(0.5F * size / range / pixel)), 1, widest_window);
   if (row < half || row >= rows_ - half)

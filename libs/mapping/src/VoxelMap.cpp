@@ -102,7 +102,10 @@ void VoxelMap::startAfresh(Voxel& voxel) const
   if (voxel.last_keyframe < run_begin_ && voxel.hits > earlier_hits_)
   {
     voxel.hits = static_cast<std::uint16_t>(earlier_hits_);
-    voxel.observed_free = 0;
+    if (!rebuilding_)
+    {
+      voxel.observed_free = 0;
+    }
   }
 }
 
@@ -132,6 +135,7 @@ void VoxelMap::mergeOldHits()
       voxel.hits = std::max(voxel.hits, voxel.old_hits);
     }
   }
+  rebuilding_ = false;
 }
 
 void VoxelMap::countObservedFree(const VisibilityImage& image,

@@ -44,8 +44,13 @@ class VoxelMap
     run_begin_ = keyframe;
     earlier_hits_ = hits;
   }
-  /** Goes on with the run of another map of the same keyframes. */
-  void continueRun(const VoxelMap& other) { beginRun(other.run_begin_, other.earlier_hits_); }
+  /** Goes on with the run of another map of the same keyframes, which are inserted again. Until
+   * mergeOldHits() free observations are only carried over: the other map has reset them. */
+  void continueRun(const VoxelMap& other)
+  {
+    beginRun(other.run_begin_, other.earlier_hits_);
+    rebuilding_ = true;
+  }
   void addPoint(Voxel& voxel, const Eigen::Vector3d& p, float intensity) const;
   /** Carries over the evidence of an earlier map about the voxel of the same point. */
   static void carryEvidence(const Voxel& old, Voxel& voxel);
@@ -79,6 +84,7 @@ class VoxelMap
   double voxel_size_;
   std::uint32_t run_begin_ = 0;  //!< first keyframe of the run
   int earlier_hits_ = 1;
+  bool rebuilding_ = false;  //!< between continueRun() and mergeOldHits()
   std::size_t size_ = 0;
   VoxelHash tile_index_;
   SwappedStore<VoxelTile> tiles_;

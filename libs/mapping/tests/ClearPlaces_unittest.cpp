@@ -31,6 +31,25 @@ TEST(ClearPlaces, AreKnownForSixToTenScans)
   }
 }
 
+TEST(ClearPlaces, AreForgottenWhereNumbersAreLeftOut)
+{
+  for (const std::size_t next : {10U, 100U})
+  {
+    ClearPlaces clear;
+    clear.beginScan(0);
+    clear.add(place);
+    clear.beginScan(next);
+    EXPECT_FALSE(clear.contain(place)) << next;
+    clear.add(place);
+    EXPECT_TRUE(clear.contain(place)) << next;
+  }
+  ClearPlaces clear;
+  clear.beginScan(0);
+  clear.add(place);
+  clear.beginScan(9);
+  EXPECT_TRUE(clear.contain(place));
+}
+
 TEST(ClearPlaces, StayKnownAfterResuming)
 {
   ClearPlaces clear;

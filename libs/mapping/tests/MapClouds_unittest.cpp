@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/Error.h>
 #include <dyslam/core/Files.h>
+#include <dyslam/core/PendingFile.h>
 #include <dyslam/formats/ScanFiles.h>
 #include <dyslam/mapping/FullResolution.h>
 #include <dyslam/mapping/MapClouds.h>
@@ -10,7 +11,10 @@
 #include <algorithm>
 #include <array>
 #include <filesystem>
+#include <fstream>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include "TestMap.h"
 #include "WalledStreet.h"
@@ -181,6 +185,42 @@ TEST_F(MapCloudsTest, TheIndexHasTheCornerOfEveryTile)
     }
   }
   EXPECT_EQ(static_cast<std::ptrdiff_t>(tiles) + 2, std::count(index.begin(), index.end(), '\n'));
+}
+
+TEST_F(MapCloudsTest, TilesOfAnEarlierMapAreRemovedAndNothingElse)
+{
+  exports_.normals = false;
+  exports_.tile_size = 16;
+  (void)clouds().writeTiles(*scans_, {file("t.ply")});
+  const std::size_t before = readTiles("t").size();
+  fs::create_directories(folder_ / "t");
+  const std::vector<std::string> others = {"notes.ply",     "t_7.ply",     "t_07_1.ply",
+                                           "t_7_1_2.ply",   "t_7_1.pcd",   "t_7_1.ply.txt",
+                                           "other_7_1.ply", "t/t_7_1.ply", "t_unlisted_7.ply"};
+  std::ofstream index(file("t.ply.tiles.yaml"), std::ios::app);
+  for (const std::string& name : others)
+  {
+    index << name << ": [112, 16]\n";
+    writeWhole(file(name), "another's");
+  }
+  index << "t_70_1.ply: [0, 0]\n";  // of our naming, but a folder
+  index.close();
+  fs::create_directories(folder_ / "t_70_1.ply");
+  writeWhole(file("t_71_1.ply"), "another's");  // of our naming, but not listed
+
+  exports_.tile_size = 64;
+  EXPECT_EQ(before, clouds().writeTiles(*scans_, {file("t.ply")}));
+  for (const std::string& name : others)
+  {
+    EXPECT_TRUE(fs::exists(file(name))) << name;
+  }
+  EXPECT_TRUE(fs::remove(folder_ / "t_70_1.ply"));
+  EXPECT_TRUE(fs::remove(folder_ / "t_71_1.ply"));
+  for (const std::string& name : others)
+  {
+    fs::remove(folder_ / name);
+  }
+  EXPECT_EQ(before, readTiles("t").size()) << "each point is in one tile";
 }
 
 TEST_F(MapCloudsTest, AFolderThatIsMissingIsNamed)

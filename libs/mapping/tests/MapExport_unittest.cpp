@@ -485,6 +485,39 @@ TEST_F(MapExport, EchoesBelowTheRoadLeaveItFree)
   }
 }
 
+/** Where `(high - origin) / resolution` is rounded up to a whole number, and where the origin is
+ * rounded to above `low`. */
+TEST_F(MapExport, EveryPointHasACellOfTheGrid)
+{
+  const auto freeCells =
+      [&](double low, double high, double resolution, const Eigen::Vector3d& axis)
+  {
+    StaticMapOptions options;
+    options.voxel_size = 0.5;
+    options.min_range = 0;
+    options.visibility = false;
+    test::TestMap map(options);
+    for (const double at : {low, high})
+    {
+      Frame frame;
+      frame.T_odom_vehicle.translation() = at * axis;
+      frame.cloud.points.emplace_back(0.0F, 0.0F, 0.0F);
+      frame.cloud.source.push_back(0);
+      map.insert(frame);
+    }
+    MapExportOptions exports;
+    exports.grid_resolution = resolution;
+    writeOccupancyGrid(map.map, path("m.png"), exports);
+    const cv::Mat grid = cv::imread(path("m.png"), cv::IMREAD_UNCHANGED);
+    return cv::countNonZero(grid == 254);
+  };
+  for (const Eigen::Vector3d& axis : {Eigen::Vector3d(1, 0, 0), Eigen::Vector3d(0, 1, 0)})
+  {
+    EXPECT_EQ(2, freeCells(-823.125, 28, 0.07, axis)) << axis.transpose();
+    EXPECT_EQ(2, freeCells(-3.625, 5, 0.145, axis)) << axis.transpose();
+  }
+}
+
 TEST_F(MapExport, LargeGridsGetCoarserCells)
 {
   MapExportOptions options;
@@ -556,6 +589,31 @@ TEST_F(MapExport, UnwritableFoldersAndBadEndings)
   {
     EXPECT_NE(std::string(error.what()).find("did you mean .3Dscene"), std::string::npos)
         << error.what();
+  }
+}
+
+TEST(MapExportOptions, TilesAreNotTooSmall)
+{
+  const auto loaded = [](const std::string& tile_size)
+  {
+    MapExportOptions options;
+    load(options, Config::fromText("[map_export]\ntile_size = " + tile_size + "\n", "test.ini"),
+         "map_export");
+    return options.tile_size;
+  };
+  EXPECT_EQ(0, loaded("0"));
+  EXPECT_EQ(5, loaded("5"));
+  EXPECT_THROW((void)loaded("4.9"), UserError);
+  try
+  {
+    (void)loaded("0.01");
+    FAIL() << "millions of tiles";
+  }
+  catch (const UserError& error)
+  {
+    EXPECT_STREQ(
+        "[map_export] tile_size = 0.01 is too small; use at least 5 (m), or 0 for one file",
+        error.what());
   }
 }
 }  // namespace

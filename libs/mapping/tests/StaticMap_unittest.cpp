@@ -66,6 +66,13 @@ TEST(StaticMap, KeyframesThatArePassedOverLeaveNoPoints)
   EXPECT_EQ(map.map.keyframes().size(), 3U);
 }
 
+TEST(StaticMap, RefusesAnEmptyRange)
+{
+  StaticMapOptions options;
+  options.min_range = options.max_range = 20;
+  EXPECT_THROW(TestMap{options}, UserError);
+}
+
 TEST(StaticMap, EmptyOnePointAndNotFinite)
 {
   TestMap map;
@@ -194,6 +201,58 @@ TEST(StaticMap, OfTwoRunsTheLatestThatSawAPlaceCounts)
   EXPECT_GT(carPointsOfTwoRuns(kNoCar, there, MapChanges::latest), parked / 2);
   EXPECT_EQ(carPointsOfTwoRuns(there, there, MapChanges::latest, 3),
             carPointsOfTwoRuns(there, there, MapChanges::all, 3));
+}
+
+/** Seen from a sensor that stands: a wall in front, 400 voxels of 0.2 m. \param ghost whether
+ * something stood in between \param behind whether there is a wall of 1600 voxels behind */
+Frame standingScan(std::size_t index, bool ghost, bool behind)
+{
+  Frame frame;
+  frame.index = index;
+  const auto add = [&](float x, float y, float z)
+  {
+    frame.cloud.points.emplace_back(x, y, z);
+    frame.cloud.source.push_back(0);
+  };
+  for (int i = 0; i < 1600; ++i)
+  {
+    const auto column = static_cast<float>(i % 40);
+    const auto row = static_cast<float>(i / 40);
+    add(20.1F, 0.1F * column - 1.95F, 0.1F * row - 1.95F);
+    if (behind)
+    {
+      add(-10.1F, 0.2F * column - 3.9F, 0.2F * row - 1.5F);
+    }
+  }
+  add(10.1F, 0.1F, -1.7F);  // the ground
+  if (ghost)
+  {
+    add(10.1F, 0.1F, 0.1F);
+  }
+  return frame;
+}
+
+TEST(StaticMap, OfTwoRunsWhatWasCleanedStaysSoWhereVoxelsGrow)
+{
+  for (const int max_voxels : {1000000000, 1000})
+  {
+    StaticMapOptions options;
+    options.max_voxels = max_voxels;
+    TestMap map(options);
+    for (std::size_t k = 0; k < 17; ++k)
+    {
+      if (k == 8)
+      {
+        map.map.beginRun();
+      }
+      map.insert(standingScan(k, k % 8 < 2 && k < 16, k == 16));
+    }
+    EXPECT_EQ(max_voxels > 1000 ? 0.2 : 0.4, map.map.voxelSize());
+    const MapPoints points = map.map.points();
+    EXPECT_EQ(0U, countIn(points, {9.9F, -0.1F, -0.1F}, {10.3F, 0.3F, 0.3F})) << max_voxels;
+    EXPECT_EQ(1U, countIn(points, {9.9F, -0.1F, -1.9F}, {10.3F, 0.3F, -1.5F})) << max_voxels;
+    EXPECT_GE(countIn(points, {19.9F, -2, -2}, {20.3F, 2, 2}), 100U) << max_voxels;
+  }
 }
 
 TEST(StaticMap, CorrectionToTheSamePosesChangesNothing)

@@ -78,6 +78,15 @@ TEST(VisibilityImage, SkyProvesNothing)
   EXPECT_EQ(at(cloudOf(2 * degree, 0.4F * degree, sky_above), betweenRings(20)), Evidence::none);
 }
 
+TEST(VisibilityImage, OfAPlaceAtTheSensorNothingIsKnown)
+{
+  const Cloud far = cloudOf(0.4F * degree, 0.2F * degree, [](const auto&) { return 40.0F; });
+  const VisibilityImage image(far, Eigen::Vector3f::Zero());
+  EXPECT_EQ(image.at(Eigen::Vector3f::Zero(), 0.2F, 0.5F), Evidence::none);
+  EXPECT_EQ(image.at({0.4F, 0, 0}, 0.2F, 0.5F), Evidence::none);
+  EXPECT_EQ(at(far, {0, 0, 0}), Evidence::none);
+}
+
 TEST(VisibilityImage, AWallAtGrazingIncidenceIsNotFree)
 {
   // Along x at 3 m to the left: next to a ray that ended there, others end metres before and after.

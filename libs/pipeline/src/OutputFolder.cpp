@@ -148,7 +148,12 @@ FolderLock::FolderLock(const std::string& folder)
     {
       throw UserError(folder + ": cannot be written: " + std::strerror(errno) + "; " + advice);
     }
-    if (::flock(file_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK)
+    int locked = 0;
+    do
+    {
+      locked = ::flock(file_, LOCK_EX | LOCK_NB);
+    } while (locked != 0 && errno == EINTR);
+    if (locked != 0 && errno == EWOULDBLOCK)  // other errors: a file system without locks
     {
       ::close(file_);
       throw UserError(folder + ": another run is writing to it; wait for its end, or " + advice);

@@ -2,6 +2,7 @@
 #include "RunHistory.h"
 
 #include <algorithm>
+#include <cstring>
 
 namespace dyslam
 {
@@ -101,6 +102,7 @@ void RunHistory::addScan(const Frame& frame)
   PastScan scan;
   scan.index = frame.index;
   scan.stamp = frame.scan.stamp;
+  scan.time = frame.time();
   scan.T_odom_vehicle = frame.T_odom_vehicle;
   scan.points = static_cast<std::uint32_t>(frame.cloud.size());
   scan.moving_points =

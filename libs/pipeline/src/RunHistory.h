@@ -21,6 +21,7 @@ struct PastScan
 {
   std::size_t index = 0;  //!< Frame::index
   double stamp = 0;       //!< [s]
+  double time = 0;        //!< Frame::time() [s]
   Pose T_odom_vehicle = Pose::Identity();
   std::uint32_t points = 0;         //!< used of it
   std::uint32_t moving_points = 0;  //!< of these

@@ -32,6 +32,9 @@ constexpr double same_speed = 0.3;
 constexpr double probe_distance = 5;
 /** A speed this near to that of the odometry is not reported [m/s]. */
 constexpr double min_difference = 3;
+/** Limits of odometry.start_speed [m/s]. */
+constexpr double min_speed = -50;
+constexpr double max_speed = 100;
 
 /** Per frame, per point of its scan: appearance prior, the probability that it is static; empty
  * where the segmenter gives none. */
@@ -165,6 +168,13 @@ std::vector<double> StartSearch::speedsAfter(const std::vector<double>& starts) 
   return speeds;
 }
 
+/** Whether the speed and the probes beside it are speeds to start with: false where the odometry
+ * diverged, or where time stamps are wrong. */
+bool isPlausible(double speed)
+{
+  return speed >= min_speed + probe_distance && speed <= max_speed - probe_distance;
+}
+
 /** Whether a lower and a higher initial speed both drift to this one. */
 bool StartSearch::isPulledTo(double speed) const
 {
@@ -221,8 +231,8 @@ void StartOptions::describe(OptionsVisitor& v)
   v.flag("search", search,
          "search for the speed at the first scan where the first scans do not determine it");
   v.integer("scans", scans, 3, 100, "scans used");
-  v.real("slowest", slowest, -50, 0, "lowest speed that is tried [m/s]");
-  v.real("fastest", fastest, 0, 100, "highest speed that is tried [m/s]");
+  v.real("slowest", slowest, min_speed, 0, "lowest speed that is tried [m/s]");
+  v.real("fastest", fastest, 0, max_speed, "highest speed that is tried [m/s]");
   v.real("step", step, 0.5, 20, "between the speeds that are tried [m/s]");
   v.real("sigma", sigma, 0.1, 20, "of a speed that is tried, and of the one found [m/s]");
   v.real("max_drift", max_drift, 0.1, 100, "upper limit of the drift of a speed [m/s]");
@@ -262,12 +272,17 @@ std::optional<double> speedOfDrifts(const std::vector<SpeedDrift>& drifts,
 std::optional<double> findStartSpeed(const std::vector<Frame>& frames, const Config& config)
 {
   StartSearch search(frames, config);
-  if (!search.isWanted() || search.isPulledTo(search.speedAfter(std::nullopt, search.threads)))
+  if (!search.isWanted())
+  {
+    return std::nullopt;
+  }
+  const double registered = search.speedAfter(std::nullopt, search.threads);
+  if (!isPlausible(registered) || search.isPulledTo(registered))
   {
     return std::nullopt;
   }
   const double start = search.speedOfFrontEnd();
-  if (search.isPulledTo(start))
+  if (!isPlausible(start) || search.isPulledTo(start))
   {
     return std::nullopt;
   }
@@ -278,7 +293,8 @@ std::optional<double> findStartSpeed(const std::vector<Frame>& frames, const Con
   }
   // The grid of speeds is coarse; the odometry refines the result.
   const double settled = search.speedAfter(*speed, search.threads);
-  return std::fabs(settled - *speed) < search.options.max_drift ? settled : speed;
+  return isPlausible(settled) && std::fabs(settled - *speed) < search.options.max_drift ? settled
+                                                                                        : speed;
 }
 
 std::optional<double> findStartSpeed(const std::string& rawlog,

@@ -23,6 +23,7 @@ struct Sighting
 {
   std::size_t scan;  //!< Frame::index
   double stamp;      //!< [s]
+  double time;       //!< of a clock that was never set [s]
   ObjectClass object_class;
   Box box;
   Eigen::Vector3d velocity;  //!< [m/s]
@@ -43,6 +44,7 @@ Sighting sightingOf(const PastObject& report,
   Sighting s;
   s.scan = scan.index;
   s.stamp = T_map_vehicle.stamp;
+  s.time = scan.time;
   s.object_class = report.object_class;
   s.box = transformed(report.box, T_map_odom);
   s.velocity = T_map_odom.linear() * report.velocity;
@@ -191,7 +193,7 @@ std::vector<TrackState> smoothed(const Track& track, const TrackSmoothingOptions
   std::vector<TrackState> states;
   for (const Sighting& s : track)
   {
-    states.push_back({s.stamp, s.box.center, s.velocity, s.observed});
+    states.push_back({s.time, s.box.center, s.velocity, s.observed});
   }
   return smoothTrack(states, options);
 }
@@ -246,7 +248,7 @@ std::vector<SmoothedObject> smoothReported(const RunHistory& history,
         const PastScan& scan = history.scans()[report.scan];
         const StampedPose& pose = trajectory[report.scan];
         Track& track = tracks[report.id];
-        if (track.empty() || pose.stamp > track.back().stamp)
+        if (track.empty() || scan.time > track.back().time)
         {
           track.push_back(sightingOf(report, scan, history.mounts()[scan.mount], pose));
         }

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <optional>
+#include <vector>
 
 namespace dyslam
 {
@@ -73,6 +75,44 @@ TEST(StartSpeed, IsSetWithItsDeviation)
   }
   Config bad = Config::fromText("[start]\nsigma = -1\n", "test");
   EXPECT_THROW(setStartSpeed(3, bad), UserError);
+}
+/** Scans of a room with pillars, 0.5 m apart. \param period between their time stamps [s] */
+std::vector<Frame> driveThroughRoom(double period)
+{
+  std::vector<Frame> frames(20);
+  for (std::size_t k = 0; k < frames.size(); ++k)
+  {
+    Scan& scan = frames[k].scan;
+    frames[k].index = k;
+    scan.stamp = period * static_cast<double>(k);
+    const float at = 0.5F * static_cast<float>(k);
+    const auto add = [&](float x, float y, float z) { scan.points.emplace_back(x - at, y, z); };
+    for (float z = -1.7F; z < 3; z += 0.4F)
+    {
+      for (float s = -30; s < 40; s += 0.15F)
+      {
+        add(s, -8, z);
+        add(s, 9, z);
+      }
+      for (float s = -8; s < 9; s += 0.15F)
+      {
+        add(-30, s, z);
+        add(40, s, z);
+        add(7.3F * std::floor(s), s - 2 * std::floor(s / 2), z);
+      }
+    }
+  }
+  return frames;
+}
+
+TEST(StartSpeed, IsNotSearchedForWhereTimeStampsAreWrong)
+{
+  // 0.5 m in 4 ms: faster than any start speed.
+  const Config config = Config::fromText(
+      "[dyseg]\nmethod = none\n[preprocess]\ndeskew = none\n[pipeline]\nthreads = 1\n", "test");
+  std::optional<double> found;
+  EXPECT_NO_THROW(found = findStartSpeed(driveThroughRoom(0.004), config));
+  EXPECT_FALSE(found);
 }
 }  // namespace
 }  // namespace dyslam

@@ -13,8 +13,9 @@ constexpr double speed = 6;     // of the vehicle, along +x [m/s]
 constexpr double length = 4.5;  // [m]
 
 /** A vehicle that drives past the sensor at the origin and comes into view from its rear on: its
- * visible part grows for a second. Its centre is at `x(t) = 5 m + speed t`. */
-RunHistory vehicleThatComesIntoView(int scans, Trajectory& trajectory)
+ * visible part grows for a second. Its centre is at `x(t) = 5 m + speed t`.
+ * \param clock_step by which the clock of the time stamps is set in the middle [s] */
+RunHistory vehicleThatComesIntoView(int scans, Trajectory& trajectory, double clock_step = 0)
 {
   RunHistory history;
   for (int i = 0; i < scans; ++i)
@@ -22,7 +23,8 @@ RunHistory vehicleThatComesIntoView(int scans, Trajectory& trajectory)
     const double time = 0.1 * i;
     Frame frame;
     frame.index = static_cast<std::size_t>(3 + i);
-    frame.scan.stamp = time;
+    frame.clock_offset = 2 * i >= scans ? clock_step : 0;
+    frame.scan.stamp = time + frame.clock_offset;
     TrackedObject object;
     object.id = 7;
     object.object_class = ObjectClass::car;
@@ -33,7 +35,7 @@ RunHistory vehicleThatComesIntoView(int scans, Trajectory& trajectory)
     frame.objects.push_back(object);
     history.addScan(frame);
     history.addObjects(frame.index, frame.objects, TrackLife::reported);
-    trajectory.push_back(time, Pose::Identity());
+    trajectory.push_back(frame.scan.stamp, Pose::Identity());
   }
   return history;
 }
@@ -59,6 +61,23 @@ TEST(TrackHindsight, VehiclesHaveTheirWholeSizeFromTheFirstScanOn)
   const auto given = smoothReported(history, trajectory, {}, false);
   EXPECT_NEAR(given.front().size->x(), 0.5, 1e-9);
   EXPECT_GT(given.front().velocity.x(), speed + 1);
+}
+
+TEST(TrackHindsight, VelocitiesDoNotDependOnStepsOfTheClock)
+{
+  for (const double step : {-30.0, 7.0})
+  {
+    Trajectory trajectory;
+    const RunHistory history = vehicleThatComesIntoView(40, trajectory, step);
+    const auto objects = smoothReported(history, trajectory, {}, true);
+    ASSERT_EQ(objects.size(), 40U);
+    for (std::size_t i = 0; i < objects.size(); ++i)
+    {
+      EXPECT_EQ(objects[i].stamp, trajectory[i].stamp);
+      EXPECT_NEAR(objects[i].velocity.x(), speed, 0.1) << i;
+      EXPECT_TRUE(objects[i].moving);
+    }
+  }
 }
 
 TEST(TrackHindsight, PositionsAreInTheMapFrame)

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/Printable.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -15,12 +17,6 @@ constexpr const char* header =
     "frame,stamp,points,moving_points,odometry_converged,odometry_accepted,odometry_inliers,"
     "odometry_rmse,odometry_rejection,registered,inliers,rmse,reason,forward,turn_deg,keyframe\n";
 
-/** A field of a CSV file. */
-std::string quoted(const std::string& text)
-{
-  return text.find_first_of(",\"\n") == std::string::npos ? text : '"' + text + '"';
-}
-
 std::string rowOf(const Frame& frame)
 {
   const MotionEstimate& odometry = frame.odometry;
@@ -30,10 +26,10 @@ std::string rowOf(const Frame& frame)
       numbers, sizeof numbers, "%zu,%.9f,%zu,%td,%d,%d,%zu,%.4f,", frame.index, frame.scan.stamp,
       frame.cloud.size(), std::count(frame.moving.begin(), frame.moving.end(), true),
       odometry.converged ? 1 : 0, frame.odometry_accepted ? 1 : 0, odometry.inliers, odometry.rmse);
-  std::string row = numbers + quoted(frame.odometry_rejection);
+  std::string row = numbers + csvField(frame.odometry_rejection);
   std::snprintf(numbers, sizeof numbers, ",%d,%zu,%.4f,", motion.converged ? 1 : 0, motion.inliers,
                 motion.rmse);
-  row += numbers + quoted(motion.reason);
+  row += numbers + csvField(motion.reason);
   const Pose& step = motion.T_previous_current;
   std::snprintf(numbers, sizeof numbers, ",%.4f,%.4f,%d\n", step.translation().x(),
                 rotationAngle(step) * 180 / M_PI, frame.is_keyframe ? 1 : 0);

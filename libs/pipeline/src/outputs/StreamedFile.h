@@ -28,20 +28,17 @@ class StreamedFile
     }
     write(header);
   }
-  /** Write errors are reported by close(). */
+  /** \throws UserError if it could not be written. */
   void write(const std::string& text)
   {
     file_ << text << std::flush;
+    requireGood();
     size_ += text.size();
   }
   /** Saves the length of the file, or continues the file that was saved.
    * \throws UserError if it is not all there. */
   void exchangeState(const std::string& path, StateArchive& archive)
   {
-    if (!archive.isLoading() && !file_)
-    {
-      throw UserError(path + ": not everything could be written; is the disk full?");
-    }
     archive(size_);
     if (archive.isLoading())
     {
@@ -55,14 +52,19 @@ class StreamedFile
   void close()
   {
     file_.close();
-    if (!file_)
-    {
-      throw UserError(pending_->path() + ": not everything could be written; is the disk full?");
-    }
+    requireGood();
     pending_->commit();
   }
 
  private:
+  void requireGood() const
+  {
+    if (!file_)
+    {
+      throw UserError(pending_->path() + ": not everything could be written; is the disk full?");
+    }
+  }
+
   std::optional<PendingFile> pending_;
   std::ofstream file_;
   std::uint64_t size_ = 0;

@@ -38,7 +38,8 @@ class MapClouds
 
   /** The maps of the scans tile by tile, one of which is in memory at a time: `map.las` becomes
    * `map_X_Y.las` for each tile with points, and `map.las.tiles.yaml` with their lower corners, in
-   * the layout that Autoware reads.
+   * the layout that Autoware reads. Tiles that an earlier index of this name lists and the new one
+   * does not are removed.
    * \param on_tile called with the number of tiles that are done, and of all
    * \return number of points \throws UserError for a file that cannot be written. */
   std::size_t writeTiles(ScanStore& scans,

@@ -15,7 +15,7 @@ struct MapExportOptions : Options
   bool full_resolution = false;      //!< clouds with every static point, not one per voxel
   bool normals = true;               //!< in clouds
   double normal_radius = 0.8;        //!< radius of the neighbourhood of a normal [m]
-  double tile_size = 0;              //!< clouds in tiles of this side [m]; 0: one file
+  double tile_size = 0;              //!< clouds in tiles of this side, at least 5 [m]; 0: one file
   double octree_resolution = 0.2;    //!< side of octomap's leaves [m]
   double octree_range = 40.0;        //!< rays are cut off here [m]
   double grid_resolution = 0.1;      //!< side of the occupancy grid's cells [m]

@@ -47,7 +47,7 @@ struct SlamRunReport
   std::size_t tracks = 0;  //!< confirmed moving objects
   std::size_t map_points = 0;
   double path_length = 0;      //!< [m]
-  double ms_per_scan = 0;      //!< mean of all stages, without reading and writing
+  double ms_per_scan = 0;      //!< mean of all stages, without reading and writing files
   double run_time = 0;         //!< from the construction of SlamRun to its last file [s]
   double recording_time = 0;   //!< of the scans that were processed [s]
   bool has_reference = false;  //!< the recording had ground truth; reference_tum.txt was written
