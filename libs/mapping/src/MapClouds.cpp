@@ -73,7 +73,7 @@ bool isTileName(const fs::path& file, const std::string& name)
   std::int64_t y = 0;
   const std::size_t numbers = std::min(file.stem().string().size() + 1, name.size());
   const char* separator = std::from_chars(name.data() + numbers, end, x).ptr;
-  std::from_chars(std::min(separator + 1, end), end, y);
+  std::from_chars(separator == end ? end : separator + 1, end, y);
   return name == tileName(file, x, y);
 }
 
