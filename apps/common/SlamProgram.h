@@ -100,6 +100,13 @@ inline void keepLabels(const std::string& output)
   const fs::path made = fs::path(output) / "labels";
   try
   {
+    for (const fs::path& folder : {kept.parent_path(), kept})
+    {
+      if (fs::is_symlink(folder))
+      {
+        throw UserError(folder.string() + ": is a link; remove it, or choose another --output");
+      }
+    }
     fs::create_directories(kept);
     removeLabels(kept);
     for (const auto& entry : fs::directory_iterator(made))

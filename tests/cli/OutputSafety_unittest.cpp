@@ -97,6 +97,10 @@ TEST(OutputSafety, LinksAreNotFollowed)
   ASSERT_EQ(0, runProgram("dyslam", slam(folder.file("run")), folder.path()).code);
   fs::create_directory_symlink(folder.file("mine"), folder.file("run/labels"));
   expectRefusal(folder, "dyslam", slam(folder.file("run")), {"labels: is a link"});
+  fs::remove(folder.file("run/labels"));
+  fs::create_directories(folder.file("run/first_pass"));
+  fs::create_directory_symlink(folder.file("mine"), folder.file("run/first_pass/labels"));
+  expectRefusal(folder, "dyslam", slam(folder.file("run")) + "--passes 2", {"labels: is a link"});
   fs::create_directories(folder.file("in"));
   folder.write("in/0.bin", std::string(3200, '\0'));
   fs::create_directories(folder.file("k.gt"));

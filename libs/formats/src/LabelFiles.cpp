@@ -5,6 +5,8 @@
 #include <dyslam/formats/TextFile.h>
 
 #include <cstring>
+#include <filesystem>
+#include <system_error>
 
 // All binary formats here are little-endian, as is every machine this is built for.
 static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__, "a little-endian machine is needed");
@@ -44,5 +46,27 @@ void writeLabels(const std::string& path, const std::vector<Label>& labels)
       path,
       std::string_view(reinterpret_cast<const char*>(labels.data()), labels.size() * sizeof(Label)),
       Durable::no);
+}
+
+std::string anyLabelFile(const std::string& folder)
+{
+  if (folder.empty())
+  {
+    return "";
+  }
+  for (const std::filesystem::path& labels :
+       {std::filesystem::path(folder) / "labels", std::filesystem::path(folder)})
+  {
+    std::error_code ignored;
+    for (std::filesystem::directory_iterator file(labels, ignored), end; file != end;
+         file.increment(ignored))
+    {
+      if (file->path().extension() == ".label")
+      {
+        return file->path().string();
+      }
+    }
+  }
+  return "";
 }
 }  // namespace dyslam

@@ -2,12 +2,12 @@
 #include <dyslam/core/BoxOverlap.h>
 #include <dyslam/core/Error.h>
 #include <dyslam/core/Labels.h>
+#include <dyslam/formats/LabelFiles.h>
 #include <dyslam/formats/TextFile.h>
 #include <dyslam/mapbuilder/RunScans.h>
 
 #include <algorithm>
 #include <filesystem>
-#include <system_error>
 
 namespace dyslam
 {
@@ -17,19 +17,6 @@ namespace fs = std::filesystem;
 
 constexpr double min_distance = 1.0;  // from its start, beyond which an object moves [m]
 
-bool hasLabelFile(const fs::path& folder)
-{
-  std::error_code ignored;
-  for (fs::directory_iterator file(folder, ignored), end; file != end; file.increment(ignored))
-  {
-    if (file->path().extension() == ".label")
-    {
-      return true;
-    }
-  }
-  return false;
-}
-
 /** The folder's `labels` if that has label files, else the folder itself. */
 std::string labelFolder(const std::string& folder)
 {
@@ -37,14 +24,12 @@ std::string labelFolder(const std::string& folder)
   {
     return folder;
   }
-  for (const fs::path& labels : {fs::path(folder) / "labels", fs::path(folder)})
+  const std::string file = anyLabelFile(folder);
+  if (file.empty())
   {
-    if (hasLabelFile(labels))
-    {
-      return labels.string();
-    }
+    throw UserError(folder + ": is not a folder of .label files (--labels)");
   }
-  throw UserError(folder + ": is not a folder of .label files (--labels)");
+  return fs::path(file).parent_path().string();
 }
 }  // namespace
 

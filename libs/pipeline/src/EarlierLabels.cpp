@@ -68,26 +68,6 @@ class Merge
 };
 }  // namespace
 
-std::string anyLabelFile(const std::string& folder)
-{
-  if (folder.empty())
-  {
-    return "";
-  }
-  for (const fs::path& labels : {fs::path(folder) / "labels", fs::path(folder)})
-  {
-    std::error_code ignored;
-    for (fs::directory_iterator file(labels, ignored), end; file != end; file.increment(ignored))
-    {
-      if (file->path().extension() == ".label")
-      {
-        return file->path().string();
-      }
-    }
-  }
-  return "";
-}
-
 EarlierLabels::EarlierLabels(const std::string& folder) : folder_(labelFolder(folder)) {}
 
 Scan EarlierLabels::takeMoving(Frame& frame) const

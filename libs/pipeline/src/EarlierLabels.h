@@ -7,9 +7,6 @@
 
 namespace dyslam
 {
-/** One of the label files of a folder or of the run in it; empty if there is none. */
-[[nodiscard]] std::string anyLabelFile(const std::string& folder);
-
 /** Labels that an earlier run wrote of the same scans: segmentation and odometry do without the
  * points that it labelled moving.
  *

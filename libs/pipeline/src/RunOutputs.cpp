@@ -3,6 +3,7 @@
 
 #include <dyslam/core/Error.h>
 #include <dyslam/core/StateArchive.h>
+#include <dyslam/formats/LabelFiles.h>
 #include <fcntl.h>
 #include <unistd.h>
 
@@ -12,7 +13,6 @@
 #include <map>
 #include <utility>
 
-#include "EarlierLabels.h"
 #include "OutputFolder.h"
 #include "StateFile.h"
 

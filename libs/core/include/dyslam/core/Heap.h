@@ -7,8 +7,8 @@ namespace dyslam
  * pages (2 MiB).
  *
  * Each scan frees and allocates the same megabytes. The system clears every new page, and each page
- * of 4 KiB costs a page fault: together a tenth of the processor time of a run. Reserves 1 GiB of
- * address space; memory is taken as it is used. Call it at the start of a program. No effect
+ * of 4 KiB costs a page fault: together up to a tenth of the processor time of a run. Reserves 1
+ * GiB of address space; memory is taken as it is used. Call it at the start of a program. No effect
  * without glibc on Linux; no huge pages where `/sys/kernel/mm/transparent_hugepage/enabled` is
  * `never`.
  */

@@ -14,4 +14,8 @@ namespace dyslam
 /** \param expected the number of points of the scan. \throws UserError if the file has another. */
 [[nodiscard]] std::vector<Label> readLabels(const std::string& path, std::size_t expected);
 void writeLabels(const std::string& path, const std::vector<Label>& labels);
+
+/** One of the label files in the `labels` of a folder, or else in the folder itself; empty if there
+ * is none. */
+[[nodiscard]] std::string anyLabelFile(const std::string& folder);
 }  // namespace dyslam
