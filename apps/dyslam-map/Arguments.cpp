@@ -6,6 +6,7 @@
 #include <dyslam/core/Printable.h>
 #include <dyslam/core/SharedFiles.h>
 #include <dyslam/formats/ScanFiles.h>
+#include <dyslam/mapbuilder/RunFolder.h>
 #include <dyslam/odometry/ScanMatcher.h>
 
 #include <CLI/CLI.hpp>
@@ -46,9 +47,7 @@ std::vector<std::string> ownSections(const Arguments& a)
 /** \param run as given to --merge */
 std::string effectiveIniOfRun(const std::string& run)
 {
-  const std::string folder =
-      std::filesystem::is_directory(run) ? run : run.substr(0, run.rfind('='));
-  return (std::filesystem::path(folder) / "effective.ini").string();
+  return (std::filesystem::path(RunArgument(run).folder) / "effective.ini").string();
 }
 
 /** The ini of the run that the trajectory is of; empty where it is of none. */

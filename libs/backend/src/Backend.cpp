@@ -106,7 +106,6 @@ struct Backend::State
   FactorGraph graph;
   LoopCorrection correction;
   ObjectGraph objects;
-  std::vector<FactorGraph::FactorId> odometry;  //!< that of keyframe k + 1 at k
   std::vector<FrameInKeyframe> frames;
   std::vector<Loop> loops;
   std::vector<std::string> problems;        //!< factors that the graph rejected
@@ -154,8 +153,7 @@ void Backend::State::addKeyframe(const Frame& frame)
     constexpr double floor = 1e-12;  // keeps it positive definite [m^2, rad^2]
     Matrix6 information = (since_keyframe.covariance() + floor * Matrix6::Identity()).inverse();
     information = 0.5 * (information + information.transpose()).eval();
-    odometry.push_back(graph.add(
-        std::make_unique<OdometryFactor>(id - 1, id, since_keyframe.motion(), information)));
+    graph.add(std::make_unique<OdometryFactor>(id - 1, id, since_keyframe.motion(), information));
   }
   keyframes.add(keyframe);
   T_odom_keyframe = frame.T_odom_vehicle;
@@ -358,11 +356,6 @@ const FactorGraph& Backend::factorGraph() const
   return state_->graph;
 }
 
-const Factor& Backend::odometryFactor(std::size_t keyframe) const
-{
-  return state_->graph.factor(state_->odometry.at(keyframe - 1));
-}
-
 PoseGraph Backend::graph() const
 {
   return poseGraphView(state_->graph);
@@ -412,7 +405,7 @@ std::vector<std::string> Backend::warnings() const
 void Backend::exchangeState(StateArchive& archive)
 {
   State& s = *state_;
-  archive(s.closer, s.graph, s.objects, s.odometry, s.frames, s.loops, s.correction, s.problems,
+  archive(s.closer, s.graph, s.objects, s.frames, s.loops, s.correction, s.problems,
           s.T_odom_keyframe, s.since_keyframe, s.T_odom_previous, s.path_length, s.drift,
           s.drift_angle);
 }

@@ -120,8 +120,8 @@ std::string PolarDescriptor::toBytes() const
 PolarDescriptor PolarDescriptor::fromBytes(std::string_view bytes)
 {
   PolarDescriptor descriptor;
-  std::memcpy(descriptor.heights_.data(), bytes.data(), sizeof heights_);
-  std::memcpy(descriptor.ring_means_.data(), bytes.data() + sizeof heights_, sizeof ring_means_);
+  takeBytes(bytes, descriptor.heights_);
+  takeBytes(bytes, descriptor.ring_means_);
   return descriptor;
 }
 }  // namespace dyslam

@@ -124,8 +124,7 @@ std::string PackedCloud::toBytes() const
 PackedCloud PackedCloud::fromBytes(std::string_view bytes)
 {
   PackedCloud cloud;
-  std::memcpy(&cloud.scale_, bytes.data(), sizeof cloud.scale_);
-  bytes.remove_prefix(sizeof cloud.scale_);
+  takeBytes(bytes, cloud.scale_);
   takeBytes(bytes, cloud.points_);
   takeBytes(bytes, cloud.intensity_);
   takeBytes(bytes, cloud.is_static_);

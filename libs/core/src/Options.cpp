@@ -53,6 +53,17 @@ void checkWord(const std::string& where,
   }
 }
 
+/** An ini, such as effective.ini, must give the same text back. */
+void checkText(const std::string& where, const std::string& value)
+{
+  const std::string line = " " + value;
+  if (line.find(" //") != std::string::npos || line.find("\t//") != std::string::npos)
+  {
+    throw UserError(where + " = " + value +
+                    ": // begins a comment in ini files; use a text without it");
+  }
+}
+
 class KeyLister : public OptionsVisitor
 {
  public:
@@ -110,6 +121,7 @@ class Loader : public OptionsVisitor
   {
     if (const auto* given = find(key))
     {
+      checkText(where(*given, key), given->text);
       value = given->text;
     }
   }
@@ -204,7 +216,10 @@ class Checker : public OptionsVisitor
     checkRange(where(key), value, min, max);
   }
   void flag(const char*, bool&, const char*) override {}
-  void text(const char*, std::string&, const char*) override {}
+  void text(const char* key, std::string& value, const char*) override
+  {
+    checkText(where(key), value);
+  }
   void word(const char* key,
             std::string& value,
             const std::vector<std::string>& words,

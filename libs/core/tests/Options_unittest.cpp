@@ -126,6 +126,22 @@ TEST(Config, SetReplacesTheFilesValue)
   EXPECT_THROW(config.set("sample.threads"), UserError);
 }
 
+TEST(Options, ATextThatAnIniWouldCutIsAnError)
+{
+  SampleOptions options;
+  for (const char* text : {"//server/scans", "scans // of today"})
+  {
+    Config config;
+    config.set(std::string("sample.label=") + text);
+    EXPECT_THROW(load(options, config, "sample"), UserError) << text;
+    options.label = text;
+    EXPECT_THROW(validate(options, "sample"), UserError) << text;
+  }
+  Config config;
+  config.set("sample.label=/data//scans");
+  EXPECT_NO_THROW(load(options, config, "sample"));
+}
+
 TEST(Config, AByteOrderMarkIsPassedOver)
 {
   SampleOptions options;

@@ -332,7 +332,7 @@ void GroundTruthWriter::addLabels(std::size_t frame, const std::vector<Label>& l
 {
   const fs::path folder = fs::path(folder_) / "labels";
   makeFolder(folder.string());
-  writeLabels((folder / numberedName(frame, ".label")).string(), labels);
+  writeLabels(numberedPath(folder.string(), frame, ".label"), labels);
 }
 
 void GroundTruthWriter::addFlow(std::size_t frame, const std::vector<Eigen::Vector3f>& flow)
@@ -340,7 +340,7 @@ void GroundTruthWriter::addFlow(std::size_t frame, const std::vector<Eigen::Vect
   static_assert(sizeof(Eigen::Vector3f) == 3 * sizeof(float), "packed vectors are needed");
   const fs::path folder = fs::path(folder_) / "flow";
   makeFolder(folder.string());
-  writeWhole((folder / numberedName(frame, ".flow")).string(),
+  writeWhole(numberedPath(folder.string(), frame, ".flow"),
              std::string_view(reinterpret_cast<const char*>(flow.data()),
                               flow.size() * sizeof(Eigen::Vector3f)));
 }

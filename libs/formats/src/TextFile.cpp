@@ -153,4 +153,11 @@ std::string numberedName(std::size_t number, const std::string& extension)
   std::string digits = std::to_string(number);
   return std::string(digits.size() < 6 ? 6 - digits.size() : 0, '0') + digits + extension;
 }
+
+std::string numberedPath(const std::string& folder,
+                         std::size_t number,
+                         const std::string& extension)
+{
+  return (std::filesystem::path(folder) / numberedName(number, extension)).string();
+}
 }  // namespace dyslam

@@ -58,24 +58,30 @@ Trajectory readTum(const std::string& path)
   return trajectory;
 }
 
+std::string tumLine(double stamp, const Pose& pose)
+{
+  std::string line;
+  appendFixed(line, stamp, 9);
+  Eigen::Quaterniond q(pose.linear());
+  if (q.w() < 0)
+  {
+    q.coeffs() = -q.coeffs();
+  }
+  const Eigen::Vector3d t = pose.translation();
+  for (const double value : {t.x(), t.y(), t.z(), q.x(), q.y(), q.z(), q.w()})
+  {
+    line += ' ';
+    appendNumber(line, value, digits);
+  }
+  return line + '\n';
+}
+
 void writeTum(const std::string& path, const Trajectory& trajectory)
 {
   std::string text;
   for (const auto& [stamp, pose] : trajectory)
   {
-    appendFixed(text, stamp, 9);
-    Eigen::Quaterniond q(pose.linear());
-    if (q.w() < 0)
-    {
-      q.coeffs() = -q.coeffs();
-    }
-    const Eigen::Vector3d t = pose.translation();
-    for (const double value : {t.x(), t.y(), t.z(), q.x(), q.y(), q.z(), q.w()})
-    {
-      text += ' ';
-      appendNumber(text, value, digits);
-    }
-    text += '\n';
+    text += tumLine(stamp, pose);
   }
   writeWhole(path, text);
 }

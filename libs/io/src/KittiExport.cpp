@@ -120,8 +120,7 @@ class Sequence
   {
     const Scan& scan = frame.scan;
     const fs::path velodyne = pending_ / "velodyne";
-    writeBin((velodyne / numberedName(result_.scans, ".bin")).string(), scan.points,
-             scan.intensity);
+    writeBin(numberedPath(velodyne.string(), result_.scans, ".bin"), scan.points, scan.intensity);
     if (options_.rings && !scan.ring.empty())
     {
       std::string rings;

@@ -10,7 +10,6 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <set>
-#include <tuple>
 #include <utility>
 
 namespace dyslam
@@ -40,17 +39,6 @@ std::string inputOf(const std::string& report)
   return json["input"].get<std::string>();
 }
 
-/** Folder and recording of one `--merge`. */
-std::pair<std::string, std::string> partsOf(const std::string& argument)
-{
-  const std::size_t split = argument.rfind('=');
-  if (split != std::string::npos && !fs::exists(argument))
-  {
-    return {argument.substr(0, split), argument.substr(split + 1)};
-  }
-  return {argument, ""};
-}
-
 std::vector<double> keyframeStamps(const std::string& motions)
 {
   std::vector<double> stamps;
@@ -76,8 +64,10 @@ std::size_t keyframesOf(const FactorGraph& graph)
 
 RunFolder readRun(const std::string& argument, double tolerance)
 {
+  const RunArgument given(argument);
   RunFolder run;
-  std::tie(run.folder, run.rawlog) = partsOf(argument);
+  run.folder = given.folder;
+  run.rawlog = given.rawlog;
   if (!fs::is_directory(run.folder))
   {
     throw UserError(run.folder + ": is not a folder; give output folders of dyslam (--merge)");
@@ -152,6 +142,16 @@ void nameRuns(std::vector<RunFolder>& runs)
   }
 }
 }  // namespace
+
+RunArgument::RunArgument(const std::string& argument) : folder(argument)
+{
+  const std::size_t split = argument.rfind('=');
+  if (split != std::string::npos && !fs::exists(argument))
+  {
+    folder = argument.substr(0, split);
+    rawlog = argument.substr(split + 1);
+  }
+}
 
 std::vector<RunFolder> readRunFolders(const std::vector<std::string>& folders, double tolerance)
 {

@@ -77,7 +77,7 @@ void RunScans::fillCloud(Frame& frame, std::size_t pose) const
 /** One label per point of the cloud. */
 std::vector<Label> RunScans::labelsOf(const Frame& frame) const
 {
-  const std::string path = (fs::path(label_folder_) / numberedName(frame.index, ".label")).string();
+  const std::string path = numberedPath(label_folder_, frame.index, ".label");
   if (!fs::exists(path))
   {
     throw UserError(path + ": no such file, but scan " + std::to_string(frame.index) +

@@ -22,6 +22,62 @@ double timeSpan(const Scan& scan)
   const double span = static_cast<double>(*last - *first);
   return std::isfinite(span) ? span : 0;
 }
+/** When the points of a scan were measured, in units of the time since the previous scan. */
+class Phases
+{
+ public:
+  /** \param dt since the previous scan [s]; 0: unknown \param sweep_duration [s]; 0: `dt` */
+  Phases(const Scan& scan, const PreprocessOptions& options, double dt, double sweep_duration)
+      : scan_(scan), sweep_(options.sweep)
+  {
+    const bool automatic = options.deskew == DeskewMode::automatic;
+    const bool time_wanted = automatic || options.deskew == DeskewMode::time;
+    // Without a motion yet, phases are in units of the scan's own duration.
+    const double unit = dt > 0 ? dt : time_wanted ? timeSpan(scan) : 0;
+    by_time_ = time_wanted && unit > 0 && scan.time.size() == scan.size() && scan.size() > 0;
+    by_azimuth_ = !by_time_ && (automatic || options.deskew == DeskewMode::azimuth);
+    per_unit_ = static_cast<float>(by_time_ ? 1 / unit : 0);
+    per_revolution_ = dt > 0 ? phaseScale(sweep_duration, dt) : 1.0F;
+    reference_ = static_cast<float>(options.sweep_reference);
+    unit_ = by_time_ ? unit : sweep_duration > 0 ? dt : 0;
+  }
+
+  [[nodiscard]] bool known() const { return by_time_ || by_azimuth_; }
+  /** Cloud::phase_unit [s] */
+  [[nodiscard]] double unit() const { return unit_; }
+  [[nodiscard]] float of(std::size_t i) const
+  {
+    return by_time_ ? scan_.time[i] * per_unit_
+                    : (sweepFraction(scan_.points[i], sweep_) - reference_) * per_revolution_;
+  }
+
+ private:
+  const Scan& scan_;
+  const SweepModel& sweep_;
+  bool by_time_ = false;
+  bool by_azimuth_ = false;
+  float per_unit_ = 0;        //!< of the phases, per second
+  float per_revolution_ = 0;  //!< of the phases
+  float reference_ = 0;       //!< fraction of the sweep
+  double unit_ = 0;
+};
+
+struct CloudPart
+{
+  std::vector<Eigen::Vector3f> points;
+  std::vector<std::uint32_t> source;
+  std::vector<float> phase;
+};
+
+void appendParts(const std::vector<CloudPart>& parts, Cloud& cloud)
+{
+  for (const CloudPart& part : parts)
+  {
+    cloud.points.insert(cloud.points.end(), part.points.begin(), part.points.end());
+    cloud.source.insert(cloud.source.end(), part.source.begin(), part.source.end());
+    cloud.phase.insert(cloud.phase.end(), part.phase.begin(), part.phase.end());
+  }
+}
 }  // namespace
 
 void PreprocessOptions::describe(OptionsVisitor& v)
@@ -62,37 +118,22 @@ Cloud Preprocessor::prepare(const Scan& scan,
                             double sweep_duration) const
 {
   const std::size_t count = scan.size();
-  const bool has_intensity = scan.intensity.size() == count;
   const bool has_motion = dt > 0 && std::isfinite(dt);
-  const bool time_wanted =
-      options_.deskew == DeskewMode::time || options_.deskew == DeskewMode::automatic;
-  // Without a motion yet, phases are in units of the scan's own duration.
-  const double unit = has_motion ? dt : time_wanted ? timeSpan(scan) : 0;
-  const bool by_time = time_wanted && unit > 0 && scan.time.size() == count && count > 0;
-  const bool by_azimuth = !by_time && (options_.deskew == DeskewMode::azimuth ||
-                                       options_.deskew == DeskewMode::automatic);
-  const bool skewed = by_time || by_azimuth;
-  const Pose T_sweep = skewed && has_motion ? T_previous_current : Pose::Identity();
-  const SweepMotion motion(T_sweep, 0);
-  const auto per_unit = static_cast<float>(by_time ? 1 / unit : 0);
-  const float per_revolution = has_motion ? phaseScale(sweep_duration, dt) : 1.0F;
-  const auto reference = static_cast<float>(options_.sweep_reference);
+  const Phases phases(scan, options_, has_motion ? dt : 0, sweep_duration);
+  Cloud cloud;
+  cloud.T_sweep = phases.known() && has_motion ? T_previous_current : Pose::Identity();
+  cloud.phase_unit = phases.unit();
+
+  const SweepMotion motion(cloud.T_sweep, 0);
   const Eigen::Matrix3f R = scan.T_vehicle_lidar.linear().cast<float>();
   const Eigen::Vector3f t = scan.T_vehicle_lidar.translation().cast<float>();
   const auto min2 = static_cast<float>(options_.min_range * options_.min_range);
   const auto max2 = static_cast<float>(options_.max_range * options_.max_range);
-
-  struct Part
-  {
-    std::vector<Eigen::Vector3f> points;
-    std::vector<std::uint32_t> source;
-    std::vector<float> phase;
-  };
-  std::vector<Part> parts(ThreadPool::chunkCount(count, chunk_size));
+  std::vector<CloudPart> parts(ThreadPool::chunkCount(count, chunk_size));
   pool_.forChunks(count, chunk_size,
                   [&](std::size_t begin, std::size_t end, std::size_t chunk)
                   {
-                    Part& part = parts[chunk];
+                    CloudPart& part = parts[chunk];
                     part.points.reserve(end - begin);
                     part.source.reserve(end - begin);
                     for (std::size_t i = begin; i < end; ++i)
@@ -105,12 +146,9 @@ Cloud Preprocessor::prepare(const Scan& scan,
                         continue;
                       }
                       Eigen::Vector3f q = R * p + t;
-                      if (skewed)
+                      if (phases.known())
                       {
-                        const float phase =
-                            by_time
-                                ? scan.time[i] * per_unit
-                                : (sweepFraction(p, options_.sweep) - reference) * per_revolution;
+                        const float phase = phases.of(i);
                         q = motion.toReference(q, phase);
                         if (!q.allFinite())
                         {
@@ -123,18 +161,10 @@ Cloud Preprocessor::prepare(const Scan& scan,
                     }
                   });
 
-  Cloud cloud;
-  cloud.T_sweep = T_sweep;
-  cloud.phase_unit = by_time ? unit : has_motion && sweep_duration > 0 ? dt : 0;
   cloud.points.reserve(count);
   cloud.source.reserve(count);
-  for (const Part& part : parts)
-  {
-    cloud.points.insert(cloud.points.end(), part.points.begin(), part.points.end());
-    cloud.source.insert(cloud.source.end(), part.source.begin(), part.source.end());
-    cloud.phase.insert(cloud.phase.end(), part.phase.begin(), part.phase.end());
-  }
-  if (has_intensity)
+  appendParts(parts, cloud);
+  if (scan.intensity.size() == count)
   {
     cloud.intensity.reserve(cloud.source.size());
     for (const std::uint32_t i : cloud.source)

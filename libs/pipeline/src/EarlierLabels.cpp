@@ -3,12 +3,11 @@
 
 #include <dyslam/core/Error.h>
 #include <dyslam/formats/LabelFiles.h>
+#include <dyslam/formats/TextFile.h>
 
 #include <algorithm>
 #include <filesystem>
 #include <utility>
-
-#include "outputs/ScanLabels.h"
 
 namespace dyslam
 {

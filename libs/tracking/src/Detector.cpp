@@ -28,15 +28,15 @@ std::int64_t neighbourKey(std::int64_t key, int di, int dj)
 
 /** Ground height per cell around some points, from all returns: a low order statistic rather than
  * the minimum, because multipath echoes lie below the road. */
-class GroundHeights
+class GroundAround
 {
  public:
   /** \param at the points whose ground is asked for \param cell size of a cell [m] \param range of
    * the points that count, in x and y [m] */
-  GroundHeights(const Points& points,
-                const std::vector<std::uint32_t>& at,
-                double cell,
-                double range)
+  GroundAround(const Points& points,
+               const std::vector<std::uint32_t>& at,
+               double cell,
+               double range)
       : cell_(cell),
         half_(static_cast<int>(std::ceil(range / cell)) + 1),
         width_(2 * half_ + 1),
@@ -283,8 +283,8 @@ std::vector<std::uint32_t> Detector::selectMovingPoints(const Points& points,
   {
     return selected;
   }
-  const GroundHeights ground(points, selected, options_.ground_cell,
-                             options_.max_range + 2 * options_.ground_cell);
+  const GroundAround ground(points, selected, options_.ground_cell,
+                            options_.max_range + 2 * options_.ground_cell);
   const auto clearance = static_cast<float>(options_.ground_clearance);
   selected.erase(std::remove_if(selected.begin(), selected.end(),
                                 [&](std::uint32_t i)

@@ -136,6 +136,98 @@ std::string asFileName(std::string name)
       [](unsigned char c) { return std::isalnum(c) == 0 && c != '.' && c != '-'; }, '_');
   return name;
 }
+
+/** Motions of the pairs of one recording. */
+struct PairMotions
+{
+  std::vector<Pose> truths;
+  std::vector<Pose> from_standing;        //!< network, started at zero motion
+  std::vector<Pose> from_previous;        //!< network, started at its previous motion
+  std::vector<Pose> constant;             //!< the true motion before
+  std::vector<std::vector<Pose>> stages;  //!< of the network, from standing
+
+  /** \param found poses of all stages */
+  void add(const std::vector<Pose>& found, const Pose& predicted, const Pose& truth)
+  {
+    // Pairs converge after different numbers of stages; their pose then stays.
+    stages.resize(std::max(stages.size(), found.size()), from_standing);
+    for (std::size_t s = 0; s < stages.size(); ++s)
+    {
+      stages[s].push_back(found[std::min(s, found.size() - 1)]);
+    }
+    from_standing.push_back(found.back());
+    from_previous.push_back(predicted);
+    constant.push_back(truths.empty() ? Pose::Identity() : truths.back());
+    truths.push_back(truth);
+  }
+
+  void fill(ValidationRow& row) const
+  {
+    row.network = motionErrors(from_standing, truths);
+    row.predicted_start = motionErrors(from_previous, truths);
+    row.zero_motion = motionErrors(std::vector<Pose>(truths.size(), Pose::Identity()), truths);
+    if (!truths.empty())  // the first step has no step before it
+    {
+      row.constant_velocity =
+          motionErrors({constant.begin() + 1, constant.end()}, {truths.begin() + 1, truths.end()});
+    }
+    for (const auto& stage : stages)
+    {
+      row.stage_translation_rmse.push_back(motionErrors(stage, truths).translation_rmse);
+    }
+  }
+};
+
+/** \param mask_csv of one scan; empty: none */
+ValidationRow validateRecording(DyloNetwork& network,
+                                const Recording& recording,
+                                torch::Device device,
+                                const std::string& mask_csv)
+{
+  const auto type = torch::dtype(torch::kFloat).device(device);
+  PairMotions motions;
+  EncodedScan before;
+  MaskSamples mask;
+  double seconds = 0;
+  for (std::size_t k = 0; k < recording.scans.size(); ++k)
+  {
+    const PreparedScan prepared = prepareScan(recording.scans[k]);
+    const auto begin = std::chrono::steady_clock::now();
+    EncodedScan now = network->encode(toTensors(prepared, device));
+    if (k > 0)
+    {
+      const auto found = network->forward(now, before, PoseTensors::identity(type));
+      seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+      const std::string csv = k == recording.scans.size() / 2 ? mask_csv : "";
+      if (recording.labels.size() > k || !csv.empty())
+      {
+        sampleMask(found.back(), prepared,
+                   recording.labels.empty() ? std::vector<PointLabel>() : recording.labels[k],
+                   recording.scans[k], csv, mask);
+      }
+      std::vector<Pose> poses;
+      for (const auto& stage : found)
+      {
+        poses.push_back(stage.pose.toPose());
+      }
+      // The first pair has no previous motion: it starts from the estimate with zero motion.
+      const Pose start = motions.truths.empty() ? poses.back() : motions.from_previous.back();
+      const auto predicted = network->forward(now, before, PoseTensors::from(start, type));
+      motions.add(poses, predicted.back().pose.toPose(),
+                  recording.T_world_scan[k - 1].inverse() * recording.T_world_scan[k]);
+    }
+    before = std::move(now);
+  }
+  ValidationRow row;
+  row.recording = recording.name;
+  motions.fill(row);
+  row.mask_auc = areaUnderCurve(mask.still, mask.moving);
+  row.moving_points = mask.moving.size();
+  row.still_points = mask.still.size();
+  row.milliseconds =
+      1e3 * seconds / static_cast<double>(std::max<std::size_t>(motions.truths.size(), 1));
+  return row;
+}
 }  // namespace
 
 std::vector<ValidationRow> validateDylo(DyloNetwork& network,
@@ -147,75 +239,11 @@ std::vector<ValidationRow> validateDylo(DyloNetwork& network,
   std::vector<ValidationRow> rows;
   for (const Recording& recording : recordings)
   {
-    std::vector<Pose> estimates;
-    std::vector<Pose> followed;
-    std::vector<Pose> truths;
-    std::vector<Pose> still;
-    std::vector<Pose> same;
-    std::vector<std::vector<Pose>> stages;
-    EncodedScan before;
-    MaskSamples mask;
-    double seconds = 0;
-    for (std::size_t k = 0; k < recording.scans.size(); ++k)
-    {
-      const PreparedScan prepared = prepareScan(recording.scans[k]);
-      const auto begin = std::chrono::steady_clock::now();
-      EncodedScan now = network->encode(toTensors(prepared, device));
-      if (k > 0)
-      {
-        const auto found = network->forward(
-            now, before, PoseTensors::identity(torch::dtype(torch::kFloat).device(device)));
-        seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-        std::string csv;
-        if (!mask_folder.empty() && k == recording.scans.size() / 2)
-        {
-          csv = mask_folder + "/mask_" + std::to_string(rows.size()) + "_" +
-                asFileName(recording.name) + ".csv";
-        }
-        if (recording.labels.size() > k || !csv.empty())
-        {
-          sampleMask(found.back(), prepared,
-                     recording.labels.empty() ? std::vector<PointLabel>() : recording.labels[k],
-                     recording.scans[k], csv, mask);
-        }
-        // The first pair has no previous motion: it starts from the estimate with zero motion.
-        const Pose start = followed.empty() ? found.back().pose.toPose() : followed.back();
-        followed.push_back(
-            network
-                ->forward(now, before,
-                          PoseTensors::from(start, torch::dtype(torch::kFloat).device(device)))
-                .back()
-                .pose.toPose());
-        // Pairs converge after different numbers of stages; their pose then stays.
-        stages.resize(std::max(stages.size(), found.size()), estimates);
-        for (std::size_t s = 0; s < stages.size(); ++s)
-        {
-          stages[s].push_back(found[std::min(s, found.size() - 1)].pose.toPose());
-        }
-        estimates.push_back(found.back().pose.toPose());
-        same.push_back(truths.empty() ? Pose::Identity() : truths.back());
-        truths.push_back(recording.T_world_scan[k - 1].inverse() * recording.T_world_scan[k]);
-        still.push_back(Pose::Identity());
-      }
-      before = std::move(now);
-    }
-    ValidationRow row;
-    row.recording = recording.name;
-    row.network = motionErrors(estimates, truths);
-    row.predicted_start = motionErrors(followed, truths);
-    row.zero_motion = motionErrors(still, truths);
-    // The first step has no step before it.
-    row.constant_velocity =
-        motionErrors({same.begin() + 1, same.end()}, {truths.begin() + 1, truths.end()});
-    for (const auto& stage : stages)
-    {
-      row.stage_translation_rmse.push_back(motionErrors(stage, truths).translation_rmse);
-    }
-    row.mask_auc = areaUnderCurve(mask.still, mask.moving);
-    row.moving_points = mask.moving.size();
-    row.still_points = mask.still.size();
-    row.milliseconds = 1e3 * seconds / static_cast<double>(std::max<std::size_t>(truths.size(), 1));
-    rows.push_back(row);
+    const std::string mask_csv = mask_folder.empty()
+                                     ? ""
+                                     : mask_folder + "/mask_" + std::to_string(rows.size()) + "_" +
+                                           asFileName(recording.name) + ".csv";
+    rows.push_back(validateRecording(network, recording, device, mask_csv));
   }
   return rows;
 }

@@ -70,7 +70,7 @@ DysegClip loadBoxedRun(const std::string& folder, std::size_t first, std::size_t
   for (std::size_t f = first; f <= last; ++f)
   {
     boxes.push_back(
-        readSustechJson(folder + "/label_json/" + numberedName(f, ".json"), static_cast<int>(f)));
+        readSustechJson(numberedPath(folder + "/label_json", f, ".json"), static_cast<int>(f)));
     for (const auto& b : boxes.back())
     {
       tracks[b.id][f] = (poses[f] * b.box.center).head<2>();
@@ -80,7 +80,7 @@ DysegClip loadBoxedRun(const std::string& folder, std::size_t first, std::size_t
   {
     DysegClip::Frame frame;
     frame.T_world_sensor = poses[f];
-    frame.points = readTrainingPoints(folder + "/velodyne/" + numberedName(f, ".bin"), 0);
+    frame.points = readTrainingPoints(numberedPath(folder + "/velodyne", f, ".bin"), 0);
     frame.object.assign(frame.points.size(), DysegClip::still);
     for (const auto& labelled : boxes[f - first])
     {
@@ -125,9 +125,9 @@ DysegClip loadLabelledRun(const std::string& folder,
   {
     DysegClip::Frame frame;
     frame.T_world_sensor = poses[f];
-    frame.points = readTrainingPoints(folder + "/velodyne/" + numberedName(f, ".bin"), 0);
+    frame.points = readTrainingPoints(numberedPath(folder + "/velodyne", f, ".bin"), 0);
     const auto labels =
-        readLabels(folder + "/labels/" + numberedName(f, ".label"), frame.points.size());
+        readLabels(numberedPath(folder + "/labels", f, ".label"), frame.points.size());
     frame.object.assign(frame.points.size(), DysegClip::still);
     std::map<std::int32_t, std::pair<Eigen::Vector3d, int>> sums;
     for (std::size_t i = 0; i < frame.points.size(); ++i)

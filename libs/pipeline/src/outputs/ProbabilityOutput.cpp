@@ -2,12 +2,12 @@
 #include <dyslam/core/Files.h>
 #include <dyslam/core/PendingFile.h>
 #include <dyslam/core/StateArchive.h>
+#include <dyslam/formats/TextFile.h>
 
 #include <limits>
 #include <string_view>
 
 #include "../RunOutput.h"
-#include "ScanLabels.h"
 
 namespace dyslam
 {

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "ScanLabels.h"
 
-#include <cstdio>
-
 #include "NearReturns.h"
 
 namespace dyslam
@@ -76,12 +74,5 @@ std::vector<Label> scanLabels(const Frame& frame)
   }
   labelNearReturns(frame, labels);
   return labels;
-}
-
-std::string numberedPath(const std::string& folder, std::size_t scan, const std::string& extension)
-{
-  char number[32];
-  std::snprintf(number, sizeof number, "/%06zu", scan);
-  return folder + number + extension;
 }
 }  // namespace dyslam

@@ -20,9 +20,4 @@ namespace dyslam
 
 /** The points of the scan that an object was detected in. */
 [[nodiscard]] std::vector<std::uint32_t> sourcesOf(const Frame& frame, const TrackedObject& object);
-
-/** `<folder>/NNNNNN<extension>` of a scan. \param scan Frame::index */
-[[nodiscard]] std::string numberedPath(const std::string& folder,
-                                       std::size_t scan,
-                                       const std::string& extension);
 }  // namespace dyslam

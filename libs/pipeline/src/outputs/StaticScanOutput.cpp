@@ -2,6 +2,7 @@
 #include <dyslam/core/Files.h>
 #include <dyslam/core/StateArchive.h>
 #include <dyslam/formats/ScanFiles.h>
+#include <dyslam/formats/TextFile.h>
 #include <dyslam/io/RawlogWriter.h>
 
 #include <optional>

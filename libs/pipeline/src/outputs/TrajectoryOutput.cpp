@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/formats/TrajectoryFiles.h>
 
-#include <Eigen/Geometry>
-#include <cstdio>
-
 #include "../RunOutput.h"
 #include "StreamedFile.h"
 
@@ -15,16 +12,6 @@ constexpr const char* odometry = "odometry_tum.txt";
 constexpr const char* tum = "trajectory_tum.txt";
 constexpr const char* kitti_poses = "trajectory_kitti.txt";
 constexpr const char* reference = "reference_tum.txt";
-
-std::string tumLine(double stamp, const Pose& pose)
-{
-  const Eigen::Quaterniond q(pose.linear());
-  const auto t = pose.translation();
-  char text[256];
-  std::snprintf(text, sizeof text, "%.9f %.12g %.12g %.12g %.12g %.12g %.12g %.12g\n", stamp, t.x(),
-                t.y(), t.z(), q.x(), q.y(), q.z(), q.w());
-  return text;
-}
 
 /** `odometry_tum.txt` frame by frame; at the end `trajectory_tum.txt`, `trajectory_kitti.txt` and,
  * where the recording has ground truth, `reference_tum.txt`. */

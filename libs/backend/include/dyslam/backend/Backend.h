@@ -94,8 +94,6 @@ class Backend
   void finish();
 
   [[nodiscard]] const FactorGraph& factorGraph() const;
-  /** The odometry factor that leads to a keyframe. \pre keyframe >= 1 */
-  [[nodiscard]] const Factor& odometryFactor(std::size_t keyframe) const;
   /** What is kept from frame to frame; the keyframes are saved by themselves. */
   void exchangeState(StateArchive& archive);
   /** View of the ego poses, odometry and accepted loops as MRPT has them; built for the caller. */

@@ -101,8 +101,10 @@ class StateArchive
   /** \throws UserError unless all has been loaded. */
   void requireEnd() const;
 
- private:
+  /** \throws UserError: the bytes are not those of a state. */
   [[noreturn]] static void fail();
+
+ private:
   void raw(void* data, std::size_t size);
   /** Number of elements; when loading, not more than there are bytes for. */
   [[nodiscard]] std::size_t count(std::size_t size, std::size_t bytes_each);

@@ -210,13 +210,30 @@ void appendBytes(std::string& bytes, const std::vector<Value>& values)
   bytes.append(reinterpret_cast<const char*>(values.data()), count * sizeof(Value));
 }
 
-/** Takes what appendBytes() wrote off the front of `bytes`. */
+/** Takes a plain value off the front of `bytes`. \throws UserError if they are too few. */
+template <typename Value>
+void takeBytes(std::string_view& bytes, Value& value)
+{
+  static_assert(std::is_trivially_copyable_v<Value>);
+  if (bytes.size() < sizeof value)
+  {
+    StateArchive::fail();
+  }
+  std::memcpy(&value, bytes.data(), sizeof value);
+  bytes.remove_prefix(sizeof value);
+}
+
+/** Takes what appendBytes() wrote off the front of `bytes`. \throws UserError if they are too few.
+ */
 template <typename Value>
 void takeBytes(std::string_view& bytes, std::vector<Value>& values)
 {
   std::uint64_t count = 0;
-  std::memcpy(&count, bytes.data(), sizeof count);
-  bytes.remove_prefix(sizeof count);
+  takeBytes(bytes, count);
+  if (count > bytes.size() / sizeof(Value))
+  {
+    StateArchive::fail();
+  }
   values.resize(count);
   if (count > 0)
   {

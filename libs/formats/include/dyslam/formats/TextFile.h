@@ -55,4 +55,8 @@ void appendFixed(std::string& text, double value, int decimals);
 
 /** Six digits and an extension: "000042.label". */
 [[nodiscard]] std::string numberedName(std::size_t number, const std::string& extension);
+/** The same in a folder. */
+[[nodiscard]] std::string numberedPath(const std::string& folder,
+                                       std::size_t number,
+                                       const std::string& extension);
 }  // namespace dyslam

@@ -20,7 +20,9 @@ enum class TrajectoryFormat
 
 /** TUM: `t x y z qx qy qz qw` a line. */
 [[nodiscard]] Trajectory readTum(const std::string& path);
-/** t with 9 decimals, the rest with 12 significant digits. Written under a temporary name first. */
+/** A line of such a file: t with 9 decimals, the rest with 12 significant digits. */
+[[nodiscard]] std::string tumLine(double stamp, const Pose& pose);
+/** Written under a temporary name first. */
 void writeTum(const std::string& path, const Trajectory& trajectory);
 
 /** KITTI: 12 numbers a line. */

@@ -24,6 +24,16 @@ struct RunFolder
   RunScansOptions scans;
 };
 
+/** A run as the user names it: its output folder, which may be followed by `=` and its recording.
+ */
+struct RunArgument
+{
+  explicit RunArgument(const std::string& argument);
+
+  std::string folder;
+  std::string rawlog;  //!< empty: as report.json of the run has it
+};
+
 /** \param folders output folders of dyslam, each of which may be followed by `=` and its recording;
  * at least two \param tolerance of time stamps of scans and poses [s]
  * \throws UserError naming what is missing. */
