@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/Error.h>
 #include <dyslam/core/KeyframeStore.h>
 #include <dyslam/core/SwappedStore.h>
 #include <gtest/gtest.h>
@@ -38,6 +39,26 @@ MemoryLimit limitOf(std::size_t bytes)
   limit.file = std::make_shared<SwapFile>(folder());
   limit.bytes = bytes;
   return limit;
+}
+
+TEST(SwappedStore, TooFewBytesOfAValueAreAnError)
+{
+  std::string bytes;
+  appendBytes(bytes, std::vector<float>{1, 2, 3});
+  for (std::size_t size = 0; size <= bytes.size(); ++size)
+  {
+    std::string_view left(bytes.data(), size);
+    std::vector<float> values;
+    if (size < bytes.size())
+    {
+      EXPECT_THROW(takeBytes(left, values), UserError) << size;
+    }
+    else
+    {
+      takeBytes(left, values);
+      EXPECT_EQ(values, (std::vector<float>{1, 2, 3}));
+    }
+  }
 }
 
 TEST(SwapFile, SlotsGrowAndTheirRoomIsUsedAgain)
