@@ -142,6 +142,7 @@ void Pipeline::Stages::use(Frame decided)
   {
     const CTimeLoggerEntry timed(times, "hindsight.tracking");
     decided.reported_before = pointsOfReported(decided);
+    tracker_again->markPredicted(decided);
     detector.detect(decided);
     tracker_again->update(decided);
   }
@@ -195,6 +196,7 @@ void Pipeline::trackObjects(Frame& frame)
   if (s.options.tracking)
   {
     const CTimeLoggerEntry timed(s.times, "tracking");
+    s.tracker.markPredicted(frame);
     s.detector.detect(frame);
     s.tracker.update(frame);
   }

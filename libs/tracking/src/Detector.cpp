@@ -265,6 +265,16 @@ Detector::Detector(const DetectorOptions& options) : options_(options)
 void Detector::detect(Frame& frame) const
 {
   frame.detections = detect(frame.cloud.points, frame.moving, frame.moving_probability);
+  if (!frame.moving_by_prediction.empty())
+  {
+    for (Detection& detection : frame.detections)
+    {
+      const auto predicted =
+          std::count_if(detection.points.begin(), detection.points.end(),
+                        [&](std::uint32_t i) { return frame.moving_by_prediction[i]; });
+      detection.predicted = 2 * static_cast<std::size_t>(predicted) > detection.points.size();
+    }
+  }
 }
 
 std::vector<std::uint32_t> Detector::selectMovingPoints(const Points& points,

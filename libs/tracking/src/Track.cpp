@@ -188,6 +188,7 @@ void Track::match(const Observation& observation)
 {
   ++hits_;
   misses_ = 0;
+  predicted_hits_ = observation.predicted ? predicted_hits_ + 1 : 0;
   const Eigen::Vector2d before = alignedBox(observation).center.head<2>();
   updateSize(observation);
   const Box observed = alignedBox(observation);
@@ -359,6 +360,13 @@ void Track::miss()
   detection_ = -1;
 }
 
+bool Track::movesByPrediction() const
+{
+  constexpr int most_misses = 2;  // further ones leave the position too uncertain
+  return confirmed_ && dynamic_ && misses_ <= most_misses &&
+         predicted_hits_ < options_->predicted_scans;
+}
+
 bool Track::dead() const
 {
   return misses_ > (confirmed_ ? classOptions().max_misses : classOptions().max_tentative_misses);
@@ -398,7 +406,7 @@ void Track::exchangeState(StateArchive& archive)
   archive(id_, stamp_, box_, velocity_, velocity_covariance_, position_covariance_,
           vertical_velocity_, z_variance_, yaw_variance_, reversed_observations_, class_votes_,
           object_class_, score_sum_, recent_scores_, score_weight_, hits_, misses_, total_misses_,
-          age_, confirmed_, dynamic_, has_moved_, change_count_, detection_, observed_,
-          observed_covariance_);
+          age_, predicted_hits_, confirmed_, dynamic_, has_moved_, change_count_, detection_,
+          observed_, observed_covariance_);
 }
 }  // namespace dyslam

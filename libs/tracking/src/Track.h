@@ -24,6 +24,7 @@ struct Observation
   ObjectClass object_class = ObjectClass::unknown;
   double score = 0;
   bool from_points = false;  //!< a cluster: size and heading of the visible part only
+  bool predicted = false;    //!< of points that move by prediction alone
 };
 
 /** Lifecycle and association options of a class. */
@@ -51,6 +52,8 @@ class Track
    * behind their visible sides to the track's size. */
   [[nodiscard]] Box alignedBox(const Observation& observation) const;
 
+  /** Whether the points in the box predicted for the next scan move, without being segmented. */
+  [[nodiscard]] bool movesByPrediction() const;
   [[nodiscard]] const Box& box() const { return box_; }
   [[nodiscard]] const Eigen::Matrix2d& positionCovariance() const { return position_covariance_; }
   [[nodiscard]] const ClassTracking& classOptions() const
@@ -98,6 +101,7 @@ class Track
   int misses_ = 0;  //!< in a row
   int total_misses_ = 0;
   int age_ = 0;
+  int predicted_hits_ = 0;  //!< observations in a row that were predicted
   bool confirmed_ = false;
   bool dynamic_ = false;
   bool has_moved_ = false;  //!< significant motion was observed at some time

@@ -13,6 +13,7 @@
 #include <stdexcept>
 
 #include "NoiseScale.h"
+#include "PredictedPoints.h"
 #include "Track.h"
 
 namespace dyslam
@@ -40,6 +41,7 @@ Observation toObservation(const Detection& detection, int index, const Pose& T_o
   observation.object_class = detection.object_class;
   observation.score = detection.score;
   observation.from_points = !detection.points.empty();
+  observation.predicted = detection.predicted;
   return observation;
 }
 
@@ -230,6 +232,20 @@ Tracker::Tracker(const TrackerOptions& options)
 Tracker::~Tracker() = default;
 Tracker::Tracker(Tracker&&) noexcept = default;
 Tracker& Tracker::operator=(Tracker&&) noexcept = default;
+
+void Tracker::markPredicted(Frame& frame) const
+{
+  frame.moving_by_prediction.clear();
+  for (const Track& track : implementation_->tracks)
+  {
+    if (track.movesByPrediction())
+    {
+      Track ahead = track;
+      ahead.predict(frame.time());
+      markMissed(transformed(ahead.box(), frame.T_odom_vehicle.inverse()), frame);
+    }
+  }
+}
 
 void Tracker::update(Frame& frame)
 {

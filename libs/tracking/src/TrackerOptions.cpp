@@ -65,6 +65,10 @@ void TrackerOptions::describe(OptionsVisitor& v)
   v.real("dynamic_sigmas", dynamic_sigmas, 0, 100,
          "least speed of a dynamic object in standard deviations");
   v.integer("dynamic_hits", dynamic_hits, 1, 100, "scans in a row that must agree on a change");
+  v.integer(
+      "predicted_scans", predicted_scans, 0, 1000,
+      "scans in a row in which a dynamic object is followed by the points in its predicted box "
+      "alone; 0: none");
   v.flag("must_move", must_move, "tracks of clusters are confirmed only once they have moved");
   v.flag("complete_boxes", complete_boxes,
          "boxes of clusters are enlarged to the size observed so far");

@@ -58,6 +58,9 @@ struct Frame
   Pose T_odom_vehicle = Pose::Identity();  //!< from Odometry::predict on: predicted
 
   // Detection and tracking
+  /** Per cloud point: it is `moving` because it is in the predicted box of a dynamic object
+   * (Tracker::markPredicted), not by segmentation; else empty. */
+  std::vector<bool> moving_by_prediction;
   std::vector<Detection> detections;
   std::vector<TrackedObject> objects;
   /** Per cloud point: it belongs to an object that was reported before the objects were tracked

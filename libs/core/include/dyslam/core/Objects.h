@@ -44,6 +44,7 @@ struct Detection
   Eigen::Matrix4d covariance =
       0.1 * Eigen::Matrix4d::Identity();  //!< of x, y, z [m^2], yaw [rad^2]
   std::vector<std::uint32_t> points;  //!< positions in Frame::cloud; empty for boxes from a file
+  bool predicted = false;             //!< most of its points are Frame::moving_by_prediction
 };
 
 /** The state of one tracked object after a scan. */

@@ -39,7 +39,8 @@ class Detector
   /** \throws UserError if an option is out of range. */
   explicit Detector(const DetectorOptions& options = {});
 
-  /** Reads the frame's cloud, moving and moving_probability, sets its detections. */
+  /** Reads the frame's cloud, moving, moving_by_prediction and moving_probability, sets its
+   * detections. */
   void detect(Frame& frame) const;
 
   /** \param points vehicle frame [m] \param moving as long as `points`, or empty if nothing moves

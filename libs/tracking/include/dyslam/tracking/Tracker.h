@@ -63,6 +63,9 @@ struct TrackerOptions : Options
   double static_speed = 0.5;    //!< speed below which it becomes static again [m/s]
   double dynamic_sigmas = 2.5;  //!< least speed in standard deviations
   int dynamic_hits = 3;         //!< scans in a row that must agree on a change
+  /** Scans in a row in which a dynamic object is followed by the points in its predicted box alone;
+   * 0: none. */
+  int predicted_scans = 20;
   bool must_move = true;        //!< tracks of clusters are confirmed only once they have moved
   bool complete_boxes = true;   //!< boxes of clusters are enlarged to the size observed so far
   double class_mismatch_cost = 0.5;  //!< cost added to a pair of different classes
@@ -90,6 +93,12 @@ class Tracker
   ~Tracker();
   Tracker(Tracker&&) noexcept;
   Tracker& operator=(Tracker&&) noexcept;
+
+  /** Marks points in the predicted boxes of dynamic objects as moving where the segmenter missed
+   * most of them (`predicted_scans`), so that they are detected. Reads the frame's cloud, time and
+   * T_odom_vehicle, changes moving and moving_probability, sets moving_by_prediction. To be called
+   * before detection, in every scan or never. */
+  void markPredicted(Frame& frame) const;
 
   /** Reads the frame's detections, stamp and T_odom_vehicle, sets its objects (all tracks,
    * tentative ones too). */
