@@ -66,8 +66,8 @@ struct TrackerOptions : Options
   /** Scans in a row in which a dynamic object is followed by the points in its predicted box alone;
    * 0: none. */
   int predicted_scans = 20;
-  bool must_move = true;        //!< tracks of clusters are confirmed only once they have moved
-  bool complete_boxes = true;   //!< boxes of clusters are enlarged to the size observed so far
+  bool must_move = true;             //!< tracks of clusters are confirmed only once they have moved
+  bool complete_boxes = true;        //!< boxes of clusters are enlarged to the size observed so far
   double class_mismatch_cost = 0.5;  //!< cost added to a pair of different classes
   double size_gain = 0.2;            //!< filter gain of an observed size
   double yaw_rate = 0.35;            //!< standard deviation of a heading's rate of change [rad/s]
