@@ -39,6 +39,7 @@ Frame someFrame()
   frame.scan.sensor_label = "lidar";
   frame.T_world_vehicle_truth = poseFromYpr(1, 2, 3, 0.1, 0.2, 0.3);
   frame.moving = {true, false, true};
+  frame.moving_by_prediction = {false, false, true};
   frame.objects.resize(2);
   frame.objects[1].object_class = ObjectClass::truck;
   frame.objects[1].reported = true;
@@ -86,6 +87,7 @@ TEST(StateArchive, FrameComesBackWithAllItsFields)
   EXPECT_EQ(again.T_world_vehicle_truth->matrix(), frame.T_world_vehicle_truth->matrix());
   EXPECT_EQ(again.objects[1].object_class, ObjectClass::truck);
   EXPECT_EQ(again.moving, frame.moving);
+  EXPECT_EQ(again.moving_by_prediction, frame.moving_by_prediction);
   EXPECT_EQ(again.T_map_odom.matrix(), frame.T_map_odom.matrix());
 }
 
@@ -115,7 +117,7 @@ TEST(StateArchive, FieldsAreCounted)
 {
   EXPECT_EQ(fields::count<Box>(), 3U);
   EXPECT_EQ(fields::count<MotionEstimate>(), 9U);
-  EXPECT_EQ(fields::count<Frame>(), 23U);
+  EXPECT_EQ(fields::count<Frame>(), 24U);
 }
 
 TEST(StateArchive, BytesThatEndEarlyAreAnError)
