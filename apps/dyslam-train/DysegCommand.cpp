@@ -23,6 +23,7 @@ void trainDysegCommand(const TrainArguments& arguments)
   setup.augmentation = loader.get<DysegAugmentOptions>("augmentation");
   setup.loss = loader.get<DysegLossOptions>("loss");
   loader.requireAllUsed();
+  setup.device = arguments.device;
   setup.train.data = dataFolder(setup.train.data, "[train] data");
 
   const std::string& output = arguments.output;

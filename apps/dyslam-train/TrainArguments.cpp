@@ -21,6 +21,7 @@ void declareCommon(CLI::App& app, TrainArguments& a)
   app.add_option("--start", a.start, "initial weights, from another training");
   app.add_flag("--validate", a.validate_only,
                "only print the validation table of --start, or of the training in --output");
+  app.add_option("--device", a.device, "cpu or cuda")->capture_default_str();
   app.add_option("--set", a.assignments, "one setting, overrides the ini; repeatable")
       ->type_name("SECTION.KEY=VALUE")
       ->take_all()
@@ -62,7 +63,6 @@ CLI::App& declareDylo(CLI::App& app, TrainArguments& arguments)
 {
   CLI::App& parser = *app.add_subcommand("dylo", "trains the LiDAR odometry network");
   declareCommon(parser, arguments);
-  parser.add_option("--device", arguments.device, "cpu or cuda")->capture_default_str();
   parser.add_option(
       "--mask-csv", arguments.mask_folder,
       "folder for a validation scan's points with their static confidence, per recording");

@@ -19,7 +19,7 @@ struct TrainArguments
   bool resume = false;
   bool validate_only = false;
   std::vector<std::string> assignments;  //!< section.key=value
-  std::string device = "cpu";            //!< DyLO's
+  std::string device = "cpu";            //!< or cuda
   std::string mask_folder;               //!< DyLO's
 
   /** \throws UserError for options that do not go together. */

@@ -2,6 +2,7 @@
 # Common parts of both networks.
 dyslam_add_library(NAME nets_common HEADERS torch
   SOURCES
+    src/Devices.cpp
     src/PointLinear.cpp
     src/TensorFile.cpp
     src/Threads.cpp

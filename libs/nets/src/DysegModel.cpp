@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/nets/Devices.h>
 #include <dyslam/nets/DysegFile.h>
 #include <dyslam/nets/DysegModel.h>
 #include <dyslam/nets/Threads.h>
@@ -59,9 +60,10 @@ struct DysegModel::Impl
   int threads = 1;
 };
 
-DysegModel::DysegModel(const std::string& file, int threads)
+DysegModel::DysegModel(const std::string& file, int threads, const std::string& device)
     : impl_(std::make_unique<Impl>(Impl{loadDyseg(file), threads}))
 {
+  impl_->network.net->to(deviceNamed(device, "device"));
   impl_->network.net->eval();
 }
 
@@ -117,7 +119,7 @@ std::vector<float> DysegModel::appearancePrior(const Encoded& scan) const
   {
     return anchor;
   }
-  const auto logit = scan.encoding.static_logit.contiguous();
+  const auto logit = scan.encoding.static_logit.cpu().contiguous();
   const float* l = logit.data_ptr<float>();
   for (std::size_t i = 0; i < scan.scan.size(); ++i)
   {
@@ -151,8 +153,8 @@ DysegResult DysegModel::segment(const Encoded& current,
   const auto cells = net->segmentCells(scan, current.encoding, past.encoding, static_flow.motion,
                                        std::max(1, iterations));
   const auto& occupied = *current.encoding.cells;
-  const auto logit = cells.logit.contiguous();
-  const auto residual = cells.residual.back().contiguous();
+  const auto logit = cells.logit.cpu().contiguous();
+  const auto residual = cells.residual.back().cpu().contiguous();
   const float* l = logit.data_ptr<float>();
   const float* r = residual.data_ptr<float>();
   result.cell_centre = occupied.quarter_centre;
@@ -175,6 +177,7 @@ DysegResult DysegModel::segment(const Encoded& current,
   {
     const auto logits =
         net->segmentPoints(scan, current.encoding, past.encoding, past.scan.rays, cells, indices)
+            .cpu()
             .contiguous();
     const float* a = logits.data_ptr<float>();
     for (std::size_t q = 0; q < indices.size(); ++q)

@@ -71,6 +71,55 @@ TEST(DyloNetwork, EveryShapeRunsAndHasGradients)
   }
 }
 
+TEST(DyloNetwork, CudaGivesTheSameToRounding)
+{
+  if (!torch::cuda::is_available())
+  {
+    GTEST_SKIP() << "no CUDA";
+  }
+  for (const DyloHead head : {DyloHead::gauss_newton, DyloHead::regression})
+  {
+    torch::Tensor expected;
+    std::vector<torch::Tensor> expected_gradients;
+    for (const torch::Device device : {torch::Device(torch::kCPU), torch::Device(torch::kCUDA)})
+    {
+      torch::manual_seed(1);
+      DyloNetworkOptions options;
+      options.head = head;
+      DyloNetwork net(options);
+      net->to(device);
+      const auto scan1 = toTensors(prepareScan(testing::room(64, 1800, motion(0.3))), device);
+      const auto scan2 = toTensors(prepareScan(testing::room(64, 1800)), device);
+      const auto last = net->forward(net->encode(scan1), net->encode(scan2),
+                                     PoseTensors::identity(torch::dtype(real).device(device)))
+                            .back();
+      const auto pose = torch::cat({last.pose.translation, last.pose.rotation.flatten()});
+      pose.square().sum().backward();
+      std::vector<torch::Tensor> gradients;
+      for (const auto& parameter : net->parameters())
+      {
+        gradients.push_back(parameter.grad().defined() ? parameter.grad().cpu() : torch::Tensor());
+      }
+      if (device.is_cpu())
+      {
+        expected = pose.detach();
+        expected_gradients = gradients;
+        continue;
+      }
+      EXPECT_TRUE(torch::allclose(pose.detach().cpu(), expected, 1e-3, 1e-3));
+      for (std::size_t i = 0; i < gradients.size(); ++i)
+      {
+        ASSERT_EQ(gradients[i].defined(), expected_gradients[i].defined());
+        if (gradients[i].defined())
+        {
+          const auto scale = expected_gradients[i].norm().item<double>() + 1e-4;
+          EXPECT_LT((gradients[i] - expected_gradients[i]).norm().item<double>(), 0.02 * scale) << i;
+        }
+      }
+    }
+  }
+}
+
 TEST(DyloNetwork, UntrainedGaussNewtonHeadEstimatesAKnownMotion)
 {
   torch::manual_seed(2);

@@ -4,6 +4,7 @@
 #include <dyslam/nets/DysegModel.h>
 #include <gtest/gtest.h>
 #include <torch/torch.h>
+#include <unistd.h>
 
 #include <cmath>
 #include <filesystem>
@@ -107,6 +108,41 @@ TEST(DysegModel, HasOneProbabilityPerPointAndHandlesEmptyScans)
   EXPECT_FALSE(alone.static_flow.converged);
   const auto one = model.encode({{3, 2, 1}});
   EXPECT_EQ(model.compare(*one, *some).moving_probability.size(), 1U);
+}
+
+TEST(DysegModel, CudaGivesTheSameToRounding)
+{
+  if (!torch::cuda::is_available())
+  {
+    GTEST_SKIP() << "no CUDA";
+  }
+  const std::string file = (std::filesystem::temp_directory_path() /
+                            ("dyslam_cuda_" + std::to_string(::getpid()) + ".safetensors"))
+                               .string();
+  torch::manual_seed(1);
+  dyslam::saveDyseg({dyslam::DysegNet(DysegNetworkOptions()), smallGrid()}, file);
+  const DysegModel cpu(file);
+  const DysegModel cuda(file, 1, "cuda");
+  std::filesystem::remove(file);
+  auto before = street(1);
+  for (auto& p : before)
+  {
+    p.x() += 0.3F;
+  }
+  const auto expected = cpu.compare(*cpu.encode(street(1)), *cpu.encode(before));
+  const auto found = cuda.compare(*cuda.encode(street(1)), *cuda.encode(before));
+  EXPECT_LT((expected.static_flow.motion.translation - found.static_flow.motion.translation).norm(),
+            1e-3);
+  ASSERT_EQ(expected.cell_flow.size(), found.cell_flow.size());
+  for (std::size_t i = 0; i < found.cell_flow.size(); ++i)
+  {
+    EXPECT_LT((expected.cell_flow[i] - found.cell_flow[i]).norm(), 1e-3) << i;
+    EXPECT_NEAR(expected.cell_moving_probability[i], found.cell_moving_probability[i], 1e-3) << i;
+  }
+  for (std::size_t i = 0; i < found.moving_probability.size(); ++i)
+  {
+    EXPECT_NEAR(expected.moving_probability[i], found.moving_probability[i], 1e-3) << i;
+  }
 }
 
 /** Cells that far away do not vote for the static motion. */

@@ -3,6 +3,7 @@
 #include <dyslam/core/Files.h>
 #include <dyslam/core/PendingFile.h>
 #include <dyslam/formats/ScanFiles.h>
+#include <dyslam/nets/Devices.h>
 #include <dyslam/nets/DyloFile.h>
 #include <dyslam/nets/TensorFile.h>
 #include <dyslam/nets/Threads.h>
@@ -173,16 +174,8 @@ class Trainer
 };
 
 Trainer::Trainer(const Config& config, const DyloTrainRequest& request)
-    : request_(request), device_(request.device == "cuda" ? torch::kCUDA : torch::kCPU)
+    : request_(request), device_(deviceNamed(request.device, "--device"))
 {
-  if (request.device != "cpu" && request.device != "cuda")
-  {
-    throw UserError("--device " + request.device + ": choose cpu or cuda");
-  }
-  if (request.device == "cuda" && !torch::cuda::is_available())
-  {
-    throw UserError("--device cuda: this machine or this libtorch has no CUDA; use --device cpu");
-  }
   ConfigLoader loader(config);
   options_ = loader.get<TrainOptions>("train");
   const auto shape = loader.get<DyloNetworkOptions>("network");

@@ -67,23 +67,46 @@ DysegPairs::DysegPairs(const DysegTrainerOptions& options) : options_(options)
   }
 }
 
+DysegClip DysegPairs::simulate(int number) const
+{
+  const auto n = static_cast<std::uint64_t>(number);
+  const auto drawn = static_cast<std::uint64_t>(options_.seed) * 1000003 + n;
+  const auto seeds = static_cast<std::uint64_t>(seeds_.last - seeds_.first + 1);
+  const auto seed = static_cast<std::uint64_t>(seeds_.first) + drawn % seeds;
+  return simulateClip(seed, clip_scans, n % 3 != 0, sceneOf(n, options_));
+}
+
+void DysegPairs::simulateAhead()
+{
+  const auto at_a_time = static_cast<std::size_t>(std::max(1, options_.threads / 4));
+  while (coming_.size() < at_a_time)
+  {
+    const int number = next_clip_ + static_cast<int>(coming_.size());
+    coming_.push_back(
+        std::async(std::launch::async, [this, number] { return simulate(number); }));
+  }
+}
+
 void DysegPairs::prepare(int step)
 {
-  if (options_.simulated_share <= 0 || (!pool_.empty() && step % options_.simulate_every != 0))
+  if (options_.simulated_share <= 0)
   {
     return;
   }
-  // A resumed training generates the clips of the pool again.
   const int newest = step / options_.simulate_every;
-  const int oldest = pool_.empty() ? std::max(0, newest + 1 - options_.simulated_pool) : newest;
-  for (int n = oldest; n <= newest; ++n)
+  if (pool_.empty())
   {
-    const auto number = static_cast<std::uint64_t>(n);
-    const auto drawn = static_cast<std::uint64_t>(options_.seed) * 1000003 + number;
-    const auto seeds = static_cast<std::uint64_t>(seeds_.last - seeds_.first + 1);
-    const auto seed = static_cast<std::uint64_t>(seeds_.first) + drawn % seeds;
-    pool_.push_back(simulateClip(seed, clip_scans, number % 3 != 0, sceneOf(number, options_)));
+    // A resumed training generates the clips of the pool again.
+    next_clip_ = std::max(0, newest + 1 - options_.simulated_pool);
   }
+  while (next_clip_ <= newest)
+  {
+    simulateAhead();
+    pool_.push_back(coming_.front().get());
+    coming_.pop_front();
+    ++next_clip_;
+  }
+  simulateAhead();
   while (pool_.size() > static_cast<std::size_t>(options_.simulated_pool))
   {
     pool_.pop_front();
@@ -103,13 +126,16 @@ DysegSample seenTwice(const std::vector<Eigen::Vector3f>& scan, RandomDraws& dra
   return sample;
 }
 
-DysegSample pairOf(const DysegClip& clip, double twice_share, RandomDraws& draws)
+DysegSample pairOf(const DysegClip& clip, const DysegTrainerOptions& options, RandomDraws& draws)
 {
-  if (draws.chance(twice_share))
+  if (draws.chance(options.twice_share))
   {
     return seenTwice(clip.frames[draws.below(clip.frames.size())].points, draws);
   }
-  const std::size_t gap = 1 + draws.below(std::min(longest_gap, clip.frames.size() - 1));
+  const std::size_t longest = std::min(longest_gap, clip.frames.size() - 1);
+  const std::size_t gap = draws.chance(options.gap_share)
+                              ? std::min(static_cast<std::size_t>(options.gap), longest)
+                              : 1 + draws.below(longest);
   const std::size_t later = gap + draws.below(clip.frames.size() - gap);
   return draws.chance(0.7) ? makeSample(clip, later, later - gap)
                            : makeSample(clip, later - gap, later);
@@ -121,7 +147,7 @@ DysegSample DysegPairs::draw(RandomDraws& draws) const
   const bool real = !runs_.empty() || !singles_.empty();
   if (!pool_.empty() && (!real || draws.chance(options_.simulated_share)))
   {
-    return pairOf(pool_[draws.below(pool_.size())], options_.twice_share, draws);
+    return pairOf(pool_[draws.below(pool_.size())], options_, draws);
   }
   if (!singles_.empty() && (runs_.empty() || draws.chance(options_.single_share)))
   {
@@ -131,7 +157,7 @@ DysegSample DysegPairs::draw(RandomDraws& draws) const
   {
     throw UserError("training has no data: set data, or simulated_share above 0");
   }
-  return pairOf(runs_[draws.below(runs_.size())], options_.twice_share, draws);
+  return pairOf(runs_[draws.below(runs_.size())], options_, draws);
 }
 
 std::string DysegPairs::summary() const

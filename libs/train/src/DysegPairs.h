@@ -6,6 +6,7 @@
 #include <dyslam/train/DysegTrainer.h>
 
 #include <deque>
+#include <future>
 #include <string>
 #include <vector>
 
@@ -19,17 +20,23 @@ class DysegPairs
   /** Reads the real data. \throws UserError. */
   explicit DysegPairs(const DysegTrainerOptions& options);
 
-  /** Makes the simulated clips that belong to a step; call for every step in turn. */
+  /** Takes the simulated clips that belong to a step into the pool; call for every step in turn.
+   * The next ones are simulated meanwhile, in threads of their own. */
   void prepare(int step);
   /** \throws UserError if there is no data at all. */
   [[nodiscard]] DysegSample draw(RandomDraws& draws) const;
   [[nodiscard]] std::string summary() const;
 
  private:
+  [[nodiscard]] DysegClip simulate(int number) const;
+  void simulateAhead();
+
   DysegTrainerOptions options_;
   NumberRange seeds_;  //!< of simulated worlds
   std::vector<DysegClip> runs_;
   std::vector<std::vector<Eigen::Vector3f>> singles_;
   std::deque<DysegClip> pool_;
+  int next_clip_ = 0;  //!< number of the next clip for the pool
+  std::deque<std::future<DysegClip>> coming_;  //!< that clip and those behind it
 };
 }  // namespace dyslam

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/Error.h>
 #include <dyslam/core/Files.h>
+#include <dyslam/core/Parallel.h>
+#include <dyslam/nets/Devices.h>
 #include <dyslam/nets/DysegFile.h>
 #include <dyslam/nets/DysegModel.h>
 #include <dyslam/nets/TensorFile.h>
@@ -10,6 +12,7 @@
 #include <dyslam/train/DysegScores.h>
 #include <dyslam/train/DysegTrainer.h>
 #include <dyslam/train/NetworkWeights.h>
+#include <dyslam/train/PairGradients.h>
 #include <torch/torch.h>
 
 #include <algorithm>
@@ -58,6 +61,14 @@ Eigen::Vector2f drawCentre(const DysegSample& sample,
   }
   return centre.cwiseMax(-reach).cwiseMin(reach);
 }
+
+/** A pair of a step, with the random numbers that its loss draws. */
+struct PreparedPair
+{
+  DysegSample sample;
+  Eigen::Vector2f centre = Eigen::Vector2f::Zero();
+  RandomDraws draws{0, 0};
+};
 }  // namespace
 
 void DysegTrainerOptions::describe(OptionsVisitor& v)
@@ -82,6 +93,9 @@ void DysegTrainerOptions::describe(OptionsVisitor& v)
   v.real("simulated_share", simulated_share, 0, 1, "share of simulated pairs");
   v.real("single_share", single_share, 0, 1, "share of the real pairs from single scans");
   v.real("twice_share", twice_share, 0, 1, "share of pairs of runs and clips made from one scan");
+  v.integer("gap", gap, 1, 10, "scans between those that the application compares");
+  v.real("gap_share", gap_share, 0, 1,
+         "share of pairs of runs and clips that are gap scans apart; the others are 1 to 10");
   v.real("campus_share", campus_share, 0, 1,
          "share of simulated clips on a campus (many pedestrians)");
   v.real("highway_share", highway_share, 0, 1, "share of the other simulated clips on a highway");
@@ -100,7 +114,8 @@ void DysegTrainerOptions::describe(OptionsVisitor& v)
   v.real("weight_decay", weight_decay, 0, 1, "weight decay of AdamW");
   v.integer("checkpoint_every", checkpoint_every, 1, 1000000, "steps between checkpoints");
   v.integer("validate_every", validate_every, 0, 1000000, "steps between validations; 0: none");
-  v.integer("threads", threads, 1, 256, "CPU threads of the network");
+  v.integer("threads", threads, 1, 256,
+            "pairs computed at a time, each in a thread; validation: CPU threads of the network");
   v.integer("seed", seed, 0, 2000000000, "random seed");
 }
 
@@ -114,6 +129,7 @@ struct DysegTrainer::Impl
   std::string folder;
   DysegNet net{nullptr};
   DysegNet mean{nullptr};  //!< exponential moving average of the weights
+  torch::Device device = torch::kCPU;
   std::unique_ptr<torch::optim::AdamW> optimizer;
   int step = 0;
   int first_step = 0;  //!< of this run of the program
@@ -123,6 +139,10 @@ struct DysegTrainer::Impl
   Clock::time_point start = Clock::now();
 
   std::unique_ptr<DysegPairs> pairs;
+  std::unique_ptr<ThreadPool> pool;
+  std::vector<DysegNet> copies;  //!< of the network, one per thread
+  std::unique_ptr<PairGradients> gradients;
+  std::vector<PreparedPair> prepared;  //!< the pairs of this step
   std::vector<DysegValidationSet> validation;
 
   [[nodiscard]] double minutes() const
@@ -130,6 +150,11 @@ struct DysegTrainer::Impl
     return minutes_before + std::chrono::duration<double>(Clock::now() - start).count() / 60;
   }
   [[nodiscard]] std::string file(const char* name) const { return folder + "/" + name; }
+  /** Makes the threads, their copies of the network, and the pairs of the first step. */
+  void begin();
+  [[nodiscard]] PreparedPair preparePair(int of_step, std::size_t number) const;
+  /** Loss of a pair; adds to the gradients of `network`. */
+  DysegLoss backward(DysegNet& network, PreparedPair& pair) const;
   DysegLoss trainStep();
   /** One line for the user. \param sum of the losses of the last `counted` steps. */
   [[nodiscard]] std::string progress(const DysegLoss& sum, int counted) const;
@@ -141,26 +166,75 @@ struct DysegTrainer::Impl
   std::vector<std::string> evaluate(const std::string& weights);
 };
 
+PreparedPair DysegTrainer::Impl::preparePair(int of_step, std::size_t number) const
+{
+  PreparedPair pair;
+  pair.draws = RandomDraws(static_cast<std::uint64_t>(options.seed),
+                           static_cast<std::uint64_t>(of_step) * most_pairs + number);
+  pair.sample = pairs->draw(pair.draws);
+  augment(augmentation, pair.draws, pair.sample);
+  pair.centre = drawCentre(pair.sample, grid, crop, options.crop_reach, pair.draws);
+  return pair;
+}
+
+void DysegTrainer::Impl::begin()
+{
+  pool = std::make_unique<ThreadPool>(options.threads);
+  copies.clear();
+  std::vector<std::vector<torch::Tensor>> of_copies;
+  for (int i = 0; i < pool->size(); ++i)
+  {
+    copies.emplace_back(net->options());
+    copies.back()->to(device);
+    of_copies.push_back(copies.back()->parameters());
+  }
+  gradients = std::make_unique<PairGradients>(net->parameters(), std::move(of_copies));
+  pairs->prepare(step);
+  prepared.resize(static_cast<std::size_t>(options.batch));
+  pool->forChunks(prepared.size(), 1, [&](std::size_t b, std::size_t, std::size_t)
+                  { prepared[b] = preparePair(step, b); });
+}
+
+DysegLoss DysegTrainer::Impl::backward(DysegNet& network, PreparedPair& pair) const
+{
+  useTorchThreads(1);  // of this thread
+  DysegLoss loss = dysegLoss(network, pair.sample, crop, pair.centre, loss_options, pair.draws);
+  if (!loss.total.defined() || !std::isfinite(loss.total.item<double>()))
+  {
+    return {};
+  }
+  (loss.total / options.batch).backward();
+  loss.total = loss.total.detach();
+  return loss;
+}
+
 DysegLoss DysegTrainer::Impl::trainStep()
 {
-  optimizer->zero_grad();
+  const std::size_t batch = prepared.size();
+  std::vector<DysegLoss> losses(batch);
+  std::vector<PreparedPair> next(batch);
+  gradients->begin(batch);
+  pairs->prepare(step + 1);
+  // Threads without a pair of this step prepare pairs of the next one.
+  pool->forChunks(
+      2 * batch, 1,
+      [&](std::size_t i, std::size_t, std::size_t)
+      {
+        if (i >= batch)
+        {
+          next[i - batch] = preparePair(step + 1, i - batch);
+          return;
+        }
+        gradients->compute(
+            i, [&](std::size_t copy) { losses[i] = backward(copies[copy], prepared[i]); });
+      });
+  gradients->finish();
+  prepared = std::move(next);
   DysegLoss sum;
   bool has_loss = false;
-  for (int b = 0; b < options.batch; ++b)
+  for (const DysegLoss& loss : losses)
   {
-    RandomDraws draws(
-        static_cast<std::uint64_t>(options.seed),
-        static_cast<std::uint64_t>(step) * most_pairs + static_cast<std::uint64_t>(b));
-    auto sample = pairs->draw(draws);
-    augment(augmentation, draws, sample);
-    const auto centre = drawCentre(sample, grid, crop, options.crop_reach, draws);
-    auto loss = dysegLoss(net, sample, crop, centre, loss_options, draws);
-    if (!loss.total.defined() || !std::isfinite(loss.total.item<double>()))
-    {
-      continue;
-    }
-    (loss.total / options.batch).backward();
-    has_loss = true;
+    has_loss = has_loss || loss.total.defined();
     sum.matching += loss.matching / options.batch;
     sum.flow += loss.flow / options.batch;
     sum.static_probability += loss.static_probability / options.batch;
@@ -223,7 +297,7 @@ std::vector<std::string> DysegTrainer::Impl::evaluate(const std::string& weights
   {
     validation = makeDysegValidation(options);
   }
-  const DysegModel model(weights, options.threads);
+  const DysegModel model(weights, options.threads, device.is_cuda() ? "cuda" : "cpu");
   std::vector<std::string> rows;
   for (const auto& [name, samples] : validation)
   {
@@ -278,8 +352,11 @@ DysegTrainer::DysegTrainer(const DysegTrainerSetup& setup, std::string folder)
   impl_->crop.cells = std::min(options.crop, setup.grid.cells);
   impl_->folder = std::move(folder);
   torch::manual_seed(static_cast<std::uint64_t>(options.seed));
+  impl_->device = deviceNamed(setup.device, "--device");
   impl_->net = DysegNet(network);
   impl_->mean = DysegNet(network);
+  impl_->net->to(impl_->device);
+  impl_->mean->to(impl_->device);
   copyWeights(*impl_->mean, *impl_->net, "");
   impl_->optimizer = std::make_unique<torch::optim::AdamW>(
       impl_->net->parameters(),
@@ -345,6 +422,7 @@ void DysegTrainer::run(const std::function<void(const std::string&)>& report,
   report("data: " + t.pairs->summary());
   t.start = Clock::now();
   t.first_step = t.step;
+  t.begin();
   makeFolder(t.folder, "choose another --output");
   beginLog(t.file("train.csv"), "step,minutes,rate,matching,flow,static_probability,cell,point",
            t.step);
@@ -360,7 +438,6 @@ void DysegTrainer::run(const std::function<void(const std::string&)>& report,
       report("stopped at step " + std::to_string(t.step) + "; --resume continues from here");
       return;
     }
-    t.pairs->prepare(t.step);
     const auto loss = t.trainStep();
     mean.matching += loss.matching;
     mean.flow += loss.flow;

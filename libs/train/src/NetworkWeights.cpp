@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstddef>
 #include <memory>
+#include <sstream>
 #include <string>
 #include <type_traits>
 #include <utility>
@@ -23,7 +24,9 @@ Key keyOf(const torch::Tensor& parameter)
 {
   if constexpr (std::is_same_v<Key, std::string>)
   {
-    return c10::guts::to_string(parameter.unsafeGetTensorImpl());
+    std::ostringstream address;
+    address << parameter.unsafeGetTensorImpl();
+    return address.str();
   }
   else
   {

@@ -99,4 +99,44 @@ TEST(DysegLosses, MoversWeighAsMuchAsTheStatic)
   EXPECT_FLOAT_EQ(dyslam::balancedMean(value, moving).item<float>(), 6);
   EXPECT_FLOAT_EQ(dyslam::balancedMean(value, torch::zeros({4}, torch::kBool)).item<float>(), 2);
 }
+TEST(DysegLosses, CudaGivesTheSameGradientsToRounding)
+{
+  if (!torch::cuda::is_available())
+  {
+    GTEST_SKIP() << "no CUDA";
+  }
+  dyslam::DysegClipScene scene;
+  scene.sensor = dyslam::sim::SensorKind::vlp16;
+  const auto sample = makeSample(dyslam::simulateClip(500000001, 3, true, scene), 2, 0);
+  dyslam::BevOptions grid;
+  grid.cells = 256;
+  std::vector<Tensor> expected;
+  double expected_loss = 0;
+  for (const torch::Device device : {torch::Device(torch::kCPU), torch::Device(torch::kCUDA)})
+  {
+    torch::manual_seed(1);
+    dyslam::DysegNet net{dyslam::DysegNetworkOptions()};
+    net->to(device);
+    dyslam::RandomDraws draws(1, 2);
+    const auto loss = dysegLoss(net, sample, grid, {0, 0}, {}, draws);
+    loss.total.backward();
+    std::vector<Tensor> gradients;
+    for (const auto& parameter : net->parameters())
+    {
+      gradients.push_back(parameter.grad().cpu());
+    }
+    if (device.is_cpu())
+    {
+      expected = gradients;
+      expected_loss = loss.total.item<double>();
+      continue;
+    }
+    EXPECT_NEAR(loss.total.item<double>(), expected_loss, 1e-3 * expected_loss);
+    for (std::size_t i = 0; i < gradients.size(); ++i)
+    {
+      const double scale = expected[i].norm().item<double>() + 1e-4;
+      EXPECT_LT((gradients[i] - expected[i]).norm().item<double>(), 0.02 * scale) << i;
+    }
+  }
+}
 }  // namespace

@@ -69,6 +69,20 @@ TEST_F(DysegTraining, AStoppedRunGoesOnExactly)
   EXPECT_TRUE(contentOf(train("parts", 6, true)) == whole);
 }
 
+TEST_F(DysegTraining, AnyNumberOfThreadsGivesTheSameWeights)
+{
+  setup_.train.batch = 3;
+  const auto one = contentOf(train("one", 4));
+  setup_.train.threads = 2;
+  EXPECT_TRUE(contentOf(train("two", 4)) == one);
+}
+
+TEST_F(DysegTraining, RefusesADeviceThatThereIsNot)
+{
+  setup_.device = "abacus";
+  EXPECT_THROW(DysegTrainer(setup_, folder_.string()), dyslam::UserError);
+}
+
 TEST_F(DysegTraining, IsLengthenedFromTheCheckpointBeforeTheDecay)
 {
   setup_.train.rate.decay_from = 0.5;

@@ -44,6 +44,8 @@ struct DysegTrainerOptions : Options
   double simulated_share = 0.5;  //!< of pairs; the rest is real, if there is any
   double single_share = 0.3;     //!< of real pairs
   double twice_share = 0.1;      //!< of pairs of runs and clips: one scan, seen twice
+  int gap = 8;           //!< scans between those that the application compares
+  double gap_share = 0;  //!< of pairs of runs and clips, that far apart; the others 1 to 10 scans
   double campus_share = 0.25;    //!< of simulated clips; the others are streets and highways
   double highway_share = 0.2;    //!< of the clips that are not of a campus
   double few_beams_share = 0.2;  //!< of simulated clips, seen by 16 beams
@@ -58,7 +60,7 @@ struct DysegTrainerOptions : Options
   double weight_decay = 1e-4;
   int checkpoint_every = 100;  //!< steps
   int validate_every = 1500;   //!< steps
-  int threads = 1;
+  int threads = 1;  //!< pairs computed at a time
   int seed = 1;
 
   void describe(OptionsVisitor& visitor) override;
@@ -71,6 +73,7 @@ struct DysegTrainerSetup
   BevOptions grid;
   DysegAugmentOptions augmentation;
   DysegLossOptions loss;
+  std::string device = "cpu";  //!< or cuda; the data are prepared on the CPU
 };
 
 /** Trains DySeg's network and writes the results into a folder.
@@ -78,13 +81,14 @@ struct DysegTrainerSetup
  * `dyseg.safetensors` the weights so far (exponential moving average), `checkpoint.safetensors` the
  * state to resume from, `train.csv` and `validation.csv`; `checkpoint_before_decay.safetensors` is
  * the last one before the learning rate decays. The data of a step depends on seed and step alone,
- * so that a run that was stopped and resumed gives the same weights.
+ * so that a run that was stopped and resumed gives the same weights; so does any number of threads.
+ * Sums on CUDA differ from run to run by rounding.
  */
 class DysegTrainer
 {
  public:
-  /** \throws UserError for options out of range, or if validation frames are training frames.
-   * Frames of another split are refused where they are read. */
+  /** \throws UserError for options out of range, a device that there is not, or if validation frames
+   * are training frames. Frames of another split are refused where they are read. */
   DysegTrainer(const DysegTrainerSetup& setup, std::string folder);
   ~DysegTrainer();
 

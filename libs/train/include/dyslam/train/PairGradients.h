@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Includes torch: for train only.
+#pragma once
+
+#include <torch/torch.h>
+
+#include <cstddef>
+#include <functional>
+#include <mutex>
+#include <vector>
+
+namespace dyslam
+{
+/** Gradients of the pairs of a step, computed by several threads at a time.
+ *
+ * Each thread works with a copy of the network, whose parameters share their values with the
+ * network in training but have gradients of their own. The gradients of the pairs are added in the
+ * order of the pairs: the sums are the same for any number of threads.
+ */
+class PairGradients
+{
+ public:
+  /** \param parameters of the network in training, with their final values or with those to be
+   * loaded in place \param copies parameters of at least one copy of it, in the same order; as many
+   * pairs at a time. */
+  PairGradients(std::vector<torch::Tensor> parameters,
+                std::vector<std::vector<torch::Tensor>> copies);
+
+  /** Forgets the gradients of the last step. \param pairs of the new one. */
+  void begin(std::size_t pairs);
+  /** Calls `backward` with the number of a copy that no other thread is using, and keeps the
+   * gradients that it leaves there. Threads may call it at the same time, for different pairs. */
+  void compute(std::size_t pair, const std::function<void(std::size_t copy)>& backward);
+  /** Sets the gradients of the network in training to the sums. */
+  void finish();
+
+ private:
+  std::vector<torch::Tensor> parameters_;
+  std::vector<std::vector<torch::Tensor>> copies_;
+  std::vector<std::vector<torch::Tensor>> gradients_;  //!< of each pair; undefined if none
+  std::mutex mutex_;
+  std::vector<std::size_t> free_;  //!< copies
+};
+}  // namespace dyslam
