@@ -113,7 +113,8 @@ TEST(DyloNetwork, CudaGivesTheSameToRounding)
         if (gradients[i].defined())
         {
           const auto scale = expected_gradients[i].norm().item<double>() + 1e-4;
-          EXPECT_LT((gradients[i] - expected_gradients[i]).norm().item<double>(), 0.02 * scale) << i;
+          EXPECT_LT((gradients[i] - expected_gradients[i]).norm().item<double>(), 0.02 * scale)
+              << i;
         }
       }
     }

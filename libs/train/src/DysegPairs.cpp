@@ -82,8 +82,7 @@ void DysegPairs::simulateAhead()
   while (coming_.size() < at_a_time)
   {
     const int number = next_clip_ + static_cast<int>(coming_.size());
-    coming_.push_back(
-        std::async(std::launch::async, [this, number] { return simulate(number); }));
+    coming_.push_back(std::async(std::launch::async, [this, number] { return simulate(number); }));
   }
 }
 

@@ -36,7 +36,7 @@ class DysegPairs
   std::vector<DysegClip> runs_;
   std::vector<std::vector<Eigen::Vector3f>> singles_;
   std::deque<DysegClip> pool_;
-  int next_clip_ = 0;  //!< number of the next clip for the pool
+  int next_clip_ = 0;                          //!< number of the next clip for the pool
   std::deque<std::future<DysegClip>> coming_;  //!< that clip and those behind it
 };
 }  // namespace dyslam

@@ -191,7 +191,8 @@ void DysegTrainer::Impl::begin()
   gradients = std::make_unique<PairGradients>(net->parameters(), std::move(of_copies));
   pairs->prepare(step);
   prepared.resize(static_cast<std::size_t>(options.batch));
-  pool->forChunks(prepared.size(), 1, [&](std::size_t b, std::size_t, std::size_t)
+  pool->forChunks(prepared.size(), 1,
+                  [&](std::size_t b, std::size_t, std::size_t)
                   { prepared[b] = preparePair(step, b); });
 }
 
@@ -216,18 +217,17 @@ DysegLoss DysegTrainer::Impl::trainStep()
   gradients->begin(batch);
   pairs->prepare(step + 1);
   // Threads without a pair of this step prepare pairs of the next one.
-  pool->forChunks(
-      2 * batch, 1,
-      [&](std::size_t i, std::size_t, std::size_t)
-      {
-        if (i >= batch)
-        {
-          next[i - batch] = preparePair(step + 1, i - batch);
-          return;
-        }
-        gradients->compute(
-            i, [&](std::size_t copy) { losses[i] = backward(copies[copy], prepared[i]); });
-      });
+  pool->forChunks(2 * batch, 1,
+                  [&](std::size_t i, std::size_t, std::size_t)
+                  {
+                    if (i >= batch)
+                    {
+                      next[i - batch] = preparePair(step + 1, i - batch);
+                      return;
+                    }
+                    gradients->compute(i, [&](std::size_t copy)
+                                       { losses[i] = backward(copies[copy], prepared[i]); });
+                  });
   gradients->finish();
   prepared = std::move(next);
   DysegLoss sum;

@@ -44,7 +44,7 @@ struct DysegTrainerOptions : Options
   double simulated_share = 0.5;  //!< of pairs; the rest is real, if there is any
   double single_share = 0.3;     //!< of real pairs
   double twice_share = 0.1;      //!< of pairs of runs and clips: one scan, seen twice
-  int gap = 8;           //!< scans between those that the application compares
+  int gap = 8;                   //!< scans between those that the application compares
   double gap_share = 0;  //!< of pairs of runs and clips, that far apart; the others 1 to 10 scans
   double campus_share = 0.25;    //!< of simulated clips; the others are streets and highways
   double highway_share = 0.2;    //!< of the clips that are not of a campus
@@ -60,7 +60,7 @@ struct DysegTrainerOptions : Options
   double weight_decay = 1e-4;
   int checkpoint_every = 100;  //!< steps
   int validate_every = 1500;   //!< steps
-  int threads = 1;  //!< pairs computed at a time
+  int threads = 1;             //!< pairs computed at a time
   int seed = 1;
 
   void describe(OptionsVisitor& visitor) override;
@@ -87,8 +87,8 @@ struct DysegTrainerSetup
 class DysegTrainer
 {
  public:
-  /** \throws UserError for options out of range, a device that there is not, or if validation frames
-   * are training frames. Frames of another split are refused where they are read. */
+  /** \throws UserError for options out of range, a device that there is not, or if validation
+   * frames are training frames. Frames of another split are refused where they are read. */
   DysegTrainer(const DysegTrainerSetup& setup, std::string folder);
   ~DysegTrainer();
 
