@@ -115,7 +115,7 @@ NetworkSegmenter::NetworkSegmenter(const NetworkSegmenterOptions& options)
       options,
       DysegModel(
           findGivenOrShared(options.weights, "models", ".safetensors", "dyseg_network.weights"),
-          options.threads),
+          options.threads, options.device),
       {},
       {},
       {},

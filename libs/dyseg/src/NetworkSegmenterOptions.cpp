@@ -17,6 +17,7 @@ void NetworkSegmenterOptions::describe(OptionsVisitor& v)
   v.integer("min_points", min_points, 0, 1000, "least points of a moving group");
   v.integer("iterations", iterations, 1, 12, "flow updates");
   v.integer("threads", threads, 1, 64, "of the network");
+  v.word("device", device, {"cpu", "cuda"}, "of the network; cuda needs a libtorch with CUDA");
   v.flag("encode_ahead", encode_ahead,
          "encode the next scan beside this one, deskewed by an older prediction");
 }

@@ -63,7 +63,7 @@ struct DysegModel::Impl
 DysegModel::DysegModel(const std::string& file, int threads, const std::string& device)
     : impl_(std::make_unique<Impl>(Impl{loadDyseg(file), threads}))
 {
-  impl_->network.net->to(deviceNamed(device, "device"));
+  impl_->network.net->to(deviceNamed(device, "dyseg_network.device"));
   impl_->network.net->eval();
 }
 

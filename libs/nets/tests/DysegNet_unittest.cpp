@@ -110,6 +110,21 @@ TEST(DysegModel, HasOneProbabilityPerPointAndHandlesEmptyScans)
   EXPECT_EQ(model.compare(*one, *some).moving_probability.size(), 1U);
 }
 
+TEST(DysegModel, ADeviceThatThereIsNotIsRefused)
+{
+  const std::string file = (std::filesystem::temp_directory_path() /
+                            ("dyslam_device_" + std::to_string(::getpid()) + ".safetensors"))
+                               .string();
+  torch::manual_seed(1);
+  dyslam::saveDyseg({dyslam::DysegNet(DysegNetworkOptions()), smallGrid()}, file);
+  EXPECT_THROW(DysegModel(file, 1, "abacus"), dyslam::UserError);
+  if (!torch::cuda::is_available())
+  {
+    EXPECT_THROW(DysegModel(file, 1, "cuda"), dyslam::UserError);
+  }
+  std::filesystem::remove(file);
+}
+
 TEST(DysegModel, CudaGivesTheSameToRounding)
 {
   if (!torch::cuda::is_available())

@@ -23,6 +23,7 @@ struct NetworkSegmenterOptions : Options
   int min_points = 5;            //!< of the smallest moving group
   int iterations = 2;            //!< of the flow update
   int threads = 1;               //!< of the network
+  std::string device = "cpu";    //!< or cuda
   /** Encode each scan deskewed by the motion predicted for the scan before, beside the work on that
    * one: faster on three cores and more, with a few more false alarms. */
   bool encode_ahead = false;
