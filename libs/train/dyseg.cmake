@@ -17,5 +17,9 @@ dyslam_add_test(NAME train_dyseg HEADERS torch
   SOURCES
     tests/DysegData_unittest.cpp
     tests/DysegLosses_unittest.cpp
+    tests/DysegPairs_unittest.cpp
     tests/DysegTrainer_unittest.cpp
   LIBRARIES dyslam::train_dyseg ${TORCH_LIBRARIES})
+if(TARGET train_dyseg_tests)
+  target_include_directories(train_dyseg_tests PRIVATE ${CMAKE_CURRENT_SOURCE_DIR}/src)
+endif()

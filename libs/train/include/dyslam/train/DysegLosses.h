@@ -4,7 +4,7 @@
 
 #include <dyslam/nets/DysegNet.h>
 #include <dyslam/train/DysegData.h>
-#include <dyslam/train/DysegTrainer.h>
+#include <dyslam/train/DysegLossOptions.h>
 
 #include <vector>
 

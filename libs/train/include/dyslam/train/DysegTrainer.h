@@ -5,6 +5,7 @@
 #include <dyslam/nets/BevScan.h>
 #include <dyslam/nets/DysegOptions.h>
 #include <dyslam/train/DysegData.h>
+#include <dyslam/train/DysegLossOptions.h>
 #include <dyslam/train/LearningRate.h>
 
 #include <functional>
@@ -13,16 +14,6 @@
 
 namespace dyslam
 {
-struct DysegLossOptions : Options
-{
-  int iterations = 2;          //!< flow updates in training
-  double decay = 0.8;          //!< weight of an update's flow relative to the next one's
-  int points = 3072;           //!< of a pair in the point loss
-  double first_noise = 0.35;   //!< m, error of the guide at 1/4 resolution; its yaw 1.5 deg per m
-  double second_noise = 0.06;  //!< m, error of the static flow in training
-  void describe(OptionsVisitor& visitor) override;
-};
-
 struct DysegTrainerOptions : Options
 {
   std::string data;               //!< folder with the real data; empty: simulated data only
