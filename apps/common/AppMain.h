@@ -101,7 +101,7 @@ inline void requireNoInputReplaced(const CLI::App& app)
 }
 
 /** The program ended normally, but the result is unusable: exit code 2. */
-class UselessResult : public std::runtime_error
+class UnusableResult : public std::runtime_error
 {
  public:
   using std::runtime_error::runtime_error;
@@ -110,7 +110,7 @@ class UselessResult : public std::runtime_error
 /** Body of main() of every program.
  *
  * `declare` adds flags to the parser, `run` works. Returns 0 on success, --help and --version, 1 on
- * every error and 2 on UselessResult, with one line on stderr: `<app>: <message>`.
+ * every error and 2 on UnusableResult, with one line on stderr: `<app>: <message>`.
  */
 inline int runApp(int argc,
                   char** argv,
@@ -159,7 +159,7 @@ inline int runApp(int argc,
     }
     return fail(firstMeaningfulLine(error.what()) + " (see " + name + " --help)");
   }
-  catch (const UselessResult& result)
+  catch (const UnusableResult& result)
   {
     fail(result.what());
     return 2;

@@ -166,7 +166,7 @@ inline void runFirstPass(const std::string& program, SlamArguments& a, const Sla
   a.assignments.push_back("dyseg.labels=" + firstPassLabels(a.settings.output_folder).string());
 }
 
-/** Runs, shows the progress and prints the result. \throws UserError, UselessResult. */
+/** Runs, shows the progress and prints the result. \throws UserError, UnusableResult. */
 inline void runSlamProgram(const std::string& program, SlamArguments& a, const SlamRunner& run)
 {
   stopOnSignals();
@@ -196,7 +196,7 @@ inline void runSlamProgram(const std::string& program, SlamArguments& a, const S
   }
   if (!report.failure.empty())
   {
-    throw UselessResult(report.failure);
+    throw UnusableResult(report.failure);
   }
 }
 }  // namespace dyslam

@@ -299,7 +299,7 @@ void run(const Arguments& a)
   }
   if (counts.done < results.size())
   {
-    throw UselessResult(toText(counts) + "; " + a.output + "/*/log.txt say why");
+    throw UnusableResult(toText(counts) + "; " + a.output + "/*/log.txt say why");
   }
 }
 }  // namespace

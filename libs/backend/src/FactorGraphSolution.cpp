@@ -89,10 +89,11 @@ void FactorGraph::leaveOutContradicted(const FactorGraphOptions& options,
   {
     solve_without(worst);
   }
-  const std::set<FactorId> misfits = misfittingLoops(*this, left_out_, options.loop_loss_width);
-  if (!misfits.empty())
+  const std::set<FactorId> inconsistent =
+      inconsistentLoops(*this, left_out_, options.loop_loss_width);
+  if (!inconsistent.empty())
   {
-    solve_without(misfits);
+    solve_without(inconsistent);
   }
 }
 

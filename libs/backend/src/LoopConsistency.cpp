@@ -190,7 +190,7 @@ class LinearEgoGraph
   [[nodiscard]] double chi2() const { return optimal_residuals_.squaredNorm(); }
 
   /** By how much chi2 falls without these loops. */
-  [[nodiscard]] double tension(const std::vector<FactorId>& group) const
+  [[nodiscard]] double chi2Decrease(const std::vector<FactorId>& group) const
   {
     const auto size = 6 * static_cast<Eigen::Index>(group.size());
     std::vector<Eigen::Index> rows;
@@ -278,9 +278,9 @@ class LinearEgoGraph
 };
 }  // namespace
 
-std::set<FactorId> misfittingLoops(const FactorGraph& graph,
-                                   const std::set<FactorId>& left_out,
-                                   double loss_width)
+std::set<FactorId> inconsistentLoops(const FactorGraph& graph,
+                                     const std::set<FactorId>& left_out,
+                                     double loss_width)
 {
   std::set<FactorId> result;
   for (const FactorId id : loopsOf(graph, left_out))
@@ -326,11 +326,11 @@ std::set<FactorId> contradictedLoops(const FactorGraph& graph,
     {
       continue;  // odometry alone is no evidence: it drifts
     }
-    const double tension = linear.tension(group);
+    const double decrease = linear.chi2Decrease(group);
     // How well odometry and the other loops agree: a drift shows in all of them.
     const double others = 6 * static_cast<double>(loops.size() - group.size());
-    const double variance = std::max(1.0, (linear.chi2() - tension) / others);
-    const double per_loop = tension / static_cast<double>(group.size()) / variance;
+    const double variance = std::max(1.0, (linear.chi2() - decrease) / others);
+    const double per_loop = decrease / static_cast<double>(group.size()) / variance;
     if (per_loop > highest)
     {
       highest = per_loop;

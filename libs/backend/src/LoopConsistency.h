@@ -8,7 +8,7 @@
 namespace dyslam
 {
 /** Loop factors whose whitened residual at the present values is beyond what noise explains. */
-[[nodiscard]] std::set<FactorGraph::FactorId> misfittingLoops(
+[[nodiscard]] std::set<FactorGraph::FactorId> inconsistentLoops(
     const FactorGraph& graph, const std::set<FactorGraph::FactorId>& left_out, double loss_width);
 
 /** Number of groups of neighbouring loops: each is one piece of evidence, since one mistake about a
@@ -26,7 +26,7 @@ namespace dyslam
  *
  * A false loop distorts the odometry until it fits, so that its own residual does not reveal it.
  * Computed about the present values, at or near their optimum, on the ego poses alone, and without
- * the loops of misfittingLoops().
+ * the loops of inconsistentLoops().
  * \param left_out loops to ignore
  * \param odometry_sigma_scale factor on the odometry's sigmas */
 [[nodiscard]] std::set<FactorGraph::FactorId> contradictedLoops(

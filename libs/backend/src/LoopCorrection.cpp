@@ -69,9 +69,9 @@ bool LoopCorrection::correctNewest(std::size_t first,
   }
   const OptimisationResult result = graph_.optimise(solver_, free);
   // Increase of chi2 by the loops, against what noise explains.
-  const double tension = result.final_chi2 - (result.initial_chi2 - chi2_of_loops);
+  const double increase = result.final_chi2 - (result.initial_chi2 - chi2_of_loops);
   const double width = solver_.loop_loss_width;
-  if (tension <= 2 * width * width * static_cast<double>(waiting_.size()))
+  if (increase <= 2 * width * width * static_cast<double>(waiting_.size()))
   {
     return true;
   }

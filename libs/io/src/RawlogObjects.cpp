@@ -95,7 +95,7 @@ bool RawlogObjects::atEnd()
   return window_.ahead(1).empty() && file_.atEnd();
 }
 
-void RawlogObjects::passOver()
+void RawlogObjects::skipObject()
 {
   constexpr std::size_t longest_header = 1 + 1 + 127 + 1;
   bool ended = false;
@@ -143,7 +143,7 @@ bool RawlogObjects::observation(const ObjectHeader& header,
   auto empty = std::dynamic_pointer_cast<CObservation>(id.createObject());
   empty->timestamp = INVALID_TIMESTAMP;
   observations.push_back(std::move(empty));
-  passOver();
+  skipObject();
   return false;
 }
 
@@ -193,7 +193,7 @@ const TRuntimeClassId& RawlogObjects::next(std::deque<CObservation::Ptr>& observ
   }
   else if (header.class_name == "CActionCollection")
   {
-    passOver();
+    skipObject();
   }
   return id;
 }

@@ -39,7 +39,7 @@ class RawlogObjects
   bool observation(const ObjectHeader& header,
                    const mrpt::rtti::TRuntimeClassId& id,
                    std::deque<mrpt::obs::CObservation::Ptr>& observations);
-  void passOver();
+  void skipObject();
 
   GzInput& file_;
   ByteWindow window_;

@@ -24,7 +24,7 @@ constexpr double map_share = 0.3;
 constexpr double cleaned_share = 0.1;
 
 /** A map before it is rebuilt. */
-struct Stitched
+struct BuiltMap
 {
   std::vector<Pose> poses;
   VoxelMap map;
@@ -115,8 +115,8 @@ struct StaticMap::Impl
   [[nodiscard]] KeyframeCloud thinned(const Frame& frame) const;
   /** Appends the pose of the next keyframe. */
   void takeNext(const Frame& frame);
-  void stitch(std::size_t keyframe, const Stitched* before);
-  void restitch(double voxel_size);
+  void addToVoxels(std::size_t keyframe, const BuiltMap* before);
+  void rebuild(double voxel_size);
   /** Largest distance of the store's poses from those that the map is built with [m]. */
   [[nodiscard]] double largestCorrection() const;
   [[nodiscard]] bool isCorrectionDue() const;
@@ -127,9 +127,9 @@ struct StaticMap::Impl
   StaticMapOptions options;
   KeyframeStore& keyframes;
   MapRegion region;
-  std::size_t revision = 0;  //!< of the keyframes' poses that the map is built with
-  std::size_t stitched = 0;  //!< keyframes at the last rebuild
-  std::vector<Pose> poses;   //!< these poses, one per keyframe inserted
+  std::size_t revision = 0;              //!< of the keyframes' poses that the map is built with
+  std::size_t keyframes_at_rebuild = 0;  //!< keyframes at the last rebuild
+  std::vector<Pose> poses;               //!< these poses, one per keyframe inserted
   VoxelMap map;
   mutable std::optional<CleanedMap> cleaned;  //!< until the map changes
 };
@@ -169,7 +169,7 @@ KeyframeCloud StaticMap::Impl::thinned(const Frame& frame) const
 
 /** Adds the keyframe's points to voxels; those whose voxel is full are removed.
  * \param before whose evidence the voxels of the same points inherit; may be null. */
-void StaticMap::Impl::stitch(std::size_t keyframe, const Stitched* before)
+void StaticMap::Impl::addToVoxels(std::size_t keyframe, const BuiltMap* before)
 {
   const Pose& T = poses[keyframe];
   if (!T.matrix().allFinite())
@@ -214,21 +214,21 @@ void StaticMap::Impl::stitch(std::size_t keyframe, const Stitched* before)
 }
 
 /** The same keyframes at their present poses, in voxels of this size. */
-void StaticMap::Impl::restitch(double voxel_size)
+void StaticMap::Impl::rebuild(double voxel_size)
 {
   cleaned.reset();
-  const Stitched before{
+  const BuiltMap before{
       std::exchange(poses, {}),
       std::exchange(map, VoxelMap(voxel_size, keyframes.memory().part(map_share)))};
   map.continueRun(before.map);
   for (std::size_t k = 0; k < before.poses.size(); ++k)
   {
     poses.push_back(keyframes[k].T_map_vehicle);
-    stitch(k, &before);
+    addToVoxels(k, &before);
   }
   map.mergeOldHits();
   revision = keyframes.revision();
-  stitched = poses.size();
+  keyframes_at_rebuild = poses.size();
 }
 
 double StaticMap::Impl::largestCorrection() const
@@ -250,8 +250,9 @@ bool StaticMap::Impl::isCorrectionDue() const
     return false;
   }
   const double moved = largestCorrection();
-  const bool has_grown = static_cast<double>(poses.size()) >=
-                         static_cast<double>(stitched) * (1 + options.correction_growth);
+  const bool has_grown =
+      static_cast<double>(poses.size()) >=
+      static_cast<double>(keyframes_at_rebuild) * (1 + options.correction_growth);
   return moved > options.correction_distance && (has_grown || moved > map.voxelSize());
 }
 
@@ -259,7 +260,7 @@ void StaticMap::Impl::correct()
 {
   if (revision != keyframes.revision())
   {
-    restitch(map.voxelSize());
+    rebuild(map.voxelSize());
     keepWithinLimit();
   }
 }
@@ -268,7 +269,7 @@ void StaticMap::Impl::keepWithinLimit()
 {
   while (map.size() > static_cast<std::size_t>(options.max_voxels))
   {
-    restitch(2 * map.voxelSize());
+    rebuild(2 * map.voxelSize());
   }
 }
 
@@ -314,11 +315,11 @@ void StaticMap::insert(const Frame& frame)
     m.map.countObservedFree(VisibilityImage(frame.cloud, keyframe.sensor), keyframe.T_map_vehicle,
                             m.options);
   }
-  m.stitch(m.poses.size() - 1, nullptr);
+  m.addToVoxels(m.poses.size() - 1, nullptr);
   m.keepWithinLimit();
 }
 
-void StaticMap::passOver(const Frame& frame)
+void StaticMap::insertWithoutPoints(const Frame& frame)
 {
   impl_->takeNext(frame);
 }
@@ -416,7 +417,7 @@ std::size_t StaticMap::memory() const
 
 void StaticMap::exchangeState(StateArchive& archive)
 {
-  archive(impl_->revision, impl_->stitched, impl_->poses, impl_->map);
+  archive(impl_->revision, impl_->keyframes_at_rebuild, impl_->poses, impl_->map);
   if (archive.isLoading())
   {
     impl_->cleaned.reset();

@@ -152,7 +152,7 @@ void VisibilityImage::setColumnOrigins(const std::vector<Eigen::Vector3f>& sum,
 }
 
 /** Columns, rows and ranges of the rays towards points. */
-void VisibilityImage::aim(Rays& rays) const
+void VisibilityImage::fromSensor(Rays& rays) const
 {
   std::array<float, block> px;
   std::array<float, block> py;
@@ -181,7 +181,7 @@ void VisibilityImage::aim(Rays& rays) const
   rays.findRows();
 }
 
-Evidence VisibilityImage::look(int row, int col, float range, float size, float margin) const
+Evidence VisibilityImage::evidenceAt(int row, int col, float range, float size, float margin) const
 {
   constexpr float pixel = 2 * pi / cols;
   if (!std::isfinite(range) || range < nearest)
@@ -225,25 +225,26 @@ Evidence VisibilityImage::look(int row, int col, float range, float size, float 
   return passed > half ? (close ? Evidence::free : Evidence::passed_by) : Evidence::none;
 }
 
-/** look(), and the nearest rays around the place where those towards it are too few. */
-Evidence VisibilityImage::lookAround(int row, int col, float range, float size, float margin) const
+/** evidenceAt(), and the nearest rays around the place where those towards it are too few. */
+Evidence VisibilityImage::evidenceAround(
+    int row, int col, float range, float size, float margin) const
 {
-  const Evidence seen = look(row, col, range, size, margin);
+  const Evidence seen = evidenceAt(row, col, range, size, margin);
   if (seen == Evidence::none || seen == Evidence::passed_by)
   {
-    return lookBetween(row, col, range, margin);
+    return evidenceBetweenRows(row, col, range, margin);
   }
   if (seen == Evidence::free)
   {
     // Sparse rays that ended behind a place on a surface seen at a grazing angle may have none
     // beside them in the window.
-    const Evidence beside = lookAtRow(row, col, range, margin);
+    const Evidence beside = evidenceInRow(row, col, range, margin);
     return beside == Evidence::occupied || beside == Evidence::occluded ? beside : seen;
   }
   return seen;
 }
 
-Evidence VisibilityImage::lookBetween(int row, int col, float range, float margin) const
+Evidence VisibilityImage::evidenceBetweenRows(int row, int col, float range, float margin) const
 {
   if (!std::isfinite(range) || range < nearest)
   {
@@ -254,7 +255,7 @@ Evidence VisibilityImage::lookBetween(int row, int col, float range, float margi
     Evidence seen = Evidence::none;
     for (int gap = 0; gap <= widest_gap && seen == Evidence::none; ++gap)
     {
-      seen = lookAtRow(row + up * gap, col, range, margin);
+      seen = evidenceInRow(row + up * gap, col, range, margin);
     }
     if (seen != Evidence::free)
     {
@@ -266,7 +267,7 @@ Evidence VisibilityImage::lookBetween(int row, int col, float range, float margi
 
 /** The nearest rays of one row: free if they passed on both sides of the place, of which one would
  * have ended before it on a surface that is seen at a grazing angle. */
-Evidence VisibilityImage::lookAtRow(int row, int col, float range, float margin) const
+Evidence VisibilityImage::evidenceInRow(int row, int col, float range, float margin) const
 {
   if (row < 0 || row >= rows_)
   {
@@ -308,11 +309,11 @@ void VisibilityImage::at(const Eigen::Vector3f* places,
     {
       rays.set(i, T * places[begin + i]);
     }
-    aim(rays);
+    fromSensor(rays);
     for (std::size_t i = 0; i < rays.count; ++i)
     {
       evidence[begin + i] =
-          lookAround(rays.row[i] - lowest_, rays.col[i], rays.range[i], size, margin);
+          evidenceAround(rays.row[i] - lowest_, rays.col[i], rays.range[i], size, margin);
     }
   }
 }
@@ -322,8 +323,8 @@ Evidence VisibilityImage::at(const Eigen::Vector3f& p, float size, float margin)
   Rays rays;
   rays.count = 1;
   rays.set(0, p);
-  aim(rays);
-  return look(rays.row[0] - lowest_, rays.col[0], rays.range[0], size, margin);
+  fromSensor(rays);
+  return evidenceAt(rays.row[0] - lowest_, rays.col[0], rays.range[0], size, margin);
 }
 
 void VisibilityImage::exchangeState(StateArchive& archive)

@@ -66,11 +66,12 @@ class VisibilityImage
 
   struct Rays;
 
-  void aim(Rays& rays) const;
-  [[nodiscard]] Evidence look(int row, int col, float range, float size, float margin) const;
-  [[nodiscard]] Evidence lookAround(int row, int col, float range, float size, float margin) const;
-  [[nodiscard]] Evidence lookBetween(int row, int col, float range, float margin) const;
-  [[nodiscard]] Evidence lookAtRow(int row, int col, float range, float margin) const;
+  void fromSensor(Rays& rays) const;
+  [[nodiscard]] Evidence evidenceAt(int row, int col, float range, float size, float margin) const;
+  [[nodiscard]] Evidence evidenceAround(
+      int row, int col, float range, float size, float margin) const;
+  [[nodiscard]] Evidence evidenceBetweenRows(int row, int col, float range, float margin) const;
+  [[nodiscard]] Evidence evidenceInRow(int row, int col, float range, float margin) const;
   /** Range of a pixel, infinity where no ray returned [m]. */
   [[nodiscard]] static float rangeOf(std::uint16_t pixel)
   {

@@ -90,14 +90,14 @@ Voxel& VoxelMap::hit(const Eigen::Vector3d& p, std::uint32_t keyframe)
   }
   if (voxel.last_keyframe != keyframe)
   {
-    startAfresh(voxel);
+    discountEarlierRuns(voxel);
     voxel.last_keyframe = keyframe;
     countUp(voxel.hits);
   }
   return voxel;
 }
 
-void VoxelMap::startAfresh(Voxel& voxel) const
+void VoxelMap::discountEarlierRuns(Voxel& voxel) const
 {
   if (voxel.last_keyframe < run_begin_ && voxel.hits > earlier_hits_)
   {
@@ -163,7 +163,7 @@ void VoxelMap::countObservedFree(const VisibilityImage& image,
             image.observesFree(p, static_cast<float>(voxel_size_),
                                static_cast<float>(options.visibility_margin)))
         {
-          startAfresh(voxel);
+          discountEarlierRuns(voxel);
           countUp(voxel.observed_free);
         }
       }

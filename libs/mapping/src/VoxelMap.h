@@ -79,7 +79,7 @@ class VoxelMap
                                              const StaticMapOptions& options) const;
 
   /** Reduces the evidence of earlier runs, once. */
-  void startAfresh(Voxel& voxel) const;
+  void discountEarlierRuns(Voxel& voxel) const;
 
   double voxel_size_;
   std::uint32_t run_begin_ = 0;  //!< first keyframe of the run

@@ -56,7 +56,7 @@ TEST(StaticMap, KeyframesThatArePassedOverLeaveNoPoints)
   Frame unregistered;
   unregistered.cloud.points = {{10, 0, 0}};
   map.keyframes->add(keyframeOf(unregistered));
-  map.map.passOver(unregistered);
+  map.map.insertWithoutPoints(unregistered);
   EXPECT_EQ(map.map.points().size(), 1U);
   frame.cloud.points = {{15, 0, 0}};
   map.insert(frame);

@@ -114,18 +114,18 @@ RigidFlowFit DysegModel::match(const Encoded& current,
 
 std::vector<float> DysegModel::appearancePrior(const Encoded& scan) const
 {
-  std::vector<float> anchor(scan.inputs, 1.0F);
+  std::vector<float> prior(scan.inputs, 1.0F);
   if (scan.scan.size() == 0)
   {
-    return anchor;
+    return prior;
   }
   const auto logit = scan.encoding.static_logit.cpu().contiguous();
   const float* l = logit.data_ptr<float>();
   for (std::size_t i = 0; i < scan.scan.size(); ++i)
   {
-    anchor[scan.scan.source[i]] = sigmoid(l[scan.encoding.cells->level.quarter.row_of_point[i]]);
+    prior[scan.scan.source[i]] = sigmoid(l[scan.encoding.cells->level.quarter.row_of_point[i]]);
   }
-  return anchor;
+  return prior;
 }
 
 DysegResult DysegModel::compare(const Encoded& current, const Encoded& past, int iterations) const

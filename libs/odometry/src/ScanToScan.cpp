@@ -12,7 +12,7 @@ namespace dyslam
 namespace
 {
 /** After that many failures in a row the reference is too old. */
-constexpr int patience = 3;
+constexpr int max_failures = 3;
 }  // namespace
 
 ScanMatch ScanToScan::match(const Frame& frame, const MotionPrior& prior)
@@ -54,7 +54,7 @@ MotionEstimate ScanToScan::find(const Frame& frame, const MotionPrior& prior)
   {
     found.T_previous_current = prediction;
     T_reference_previous_ = guess;
-    if (++failures_ >= patience)
+    if (++failures_ >= max_failures)
     {
       accept(guess);
       T_reference_previous_.setIdentity();

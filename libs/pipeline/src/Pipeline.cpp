@@ -132,7 +132,7 @@ void Pipeline::Stages::insertInMap(const Frame& decided)
   }
   else
   {
-    map.passOver(decided);
+    map.insertWithoutPoints(decided);
   }
 }
 

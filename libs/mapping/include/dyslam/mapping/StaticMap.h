@@ -115,7 +115,7 @@ class StaticMap
   void insert(const Frame& frame);
   /** Inserts the next keyframe without its points, because its pose is not accurate enough.
    * \throws std::invalid_argument as insert(). */
-  void passOver(const Frame& frame);
+  void insertWithoutPoints(const Frame& frame);
 
   /** The keyframes inserted from here on are of another run of the same place, later than those
    * before. */
