@@ -7,7 +7,7 @@
 
 int main(int argc, char** argv)
 {
-  dyslam::tuneHeap();
+  dyslam::tuneHeap(8);  // threads allocate often: with one arena they wait for each other
   dyslam::TrainArguments dylo;
   dyslam::TrainArguments dyseg;
   CLI::App* dylo_parser = nullptr;

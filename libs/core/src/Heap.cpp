@@ -35,13 +35,13 @@ void useHugePages()
 }  // namespace
 #endif
 
-void tuneHeap()
+void tuneHeap([[maybe_unused]] int arenas)
 {
 #if defined(__linux__) && defined(__GLIBC__)
   mallopt(M_MMAP_MAX, 0);  // large blocks come from the heap too
   mallopt(M_TRIM_THRESHOLD, 2047 * mebibyte);
   mallopt(M_TOP_PAD, reserved);
-  mallopt(M_ARENA_MAX, 1);  // what one thread frees, another one takes
+  mallopt(M_ARENA_MAX, arenas);
   useHugePages();
 #endif
 }

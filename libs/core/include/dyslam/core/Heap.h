@@ -11,6 +11,8 @@ namespace dyslam
  * GiB of address space; memory is taken as it is used. Call it at the start of a program. No effect
  * without glibc on Linux; no huge pages where `/sys/kernel/mm/transparent_hugepage/enabled` is
  * `never`.
+ * \param arenas of malloc, at most. With one, what a thread frees another one takes, but threads
+ * that allocate often wait for each other.
  */
-void tuneHeap();
+void tuneHeap(int arenas = 1);
 }  // namespace dyslam
