@@ -20,16 +20,16 @@ namespace dyslam
 class PairGradients
 {
  public:
-  /** \param parameters of the network in training, with their final values or with those to be
-   * loaded in place \param copies parameters of at least one copy of it, in the same order; as many
-   * pairs at a time. */
+  /** \param parameters of the network in training, which are changed in place from here on
+   * \param copies parameters of copies of it, in the same order: one copy for each thread. */
   PairGradients(std::vector<torch::Tensor> parameters,
                 std::vector<std::vector<torch::Tensor>> copies);
 
   /** Forgets the gradients of the last step. \param pairs of the new one. */
   void begin(std::size_t pairs);
   /** Calls `backward` with the number of a copy that no other thread is using, and keeps the
-   * gradients that it leaves there. Threads may call it at the same time, for different pairs. */
+   * gradients that it leaves there. Threads may call it at the same time, for different pairs.
+   * \throws std::logic_error if more threads than copies do. */
   void compute(std::size_t pair, const std::function<void(std::size_t copy)>& backward);
   /** Sets the gradients of the network in training to the sums. */
   void finish();
