@@ -53,7 +53,7 @@ non-commercial use only), the documentation and two short recordings.")
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_NAME libdyslam-dev)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SECTION non-free/libdevel)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS "dyslam (= ${PROJECT_VERSION}-${CPACK_DEBIAN_PACKAGE_RELEASE}), \
-libceres-dev, libeigen3-dev, libembree-dev, liblz4-dev, libmrpt-dev, liboctomap-dev, libopencv-dev, libpcap-dev, \
+libceres-dev, libdeflate-dev, libeigen3-dev, libembree-dev, libisal-dev, liblz4-dev, libmrpt-dev, liboctomap-dev, libopencv-dev, libpcap-dev, \
 libpcl-dev, libsqlite3-dev, libssl-dev, libtbb-dev, libtorch-dev, libzstd-dev, libbz2-dev")
 set(CPACK_DEBIAN_DEVELOPMENT_DESCRIPTION "Headers, static libraries and the CMake package of DySLAM, which replays
 recordings of 3D LiDAR scans: find_package(dyslam COMPONENTS odometry io).")

@@ -63,6 +63,20 @@ inline std::string unknownCommand(const CLI::App& app, const std::string& word)
          (nearest.empty() ? "; it is none of " + all : "; did you mean " + nearest + "?");
 }
 
+/** Error message for an option that the program or its subcommand does not have. */
+inline std::string unknownOption(const CLI::App& app, const std::string& word)
+{
+  const auto chosen = app.get_subcommands();
+  const CLI::App& command = chosen.empty() ? app : *chosen.front();
+  std::vector<std::string> known;
+  for (const CLI::Option* option : command.get_options())
+  {
+    known.push_back(option->get_name());
+  }
+  const std::string nearest = nearestWord(word, known);
+  return word + ": unknown option" + (nearest.empty() ? "" : "; did you mean " + nearest + "?");
+}
+
 /** \throws UserError if a file that the program is to write is given as an input, too. */
 inline void requireNoInputReplaced(const CLI::App& app)
 {
@@ -149,13 +163,18 @@ inline int runApp(int argc,
     {
       if (word.size() > 1 && word[0] == '-')
       {
-        return fail(word + ": unknown option (see " + name + " --help)");
+        return fail(unknownOption(app, word) + " (see " + name + " --help)");
       }
     }
     const auto rest = app.remaining();
     if (!rest.empty() && app.get_require_subcommand_min() > 0 && app.get_subcommands().empty())
     {
       return fail(unknownCommand(app, rest.front()) + " (see " + name + " --help)");
+    }
+    if (!rest.empty() && app.get_option_no_throw("--input") != nullptr)
+    {
+      return fail(rest.front() + ": not expected; the recording is given with --input (see " +
+                  name + " --help)");
     }
     return fail(firstMeaningfulLine(error.what()) + " (see " + name + " --help)");
   }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <dyslam/core/Error.h>
+#include <dyslam/formats/GroundTruth.h>
 #include <dyslam/formats/RecordingKind.h>
 #include <unistd.h>
 
@@ -61,17 +62,6 @@ CLI::Validator wordFor(const std::map<std::string, Enum>& words)
           ""};
 }
 
-/** \throws UserError unless the folder that a file is to be written to is there. */
-inline void requireFolderOf(const std::string& file)
-{
-  const auto folder = std::filesystem::path(file).parent_path();
-  if (!folder.empty() && !std::filesystem::is_directory(folder))
-  {
-    throw UserError(file + ": the folder " + folder.string() +
-                    " is not there; make it, or choose another");
-  }
-}
-
 /** \throws UserError unless a file of that name could be written, as far as its folder shows. */
 inline void requireWritable(const std::string& file)
 {
@@ -80,9 +70,36 @@ inline void requireWritable(const std::string& file)
   {
     throw UserError(file + ": is a folder; name the file to write");
   }
-  if (::access(folder.empty() ? "." : folder.c_str(), W_OK) != 0)
+  std::error_code ignored;
+  if (std::filesystem::exists(folder.empty() ? "." : folder, ignored) &&
+      ::access(folder.empty() ? "." : folder.c_str(), W_OK) != 0)
   {
     throw UserError(file + ": the folder may not be written to; choose another");
+  }
+}
+
+/** \param force an earlier recording and its ground truth may be replaced
+ * \throws UserError unless the recording to be written is a .rawlog and, without `force`, not there
+ * yet. */
+inline void requireNewRecording(const std::string& rawlog, bool force)
+{
+  const std::filesystem::path path(rawlog);
+  if (path.extension() != ".rawlog")
+  {
+    throw UserError(rawlog + ": name the recording to write *.rawlog (--output)");
+  }
+  if (std::filesystem::is_directory(path))
+  {
+    throw UserError(rawlog + ": is a folder; name the file to write");
+  }
+  const std::string truth = groundTruthFolder(rawlog);
+  for (const std::string& earlier : {rawlog, truth})
+  {
+    if (!force && std::filesystem::exists(earlier))
+    {
+      throw UserError(earlier + ": is there already; choose another --output, or replace " +
+                      path.filename().string() + " and its ground truth with --force");
+    }
   }
 }
 

@@ -67,13 +67,7 @@ inline void runConversion(const std::string& program,
                           bool quiet,
                           const std::function<ConversionResult(const ConversionProgress&)>& convert)
 {
-  requireFolderOf(output);
   requireWritable(output);
-  if (!std::filesystem::path(output).has_extension())
-  {
-    throw UserError(output + ": has no ending; name the rawlog to write (-o " + output +
-                    ".rawlog)");
-  }
   report(convertWithProgress(program, output, quiet, convert), output);
 }
 }  // namespace dyslam

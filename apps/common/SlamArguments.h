@@ -67,6 +67,8 @@ inline void declareSlamArguments(CLI::App& app, SlamArguments& a)
       ->check(CLI::IsMember({1, 2}))
       ->capture_default_str();
   app.add_option("--profile", a.settings.profile_csv, "CSV file for the times of every stage");
+  app.add_flag_callback(
+      "-q,--quiet", [&a] { a.verbosity = "ERROR"; }, "print errors only, as --verbosity ERROR");
   app.add_option("-v,--verbosity", a.verbosity, "what is printed")
       ->check(CLI::IsMember({"ERROR", "INFO"}))
       ->capture_default_str();

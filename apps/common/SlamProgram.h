@@ -10,9 +10,9 @@
 #include <filesystem>
 #include <functional>
 #include <string>
-#include <vector>
 
 #include "AppMain.h"
+#include "FirstPass.h"
 #include "Progress.h"
 #include "SlamArguments.h"
 #include "StopSignals.h"
@@ -68,57 +68,16 @@ inline void print(const SlamRunReport& report, const std::string& folder, std::s
   }
 }
 
-/** Where the labels of the first of two passes are kept. */
-inline std::filesystem::path firstPassLabels(const std::string& output)
+/** \throws UserError if the folder has the checkpoint of a killed run, unless it may be replaced.
+ */
+inline void requireNoKilledRun(const SlamRunSettings& settings)
 {
-  return std::filesystem::path(output) / "first_pass" / "labels";
-}
-
-/** Removes the label files of an earlier first pass, and nothing else. */
-inline void removeLabels(const std::filesystem::path& folder)
-{
-  std::vector<std::filesystem::path> files;
-  for (const auto& entry : std::filesystem::directory_iterator(folder))
+  const auto state = std::filesystem::path(settings.output_folder) / "resume.state";
+  if (!settings.force && std::filesystem::exists(state))
   {
-    if (entry.path().extension() == ".label")
-    {
-      files.push_back(entry.path());
-    }
-  }
-  for (const auto& file : files)
-  {
-    std::filesystem::remove(file);
-  }
-}
-
-/** Moves the labels of a finished run to where the next run in the same folder leaves them.
- * \throws UserError. */
-inline void keepLabels(const std::string& output)
-{
-  namespace fs = std::filesystem;
-  const fs::path kept = firstPassLabels(output);
-  const fs::path made = fs::path(output) / "labels";
-  try
-  {
-    for (const fs::path& folder : {kept.parent_path(), kept})
-    {
-      if (fs::is_symlink(folder))
-      {
-        throw UserError(folder.string() + ": is a link; remove it, or choose another --output");
-      }
-    }
-    fs::create_directories(kept);
-    removeLabels(kept);
-    for (const auto& entry : fs::directory_iterator(made))
-    {
-      fs::rename(entry.path(), kept / entry.path().filename());
-    }
-    fs::remove(made);
-  }
-  catch (const fs::filesystem_error& error)
-  {
-    throw UserError(kept.string() + ": cannot be written (" + error.code().message() +
-                    "); choose another --output");
+    throw UserError(settings.output_folder +
+                    ": has the checkpoint of a killed run; continue it with dyslam --resume, or "
+                    "start anew with --force");
   }
 }
 
@@ -144,26 +103,10 @@ inline SlamRunReport runWithProgress(const std::string& title,
 /** Labels the moving points, for the second pass (dyseg.labels). \throws UserError. */
 inline void runFirstPass(const std::string& program, SlamArguments& a, const SlamRunner& run)
 {
-  SlamArguments first;
-  first.settings = a.settings;
-  first.settings.labels = true;
-  first.settings.probabilities = false;
-  first.settings.static_scans = false;
-  first.settings.profile_csv.clear();
-  first.config = a.config;
-  first.assignments = assignmentsOf(a);
-  first.verbosity = a.verbosity;
-  for (const char* unused :
-       {"pipeline.mapping", "pipeline.hindsight_tracking", "output.replay", "output.simplemap",
-        "output.pcd", "output.ply", "output.scene", "output.plot", "output.page"})
-  {
-    first.assignments.push_back(std::string(unused) + "=false");
-  }
-  first.assignments.emplace_back("output.checkpoint_seconds=0");
+  SlamArguments first = firstPassArguments(a);
   chooseSettings(program, first);
   runWithProgress(program + ", first pass", first, run);
-  keepLabels(a.settings.output_folder);
-  a.assignments.push_back("dyseg.labels=" + firstPassLabels(a.settings.output_folder).string());
+  a.assignments.push_back("dyseg.labels=" + keepLabelsOfFirstPass(a.settings.output_folder));
 }
 
 /** Runs, shows the progress and prints the result. \throws UserError, UnusableResult. */
@@ -174,20 +117,30 @@ inline void runSlamProgram(const std::string& program, SlamArguments& a, const S
   if (a.resume)
   {
     checkSettings(a);
+    if (a.passes == 2 && !hasLabelsOfFirstPass(a.settings.output_folder))
+    {
+      throw UserError(
+          "--passes 2: the run to resume has no first pass; leave it out, or start anew");
+    }
   }
   else
   {
     requireGiven(a.settings.rawlog);
     requireConverted(a.settings.rawlog);
+    requireNoKilledRun(a.settings);
     if (a.passes == 2)
     {
       runFirstPass(program, a, run);
     }
     chooseSettings(program, a);
-  }
-  if (a.passes == 2)
-  {
-    a.messages.clear();  // those of the first pass
+    if (a.passes == 2)
+    {
+      a.messages.clear();  // those of the first pass
+    }
+    else if (std::filesystem::exists(a.settings.output_folder + "/report.json"))
+    {
+      a.messages.push_back(program + ": replaces the earlier run in " + a.settings.output_folder);
+    }
   }
   const SlamRunReport report = runWithProgress(program, a, run);
   if (!a.quiet())

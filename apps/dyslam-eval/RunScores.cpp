@@ -218,7 +218,15 @@ RunScores scoresOf(const std::string& folder,
   {
     if (!truth.empty() && fs::is_directory(fs::path(truth) / "labels"))
     {
-      scores.labels = compareLabelFolders(truth, folder);
+      try
+      {
+        scores.labels = compareLabelFolders(truth, folder);
+      }
+      catch (const UserError& error)  // of one run: the others are evaluated
+      {
+        std::cerr << "note: " << folder << ": labels not evaluated against " << truth << ": "
+                  << error.what() << '\n';
+      }
     }
     else
     {

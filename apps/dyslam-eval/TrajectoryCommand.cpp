@@ -115,6 +115,14 @@ PosePairs associate(const std::string& reference_path,
                       timesOf(estimate.trajectory) + " and " + timesOf(reference.trajectory) +
                       "; --time-offset is added to the estimate's)");
     }
+    const std::size_t possible = std::min(pairs.reference_size, pairs.estimate_size);
+    if (10 * pairs.size() < 9 * possible || 2 * pairs.size() < pairs.estimate_size)
+    {
+      std::cerr << "note: " << estimate_path << ": only " << pairs.size() << " of "
+                << counted(pairs.estimate_size, "pose") << " have one of " << pairs.reference_size
+                << " in " << reference_path << " within --tolerance " << shortNumber(tolerance)
+                << " s; RPE is between the poses that have\n";
+    }
     return pairs;
   }
   if (reference.trajectory.size() != estimate.trajectory.size())

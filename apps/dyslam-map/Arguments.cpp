@@ -4,16 +4,19 @@
 #include <dyslam/core/Error.h>
 #include <dyslam/core/Files.h>
 #include <dyslam/core/Printable.h>
-#include <dyslam/core/SharedFiles.h>
 #include <dyslam/formats/ScanFiles.h>
 #include <dyslam/mapbuilder/RunFolder.h>
 #include <dyslam/odometry/ScanMatcher.h>
+#include <dyslam/pipeline/GivenSettings.h>
+#include <dyslam/pipeline/SensorSettings.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <set>
+#include <utility>
 
 #include "../common/Checks.h"
 
@@ -57,23 +60,41 @@ std::string effectiveIniBeside(const std::string& trajectory)
   return std::filesystem::is_regular_file(ini) ? ini.string() : "";
 }
 
-/** The ini to read; empty: none. */
-std::string iniOf(const Arguments& a)
+/** The settings under those of --set: of the ini, of the run, or as dyslam chooses them for the
+ * sensor. \param messages where they are from */
+Config baseSettings(const Arguments& a, std::vector<std::string>& messages)
 {
-  if (!a.config.empty())
-  {
-    return findGivenOrShared(a.config, "config_files", ".ini", "", "dyslam");
-  }
+  const std::string of_run = a.runs.empty() ? effectiveIniBeside(a.recording.trajectory)
+                                            : effectiveIniOfRun(a.runs.front());
+  const GivenSettings given = readGivenSettings(a.config.empty() ? of_run : a.config);
   if (!a.runs.empty())
   {
-    return effectiveIniOfRun(a.runs.front());
+    return given.ini;
   }
-  std::string ini = effectiveIniBeside(a.recording.trajectory);
-  if (!ini.empty() && !a.quiet)
+  if (a.config.empty() && !of_run.empty())
   {
-    std::fprintf(stderr, "settings: %s\n", printable(ini).c_str());
+    messages.push_back("settings: " + of_run);
+    return given.ini;
   }
-  return ini;
+  RawlogSourceOptions input;
+  load(input, given.ini, "input");
+  const RecordedSensor sensor = recogniseSensor(a.recording.rawlog, input);
+  ChosenSettings chosen = settingsFor(sensor, given);
+  messages.push_back(sensor.summary() + "; settings: " + chosen.source);
+  for (const std::string& warning : chosen.warnings)
+  {
+    messages.push_back("warning: " + warning);
+  }
+  return std::move(chosen.config);
+}
+
+/** The scans.csv of the run that the trajectory is of; empty where it is of none. */
+std::string scanTableBeside(const std::string& trajectory)
+{
+  const auto table = std::filesystem::path(trajectory).parent_path() / "scans.csv";
+  return !effectiveIniBeside(trajectory).empty() && std::filesystem::is_regular_file(table)
+             ? table.string()
+             : "";
 }
 
 /** Files that the run in the folder wrote, by its report.json. */
@@ -159,8 +180,10 @@ void declare(CLI::App& app, Arguments& a)
       ->check(CLI::IsMember({"vehicle", "lidar"}));
   CLI::Option* merge = app.add_option(
       "--merge", a.runs,
-      "RUN RUN...: instead, output folders of dyslam of one place, in order of time: one map and "
-      "one trajectory each, in the first run's frame (RUN=RAWLOG where the recording was moved)");
+      "RUN RUN...: merge the output folders of several runs of one place, in order of time, to one "
+      "map "
+      "and a trajectory each in the first run's frame, instead of --input and --trajectory "
+      "(RUN=RAWLOG where the recording was moved)");
   app.add_option(
       "-o,--output", a.outputs.maps,
       "map.{pcd,ply,las,bt,ot,simplemap,3Dscene,png,gridmap}; any number (png: grid with "
@@ -176,7 +199,8 @@ void declare(CLI::App& app, Arguments& a)
   app.add_option("--tracks", a.recording.scans.tracks, "tracks.txt: moving objects are left out");
   app.add_option("-c,--config", a.config,
                  "ini file with [map], [labels], [preprocess], [input], [map_export], [memory] and "
-                 "backend.keyframe_distance (default: effective.ini beside the trajectory)");
+                 "backend.keyframe_distance (default: effective.ini beside the trajectory, else "
+                 "the shipped one that fits the sensor)");
   app.add_option("--set", a.assignments, "one setting, overrides the ini; repeatable")
       ->type_name("SECTION.KEY=VALUE")
       ->take_all()
@@ -194,7 +218,7 @@ void declare(CLI::App& app, Arguments& a)
       ->check(notNegative());
   app.add_option(
       "--labelled-map", a.outputs.labelled_map,
-      "also write all points with the true labels of --labels or --tracks (F.ply or F.pcd, "
+      "also write all points with the true labels of --labels or --tracks (F.ply, F.pcd or F.bin, "
       "and F.label beside it): the reference for dyslam-eval map");
   app.add_option("--threads", a.builder.threads, "0: all cores")
       ->check(CLI::Range(0, 256))
@@ -210,12 +234,8 @@ void declare(CLI::App& app, Arguments& a)
 
 void loadConfig(Arguments& a)
 {
-  Config config;
-  if (const std::string ini = iniOf(a); !ini.empty())
-  {
-    config = Config::fromFile(ini);
-    config.requireFor("dyslam");
-  }
+  std::vector<std::string> messages;
+  Config config = baseSettings(a, messages);
   for (const auto& assignment : a.assignments)
   {
     const std::string section = assignment.substr(0, assignment.find('.'));
@@ -238,6 +258,7 @@ void loadConfig(Arguments& a)
   a.builder.hindsight = loader.get<HindsightOptions>("labels");
   if (a.runs.empty())
   {
+    a.recording.scans.scan_table = scanTableBeside(a.recording.trajectory);
     a.recording.scans.preprocess = loader.get<PreprocessOptions>("preprocess");
     a.recording.source = loader.get<RawlogSourceOptions>("input");
     a.recording.source.skip_first_n = a.skip_first_n.value_or(a.recording.source.skip_first_n);
@@ -264,6 +285,13 @@ void loadConfig(Arguments& a)
   keyframes.distance = a.builder.keyframe_distance;
   save(keyframes, effective, "backend");
   a.outputs.settings = effective.toIni();
+  for (const std::string& message : messages)
+  {
+    if (!a.quiet)
+    {
+      std::fprintf(stderr, "%s\n", printable(message).c_str());
+    }
+  }
 }
 
 void checkOutputs(const Arguments& a)
@@ -303,6 +331,14 @@ void checkOutputs(const Arguments& a)
   }
   std::vector<std::string> files = a.outputs.maps;
   files.insert(files.end(), {a.outputs.picture, a.outputs.comparison, a.outputs.labelled_map});
+  std::set<std::string> seen;
+  for (const auto& file : files)
+  {
+    if (!file.empty() && !seen.insert(std::filesystem::path(file).lexically_normal()).second)
+    {
+      throw UserError(file + ": is given twice");
+    }
+  }
   for (const auto& file : files)
   {
     prepareOutput(file, a.force);

@@ -49,8 +49,12 @@ class Printer : public dyslam::MapListener
 
 void printCounts(const dyslam::MapReport& report, bool full_resolution)
 {
-  std::printf("%s, %zu without a pose, %s, %s%s\n", dyslam::counted(report.scans, "scan").c_str(),
-              report.skipped, dyslam::counted(report.keyframes, "keyframe").c_str(),
+  std::printf("%s, %zu without a pose, %s%s, %s%s\n", dyslam::counted(report.scans, "scan").c_str(),
+              report.skipped,
+              report.unregistered == 0
+                  ? ""
+                  : (std::to_string(report.unregistered) + " not registered by the run, ").c_str(),
+              dyslam::counted(report.keyframes, "keyframe").c_str(),
               dyslam::counted(report.points, "map point").c_str(),
               full_resolution
                   ? ""

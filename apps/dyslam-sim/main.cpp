@@ -27,7 +27,8 @@ struct Arguments
   std::string benchmark, split, only, shard;
   int count = 0;
   std::optional<double> seconds;
-  bool no_noise = false, no_distortion = false, no_stops = false, no_flow = false, quiet = false;
+  bool no_noise = false, no_distortion = false, no_stops = false, no_flow = false, force = false,
+       quiet = false;
 };
 
 void declare(CLI::App& app, Arguments& a)
@@ -89,6 +90,7 @@ void declare(CLI::App& app, Arguments& a)
   app.add_option(
       "--shard", a.shard,
       "K/N: only the K-th of every N recordings of --benchmark or --count, for N machines");
+  app.add_flag("--force", a.force, "replace earlier recordings and their ground truth");
   app.add_flag("-q,--quiet", a.quiet, "no progress");
 }
 
@@ -108,8 +110,14 @@ EgoKind egoKind(const std::string& name)
   throw UserError("--ego: '" + name + "' is none of car, robot, handheld");
 }
 
-void recordOne(const Recording& recording, bool quiet)
+void recordOne(const Recording& recording, bool force, bool quiet)
 {
+  requireNewRecording(recording.output, force);
+  const auto folder = std::filesystem::path(recording.output).parent_path();
+  if (!folder.empty())
+  {
+    makeFolder(folder.string(), "choose another --output");
+  }
   RecordingResult result;
   {
     Progress progress("dyslam-sim", "scans", quiet);
@@ -176,7 +184,7 @@ void run(Arguments& a)
       named.recording.seconds =
           std::min(named.recording.seconds, a.seconds.value_or(named.recording.seconds));
       named.recording.least_distance = a.seconds ? 0 : named.recording.least_distance;
-      recordOne(named.recording, a.quiet);
+      recordOne(named.recording, a.force, a.quiet);
     }
     return;
   }
@@ -200,14 +208,13 @@ void run(Arguments& a)
   a.recording.compression_level = a.recording.compact ? 9 : 1;
   if (a.count == 0)
   {
-    requireFolderOf(a.recording.output);
-    recordOne(a.recording, a.quiet);
+    recordOne(a.recording, a.force, a.quiet);
     return;
   }
   dyslam::makeFolder(a.recording.output);
   for (const NamedRecording& named : partOf(a, seriesOf(a)))
   {
-    recordOne(named.recording, a.quiet);
+    recordOne(named.recording, a.force, a.quiet);
   }
 }
 }  // namespace

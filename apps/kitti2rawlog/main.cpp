@@ -18,6 +18,7 @@ struct Arguments
   std::string input;
   std::string output;
   KittiConverterOptions options;
+  bool force = false;
   bool quiet = false;
 };
 
@@ -62,6 +63,7 @@ void declare(CLI::App& app, Arguments& arguments)
                "correct the elevation of the points by +0.205 deg, as KITTI odometry's scans need");
   declareRange(app, o, o.every_n);
   app.add_flag("--external-storage", o.external_storage, "clouds in separate files");
+  app.add_flag("--force", arguments.force, "replace an earlier recording and its ground truth");
   app.add_flag("-q,--quiet", arguments.quiet, "no progress");
 }
 
@@ -71,6 +73,7 @@ void run(const Arguments& arguments)
   {
     throw UserError("--sequence goes with --kind tracking; another recording is its folder, -i");
   }
+  requireNewRecording(arguments.output, arguments.force);
   runConversion(
       "kitti2rawlog", arguments.output, arguments.quiet,
       [&](const ConversionProgress& progress)

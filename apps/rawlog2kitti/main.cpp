@@ -42,7 +42,6 @@ void declare(CLI::App& app, Arguments& arguments)
 
 void run(const Arguments& arguments)
 {
-  requireFolderOf(arguments.output);
   const ConversionResult result = convertWithProgress(
       "rawlog2kitti", arguments.output, arguments.quiet,
       [&](const ConversionProgress& progress)

@@ -21,6 +21,7 @@ struct Arguments
   std::string output;
   ScanConverterOptions options;
   bool list = false;
+  bool force = false;
   bool quiet = false;
 };
 
@@ -65,6 +66,7 @@ void declare(CLI::App& app, Arguments& arguments)
                "also a pcap's incomplete first and last revolutions");
   declareRange(app, o, o.every_n);
   app.add_flag("--external-storage", o.external_storage, "clouds in separate files");
+  app.add_flag("--force", arguments.force, "replace an earlier recording and its ground truth");
   app.add_flag("-q,--quiet", arguments.quiet, "no progress");
 }
 
@@ -88,6 +90,7 @@ void run(const Arguments& arguments)
   {
     throw UserError("--output: name the rawlog to write (-o x.rawlog)");
   }
+  requireNewRecording(arguments.output, arguments.force);
   runConversion(
       "scans2rawlog", arguments.output, arguments.quiet,
       [&](const ConversionProgress& progress)

@@ -495,11 +495,11 @@ TEST_F(BadInput, ScansToConvert)
   expectRefusal("scans2rawlog", "-i " + at("empty") + out,
                 {"empty: ", "give a folder, .pcap, .bag, .db3 or .mcap"});
   expectRefusal("scans2rawlog", "-i " + at("good.rawlog") + out,
-                {"good.rawlog: is a rawlog: dyslam reads it as it is"});
+                {"good.rawlog: ends in .rawlog: dyslam reads rawlogs as they are"});
   expectRefusal("scans2rawlog", "-i " + write("bag/metadata.yaml", "x") + out,
                 {"metadata.yaml: ", "give the bag's folder"});
   expectRefusal("scans2rawlog", "-i " + at("none_inside") + " -o " + at("never"),
-                {"never: has no ending", "never.rawlog"});
+                {"never: name the recording to write *.rawlog"});
   write("odd_bin/0.bin", std::string(1607, 'x'));
   expectRefusal("scans2rawlog", "-i " + at("odd_bin") + out, {"0.bin", "16"});
   write("odd_pcd/0.pcd", "# .PCD v0.7\nVERSION 0.7\nFIELDS x y z\n");

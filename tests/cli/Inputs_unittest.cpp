@@ -76,7 +76,7 @@ class Inputs : public ::testing::Test
                                       const std::string& arguments,
                                       const std::vector<std::string>& says = {})
   {
-    const Outcome outcome = run(program, arguments + " -q -o " + at("out.rawlog"));
+    const Outcome outcome = run(program, arguments + " -q --force -o " + at("out.rawlog"));
     EXPECT_EQ(0, outcome.code) << program << ' ' << arguments << '\n' << outcome.err;
     for (const std::string& part : says)
     {
@@ -269,7 +269,8 @@ TEST_F(Inputs, ATruthTopicOfOnePoseIsNamed)
                  test::poseStamped(true, scans_[0].stamp, poses_[0])});
   test::writeBag(at("pose.mcap"), all);
   const Outcome outcome =
-      run("scans2rawlog", "-q -i " + at("pose.mcap") + " --truth-topic /pose -o " + at("o.rawlog"));
+      run("scans2rawlog",
+          "-q -i " + at("pose.mcap") + " --truth-topic /pose --force -o " + at("o.rawlog"));
   EXPECT_EQ(1, outcome.code);
   EXPECT_NE(outcome.err.find("/pose has only one pose"), std::string::npos) << outcome.err;
 }
@@ -470,7 +471,7 @@ TEST_F(Inputs, KittiRaw)
   write("2011_09_26/calib_imu_to_velo.txt", "R: 1 0 0 0 1 0 0 0 1\nT: 0 0 0\n");
   EXPECT_TRUE(converted("kitti2rawlog", "--kind raw -i " + at(drive)).at(0).T_world_vehicle_truth);
   const Outcome wrong =
-      run("kitti2rawlog", "--kind odometry -i " + at(drive) + " -o " + at("out.rawlog"));
+      run("kitti2rawlog", "--kind odometry --force -i " + at(drive) + " -o " + at("out.rawlog"));
   EXPECT_EQ(1, wrong.code);
   EXPECT_NE(wrong.err.find("use --kind raw"), std::string::npos) << wrong.err;
 }

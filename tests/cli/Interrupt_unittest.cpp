@@ -73,9 +73,9 @@ TEST(Interrupt, AConversionSaysAWordAndLeavesNothing)
   }
   folder.write("x.rawlog", "an earlier one");
   const std::string bin = DYSLAM_BIN_DIR;
-  const int code = interrupted(
-      {bin + "/scans2rawlog", "-q", "-i", folder.file("in"), "-o", folder.file("x.rawlog")},
-      folder.file("err.txt"), folder.file("x.rawlog.tmp"));
+  const int code = interrupted({bin + "/scans2rawlog", "-q", "--force", "-i", folder.file("in"),
+                                "-o", folder.file("x.rawlog")},
+                               folder.file("err.txt"), folder.file("x.rawlog.tmp"));
   const std::string said = folder.read("err.txt");
   EXPECT_EQ(1, code) << said;
   EXPECT_TRUE(contains(said, "scans2rawlog: stopped after")) << said;

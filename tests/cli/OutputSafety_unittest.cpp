@@ -106,7 +106,7 @@ TEST(OutputSafety, LinksAreNotFollowed)
   fs::create_directories(folder.file("k.gt"));
   fs::create_directory_symlink(folder.file("mine"), folder.file("k.gt/labels"));
   expectRefusal(folder, "scans2rawlog",
-                "-q -i " + folder.file("in") + " -o " + folder.file("k.rawlog"),
+                "-q --force -i " + folder.file("in") + " -o " + folder.file("k.rawlog"),
                 {"labels: is a link"});
   EXPECT_EQ("mine", folder.read("mine/000000.label"));
 }
@@ -159,11 +159,35 @@ TEST(OutputSafety, NoConversionReplacesItsInputs)
   folder.write("k/velodyne/000000.bin", std::string(160, '\0'));
   folder.write("k.gt/labels/000000.label", std::string(40, '\x09'));
   expectRefusal(folder, "kitti2rawlog",
-                "-q --kind odometry -i " + folder.file("k") + " --labels " +
+                "-q --force --kind odometry -i " + folder.file("k") + " --labels " +
                     folder.file("k.gt/labels") + " -o " + folder.file("k.rawlog"),
                 {"k.gt/labels: would be replaced"});
   EXPECT_EQ(std::string(40, '\x09'), folder.read("k.gt/labels/000000.label"));
   EXPECT_FALSE(fs::exists(folder.file("k.rawlog")));
+}
+
+TEST(OutputSafety, TheCheckpointOfAKilledRunIsNotLostByAccident)
+{
+  const TestFolder folder;
+  folder.write("run/resume.state", "of hours");
+  expectRefusal(folder, "dyslam", slam(folder.file("run")), {"--resume", "--force"});
+  EXPECT_EQ("of hours", folder.read("run/resume.state"));
+}
+
+TEST(OutputSafety, RecordingsAreReplacedOnlyWithForce)
+{
+  const TestFolder folder;
+  fs::create_directories(folder.file("in"));
+  folder.write("in/0.bin", std::string(3200, '\1'));
+  folder.write("x.gt/notes.txt", "mine");
+  const std::string convert = "-q -i " + folder.file("in") + " -o " + folder.file("x.rawlog");
+  expectRefusal(folder, "scans2rawlog", convert, {"x.gt: is there already", "--force"});
+  const std::string simulate =
+      "-q --sensor VLP16 --columns 100 --seconds 0.1 -o " + folder.file("x.rawlog");
+  expectRefusal(folder, "dyslam-sim", simulate, {"x.gt: is there already", "--force"});
+  EXPECT_EQ("mine", folder.read("x.gt/notes.txt"));
+  EXPECT_EQ(0, runProgram("dyslam-sim", "--force " + simulate, folder.path()).code);
+  expectRefusal(folder, "scans2rawlog", convert, {"x.rawlog: is there already"});
 }
 
 TEST(OutputSafety, AConversionThatFailsLeavesTheEarlierOne)
@@ -171,7 +195,7 @@ TEST(OutputSafety, AConversionThatFailsLeavesTheEarlierOne)
   const TestFolder folder;
   fs::create_directories(folder.file("in"));
   folder.write("in/0.bin", std::string(3200, '\0'));
-  const std::string convert = "-q --external-storage -i " + folder.file("in") + " -o " +
+  const std::string convert = "-q --force --external-storage -i " + folder.file("in") + " -o " +
                               folder.file("x.rawlog") + " --poses " + folder.file("poses.txt");
   folder.write("poses.txt", "1 0 0 5 0 1 0 0 0 0 1 0\n");
   ASSERT_EQ(0, runProgram("scans2rawlog", convert, folder.path()).code);

@@ -177,7 +177,7 @@ links() {
 }
 conversion_on_a_full_disk() {
   mkdir h && head -c 4800000 /dev/urandom >h/0.bin && echo earlier >h.rawlog
-  (trap '' XFSZ; ulimit -f 40; "$bin/scans2rawlog" -q -i h -o h.rawlog >h.out 2>h.err)
+  (trap '' XFSZ; ulimit -f 40; "$bin/scans2rawlog" -q --force -i h -o h.rawlog >h.out 2>h.err)
   check test $? -eq 1
   check grep -q 'h.rawlog: cannot be written' h.err
   check grep -qx earlier h.rawlog

@@ -253,8 +253,8 @@ void BackendOptions::describe(OptionsVisitor& visitor)
   visitor.degrees("keyframe_angle_deg", keyframe_angle, 0, 180, "or after this turn");
   visitor.real("unconverged_sigma_translation", unconverged_sigma_translation, 1e-6, 100,
                "sigma of a step for which the odometry did not converge [m]");
-  visitor.real("unconverged_sigma_rotation", unconverged_sigma_rotation, 1e-7, 3,
-               "the same for rotation [rad]");
+  visitor.degrees("unconverged_sigma_rotation_deg", unconverged_sigma_rotation, 1e-5, 180,
+                  "the same for rotation");
   visitor.real("residual_to_optimise", residual_to_optimise, 0, 1e6,
                "optimise when the residual of a new loop exceeds this many standard deviations");
   visitor.integer("loops_to_optimise", loops_to_optimise, 1, 100000,

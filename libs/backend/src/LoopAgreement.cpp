@@ -15,15 +15,22 @@ constexpr double max_rotation_error = 0.06;     // [rad]
 
 bool agree(const Loop& a, const Loop& b, const KeyframeStore& keyframes)
 {
-  const auto between = [&](std::size_t from, std::size_t to)
-  { return keyframes[from].T_map_vehicle.inverse() * keyframes[to].T_map_vehicle; };
-  // Both loops and two short pieces of odometry make a cycle, which must end where it began.
-  const Pose error =
-      a.T_from_to.inverse() * between(a.from, b.from) * b.T_from_to * between(b.to, a.to);
+  const Pose error = cycleError(a, b, keyframes);
   return error.translation().norm() < max_translation_error &&
          rotationAngle(error) < max_rotation_error;
 }
 }  // namespace
+
+Pose poseBetween(const KeyframeStore& keyframes, std::size_t from, std::size_t to)
+{
+  return keyframes[from].T_map_vehicle.inverse() * keyframes[to].T_map_vehicle;
+}
+
+Pose cycleError(const Loop& a, const Loop& b, const KeyframeStore& keyframes)
+{
+  return a.T_from_to.inverse() * poseBetween(keyframes, a.from, b.from) * b.T_from_to *
+         poseBetween(keyframes, b.to, a.to);
+}
 
 void LoopAgreement::add(const Loop& loop, const KeyframeStore& keyframes)
 {

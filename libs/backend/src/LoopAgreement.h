@@ -11,6 +11,13 @@ namespace dyslam
 {
 class StateArchive;
 
+/** Present estimate of the pose of one keyframe in the frame of another. */
+[[nodiscard]] Pose poseBetween(const KeyframeStore& keyframes, std::size_t from, std::size_t to);
+
+/** Both loops and the two pieces of trajectory between their ends make a cycle, which ends where it
+ * began if they agree. \return where it ends, in the frame of a.to. */
+[[nodiscard]] Pose cycleError(const Loop& a, const Loop& b, const KeyframeStore& keyframes);
+
 /** Delays loops until other loops of nearby keyframes agree with them. */
 class LoopAgreement
 {

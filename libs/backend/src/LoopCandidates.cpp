@@ -15,6 +15,7 @@ constexpr std::size_t alike_shortlist = 16;  // ... for each viewpoint
 /** Viewpoints at and beside the vehicle that a place may have been seen from: another lane [m]. */
 constexpr float viewpoints[] = {0, 2, -2, 4, -4};
 
+/** As PolarDescriptor::ringDifference(), up to a factor, for ranking: with vector instructions. */
 float difference(const PolarDescriptor::RingMeans& a, const PolarDescriptor::RingMeans& b)
 {
   using Rings = Eigen::Map<const Eigen::Array<float, PolarDescriptor::rings, 1>>;

@@ -23,12 +23,6 @@ struct LoopCloser::State
     validate(options, "loop");
   }
 
-  /** Present estimate of one keyframe in the frame of another. */
-  [[nodiscard]] Pose between(std::size_t from, std::size_t to) const
-  {
-    return keyframes[from].T_map_vehicle.inverse() * keyframes[to].T_map_vehicle;
-  }
-
   [[nodiscard]] bool searchNear(const std::vector<Eigen::Vector3f>& source,
                                 std::vector<Loop>& rejected);
   void searchByAppearance(const std::vector<Eigen::Vector3f>& source, std::vector<Loop>& rejected);
@@ -76,11 +70,11 @@ Loop LoopCloser::State::verify(const LoopCandidate& candidate,
   loop.to = keyframes.size() - 1;
   loop.by_appearance = by_appearance;
   loop.descriptor_distance = candidate.descriptor_distance;
-  const Pose estimate = between(loop.from, loop.to);
+  const Pose estimate = poseBetween(keyframes, loop.from, loop.to);
   loop.T_from_to = estimate;
   if (candidate.descriptor_distance > options.max_descriptor_distance)
   {
-    loop.verdict = LoopVerdict::appearance;
+    loop.verdict = LoopVerdict::dissimilar;
     return loop;
   }
   RegistrationTarget target = submapAround(keyframes, candidate.id, {0, keyframes.size()}, options);
@@ -145,8 +139,8 @@ std::string toString(LoopVerdict verdict)
   {
     case LoopVerdict::accepted:
       return "accepted";
-    case LoopVerdict::appearance:
-      return "appearance";
+    case LoopVerdict::dissimilar:
+      return "dissimilar";
     case LoopVerdict::not_converged:
       return "not_converged";
     case LoopVerdict::no_overlap:

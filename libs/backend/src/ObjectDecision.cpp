@@ -20,13 +20,13 @@ bool ObjectGraph::isStray(const ObjectKey& key,
                           const Object& object,
                           const Observation& observation) const
 {
-  if (object.state != State::standing)
+  if (object.state != State::stationary)
   {
     return false;
   }
   const Pose T_map_object =
       graph_.pose(Key::ego(observation.keyframe)) * observation.T_keyframe_object;
-  return (T_map_object.translation() - graph_.pose(standingKey(key)).translation()).norm() >
+  return (T_map_object.translation() - graph_.pose(staticKey(key)).translation()).norm() >
          options_.max_jump;
 }
 
@@ -46,20 +46,20 @@ std::vector<PlanarObservation> ObjectGraph::recent(const Object& object, double 
 }
 
 /** Largest apparent motion of a static object: noise, and the drift of the odometry. */
-double ObjectGraph::standingLimit(const Object& object) const
+double ObjectGraph::staticLimit(const Object& object) const
 {
   const Observation& first = object.observations.front();
   const Observation& last = object.observations.back();
   const double range = first.T_keyframe_object.translation().norm();
   const double variance =
       last.drift - first.drift + (last.drift_angle - first.drift_angle) * range * range;
-  return options_.max_standing_motion + 2 * std::sqrt(std::max(0.0, variance));
+  return options_.max_static_motion + 2 * std::sqrt(std::max(0.0, variance));
 }
 
 bool ObjectGraph::stands(const Object& object) const
 {
   const double duration = object.observations.back().time - object.observations.front().time;
-  if (duration < options_.min_standing_time)
+  if (duration < options_.min_static_time)
   {
     return false;
   }
@@ -67,7 +67,7 @@ bool ObjectGraph::stands(const Object& object) const
   const auto all = recent(object, duration);
   const SpeedEstimate speed = fitSpeed(all, 0, all.size());
   return speed.atMost() < options_.moving_speed &&
-         speed.velocity.norm() * duration < standingLimit(object);
+         speed.velocity.norm() * duration < staticLimit(object);
 }
 
 void ObjectGraph::decide(const ObjectKey& key, Object& object) const
@@ -83,7 +83,7 @@ void ObjectGraph::decide(const ObjectKey& key, Object& object) const
     const bool fast = fitSpeed(window, 0, window.size()).atLeast() > options_.moving_speed;
     object.fast = fast ? object.fast + 1 : 0;
   }
-  if (object.state == State::standing && !window.empty())
+  if (object.state == State::stationary && !window.empty())
   {
     Eigen::Vector2d mean = Eigen::Vector2d::Zero();
     for (const PlanarObservation& observation : window)
@@ -91,8 +91,8 @@ void ObjectGraph::decide(const ObjectKey& key, Object& object) const
       mean += observation.position / static_cast<double>(window.size());
     }
     // The landmark is at the mean of its observations: half the motion is visible.
-    const double offset = (mean - graph_.pose(standingKey(key)).translation().head<2>()).norm();
-    object.away = 2 * offset > standingLimit(object) ? object.away + 1 : 0;
+    const double offset = (mean - graph_.pose(staticKey(key)).translation().head<2>()).norm();
+    object.away = 2 * offset > staticLimit(object) ? object.away + 1 : 0;
   }
   if (object.fast >= moving_confirmations || object.away >= moving_confirmations)
   {
@@ -106,7 +106,7 @@ void ObjectGraph::decide(const ObjectKey& key, Object& object) const
     }
     else if (object.landmark)
     {
-      object.state = State::standing;
+      object.state = State::stationary;
     }
   }
 }

@@ -61,21 +61,22 @@ void ObjectGraphOptions::describe(OptionsVisitor& v)
   v.real("moving_speed", moving_speed, 0, 100,
          "an object that was ever significantly faster is dynamic [m/s]");
   v.real("speed_window", speed_window, 0.1, 100, "window of the speed estimate [s]");
-  v.real("max_standing_motion", max_standing_motion, 0, 1000,
+  v.real("max_static_motion", max_static_motion, 0, 1000,
          "an object displaced by more than this is dynamic [m]");
-  v.real("min_standing_time", min_standing_time, 0, 1000,
+  v.real("min_static_time", min_static_time, 0, 1000,
          "an object observed at one place for this long is static [s]");
-  v.real("standing_sigma_scale", standing_sigma_scale, 0.1, 100,
+  v.real("static_sigma_scale", static_sigma_scale, 0.1, 100,
          "factor on the sigmas of observations of static objects, whose errors are correlated");
-  v.integer("standing_saturation", standing_saturation, 1, 1000000,
+  v.integer("static_saturation", static_saturation, 1, 1000000,
             "keyframes after which further observations of a static object add no information");
   v.real("moving_sigma_scale", moving_sigma_scale, 0.1, 100, "the same for moving objects");
   v.degrees("tilt_sigma_deg", tilt_sigma, 0.01, 90, "sigma of an object's roll and pitch");
   v.real("acceleration_sigma", acceleration_sigma, 1e-3, 1000, "sigma, of a moving object [m/s^2]");
-  v.real("angular_acceleration_sigma", angular_acceleration_sigma, 1e-3, 1000,
-         "sigma, about the vertical axis [rad/s^2]");
+  v.degrees("angular_acceleration_sigma_deg", angular_acceleration_sigma, 0.1, 10000,
+            "sigma, about the vertical axis, per second squared");
   v.real("motion_sigma", motion_sigma, 1e-4, 100, "sigma of a velocity within one time step [m/s]");
-  v.real("angular_motion_sigma", angular_motion_sigma, 1e-4, 100, "the same for rotation [rad/s]");
+  v.degrees("angular_motion_sigma_deg", angular_motion_sigma, 0.01, 10000,
+            "the same for rotation, per second");
   v.real("window", window, 0, 1e6, "poses of moving objects older than this are held fixed [s]");
   v.integer("window_keyframes", window_keyframes, 0, 1000000,
             "older ego poses are held fixed; 0: nothing is optimised until a loop or the end");
@@ -150,14 +151,14 @@ void ObjectGraph::add(const Frame& frame, const View& view)
 
 void ObjectGraph::insertNew(const ObjectKey& key, Object& object)
 {
-  if (object.state == State::moving && graph_.contains(standingKey(key)))
+  if (object.state == State::moving && graph_.contains(staticKey(key)))
   {
     removeFromGraph(key, object);
   }
   for (; object.state != State::undecided && object.in_graph < object.observations.size();
        ++object.in_graph)
   {
-    if (object.state == State::standing)
+    if (object.state == State::stationary)
     {
       insertStanding(key, object, object.observations[object.in_graph]);
     }
@@ -170,7 +171,7 @@ void ObjectGraph::insertNew(const ObjectKey& key, Object& object)
 
 void ObjectGraph::removeFromGraph(const ObjectKey& key, Object& object)
 {
-  graph_.remove(standingKey(key));
+  graph_.remove(staticKey(key));
   object.in_graph = 0;
   object.mean = {};
 }
@@ -185,7 +186,7 @@ void ObjectGraph::insertStanding(const ObjectKey& object_key,
                                  Object& object,
                                  const Observation& observation)
 {
-  const Key key = standingKey(object_key);
+  const Key key = staticKey(object_key);
   if (!graph_.contains(key))
   {
     graph_.addPose(key,
@@ -213,7 +214,7 @@ void ObjectGraph::insertStanding(const ObjectKey& object_key,
   mean.covariance += share * (observation.covariance - mean.covariance);
   mean.factor = graph_.add(std::make_unique<ObservationFactor>(
       mean.keyframe, key, mean.T_keyframe_object,
-      informationOf(mean.covariance, options_.standing_sigma_scale)));
+      informationOf(mean.covariance, options_.static_sigma_scale)));
 }
 
 void ObjectGraph::insertMoving(const ObjectKey& object_key, Object& object, std::size_t i)
@@ -278,9 +279,9 @@ void ObjectGraph::appendWindow(double time, std::set<Key>& free) const
     {
       continue;
     }
-    if (object.state == State::standing)
+    if (object.state == State::stationary)
     {
-      free.insert(standingKey(key));
+      free.insert(staticKey(key));
       continue;
     }
     for (std::size_t i = object.in_graph;
@@ -300,12 +301,12 @@ void ObjectGraph::finish()
 {
   for (auto& [key, object] : objects_)
   {
-    if (object.state == State::standing && !stands(object))
+    if (object.state == State::stationary && !stands(object))
     {
       object.state = State::moving;
       insertNew(key, object);
     }
-    if (object.state == State::standing)
+    if (object.state == State::stationary)
     {
       limitInformation(key);
     }
@@ -313,11 +314,11 @@ void ObjectGraph::finish()
 }
 
 /** Limits the total information of the observations of a static object to that of
- * `standing_saturation` keyframes. */
+ * `static_saturation` keyframes. */
 void ObjectGraph::limitInformation(const ObjectKey& key)
 {
-  const std::vector<FactorGraph::FactorId> factors = graph_.factorsOf(standingKey(key));
-  const double share = options_.standing_saturation / static_cast<double>(factors.size());
+  const std::vector<FactorGraph::FactorId> factors = graph_.factorsOf(staticKey(key));
+  const double share = options_.static_saturation / static_cast<double>(factors.size());
   if (share >= 1)
   {
     return;
@@ -338,12 +339,12 @@ std::size_t ObjectGraph::releaseContradicted(const FactorGraphOptions& options)
   std::size_t released = 0;
   for (auto& [key, object] : objects_)
   {
-    if (object.state != State::standing)
+    if (object.state != State::stationary)
     {
       continue;
     }
     std::size_t outside = 0;
-    const auto& factors = graph_.factorsOf(standingKey(key));
+    const auto& factors = graph_.factorsOf(staticKey(key));
     for (const FactorGraph::FactorId factor : factors)
     {
       outside += graph_.whitenedResidual(factor) > options.object_loss_width ? 1 : 0;

@@ -69,7 +69,7 @@ class ObjectGraph
   enum class State
   {
     undecided,
-    standing,
+    stationary,
     moving,
   };
   struct Observation
@@ -110,13 +110,13 @@ class ObjectGraph
                              const Object& object,
                              const Observation& observation) const;
   void decide(const ObjectKey& key, Object& object) const;
-  [[nodiscard]] static Key standingKey(const ObjectKey& key)
+  [[nodiscard]] static Key staticKey(const ObjectKey& key)
   {
     return Key::staticObject(key.first, key.second);
   }
   [[nodiscard]] std::vector<PlanarObservation> recent(const Object& object, double duration) const;
   [[nodiscard]] bool stands(const Object& object) const;
-  [[nodiscard]] double standingLimit(const Object& object) const;
+  [[nodiscard]] double staticLimit(const Object& object) const;
   void limitInformation(const ObjectKey& key);
   void insertNew(const ObjectKey& key, Object& object);
   void insertStanding(const ObjectKey& key, Object& object, const Observation& observation);

@@ -38,7 +38,7 @@ void ObjectGraph::appendSmoothed(const ObjectKey& object_key,
     smoothed.moving = object.state == State::moving;
     if (!smoothed.moving)
     {
-      smoothed.T_map_object = graph_.pose(standingKey(object_key));
+      smoothed.T_map_object = graph_.pose(staticKey(object_key));
       result.push_back(smoothed);
       continue;
     }
@@ -65,9 +65,9 @@ void ObjectGraph::addCovariances(const ObjectKey& object_key,
                                  std::vector<SmoothedObject>& result) const
 {
   const std::size_t offset = result.size() - object.in_graph;
-  if (object.state == State::standing)
+  if (object.state == State::stationary)
   {
-    const Key key = standingKey(object_key);
+    const Key key = staticKey(object_key);
     const Eigen::Matrix4d covariance =
         levelCovariance(graph_.covariances({key}, {key}).front(), graph_.pose(key));
     for (std::size_t i = offset; i < result.size(); ++i)

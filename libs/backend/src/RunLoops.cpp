@@ -47,11 +47,6 @@ void RunLoops::add(const std::vector<Eigen::Vector3f>& static_points)
   views_.emplace_back(static_points, options_.descriptor_range);
 }
 
-Pose RunLoops::between(std::size_t from, std::size_t to) const
-{
-  return keyframes_[from].T_map_vehicle.inverse() * keyframes_[to].T_map_vehicle;
-}
-
 Loop RunLoops::verify(const LoopCandidate& candidate,
                       std::size_t keyframe,
                       const KeyframeRange& older,
@@ -111,13 +106,13 @@ NearLoops RunLoops::near(const KeyframeRange& older,
     std::pair<double, std::size_t> nearest(std::numeric_limits<double>::infinity(), 0);
     for (std::size_t i = older.begin; i < older.end; ++i)
     {
-      nearest = std::min(nearest, {between(i, k).translation().norm(), i});
+      nearest = std::min(nearest, {poseBetween(keyframes_, i, k).translation().norm(), i});
     }
     if (nearest.first < farthest)
     {
       LoopCandidate candidate;
       candidate.id = nearest.second;
-      candidate.T_from_to = between(nearest.second, k);
+      candidate.T_from_to = poseBetween(keyframes_, nearest.second, k);
       const Loop loop = verify(candidate, k, older, false);
       const Pose correction = candidate.T_from_to.inverse() * loop.T_from_to;
       tried[k - newer.begin] = nearest.first < options_.search_radius;
@@ -140,8 +135,7 @@ NearLoops RunLoops::near(const KeyframeRange& older,
 
 bool RunLoops::agree(const Loop& a, const Loop& b) const
 {
-  const Pose error =
-      a.T_from_to.inverse() * between(a.from, b.from) * b.T_from_to * between(b.to, a.to);
+  const Pose error = cycleError(a, b, keyframes_);
   const auto path = [this](std::size_t i, std::size_t j)
   { return std::abs(keyframes_[i].path_length - keyframes_[j].path_length); };
   const double driven = path(a.from, b.from) + path(a.to, b.to);

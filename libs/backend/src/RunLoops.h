@@ -51,7 +51,6 @@ class RunLoops
                             std::size_t keyframe,
                             const KeyframeRange& older,
                             bool by_appearance) const;
-  [[nodiscard]] Pose between(std::size_t from, std::size_t to) const;
 
   LoopCloserOptions options_;
   KeyframeStore& keyframes_;

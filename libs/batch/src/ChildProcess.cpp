@@ -105,7 +105,7 @@ ChildOutcome runChild(const ChildCommand& command, const std::function<bool()>& 
   }
   if (ended < 0)  // where SIGCHLD is ignored, nobody learns how it ended
   {
-    throw UserError(command.words[0] + ": its end cannot be learned: " + std::strerror(errno));
+    throw UserError(command.words[0] + ": cannot wait for it: " + std::strerror(errno));
   }
   ChildOutcome outcome;
   outcome.code = WIFEXITED(status) ? WEXITSTATUS(status) : -1;

@@ -8,6 +8,8 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <nlohmann/json.hpp>
+#include <set>
 #include <sstream>
 
 namespace fs = std::filesystem;
@@ -41,23 +43,61 @@ std::string tailOf(const std::string& path)
   return text.str();
 }
 
-/** Results are moved to their folder as a whole: earlier ones are replaced at the end. */
+/** Names of the files that the run in a folder wrote, by its report; none without one. */
+std::set<std::string> writtenFiles(const fs::path& folder)
+{
+  std::ifstream file(folder / "report.json");
+  const auto report = nlohmann::json::parse(file, nullptr, false);
+  std::set<std::string> names{log_name};
+  if (report.is_object() && report.contains("files") && report["files"].is_array())
+  {
+    for (const auto& name : report["files"])
+    {
+      names.insert(name.is_string() ? name.get<std::string>() : "");
+    }
+  }
+  return names;
+}
+
+/** Moves results to their folder as a whole: those of an earlier run are replaced at the end, other
+ * files stay. */
 void moveResults(const fs::path& from, const fs::path& to)
 {
   const fs::path partial = to.string() + ".partial";
   fs::remove_all(partial);
   fs::copy(from, partial, fs::copy_options::recursive);
+  if (fs::exists(to))
+  {
+    const std::set<std::string> earlier = writtenFiles(to);
+    for (const auto& entry : fs::directory_iterator(to))
+    {
+      const fs::path kept = partial / entry.path().filename();
+      if (earlier.count(entry.path().filename().string()) == 0 && !fs::exists(kept))
+      {
+        fs::copy(entry.path(), kept, fs::copy_options::recursive);
+      }
+    }
+  }
   fs::remove_all(to);
   fs::rename(partial, to);
   fs::remove_all(from);
 }
 
-/** \throws UserError if the folder has something that no batch put there. */
-void requireOwnFolder(const std::string& folder)
+/** What a run without results leaves for the next batch and its user; earlier results stay. */
+void copyFailure(const fs::path& from, const fs::path& to, const Manifest& manifest)
+{
+  makeFolder(to.string(), "choose another --output");
+  fs::copy_file(from / log_name, to / log_name, fs::copy_options::overwrite_existing);
+  writeManifest(to.string(), manifest);
+}
+
+/** \param option that names its parent \throws UserError if the folder has something that no batch
+ * put there. */
+void requireOwnFolder(const std::string& folder, const std::string& option)
 {
   if (fs::exists(folder) && !fs::is_empty(folder) && !fs::exists(fs::path(folder) / log_name))
   {
-    throw UserError(folder + ": has files that no batch wrote; choose another --output");
+    throw UserError(folder + ": has files that no batch wrote; choose another " + option);
   }
 }
 
@@ -129,8 +169,10 @@ bool runOne(const BatchSettings& settings,
 {
   const std::string folder = workFolder(settings, result.recording);
   const std::string final_folder = folderOf(settings, result.recording);
-  requireOwnFolder(final_folder);
-  makeFolder(folder, "choose another --output");
+  requireOwnFolder(final_folder, "--output");
+  const char* option = folder == final_folder ? "--output" : "--scratch";
+  requireOwnFolder(folder, option);
+  makeFolder(folder, std::string("choose another ") + option);
   Manifest& m = result.manifest;
   ++m.attempts;
   m.state = State::running;
@@ -163,9 +205,13 @@ bool runOne(const BatchSettings& settings,
     m.settings_checksum = checksumOfFile((fs::path(folder) / "effective.ini").string());
   }
   writeManifest(folder, m);
-  if (folder != final_folder && !stopped)
+  if (folder != final_folder && m.hasResults())
   {
     moveResults(folder, final_folder);
+  }
+  else if (folder != final_folder && !stopped)
+  {
+    copyFailure(folder, final_folder, m);
   }
   return outcome.signal != 0 && !stopped;
 }

@@ -150,6 +150,36 @@ TEST_F(Batch, ResultsMoveFromScratchAsAWhole)
   EXPECT_EQ(countsOf(run()).skipped, 3U);
 }
 
+TEST_F(Batch, FailureInScratchLeavesEarlierResultsAndCheckpoints)
+{
+  settings_.scratch = folder_.file("scratch");
+  program("echo 1 > \"$4/x\"");
+  run();
+  folder_.write("out/c/notes.txt", "mine");
+  settings_.common.settings = "--labels";
+  program(
+      "if [[ $5 == --resume ]]; then echo resumed > \"$4/how\"; rm \"$4/resume.state\"\n"
+      "elif [[ $2 == */c.rawlog ]]; then touch \"$4/resume.state\"; kill -9 $$; fi\n"
+      "[[ $2 == */a.rawlog ]] && { echo 'dyslam: no scans' >&2; exit 1; }");
+  const auto results = run();
+  EXPECT_EQ(results[0].manifest.state, State::failed);
+  EXPECT_EQ(results[2].manifest.state, State::done);
+  EXPECT_EQ(folder_.read("out/a/x"), "1\n");
+  EXPECT_TRUE(contains(folder_.read("out/a/log.txt"), "no scans"));
+  EXPECT_EQ(folder_.read("out/c/how"), "resumed\n");
+  EXPECT_EQ(folder_.read("out/c/notes.txt"), "mine");
+  EXPECT_EQ(readBatch(settings_, listRecordings(names_))[0].manifest.state, State::failed);
+}
+
+TEST_F(Batch, ForeignFolderInScratchStaysAsItIs)
+{
+  settings_.scratch = folder_.file("in");
+  folder_.write("in/b/drive.bin", "mine");
+  const auto results = run();
+  EXPECT_TRUE(contains(results[1].manifest.reason, "--scratch"));
+  EXPECT_EQ(folder_.read("in/b/drive.bin"), "mine");
+}
+
 TEST_F(Batch, ForeignFoldersStayAsTheyAre)
 {
   folder_.write("out/b/thesis.txt", "mine");

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/Deskew.h>
+#include <dyslam/core/Error.h>
 #include <dyslam/core/StateArchive.h>
 #include <dyslam/dyseg/ResidualSegmenter.h>
 
@@ -12,7 +13,8 @@ namespace dyslam
 {
 namespace
 {
-/** Row 0 begins at this slope below the horizon; a whole number of rows fits twice. */
+/** The range image covers the slopes from -0.6 to 0.6 in a whole number of rows; row 0 is at -0.6.
+ */
 constexpr double origin_slope = 0.6;
 /** Returns steeper than this are left out. */
 constexpr float steepest_slope = 2;
@@ -34,13 +36,13 @@ void ResidualSegmenterOptions::describe(OptionsVisitor& v)
   v.degrees("azimuth_bin_deg", azimuth_bin, 0.05, 5, "column width of the range images");
   v.real("slope_bin", slope_bin, 0.001, 0.1, "row height of the range images, z per distance");
   v.real("margin", margin, 0.01, 10,
-         "m, a moving point is nearer than the earlier range by at least this");
+         "a moving point is nearer than the earlier range by at least this [m]");
   v.real("margin_per_range", margin_per_range, 0, 1, "m per m, increase of the margin with range");
-  v.real("max_range", max_range, 1, 1000, "m, farther points are static");
+  v.real("max_range", max_range, 1, 1000, "farther points are static [m]");
   v.flag("open_sky", open_sky, "a ray without return above a point counts as free");
   v.real("ground_clearance", ground_clearance, 0, 2,
-         "m, height above the lowest nearby point up to which points are ground");
-  v.real("cell_size", cell_size, 0.05, 5, "m, cells in which votes are clustered to objects");
+         "height above the lowest nearby point up to which points are ground [m]");
+  v.real("cell_size", cell_size, 0.05, 5, "cells in which votes are clustered to objects [m]");
   v.integer("min_points", min_points, 1, 1000, "points of the smallest moving object");
   v.real("min_share", min_share, 0, 1, "least fraction of an object's points with a moving vote");
 }
@@ -50,6 +52,11 @@ namespace
 const ResidualSegmenterOptions& validated(const ResidualSegmenterOptions& options)
 {
   validate(options, "residual");
+  constexpr double most_cells = 1000;  // from the sensor to max_range; the grid is in memory
+  if (options.max_range > most_cells * options.cell_size)
+  {
+    throw UserError("[residual] cell_size is too small; use at least max_range / 1000");
+  }
   return options;
 }
 }  // namespace
@@ -87,9 +94,9 @@ Direction directionOf(const Eigen::Vector3f& p, float row_height, int columns)
 }
 }  // namespace
 
-ResidualSegmenter::PastScan ResidualSegmenter::project(const Frame& frame) const
+ResidualSegmenter::PastImage ResidualSegmenter::project(const Frame& frame) const
 {
-  PastScan past;
+  PastImage past;
   past.T_lidar_odom = (frame.T_odom_vehicle * frame.scan.T_vehicle_lidar).inverse();
   const Eigen::Isometry3f T_lidar_vehicle = frame.scan.T_vehicle_lidar.inverse().cast<float>();
   std::vector<Direction> directions;
@@ -121,7 +128,7 @@ ResidualSegmenter::PastScan ResidualSegmenter::project(const Frame& frame) const
   return past;
 }
 
-int ResidualSegmenter::vote(const PastScan& past, const Eigen::Vector3f& point) const
+int ResidualSegmenter::vote(const PastImage& past, const Eigen::Vector3f& point) const
 {
   const Direction d = directionOf(point, row_height_, columns_);
   const int row = d.row - past.lowest_row;
@@ -157,9 +164,9 @@ int ResidualSegmenter::vote(const PastScan& past, const Eigen::Vector3f& point) 
   return enclosed && d.range < nearest - margin ? 2 : 0;
 }
 
-std::vector<const ResidualSegmenter::PastScan*> ResidualSegmenter::comparedScans() const
+std::vector<const ResidualSegmenter::PastImage*> ResidualSegmenter::comparedScans() const
 {
-  std::vector<const PastScan*> scans;
+  std::vector<const PastImage*> scans;
   const int available = static_cast<int>(past_.size());
   int last = 0;
   for (int i = 1; i <= options_.compared; ++i)
@@ -184,7 +191,7 @@ void ResidualSegmenter::segment(Frame& frame)
     MovingCells cells(points, options_);
     const auto& candidates = cells.candidates();
     std::vector<std::int8_t> votes(candidates.size(), 0);
-    for (const PastScan* past : scans)
+    for (const PastImage* past : scans)
     {
       const Eigen::Isometry3f T_past_vehicle =
           (past->T_lidar_odom * frame.T_odom_vehicle).cast<float>();

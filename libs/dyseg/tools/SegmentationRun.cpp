@@ -59,6 +59,86 @@ void writePicture(const std::string& file,
     throw UserError(file + ": cannot be written");
   }
 }
+
+/** The returns of a frame of the clip. */
+Frame frameOf(const DysegClip::Frame& from, std::size_t number, const Pose& drift)
+{
+  Frame frame;
+  frame.index = number;
+  for (std::size_t i = 0; i < from.points.size(); ++i)
+  {
+    if (isReturn(from.points[i]))
+    {
+      frame.cloud.points.push_back(from.points[i]);
+      frame.cloud.source.push_back(static_cast<std::uint32_t>(i));
+    }
+  }
+  frame.T_odom_vehicle = from.T_world_sensor * drift;
+  return frame;
+}
+
+/** Moving points of an object in one scan, and how many of them were found. */
+struct ObjectCounts
+{
+  int points = 0;
+  int hits = 0;
+};
+
+std::map<std::int32_t, ObjectCounts> count(const Frame& frame,
+                                           const DysegClip::Frame& from,
+                                           const std::vector<std::uint8_t>& label,
+                                           SegmentationCounts& counts)
+{
+  std::map<std::int32_t, ObjectCounts> by_object;
+  for (std::size_t k = 0; k < frame.cloud.size(); ++k)
+  {
+    const auto i = frame.cloud.source[k];
+    const bool predicted = frame.moving_probability[k] > 0.5F;
+    if (label[i] == DysegSample::moving_point)
+    {
+      (predicted ? counts.hits : counts.misses) += 1;
+      ObjectCounts& object = by_object[from.object[i]];
+      object.points += 1;
+      object.hits += predicted ? 1 : 0;
+    }
+    else if (label[i] == DysegSample::static_point)
+    {
+      counts.alarms += predicted ? 1 : 0;
+      ++counts.static_points;
+    }
+  }
+  return by_object;
+}
+
+void addInstances(const std::map<std::int32_t, ObjectCounts>& by_object,
+                  const DysegClip& clip,
+                  std::size_t f,
+                  SegmentedInstances& instances)
+{
+  const DysegClip::Frame& from = clip.frames[f];
+  for (const auto& [id, counts] : by_object)
+  {
+    if (counts.points < 10)
+    {
+      continue;
+    }
+    SegmentedInstance& entry = instances[id > 100000 ? id % 100000 : id];
+    const DysegClip::Object& object = from.objects.at(id);
+    entry.distance += object.T_sensor_object.translation().norm();
+    if (f > 0 && clip.frames[f - 1].objects.count(id) != 0)
+    {
+      const DysegClip::Frame& before = clip.frames[f - 1];
+      entry.speed +=
+          ((before.T_world_sensor * before.objects.at(id).T_sensor_object).translation() -
+           (from.T_world_sensor * object.T_sensor_object).translation())
+              .norm() /
+          clip.period;
+    }
+    ++entry.frames;
+    entry.points += static_cast<std::uint64_t>(counts.points);
+    entry.hits += static_cast<std::uint64_t>(counts.hits);
+  }
+}
 }  // namespace
 
 SegmentationCounts runSegmenter(MovingSegmenter& segmenter,
@@ -74,20 +154,10 @@ SegmentationCounts runSegmenter(MovingSegmenter& segmenter,
   for (std::size_t f = 0; f < set.clip.frames.size(); ++f)
   {
     const auto& from = set.clip.frames[f];
-    Frame frame;
-    frame.index = f;
-    for (std::size_t i = 0; i < from.points.size(); ++i)
-    {
-      if (isReturn(from.points[i]))
-      {
-        frame.cloud.points.push_back(from.points[i]);
-        frame.cloud.source.push_back(static_cast<std::uint32_t>(i));
-      }
-    }
     const double bearing = draws.uniform(-3.14159, 3.14159);
     drift = drift * poseFromYpr(noise.metres * std::cos(bearing), noise.metres * std::sin(bearing),
                                 0, draws.chance(0.5) ? noise.radians : -noise.radians, 0, 0);
-    frame.T_odom_vehicle = from.T_world_sensor * drift;
+    Frame frame = frameOf(from, f, drift);
     const auto start = std::chrono::steady_clock::now();
     const auto start_cpu = std::clock();
     segmenter.segment(frame);
@@ -108,45 +178,10 @@ SegmentationCounts runSegmenter(MovingSegmenter& segmenter,
     {
       writePicture(picture, frame, truth.label);
     }
-    std::map<std::int32_t, std::pair<int, int>> by_object;
-    for (std::size_t k = 0; k < frame.cloud.size(); ++k)
+    const auto by_object = count(frame, from, truth.label, counts);
+    if (instances != nullptr)
     {
-      const auto i = frame.cloud.source[k];
-      const bool predicted = frame.moving_probability[k] > 0.5F;
-      if (truth.label[i] == DysegSample::moving_point)
-      {
-        (predicted ? counts.hits : counts.misses) += 1;
-        auto& s = by_object[from.object[i]];
-        s.first += 1;
-        s.second += predicted ? 1 : 0;
-      }
-      else if (truth.label[i] == DysegSample::static_point)
-      {
-        counts.alarms += predicted ? 1 : 0;
-        ++counts.static_points;
-      }
-    }
-    for (const auto& [id, s] : by_object)
-    {
-      if (instances == nullptr || s.first < 10)
-      {
-        continue;
-      }
-      auto& entry = (*instances)[id > 100000 ? id % 100000 : id];
-      const auto& object = from.objects.at(id);
-      entry.distance += object.T_sensor_object.translation().norm();
-      if (f > 0 && set.clip.frames[f - 1].objects.count(id) != 0)
-      {
-        const auto& before = set.clip.frames[f - 1];
-        entry.speed +=
-            ((before.T_world_sensor * before.objects.at(id).T_sensor_object).translation() -
-             (from.T_world_sensor * object.T_sensor_object).translation())
-                .norm() /
-            set.clip.period;
-      }
-      ++entry.frames;
-      entry.points += static_cast<std::uint64_t>(s.first);
-      entry.hits += static_cast<std::uint64_t>(s.second);
+      addInstances(by_object, set.clip, f, *instances);
     }
   }
   return counts;

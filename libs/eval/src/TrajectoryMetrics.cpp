@@ -25,7 +25,7 @@ Pose motionError(const PosePairs& pairs, std::size_t i, std::size_t j)
 
 /** Whether the reference's positions are so nearly collinear that the orientations determine the
  * rotation about their line better: the spread across is less than a fifth of the spread along,
- * and less than ten times the residual error across after alignment with R.
+ * and less than a hundred times the residual error across after alignment with R.
  * \param[out] direction of the line. */
 bool isDegenerateLine(const PosePairs& pairs,
                       const Eigen::Vector3d& reference_mean,
@@ -34,7 +34,7 @@ bool isDegenerateLine(const PosePairs& pairs,
                       Eigen::Vector3d& direction)
 {
   constexpr double max_aspect_ratio = 0.2;
-  constexpr double min_signal_to_noise = 10;
+  constexpr double min_signal_to_noise = 100;
   Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
   Eigen::Matrix3d error = Eigen::Matrix3d::Zero();
   for (std::size_t i = 0; i < pairs.size(); ++i)

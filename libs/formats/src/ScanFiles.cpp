@@ -303,12 +303,31 @@ bool isCloudFile(const std::string& path)
   return extension == ".bin" || extension == ".pcd" || extension == ".ply";
 }
 
+namespace
+{
+/** A folder within that has scans; empty: none. */
+std::string folderWithin(const std::string& folder)
+{
+  std::vector<std::string> found;
+  for (const auto& entry : std::filesystem::directory_iterator(folder))
+  {
+    if (entry.is_directory() && !listFiles(entry.path().string(), isCloudFile).empty())
+    {
+      found.push_back(entry.path().string());
+    }
+  }
+  return found.empty() ? "" : *std::min_element(found.begin(), found.end());
+}
+}  // namespace
+
 std::vector<std::string> listCloudFiles(const std::string& folder)
 {
   const auto files = listFiles(folder, isCloudFile);
   if (files.empty())
   {
-    throw UserError(folder + ": has no .bin, .pcd or .ply files");
+    const std::string within = folderWithin(folder);
+    throw UserError(folder + ": has no .bin, .pcd or .ply files" +
+                    (within.empty() ? "" : "; its folder " + within + " has"));
   }
   for (const std::string& file : files)
   {

@@ -26,11 +26,6 @@ void GraphSlamContext::beginStep()
   {
     throw std::logic_error("GraphSlamContext: an observation after finish()");
   }
-  if (frame_ && !in_map_)
-  {
-    pipeline_.addToMap(*frame_);
-    in_map_ = true;
-  }
   in_step_ = false;
 }
 
@@ -65,7 +60,6 @@ void GraphSlamContext::takeObservation(const mrpt::obs::CObservation::Ptr& obser
   frame_ = std::move(frame);
   clock_shift_ = scan->clock_shift;
   in_step_ = true;
-  in_map_ = false;
   ++scans_;
 }
 
@@ -89,10 +83,14 @@ bool GraphSlamContext::optimise()
 /** Ground truth may stand behind its scan: a frame waits for the next scan. */
 void GraphSlamContext::complete()
 {
-  if (frame_ && on_frame_)
+  if (frame_)
   {
     frame_->T_world_vehicle_truth = decoder_.truthAt(frame_->scan.stamp, clock_shift_);
-    on_frame_(std::move(*frame_));
+    pipeline_.addToMap(*frame_);
+    if (on_frame_)
+    {
+      on_frame_(std::move(*frame_));
+    }
   }
   frame_.reset();
 }

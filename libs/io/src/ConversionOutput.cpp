@@ -2,6 +2,7 @@
 #include "ConversionOutput.h"
 
 #include <dyslam/core/Error.h>
+#include <dyslam/core/Files.h>
 
 #include <cmath>
 #include <filesystem>
@@ -13,6 +14,17 @@ namespace fs = std::filesystem;
 
 namespace
 {
+/** Makes the folder of a file. \return the file. */
+const std::string& inFolder(const std::string& path)
+{
+  const auto folder = std::filesystem::path(path).parent_path();
+  if (!folder.empty() && !std::filesystem::is_directory(folder))
+  {
+    makeFolder(folder.string(), "choose another --output for " + nameOfFile(path));
+  }
+  return path;
+}
+
 RawlogWriterOptions writerOptions(bool external_storage, int compression_level)
 {
   RawlogWriterOptions options;
@@ -83,7 +95,7 @@ ConversionOutput::ConversionOutput(const std::string& path,
                                    int compression_level)
     : folder_(groundTruthFolder(path)),
       pending_(folder_ + ".tmp"),
-      writer_(path, writerOptions(external_storage, compression_level))
+      writer_(inFolder(path), writerOptions(external_storage, compression_level))
 {
   requireNoLinks(folder_);
   fs::remove_all(pending_);  // of a killed program

@@ -241,11 +241,11 @@ bool applyTimeRing(CObservation& companion, const ExternalFiles& external, Scan&
     return false;
   }
   bool has_time = false;
-  bool has_ring = false;
+  bool has_ring = true;  // of every point: a point without one must not count as of another's
   for (const Eigen::Vector3f& value : values.points)
   {
     has_time = has_time || std::isfinite(value.x());
-    has_ring = has_ring || (std::isfinite(value.y()) && value.y() >= 0);
+    has_ring = has_ring && value.y() >= 0 && value.y() <= 65535;  // false for NaN
   }
   scan.time.clear();
   scan.ring.clear();
@@ -257,8 +257,7 @@ bool applyTimeRing(CObservation& companion, const ExternalFiles& external, Scan&
     }
     if (has_ring)
     {
-      const float ring = std::clamp(value.y(), 0.0F, 65535.0F);
-      scan.ring.push_back(static_cast<std::uint16_t>(std::isfinite(ring) ? ring : 0.0F));
+      scan.ring.push_back(static_cast<std::uint16_t>(value.y()));
     }
   }
   return true;

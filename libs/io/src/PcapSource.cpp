@@ -34,13 +34,31 @@ std::uint16_t bigEndian(const std::uint8_t* at)
   return static_cast<std::uint16_t>((at[0] << 8U) | at[1]);
 }
 
+/** Bytes before the IP header; VLAN tags are not counted. */
+std::size_t headerSize(int link)
+{
+  switch (link)
+  {
+    case DLT_EN10MB:
+      return 14;
+    case DLT_LINUX_SLL:
+      return 16;
+    case DLT_LINUX_SLL2:  // of tcpdump -i any
+      return 20;
+    case DLT_NULL:
+      return 4;
+    default:
+      return 0;
+  }
+}
+
 /** The UDP payload in a captured frame, or null. */
 const std::uint8_t* udpPayload(int link,
                                const std::uint8_t* data,
                                std::size_t size,
                                std::size_t& payload_size)
 {
-  std::size_t at = link == DLT_EN10MB ? 14 : link == DLT_LINUX_SLL ? 16 : link == DLT_NULL ? 4 : 0;
+  std::size_t at = headerSize(link);
   if (link == DLT_EN10MB && size > 18 && bigEndian(data + 12) == 0x8100)
   {
     at += 4;

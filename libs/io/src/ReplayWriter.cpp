@@ -135,7 +135,7 @@ void ReplayWriterOptions::describe(OptionsVisitor& v)
 {
   v.integer("every", every, 1, 100000, "1: every scan");
   v.real("resolution", resolution, 0, 10,
-         "m, one point of the static cloud per cube of this side, 0 keeps all");
+         "one point of the static cloud per cube of this side, 0 keeps all [m]");
   v.integer("scene_points", scene_points, 0, 10000000,
             "at most so many points in the 3D scene, 0: no scene");
   v.integer("trajectory_points", trajectory_points, 2, 1000000,

@@ -235,7 +235,7 @@ void requireCapture(const std::string& file)
   }
   if (ending == ".rawlog")
   {
-    throw UserError(file + ": is a rawlog: dyslam reads it as it is");
+    throw UserError(file + ": ends in .rawlog: dyslam reads rawlogs as they are");
   }
   if (fs::path(file).filename() == "metadata.yaml")
   {
@@ -267,6 +267,10 @@ void requireFitting(InputKind kind, const ScanConverterOptions& options)
     {
       throw UserError(std::string(use.flag) + " works with " + use.with + " only");
     }
+  }
+  if (kind == InputKind::bag && options.dt > 0)
+  {
+    throw UserError("--dt: the scans of a bag have times; leave it out");
   }
   if (!options.times.empty() && options.dt > 0)
   {

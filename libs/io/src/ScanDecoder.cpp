@@ -275,16 +275,22 @@ struct ScanDecoder::Impl
   [[nodiscard]] std::string emptyRange() const
   {
     std::ostringstream text;
-    text << "skip_first_n = " << options.skip_first_n;
-    if (options.start > 0 || options.end > 0)
+    const char* separator = "";
+    if (options.skip_first_n > 0)
     {
-      text << ", start = " << options.start << " s and end = " << options.end << " s leave";
+      text << "skip_first_n = " << options.skip_first_n;
+      separator = ", ";
     }
-    else
+    if (options.start > 0)
     {
-      text << " leaves";
+      text << separator << "start = " << options.start << " s";
+      separator = ", ";
     }
-    text << " no scan";
+    if (options.end > 0)
+    {
+      text << separator << "end = " << options.end << " s";
+    }
+    text << ": no scan is left";
     if (!selection.isPastEnd())
     {
       text << "; the file has " << counted(scans_seen, "scan");

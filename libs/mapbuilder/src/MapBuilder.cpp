@@ -104,6 +104,11 @@ void MapBuilder::add(Frame frame)
     ++skipped_;
     return;
   }
+  if (!run.isRegistered(frame))
+  {
+    ++unregistered_;
+    return;
+  }
   frame.T_odom_vehicle = run.trajectory()[*pose].pose;
   frame.is_keyframe = isKeyframe(frame.T_odom_vehicle);
   if (!frame.is_keyframe && !hindsight_)

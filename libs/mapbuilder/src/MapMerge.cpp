@@ -101,7 +101,7 @@ MergeReport mergeMaps(const std::vector<RunFolder>& runs,
                       MapListener& listener)
 {
   validate(outputs.exports, "map_export");
-  const MergedRuns joined = mergeRuns(runs, merger, options.threads, listener);
+  const MergedRuns joined = mergeRuns(runs, merger, options.map, options.threads, listener);
   const std::vector<Trajectory> merged = mergedTrajectories(runs, joined.merge);
   std::string problem = unjoined(runs, joined.merge);
   if (joinedRuns(joined.merge) < 2)

@@ -61,6 +61,12 @@ MapReport buildMap(const RecordingOnTrajectory& recording,
   }
   MapReport report = writeMapOutputs(builder, outputs, listener);
   report.scans = source.framesRead();
+  if (10 * report.skipped > report.scans)
+  {
+    listener.warn(recording.trajectory + ": has no pose for " + std::to_string(report.skipped) +
+                  " of " + counted(report.scans, "scan") + ", which are not in the map; is it of " +
+                  recording.rawlog + "? (--tolerance)");
+  }
   if (!damage.empty())
   {
     report.problem = damage + "; the map of the " + std::to_string(report.scans) +

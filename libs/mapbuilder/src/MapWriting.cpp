@@ -167,6 +167,7 @@ MapReport writeMapOutputs(MapBuilder& builder, const MapOutputs& outputs, MapLis
   MapReport report;
   report.keyframes = builder.keyframes();
   report.skipped = builder.skipped();
+  report.unregistered = builder.unregistered();
   const bool whole = outputs.needWholeMap();
   report.voxel_size = whole ? builder.map().voxelSize() : builder.options().map.voxel_size;
   report.points = whole ? builder.map().pointCount() : 0;

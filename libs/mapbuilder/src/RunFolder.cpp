@@ -99,6 +99,7 @@ RunFolder readRun(const std::string& argument, double tolerance)
     const fs::path path = fs::path(run.folder) / name;
     return fs::exists(path) ? path.string() : std::string();
   };
+  run.scans.scan_table = optional("scans.csv");
   run.scans.labels = optional("labels");
   run.scans.tracks = run.scans.labels.empty() ? optional("tracks.txt") : "";
   return run;

@@ -14,7 +14,10 @@ namespace dyslam
 namespace
 {
 /** Static points of a keyframe: by labels, else outside the boxes of tracked objects. */
-std::vector<Eigen::Vector3f> staticPoints(const RunScans& scans, Frame& frame, std::size_t pose)
+std::vector<Eigen::Vector3f> staticPoints(const RunScans& scans,
+                                          const StaticMapOptions& map,
+                                          Frame& frame,
+                                          std::size_t pose)
 {
   frame.T_odom_vehicle = scans.trajectory()[pose].pose;
   scans.fillCloud(frame, pose);
@@ -23,7 +26,7 @@ std::vector<Eigen::Vector3f> staticPoints(const RunScans& scans, Frame& frame, s
   {
     object.dynamic = true;
   }
-  const std::vector<bool> moving = movingInMap(frame, StaticMapOptions());
+  const std::vector<bool> moving = movingInMap(frame, map);
   std::vector<Eigen::Vector3f> points;
   for (std::size_t i = 0; i < frame.cloud.size(); ++i)
   {
@@ -36,7 +39,11 @@ std::vector<Eigen::Vector3f> staticPoints(const RunScans& scans, Frame& frame, s
 }
 
 /** \return the ground truth of its recording */
-Trajectory addRun(const RunFolder& run, ThreadPool& pool, MapListener& listener, RunMerger& merger)
+Trajectory addRun(const RunFolder& run,
+                  const StaticMapOptions& map,
+                  ThreadPool& pool,
+                  MapListener& listener,
+                  RunMerger& merger)
 {
   merger.addRun(run.graph);
   const RunScans scans(run.trajectory, run.scans, pool);
@@ -44,30 +51,31 @@ Trajectory addRun(const RunFolder& run, ThreadPool& pool, MapListener& listener,
   Trajectory truth;
   std::size_t next = 0;
   bool found = false;
-  const std::string damage =
-      readScans(source, run.name, listener,
-                [&](Frame frame)
-                {
-                  if (frame.T_world_vehicle_truth)
-                  {
-                    truth.push_back(frame.scan.stamp, *frame.T_world_vehicle_truth);
-                  }
-                  const auto stamp = [&](std::size_t k) { return run.keyframe_stamps[k]; };
-                  while (next < run.keyframe_stamps.size() &&
-                         stamp(next) < frame.scan.stamp - run.scans.tolerance)
-                  {
-                    merger.addKeyframe({});  // its scan is not in the recording any more
-                    ++next;
-                  }
-                  const auto pose = scans.poseOf(frame);
-                  if (pose && next < run.keyframe_stamps.size() &&
-                      std::abs(stamp(next) - frame.scan.stamp) <= run.scans.tolerance)
-                  {
-                    merger.addKeyframe(staticPoints(scans, frame, *pose));
-                    ++next;
-                    found = true;
-                  }
-                });
+  const std::string damage = readScans(
+      source, run.name, listener,
+      [&](Frame frame)
+      {
+        if (frame.T_world_vehicle_truth)
+        {
+          truth.push_back(frame.scan.stamp, *frame.T_world_vehicle_truth);
+        }
+        const auto stamp = [&](std::size_t k) { return run.keyframe_stamps[k]; };
+        while (next < run.keyframe_stamps.size() &&
+               stamp(next) < frame.scan.stamp - run.scans.tolerance)
+        {
+          merger.addKeyframe({});  // its scan is not in the recording any more
+          ++next;
+        }
+        const auto pose = scans.poseOf(frame);
+        if (pose && next < run.keyframe_stamps.size() &&
+            std::abs(stamp(next) - frame.scan.stamp) <= run.scans.tolerance)
+        {
+          merger.addKeyframe(scans.isRegistered(frame) ? staticPoints(scans, map, frame, *pose)
+                                                       : std::vector<Eigen::Vector3f>());
+          ++next;
+          found = true;
+        }
+      });
   if (!found)
   {
     throw UserError(run.rawlog + ": " +
@@ -85,6 +93,7 @@ Trajectory addRun(const RunFolder& run, ThreadPool& pool, MapListener& listener,
 
 MergedRuns mergeRuns(const std::vector<RunFolder>& runs,
                      const RunMergerConfig& config,
+                     const StaticMapOptions& map,
                      int threads,
                      MapListener& listener)
 {
@@ -93,7 +102,7 @@ MergedRuns mergeRuns(const std::vector<RunFolder>& runs,
   MergedRuns result;
   for (const RunFolder& run : runs)
   {
-    result.truth.push_back(addRun(run, pool, listener, merger));
+    result.truth.push_back(addRun(run, map, pool, listener, merger));
   }
   result.merge = merger.merge();
   return result;

@@ -6,6 +6,7 @@
 #include <dyslam/core/Trajectory.h>
 #include <dyslam/mapbuilder/MapListener.h>
 #include <dyslam/mapbuilder/RunFolder.h>
+#include <dyslam/mapping/StaticMap.h>
 
 #include <vector>
 
@@ -19,9 +20,11 @@ struct MergedRuns
 };
 
 /** Finds the relative poses of the runs. Reads every recording once.
- * \param threads 0: the machine's number \throws UserError for a recording that cannot be read. */
+ * \param map the points that it leaves out are not registered \param threads 0: the machine's
+ * number \throws UserError for a recording that cannot be read. */
 [[nodiscard]] MergedRuns mergeRuns(const std::vector<RunFolder>& runs,
                                    const RunMergerConfig& config,
+                                   const StaticMapOptions& map,
                                    int threads,
                                    MapListener& listener);
 

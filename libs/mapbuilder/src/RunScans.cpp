@@ -3,6 +3,7 @@
 #include <dyslam/core/Error.h>
 #include <dyslam/core/Labels.h>
 #include <dyslam/formats/LabelFiles.h>
+#include <dyslam/formats/ScanTable.h>
 #include <dyslam/formats/TextFile.h>
 #include <dyslam/mapbuilder/RunScans.h>
 
@@ -42,6 +43,10 @@ RunScans::RunScans(const Trajectory& trajectory, const RunScansOptions& options,
   if (trajectory_.empty())
   {
     throw UserError("the trajectory has no poses");
+  }
+  if (!options_.scan_table.empty())
+  {
+    unregistered_ = unregisteredScans(options_.scan_table);
   }
   if (options_.tracks.empty())
   {

@@ -83,7 +83,7 @@ TEST(MergeRuns, ReadsKeyframesAndGroundTruth)
   run.rawlog = folder.file("r.rawlog");
   test::writeRecording(run.rawlog, drive);
   test::RecordingListener listener;
-  const MergedRuns joined = mergeRuns(test::listOf(std::move(run)), {}, 1, listener);
+  const MergedRuns joined = mergeRuns(test::listOf(std::move(run)), {}, {}, 1, listener);
   ASSERT_TRUE(joined.merge.joined(0));
   ASSERT_EQ(3U, joined.merge.poses[0].size());
   EXPECT_TRUE(joined.merge.poses[0][2].isApprox(drive[8].pose, 1e-6));
@@ -105,7 +105,7 @@ TEST(MergeRuns, KeyframesWithoutTheirScanAreKept)
   }
   test::writeRecording(run.rawlog, part);
   MapListener listener;
-  EXPECT_EQ(3U, mergeRuns(test::listOf(std::move(run)), {}, 1, listener).merge.poses[0].size());
+  EXPECT_EQ(3U, mergeRuns(test::listOf(std::move(run)), {}, {}, 1, listener).merge.poses[0].size());
 }
 
 TEST(MergeRuns, TheRecordingOfAnotherRunIsNamed)
@@ -121,7 +121,7 @@ TEST(MergeRuns, TheRecordingOfAnotherRunIsNamed)
   test::writeRecording(run.rawlog, later);
   MapListener listener;
   const std::string said = messageOfError<UserError>(
-      [&] { (void)mergeRuns(test::listOf(std::move(run)), {}, 1, listener); });
+      [&] { (void)mergeRuns(test::listOf(std::move(run)), {}, {}, 1, listener); });
   EXPECT_TRUE(contains(said, "has none of the keyframes of run")) << said;
 }
 }  // namespace

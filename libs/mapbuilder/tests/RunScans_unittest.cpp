@@ -100,7 +100,6 @@ TEST_F(RunScansTest, ObjectsMoveInAllScansIfTheyMoveAtAll)
                                boxAt(1, 2, 10), boxAt(2, 2, 10)});
   const Trajectory drive = test::straightDrive(3, 1);
   RunScans run = scans(drive);
-  EXPECT_TRUE(run.hasTracks());
   EXPECT_EQ(3U, run.trackedScans());
   EXPECT_TRUE(run.movingObjects().empty());
   for (std::size_t i = 0; i < 3; ++i)

@@ -15,8 +15,8 @@
 
 #include "ClearPlaces.h"
 #include "GroundHeights.h"
-#include "PlaceFacts.h"
-#include "PlaceVerdict.h"
+#include "PlaceClassifier.h"
+#include "PlaceFeatures.h"
 #include "Posts.h"
 #include "RayHistory.h"
 #include "Segments.h"
@@ -108,7 +108,7 @@ class LastingTracks
 };
 
 /** One of the scans before the window. */
-struct PastScan
+struct EarlierScan
 {
   std::size_t number;  //!< as they were added
   Pose T_odom_vehicle;
@@ -137,6 +137,31 @@ struct CellMotion
                                       : stationary / std::max(1, static_places));
   }
 };
+
+/** Probability of each place that its points move. \param points of the scan, map frame */
+std::vector<float> probabilitiesOf(const std::vector<PlaceFeatures>& features,
+                                   const std::vector<Eigen::Vector3f>& points)
+{
+  std::vector<Eigen::Vector3f> places;
+  places.reserve(features.size());
+  for (const PlaceFeatures& f : features)
+  {
+    places.push_back(points[f.point]);
+  }
+  const Posts posts(places);
+  std::vector<float> probability;
+  probability.reserve(features.size());
+  for (std::size_t g = 0; g < features.size(); ++g)
+  {
+    float score = movingScore(features[g]);
+    if (score > doubtful_score && posts.contain(g))
+    {
+      score -= post_score;
+    }
+    probability.push_back(1 / (1 + std::exp(-score)));
+  }
+  return probability;
+}
 
 /** Points near the ground are moving if the points above them are. */
 void adaptLow(const Segments& segments,
@@ -195,13 +220,16 @@ Frame copyOf(const Frame& frame, KeptParts parts)
   copy.objects = frame.objects;
   copy.is_keyframe = frame.is_keyframe;
   copy.T_map_odom = frame.T_map_odom;
+  copy.T_world_vehicle_truth = frame.T_world_vehicle_truth;
   if (parts == KeptParts::cloud)
   {
     copy.cloud = frame.cloud;
+    return copy;
   }
-  else
+  copy.cloud.points = frame.cloud.points;
+  if (parts == KeptParts::intensity)
   {
-    copy.cloud.points = frame.cloud.points;
+    copy.cloud.intensity = frame.cloud.intensity;
   }
   return copy;
 }
@@ -212,12 +240,12 @@ void HindsightOptions::describe(OptionsVisitor& v)
   v.integer("window", window, 1, 1000, "earlier and later scans used");
   v.integer("history", history, 0, 100000,
             "scans before the window, of which every eighth is used");
-  v.real("voxel_size", voxel_size, 0.01, 10, "m, side of the voxels that accumulate evidence");
+  v.real("voxel_size", voxel_size, 0.01, 10, "side of the voxels that accumulate evidence [m]");
   v.real("segment_gap", segment_gap, 0.01, 10,
-         "m, side of the cells that are clustered to segments");
+         "side of the cells that are clustered to segments [m]");
   v.real("margin", margin, 0.01, 10,
-         "m, a ray must end this far behind a place to observe it as free");
-  v.real("ground_clearance", ground_clearance, 0, 10, "m, lower returns are ground");
+         "a ray must end this far behind a place to observe it as free [m]");
+  v.real("ground_clearance", ground_clearance, 0, 10, "lower returns are ground [m]");
 }
 
 struct HindsightLabels::Impl
@@ -244,9 +272,9 @@ struct HindsightLabels::Impl
   std::vector<int> offsets;
   ThreadPool pool;
   std::deque<WindowScan> scans;
-  std::deque<PastScan> past;  //!< some of those before the window
-  std::size_t next = 0;       //!< of `scans`, to be decided
-  std::size_t count = 0;      //!< of all scans added
+  std::deque<EarlierScan> past;  //!< some of those before the window
+  std::size_t next = 0;          //!< of `scans`, to be decided
+  std::size_t count = 0;         //!< of all scans added
   ClearPlaces clear;
   LastingTracks dynamic;  //!< have been at some time
   LastingTracks reported;
@@ -450,24 +478,8 @@ void HindsightLabels::Impl::decide(WindowScan& scan)
       findSegments(points, use_point, options.voxel_size, options.segment_gap);
   std::vector<PlaceEvidence> evidence = causalEvidence(segments);
   addRays(segments, heights, evidence);
-  const std::vector<PlaceFacts> facts = factsOf(segments, evidence, points, heights);
-  std::vector<Eigen::Vector3f> places;
-  places.reserve(facts.size());
-  for (const PlaceFacts& f : facts)
-  {
-    places.push_back(points[f.point]);
-  }
-  const Posts posts(places);
-  std::vector<float> place_probability;
-  for (std::size_t g = 0; g < facts.size(); ++g)
-  {
-    float score = movingScore(facts[g]);
-    if (score > doubtful_score && posts.contain(g))
-    {
-      score -= post_score;
-    }
-    place_probability.push_back(1 / (1 + std::exp(-score)));
-  }
+  const std::vector<PlaceFeatures> features = placeFeatures(segments, evidence, points, heights);
+  const std::vector<float> place_probability = probabilitiesOf(features, points);
   frame.moving_probability.resize(frame.cloud.size(), 0);
   frame.moving.resize(frame.cloud.size());
   for (std::size_t i = 0; i < points.size(); ++i)

@@ -19,9 +19,9 @@ void MapExportOptions::describe(OptionsVisitor& v)
 {
   v.flag("full_resolution", full_resolution, "clouds with every static point, not one per voxel");
   v.flag("normals", normals, "normals in clouds, towards the sensor");
-  v.real("normal_radius", normal_radius, 0.01, 100, "m, radius of the neighbourhood of a normal");
+  v.real("normal_radius", normal_radius, 0.01, 100, "radius of the neighbourhood of a normal [m]");
   v.real("tile_size", tile_size, 0, 100000,
-         "m, side of the tiles of clouds, of which one is in memory, at least 5; 0: one file");
+         "side of the tiles of clouds, of which one is in memory, at least 5; 0: one file [m]");
   if (tile_size > 0 && tile_size < smallest_tile)
   {
     char text[120];
@@ -31,9 +31,9 @@ void MapExportOptions::describe(OptionsVisitor& v)
         tile_size, smallest_tile);
     throw UserError(text);
   }
-  v.real("octree_resolution", octree_resolution, 0.01, 10, "m, side of octomap's leaves");
-  v.real("octree_range", octree_range, 1, 300, "m, rays are cut off here");
-  v.real("grid_resolution", grid_resolution, 0.01, 10, "m, side of the occupancy grid's cells");
+  v.real("octree_resolution", octree_resolution, 0.01, 10, "side of octomap's leaves [m]");
+  v.real("octree_range", octree_range, 1, 300, "rays are cut off here [m]");
+  v.real("grid_resolution", grid_resolution, 0.01, 10, "side of the occupancy grid's cells [m]");
   v.real("obstacle_min_height", obstacle_min_height, -10, 100,
          "m above ground, lower objects can be driven over");
   v.real("obstacle_max_height", obstacle_max_height, -10, 100,

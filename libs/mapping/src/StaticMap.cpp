@@ -71,28 +71,28 @@ void MapPoints::append(const MapPoints& others)
 
 void StaticMapOptions::describe(OptionsVisitor& v)
 {
-  v.real("voxel_size", voxel_size, 0.01, 10, "m, one map point per cube of this side");
-  v.real("min_range", min_range, 0, 100, "m, nearer returns (own vehicle) are left out");
-  v.real("max_range", max_range, 1, 300, "m, farther returns are left out");
-  v.real("box_margin", box_margin, 0, 5, "m, boxes of dynamic tracks are widened by this");
+  v.real("voxel_size", voxel_size, 0.01, 10, "one map point per cube of this side [m]");
+  v.real("min_range", min_range, 0, 100, "nearer returns (own vehicle) are left out [m]");
+  v.real("max_range", max_range, 1, 300, "farther returns are left out [m]");
+  v.real("box_margin", box_margin, 0, 5, "boxes of dynamic tracks are widened by this [m]");
   v.integer("points_per_voxel", points_per_voxel, 1, 1000, "most keyframe points kept per voxel");
   v.integer("max_voxels", max_voxels, 1000, 1000000000,
             "upper limit, beyond which the voxel size doubles");
   v.integer("min_hits", min_hits, 1, 1000, "voxels hit by fewer keyframes are not part of the map");
   v.real("correction_distance", correction_distance, 0, 100,
-         "m, the map is corrected after a loop that moved a keyframe this far ...");
+         "the map is corrected after a loop that moved a keyframe this far ... [m]");
   v.real("correction_growth", correction_growth, 0, 10,
          "... once it has grown by this fraction, or at once for more than a voxel");
   v.flag("visibility", visibility, "remove voxels that later rays passed through");
-  v.real("visibility_range", visibility_range, 0, 300, "m, range up to which voxels are checked");
+  v.real("visibility_range", visibility_range, 0, 300, "range up to which voxels are checked [m]");
   v.real("visibility_margin", visibility_margin, 0, 10,
-         "m, a ray must end this far behind a voxel");
+         "a ray must end this far behind a voxel [m]");
   v.integer("visibility_min_views", visibility_min_views, 1, 1000,
             "least keyframes that observed a removed voxel as free");
   v.real("visibility_ratio", visibility_ratio, 0, 1000,
          "least ratio of these to the keyframes that hit it");
   v.real("ground_clearance", ground_clearance, 0, 10,
-         "m, voxels this near to the lowest of their column are kept");
+         "voxels this near to the lowest of their column are kept [m]");
   v.choice("changes", changes, {{"latest", MapChanges::latest}, {"all", MapChanges::all}},
            "of several runs: the latest run at a place, or all keyframes equally");
 }

@@ -17,6 +17,7 @@ namespace
 constexpr float pi = 3.14159265358979F;
 constexpr float row_height = 0.4F * pi / 180.0F;
 constexpr float horizon = 0.5F * row_height;  // row 0 begins there
+constexpr float zenith_row = 225;             // straight up; -225 straight down, or not finite
 constexpr int widest_window = 4;              // pixels to each side
 constexpr int widest_gap = 6;                 // rows to the nearest rays above and below
 constexpr int widest_side = 3;                // columns to the nearest rays on both sides
@@ -45,8 +46,10 @@ struct VisibilityImage::Rays
   {
     for (std::size_t i = 0; i < count; ++i)
     {
-      const int c = static_cast<int>((turnsOf(y[i], x[i]) + 0.5F) * cols);
-      col[i] = c >= 0 && c < cols ? c : 0;  // straight behind, or not finite
+      const float c = (turnsOf(y[i], x[i]) + 0.5F) * cols;
+      // This order of min and max maps NaN to 0.
+      const int column = static_cast<int>(std::min(std::max(0.F, c), static_cast<float>(cols)));
+      col[i] = column < cols ? column : 0;  // straight behind
     }
   }
   void findRows()
@@ -54,7 +57,8 @@ struct VisibilityImage::Rays
     for (std::size_t i = 0; i < count; ++i)
     {
       const float elevation = 2 * pi * turnsOf(z[i], std::sqrt(x[i] * x[i] + y[i] * y[i]));
-      row[i] = static_cast<int>(std::floor((elevation - horizon) / row_height));
+      const float r = std::floor((elevation - horizon) / row_height);
+      row[i] = static_cast<int>(std::min(std::max(-zenith_row, r), zenith_row));
       range[i] = Eigen::Vector3f(x[i], y[i], z[i]).norm();
     }
   }

@@ -52,6 +52,14 @@ float lowestSupportedHeight(const std::uint16_t* histogram)
   }
   return unknown_height;
 }
+
+/** \param values at least one; reordered. \return the median, the upper one of an even number. */
+float upperMedian(std::vector<float>& values)
+{
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
 }  // namespace
 
 void requireMultipleOf16(const std::string& field, int cells)
@@ -68,9 +76,10 @@ void BevOptions::describe(OptionsVisitor& v)
 {
   v.integer("cells", cells, 64, 2048, "cells along each side of the grid, a multiple of 16");
   requireMultipleOf16("[grid] cells", cells);
-  v.real("cell_size", cell_size, 0.05, 2, "side of a cell, m");
-  v.real("ground_clearance", ground_clearance, 0, 2, "height up to which points are ground, m");
-  v.real("max_height", max_height, 1, 20, "height above ground beyond which points are removed, m");
+  v.real("cell_size", cell_size, 0.05, 2, "side of a cell [m]");
+  v.real("ground_clearance", ground_clearance, 0, 2, "height up to which points are ground [m]");
+  v.real("max_height", max_height, 1, 20,
+         "height above ground beyond which points are removed [m]");
 }
 
 BevGround::BevGround(const std::vector<Eigen::Vector3f>& points, float half_extent)
@@ -105,6 +114,44 @@ BevGround::BevGround(const std::vector<Eigen::Vector3f>& points, float half_exte
   makeConsistent(known);
 }
 
+float BevGround::seedHeight(const std::vector<int>& order,
+                            const std::vector<float>& ring,
+                            const std::vector<std::uint8_t>& known) const
+{
+  std::vector<float> heights;
+  for (const int i : order)
+  {
+    if (known[at(i)] != 0 && (heights.size() < 3 || ring[at(i)] * ground_cell < seed_radius))
+    {
+      heights.push_back(height_[at(i)]);
+    }
+  }
+  return upperMedian(heights);
+}
+
+void BevGround::collectAround(int cell,
+                              const std::vector<std::uint8_t>& visited,
+                              std::vector<float>& around) const
+{
+  const int x = cell % width_;
+  const int y = cell / width_;
+  around.clear();
+  for (int reach = 1; reach <= 3 && around.size() < 3; ++reach)
+  {
+    around.clear();
+    for (int ny = std::max(0, y - reach); ny <= std::min(width_ - 1, y + reach); ++ny)
+    {
+      for (int nx = std::max(0, x - reach); nx <= std::min(width_ - 1, x + reach); ++nx)
+      {
+        if (visited[at(ny * width_ + nx)] != 0)
+        {
+          around.push_back(height_[at(ny * width_ + nx)]);
+        }
+      }
+    }
+  }
+}
+
 void BevGround::makeConsistent(const std::vector<std::uint8_t>& known)
 {
   if (std::find(known.begin(), known.end(), 1) == known.end())
@@ -122,56 +169,17 @@ void BevGround::makeConsistent(const std::vector<std::uint8_t>& known)
                          static_cast<float>(order[i] / width_) - middle);
   }
   std::sort(order.begin(), order.end(), [&](int a, int b) { return ring[at(a)] < ring[at(b)]; });
-
-  // The seed is a median: an error of a single first cell would propagate to all others.
-  std::vector<float> seed_heights;
-  for (const int i : order)
-  {
-    if (known[at(i)] != 0 && (seed_heights.size() < 3 || ring[at(i)] * ground_cell < seed_radius))
-    {
-      seed_heights.push_back(height_[at(i)]);
-    }
-  }
-  std::nth_element(seed_heights.begin(),
-                   seed_heights.begin() + static_cast<std::ptrdiff_t>(seed_heights.size() / 2),
-                   seed_heights.end());
-  const float seed = seed_heights[seed_heights.size() / 2];
+  const float seed = seedHeight(order, ring, known);
 
   std::vector<std::uint8_t> visited(height_.size(), 0);
   std::vector<float> around;
   for (const int i : order)
   {
-    const int x = i % width_;
-    const int y = i / width_;
-    around.clear();
-    for (int reach = 1; reach <= 3 && around.size() < 3; ++reach)
-    {
-      around.clear();
-      for (int ny = std::max(0, y - reach); ny <= std::min(width_ - 1, y + reach); ++ny)
-      {
-        for (int nx = std::max(0, x - reach); nx <= std::min(width_ - 1, x + reach); ++nx)
-        {
-          if (visited[at(ny * width_ + nx)] != 0)
-          {
-            around.push_back(height_[at(ny * width_ + nx)]);
-          }
-        }
-      }
-    }
-    if (around.empty())
-    {
-      if (known[at(i)] == 0 || std::abs(height_[at(i)] - seed) > max_depth_below)
-      {
-        height_[at(i)] = seed;
-      }
-      visited[at(i)] = 1;
-      continue;
-    }
-    std::nth_element(around.begin(),
-                     around.begin() + static_cast<std::ptrdiff_t>(around.size() / 2), around.end());
-    const float reference = around[around.size() / 2];
+    collectAround(i, visited, around);
+    const float reference = around.empty() ? seed : upperMedian(around);
     const float above = height_[at(i)] - reference;
-    if (known[at(i)] == 0 || above > 0.25F + max_slope * ground_cell || above < -max_depth_below)
+    const float max_above = around.empty() ? max_depth_below : 0.25F + max_slope * ground_cell;
+    if (known[at(i)] == 0 || above > max_above || above < -max_depth_below)
     {
       height_[at(i)] = reference;
     }

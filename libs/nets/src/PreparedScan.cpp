@@ -212,24 +212,10 @@ PreparedScan::Level coarser(const PreparedScan::Level& from, int rows, int cols,
   }
   return level;
 }
-}  // namespace
 
-int imageColumn(float x, float y, int cols)
+/** The nearest point of each image cell. */
+void fillImage(const std::vector<Eigen::Vector3f>& points, PreparedScan& scan)
 {
-  const float turn = 0.5F - turnsOf(y, x);
-  return std::clamp(static_cast<int>(turn * static_cast<float>(cols)), 0, cols - 1);
-}
-
-int slopeBin(float slope)
-{
-  const float bin = (slope + 1) * (PreparedScan::slope_bins / 2);
-  // This order of min and max maps NaN to 0.
-  return static_cast<int>(std::min(std::max(0.F, bin), PreparedScan::slope_bins - 1.F));
-}
-
-PreparedScan prepareScan(const std::vector<Eigen::Vector3f>& points)
-{
-  PreparedScan scan;
   std::vector<std::int16_t> bins(points.size(), -1);
   std::vector<std::size_t> histogram(PreparedScan::slope_bins, 0);
   std::size_t total = 0;
@@ -273,52 +259,72 @@ PreparedScan prepareScan(const std::vector<Eigen::Vector3f>& points)
     scan.points[cell] = points[i];
     scan.source[cell] = static_cast<std::int32_t>(i);
   }
+}
 
-  sampleFirstLevel(scan);
+/** A quarter of the first level's nodes, with normals and planarity. */
+void sampleSecondLevel(PreparedScan& scan)
+{
   const PreparedScan::Level& first = scan.levels[0];
-  const PreparedScan::Level picked = coarser(first, 16, 128, [](std::size_t) { return 0.F; });
   PreparedScan::Level& second = scan.levels[1];
-  second = picked;
-  scan.normals.resize(second.size());
-  scan.planarity.resize(second.size());
-  const auto describe = [&](std::size_t n)
-  {
-    if (second.cell[n] >= 0)
-    {
-      second.cell[n] = first.cell[static_cast<std::size_t>(second.cell[n])];
-      fitPlane(scan, second.cell[n], scan.normals[n], scan.planarity[n]);
-    }
-    else
-    {
-      scan.normals[n].setZero();
-      scan.planarity[n] = 0;
-    }
-  };
+  second = coarser(first, 16, 128, [](std::size_t) { return 0.F; });
+  scan.normals.assign(second.size(), Eigen::Vector3f::Zero());
+  scan.planarity.assign(second.size(), 0.F);
   forRows(static_cast<std::int64_t>(second.size()), 128,
           [&](std::int64_t from, std::int64_t to)
           {
-            for (std::int64_t n = from; n < to; ++n)
+            for (auto n = static_cast<std::size_t>(from); n < static_cast<std::size_t>(to); ++n)
             {
-              describe(static_cast<std::size_t>(n));
+              if (second.cell[n] >= 0)
+              {
+                second.cell[n] = first.cell[static_cast<std::size_t>(second.cell[n])];
+                fitPlane(scan, second.cell[n], scan.normals[n], scan.planarity[n]);
+              }
             }
           });
+}
+
+/** Level l from 2: of each block of the level before, the node with the highest planarity. */
+void sampleByPlanarity(PreparedScan& scan, std::size_t l, int rows, int cols)
+{
+  const std::size_t before = scan.first_level_of.size() - (l > 2 ? scan.levels[l - 1].size() : 0);
+  const auto inFirst = [&](std::size_t node)
+  { return l == 2 ? static_cast<std::int32_t>(node) : scan.first_level_of[before + node]; };
+  PreparedScan::Level level = coarser(
+      scan.levels[l - 1], rows, cols,
+      [&](std::size_t node) { return scan.planarity[static_cast<std::size_t>(inFirst(node))]; });
+  for (std::int32_t& node : level.cell)
+  {
+    const std::int32_t fine = node >= 0 ? inFirst(static_cast<std::size_t>(node)) : -1;
+    scan.first_level_of.push_back(fine);
+    node = fine >= 0 ? scan.levels[1].cell[static_cast<std::size_t>(fine)] : -1;
+  }
+  scan.levels[l] = std::move(level);
+}
+}  // namespace
+
+int imageColumn(float x, float y, int cols)
+{
+  const float turn = 0.5F - turnsOf(y, x);
+  return std::clamp(static_cast<int>(turn * static_cast<float>(cols)), 0, cols - 1);
+}
+
+int slopeBin(float slope)
+{
+  const float bin = (slope + 1) * (PreparedScan::slope_bins / 2);
+  // This order of min and max maps NaN to 0.
+  return static_cast<int>(std::min(std::max(0.F, bin), PreparedScan::slope_bins - 1.F));
+}
+
+PreparedScan prepareScan(const std::vector<Eigen::Vector3f>& points)
+{
+  PreparedScan scan;
+  fillImage(points, scan);
+  sampleFirstLevel(scan);
+  sampleSecondLevel(scan);
   constexpr std::array<std::array<int, 2>, 3> shapes = {{{16, 64}, {8, 32}, {4, 16}}};
   for (std::size_t l = 2; l < PreparedScan::level_count; ++l)
   {
-    // Selects by planarity among the nodes of the previous level, then converts to level 1.
-    const std::size_t before = scan.first_level_of.size() - (l > 2 ? scan.levels[l - 1].size() : 0);
-    const auto inFirst = [&](std::size_t node)
-    { return l == 2 ? static_cast<std::int32_t>(node) : scan.first_level_of[before + node]; };
-    PreparedScan::Level level = coarser(
-        scan.levels[l - 1], shapes[l - 2][0], shapes[l - 2][1],
-        [&](std::size_t node) { return scan.planarity[static_cast<std::size_t>(inFirst(node))]; });
-    for (std::int32_t& node : level.cell)
-    {
-      const std::int32_t fine = node >= 0 ? inFirst(static_cast<std::size_t>(node)) : -1;
-      scan.first_level_of.push_back(fine);
-      node = fine >= 0 ? second.cell[static_cast<std::size_t>(fine)] : -1;
-    }
-    scan.levels[l] = std::move(level);
+    sampleByPlanarity(scan, l, shapes[l - 2][0], shapes[l - 2][1]);
   }
   return scan;
 }

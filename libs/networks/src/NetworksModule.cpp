@@ -3,7 +3,7 @@
 #include <dyslam/core/Version.h>
 #include <dyslam/dyseg/NetworkSegmenter.h>
 
-#include "DyloOdometry.h"
+#include "DyloScanMatcher.h"
 
 // The functions of the module `networks`, by which dyseg and odometry get the stages that need
 // libtorch.
@@ -11,7 +11,7 @@ extern "C"
 {
   dyslam::RuntimeModuleVersion dyslam_module_version;
   dyslam::MakeNetworkSegmenter dyslam_make_network_segmenter;
-  dyslam::MakeDyloOdometry dyslam_make_dylo_odometry;
+  dyslam::MakeDyloMatcher dyslam_make_dylo_matcher;
 
   const char* dyslam_module_version()
   {
@@ -24,8 +24,8 @@ extern "C"
     return new dyslam::NetworkSegmenter(options);
   }
 
-  dyslam::ScanMatcher* dyslam_make_dylo_odometry(const dyslam::DyloOptions& options)
+  dyslam::ScanMatcher* dyslam_make_dylo_matcher(const dyslam::DyloOptions& options)
   {
-    return new dyslam::DyloOdometry(options);
+    return new dyslam::DyloScanMatcher(options);
   }
 }

@@ -34,6 +34,6 @@ struct DyloOptions : Options
 };
 
 class ScanMatcher;
-/** dyslam_make_dylo_odometry() of the module `networks`; the caller owns the matcher. */
-using MakeDyloOdometry = ScanMatcher*(const DyloOptions&);
+/** dyslam_make_dylo_matcher() of the module `networks`; the caller owns the matcher. */
+using MakeDyloMatcher = ScanMatcher*(const DyloOptions&);
 }  // namespace dyslam

@@ -10,9 +10,9 @@
 #include <future>
 #include <stdexcept>
 
+#include "CloudCheck.h"
 #include "ScanSample.h"
 #include "ScanToMap.h"
-#include "SimpleOdometry.h"
 #include "SurfacePyramid.h"
 
 namespace dyslam
@@ -448,7 +448,7 @@ RegistrationResult LocalMapRegistration::registerFrame(const Frame& frame,
   result.motion = MotionEstimate();
   result.motion.T_previous_current = orthonormalized(s.T_odom_previous.inverse() * T_guess);
   result.motion.information = s.prior_information;
-  result.motion.reason = cloudTrouble(frame);
+  result.motion.reason = reasonUnusable(frame);
   result.map_cells = s.map.size();
   if (!result.motion.reason.empty())
   {

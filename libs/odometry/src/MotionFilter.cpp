@@ -113,6 +113,12 @@ void MotionFilter::follow(double dt, const Pose& T_previous_current)
   covariance_.setZero();
 }
 
+void MotionFilter::forget(double dt)
+{
+  start(velocity_, std::min(options_.start_speed_sigma, options_.acceleration * dt),
+        std::min(options_.start_turn_rate_sigma, options_.angular_acceleration * dt));
+}
+
 void MotionFilter::exchangeState(StateArchive& archive)
 {
   archive(velocity_, covariance_);

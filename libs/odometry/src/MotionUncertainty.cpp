@@ -32,9 +32,9 @@ void UncertaintyOptions::describe(OptionsVisitor& v)
   v.real("jitter_rotation", jitter_rotation, 0, 1000, "the same of its rotation");
   v.real("jitter_drift", jitter_drift, 0, 1000,
          "fraction of a pose's error variance that remains in all later poses");
-  v.real("registration_share", registration_share, 0, 1000,
+  v.real("registration_covariance_scale", registration_covariance_scale, 0, 1000,
          "factor on the registration's covariance of a pose");
-  v.real("motion_share", motion_share, 0, 1000,
+  v.real("motion_covariance_scale", motion_covariance_scale, 0, 1000,
          "factor on the covariance of a motion from the prior or a scan matcher");
 }
 
@@ -97,8 +97,8 @@ void MotionUncertainty::calibrate(double dt, const Matrix6& in_map, MotionEstima
   // The estimate weighs points and prior by their information: its covariance has a part of each.
   const Matrix6 of_points =
       motion.converged ? symmetric(own * in_map * own) : Matrix6(Matrix6::Zero());
-  state(share(options_.registration_share, motion) * of_points,
-        share(options_.motion_share, motion) * (own - of_points), motion);
+  state(share(options_.registration_covariance_scale, motion) * of_points,
+        share(options_.motion_covariance_scale, motion) * (own - of_points), motion);
 }
 
 void MotionUncertainty::calibrateMatch(double dt, const Matrix6& prior, MotionEstimate& motion)
@@ -108,7 +108,7 @@ void MotionUncertainty::calibrateMatch(double dt, const Matrix6& prior, MotionEs
     return;
   }
   measureJitter(dt, motion);
-  const double own_share = std::max(share(options_.motion_share, motion), 1e-6);
+  const double own_share = std::max(share(options_.motion_covariance_scale, motion), 1e-6);
   Matrix6 information = prior;
   if (motion.converged && motion.information.allFinite())
   {

@@ -18,10 +18,10 @@ struct UncertaintyOptions : Options
   /** Fraction of a pose's error variance that remains in the local map and all later poses. */
   double jitter_drift = 0.2;
   /** Factor on the registration's covariance of a pose: most of it is measured as jitter. */
-  double registration_share = 0.003;
+  double registration_covariance_scale = 0.003;
   /** Factor on the covariance of a motion from the prior of a registration, or from a scan matcher;
    * it accumulates. */
-  double motion_share = 0.05;
+  double motion_covariance_scale = 0.05;
 
   void describe(OptionsVisitor& visitor) override;
 };

@@ -255,7 +255,11 @@ void Odometry::State::registerToMap(Frame& frame, const Pose& T_guess)
   registered = registered || result.points > 0;
   frame.motion = result.motion;
   frame.T_odom_vehicle = result.T_odom_vehicle;
-  if (!after_gap)
+  if (after_gap)
+  {
+    filter.forget(frame.dt);
+  }
+  else
   {
     filter.update(frame.dt, result.motion.T_previous_current,
                   result.measured_information + segmenter_information, result.prior_weight);
@@ -270,6 +274,7 @@ void Odometry::State::takeMatcherMotion(Frame& frame, const Pose& T_guess)
   frame.T_odom_vehicle = orthonormalized(T_odom_previous * T_guess);
   if (after_gap)
   {
+    filter.forget(frame.dt);
     return;
   }
   if (!matcher->usesPrior())

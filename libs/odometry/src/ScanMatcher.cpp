@@ -3,11 +3,11 @@
 #include <dyslam/core/RuntimeModule.h>
 #include <dyslam/odometry/ScanMatcher.h>
 
+#include "ConstantMotion.h"
 #include "DyloOptions.h"
-#include "GicpOdometry.h"
-#include "IcpOdometry.h"
-#include "LoamOdometry.h"
-#include "SimpleOdometry.h"
+#include "GicpMatcher.h"
+#include "IcpMatcher.h"
+#include "LoamMatcher.h"
 
 namespace dyslam
 {
@@ -16,35 +16,35 @@ namespace
 using Matcher = std::unique_ptr<ScanMatcher>;
 using Factory = Registry<ScanMatcher>::Factory;
 
-Factory simple(SimpleOdometry::Kind kind)
+Factory simple(ConstantMotion::Kind kind)
 {
-  return [kind](ThreadPool&) -> Matcher { return std::make_unique<SimpleOdometry>(kind); };
+  return [kind](ThreadPool&) -> Matcher { return std::make_unique<ConstantMotion>(kind); };
 }
 
 template <typename IcpSectionOptions>
-Factory icp(const IcpSectionOptions& options, IcpOdometry::Residual residual)
+Factory icp(const IcpSectionOptions& options, IcpMatcher::Residual residual)
 {
   return [=](ThreadPool& pool) -> Matcher
-  { return std::make_unique<IcpOdometry>(residual, options, pool); };
+  { return std::make_unique<IcpMatcher>(residual, options, pool); };
 }
 
 Factory loam(const LoamOptions& options, bool mapping)
 {
   return [=](ThreadPool& pool) -> Matcher
-  { return std::make_unique<LoamOdometry>(mapping, options, pool); };
+  { return std::make_unique<LoamMatcher>(mapping, options, pool); };
 }
 
 Factory gicp(const GicpOptions& options)
 {
-  return [=](ThreadPool& pool) -> Matcher { return std::make_unique<GicpOdometry>(options, pool); };
+  return [=](ThreadPool& pool) -> Matcher { return std::make_unique<GicpMatcher>(options, pool); };
 }
 
 Factory dylo(const DyloOptions& options)
 {
   return [=](ThreadPool&) -> Matcher
   {
-    auto* make = runtimeModuleFunction<MakeDyloOdometry>("networks", "dyslam_make_dylo_odometry",
-                                                         "odometry.method: dylo");
+    auto* make = runtimeModuleFunction<MakeDyloMatcher>("networks", "dyslam_make_dylo_matcher",
+                                                        "odometry.method: dylo");
     return Matcher(make(options));
   };
 }
@@ -52,8 +52,8 @@ Factory dylo(const DyloOptions& options)
 /** One row per matcher. */
 Registry<ScanMatcher> matchers()
 {
-  using Simple = SimpleOdometry::Kind;
-  using Residual = IcpOdometry::Residual;
+  using Simple = ConstantMotion::Kind;
+  using Residual = IcpMatcher::Residual;
   return Registry<ScanMatcher>({
       {"constant_velocity", [](ConfigLoader&) { return simple(Simple::constant_velocity); }},
       {"zero_motion", [](ConfigLoader&) { return simple(Simple::zero_motion); }},

@@ -79,6 +79,47 @@ void ScanToMap::refresh(Match& match,
   }
 }
 
+/** Adds the distance of a point to the plane of its surface. \param p point, vehicle \param r
+ * distance [m] */
+void ScanToMap::addPlaneRow(const Match& match,
+                            const Eigen::Vector3f& p,
+                            float r,
+                            const Eigen::Matrix3f& R,
+                            double weight,
+                            NormalEquations& equations)
+{
+  const Eigen::Vector3f n = R.transpose() * match.surface.normal;
+  Vector6 J;
+  J.head<3>() = n.cast<double>();
+  J.tail<3>() = p.cross(n).cast<double>();
+  equations.addRow(J, static_cast<double>(r), weight * static_cast<double>(match.weight));
+}
+
+/** Adds the distance of two distributions, as in generalised ICP. \param p, q point, vehicle and
+ * map \param shape covariance around it, vehicle [m^2] */
+void ScanToMap::addDistributions(const Match& match,
+                                 const Eigen::Vector3f& p,
+                                 const Eigen::Vector3f& q,
+                                 const Eigen::Matrix3f& shape,
+                                 const Eigen::Matrix3f& R,
+                                 double weight,
+                                 NormalEquations& equations)
+{
+  const Eigen::Matrix3f C =
+      R.transpose() * match.surface.covariance * R + shape + Eigen::Matrix3f::Identity() * 4e-4F;
+  const Eigen::Matrix3d M = C.inverse().cast<double>();
+  const Eigen::Vector3d e = (R.transpose() * (q - match.surface.mean)).cast<double>();
+  Eigen::Matrix<double, 3, 6> J;
+  J.leftCols<3>().setIdentity();
+  J.rightCols<3>() = -skew(p.cast<double>());
+  // In units of a plane's residual, so that the sums of both methods are comparable.
+  const double w = weight * 8e-4;
+  const Eigen::Matrix<double, 6, 3> JtM = w * J.transpose() * M;
+  equations.H.noalias() += JtM * J;
+  equations.g.noalias() += JtM * e;
+  equations.weight += w;
+}
+
 void ScanToMap::accumulate(const RawPoints& scan,
                            const std::vector<Eigen::Matrix3f>& shapes,
                            const SurfacePyramid& map,
@@ -123,31 +164,14 @@ void ScanToMap::accumulate(const RawPoints& scan,
       const float base_weight = own_weight * robust * robust;
       const bool is_ground = std::abs(match.surface.normal.z()) > ground_cosine;
       NormalEquations& equations = is_ground ? sums.ground : sums.upright;
-      double w = static_cast<double>(base_weight);
+      const auto w = static_cast<double>(base_weight);
       if (iteration.distributions)
       {
-        const Eigen::Matrix3f C = R.transpose() * match.surface.covariance * R + shapes[i] +
-                                  Eigen::Matrix3f::Identity() * 4e-4F;
-        const Eigen::Matrix3d M = C.inverse().cast<double>();
-        const Eigen::Vector3d e = (R.transpose() * (q - match.surface.mean)).cast<double>();
-        Eigen::Matrix<double, 3, 6> J;
-        J.leftCols<3>().setIdentity();
-        J.rightCols<3>() = -skew(p.cast<double>());
-        // In units of a plane's residual, so that the sums of both methods are comparable.
-        w *= 8e-4;
-        const Eigen::Matrix<double, 6, 3> JtM = w * J.transpose() * M;
-        equations.H.noalias() += JtM * J;
-        equations.g.noalias() += JtM * e;
-        equations.weight += w;
+        addDistributions(match, p, q, shapes[i], R, w, equations);
       }
       else
       {
-        w *= static_cast<double>(match.weight);
-        const Eigen::Vector3f n = R.transpose() * match.surface.normal;
-        Vector6 J;
-        J.head<3>() = n.cast<double>();
-        J.tail<3>() = p.cross(n).cast<double>();
-        equations.addRow(J, static_cast<double>(r), w);
+        addPlaneRow(match, p, r, R, w, equations);
       }
       sums.error += static_cast<double>(base_weight * r2);
       sums.agreeing += static_cast<double>(base_weight);

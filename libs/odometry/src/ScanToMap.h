@@ -96,6 +96,19 @@ class ScanToMap
                const Eigen::Vector3f& q,
                const SurfacePyramid& map,
                const Iteration& iteration) const;
+  static void addPlaneRow(const Match& match,
+                          const Eigen::Vector3f& p,
+                          float r,
+                          const Eigen::Matrix3f& R,
+                          double weight,
+                          NormalEquations& equations);
+  static void addDistributions(const Match& match,
+                               const Eigen::Vector3f& p,
+                               const Eigen::Vector3f& q,
+                               const Eigen::Matrix3f& shape,
+                               const Eigen::Matrix3f& R,
+                               double weight,
+                               NormalEquations& equations);
   void accumulate(const RawPoints& scan,
                   const std::vector<Eigen::Matrix3f>& shapes,
                   const SurfacePyramid& map,

@@ -16,8 +16,8 @@ class ScanToScan : public ScanMatcher
 
  protected:
   /** Prepares what align() and accept() need of the frame, and forgets what was kept of the one
-   * before. Called with every frame, unusable ones (see cloudTrouble()) too. \return why it cannot
-   * be used */
+   * before. Called with every frame, unusable ones (see reasonUnusable()) too. \return why it
+   * cannot be used */
   virtual std::string extract(const Frame& frame) = 0;
   /** Register the frame to the reference; T_previous_current is then from the reference. */
   virtual MotionEstimate align(const Pose& T_reference_current_guess) = 0;

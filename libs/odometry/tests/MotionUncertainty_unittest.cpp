@@ -152,7 +152,8 @@ TEST(MotionUncertainty, AMatchersOpenDirectionIsAsUncertainAsItsPrior)
     uncertainty.calibrateMatch(scan_time, informationFromSigmas(0.2, 0.01), motion);
   }
   EXPECT_NEAR(sigma(motion, 0), 0.2, 0.01);
-  EXPECT_NEAR(sigma(motion, 1), std::sqrt(UncertaintyOptions().motion_share) * 0.02, 1e-3);
+  EXPECT_NEAR(sigma(motion, 1), std::sqrt(UncertaintyOptions().motion_covariance_scale) * 0.02,
+              1e-3);
 }
 
 TEST(MotionUncertainty, AFailedMotionIsAsUncertainAsItsPriorAndNotJitter)

@@ -41,12 +41,13 @@ class Merge
       ++(from_kept ? k : a);
     }
     kept_ = kept.size();
+    added_ = added.size();
   }
-  /** Leaves values as they are that the kept points do not have. */
+  /** Leaves values as they are that the points do not have. */
   template <typename Values>
   void operator()(Values& kept, const Values& added) const
   {
-    if (kept.size() != kept_)
+    if (kept.size() != kept_ || added.size() != added_)
     {
       return;
     }
@@ -63,6 +64,7 @@ class Merge
 
  private:
   std::size_t kept_ = 0;
+  std::size_t added_ = 0;
   std::vector<bool> from_kept_;
 };
 }  // namespace

@@ -7,8 +7,8 @@
 
 namespace dyslam
 {
-/** Labels that an earlier run wrote of the same scans: segmentation and odometry do without the
- * points that it labelled moving.
+/** Labels that an earlier run wrote of the same scans: odometry, and a segmenter that does not need
+ * the pose, do without the points that it labelled moving.
  *
  * A run that follows traffic for its static world still labels most of its vehicles by their
  * appearance and by the rays of other scans; without them the next run finds the static world. */

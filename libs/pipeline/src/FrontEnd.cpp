@@ -90,8 +90,9 @@ struct FrontEnd::Stages
   std::unique_ptr<MovingSegmenter> segmenter;  //!< null: nothing is segmented
   TemporalFilter filter;
   Odometry odometry;
-  SweepPrediction sweep_used;  //!< that the cloud of the frame is deskewed with
-  /** That the next scan is encoded with, before its own is known; nothing: after it. */
+  SweepPrediction sweep_used;  //!< motion that deskewed the current cloud
+  /** Motion for deskewing and encoding the next scan early; empty if it is encoded after its own
+   * prediction. */
   std::optional<SweepPrediction> sweep_ahead;
   std::future<EncodedScan> ahead;  //!< of the next scan, if it was there
   std::atomic<double> waited = 0;  //!< for it [s]

@@ -14,6 +14,7 @@
 #include <dyslam/tracking/Tracker.h>
 #include <mrpt/system/CTimeLogger.h>
 
+#include <algorithm>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -116,7 +117,7 @@ struct Pipeline::Stages
   std::optional<Frame> first;            //!< until the second one has come
   StaticMap map;
   std::function<void(Frame)> on_decided;
-  bool whole = true;  //!< frames for on_decided
+  KeptParts decided_parts = KeptParts::points;  //!< of frames, for on_decided
 };
 
 void Pipeline::Stages::insertInMap(const Frame& decided)
@@ -222,15 +223,11 @@ bool Pipeline::optimise(Frame& frame)
 
 KeptParts Pipeline::Stages::keptOf(const Frame& frame) const
 {
-  if (on_decided && whole)
-  {
-    return KeptParts::all;
-  }
-  if (options.mapping && frame.is_keyframe)
-  {
-    return KeptParts::cloud;
-  }
-  return tracker_again || on_decided ? KeptParts::points : KeptParts::none;
+  const KeptParts for_map =
+      options.mapping && frame.is_keyframe ? KeptParts::cloud : KeptParts::none;
+  const KeptParts for_tracker = tracker_again ? KeptParts::points : KeptParts::none;
+  const KeptParts for_user = on_decided ? decided_parts : KeptParts::none;
+  return std::max({for_map, for_tracker, for_user});
 }
 
 void Pipeline::Stages::decide(const Frame& frame)
@@ -284,10 +281,10 @@ void Pipeline::addToMap(const Frame& frame)
   }
 }
 
-void Pipeline::onDecided(std::function<void(Frame)> use, bool whole)
+void Pipeline::onDecided(std::function<void(Frame)> use, KeptParts parts)
 {
   stages_->on_decided = std::move(use);
-  stages_->whole = whole;
+  stages_->decided_parts = std::max(parts, KeptParts::points);
 }
 
 bool Pipeline::tracksAgain() const

@@ -62,7 +62,8 @@ struct OutputName
 enum class FrameKind
 {
   causal,
-  decided_objects,  //!< final, maybe without the scan
+  decided_objects,  //!< final, maybe with the points of the cloud alone
+  decided_points,   //!< final, with points and intensities; causal if no scan need be decided
   decided           //!< final, whole
 };
 

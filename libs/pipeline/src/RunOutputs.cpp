@@ -45,7 +45,7 @@ struct OutputOptions : Options
       }
     }
     v.real("scene_voxel_size", scene_voxel_size, 0.01, 100,
-           "m, one map point of the scene per cube");
+           "one map point of the scene per cube [m]");
     v.real("checkpoint_seconds", checkpoint_seconds, 0, 1e6,
            "s between checkpoints for --resume; 0: none");
   }
@@ -245,21 +245,42 @@ void RunOutputs::add(Frame frame)
   add(std::move(frame), false);
 }
 
-void RunOutputs::takeCausalObjects()
+void RunOutputs::preferCausal()
 {
+  const bool all_decided =
+      std::any_of(entries_.begin(), entries_.end(),
+                  [](const Entry& entry) { return entry.wants == FrameKind::decided; });
   for (Entry& entry : entries_)
   {
-    if (entry.wants == FrameKind::decided_objects)
+    if (entry.wants == FrameKind::decided_objects ||
+        (entry.wants == FrameKind::decided_points && !all_decided))
     {
       entry.wants = FrameKind::causal;
     }
   }
 }
 
-bool RunOutputs::wantWhole() const
+KeptParts RunOutputs::decidedParts() const
 {
-  return std::any_of(entries_.begin(), entries_.end(),
-                     [](const Entry& entry) { return entry.wants == FrameKind::decided; });
+  KeptParts parts = KeptParts::none;
+  for (const Entry& entry : entries_)
+  {
+    switch (entry.wants)
+    {
+      case FrameKind::causal:
+        break;
+      case FrameKind::decided_objects:
+        parts = std::max(parts, KeptParts::points);
+        break;
+      case FrameKind::decided_points:
+        parts = std::max(parts, KeptParts::intensity);
+        break;
+      case FrameKind::decided:
+        parts = KeptParts::all;
+        break;
+    }
+  }
+  return parts;
 }
 
 void RunOutputs::addDecided(Frame frame)

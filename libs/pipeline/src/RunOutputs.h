@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <dyslam/mapping/HindsightLabels.h>
+
 #include <functional>
 #include <memory>
 #include <string>
@@ -29,11 +31,11 @@ class RunOutputs
   void open();
   /** Takes the frame; slow outputs write in another thread. */
   void add(Frame frame);
-  /** For runs whose decided frames have the same objects: outputs that want these get causal
-   * frames. */
-  void takeCausalObjects();
-  /** Whether an output wants whole decided frames. */
-  [[nodiscard]] bool wantWhole() const;
+  /** For runs that do not track again: outputs that want the objects of decided frames get causal
+   * frames, which have the same; and so does the replay unless every scan is decided anyway. */
+  void preferCausal();
+  /** What the outputs need of decided frames; `none` if no output wants these. */
+  [[nodiscard]] KeptParts decidedParts() const;
   /** The same frame again, later, for the outputs that want final moving points. */
   void addDecided(Frame frame);
   /** Seconds between checkpoints, 0: none. */

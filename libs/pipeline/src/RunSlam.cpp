@@ -141,7 +141,14 @@ SlamRunReport replayToTheEnd(const SlamRunSettings& settings,
     }
     damage = error.what();  // the frames before it are kept
   }
-  run.pipeline().finish();
+  try
+  {
+    run.pipeline().finish();
+  }
+  catch (const std::exception& error)
+  {
+    damage += (damage.empty() ? "" : "; ") + std::string(error.what());
+  }
   return run.finish(source.warnings(), damage);
 }
 

@@ -92,7 +92,7 @@ std::vector<std::string> RunStatistics::warnings(bool has_labels) const
         " could not be registered, most often because: " + registration_failures.mostFrequent());
   }
   constexpr double dense_traffic = 0.15;  // of the points
-  if (!has_labels &&
+  if (!has_labels && failure(false).empty() &&
       static_cast<double>(moving_points) > dense_traffic * static_cast<double>(points))
   {
     result.push_back(

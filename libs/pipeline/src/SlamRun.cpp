@@ -149,12 +149,12 @@ struct SlamRun::Impl
     config.requireAllUsed();
     if (!pipeline.tracksAgain())
     {
-      outputs.takeCausalObjects();
+      outputs.preferCausal();
     }
-    if (pipeline.tracksAgain() || outputs.wantWhole())
+    const KeptParts parts = outputs.decidedParts();
+    if (pipeline.tracksAgain() || parts != KeptParts::none)
     {
-      pipeline.onDecided([this](Frame frame) { addDecided(std::move(frame)); },
-                         outputs.wantWhole());
+      pipeline.onDecided([this](Frame frame) { addDecided(std::move(frame)); }, parts);
     }
   }
 

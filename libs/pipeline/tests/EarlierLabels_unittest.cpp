@@ -69,6 +69,22 @@ TEST(EarlierLabels, TakeMovingPointsOutAndPutThemBack)
   EXPECT_TRUE(frame.static_prior.empty()) << "the segmenter gave none";
 }
 
+TEST(EarlierLabels, PutBackAScanOfWhichAllPointsMove)
+{
+  const TestFolder folder;
+  writeLabels(folder.file("000007.label"), {moving_car, moving_car});
+  Frame frame = frameOf(2);
+  const Frame before = frame;
+  const Scan moving = EarlierLabels(folder.path()).takeMoving(frame);
+  Cloud cloud = cloudOf(moving);
+  cloud.intensity.clear();  // the recording has none
+  putBackMoving(moving, cloud, frame);
+  EXPECT_EQ(frame.cloud.points, before.scan.points);
+  EXPECT_EQ(frame.cloud.source, (std::vector<std::uint32_t>{0, 1}));
+  EXPECT_TRUE(frame.cloud.intensity.empty());
+  EXPECT_TRUE(frame.cloud.phase.empty());
+}
+
 TEST(EarlierLabels, AreOfTheSameScans)
 {
   const TestFolder folder;

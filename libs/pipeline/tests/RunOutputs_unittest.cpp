@@ -145,7 +145,7 @@ TEST_F(RunOutputsTest, DecidedFramesGoToThoseThatWantThem)
   const Config given;
   ConfigLoader config(given);
   RunOutputs outputs(settings_, config, {{makeDecided}, {makeB<true>}, report_row});
-  EXPECT_TRUE(outputs.wantWhole());
+  EXPECT_EQ(outputs.decidedParts(), KeptParts::all);
   outputs.open();
   for (std::size_t i = 0; i < 4; ++i)
   {

@@ -57,15 +57,19 @@ Path laneFrom(const StreetGrid& grid, const LaneKey& k)
   return warped(grid, {u, here.center + sign * (here.half() + kSetback)},
                 {u, there.center - sign * (there.half() + kSetback)});
 }
-}  // namespace
 
-LaneNetwork makeLanes(
-    const StreetGrid& grid, int first_u, int first_v, int ring_u, int ring_v, bool clockwise)
+using Junction = std::array<int, 2>;  // numbers of its two streets
+constexpr std::array<Junction, 4> kStep{{{1, 0}, {0, 1}, {-1, 0}, {0, -1}}};
+
+Junction junctionAfter(const Junction& junction, int direction)
 {
-  LaneNetwork net;
-  const int nu = static_cast<int>(grid.along_v.size()), nv = static_cast<int>(grid.along_u.size());
-  const auto junction = [&](int i, int j) { return i * nv + j; };
-  constexpr std::array<std::array<int, 2>, 4> kStep{{{1, 0}, {0, 1}, {-1, 0}, {0, -1}}};
+  const Junction& step = kStep[static_cast<std::size_t>(direction)];
+  return {junction[0] + step[0], junction[1] + step[1]};
+}
+
+/** Adds a lane from each junction to each of its neighbours. \return their numbers. */
+std::map<LaneKey, int> addStreetLanes(const StreetGrid& grid, int nu, int nv, LaneNetwork& net)
+{
   std::map<LaneKey, int> ids;
   Rng rng(combine(static_cast<std::uint64_t>(nu * 131 + nv), 7));
   for (int i = 0; i < nu; ++i)
@@ -74,8 +78,7 @@ LaneNetwork makeLanes(
     {
       for (int d = 0; d < 4; ++d)
       {
-        const int ti = i + kStep[static_cast<std::size_t>(d)][0],
-                  tj = j + kStep[static_cast<std::size_t>(d)][1];
+        const auto [ti, tj] = junctionAfter({i, j}, d);
         if (ti < 0 || tj < 0 || ti >= nu || tj >= nv)
         {
           continue;
@@ -88,12 +91,18 @@ LaneNetwork makeLanes(
       }
     }
   }
-  net.junctions = nu * nv;
+  return ids;
+}
+
+/** Adds the lanes across the junctions. \return their numbers, by the lanes that they connect. */
+std::map<std::pair<int, int>, int> addTurns(const std::map<LaneKey, int>& ids,
+                                            int nv,
+                                            LaneNetwork& net)
+{
   std::map<std::pair<int, int>, int> turn_between;
-  for (const auto& [from, from_id] : std::map<LaneKey, int>(ids))
+  for (const auto& [from, from_id] : ids)
   {
-    const int i = from.i + kStep[static_cast<std::size_t>(from.direction)][0],
-              j = from.j + kStep[static_cast<std::size_t>(from.direction)][1];
+    const auto [i, j] = junctionAfter({from.i, from.j}, from.direction);
     for (const int turn : {3, 0, 1})  // right, straight on, left
     {
       const auto to = ids.find({i, j, (from.direction + turn) % 4});
@@ -105,7 +114,7 @@ LaneNetwork makeLanes(
       const auto start = net.lanes[static_cast<std::size_t>(from_id)].path.at(1e9);
       const auto end = net.lanes[static_cast<std::size_t>(to->second)].path.at(0);
       lane.path = Path(bezier(start.position, start.heading, end.position, end.heading, 14));
-      lane.junction = junction(i, j);
+      lane.junction = i * nv + j;
       lane.speed_limit = turn == 0 ? 11 : turn == 3 ? 5.0 : 6.0;
       lane.next = {to->second};
       const int id = static_cast<int>(net.lanes.size());
@@ -114,41 +123,57 @@ LaneNetwork makeLanes(
       turn_between[{from_id, to->second}] = id;
     }
   }
-  net.findConflicts();
+  return turn_between;
+}
 
-  // Junctions of the ring in order, anticlockwise first.
-  std::vector<std::array<int, 2>> corners;
+/** Junctions of the ring in order, anticlockwise. */
+std::vector<Junction> ringJunctions(int first_u, int first_v, int ring_u, int ring_v)
+{
+  std::vector<Junction> ring;
   const int u1 = first_u + ring_u, v1 = first_v + ring_v;
   for (int i = first_u; i < u1; ++i)
   {
-    corners.push_back({i, first_v});
+    ring.push_back({i, first_v});
   }
   for (int j = first_v; j < v1; ++j)
   {
-    corners.push_back({u1, j});
+    ring.push_back({u1, j});
   }
   for (int i = u1; i > first_u; --i)
   {
-    corners.push_back({i, v1});
+    ring.push_back({i, v1});
   }
   for (int j = v1; j > first_v; --j)
   {
-    corners.push_back({first_u, j});
+    ring.push_back({first_u, j});
   }
+  return ring;
+}
+}  // namespace
+
+LaneNetwork makeLanes(
+    const StreetGrid& grid, int first_u, int first_v, int ring_u, int ring_v, bool clockwise)
+{
+  LaneNetwork net;
+  const int nu = static_cast<int>(grid.along_v.size()), nv = static_cast<int>(grid.along_u.size());
+  const std::map<LaneKey, int> ids = addStreetLanes(grid, nu, nv, net);
+  net.junctions = nu * nv;
+  const std::map<std::pair<int, int>, int> turn_between = addTurns(ids, nv, net);
+  net.findConflicts();
+
+  std::vector<Junction> ring = ringJunctions(first_u, first_v, ring_u, ring_v);
   if (clockwise)
   {
-    std::reverse(corners.begin(), corners.end());
+    std::reverse(ring.begin(), ring.end());
   }
   std::vector<int> route;
-  for (std::size_t k = 0; k < corners.size(); ++k)
+  for (std::size_t k = 0; k < ring.size(); ++k)
   {
-    const auto &a = corners[k], &b = corners[(k + 1) % corners.size()];
     for (int d = 0; d < 4; ++d)
     {
-      if (a[0] + kStep[static_cast<std::size_t>(d)][0] == b[0] &&
-          a[1] + kStep[static_cast<std::size_t>(d)][1] == b[1])
+      if (junctionAfter(ring[k], d) == ring[(k + 1) % ring.size()])
       {
-        route.push_back(ids.at({a[0], a[1], d}));
+        route.push_back(ids.at({ring[k][0], ring[k][1], d}));
       }
     }
   }

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "Random.h"
 
@@ -165,12 +166,37 @@ class Caster
                : 0.5F;
   }
 
+  /** What a ray hit. */
+  struct Surface
+  {
+    const SceneItem* item;
+    const MaterialProperties* material;
+    const PartMotion* part;  //!< none of the static scene
+    float reflectivity;
+  };
+  /** Motion of the sensor to the next scan. */
+  struct ScanMotion
+  {
+    Pose T_next_map;
+    Eigen::Isometry3f T_next_stamp;
+  };
+
   void tracePacket(std::size_t column, std::size_t count, std::size_t b);
+  [[nodiscard]] Surface surfaceOf(const Hit& hit) const;
+  /** The range of a hit with the relief of the surface and the errors of the sensor [m], nothing if
+   * the return is lost. Varies the surface's reflectivity over its relief. */
+  [[nodiscard]] std::optional<float> measuredRange(std::size_t column,
+                                                   std::size_t b,
+                                                   const Eigen::Vector3f& ray,
+                                                   Surface& surface) const;
+  /** In [0, 1], in steps of 1/255. */
+  [[nodiscard]] float measuredIntensity(std::size_t column,
+                                        std::size_t b,
+                                        float reflectivity) const;
   void resolveHit(std::size_t column,
                   std::size_t b,
-                  const Pose& T_map_lidar,
+                  const ScanMotion& motion,
                   const Eigen::Isometry3f& T_stamp_column,
-                  const Eigen::Isometry3f& T_next_stamp,
                   const Eigen::Vector3f& ray,
                   ChunkOutput& out) const;
 
@@ -258,149 +284,166 @@ void Caster::tracePacket(std::size_t column, std::size_t count, std::size_t b)
 void Caster::resolve(std::size_t begin, std::size_t end, ChunkOutput& out) const
 {
   const Pose T_lidar_map = scene_.T_map_lidar.inverse();
-  const Eigen::Isometry3f T_next_stamp =
-      (scene_.T_map_lidar_next.inverse() * scene_.T_map_lidar).cast<float>();
+  const Pose T_next_map = scene_.T_map_lidar_next.inverse();
+  const ScanMotion motion{T_next_map, (T_next_map * scene_.T_map_lidar).cast<float>()};
   out.body_returns.assign(scene_.bodies->size(), {});
   for (std::size_t c = begin; c < end; ++c)
   {
-    const Pose& T_map_lidar = scene_.T_map_lidar_column[c];
-    const Eigen::Isometry3f T_stamp_column = (T_lidar_map * T_map_lidar).cast<float>();
+    const Eigen::Isometry3f T_stamp_column =
+        (T_lidar_map * scene_.T_map_lidar_column[c]).cast<float>();
     const Column column = columnAt(c);
     for (std::size_t b = 0; b < beam_count_; ++b)
     {
       if (hits_[c * beam_count_ + b].range > 0 && !isOccludedByCarrier(column, b))
       {
-        resolveHit(c, b, T_map_lidar, T_stamp_column, T_next_stamp, direction(column, b), out);
+        resolveHit(c, b, motion, T_stamp_column, direction(column, b), out);
       }
     }
   }
 }
 
-void Caster::resolveHit(std::size_t column,
-                        std::size_t b,
-                        const Pose& T_map_lidar,
-                        const Eigen::Isometry3f& T_stamp_column,
-                        const Eigen::Isometry3f& T_next_stamp,
-                        const Eigen::Vector3f& ray,
-                        ChunkOutput& out) const
+Caster::Surface Caster::surfaceOf(const Hit& hit) const
 {
-  const Hit& hit = hits_[column * beam_count_ + b];
   const bool moved = hit.item < 0;
   const SceneItem& item =
       moved ? scene_.moving_scene->items()[static_cast<std::size_t>(-1 - hit.item)]
             : scene_.static_scene->items()[static_cast<std::size_t>(hit.item)];
   const Material material = item.mesh->materials[static_cast<std::size_t>(hit.quad)];
   const MaterialProperties& m = properties(material);
-  const double fraction = static_cast<double>(sweepFraction(column));
-  const Eigen::Vector3f origin(0, 0, beams_.height[b]);
-  float range = hit.range;
-  float reflectivity = m.reflectivity;
-  if (item.reflectivity >= 0 && (material == Material::paint || material == Material::cloth))
-  {
-    reflectivity = item.reflectivity;
-  }
-  const PartMotion* part = nullptr;
-  if (moved)
-  {
-    part = &(*scene_.bodies)[static_cast<std::size_t>(item.body)]
-                .parts[static_cast<std::size_t>(item.part)];
-  }
-  if (scene_.noise)
-  {
-    // Relief is fixed to the surface and moves with bodies.
-    Eigen::Vector3d on_surface = T_map_lidar * (range * ray + origin).cast<double>();
-    if (part != nullptr)
-    {
-      on_surface = part->at(fraction).inverse() * on_surface;
-    }
-    const Eigen::Vector3f p = m.relief_per_metre * on_surface.cast<float>();
-    const float relief = latticeNoise(p.x(), p.y(), p.z());
-    range += m.roughness * relief / std::max(hit.cosine, 0.12F);
-    reflectivity =
-        std::max(0.02F, reflectivity +
-                            m.spread * latticeNoise(0.7F * p.x() + 31, 0.7F * p.y(), 0.7F * p.z()));
+  const bool coloured =
+      item.reflectivity >= 0 && (material == Material::paint || material == Material::cloth);
+  const PartMotion* part = moved ? &(*scene_.bodies)[static_cast<std::size_t>(item.body)]
+                                        .parts[static_cast<std::size_t>(item.part)]
+                                 : nullptr;
+  return {&item, &m, part, coloured ? item.reflectivity : m.reflectivity};
+}
 
-    const float gloss = 1 - m.gloss * (1 - hit.cosine) * (1 - hit.cosine);
-    const float signal = reflectivity * gloss * std::sqrt(hit.cosine) / 0.1F *
-                         static_cast<float>(sensor_.reference_range * sensor_.reference_range) /
-                         (range * range);
-    const float detection_probability = signal * signal / (1 + signal * signal) * (1 - m.loss) *
-                                        (1 - static_cast<float>(sensor_.random_loss));
-    // Losses on glass are spatially correlated.
-    const float patch = 0.5F + 0.5F * latticeNoise(1.3F * p.x() + 7, 1.3F * p.y(), 1.3F * p.z());
-    const float draw = unit(hash(column, b, kDrawLoss));
-    if ((m.loss > 0.2F ? 0.25F * draw + 0.75F * patch : draw) > detection_probability)
-    {
-      return;
-    }
-    // Mixed pixel: the beam meets two surfaces.
-    const std::uint64_t mixed = hash(column, b, kDrawMixed);
-    const Hit& beside =
-        hits_[((column + 1) % static_cast<std::size_t>(sensor_.columns)) * beam_count_ + b];
-    const float step = beside.range - hit.range;
-    if (beside.range > 0 && std::abs(step) > 0.25F && std::abs(step) < 2.5F && unit(mixed) < 0.18F)
-    {
-      range += step * unit(mix(mixed));
-    }
-    range += static_cast<float>(sensor_.range_noise) *
-                 (0.7F + 0.3F / std::sqrt(std::min(1.0F, signal) + 0.02F)) *
-                 normal(hash(column, b, kDrawRange)) +
-             beams_.bias[b];
-    if (sensor_.range_resolution > 0)
-    {
-      const auto grid = static_cast<float>(sensor_.range_resolution);
-      range = grid * std::round(range / grid);
-    }
-    if (range < static_cast<float>(sensor_.min_range))
-    {
-      return;
-    }
+std::optional<float> Caster::measuredRange(std::size_t column,
+                                           std::size_t b,
+                                           const Eigen::Vector3f& ray,
+                                           Surface& surface) const
+{
+  const Hit& hit = hits_[column * beam_count_ + b];
+  const MaterialProperties& m = *surface.material;
+  float range = hit.range;
+  // Relief is fixed to the surface and moves with bodies.
+  const Eigen::Vector3f origin(0, 0, beams_.height[b]);
+  Eigen::Vector3d on_surface =
+      scene_.T_map_lidar_column[column] * (range * ray + origin).cast<double>();
+  if (surface.part != nullptr)
+  {
+    on_surface =
+        surface.part->at(static_cast<double>(sweepFraction(column))).inverse() * on_surface;
   }
-  const float shade = 0.35F + 0.65F * hit.cosine;
+  const Eigen::Vector3f p = m.relief_per_metre * on_surface.cast<float>();
+  const float relief = latticeNoise(p.x(), p.y(), p.z());
+  range += m.roughness * relief / std::max(hit.cosine, 0.12F);
+  surface.reflectivity =
+      std::max(0.02F, surface.reflectivity +
+                          m.spread * latticeNoise(0.7F * p.x() + 31, 0.7F * p.y(), 0.7F * p.z()));
+
+  const float gloss = 1 - m.gloss * (1 - hit.cosine) * (1 - hit.cosine);
+  const float signal = surface.reflectivity * gloss * std::sqrt(hit.cosine) / 0.1F *
+                       static_cast<float>(sensor_.reference_range * sensor_.reference_range) /
+                       (range * range);
+  const float detection_probability = signal * signal / (1 + signal * signal) * (1 - m.loss) *
+                                      (1 - static_cast<float>(sensor_.random_loss));
+  // Losses on glass are spatially correlated.
+  const float patch = 0.5F + 0.5F * latticeNoise(1.3F * p.x() + 7, 1.3F * p.y(), 1.3F * p.z());
+  const float draw = unit(hash(column, b, kDrawLoss));
+  if ((m.loss > 0.2F ? 0.25F * draw + 0.75F * patch : draw) > detection_probability)
+  {
+    return std::nullopt;
+  }
+  // Mixed pixel: the beam meets two surfaces.
+  const std::uint64_t mixed = hash(column, b, kDrawMixed);
+  const Hit& beside =
+      hits_[((column + 1) % static_cast<std::size_t>(sensor_.columns)) * beam_count_ + b];
+  const float step = beside.range - hit.range;
+  if (beside.range > 0 && std::abs(step) > 0.25F && std::abs(step) < 2.5F && unit(mixed) < 0.18F)
+  {
+    range += step * unit(mix(mixed));
+  }
+  range += static_cast<float>(sensor_.range_noise) *
+               (0.7F + 0.3F / std::sqrt(std::min(1.0F, signal) + 0.02F)) *
+               normal(hash(column, b, kDrawRange)) +
+           beams_.bias[b];
+  if (sensor_.range_resolution > 0)
+  {
+    const auto grid = static_cast<float>(sensor_.range_resolution);
+    range = grid * std::round(range / grid);
+  }
+  if (range < static_cast<float>(sensor_.min_range))
+  {
+    return std::nullopt;
+  }
+  return range;
+}
+
+float Caster::measuredIntensity(std::size_t column, std::size_t b, float reflectivity) const
+{
+  const float shade = 0.35F + 0.65F * hits_[column * beam_count_ + b].cosine;
   const float brightness =
       reflectivity * shade *
       (scene_.noise ? 1 + 0.08F * normal(hash(column, b, kDrawIntensity)) : 1.0F);
+  return std::round(255 * std::clamp(brightness, 0.0F, 1.0F)) / 255;
+}
 
-  const Eigen::Vector3f point = range * ray + origin;
+void Caster::resolveHit(std::size_t column,
+                        std::size_t b,
+                        const ScanMotion& motion,
+                        const Eigen::Isometry3f& T_stamp_column,
+                        const Eigen::Vector3f& ray,
+                        ChunkOutput& out) const
+{
+  const Hit& hit = hits_[column * beam_count_ + b];
+  Surface surface = surfaceOf(hit);
+  const std::optional<float> range =
+      scene_.noise ? measuredRange(column, b, ray, surface) : std::optional<float>(hit.range);
+  if (!range)
+  {
+    return;
+  }
+  const Eigen::Vector3f point = *range * ray + Eigen::Vector3f(0, 0, beams_.height[b]);
   const Eigen::Vector3f deskewed = T_stamp_column * point;
-  Eigen::Vector3f flow;
-  std::uint16_t semantic = m.semantic != 0 ? m.semantic : item.semantic;
-  std::uint16_t instance = item.instance;
-  bool moving = false;
   const float time =
       scene_.motion_distortion
           ? static_cast<float>(sensor_.columnTime(static_cast<double>(column))) + beams_.time[b]
           : 0.0F;
-  if (part != nullptr)
+  Eigen::Vector3f flow;
+  std::uint32_t semantic =
+      surface.material->semantic != 0 ? surface.material->semantic : surface.item->semantic;
+  std::uint32_t instance = surface.item->instance;
+  bool moving = false;
+  if (surface.part != nullptr)
   {
-    const BodyMotion& body = (*scene_.bodies)[static_cast<std::size_t>(item.body)];
+    const BodyMotion& body = (*scene_.bodies)[static_cast<std::size_t>(surface.item->body)];
     moving = body.moving;
     semantic = body.semantic;
     instance = body.instance;
-    const Eigen::Vector3d local =
-        part->at(fraction).inverse() * (T_map_lidar * point.cast<double>());
-    const Eigen::Vector3d next =
-        scene_.T_map_lidar_next.inverse() * (part->nextAt(fraction) * local);
+    const double fraction = static_cast<double>(sweepFraction(column));
+    const Eigen::Vector3d local = surface.part->at(fraction).inverse() *
+                                  (scene_.T_map_lidar_column[column] * point.cast<double>());
+    const Eigen::Vector3d next = motion.T_next_map * (surface.part->nextAt(fraction) * local);
     flow = next.cast<float>() - deskewed;
-    auto& returns = out.body_returns[static_cast<std::size_t>(item.body)];
+    auto& returns = out.body_returns[static_cast<std::size_t>(surface.item->body)];
     ++returns.points;
     returns.time += static_cast<double>(time);
   }
   else
   {
-    flow = T_next_stamp * deskewed - deskewed;
+    flow = motion.T_next_stamp * deskewed - deskewed;
   }
   out.points.push_back(point);
   out.deskewed.push_back(deskewed);
   out.flow.push_back(flow);
-  out.intensity.push_back(std::round(255 * std::clamp(brightness, 0.0F, 1.0F)) / 255);
+  out.intensity.push_back(measuredIntensity(column, b, surface.reflectivity));
   out.time.push_back(time);
   if (sensor_.spins())
   {
     out.ring.push_back(static_cast<std::uint16_t>(b));
   }
-  out.label.push_back(static_cast<std::uint32_t>(semantic) | static_cast<std::uint32_t>(instance)
-                                                                 << 16);
+  out.label.push_back(semantic | instance << 16);
   out.moving.push_back(moving ? 1 : 0);
 }
 

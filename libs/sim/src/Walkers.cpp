@@ -225,58 +225,19 @@ class Walkers : public Crowd::Group
       state.speed = 0;
       return;
     }
-    Eigen::Vector2d d = w.target - w.position;
-    if (d.norm() < (w.rides ? 1.6 : 0.5))
+    if ((w.target - w.position).norm() < (w.rides ? 1.6 : 0.5))
     {
-      const auto& next = net_.links[static_cast<std::size_t>(w.next_link)];
-      if (!next.crossing || net_.links[static_cast<std::size_t>(w.link)].crossing ||
-          mayCross(w.next_link))
-      {
-        const int after = other(w.next_link, w.to);
-        w.from = w.to;
-        w.to = after;
-        w.link = w.next_link;
-        chooseNext(w);
-        d = w.target - w.position;
-      }
-      else
-      {
-        w.pause_until = crowd_.time() + 0.4;
-      }
+      continueOrWait(w);
     }
     if (!w.rides && rng_.chance(0.004 * dt))
     {
       w.pause_until = crowd_.time() + rng_.uniform(2, 12);
     }
-    const double target_heading = std::atan2(d.y(), d.x());
-    double desired_speed = crowd_.time() < w.pause_until ? 0 : w.desired_speed;
-    // Slower in corners and behind others; evades standing ones.
-    const double off = wrapToPi(target_heading - w.yaw);
-    desired_speed *= std::max(0.25, std::cos(std::min(std::abs(off), 1.4)));
-    const auto [gap, who] =
-        bodyAhead(crowd_, w.actor, w.position, w.yaw, w.rides ? 0.45 : 0.3, w.rides ? 3.5 : 1.6);
-    double evasion = 0;
-    if (who >= 0)
-    {
-      const double room = w.rides ? 1.2 : 0.5;
-      desired_speed =
-          std::min(desired_speed, std::max(0.0, 1.2 * (gap - room)) + (w.stuck > 1.5 ? 0.3 : 0.0));
-      evasion = w.stuck > 0.5 || gap < 1.2 ? -0.7 : -0.35;  // to the right
-    }
-    // The ego is an obstacle as well.
-    const Eigen::Vector2d to_ego = crowd_.ego().position - w.position;
-    if (to_ego.norm() < (w.rides ? 2.5 : 1.5) &&
-        to_ego.x() * std::cos(w.yaw) + to_ego.y() * std::sin(w.yaw) > 0)
-    {
-      desired_speed = std::min(desired_speed, 0.5 * w.desired_speed);
-      evasion = -0.8;
-      desired_speed = to_ego.norm() < 0.9 ? 0.2 : desired_speed;
-    }
+    const Steering steering = steer(w);
     w.stuck = w.v < 0.15 && crowd_.time() >= w.pause_until ? w.stuck + dt : 0;
     const double rate = w.rides ? 1.5 : 2.5;
-    w.v += std::clamp(desired_speed - w.v, -2 * rate * dt, rate * dt);
-    const double turn =
-        std::clamp(wrapToPi(target_heading + evasion - w.yaw), -1.0, 1.0) * (w.rides ? 1.8 : 3.0);
+    w.v += std::clamp(steering.speed - w.v, -2 * rate * dt, rate * dt);
+    const double turn = std::clamp(steering.turn, -1.0, 1.0) * (w.rides ? 1.8 : 3.0);
     w.yaw = wrapToPi(w.yaw + turn * dt * std::min(1.0, 0.2 + w.v));
     w.position += w.v * dt * Eigen::Vector2d(std::cos(w.yaw), std::sin(w.yaw));
     if (w.rides)
@@ -293,6 +254,60 @@ class Walkers : public Crowd::Group
     }
     crowd_.setPosition(w.actor, w.position, w.yaw);
     state.speed = w.v;
+  }
+
+  /** At the end of a link: the next one, or a pause before a crossing that is not free. */
+  void continueOrWait(Walker& w)
+  {
+    const auto& next = net_.links[static_cast<std::size_t>(w.next_link)];
+    if (!next.crossing || net_.links[static_cast<std::size_t>(w.link)].crossing ||
+        mayCross(w.next_link))
+    {
+      const int after = other(w.next_link, w.to);
+      w.from = w.to;
+      w.to = after;
+      w.link = w.next_link;
+      chooseNext(w);
+    }
+    else
+    {
+      w.pause_until = crowd_.time() + 0.4;
+    }
+  }
+
+  struct Steering
+  {
+    double speed;  //!< [m/s]
+    double turn;   //!< from the present heading [rad]
+  };
+
+  /** Towards the target; slower in corners and behind others, evades standing ones and the ego. */
+  Steering steer(const Walker& w)
+  {
+    const Eigen::Vector2d d = w.target - w.position;
+    const double target_heading = std::atan2(d.y(), d.x());
+    double desired_speed = crowd_.time() < w.pause_until ? 0 : w.desired_speed;
+    const double off = wrapToPi(target_heading - w.yaw);
+    desired_speed *= std::max(0.25, std::cos(std::min(std::abs(off), 1.4)));
+    const auto [gap, who] =
+        bodyAhead(crowd_, w.actor, w.position, w.yaw, w.rides ? 0.45 : 0.3, w.rides ? 3.5 : 1.6);
+    double evasion = 0;
+    if (who >= 0)
+    {
+      const double room = w.rides ? 1.2 : 0.5;
+      desired_speed =
+          std::min(desired_speed, std::max(0.0, 1.2 * (gap - room)) + (w.stuck > 1.5 ? 0.3 : 0.0));
+      evasion = w.stuck > 0.5 || gap < 1.2 ? -0.7 : -0.35;  // to the right
+    }
+    const Eigen::Vector2d to_ego = crowd_.ego().position - w.position;
+    if (to_ego.norm() < (w.rides ? 2.5 : 1.5) &&
+        to_ego.x() * std::cos(w.yaw) + to_ego.y() * std::sin(w.yaw) > 0)
+    {
+      desired_speed = std::min(desired_speed, 0.5 * w.desired_speed);
+      evasion = -0.8;
+      desired_speed = to_ego.norm() < 0.9 ? 0.2 : desired_speed;
+    }
+    return {desired_speed, wrapToPi(target_heading + evasion - w.yaw)};
   }
 
   Crowd& crowd_;

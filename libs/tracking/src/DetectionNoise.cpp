@@ -31,12 +31,12 @@ constexpr double square(double x)
 
 void ClassNoise::describe(OptionsVisitor& v)
 {
-  v.real("radial", radial, 0.001, 10, "standard deviation along the line of sight at range 0, m");
+  v.real("radial", radial, 0.001, 10, "standard deviation along the line of sight at range 0 [m]");
   v.real("radial_per_range", radial_per_range, 0, 1, "its increase with range, m/m");
   v.real("tangential", tangential, 0.001, 10,
-         "standard deviation across the line of sight at range 0, m");
+         "standard deviation across the line of sight at range 0 [m]");
   v.real("tangential_per_range", tangential_per_range, 0, 1, "its increase with range, m/m");
-  v.real("height", height, 0.001, 10, "standard deviation of the height, m");
+  v.real("height", height, 0.001, 10, "standard deviation of the height [m]");
   v.degrees("yaw_deg", yaw, 0.01, 180, "standard deviation of the heading at range 0, deg");
   v.degrees("yaw_per_range_deg", yaw_per_range, 0, 10, "its increase with range, deg/m");
 }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/DisjointSets.h>
+#include <dyslam/core/Error.h>
 #include <dyslam/tracking/Detector.h>
 
 #include <algorithm>
@@ -241,18 +242,18 @@ std::vector<std::vector<std::uint32_t>> linkNodes(const std::vector<Node>& nodes
 void DetectorOptions::describe(OptionsVisitor& v)
 {
   v.real("ground_clearance", ground_clearance, -10, 10,
-         "height above ground below which points are not clustered, m");
-  v.real("ground_cell", ground_cell, 0.1, 100, "cell size of the local ground height map, m");
-  v.real("distance", distance, 0.01, 10, "largest gap within a cluster at range 0, m");
+         "height above ground below which points are not clustered [m]");
+  v.real("ground_cell", ground_cell, 0.1, 100, "cell size of the local ground height map [m]");
+  v.real("distance", distance, 0.01, 10, "largest gap within a cluster at range 0 [m]");
   v.real("distance_per_range", distance_per_range, 0, 1, "its increase per metre of range");
-  v.real("max_distance", max_distance, 0.01, 10, "its upper limit, m");
+  v.real("max_distance", max_distance, 0.01, 10, "its upper limit [m]");
   v.integer("min_points", min_points, 1, 100000, "least number of points of a cluster");
-  v.real("min_height", min_height, 0, 10, "least height of a cluster, m");
-  v.real("max_length", max_length, 0.1, 1000, "largest length of a cluster, m");
-  v.real("max_range", max_range, 1, 1000, "largest horizontal range of points, m");
+  v.real("min_height", min_height, 0, 10, "least height of a cluster [m]");
+  v.real("max_length", max_length, 0.1, 1000, "largest length of a cluster [m]");
+  v.real("max_range", max_range, 1, 1000, "largest horizontal range of points [m]");
   v.degrees("yaw_step_deg", yaw_step, 0.1, 45, "step of the L-shape heading search");
   v.real("position_sigma", position_sigma, 0.001, 10,
-         "standard deviation of the position of a box of many points, m");
+         "standard deviation of the position of a box of many points [m]");
   v.degrees("yaw_sigma_deg", yaw_sigma, 0.1, 180,
             "standard deviation of the yaw of a box of many points");
 }
@@ -260,6 +261,11 @@ void DetectorOptions::describe(OptionsVisitor& v)
 Detector::Detector(const DetectorOptions& options) : options_(options)
 {
   validate(options_, "detector");
+  constexpr double most_cells = 1000;  // from the sensor to max_range; the grid is in memory
+  if (options_.max_range > most_cells * options_.ground_cell)
+  {
+    throw UserError("[detector] ground_cell is too small; use at least max_range / 1000");
+  }
 }
 
 void Detector::detect(Frame& frame) const

@@ -10,7 +10,7 @@ namespace
 {
 constexpr float margin = 0.1F;            // around the box, except below [m]
 constexpr float ground_clearance = 0.1F;  // from the bottom of the box up [m]
-constexpr float probability = 0.9F;       // of a point to move, in the box
+constexpr float probability = 0.9F;       // that a point in the box moves
 
 std::vector<std::uint32_t> pointsInside(const Box& box, const std::vector<Eigen::Vector3f>& points)
 {

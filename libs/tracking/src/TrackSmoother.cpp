@@ -13,7 +13,7 @@ namespace
 constexpr int robust_rounds = 2;          // fits after the first one, with outliers down-weighted
 constexpr double least_scatter = 0.02;    // of positions, so that exact ones have no outliers [m]
 constexpr double outlier_medians = 6;     // median residuals beyond which a position has no weight
-constexpr double samples_per_degree = 2;  // observations for each degree beyond the first
+constexpr double samples_per_degree = 2;  // observations per degree of the polynomial
 
 struct Position
 {
@@ -121,7 +121,7 @@ void weighOutliers(std::vector<Position>& observations, const TrackSmoothingOpti
 void TrackSmoothingOptions::describe(OptionsVisitor& v)
 {
   v.real("window", window, 0, 100,
-         "s, earlier and later observations of a track used to smooth it; 0: not smoothed");
+         "earlier and later observations of a track used to smooth it; 0: not smoothed [s]");
   v.integer("degree", degree, 0, 5, "degree of the polynomials");
 }
 

@@ -19,8 +19,8 @@ void ClassTracking::describe(OptionsVisitor& v)
             "misses in a row during which a confirmed track is reported");
   v.real("gate_sigmas", gate_sigmas, 0.1, 100,
          "largest Mahalanobis distance of an associated pair");
-  v.real("gate_distance", gate_distance, 0.01, 100, "largest distance of an associated pair, m");
-  v.real("min_sigma", min_sigma, 0.001, 10, "standard deviation added to a predicted position, m");
+  v.real("gate_distance", gate_distance, 0.01, 100, "largest distance of an associated pair [m]");
+  v.real("min_sigma", min_sigma, 0.001, 10, "standard deviation added to a predicted position [m]");
   v.real("position_weight", position_weight, 0, 100,
          "weight of (Mahalanobis distance / gate)^2 in the cost");
   v.real("overlap_weight", overlap_weight, 0, 100, "weight of (1 - GIoU) / 2 in the cost");
@@ -33,7 +33,7 @@ void ClassTracking::describe(OptionsVisitor& v)
   v.real("score_prior", score_prior, 0, 1000, "zero scores added to the mean of a track's scores");
   v.real("miss_prior", miss_prior, 0, 1000, "zero scores added for each miss");
   v.real("speed_sigma", speed_sigma, 0.01, 100,
-         "standard deviation of a new track's speed, for motion = kalman, m/s");
+         "standard deviation of a new track's speed, for motion = kalman [m/s]");
   v.real("velocity_walk", velocity_walk, 0.01, 100,
          "random walk of the velocity, for motion = kalman, m/s per square root of a second");
 }
@@ -60,8 +60,8 @@ void TrackerOptions::describe(OptionsVisitor& v)
             {"greedy", AssociationMethod::greedy}},
            "solver of the assignment problem");
   v.real("dynamic_speed", dynamic_speed, 0, 100,
-         "speed above which an object becomes dynamic, m/s");
-  v.real("static_speed", static_speed, 0, 100, "speed below which it becomes static again, m/s");
+         "speed above which an object becomes dynamic [m/s]");
+  v.real("static_speed", static_speed, 0, 100, "speed below which it becomes static again [m/s]");
   v.real("dynamic_sigmas", dynamic_sigmas, 0, 100,
          "least speed of a dynamic object in standard deviations");
   v.integer("dynamic_hits", dynamic_hits, 1, 100, "scans in a row that must agree on a change");

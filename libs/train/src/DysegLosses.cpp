@@ -164,8 +164,8 @@ void DysegLossOptions::describe(OptionsVisitor& v)
   v.integer("iterations", iterations, 1, 12, "flow updates in training");
   v.real("decay", decay, 0.1, 1, "weight of an update's flow relative to the next one's");
   v.integer("points", points, 16, 100000, "points of a pair in the point loss");
-  v.real("first_noise", first_noise, 0, 5, "m, error of the first motion in training");
-  v.real("second_noise", second_noise, 0, 5, "m, error of the static flow in training");
+  v.real("first_noise", first_noise, 0, 5, "error of the first motion in training [m]");
+  v.real("second_noise", second_noise, 0, 5, "error of the static flow in training [m]");
 }
 
 namespace

@@ -105,7 +105,7 @@ void DysegTrainerOptions::describe(OptionsVisitor& v)
   v.integer("crop", crop, 64, 2048, "cells along each side in training, a multiple of 16");
   requireMultipleOf16("[train] crop", crop);
   v.real("crop_reach", crop_reach, 0, 1000,
-         "m, greatest distance of the centre of a crop from the sensor, in x and in y");
+         "greatest distance of the centre of a crop from the sensor, in x and in y [m]");
   v.integer("steps", steps, 1, 100000000, "optimiser steps");
   v.integer("batch", batch, 1, most_pairs, "pairs in a step");
   rate.describe(v);

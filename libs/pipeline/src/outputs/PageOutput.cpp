@@ -111,7 +111,7 @@ class PageOutput : public RunOutput
     forEachReported(results,
                     [&](const ReportedState& state)
                     {
-                      if (!state.dynamic)
+                      if (!state.object.dynamic)
                       {
                         return;
                       }

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/Options.h>
 #include <dyslam/core/StateArchive.h>
 #include <dyslam/io/ReplayWriter.h>
 
@@ -12,15 +13,34 @@ namespace
 {
 constexpr const char* rawlog = "replay.rawlog";
 
+/** Ini section `[replay]`. */
+struct ReplayOptions : ReplayWriterOptions
+{
+  bool hindsight = true;
+
+  void describe(OptionsVisitor& v) override
+  {
+    ReplayWriterOptions::describe(v);
+    v.flag(
+        "hindsight", hindsight,
+        "moving points and objects as in labels and tracks.csv, where all scans are labelled with "
+        "hindsight; false: as known at each scan");
+  }
+};
+
 /** `replay.rawlog`, see ReplayWriter. */
 class ReplayOutput : public RunOutput
 {
  public:
   explicit ReplayOutput(const RunOutputContext& context)
-      : RunOutput(context, {rawlog}), options_(context.config.get<ReplayWriterOptions>("replay"))
+      : RunOutput(context, {rawlog}), options_(context.config.get<ReplayOptions>("replay"))
   {
   }
   [[nodiscard]] bool isSlow() const override { return true; }
+  [[nodiscard]] FrameKind wants() const override
+  {
+    return options_.hindsight ? FrameKind::decided_points : FrameKind::causal;
+  }
   void open() override { writer_.emplace(path(rawlog), options_); }
   void exchangeState(StateArchive& archive) override
   {
@@ -37,7 +57,7 @@ class ReplayOutput : public RunOutput
   void finish(const RunResults& /*results*/) override { writer_->close(); }
 
  private:
-  ReplayWriterOptions options_;
+  ReplayOptions options_;
   std::optional<ReplayWriter> writer_;
 };
 }  // namespace

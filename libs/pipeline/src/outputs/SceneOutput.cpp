@@ -52,7 +52,7 @@ class SceneOutput : public RunOutput
     forEachReported(results,
                     [&](const ReportedState& state)
                     {
-                      if (!state.dynamic)
+                      if (!state.object.dynamic)
                       {
                         return;
                       }

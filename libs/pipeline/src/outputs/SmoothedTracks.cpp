@@ -45,7 +45,7 @@ std::size_t movingTracks(const RunResults& results)
   forEachReported(results,
                   [&](const ReportedState& state)
                   {
-                    if (state.dynamic)
+                    if (state.object.dynamic)
                     {
                       moving.insert(state.object.id);
                     }
@@ -63,13 +63,12 @@ void forEachReported(const RunResults& results,
         const Pose T_map_odom =
             results.trajectory[report.scan].pose * scan.T_odom_vehicle.inverse();
         TrackedObject object = report.tracked();
-        bool dynamic = report.dynamic;
         if (const SmoothedObject* smoothed = findSmoothed(results.objects, scan.index, object.id))
         {
           object = smoothedTrack(object, *smoothed, T_map_odom.inverse());
-          dynamic = smoothed->from_graph ? dynamic : smoothed->moving;
+          object.dynamic = smoothed->from_graph ? report.dynamic : smoothed->moving;
         }
-        use({std::move(object), dynamic, scan, report.scan, T_map_odom});
+        use({std::move(object), scan, report.scan, T_map_odom});
       });
 }
 }  // namespace dyslam

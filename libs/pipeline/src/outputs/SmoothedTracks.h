@@ -31,8 +31,8 @@ namespace dyslam
  * tracker's state. */
 struct ReportedState
 {
-  TrackedObject object;     //!< odometry frame
-  bool dynamic;             //!< as the tracker decided, with hindsight if it is tracked so
+  /** Odometry frame; `dynamic` as the tracker decided, with hindsight if it is tracked so. */
+  TrackedObject object;
   const PastScan& scan;     //!< of RunHistory::scans()
   std::size_t scan_number;  //!< in there, and in RunResults::trajectory
   Pose T_map_odom;          //!< by the final trajectory: loops have moved the odometry frame

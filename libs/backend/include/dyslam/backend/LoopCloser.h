@@ -54,7 +54,7 @@ struct LoopCloserOptions : Options
 enum class LoopVerdict
 {
   accepted,
-  appearance,     //!< the two places differ in appearance
+  dissimilar,     //!< the two places differ in appearance
   not_converged,  //!< the registration did not converge
   no_overlap,     //!< registered, but too few points have a correspondence
   bad_fit,        //!< registered, but the surfaces do not coincide
@@ -65,7 +65,7 @@ enum class LoopVerdict
 };
 /** All of them. */
 constexpr std::array<LoopVerdict, 9> loop_verdicts{
-    LoopVerdict::accepted,     LoopVerdict::appearance, LoopVerdict::not_converged,
+    LoopVerdict::accepted,     LoopVerdict::dissimilar, LoopVerdict::not_converged,
     LoopVerdict::no_overlap,   LoopVerdict::bad_fit,    LoopVerdict::degenerate,
     LoopVerdict::inconsistent, LoopVerdict::ambiguous,  LoopVerdict::unsupported};
 [[nodiscard]] std::string toString(LoopVerdict verdict);

@@ -14,15 +14,15 @@ struct ObjectGraphOptions : Options
   double max_jump = 3;       //!< largest distance from the predicted position [m]
 
   // Static or dynamic
-  double moving_speed = 0.6;  //!< an object that was ever significantly faster is dynamic [m/s]
-  double speed_window = 1;    //!< over which speeds are estimated [s]
-  double max_standing_motion = 1;  //!< ... or was displaced by more within its sighting [m]
-  double min_standing_time = 1;    //!< observed at one place for so long, an object is static [s]
+  double moving_speed = 0.6;     //!< an object that was ever significantly faster is dynamic [m/s]
+  double speed_window = 1;       //!< over which speeds are estimated [s]
+  double max_static_motion = 1;  //!< ... or was displaced by more within its sighting [m]
+  double min_static_time = 1;    //!< observed at one place for so long, an object is static [s]
 
   // Noise. Errors of successive observations of one object are correlated; larger sigmas account
   // for it.
-  double standing_sigma_scale = 3;
-  int standing_saturation = 50;  //!< keyframes after which more of them add no information
+  double static_sigma_scale = 3;
+  int static_saturation = 50;  //!< keyframes after which more of them add no information
   double moving_sigma_scale = 3;
   double tilt_sigma = 0.2;                //!< of an object's roll and pitch [rad]
   double acceleration_sigma = 9;          //!< of a moving object [m/s^2]

@@ -29,7 +29,7 @@ struct Frame
   double dt = 0;  //!< since the previous scan [s]; 0 for the first
   /** Of the revolution, by the sensor's rate: dt unless scans are missing [s]; 0 for the first. */
   double sweep_duration = 0;
-  /** What scan.stamp is ahead of a clock that was never set during the recording [s]. */
+  /** scan.stamp minus a clock that was never set during the recording [s]. */
   double clock_offset = 0;
   MotionPrior prior;  //!< of the motion since the previous scan; estimate() fuses segmenter_motion
 

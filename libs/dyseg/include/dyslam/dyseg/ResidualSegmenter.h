@@ -48,7 +48,7 @@ class ResidualSegmenter : public MovingSegmenter
 
  private:
   /** Nearest range per direction of one earlier scan. */
-  struct PastScan
+  struct PastImage
   {
     Pose T_lidar_odom = Pose::Identity();
     std::vector<float> range;  //!< rows x columns [m]; 0 where nothing was seen
@@ -56,15 +56,15 @@ class ResidualSegmenter : public MovingSegmenter
     int rows = 0;              //!< up to the one above the highest that has returns
   };
 
-  [[nodiscard]] PastScan project(const Frame& frame) const;
+  [[nodiscard]] PastImage project(const Frame& frame) const;
   /** 2 seen through, -1 seen there, 0 hidden or unknown; point in the past scan's lidar frame. */
-  [[nodiscard]] int vote(const PastScan& past, const Eigen::Vector3f& point) const;
-  [[nodiscard]] std::vector<const PastScan*> comparedScans() const;
+  [[nodiscard]] int vote(const PastImage& past, const Eigen::Vector3f& point) const;
+  [[nodiscard]] std::vector<const PastImage*> comparedScans() const;
 
   ResidualSegmenterOptions options_;
   ThreadPool& pool_;
   float row_height_;  //!< slope [m/m]
   int columns_;
-  std::deque<PastScan> past_;  //!< newest first
+  std::deque<PastImage> past_;  //!< newest first
 };
 }  // namespace dyslam

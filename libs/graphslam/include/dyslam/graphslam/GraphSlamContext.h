@@ -72,7 +72,6 @@ class GraphSlamContext
   std::optional<Frame> frame_;  //!< newest; its ground truth may still come
   double clock_shift_ = 0;      //!< of frame_'s scan [s]
   bool in_step_ = false;        //!< frame_ is of the present step
-  bool in_map_ = true;          //!< frame_ was handed to the map
   bool done_ = false;
   bool finished_ = false;
   std::size_t scans_ = 0;

@@ -52,7 +52,8 @@ class MapBuilder
   void noteObjects(const Frame& frame) { runs_.back().noteObjects(frame); }
   [[nodiscard]] std::size_t trackedScans() const { return runs_.back().trackedScans(); }
 
-  /** The next scan of the recording, in order. Those the trajectory has no pose for are skipped. */
+  /** The next scan of the recording, in order. Those the trajectory has no pose for are skipped,
+   * and those that the run could not register. */
   void add(Frame frame);
   /** After the last scan. */
   void finish();
@@ -74,6 +75,8 @@ class MapBuilder
   [[nodiscard]] ThreadPool& pool() { return pool_; }
   /** Scans without a pose. */
   [[nodiscard]] std::size_t skipped() const { return skipped_; }
+  /** Scans with a pose that the run could not register. */
+  [[nodiscard]] std::size_t unregistered() const { return unregistered_; }
   /** Trajectory and objects of each recording. */
   [[nodiscard]] const std::deque<RunScans>& runs() const { return runs_; }
   [[nodiscard]] const MapBuilderOptions& options() const { return options_; }
@@ -107,6 +110,7 @@ class MapBuilder
   std::optional<HindsightLabels> hindsight_;  // without moving labels
   std::optional<Pose> last_keyframe_;
   std::size_t skipped_ = 0;
+  std::size_t unregistered_ = 0;
   LabelledMap labelled_;
 };
 }  // namespace dyslam

@@ -13,10 +13,11 @@ struct MapOutputs
 {
   std::vector<std::string> maps;  //!< by their endings, see mapFormatOf()
   MapExportOptions exports;
-  std::string picture;       //!< PNG: the map from above, with paths and objects
-  std::string comparison;    //!< PNG: the map before and after cleaning; of runs: before merging
-  std::string labelled_map;  //!< `.ply` or `.pcd`: LabelledMap, with a `.label` file beside it
-  std::string settings;      //!< as an ini: written beside the first output
+  std::string picture;     //!< PNG: the map from above, with paths and objects
+  std::string comparison;  //!< PNG: the map before and after cleaning; of runs: before merging
+  std::string
+      labelled_map;      //!< `.ply`, `.pcd` or `.bin`: LabelledMap, with a `.label` file beside it
+  std::string settings;  //!< as an ini: written beside the first output
 
   /** `map.las` and `_tum.txt` become `map_tum.txt`: beside the first output; empty without any. */
   [[nodiscard]] std::string beside(const std::string& ending) const;

@@ -29,7 +29,8 @@ struct RecordingOnTrajectory
 struct MapReport
 {
   std::size_t scans = 0;
-  std::size_t skipped = 0;  //!< scans without a pose
+  std::size_t skipped = 0;       //!< scans without a pose
+  std::size_t unregistered = 0;  //!< scans that the run could not register
   std::size_t keyframes = 0;
   std::size_t points = 0;  //!< of the clouds, or of the map
   double voxel_size = 0;   //!< [m]

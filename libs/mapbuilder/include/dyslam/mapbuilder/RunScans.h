@@ -11,6 +11,7 @@
 #include <cstddef>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -22,6 +23,7 @@ struct RunScansOptions
   PreprocessOptions preprocess;
   std::string labels;       //!< folder of NNNNNN.label, or one with such a `labels` folder
   std::string tracks;       //!< objects' boxes; those that move are left out of the map
+  std::string scan_table;   //!< scans.csv of the run: scans that were not registered are left out
   double tolerance = 0.01;  //!< of time stamps against the trajectory's [s]
 };
 
@@ -43,8 +45,12 @@ class RunScans
   [[nodiscard]] const Trajectory& trajectory() const { return trajectory_; }
   /** Position of the scan's pose in the trajectory. */
   [[nodiscard]] std::optional<std::size_t> poseOf(const Frame& frame) const;
+  /** False if the run could not register it, so that its pose is a guess. */
+  [[nodiscard]] bool isRegistered(const Frame& frame) const
+  {
+    return unregistered_.count(frame.index) == 0;
+  }
   [[nodiscard]] bool hasLabels() const { return !label_folder_.empty(); }
-  [[nodiscard]] bool hasTracks() const { return !options_.tracks.empty(); }
 
   /** Scans that the tracks' boxes need: the number of the last with a box, and 1. */
   [[nodiscard]] std::size_t trackedScans() const
@@ -73,5 +79,6 @@ class RunScans
   std::multimap<int, LabelledBox> boxes_;  // by frame, lidar frame
   std::map<int, ObjectPath> objects_;
   std::map<int, bool> moves_;
+  std::set<std::size_t> unregistered_;  // Frame::index
 };
 }  // namespace dyslam

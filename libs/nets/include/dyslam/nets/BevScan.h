@@ -44,6 +44,14 @@ class BevGround
 
  private:
   void makeConsistent(const std::vector<std::uint8_t>& known);
+  /** Median near the sensor: an error of a single first cell would propagate to all others. */
+  [[nodiscard]] float seedHeight(const std::vector<int>& order,
+                                 const std::vector<float>& ring,
+                                 const std::vector<std::uint8_t>& known) const;
+  /** Heights of the nearest visited cells. */
+  void collectAround(int cell,
+                     const std::vector<std::uint8_t>& visited,
+                     std::vector<float>& around) const;
 
   float half_extent_;
   int width_;

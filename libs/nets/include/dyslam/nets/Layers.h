@@ -2,7 +2,7 @@
 // Includes torch: for nets, train and their tests only.
 #pragma once
 
-#include <dyslam/nets/DyloOptions.h>
+#include <dyslam/nets/DyloNetworkOptions.h>
 #include <dyslam/nets/ScanTensors.h>
 
 #include <vector>

@@ -52,6 +52,9 @@ class MotionFilter
               const Vector6& prior_weight = Vector6::Ones());
   /** Update with a motion that is taken as exact. */
   void follow(double dt, const Pose& T_previous_current);
+  /** After a gap of `dt` seconds, over which the motion was not observed: the same velocity, as
+   * uncertain as the acceleration makes it, at most as at the first scan. */
+  void forget(double dt);
   /** What is kept from frame to frame. */
   void exchangeState(StateArchive& archive);
 

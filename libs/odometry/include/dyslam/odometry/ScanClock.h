@@ -13,8 +13,9 @@ class StateArchive;
 
 class MotionFilter;
 
-/** The time between scans. Stamps are believed, except where an interval does not fit the sensor's
- * rate: there scans may be missing, or the clock that the stamps are from may have been set. */
+/** The time between scans. Time stamps are trusted, except where an interval does not fit the
+ * sensor's rate: there scans may be missing, or the clock that the stamps are from may have been
+ * set. */
 class ScanClock
 {
  public:
@@ -27,7 +28,7 @@ class ScanClock
   [[nodiscard]] bool isDoubtful() const;
   /** Of the last scan: interval(), or period() where that does not fit the rate [s]. */
   [[nodiscard]] double sweepDuration() const { return isDoubtful() ? period() : interval_; }
-  /** advance(), sweepDuration() and settle() of a scan whose stamps are believed: for programs that
+  /** advance(), sweepDuration() and settle() of a scan whose stamps are trusted: for programs that
    * place scans along a given trajectory. \return duration of the sweep [s] */
   double nextSweep(double stamp);
   /** By the stamps, of the last scan [s]. */
@@ -37,7 +38,7 @@ class ScanClock
   /** So much time has passed since the scan before: interval() or, where the clock was set, the
    * period. */
   void settle(double passed);
-  /** What the stamps of the last scan are ahead of a clock that was never set [s]. */
+  /** Stamp of the last scan minus a clock that was never set [s]. */
   [[nodiscard]] double offset() const { return offset_; }
   /** What was found, in words; empty if the clock was never set. */
   [[nodiscard]] std::string warning() const;

@@ -16,7 +16,7 @@ struct GivenSettings
   Config ini;                            //!< empty without
   std::vector<std::string> assignments;  //!< "section.key=value", over those of the ini
 
-  /** The ini with the assignments. \throws UserError for what is no assignment. */
+  /** The ini with the assignments. \throws UserError if an assignment is not section.key=value. */
   [[nodiscard]] Config merged() const;
 };
 
@@ -30,6 +30,6 @@ struct GivenSettings
  *
  * `recogniseSensor()`, this, `findStartSpeed()` and `setStartSpeed()` give the settings with which
  * `dyslam` runs, to a program that has a rawlog or the first scans of a live sensor.
- * \throws UserError for what is no assignment, and as settingsFor(). */
+ * \throws UserError if an assignment is not section.key=value, and as settingsFor(). */
 [[nodiscard]] ChosenSettings settingsFor(const RecordedSensor& sensor, const GivenSettings& given);
 }  // namespace dyslam

@@ -24,6 +24,7 @@ class StateArchive;
 class Backend;
 class StaticMap;
 struct FrontEndWaits;
+enum class KeptParts;
 
 struct PipelineOptions : Options
 {
@@ -35,7 +36,8 @@ struct PipelineOptions : Options
 };
 
 /** Begins to load what the config's methods need beyond the program itself, in a thread of its own:
- * the networks. \return to be kept until the pipeline is there. \throws UserError for a bad config.
+ * the networks. \return a future; keep it until the Pipeline is constructed. \throws UserError for
+ * a bad config.
  */
 [[nodiscard]] std::future<void> loadAhead(const Config& config);
 
@@ -87,8 +89,8 @@ class Pipeline
 
   /** Sets the receiver of every frame, in order, once its moving points and objects are final: with
    * `labels.hindsight` some seconds later, the last ones in finish().
-   * \param whole false: what `KeptParts::points` keeps of a frame is enough, which saves memory. */
-  void onDecided(std::function<void(Frame)> use, bool whole);
+   * \param parts what it needs of a frame, `points` at least; the less, the less memory. */
+  void onDecided(std::function<void(Frame)> use, KeptParts parts);
   /** Whether decided frames have other objects than those of trackObjects(), with ids of their own:
    * detected and tracked again with hindsight (`pipeline.hindsight_tracking`). Not if objects are
    * in the graph, which has those of trackObjects(). */

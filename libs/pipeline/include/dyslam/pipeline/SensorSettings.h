@@ -62,8 +62,9 @@ struct RecordedSensor
 struct ChosenSettings
 {
   Config config;
-  std::string source;                 //!< the inis: "vlp16.ini", "vlp16.ini + my.ini"
-  std::vector<std::string> warnings;  //!< settings that plainly do not fit, one sentence each
+  std::string source;  //!< the inis: "vlp16.ini", "vlp16.ini + my.ini"
+  std::vector<std::string>
+      warnings;  //!< settings that clearly do not fit the sensor, one sentence each
 };
 
 /** The settings for a recording: those of an ini that names the sensors it is for, else the shipped

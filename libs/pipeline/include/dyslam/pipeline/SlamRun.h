@@ -18,7 +18,7 @@ class Checkpoints;
 class ScanSum;
 struct RunToResume;
 
-/** Request of one run. Everything else is in the config. */
+/** Settings of one run. Everything else is in the config. */
 struct SlamRunSettings
 {
   std::string rawlog;         //!< input

@@ -16,7 +16,7 @@ struct RawlogSourceOptions;
 /** Ini section `[start]`: speed at the start of a recording that begins in motion. */
 struct StartOptions : Options
 {
-  bool search = true;     //!< search for the speed at the first scan where scans leave it open
+  bool search = true;     //!< search for the initial speed if the first scans do not determine it
   int scans = 10;         //!< used for the search
   double slowest = -5;    //!< speeds that are tried [m/s]
   double fastest = 45;    //!< [m/s]

@@ -34,7 +34,7 @@ struct IcpPointToPointOptions : IcpOptions
 };
 
 /** Scan-to-scan ICP, point to point or point to plane, with exact nearest neighbours. */
-class IcpOdometry final : public ScanToScan
+class IcpMatcher final : public ScanToScan
 {
  public:
   enum class Residual
@@ -42,7 +42,7 @@ class IcpOdometry final : public ScanToScan
     point_to_point,
     point_to_plane
   };
-  IcpOdometry(Residual residual, const IcpOptions& options, ThreadPool& pool)
+  IcpMatcher(Residual residual, const IcpOptions& options, ThreadPool& pool)
       : residual_(residual), options_(options), pool_(pool)
   {
   }

@@ -4,17 +4,13 @@
 #include <dyslam/core/StateArchive.h>
 #include <dyslam/odometry/ScanMatcher.h>
 
+#include <string>
+
 namespace dyslam
 {
-/** Least points for the estimate of a motion. */
-constexpr std::size_t fewest_points = 30;
-
-/** Why the frame's cloud cannot be used; empty if it can. */
-[[nodiscard]] std::string cloudTrouble(const Frame& frame);
-
 /** Baselines that use no points: the prior itself, or zero motion. Their information is that of 0.1
  * m and 1 degree. */
-class SimpleOdometry : public ScanMatcher
+class ConstantMotion : public ScanMatcher
 {
  public:
   enum class Kind
@@ -22,7 +18,7 @@ class SimpleOdometry : public ScanMatcher
     constant_velocity,
     zero_motion
   };
-  explicit SimpleOdometry(Kind kind) : kind_(kind) {}
+  explicit ConstantMotion(Kind kind) : kind_(kind) {}
 
   [[nodiscard]] ScanMatch match(const Frame& frame, const MotionPrior& prior) override;
   void reset() override { first_ = true; }

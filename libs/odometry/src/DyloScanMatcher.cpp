@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "DyloOdometry.h"
+#include "DyloScanMatcher.h"
 
 #include <dyslam/core/SharedFiles.h>
 
@@ -8,7 +8,7 @@
 #include <limits>
 #include <optional>
 
-#include "SimpleOdometry.h"
+#include "CloudCheck.h"
 
 namespace dyslam
 {
@@ -17,17 +17,17 @@ namespace
 constexpr std::size_t fewest_matches = 50;
 }  // namespace
 
-DyloOdometry::DyloOdometry(const DyloOptions& options)
+DyloScanMatcher::DyloScanMatcher(const DyloOptions& options)
     : options_(options),
       matcher_(findGivenOrShared(options.weights, "models", ".safetensors", "dylo.weights"),
                options.threads)
 {
 }
 
-std::string DyloOdometry::extract(const Frame& frame)
+std::string DyloScanMatcher::extract(const Frame& frame)
 {
   confidence_.clear();
-  if (const std::string trouble = cloudTrouble(frame); !trouble.empty())
+  if (const std::string trouble = reasonUnusable(frame); !trouble.empty())
   {
     return trouble;
   }
@@ -53,7 +53,7 @@ std::string DyloOdometry::extract(const Frame& frame)
                                  : std::string();
 }
 
-std::string DyloOdometry::doubts(const DyloMatch& match) const
+std::string DyloScanMatcher::doubts(const DyloMatch& match) const
 {
   char text[120];
   if (match.matched < fewest_matches)
@@ -82,7 +82,7 @@ std::string DyloOdometry::doubts(const DyloMatch& match) const
   return {};
 }
 
-MotionEstimate DyloOdometry::align(const Pose& T_reference_current_guess)
+MotionEstimate DyloScanMatcher::align(const Pose& T_reference_current_guess)
 {
   const Pose T_lidar_vehicle = T_vehicle_lidar_.inverse();
   const Pose predicted = T_lidar_vehicle * T_reference_current_guess * T_vehicle_lidar_;
@@ -119,7 +119,7 @@ MotionEstimate DyloOdometry::align(const Pose& T_reference_current_guess)
   return estimate;
 }
 
-void DyloOdometry::accept(const Pose& T_reference_current)
+void DyloScanMatcher::accept(const Pose& T_reference_current)
 {
   std::optional<Pose> T_sweep;
   if (referenceIsPrevious())
@@ -129,7 +129,7 @@ void DyloOdometry::accept(const Pose& T_reference_current)
   matcher_.keepAsReference(T_sweep);
 }
 
-void DyloOdometry::clear()
+void DyloScanMatcher::clear()
 {
   matcher_.clearReference();
   confidence_.clear();

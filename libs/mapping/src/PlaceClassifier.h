@@ -20,7 +20,7 @@ struct PlaceEvidence
 };
 
 /** Features of one place for the decision whether its points move. */
-struct PlaceFacts
+struct PlaceFeatures
 {
   std::uint32_t point = 0;  //!< one of its points, position in the cloud
   PlaceEvidence own;
@@ -38,5 +38,5 @@ struct PlaceFacts
 void discount(PlaceEvidence& evidence, float false_free);
 
 /** Log odds that the place moves. */
-[[nodiscard]] float movingScore(const PlaceFacts& facts);
+[[nodiscard]] float movingScore(const PlaceFeatures& features);
 }  // namespace dyslam

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "LoamOdometry.h"
+#include "LoamMatcher.h"
 
 #include <dyslam/core/Normals.h>
 #include <dyslam/core/StateArchive.h>
@@ -57,7 +57,7 @@ void addRowToPlane(const Eigen::Vector3d& at,
 }
 }  // namespace
 
-void LoamOdometry::Target::set(const std::vector<LoamPoint>& features)
+void LoamMatcher::Target::set(const std::vector<LoamPoint>& features)
 {
   points.clear();
   rings.clear();
@@ -69,10 +69,10 @@ void LoamOdometry::Target::set(const std::vector<LoamPoint>& features)
   tree = KdTree(points);
 }
 
-void LoamOdometry::FeatureMap::add(const std::vector<LoamPoint>& features,
-                                   const Pose& T,
-                                   double size,
-                                   double radius)
+void LoamMatcher::FeatureMap::add(const std::vector<LoamPoint>& features,
+                                  const Pose& T,
+                                  double size,
+                                  double radius)
 {
   const Eigen::Vector3f center = T.translation().cast<float>();
   const auto radius2 = static_cast<float>(radius * radius);
@@ -96,7 +96,7 @@ void LoamOdometry::FeatureMap::add(const std::vector<LoamPoint>& features,
   target.tree = KdTree(target.points);
 }
 
-std::string LoamOdometry::extract(const Frame& frame)
+std::string LoamMatcher::extract(const Frame& frame)
 {
   features_ = loamFeatures(frame, options_);
   const std::size_t count = features_.edges.size() + features_.planes.size();
@@ -107,10 +107,10 @@ std::string LoamOdometry::extract(const Frame& frame)
   return {};
 }
 
-MotionEstimate LoamOdometry::alignFeatures(const RowMatcher& match,
-                                           const Pose& T_guess,
-                                           double start_gate,
-                                           double end_gate)
+MotionEstimate LoamMatcher::alignFeatures(const RowMatcher& match,
+                                          const Pose& T_guess,
+                                          double start_gate,
+                                          double end_gate)
 {
   PoseGaussNewtonSettings settings;
   settings.max_iterations = options_.max_iterations;
@@ -121,11 +121,11 @@ MotionEstimate LoamOdometry::alignFeatures(const RowMatcher& match,
                           options_.points_per_measurement);
 }
 
-void LoamOdometry::addEdgeRow(const LoamPoint& f,
-                              const Pose& T,
-                              double gate,
-                              NormalEquations& sums,
-                              std::vector<Neighbour>& found) const
+void LoamMatcher::addEdgeRow(const LoamPoint& f,
+                             const Pose& T,
+                             double gate,
+                             NormalEquations& sums,
+                             std::vector<Neighbour>& found) const
 {
   const Eigen::Vector3d p = f.p.cast<double>();
   edges_.tree.nearest((T * p).cast<float>(), 6, found, static_cast<float>(gate));
@@ -148,11 +148,11 @@ void LoamOdometry::addEdgeRow(const LoamPoint& f,
   }
 }
 
-void LoamOdometry::addPlaneRow(const LoamPoint& f,
-                               const Pose& T,
-                               double gate,
-                               NormalEquations& sums,
-                               std::vector<Neighbour>& found) const
+void LoamMatcher::addPlaneRow(const LoamPoint& f,
+                              const Pose& T,
+                              double gate,
+                              NormalEquations& sums,
+                              std::vector<Neighbour>& found) const
 {
   const Eigen::Vector3d p = f.p.cast<double>();
   planes_.tree.nearest((T * p).cast<float>(), 10, found, static_cast<float>(gate));
@@ -184,7 +184,7 @@ void LoamOdometry::addPlaneRow(const LoamPoint& f,
   }
 }
 
-MotionEstimate LoamOdometry::toScan(const Pose& T_guess)
+MotionEstimate LoamMatcher::toScan(const Pose& T_guess)
 {
   const std::size_t edge_count = features_.edges.size();
   const auto match =
@@ -206,7 +206,7 @@ MotionEstimate LoamOdometry::toScan(const Pose& T_guess)
   return alignFeatures(match, T_guess, options_.max_distance, options_.end_distance);
 }
 
-MotionEstimate LoamOdometry::toMap(const Pose& T_guess)
+MotionEstimate LoamMatcher::toMap(const Pose& T_guess)
 {
   const std::size_t edge_count = features_.edges.size();
   const auto match =
@@ -259,7 +259,7 @@ MotionEstimate LoamOdometry::toMap(const Pose& T_guess)
   return alignFeatures(match, T_guess, options_.map_distance, options_.map_distance);
 }
 
-MotionEstimate LoamOdometry::align(const Pose& T_reference_current_guess)
+MotionEstimate LoamMatcher::align(const Pose& T_reference_current_guess)
 {
   MotionEstimate estimate = toScan(T_reference_current_guess);
   if (!mapping_)
@@ -278,7 +278,7 @@ MotionEstimate LoamOdometry::align(const Pose& T_reference_current_guess)
   return mapped;
 }
 
-void LoamOdometry::accept(const Pose& T_reference_current)
+void LoamMatcher::accept(const Pose& T_reference_current)
 {
   edges_.set(features_.target_edges);
   planes_.set(features_.target_planes);
@@ -292,7 +292,7 @@ void LoamOdometry::accept(const Pose& T_reference_current)
   }
 }
 
-void LoamOdometry::clear()
+void LoamMatcher::clear()
 {
   edges_ = Target();
   planes_ = Target();
@@ -301,7 +301,7 @@ void LoamOdometry::clear()
   T_map_reference_.setIdentity();
 }
 
-void LoamOdometry::Target::exchangeState(StateArchive& archive)
+void LoamMatcher::Target::exchangeState(StateArchive& archive)
 {
   archive(points, rings);
   if (archive.isLoading())
@@ -310,7 +310,7 @@ void LoamOdometry::Target::exchangeState(StateArchive& archive)
   }
 }
 
-void LoamOdometry::exchangeReference(StateArchive& archive)
+void LoamMatcher::exchangeReference(StateArchive& archive)
 {
   archive(edges_, planes_, edge_map_.target, plane_map_.target, T_map_reference_);
 }

@@ -23,11 +23,11 @@ struct GicpOptions : Options
 
 /** Generalised ICP by PCL, scan to scan. PCL's takes no weights: points more likely moving than not
  * are left out. */
-class GicpOdometry final : public ScanToScan
+class GicpMatcher final : public ScanToScan
 {
  public:
-  GicpOdometry(const GicpOptions& options, ThreadPool& pool);
-  ~GicpOdometry() override;
+  GicpMatcher(const GicpOptions& options, ThreadPool& pool);
+  ~GicpMatcher() override;
   [[nodiscard]] std::string name() const override { return "gicp"; }
 
  protected:
@@ -39,6 +39,10 @@ class GicpOdometry final : public ScanToScan
 
  private:
   struct Pcl;
+  /** Pose T with the information of point-to-plane rows there, since PCL gives none; converged if
+   * there are enough of them. */
+  MotionEstimate estimateAt(const Pose& T);
+
   GicpOptions options_;
   ThreadPool& pool_;
   std::vector<Eigen::Vector3f> points_;     //!< of the frame

@@ -14,11 +14,11 @@
 namespace dyslam
 {
 /** The learned odometry: motion, its information and the static confidence of every point. */
-class DyloOdometry : public ScanToScan
+class DyloScanMatcher : public ScanToScan
 {
  public:
   /** \throws UserError if the weights cannot be used. */
-  explicit DyloOdometry(const DyloOptions& options);
+  explicit DyloScanMatcher(const DyloOptions& options);
 
   [[nodiscard]] std::string name() const override { return "dylo"; }
   [[nodiscard]] bool usesPrior() const override { return options_.prior; }

@@ -11,10 +11,10 @@
 namespace dyslam
 {
 /** LOAM: edge and plane points registered to the scan before and, with mapping, to a local map. */
-class LoamOdometry final : public ScanToScan
+class LoamMatcher final : public ScanToScan
 {
  public:
-  LoamOdometry(bool mapping, const LoamOptions& options, ThreadPool& pool)
+  LoamMatcher(bool mapping, const LoamOptions& options, ThreadPool& pool)
       : mapping_(mapping), options_(options), pool_(pool)
   {
   }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "IcpOdometry.h"
+#include "IcpMatcher.h"
 
 #include <dyslam/core/PoseGaussNewton.h>
 #include <dyslam/core/StateArchive.h>
@@ -46,7 +46,7 @@ void IcpPointToPointOptions::describe(OptionsVisitor& v)
   describeIterations(*this, v);
 }
 
-std::string IcpOdometry::extract(const Frame& frame)
+std::string IcpMatcher::extract(const Frame& frame)
 {
   dense_ = voxelDownsample(frame.cloud.points, options_.reference_size).points;
   const VoxelSample sample = voxelDownsample(frame.cloud.points, options_.sample_size);
@@ -63,7 +63,7 @@ std::string IcpOdometry::extract(const Frame& frame)
   return {};
 }
 
-MotionEstimate IcpOdometry::align(const Pose& T_reference_current_guess)
+MotionEstimate IcpMatcher::align(const Pose& T_reference_current_guess)
 {
   const bool planes = residual_ == Residual::point_to_plane;
   const auto match =
@@ -112,7 +112,7 @@ MotionEstimate IcpOdometry::align(const Pose& T_reference_current_guess)
       options_.points_per_measurement);
 }
 
-void IcpOdometry::accept(const Pose& /*T_reference_current*/)
+void IcpMatcher::accept(const Pose& /*T_reference_current*/)
 {
   reference_.points.swap(dense_);
   reference_.tree = KdTree(reference_.points);
@@ -124,7 +124,7 @@ void IcpOdometry::accept(const Pose& /*T_reference_current*/)
   }
 }
 
-void IcpOdometry::exchangeReference(StateArchive& archive)
+void IcpMatcher::exchangeReference(StateArchive& archive)
 {
   archive(reference_.points, reference_.shapes);
   if (archive.isLoading())

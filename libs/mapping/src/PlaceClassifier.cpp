@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "PlaceVerdict.h"
+#include "PlaceClassifier.h"
 
 #include <algorithm>
 
@@ -10,7 +10,7 @@ void discount(PlaceEvidence& evidence, float false_free)
   evidence.free = std::max(0.0F, evidence.free - false_free) / (1 - false_free);
 }
 
-float movingScore(const PlaceFacts& f)
+float movingScore(const PlaceFeatures& f)
 {
   // The weights of a logistic regression, see doc/mapping.md for its training data.
   constexpr float a_little = 0.1F;  // of the rays: places of static objects are hardly ever free

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <dyslam/nets/DyloOptions.h>
+#include <dyslam/nets/DyloNetworkOptions.h>
 
 namespace dyslam
 {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "GicpOdometry.h"
+#include "GicpMatcher.h"
 
 #include <dyslam/core/Normals.h>
 #include <dyslam/core/PoseGaussNewton.h>
@@ -40,19 +40,19 @@ void GicpOptions::describe(OptionsVisitor& v)
          "points that count as one measurement");
 }
 
-struct GicpOdometry::Pcl
+struct GicpMatcher::Pcl
 {
   PclCloud::Ptr source;
   PclCloud::Ptr target;
 };
 
-GicpOdometry::GicpOdometry(const GicpOptions& options, ThreadPool& pool)
+GicpMatcher::GicpMatcher(const GicpOptions& options, ThreadPool& pool)
     : options_(options), pool_(pool), pcl_(std::make_unique<Pcl>())
 {
 }
-GicpOdometry::~GicpOdometry() = default;
+GicpMatcher::~GicpMatcher() = default;
 
-std::string GicpOdometry::extract(const Frame& frame)
+std::string GicpMatcher::extract(const Frame& frame)
 {
   const std::vector<float> weights = pointWeights(frame);
   const VoxelSample sample = voxelDownsample(frame.cloud.points, options_.sample_size);
@@ -74,7 +74,7 @@ std::string GicpOdometry::extract(const Frame& frame)
   return {};
 }
 
-MotionEstimate GicpOdometry::align(const Pose& T_reference_current_guess)
+MotionEstimate GicpMatcher::align(const Pose& T_reference_current_guess)
 {
   pcl::GeneralizedIterativeClosestPoint<pcl::PointXYZ, pcl::PointXYZ> gicp;
   gicp.setMaximumIterations(options_.max_iterations);
@@ -98,7 +98,17 @@ MotionEstimate GicpOdometry::align(const Pose& T_reference_current_guess)
   T.matrix() = gicp.getFinalTransformation().cast<double>();
   T = orthonormalized(T);
 
-  // PCL gives no information: point-to-plane rows at the result.
+  MotionEstimate estimate = estimateAt(T);
+  if (estimate.converged && !(gicp.hasConverged() && T.matrix().allFinite()))
+  {
+    estimate.converged = false;
+    estimate.reason = "PCL did not converge";
+  }
+  return estimate;
+}
+
+MotionEstimate GicpMatcher::estimateAt(const Pose& T)
+{
   const std::size_t step = std::max<std::size_t>(1, points_.size() / information_points);
   const auto match =
       [&](std::size_t begin, std::size_t end, const Pose& at, double gate, NormalEquations& sums)
@@ -133,30 +143,29 @@ MotionEstimate GicpOdometry::align(const Pose& T_reference_current_guess)
       toMotionEstimate(poseGaussNewton(points_.size() / step, match, T, settings, pool_),
                        options_.points_per_measurement / static_cast<double>(step));
   estimate.T_previous_current = T;
-  const bool enough = estimate.inliers >= settings.min_inliers;
-  estimate.converged = gicp.hasConverged() && T.matrix().allFinite() && enough;
-  if (enough)
+  estimate.converged = estimate.inliers >= settings.min_inliers;
+  if (estimate.converged)
   {
-    estimate.reason = estimate.converged ? "" : "PCL did not converge";
+    estimate.reason.clear();
   }
   return estimate;
 }
 
-void GicpOdometry::accept(const Pose& /*T_reference_current*/)
+void GicpMatcher::accept(const Pose& /*T_reference_current*/)
 {
   pcl_->target = pcl_->source;
   reference_ = points_;
   tree_ = KdTree(reference_);
 }
 
-void GicpOdometry::clear()
+void GicpMatcher::clear()
 {
   pcl_ = std::make_unique<Pcl>();
   reference_.clear();
   tree_ = KdTree();
 }
 
-void GicpOdometry::exchangeReference(StateArchive& archive)
+void GicpMatcher::exchangeReference(StateArchive& archive)
 {
   bool is_there = pcl_->target != nullptr;
   archive(reference_, is_there);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "PlaceFacts.h"
+#include "PlaceFeatures.h"
 
 #include <algorithm>
 
@@ -65,14 +65,14 @@ struct Extent
 
 /** Share of rays that passed through places that are certainly static, because of thin objects,
  * edges and errors of the poses. Measured on objects higher than any vehicle. */
-float falseFreeShare(const std::vector<PlaceFacts>& facts)
+float falseFreeShare(const std::vector<PlaceFeatures>& features)
 {
   constexpr float surely_static = 0.1F;  // moving probability
   constexpr std::size_t enough = 100;    // places
   constexpr double highest = 0.3;
   double sum = 0;
   std::size_t count = 0;
-  for (const PlaceFacts& f : facts)
+  for (const PlaceFeatures& f : features)
   {
     if (f.segment_height > vehicle_height && f.around.probability < surely_static)
     {
@@ -85,10 +85,10 @@ float falseFreeShare(const std::vector<PlaceFacts>& facts)
 }
 }  // namespace
 
-std::vector<PlaceFacts> factsOf(const Segments& segments,
-                                const std::vector<PlaceEvidence>& evidence,
-                                const std::vector<Eigen::Vector3f>& points,
-                                const std::vector<float>& heights)
+std::vector<PlaceFeatures> placeFeatures(const Segments& segments,
+                                         const std::vector<PlaceEvidence>& evidence,
+                                         const std::vector<Eigen::Vector3f>& points,
+                                         const std::vector<float>& heights)
 {
   std::vector<EvidenceSum> of_cell(segments.cells.size());
   std::vector<EvidenceSum> of_segment(segments.segments);
@@ -111,10 +111,10 @@ std::vector<PlaceFacts> factsOf(const Segments& segments,
   {
     whole.push_back(sum.mean());
   }
-  std::vector<PlaceFacts> facts(evidence.size());
+  std::vector<PlaceFeatures> features(evidence.size());
   for (std::size_t g = 0; g < evidence.size(); ++g)
   {
-    PlaceFacts& f = facts[g];
+    PlaceFeatures& f = features[g];
     const std::uint32_t s = segments.segment_of_group[g];
     f.point = segments.first_point[g];
     f.own = evidence[g];
@@ -126,15 +126,15 @@ std::vector<PlaceFacts> factsOf(const Segments& segments,
     f.segment_height = size.z();
     f.places = of_segment[s].count();
   }
-  const float false_free = falseFreeShare(facts);
+  const float false_free = falseFreeShare(features);
   constexpr float much = 0.1F;
-  for (PlaceFacts& f : facts)
+  for (PlaceFeatures& f : features)
   {
     f.doubt = std::min(1.0F, false_free / much);
     discount(f.own, false_free);
     discount(f.around, false_free);
     discount(f.segment, false_free);
   }
-  return facts;
+  return features;
 }
 }  // namespace dyslam

@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The first of two passes over a recording: its arguments, and where its labels stay for the
+// second one.
+#pragma once
+
+#include <dyslam/core/Error.h>
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "SlamArguments.h"
+
+namespace dyslam
+{
+/** Arguments of a pass that writes labels only. */
+inline SlamArguments firstPassArguments(const SlamArguments& a)
+{
+  SlamArguments first;
+  first.settings = a.settings;
+  first.settings.labels = true;
+  first.settings.probabilities = false;
+  first.settings.static_scans = false;
+  first.settings.profile_csv.clear();
+  first.config = a.config;
+  first.assignments = assignmentsOf(a);
+  first.verbosity = a.verbosity;
+  for (const char* unused :
+       {"pipeline.mapping", "pipeline.hindsight_tracking", "output.replay", "output.simplemap",
+        "output.pcd", "output.ply", "output.scene", "output.plot", "output.page"})
+  {
+    first.assignments.push_back(std::string(unused) + "=false");
+  }
+  first.assignments.emplace_back("output.checkpoint_seconds=0");
+  return first;
+}
+
+/** Removes the label files in a folder, and nothing else. */
+inline void removeLabels(const std::filesystem::path& folder)
+{
+  std::vector<std::filesystem::path> files;
+  for (const auto& entry : std::filesystem::directory_iterator(folder))
+  {
+    if (entry.path().extension() == ".label")
+    {
+      files.push_back(entry.path());
+    }
+  }
+  for (const auto& file : files)
+  {
+    std::filesystem::remove(file);
+  }
+}
+
+inline std::filesystem::path labelsOfFirstPass(const std::string& output)
+{
+  return std::filesystem::path(output) / "first_pass" / "labels";
+}
+
+inline bool hasLabelsOfFirstPass(const std::string& output)
+{
+  return std::filesystem::is_directory(labelsOfFirstPass(output));
+}
+
+/** Moves the labels of the first pass to where the second one, which writes into the same folder,
+ * does not replace them. \return the new folder. \throws UserError. */
+inline std::string keepLabelsOfFirstPass(const std::string& output)
+{
+  namespace fs = std::filesystem;
+  const fs::path kept = labelsOfFirstPass(output);
+  const fs::path made = fs::path(output) / "labels";
+  try
+  {
+    for (const fs::path& folder : {kept.parent_path(), kept})
+    {
+      if (fs::is_symlink(folder))
+      {
+        throw UserError(folder.string() + ": is a link; remove it, or choose another --output");
+      }
+    }
+    fs::create_directories(kept);
+    removeLabels(kept);
+    for (const auto& entry : fs::directory_iterator(made))
+    {
+      fs::rename(entry.path(), kept / entry.path().filename());
+    }
+    fs::remove(made);
+  }
+  catch (const fs::filesystem_error& error)
+  {
+    throw UserError(kept.string() + ": cannot be written (" + error.code().message() +
+                    "); choose another --output");
+  }
+  return kept.string();
+}
+}  // namespace dyslam

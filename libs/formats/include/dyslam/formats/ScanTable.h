@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <set>
+#include <string>
+
+namespace dyslam
+{
+/** The scans of a run's `scans.csv` that could not be registered, by Frame::index: their poses are
+ * predicted. \throws UserError "file: what" for a table without the columns `frame` and
+ * `registered`. */
+[[nodiscard]] std::set<std::size_t> unregisteredScans(const std::string& path);
+}  // namespace dyslam

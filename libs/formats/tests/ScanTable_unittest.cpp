@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/Error.h>
+#include <dyslam/formats/ScanTable.h>
+#include <gtest/gtest.h>
+
+#include "TestFolder.h"
+
+namespace dyslam
+{
+TEST(ScanTable, HasTheScansThatWereNotRegistered)
+{
+  const TestFolder folder;
+  const std::string path = folder.write("scans.csv",
+                                        "frame,stamp,reason,registered\n"
+                                        "0,1.5,,1\n"
+                                        "1,1.6,\"too few, or \"\"none\"\"\",0\n"
+                                        "3,1.8,\"lost, again\",0\n"
+                                        "4,1.9\n");
+  EXPECT_EQ(unregisteredScans(path), (std::set<std::size_t>{1, 3}));
+}
+
+TEST(ScanTable, NamesTheMissingColumn)
+{
+  const TestFolder folder;
+  const std::string path = folder.write("scans.csv", "frame,stamp\n0,1.5\n");
+  EXPECT_TRUE(
+      contains(messageOfError<UserError>([&] { (void)unregisteredScans(path); }), "registered"));
+  EXPECT_THROW((void)unregisteredScans(folder.file("none.csv")), UserError);
+}
+}  // namespace dyslam

@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <dyslam/core/Frame.h>
+
+#include <cstddef>
+#include <string>
+
+namespace dyslam
+{
+/** Least points for the estimate of a motion. */
+constexpr std::size_t min_scan_points = 30;
+
+/** Why the frame's cloud cannot be used; empty if it can. */
+[[nodiscard]] std::string reasonUnusable(const Frame& frame);
+}  // namespace dyslam

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "ConstantMotion.h"
+
+#include "CloudCheck.h"
+
+namespace dyslam
+{
+ScanMatch ConstantMotion::match(const Frame& frame, const MotionPrior& prior)
+{
+  constexpr double degree = 3.14159265358979323846 / 180;
+  ScanMatch match;
+  match.motion.information = informationFromSigmas(0.1, degree);
+  match.motion.reason = reasonUnusable(frame);
+  match.motion.converged = match.motion.reason.empty();
+  const bool first = first_;
+  first_ = false;
+  if (!first && (kind_ == Kind::constant_velocity || !match.motion.converged))
+  {
+    match.motion.T_previous_current = prior.T_previous_current;
+  }
+  return match;
+}
+
+std::string ConstantMotion::name() const
+{
+  return kind_ == Kind::constant_velocity ? "constant_velocity" : "zero_motion";
+}
+}  // namespace dyslam
