@@ -6,6 +6,7 @@
 #include <dyslam/core/Error.h>
 #include <dyslam/core/Printable.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <filesystem>
 #include <functional>
@@ -56,12 +57,11 @@ inline void print(const SlamRunReport& report, const std::string& folder, std::s
     std::printf("real-time factor %.2f: %.1f s of recording in %.1f s\n", report.realtimeFactor(),
                 report.recording_time, report.run_time);
   }
-  std::printf("results in %s:", folder.c_str());
-  for (const auto& file : report.files)
+  std::printf("results in %s: %s\n", folder.c_str(), counted(report.files.size(), "file").c_str());
+  if (std::find(report.files.begin(), report.files.end(), "report.html") != report.files.end())
   {
-    std::printf(" %s", file.c_str());
+    std::printf("the run in a browser: %s/report.html\n", folder.c_str());
   }
-  std::printf("\n");
   if (report.has_reference)
   {
     std::printf("errors against the ground truth: dyslam-eval run %s\n", folder.c_str());

@@ -4,6 +4,7 @@
 #include <dyslam/core/Error.h>
 #include <dyslam/core/Files.h>
 #include <dyslam/core/Printable.h>
+#include <dyslam/dyseg/MovingSegmenter.h>
 #include <dyslam/formats/ScanFiles.h>
 #include <dyslam/mapbuilder/RunFolder.h>
 #include <dyslam/odometry/ScanMatcher.h>
@@ -28,13 +29,14 @@ namespace
 std::vector<std::string> knownSections()
 {
   std::vector<std::string> known{
-      "map",      "labels",   "preprocess",   "map_export",    "input",          "pipeline",
-      "dyseg",    "residual", "odometry",     "dyseg_network", "refine",         "motion",
-      "detector", "tracker",  "dyseg_filter", "solver",        "loop",           "backend",
-      "output",   "replay",   "merge",        "start",         "report",         "fusion",
-      "sensor",   "objects",  "uncertainty",  "memory",        "track_smoothing"};
-  const auto methods = scanMatcherNames();
-  known.insert(known.end(), methods.begin(), methods.end());
+      "map",      "labels",  "preprocess",  "map_export", "input",   "pipeline",       "dyseg",
+      "odometry", "refine",  "motion",      "detector",   "tracker", "dyseg_filter",   "solver",
+      "loop",     "backend", "output",      "replay",     "merge",   "start",          "report",
+      "fusion",   "sensor",  "uncertainty", "objects",    "memory",  "track_smoothing"};
+  for (const auto& sections : {segmenterSections(), scanMatcherSections()})
+  {
+    known.insert(known.end(), sections.begin(), sections.end());
+  }
   return known;
 }
 

@@ -56,6 +56,11 @@ void MovingSegmenterOptions::describe(OptionsVisitor& visitor)
                "points with a higher moving probability are moving");
 }
 
+std::vector<std::string> segmenterSections()
+{
+  return segmenters().sections();
+}
+
 std::vector<std::string> segmenterMethods()
 {
   return segmenters().names();

@@ -70,6 +70,11 @@ Registry<ScanMatcher> matchers()
 }
 }  // namespace
 
+std::vector<std::string> scanMatcherSections()
+{
+  return matchers().sections();
+}
+
 std::vector<std::string> scanMatcherNames()
 {
   return matchers().names();

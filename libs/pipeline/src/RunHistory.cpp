@@ -2,7 +2,6 @@
 #include "RunHistory.h"
 
 #include <algorithm>
-#include <cstring>
 
 namespace dyslam
 {
@@ -25,20 +24,7 @@ PastObject pastObject(const TrackedObject& object, std::size_t scan)
   return report;
 }
 
-/** Member by member: objects have members of Eigen, and padding. */
-template <typename Value>
-void put(std::string& bytes, const Value& value)
-{
-  bytes.append(reinterpret_cast<const char*>(&value), sizeof value);
-}
-template <typename Value>
-void take(std::string_view& bytes, Value& value)
-{
-  std::memcpy(&value, bytes.data(), sizeof value);
-  bytes.remove_prefix(sizeof value);
-}
-
-/** Calls `field` with every number of an object. */
+/** Calls `field` with every number of an object: it has members of Eigen, and padding. */
 template <typename Object, typename Field>
 void forEachField(Object& o, const Field& field)
 {
@@ -78,7 +64,7 @@ std::string RunHistory::Part::toBytes() const
   std::string bytes;
   for (const PastObject& object : objects)
   {
-    forEachField(object, [&bytes](const auto& value) { put(bytes, value); });
+    forEachField(object, [&bytes](const auto& value) { appendBytes(bytes, value); });
   }
   return bytes;
 }
@@ -89,7 +75,7 @@ RunHistory::Part RunHistory::Part::fromBytes(std::string_view bytes)
   while (!bytes.empty())
   {
     part.objects.emplace_back();
-    forEachField(part.objects.back(), [&bytes](auto& value) { take(bytes, value); });
+    forEachField(part.objects.back(), [&bytes](auto& value) { takeBytes(bytes, value); });
   }
   return part;
 }

@@ -200,6 +200,14 @@ class SwappedStore
   mutable std::size_t memory_ = 0;
 };
 
+/** A plain value as bytes. */
+template <typename Value>
+void appendBytes(std::string& bytes, const Value& value)
+{
+  static_assert(std::is_trivially_copyable_v<Value>);
+  bytes.append(reinterpret_cast<const char*>(&value), sizeof value);
+}
+
 /** Plain values one after the other, as bytes. */
 template <typename Value>
 void appendBytes(std::string& bytes, const std::vector<Value>& values)
