@@ -11,7 +11,6 @@
 #include <dyslam/core/SharedFiles.h>
 #include <unistd.h>
 
-#include <atomic>
 #include <csignal>
 #include <filesystem>
 #include <iostream>
@@ -22,6 +21,7 @@
 #include "../common/AppMain.h"
 #include "../common/Checks.h"
 #include "../common/Progress.h"
+#include "../common/StopSignals.h"
 
 namespace
 {
@@ -160,28 +160,6 @@ Work commonWork(const Arguments& a, const std::string& program)
   return work;
 }
 
-// The only thing a signal can reach.
-std::atomic<bool> stop_asked{false};
-static_assert(std::atomic<bool>::is_always_lock_free, "a signal handler may set it");
-
-void stopOnSignals()
-{
-  struct sigaction action = {};
-  action.sa_handler = [](int) { stop_asked = true; };
-  action.sa_flags = SA_RESTART;
-  sigemptyset(&action.sa_mask);
-  std::signal(SIGCHLD, SIG_DFL);  // ignored, as a parent may leave it, it would hide how runs end
-  for (const int signal : {SIGINT, SIGTERM, SIGHUP})
-  {
-    struct sigaction before = {};
-    sigaction(signal, nullptr, &before);
-    if (before.sa_handler != SIG_IGN)  // as nohup sets it
-    {
-      sigaction(signal, &action, nullptr);
-    }
-  }
-}
-
 void say(const BatchResult& r, std::size_t ended, std::size_t all)
 {
   const Manifest& m = r.manifest;
@@ -207,7 +185,8 @@ std::vector<BatchResult> runHere(const Arguments& a,
                                  const BatchSettings& settings,
                                  const std::vector<Recording>& recordings)
 {
-  stopOnSignals();
+  stopOnSignals(SecondSignal::ignored);
+  std::signal(SIGCHLD, SIG_DFL);  // ignored, as a parent may leave it, it would hide how runs end
   Progress progress("dyslam-batch", "recordings", a.quiet);
   BatchWatch watch;
   watch.stop = [] { return stop_asked.load(); };

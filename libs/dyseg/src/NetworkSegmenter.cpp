@@ -124,12 +124,6 @@ NetworkSegmenter::NetworkSegmenter(const NetworkSegmenterOptions& options)
 
 NetworkSegmenter::~NetworkSegmenter() = default;
 
-void NetworkSegmenter::reset()
-{
-  impl_->past.clear();
-  impl_->flow.reset();
-}
-
 void NetworkSegmenter::exchangeState(StateArchive& archive)
 {
   Impl& s = *impl_;
@@ -137,7 +131,8 @@ void NetworkSegmenter::exchangeState(StateArchive& archive)
   archive(count);
   if (archive.isLoading())
   {
-    reset();
+    s.past.clear();
+    s.flow.reset();
   }
   for (std::size_t i = 0; i < count; ++i)
   {

@@ -84,12 +84,6 @@ TemporalFilter::TemporalFilter(const TemporalFilterOptions& options) : options_(
   validate(options_, "dyseg_filter");
 }
 
-void TemporalFilter::reset()
-{
-  cells_.clear();
-  scan_ = 0;
-}
-
 std::uint64_t TemporalFilter::keyOf(const Eigen::Vector3f& point) const
 {
   return cellKey(point / static_cast<float>(options_.cell_size));

@@ -182,25 +182,6 @@ TEST_P(EverySegmenter, GoesOnFromItsState)
   }
 }
 
-TEST_P(EverySegmenter, ResetForgets)
-{
-  const auto segmenter = make();
-  const auto run = [&]
-  {
-    std::vector<float> last;
-    for (std::size_t i = 0; i < 3; ++i)
-    {
-      Frame frame = streetWith(10 - static_cast<float>(i), i, static_cast<unsigned>(i));
-      segmenter->segment(frame);
-      last = frame.moving_probability;
-    }
-    return last;
-  };
-  const std::vector<float> before = run();
-  segmenter->reset();
-  EXPECT_EQ(run(), before);
-}
-
 std::vector<std::string> segmentersHere()
 {
   std::vector<std::string> names;

@@ -214,8 +214,6 @@ TEST(NetworkSegmenter, EmptyAndInvalidScans)
     segmenter.segment(frame);
     EXPECT_EQ(frame.moving_probability.size(), points.size());
   }
-  segmenter.reset();
-  EXPECT_EQ(segmenter.sceneFlow(), nullptr);
 }
 
 TEST(NetworkSegmenter, ForeignWeightsAreAClearError)

@@ -84,14 +84,4 @@ TEST(TemporalFilter, EmptyAndInvalidPoints)
   EXPECT_EQ(frame.moving_probability, given);
 }
 
-TEST(TemporalFilter, ResetForgets)
-{
-  Rig rig;
-  for (int k = 0; k < 5; ++k)
-  {
-    rig.see(0, 12.1F, 0.1F);
-  }
-  rig.filter.reset();
-  EXPECT_FLOAT_EQ(rig.see(0, 12.1F, 0.7F), 0.7F);
-}
 }  // namespace

@@ -203,11 +203,6 @@ void DyloMatcher::keepAsReference(const std::optional<Pose>& T_sweep)
   s.reference = scan;
 }
 
-void DyloMatcher::clearReference()
-{
-  impl_->reference = MatcherScan();
-}
-
 void DyloMatcher::exchangeState(StateArchive& archive)
 {
   const torch::NoGradGuard no_grad;

@@ -21,7 +21,6 @@ class ConstantMotion : public ScanMatcher
   explicit ConstantMotion(Kind kind) : kind_(kind) {}
 
   [[nodiscard]] ScanMatch match(const Frame& frame, const MotionPrior& prior) override;
-  void reset() override { first_ = true; }
   void exchangeState(StateArchive& archive) override { archive(first_); }
   [[nodiscard]] std::string name() const override;
 

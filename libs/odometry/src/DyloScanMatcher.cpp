@@ -129,9 +129,4 @@ void DyloScanMatcher::accept(const Pose& T_reference_current)
   matcher_.keepAsReference(T_sweep);
 }
 
-void DyloScanMatcher::clear()
-{
-  matcher_.clearReference();
-  confidence_.clear();
-}
 }  // namespace dyslam

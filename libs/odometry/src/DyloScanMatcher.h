@@ -27,7 +27,6 @@ class DyloScanMatcher : public ScanToScan
   std::string extract(const Frame& frame) override;
   MotionEstimate align(const Pose& T_reference_current_guess) override;
   void accept(const Pose& T_reference_current) override;
-  void clear() override;
   void exchangeReference(StateArchive& archive) override { archive(matcher_); }
   [[nodiscard]] std::vector<float> staticConfidence() const override { return confidence_; }
 

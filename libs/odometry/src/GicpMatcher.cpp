@@ -158,13 +158,6 @@ void GicpMatcher::accept(const Pose& /*T_reference_current*/)
   tree_ = KdTree(reference_);
 }
 
-void GicpMatcher::clear()
-{
-  pcl_ = std::make_unique<Pcl>();
-  reference_.clear();
-  tree_ = KdTree();
-}
-
 void GicpMatcher::exchangeReference(StateArchive& archive)
 {
   bool is_there = pcl_->target != nullptr;

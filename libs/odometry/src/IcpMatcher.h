@@ -55,7 +55,6 @@ class IcpMatcher final : public ScanToScan
   std::string extract(const Frame& frame) override;
   MotionEstimate align(const Pose& T_reference_current_guess) override;
   void accept(const Pose& T_reference_current) override;
-  void clear() override { reference_ = Reference(); }
   void exchangeReference(StateArchive& archive) override;
 
  private:

@@ -292,15 +292,6 @@ void LoamMatcher::accept(const Pose& T_reference_current)
   }
 }
 
-void LoamMatcher::clear()
-{
-  edges_ = Target();
-  planes_ = Target();
-  edge_map_ = FeatureMap();
-  plane_map_ = FeatureMap();
-  T_map_reference_.setIdentity();
-}
-
 void LoamMatcher::Target::exchangeState(StateArchive& archive)
 {
   archive(points, rings);

@@ -24,7 +24,6 @@ class LoamMatcher final : public ScanToScan
   std::string extract(const Frame& frame) override;
   MotionEstimate align(const Pose& T_reference_current_guess) override;
   void accept(const Pose& T_reference_current) override;
-  void clear() override;
   void exchangeReference(StateArchive& archive) override;
 
  private:

@@ -558,11 +558,6 @@ std::vector<Eigen::Vector3f> LocalMapRegistration::mapPoints() const
   return state_->map.means();
 }
 
-void LocalMapRegistration::reset()
-{
-  state_ = std::make_unique<State>(RefineOptions(state_->options), state_->pool);
-}
-
 void LocalMapRegistration::exchangeState(StateArchive& archive)
 {
   State& s = *state_;

@@ -70,14 +70,6 @@ MotionEstimate ScanToScan::find(const Frame& frame, const MotionPrior& prior)
   return found;
 }
 
-void ScanToScan::reset()
-{
-  has_reference_ = false;
-  T_reference_previous_.setIdentity();
-  failures_ = 0;
-  clear();
-}
-
 void ScanToScan::exchangeState(StateArchive& archive)
 {
   archive(has_reference_, T_reference_previous_, failures_);

@@ -11,7 +11,6 @@ class ScanToScan : public ScanMatcher
 {
  public:
   [[nodiscard]] ScanMatch match(const Frame& frame, const MotionPrior& prior) final;
-  void reset() final;
   void exchangeState(StateArchive& archive) final;
 
  protected:
@@ -23,7 +22,6 @@ class ScanToScan : public ScanMatcher
   virtual MotionEstimate align(const Pose& T_reference_current_guess) = 0;
   /** The frame becomes the reference. \param T_reference_current the motion found, or the guess */
   virtual void accept(const Pose& T_reference_current) = 0;
-  virtual void clear() = 0;
   /** The reference, and what else is kept of it. */
   virtual void exchangeReference(StateArchive& archive) = 0;
   /** As ScanMatch::static_confidence, of the frame last extracted and aligned. */

@@ -40,7 +40,6 @@ class ScriptedMatcher : public ScanMatcher
     return match;
   }
   [[nodiscard]] bool usesPrior() const override { return script_.uses_prior; }
-  void reset() override {}
   void exchangeState(StateArchive& /*archive*/) override {}
   [[nodiscard]] std::string name() const override { return "scripted"; }
 

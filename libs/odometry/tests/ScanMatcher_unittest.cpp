@@ -268,18 +268,6 @@ TEST_P(EveryMatcher, SameBytesForAnyNumberOfThreads)
   EXPECT_EQ(a.information, b.information);
 }
 
-TEST_P(EveryMatcher, ResetForgets)
-{
-  const auto matcher = make(GetParam().name, pool_);
-  matchFrom(*matcher, scene_.frame(Pose::Identity(), 0.01, 1), Pose::Identity());
-  const MotionEstimate before = matchFrom(*matcher, scene_.frame(T_, 0.01, 2), T_);
-  matcher->reset();
-  const MotionEstimate first = matchFrom(*matcher, scene_.frame(Pose::Identity(), 0.01, 1), T_);
-  EXPECT_TRUE(first.T_previous_current.isApprox(Pose::Identity()));
-  const MotionEstimate after = matchFrom(*matcher, scene_.frame(T_, 0.01, 2), T_);
-  EXPECT_EQ(before.T_previous_current.matrix(), after.T_previous_current.matrix());
-}
-
 const auto nameOf = [](const testing::TestParamInfo<Method>& test_info)
 { return test_info.param.name; };
 INSTANTIATE_TEST_SUITE_P(Methods, EveryMatcher, testing::ValuesIn(methods()), nameOf);

@@ -55,8 +55,6 @@ class MovingSegmenter
     segment(frame);
   }
 
-  /** Forget the past scans. */
-  virtual void reset() = 0;
   /** What is kept from frame to frame. */
   virtual void exchangeState(StateArchive& archive) = 0;
 };

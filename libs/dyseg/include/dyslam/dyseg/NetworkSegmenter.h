@@ -71,7 +71,6 @@ class NetworkSegmenter : public MovingSegmenter
   [[nodiscard]] std::shared_ptr<const EncodedCloud> encode(
       const Cloud& cloud, const Pose& T_vehicle_lidar) const override;
   void segmentEncoded(Frame& frame, const std::shared_ptr<const EncodedCloud>& encoded) override;
-  void reset() override;
   /** The past scans: their points, which are encoded again when they are loaded. */
   void exchangeState(StateArchive& archive) override;
 

@@ -43,7 +43,6 @@ class ResidualSegmenter : public MovingSegmenter
   [[nodiscard]] std::string name() const override { return "residual"; }
   [[nodiscard]] bool needsPose() const override { return true; }
   void segment(Frame& frame) override;
-  void reset() override { past_.clear(); }
   void exchangeState(StateArchive& archive) override;
 
  private:

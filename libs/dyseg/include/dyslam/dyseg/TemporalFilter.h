@@ -38,7 +38,6 @@ class TemporalFilter
   /** Reads Frame::cloud and T_odom_vehicle; changes Frame::moving_probability. A frame without
    * probabilities stays as it is. */
   void apply(Frame& frame);
-  void reset();
   /** What is kept from frame to frame. */
   void exchangeState(StateArchive& archive);
 

@@ -54,7 +54,6 @@ class DyloMatcher
                          const Pose& T_sweep = Pose::Identity());
   /** Makes the current scan the reference; re-deskews it by `T_sweep` if its motion is known. */
   void keepAsReference(const std::optional<Pose>& T_sweep = {});
-  void clearReference();
   /** The reference. It is encoded again when it is loaded, which gives the same. */
   void exchangeState(StateArchive& archive);
 

@@ -136,7 +136,6 @@ class LocalMapRegistration
   [[nodiscard]] const Pose& pose() const;
   /** Mean points of the map's cells, odometry frame [m]; in a fixed order. */
   [[nodiscard]] std::vector<Eigen::Vector3f> mapPoints() const;
-  void reset();
   /** What is kept between one frame's integrate() and the next registerFrame(). */
   void exchangeState(StateArchive& archive);
 

@@ -43,8 +43,6 @@ class ScanMatcher
   [[nodiscard]] virtual ScanMatch match(const Frame& frame, const MotionPrior& prior) = 0;
   /** Whether the prior's information is part of the motion that match() finds. */
   [[nodiscard]] virtual bool usesPrior() const { return false; }
-  /** Forget all frames: the next one is a first frame. */
-  virtual void reset() = 0;
   /** What is kept from frame to frame. */
   virtual void exchangeState(StateArchive& archive) = 0;
   [[nodiscard]] virtual std::string name() const = 0;
