@@ -382,6 +382,10 @@ TEST_F(BadInput, WordsOfTheCommandLine)
   expectRefusal("kitti2rawlog", "--kind 1 -i " + at("") + out, {"'1' is none of"});
   expectRefusal("kitti2rawlog", "--kind odometry --sequence 0000 -i " + at("") + out,
                 {"--sequence goes with --kind tracking"});
+  expectRefusal("dyslam", "-i x -o " + at("never") + " --lables",
+                {"--lables: unknown option", "did you mean --labels?"});
+  expectRefusal("dyslam", "x.rawlog -o " + at("never"), {"x.rawlog: not expected", "--input"});
+  expectRefusal("dyslam-map", "-i x --trajectory t -o a.pcd -o ./a.pcd", {"is given twice"});
   expectRefusal("dyslam", "-i x --skip-first-n -3 -o " + at("never"),
                 {"'-3' is not a number of 0 or more"});
   expectRefusal("dyslam", "-i " + write("a.pcap", "x") + " -o " + at("never"), {"scans2rawlog"});

@@ -97,6 +97,21 @@ TEST(MapBuilder, TheMapHasThePlaceAndScansWithoutAPoseAreSkipped)
             100);
 }
 
+TEST(MapBuilder, ScansThatTheRunCouldNotRegisterAreLeftOut)
+{
+  const TestFolder folder;
+  const Trajectory drive = test::straightDrive(6, 2);
+  RunScansOptions run = test::asRecorded();
+  run.scan_table = folder.write("scans.csv", "frame,registered\n0,1\n1,1\n2,0\n3,0\n4,1\n5,1\n");
+  MapBuilder builder(plainOptions());
+  builder.beginRun(drive, run);
+  addDrive(builder, drive);
+  builder.finish();
+  EXPECT_EQ(0U, builder.skipped());
+  EXPECT_EQ(2U, builder.unregistered());
+  EXPECT_EQ(4U, builder.keyframes());
+}
+
 TEST(MapBuilder, FarFromZeroTheMapIsRelativeToWholeKilometres)
 {
   Trajectory far;

@@ -56,6 +56,16 @@ TEST_F(RunScansTest, CloudsAreInTheVehicleFrame)
       frame.scan.points[source] + Eigen::Vector3f(0, 0, 1.7F), 1e-5F));
 }
 
+TEST_F(RunScansTest, ScansThatTheRunCouldNotRegister)
+{
+  const Trajectory drive = test::straightDrive(3, 1);
+  EXPECT_TRUE(scans(drive).isRegistered(test::frameFrom(drive[1].pose, 1)));
+  options.scan_table = folder.write("scans.csv", "frame,registered\n0,1\n1,0\n2,1\n");
+  const RunScans run = scans(drive);
+  EXPECT_TRUE(run.isRegistered(test::frameFrom(drive[0].pose, 0)));
+  EXPECT_FALSE(run.isRegistered(test::frameFrom(drive[1].pose, 1)));
+}
+
 TEST_F(RunScansTest, WhatMovesIsByTheLabels)
 {
   Frame frame = test::frameFrom(Pose::Identity(), 0, {{5, 1, 1}});

@@ -28,6 +28,25 @@ MotionFilter started(double deviation)
   return filter;
 }
 
+TEST(MotionFilter, AfterAGapTheVelocityIsKeptButUncertain)
+{
+  const MotionFilterOptions options;
+  MotionFilter filter = started(20);
+  const Pose motion = poseFromYpr(1.2, 0, 0, 0.05, 0, 0);
+  for (int i = 0; i < 5; ++i)
+  {
+    filter.update(step_time, motion, informationOf(1e-3, 1e-4));
+  }
+  const Pose before = filter.predict(step_time);
+  ASSERT_LT(filter.sigma(step_time), 0.05);
+  MotionFilter later = filter;
+  filter.forget(3);
+  EXPECT_TRUE(filter.predict(step_time).isApprox(before));
+  EXPECT_NEAR(filter.sigma(step_time), 3 * options.acceleration * step_time, 0.05);
+  later.forget(60);
+  EXPECT_NEAR(later.sigma(step_time), options.start_speed_sigma * step_time, 0.05);
+}
+
 TEST(MotionFilter, WellSeenMotionsAreRepeated)
 {
   MotionFilter filter = started(20);
