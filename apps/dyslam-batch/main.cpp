@@ -263,6 +263,7 @@ void run(const Arguments& a)
   settings.jobs = a.jobs;
   settings.memory = static_cast<std::uint64_t>(a.memory * (1U << 30U));
   settings.scratch = a.scratch;
+  settings.config = a.config;
   if (a.slurm)
   {
     return submitToSlurm(a, recordings);

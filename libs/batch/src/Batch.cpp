@@ -2,9 +2,11 @@
 #include <dyslam/batch/Batch.h>
 #include <dyslam/batch/ChildProcess.h>
 #include <dyslam/batch/MemoryBudget.h>
+#include <dyslam/core/Error.h>
 #include <dyslam/core/Files.h>
 
 #include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <condition_variable>
 #include <deque>
@@ -22,6 +24,9 @@ namespace
 // A run on street64 with the network takes 0.9 GB, one of 1700 m 2 GB.
 constexpr std::uint64_t first_estimate = std::uint64_t{2} << 30U;
 constexpr double share_of_available = 0.9;
+
+const std::string program_prefix = "dyslam: ";
+const std::string refusal_of_setting = program_prefix + "--set ";
 
 struct Task
 {
@@ -75,10 +80,24 @@ class Runner
     {
       thread.join();
     }
+    if (refused_)
+    {
+      throw UserError(refusal_ + " (the same for every recording: nothing more was run)");
+    }
   }
 
  private:
-  [[nodiscard]] bool stopped() const { return watch_.stop && watch_.stop(); }
+  [[nodiscard]] bool stopped() const { return refused_ || (watch_.stop && watch_.stop()); }
+
+  /** Whether a run failed because of the settings that all have in common. */
+  [[nodiscard]] bool isRefusal(const Manifest& m) const
+  {
+    const auto begins = [&m](const std::string& text) { return m.reason.rfind(text, 0) == 0; };
+    return m.state == State::failed &&
+           (begins(refusal_of_setting) ||
+            (!settings_.config.empty() &&
+             begins(program_prefix + nameOfFile(settings_.config) + ":")));
+  }
 
   /** Equal parts; with more slots than cores, each has all. */
   [[nodiscard]] std::vector<int> coresOf(std::size_t slot) const
@@ -147,6 +166,11 @@ class Runner
       --running_;
       budget_.finish(result.skipped ? 0 : result.manifest.peak_memory);
       results_[task.index] = result;
+      if (isRefusal(result.manifest))
+      {
+        refusal_ = result.manifest.reason.substr(program_prefix.size());
+        refused_ = true;
+      }
       const State state = result.manifest.state;
       if (state == State::failed && result.manifest.attempts < settings_.attempts)
       {
@@ -212,6 +236,8 @@ class Runner
   std::deque<Task> failed_;  //!< to be run again when all others have ended
   std::size_t running_ = 0;
   std::size_t ended_ = 0;
+  std::string refusal_;  //!< of the settings, by the first run that said so
+  std::atomic<bool> refused_ = false;
 };
 }  // namespace
 

@@ -4,6 +4,7 @@
 #include <dyslam/batch/ChildProcess.h>
 #include <dyslam/batch/MemoryBudget.h>
 #include <dyslam/batch/Summary.h>
+#include <dyslam/core/Error.h>
 #include <gtest/gtest.h>
 
 #include <atomic>
@@ -111,6 +112,21 @@ TEST_F(Batch, KeepsGoingAndRunsOnceMoreWhatFailed)
   const auto read = readBatch(settings_, listRecordings(names_));
   EXPECT_EQ(read[1].manifest.state, State::failed);
   EXPECT_EQ(read[2].manifest.state, State::done);
+}
+
+TEST_F(Batch, SettingsThatAreRefusedEndItAtOnce)
+{
+  for (int i = 0; i < 20; ++i)
+  {
+    names_.push_back(folder_.write("in/" + std::to_string(i) + ".rawlog", "x"));
+  }
+  program("echo \"dyslam: --set map.voxel: [map] has no key 'voxel'\" >&2; exit 1");
+  const std::string said = messageOfError<UserError>([&] { run(); });
+  EXPECT_EQ(said.rfind("--set map.voxel: ", 0), 0U) << said;
+  EXPECT_LE(runs(), 2U * 2U) << "two at a time";
+  program("echo 'dyslam: my.ini:2: unknown section [mapp]' >&2; exit 1");
+  settings_.config = "inis/my.ini";
+  EXPECT_TRUE(contains(messageOfError<UserError>([&] { run(); }), "my.ini:2"));
 }
 
 TEST_F(Batch, UselessRunHasResultsAndIsNotRepeated)

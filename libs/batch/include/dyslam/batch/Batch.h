@@ -19,6 +19,7 @@ struct BatchSettings
   Work common;                         //!< settings, version and checksum of the program
   int jobs = 0;                        //!< at once; 0: as many as there are cores
   std::uint64_t memory = 0;            //!< for all at once [bytes]; 0: what is available
+  std::string config;                  //!< the ini among the arguments; or none
   std::string scratch;                 //!< folder to run in before results are moved; or none
   int attempts = 2;                    //!< of a run that fails
 };
