@@ -71,7 +71,10 @@ inline std::string unknownOption(const CLI::App& app, const std::string& word)
   std::vector<std::string> known;
   for (const CLI::Option* option : command.get_options())
   {
-    known.push_back(option->get_name());
+    if (option->get_name() != "--help" && option->get_name() != "--version")
+    {
+      known.push_back(option->get_name());
+    }
   }
   const std::string nearest = nearestWord(word, known);
   return word + ": unknown option" + (nearest.empty() ? "" : "; did you mean " + nearest + "?");
