@@ -10,7 +10,7 @@ preset=${PRESET:-package}
 cmake --preset "$preset" -DDYSLAM_HELP_PAGES=ON "$@" >/dev/null
 cmake --build --preset "$preset" ${JOBS:+-j "$JOBS"}
 mkdir -p dist
-rm -f dist/*.deb
+rm -rf dist/*.deb "build/$preset/packages"  # of earlier versions
 cpack --config "build/$preset/CPackConfig.cmake" -B "build/$preset/packages" >"build/$preset/cpack.log" ||
   { cat "build/$preset/cpack.log" >&2; exit 1; }
 cp "build/$preset/packages/"*.deb dist/

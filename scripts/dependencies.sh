@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-# The Debian 12 packages that DySLAM needs; sourced by demo.sh, test.sh and .ci/run.
+# The Debian 12 packages that DySLAM needs; sourced by the scripts that build.
 PACKAGES=(
   build-essential cmake ninja-build ccache
   libmrpt-dev mrpt-apps libeigen3-dev libtbb-dev libceres-dev libpcl-dev libopencv-dev liboctomap-dev
@@ -21,5 +21,5 @@ install_packages() {
   ((EUID == 0)) || sudo=(sudo)
   echo "Installing: ${missing[*]}"
   "${sudo[@]}" apt-get update -qq
-  DEBIAN_FRONTEND=noninteractive "${sudo[@]}" apt-get install -y -qq --no-install-recommends "${missing[@]}" >/dev/null
+  "${sudo[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends "${missing[@]}" >/dev/null
 }

@@ -45,7 +45,7 @@ for rawlog in "$@"; do
     maps="$maps $folder/map_static.ply"
     # shellcheck disable=SC2086
     grep -qs '"finished": true' "$folder/report.json" || "${bin}dyslam" -i "$rawlog" -c "$config" -o "$folder" --labels \
-      --only-first-n "$scans" --set "dyseg.method=$method" $settings > "$folder.log" 2>&1 || {
+      --only-first-n "$scans" --set "dyseg.method=$method" $settings > "$folder.log" 2>&1 || grep -qs '"finished": true' "$folder/report.json" || {
         tail -n 3 "$folder.log" >&2
         echo "segmentation_table.sh: dyslam failed on $rawlog with $method; its output is in $folder.log" >&2
         exit 1

@@ -31,6 +31,8 @@ while getopts s:t:w:k:o:l:h option; do
     *) echo "$usage" >&2; exit 2 ;;
   esac
 done
+shift $((OPTIND - 1))
+[ $# -eq 0 ] || { echo "$usage" >&2; exit 2; }
 bin=${DYSLAM_BIN:+$DYSLAM_BIN/}
 mkdir -p "$output"
 
@@ -44,8 +46,13 @@ for seed in $seeds; do
       [ "$sensor" = AVIA ] && columns=0
       [ -f "$run.rawlog" ] || "${bin}dyslam-sim" -q --world "$world" --sensor "$sensor" --seed "$seed" \
         --traffic 0.3 --seconds "$seconds" --columns "$columns" --no-flow -o "$run.rawlog" > "$run.log"
-      grep -qs '"finished": true' "$run/report.json" || "${bin}dyslam" -i "$run.rawlog" -o "$run" -v ERROR > "$run.log" 2>&1 \
-        || [ -f "$run/scans.csv" ]
+      # A run that registered less than half of its scans ends with 2 but has results.
+      grep -qs '"finished": true' "$run/report.json" || "${bin}dyslam" -i "$run.rawlog" -o "$run" -q > "$run.log" 2>&1 \
+        || grep -qs '"finished": true' "$run/report.json" || {
+          tail -n 3 "$run.log" >&2
+          echo "sensor_table.sh: dyslam failed on $run.rawlog; its output is in $run.log" >&2
+          exit 1
+        }
       "${bin}dyslam-eval" trajectory --reference "$run.gt/poses_tum.txt" --estimate "$run/trajectory_tum.txt" \
         --lengths "$lengths" --align first --csv "$run/trajectory.csv" > /dev/null
       awk -F, -v sensor="$sensor" -v world="$world" -v seed="$seed" '
@@ -53,7 +60,8 @@ for seed in $seeds; do
         FNR > 1 && FILENAME ~ /scans.csv$/ { ++scans; lost += $column[FILENAME, "registered"] == 0 }
         FNR == 2 && FILENAME ~ /trajectory.csv$/ {
           t_rel = $column[FILENAME, "t_rel [%]"]; end = $column[FILENAME, "end [m]"] }
-        END { printf "| %s | %s | %s | %d of %d | %.2f | %.2f |\n", sensor, world, seed, lost, scans, t_rel, end }
+        function cell(value) { return value == "" ? "-" : sprintf("%.2f", value) }
+        END { printf "| %s | %s | %s | %d of %d | %s | %s |\n", sensor, world, seed, lost, scans, cell(t_rel), cell(end) }
         ' "$run/scans.csv" "$run/trajectory.csv"
     done
   done

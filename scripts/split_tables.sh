@@ -35,6 +35,8 @@ while getopts s:k:t:m:l:o:h option; do
     *) echo "$usage" >&2; exit 2 ;;
   esac
 done
+shift $((OPTIND - 1))
+[ $# -eq 0 ] || { echo "$usage" >&2; exit 2; }
 bin=${DYSLAM_BIN:+$DYSLAM_BIN/}
 recordings=$output/drives
 runs=$output/runs

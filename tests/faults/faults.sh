@@ -15,6 +15,7 @@ failed=0
 slam() { mkdir -p "$(dirname "$1")" && timeout 120 "$bin/dyslam" -v ERROR -i "${input:-$recording}" -c vlp16.ini -o "$@" 2>"$1.err"; }
 # slam_in_background OUTPUT: waits until some scans are done and holds it there; sets `run`.
 slam_in_background() {
+  unset run
   timeout 120 "$bin/dyslam" -v ERROR -i "${input:-$recording}" -c vlp16.ini -o "$1" 2>"$1.err" &
   local guard=$!
   until [[ $(cat "$1/odometry_tum.txt.tmp" 2>/dev/null | wc -l) -ge ${scans:-5} ]]; do
@@ -24,7 +25,7 @@ slam_in_background() {
   run=$(pgrep -P "$guard") && kill -STOP "$run"
 }
 go_on() { kill -CONT "$run" && wait %1; }
-check() { "$@" || { echo "      not so: $*" && wrong=1; }; }
+check() { "$@" || { echo "      not so: $*"; wrong=1; return 1; }; }
 lacks() { ! grep -qs "$@"; }
 no_leftovers() { [[ -z $(find "$1" -name '*.tmp' -o -name '.dyslam.lock') ]]; }
 whole_results() { # of a run that came to an end, early or not
@@ -48,7 +49,7 @@ disk_full() { # a disk that takes no file over 40 kB
   check no_leftovers a
   check test "$(wc -l <a.err)" -eq 1
 }
-disk_too_small_for_memory() { # a file may have 4 MB, what exceeds the limit has 10
+disk_too_small_for_memory() { # files are limited to 4 MB; the swapped data need 10 MB
   local file
   check slam n --set output.replay=false
   (trap '' XFSZ; ulimit -f 4000; slam o --set memory.limit=1 --set output.replay=false)
@@ -211,6 +212,7 @@ wild_numbers() {
 
 must() { # CASE "what must happen"
   [[ -n ${only:-} && ${only:-} != "$1" ]] && return
+  cases=$((cases + 1))
   wrong=0
   scans=5
   local begin=$SECONDS
@@ -218,10 +220,11 @@ must() { # CASE "what must happen"
   [[ $wrong == 0 ]] && echo "ok    $1: $2 ($((SECONDS - begin)) s)" || { echo "WRONG $1: $2"; failed=1; }
 }
 only=${3:-}
+cases=0
 must disk_full "the files that fit are whole, one line names the others, exit code 1"
 must folder_removed "what is written at the end is in a new folder, and the user is told"
 must terminal_lost "the run ends as by Ctrl-C, with all results of the scans so far"
-must killed "no file has its final name and is not whole; the next run takes the folder over"
+must killed "no incomplete file has its final name; the next run takes the folder over"
 must killed_and_resumed "the resumed run gives the same bytes as one that was not interrupted"
 must killed_at_a_checkpoint "the state before it is whole; a damaged one is an error and nothing is removed"
 must input_cut_in_mid_run "all results of the scans before the cut, and the reason"
@@ -229,6 +232,7 @@ must links "files that links point to stay as they are"
 must disk_too_small_for_memory "memory grows instead, the results are the same, a warning says so"
 must conversion_on_a_full_disk "the earlier file stays, nothing half is left, exit code 1"
 must output_that_takes_nothing "a full standard output is an error"
-must name_that_is_no_text "a folder's name that is no UTF-8 spoils no JSON"
+must name_that_is_no_text "a folder name that is not UTF-8 still gives valid JSON"
 must wild_numbers "counts and steps that cannot be are refused at once, without memory"
+((cases)) || { echo "no case $only" >&2; exit 2; }
 exit $failed

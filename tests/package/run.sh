@@ -8,7 +8,8 @@ set -euo pipefail
 here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
 dist=$(realpath "${DIST:-$here/../../dist}")
 packages=("$dist"/dyslam_*.deb)
-[[ -f ${packages[0]} && ${#packages[@]} == 1 ]] || { echo "no package dyslam in $dist: run scripts/build_packages.sh" >&2; exit 1; }
+[[ -f ${packages[0]} ]] || { echo "no package dyslam in $dist: run scripts/build_packages.sh" >&2; exit 1; }
+[[ ${#packages[@]} == 1 ]] || { echo "several packages dyslam in $dist: ${packages[*]##*/}" >&2; exit 1; }
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 cd "$work"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <dyslam/core/RangeImage.h>
+#include <dyslam/core/Rings.h>
 #include <dyslam/core/ScanPattern.h>
 
 #include <algorithm>

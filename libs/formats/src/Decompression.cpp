@@ -145,6 +145,6 @@ std::string decompressed(const std::string& compression,
     return unpack(zstdUnpacker(), data, size, place);
   }
   throw UserError(place + ": compression '" + compression +
-                  "' is none of none, bz2, lz4 and zstd; write the bag anew without it");
+                  "' is not supported (bz2, lz4, zstd or none); rewrite the bag uncompressed");
 }
 }  // namespace dyslam

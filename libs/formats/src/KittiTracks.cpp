@@ -101,7 +101,11 @@ std::vector<LabelledBox> readDetections(const std::string& path, const Pose& T_c
     case Layout::csv:
       return readDetectionsCsv(path, T_cam_velo);
     case Layout::with_id:
-      (void)file.number(17);
+      do
+      {
+        file.requireFields(18, "KITTI's tracking columns with a score");
+        (void)file.number(17);
+      } while (file.next());
       boxes = readKittiTracking(path, T_cam_velo);
       break;
     case Layout::without_id:

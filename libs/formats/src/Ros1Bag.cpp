@@ -141,7 +141,7 @@ class Ros1Bag : public ChunkedBag
         if (fields.has("encryptor") && !fields.text("encryptor").empty())
         {
           throw UserError(path() +
-                          ": is encrypted; write it anew without encryption, with ROS's rosbag");
+                          ": is encrypted; rewrite it without encryption, with ROS's rosbag");
         }
         if (fields.number<std::uint64_t>("index_pos") == 0)
         {

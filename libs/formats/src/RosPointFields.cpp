@@ -95,9 +95,13 @@ void RosScanDecoder::learnTimes(const std::string& field,
   }
   if (!(most > least))
   {
-    times_unusable_ = true;
-    warnings_.push_back("field " + field +
-                        " is the same for all points and not taken for their times");
+    if (!times_equal_)
+    {
+      warnings_.push_back("field " + field +
+                          " is the same for all points and not taken for their times, in the first "
+                          "scan at least");
+    }
+    times_equal_ = true;  // a later scan may show them
     return;
   }
   // A float32 resolves one part in 2^24.

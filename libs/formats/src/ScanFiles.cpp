@@ -309,11 +309,16 @@ namespace
 std::string folderWithin(const std::string& folder)
 {
   std::vector<std::string> found;
-  for (const auto& entry : std::filesystem::directory_iterator(folder))
+  std::error_code unreadable;
+  for (const auto& entry : std::filesystem::directory_iterator(folder, unreadable))
   {
-    if (entry.is_directory() && !listFiles(entry.path().string(), isCloudFile).empty())
+    for (const auto& file : std::filesystem::directory_iterator(entry.path(), unreadable))
     {
-      found.push_back(entry.path().string());
+      if (isCloudFile(file.path().string()))
+      {
+        found.push_back(entry.path().string());
+        break;
+      }
     }
   }
   return found.empty() ? "" : *std::min_element(found.begin(), found.end());

@@ -4,6 +4,7 @@
 #include <dyslam/formats/ScanTable.h>
 
 #include <algorithm>
+#include <charconv>
 #include <fstream>
 #include <vector>
 
@@ -50,14 +51,29 @@ std::set<std::size_t> unregisteredScans(const std::string& path)
   const std::size_t frame = column("frame");
   const std::size_t registered = column("registered");
   std::set<std::size_t> scans;
-  while (std::getline(file, line))
+  for (int number = 2; std::getline(file, line); ++number)
   {
+    const auto fail = [&](const std::string& what)
+    { throw UserError(path + ":" + std::to_string(number) + ": " + what); };
     const std::vector<std::string> fields = fieldsOf(line);
-    if (fields.size() == header.size() && fields[registered] == "0")
+    if (fields.size() != header.size())
     {
-      scans.insert(std::stoul(fields[frame]));
+      fail("has " + std::to_string(fields.size()) + " fields, not " +
+           std::to_string(header.size()) + " as the first line");
+    }
+    const std::string& text = fields[frame];
+    std::size_t scan = 0;
+    const auto parsed = std::from_chars(text.data(), text.data() + text.size(), scan);
+    if (parsed.ec != std::errc() || parsed.ptr != text.data() + text.size())
+    {
+      fail("'" + text + "' is not the number of a scan");
+    }
+    if (fields[registered] == "0")
+    {
+      scans.insert(scan);
     }
   }
+  requireReadable(file, path);
   return scans;
 }
 }  // namespace dyslam

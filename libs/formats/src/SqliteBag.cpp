@@ -40,7 +40,7 @@ class Query
     const int code = sqlite3_step(statement_.get());
     if (code != SQLITE_ROW && code != SQLITE_DONE)
     {
-      throw UserError(path_ + ": cannot be read on: " + sqlite3_errmsg(database_));
+      throw UserError(path_ + ": cannot be read further: " + sqlite3_errmsg(database_));
     }
     return code == SQLITE_ROW;
   }

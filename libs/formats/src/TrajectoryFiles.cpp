@@ -31,6 +31,16 @@ Pose poseFromRow(const TextFile& file, const std::vector<double>& row)
   }
   return orthonormalized(pose);
 }
+/** Poses at 0, 1, 2, ... */
+Trajectory numbered(const std::vector<Pose>& poses)
+{
+  Trajectory trajectory;
+  for (std::size_t i = 0; i < poses.size(); ++i)
+  {
+    trajectory.push_back(static_cast<double>(i), poses[i]);
+  }
+  return trajectory;
+}
 }  // namespace
 
 Trajectory readTum(const std::string& path)
@@ -138,31 +148,6 @@ std::vector<double> readTimes(const std::string& path)
   return times;
 }
 
-Trajectory withTimes(const std::vector<Pose>& poses, const std::vector<double>& times)
-{
-  if (poses.size() != times.size())
-  {
-    throw UserError("there are " + std::to_string(poses.size()) + " poses but " +
-                    std::to_string(times.size()) + " times");
-  }
-  Trajectory trajectory;
-  for (std::size_t i = 0; i < poses.size(); ++i)
-  {
-    trajectory.push_back(times[i], poses[i]);
-  }
-  return trajectory;
-}
-
-Trajectory withTimes(const std::vector<Pose>& poses, double dt)
-{
-  Trajectory trajectory;
-  for (std::size_t i = 0; i < poses.size(); ++i)
-  {
-    trajectory.push_back(static_cast<double>(i) * dt, poses[i]);
-  }
-  return trajectory;
-}
-
 TrajectoryFormat trajectoryFormat(const std::string& path)
 {
   TextFile file(path);
@@ -187,7 +172,7 @@ TrajectoryFile readTrajectory(const std::string& path)
   TrajectoryFile result;
   result.format = trajectoryFormat(path);
   result.trajectory =
-      result.format == TrajectoryFormat::tum ? readTum(path) : withTimes(readKittiPoses(path), 1.0);
+      result.format == TrajectoryFormat::tum ? readTum(path) : numbered(readKittiPoses(path));
   return result;
 }
 

@@ -15,8 +15,21 @@ TEST(ScanTable, HasTheScansThatWereNotRegistered)
                                         "0,1.5,,1\n"
                                         "1,1.6,\"too few, or \"\"none\"\"\",0\n"
                                         "3,1.8,\"lost, again\",0\n"
-                                        "4,1.9\n");
+                                        "4,1.9,,1\n");
   EXPECT_EQ(unregisteredScans(path), (std::set<std::size_t>{1, 3}));
+}
+
+TEST(ScanTable, NamesTheDamagedLine)
+{
+  const TestFolder folder;
+  for (const char* line : {"1,1.6,lost", "x,1.6,lost,0", ",1.6,lost,0"})
+  {
+    const std::string path = folder.write(
+        "scans.csv", "frame,stamp,reason,registered\n0,1.5,,1\n" + std::string(line) + "\n");
+    EXPECT_TRUE(contains(messageOfError<UserError>([&] { (void)unregisteredScans(path); }),
+                         "scans.csv:3: "))
+        << line;
+  }
 }
 
 TEST(ScanTable, NamesTheMissingColumn)

@@ -137,7 +137,6 @@ TEST(TrajectoryFiles, ErrorsNameFileAndLine)
   expectError([&] { (void)readTrajectory(folder.file("none")); }, "no such file");
   expectError([&] { (void)readTrajectory(folder.path()); }, "is a folder");
   expectError([&] { writeTum(folder.file("no/such/a.txt"), {}); }, "cannot be written");
-  EXPECT_THROW((void)withTimes(std::vector<Pose>(3), std::vector<double>(2)), UserError);
 }
 
 TEST(TrajectoryFiles, CameraAndLidarPoses)

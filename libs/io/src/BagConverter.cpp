@@ -181,13 +181,14 @@ void convertBag(const std::string& input, ScanSink& sink, const ScanConverterOpt
   {
     Scan scan = decoder.decode(topic, message);
     std::optional<Pose> T_world_lidar;
-    ++without_pose;
     if (const auto T_world_vehicle = poseAt(truth, scan.stamp))
     {
       T_world_lidar = *T_world_vehicle * sink.T_vehicle_lidar();
-      --without_pose;
     }
-    if (!sink.put(std::move(scan), true, T_world_lidar, bag->progress()))
+    const std::size_t written = sink.written();
+    const bool more = sink.put(std::move(scan), true, T_world_lidar, bag->progress());
+    without_pose += sink.written() > written && !T_world_lidar ? 1 : 0;
+    if (!more)
     {
       break;
     }

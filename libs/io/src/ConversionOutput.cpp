@@ -205,10 +205,13 @@ void ConversionOutput::addBox(LabelledBox box)
 ConversionResult ConversionOutput::close()
 {
   closed_ = true;
+  if (truth_)
+  {
+    truth_->close();  // first: a new rawlog must not stand beside the truth of an earlier one
+  }
   writer_.close();
   if (truth_)
   {
-    truth_->close();
     const bool any = result_.poses + result_.label_files + result_.boxes > 0;
     result_.ground_truth = any ? folder_ : "";
   }

@@ -42,6 +42,12 @@ class Sequence
     if (!options.trajectory.empty())
     {
       given_ = readTrajectory(options.trajectory);
+      if (given_->format == TrajectoryFormat::kitti && options.skip_first_n > 0)
+      {
+        throw UserError(options.trajectory +
+                        ": has no times, so its lines cannot be assigned with --skip-first-n; give "
+                        "the TUM file of the run");
+      }
     }
     if (!options.calib.empty())
     {
@@ -224,7 +230,7 @@ ConversionResult exportKitti(const std::string& rawlog,
   validate(options, "rawlog2kitti");
   if (options.sequence.empty() || options.sequence.find('/') != std::string::npos)
   {
-    throw UserError("--sequence '" + options.sequence + "': is no name of a folder");
+    throw UserError("--sequence '" + options.sequence + "': is not a valid folder name");
   }
   RawlogSourceOptions source_options;
   source_options.skip_first_n = options.skip_first_n;

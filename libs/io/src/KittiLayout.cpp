@@ -215,6 +215,10 @@ class LayoutReader
     auto& entries = layout_.entries;
     std::vector<double> times;
     std::string source;
+    if (options_.dt > 0 && !options_.times.empty())
+    {
+      throw UserError("--times and --dt exclude each other");
+    }
     if (options_.dt == 0)
     {
       source = firstExisting(options_.times,

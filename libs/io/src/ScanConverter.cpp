@@ -32,7 +32,7 @@ std::vector<Pose> readPosesFor(const std::string& path, std::size_t scans)
   {
     poses.push_back(pose.pose);
   }
-  if (poses.size() < scans)
+  if (poses.size() != scans)
   {
     throw UserError(path + ": has " + std::to_string(poses.size()) + " poses, but there are " +
                     std::to_string(scans) + " scans");

@@ -290,7 +290,7 @@ struct ScanDecoder::Impl
     {
       text << separator << "end = " << options.end << " s";
     }
-    text << ": no scan is left";
+    text << (text.tellp() > 0 ? ": " : "") << "no scan is left";
     if (!selection.isPastEnd())
     {
       text << "; the file has " << counted(scans_seen, "scan");
@@ -416,7 +416,10 @@ void ScanDecoder::failWithoutScans() const
   const Impl& s = *impl_;
   if (s.scans_seen > 0)
   {
-    throw UserError(s.recording + ": " + s.emptyRange());
+    throw UserError(s.recording + ": " +
+                    (s.last_stamp ? s.emptyRange()
+                                  : "none of its " + counted(s.scans_seen, "scan") +
+                                        " has a time stamp; convert it with --dt"));
   }
   if (!s.lidar_labels.empty())
   {

@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cmath>
 #include <filesystem>
+#include <set>
 #include <string_view>
 
 #include "VelodynePackets.h"
@@ -46,12 +48,18 @@ bool isWord(char c)
   return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_';
 }
 
-/** The value behind the colon of `key: value`. */
-double numberAfter(std::string_view text)
+/** The value behind the colon of `key: value`. \throws UserError if it is not a number. */
+double numberAfter(std::string_view text, const std::string& key)
 {
-  const std::size_t begin = std::min(text.find_first_not_of(" \t"), text.size());
+  std::size_t begin = std::min(text.find_first_not_of(" \t"), text.size());
+  begin += begin < text.size() && text[begin] == '+' ? 1 : 0;
   double value = 0;
-  std::from_chars(text.data() + begin, text.data() + text.size(), value);
+  const auto parsed = std::from_chars(text.data() + begin, text.data() + text.size(), value);
+  if (parsed.ec != std::errc() || !std::isfinite(value))
+  {
+    throw UserError(key + ": '" + std::string(text.substr(0, text.find_first_of(",}\n"))) +
+                    "' is not a number");
+  }
   return value;
 }
 
@@ -60,6 +68,7 @@ double numberAfter(std::string_view text)
 Calibration fromYaml(const std::string& text)
 {
   Calibration calibration;
+  std::set<std::size_t> ids;
   for (std::size_t at = text.find("- {"); at != std::string::npos; at = text.find("- {", at + 1))
   {
     const std::string_view laser_text = std::string_view(text).substr(at, text.find('}', at) - at);
@@ -77,7 +86,7 @@ Calibration fromYaml(const std::string& text)
       {
       }
       const std::string key(laser_text.substr(begin, end - begin));
-      const double value = numberAfter(laser_text.substr(colon + 1));
+      const double value = numberAfter(laser_text.substr(colon + 1), key);
       setField(laser, key, value);
       id = key == "laser_id" && value >= 0 && value < most_lasers ? static_cast<std::size_t>(value)
                                                                   : id;
@@ -85,6 +94,10 @@ Calibration fromYaml(const std::string& text)
     if (calibration.laser_corrections.size() >= most_lasers && id >= most_lasers)
     {
       break;  // no lidar has so many: refused by their number
+    }
+    if (!ids.insert(id).second)
+    {
+      throw UserError("laser_id " + std::to_string(id) + " is there twice");
     }
     auto& lasers = calibration.laser_corrections;
     lasers.resize(std::max(lasers.size(), id + 1));
@@ -101,7 +114,14 @@ Calibration readVelodyneCalibration(const std::string& path, std::size_t lasers)
   Calibration calibration;
   if (extension == ".yaml" || extension == ".yml")
   {
-    calibration = fromYaml(text);
+    try
+    {
+      calibration = fromYaml(text);
+    }
+    catch (const UserError& error)
+    {
+      throw UserError(path + ": " + error.what());
+    }
   }
   // MRPT prints its errors, so obviously wrong files are not passed to it.
   else if (text.find("boost_serialization") != std::string::npos)

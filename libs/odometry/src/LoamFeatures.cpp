@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "LoamFeatures.h"
 
-#include <dyslam/core/RangeImage.h>
+#include <dyslam/core/Rings.h>
 #include <dyslam/core/VoxelGrid.h>
 
 #include <algorithm>

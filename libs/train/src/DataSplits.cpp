@@ -51,7 +51,7 @@ NumberRange parseRange(const std::string& text, const Config::Value& value)
   {
   }
   throw UserError(value.origin + ": '" + text +
-                  "' is no range; write 80-109, 64- for all from 64 on, or one number");
+                  "' is not a range; write 80-109, 64- for all from 64 on, or one number");
 }
 
 bool contains(const std::vector<NumberRange>& ranges, std::int64_t number)

@@ -91,7 +91,7 @@ std::unique_ptr<PairSource> makeSource(const DataOptions& data,
   }
   if (mixed->empty())
   {
-    throw UserError("[data]: name recordings, singles or give simulator_weight; there is no data");
+    throw UserError("[data]: no training data; set recordings, singles or simulator_weight");
   }
   return mixed;
 }

@@ -74,8 +74,8 @@ TEST(DataSplits, MistakesInTheFileAreNamed)
 {
   expectHas(wordsOf("[drive]\ntraining = 0-4\ntest = 4-8\n"), "of [drive] overlaps another range");
   expectHas(wordsOf("[drive]\ntrain = 0-4\n"), "'train' is no split");
-  expectHas(wordsOf("[drive]\ntest = 8-4\n"), "'8-4' is no range");
-  expectHas(wordsOf("[drive]\ntest = all\n"), "'all' is no range");
+  expectHas(wordsOf("[drive]\ntest = 8-4\n"), "'8-4' is not a range");
+  expectHas(wordsOf("[drive]\ntest = all\n"), "'all' is not a range");
 }
 
 TEST(DataSplits, AScanHasOneSplitOrNone)

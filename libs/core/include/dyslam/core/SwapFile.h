@@ -37,8 +37,8 @@ class SwapFile
   SwapFile& operator=(const SwapFile&) = delete;
 
   /** Writes to the slot, which moves if it is too small.
-   * \return false if the disk is full or fails; the slot is then as it was, and nothing is written
-   * any more: problem() has the reason. */
+   * \return false if the disk is full or fails; the slot keeps its place, with undefined content,
+   * and nothing is written any more: problem() has the reason. */
   bool write(std::string_view bytes, Slot& slot);
   /** \throws UserError if it can't be read. */
   [[nodiscard]] std::string read(const Slot& slot) const;

@@ -87,6 +87,7 @@ class RosScanDecoder
   double seconds_per_unit_ = 0;  //!< of the time field; 0: not found yet
   bool times_absolute_ = false;
   bool times_unusable_ = false;
+  bool times_equal_ = false;  //!< in a scan before they were known
   bool clocks_differ_ = false;
   Order ring_order_ = Order::unknown;
   std::uint16_t last_ring_ = 0;

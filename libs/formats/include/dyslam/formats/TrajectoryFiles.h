@@ -33,12 +33,6 @@ void writeKittiPoses(const std::string& path, const Trajectory& trajectory);
 /** One time [s] a line, as KITTI's times.txt. */
 [[nodiscard]] std::vector<double> readTimes(const std::string& path);
 
-/** Poses with their times. \throws UserError if the two differ in length. */
-[[nodiscard]] Trajectory withTimes(const std::vector<Pose>& poses,
-                                   const std::vector<double>& times);
-/** Poses at 0, dt, 2 dt, ... */
-[[nodiscard]] Trajectory withTimes(const std::vector<Pose>& poses, double dt);
-
 /** Format of a file, by the count of numbers in its first line (8: TUM, 12: KITTI). */
 [[nodiscard]] TrajectoryFormat trajectoryFormat(const std::string& path);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <dyslam/core/RangeImage.h>
+#include <dyslam/core/Rings.h>
 #include <dyslam/core/Scan.h>
 #include <gtest/gtest.h>
 
@@ -43,13 +43,13 @@ Rings ringAfterRing(int rings, int columns)
   return scan;
 }
 
-TEST(RangeImage, RingsAreTakenFromTheOrderOfAFile)
+TEST(AzimuthColumn, RingsAreTakenFromTheOrderOfAFile)
 {
   const Rings scan = ringAfterRing(24, 360);
   EXPECT_EQ(estimateRings(scan.points), scan.ring);
 }
 
-TEST(RangeImage, RingsAreTakenFromTheElevationsWhereTheOrderIsLost)
+TEST(AzimuthColumn, RingsAreTakenFromTheElevationsWhereTheOrderIsLost)
 {
   Rings scan = ringAfterRing(24, 360);
   std::vector<std::size_t> order(scan.points.size());
@@ -74,51 +74,19 @@ TEST(RangeImage, RingsAreTakenFromTheElevationsWhereTheOrderIsLost)
   }
 }
 
-TEST(RangeImage, NoRingsWithoutReturnsOrOrder)
+TEST(AzimuthColumn, NoRingsWithoutReturnsOrOrder)
 {
   EXPECT_TRUE(estimateRings({}).empty());
   EXPECT_TRUE(estimateRings(std::vector<Eigen::Vector3f>(100, Eigen::Vector3f::Zero())).empty());
   EXPECT_TRUE(estimateRings({{1, 2, 3}}).empty());
 }
 
-TEST(RangeImage, EachCellHoldsTheNearestOfItsPoints)
-{
-  const Rings scan = ringAfterRing(24, 360);
-  constexpr int rows = 20, cols = 90;
-  const RangeImage image = projectByRing(scan.points, scan.ring, rows, cols);
-  ASSERT_EQ(image.index.size(), static_cast<std::size_t>(rows * cols));
-  for (int row = 0; row < rows; ++row)
-  {
-    for (int col = 0; col < cols; ++col)
-    {
-      std::int32_t nearest = RangeImage::none;
-      for (std::size_t i = 0; i < scan.points.size(); ++i)
-      {
-        const Eigen::Vector3f& p = scan.points[i];
-        if (scan.ring[i] == row && isReturn(p) && azimuthColumn(p, cols) == col &&
-            (nearest == RangeImage::none ||
-             p.norm() < scan.points[static_cast<std::size_t>(nearest)].norm()))
-        {
-          nearest = static_cast<std::int32_t>(i);
-        }
-      }
-      const std::size_t cell = image.cell(row, col);
-      ASSERT_EQ(image.index[cell], nearest);
-      EXPECT_EQ(image.range[cell], nearest == RangeImage::none
-                                       ? 0.0F
-                                       : scan.points[static_cast<std::size_t>(nearest)].norm());
-    }
-  }
-}
-
-TEST(RangeImage, ColumnsRunClockwiseFromBehind)
+TEST(AzimuthColumn, ColumnsRunClockwiseFromBehind)
 {
   EXPECT_EQ(azimuthColumn({-1, 0.001F, 0}, 8), 0);
   EXPECT_EQ(azimuthColumn({0.1F, 1, 0}, 8), 2);
   EXPECT_EQ(azimuthColumn({1, -0.001F, 0}, 8), 4);
   EXPECT_EQ(azimuthColumn({-1, -0.001F, 0}, 8), 7);
-  EXPECT_THROW((void)projectByRing({{1, 0, 0}}, {}, 2, 2), std::invalid_argument);
-  EXPECT_THROW((void)projectByRing({}, {}, 0, 2), std::invalid_argument);
 }
 }  // namespace
 }  // namespace dyslam

@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <dyslam/core/RangeImage.h>
+#include <dyslam/core/Rings.h>
 #include <dyslam/core/Scan.h>
 
 #include <algorithm>
 #include <cmath>
 #include <numeric>
-#include <stdexcept>
 
 namespace dyslam
 {
@@ -17,32 +16,6 @@ constexpr std::size_t fewest_rings = 4;
 /** Rings found by elevation have gaps between them, with next to no points. */
 constexpr float min_gap_share = 0.25F;
 constexpr float max_outside_share = 0.01F;
-
-RangeImage emptyImage(int rows, int cols)
-{
-  if (rows <= 0 || cols <= 0)
-  {
-    throw std::invalid_argument("RangeImage: rows and cols must be positive");
-  }
-  RangeImage image;
-  image.rows = rows;
-  image.cols = cols;
-  const std::size_t cells = static_cast<std::size_t>(rows) * static_cast<std::size_t>(cols);
-  image.index.assign(cells, RangeImage::none);
-  image.range.assign(cells, 0.0F);
-  return image;
-}
-
-void put(RangeImage& image, int row, const Eigen::Vector3f& p, std::size_t i)
-{
-  const std::size_t cell = image.cell(row, azimuthColumn(p, image.cols));
-  const float range = p.norm();
-  if (image.index[cell] == RangeImage::none || range < image.range[cell])
-  {
-    image.index[cell] = static_cast<std::int32_t>(i);
-    image.range[cell] = range;
-  }
-}
 
 /** Where a new ring begins when the azimuth's cut lies at `seam`. */
 std::vector<std::size_t> ringStarts(const std::vector<std::uint32_t>& returns,
@@ -208,26 +181,6 @@ int azimuthColumn(const Eigen::Vector3f& p, int cols)
 float elevationOf(const Eigen::Vector3f& p)
 {
   return std::atan2(p.z(), std::hypot(p.x(), p.y()));
-}
-
-RangeImage projectByRing(const std::vector<Eigen::Vector3f>& points,
-                         const std::vector<std::uint16_t>& rings,
-                         int rows,
-                         int cols)
-{
-  if (rings.size() != points.size())
-  {
-    throw std::invalid_argument("projectByRing: one ring per point is needed");
-  }
-  RangeImage image = emptyImage(rows, cols);
-  for (std::size_t i = 0; i < points.size(); ++i)
-  {
-    if (rings[i] < rows && isReturn(points[i]))
-    {
-      put(image, rings[i], points[i], i);
-    }
-  }
-  return image;
 }
 
 std::vector<std::uint16_t> estimateRings(const std::vector<Eigen::Vector3f>& points)
