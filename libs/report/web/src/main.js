@@ -12,8 +12,9 @@ const sections = data.scans.index.length > 0 ?
     [summary(data), view, picture(data), errors(data), trajectory(data), drift(data), tracks(data), times(data),
       details(data)] :
     [summary(data), details(data)];
+const shown = sections.filter((section) => section !== null);
 const link = (section) => h('a', {href: '#' + section.id}, section.querySelector('h2').textContent);
 page.replaceChildren(
     h('header', {}, h('h1', {}, data.title), h('p', {}, `Run of DySLAM on ${data.input}`)),
-    h('nav', {}, sections.map(link)), ...sections);
+    h('nav', {}, shown.map(link)), ...shown);
 start();

@@ -99,7 +99,7 @@ function lineOf(line, px, py) {
     'stroke-width': line.width || 1.8, 'stroke-dasharray': line.dash, 'stroke-linejoin': 'round'});
 }
 
-/** The point of each line nearest to an x, in words. */
+/** The first point of each line from an x on, in words. */
 function readout(options, series, x) {
   const values = series.filter((line) => line.x.length > 0).map((line) => {
     let low = 0;

@@ -70,7 +70,7 @@ function warningList(data) {
 
 function verdict(data) {
   if (data.failure) {
-    return h('div', {class: 'verdict bad', id: 'verdict'}, h('strong', {}, 'This run is of no use. '),
+    return h('div', {class: 'verdict bad', id: 'verdict'}, h('strong', {}, 'This run is unusable. '),
         data.failure);
   }
   const lost = data.totals.scans - data.totals.registered;
@@ -135,8 +135,8 @@ export function errors(data) {
   const rows = figures.filter(([, , , value]) => data.errors.some((e) => Number.isFinite(value(e))));
   section.append(
       h('p', {}, `Against the ground truth of the recording${origin(data)}. "Odometry" is the ` +
-          'trajectory before the factor graph, "final" the one after it, which the map is built with. Smaller is better, but ' +
-          'for the ratio.'),
+          'trajectory before the factor graph, "final" the one after it, which the map is built with. Smaller is better, ' +
+          'except for the ratio, where 1 is best.'),
       h('div', {class: 'scroll'}, h('table', {id: 'error-table'},
           h('thead', {}, h('tr', {}, h('th', {}, 'figure'),
               data.errors.map((e) => h('th', {class: 'number'}, e.name)), h('th', {}, 'unit'),
@@ -189,7 +189,7 @@ export function drift(data) {
   const truth = data.drift_against === 'truth';
   const section = h('section', {id: 'drift'}, h('h2', {}, 'Drift over distance'));
   if (names.length === 0) {
-    return section;
+    return null;
   }
   section.append(h('p', {}, truth ?
     'Errors against the ground truth, the first poses made to coincide: what odometry accumulates grows ' +

@@ -8,12 +8,22 @@ import {Content} from './scene.js';
 
 const max_labels = 60;
 
+class NoWebGl extends Error {}
+
+function makeRenderer() {
+  try {
+    return new WebGLRenderer({antialias: true, powerPreference: 'high-performance'});
+  } catch (error) {
+    throw new NoWebGl(error.message);
+  }
+}
+
 class View {
   constructor(data, stage, info) {
     this.data = data;
     this.stage = stage;
     this.info = info;
-    this.renderer = new WebGLRenderer({antialias: true, powerPreference: 'high-performance'});
+    this.renderer = makeRenderer();
     this.renderer.setPixelRatio(Math.min(2, window.devicePixelRatio || 1));
     this.canvas = this.renderer.domElement;
     this.canvas.id = 'scene';
@@ -272,8 +282,12 @@ export function view3d(data) {
       section.append(layerControls(view), stage, timeControls(view, data), info, viewControls(view));
       view.showScan(0);
     } catch (error) {
-      section.append(h('p', {class: 'verdict warn', id: 'no-webgl'}, 'The 3D view needs WebGL 2, which this ' +
-          `browser does not offer here (${error.message}). Everything else on the page works without.`));
+      const what = error instanceof NoWebGl ?
+          `The 3D view needs WebGL 2, which this browser does not offer here (${error.message}).` :
+          `The 3D view could not be built: ${error.message}.`;
+      console.error(error);
+      section.append(h('p', {class: 'verdict warn', id: 'no-webgl'}, `${what} Everything else on the page ` +
+          'works without.'));
     }
   };
   return {section, start};
