@@ -12,6 +12,8 @@
 #include <string>
 #include <vector>
 
+#include "RealData.h"
+
 namespace
 {
 namespace fs = std::filesystem;
@@ -30,14 +32,10 @@ std::vector<std::string> cellsOf(const std::string& line)
 // SiMpLE's online estimates of KITTI odometry 00 to 10 and the t_rel that came with them.
 TEST(DyslamEval, TrajectoryGivesThePublishedDriftOfAllSequences)
 {
-  const char* const data = std::getenv("DYSLAM_DATA");
-  if (data == nullptr)
-  {
-    GTEST_SKIP() << "DYSLAM_DATA is not set: no published trajectories to evaluate";
-  }
+  DYSLAM_REQUIRE_DATA("kitti_odometry_text");
   const std::array<double, 11> published{0.6667, 0.7749, 0.6263, 0.7369, 0.4067, 0.3372,
                                          0.2613, 0.4706, 0.8236, 0.5684, 0.6454};
-  const std::string folder = std::string(data) + "/kitti_odometry_text/";
+  const std::string folder = *dyslam::realDataFolder("kitti_odometry_text") + "/";
   const std::string csv =
       (fs::temp_directory_path() / ("dyslam_published_" + std::to_string(::getpid()) + ".csv"))
           .string();

@@ -8,12 +8,12 @@
 #include <mrpt/graphs/CNetworkOfPoses.h>
 
 #include <Eigen/Dense>
-#include <cstdlib>
 #include <random>
 #include <string>
 #include <vector>
 
 #include "NoisyDrive.h"
+#include "RealData.h"
 
 namespace dyslam
 {
@@ -278,12 +278,8 @@ class KnownOptimum : public ::testing::TestWithParam<KnownSet>
 
 TEST_P(KnownOptimum, IsReached)
 {
-  const char* data = std::getenv("DYSLAM_DATA");
-  if (data == nullptr)
-  {
-    GTEST_SKIP() << "DYSLAM_DATA is not set: no pose-graph sets to solve";
-  }
-  PoseGraph graph = readPoseGraph(std::string(data) + "/pose_graphs/" + GetParam().name + ".g2o");
+  DYSLAM_REQUIRE_DATA("pose_graphs");
+  PoseGraph graph = readPoseGraph(*realDataFolder("pose_graphs") + "/" + GetParam().name + ".g2o");
   PoseGraphSolverOptions options = optionsFor(GetParam().start);
   options.indefinite_information = std::string(GetParam().name) == "cubicle"
                                        ? IndefiniteInformation::project

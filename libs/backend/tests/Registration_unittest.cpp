@@ -3,12 +3,12 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Eigenvalues>
-#include <cstdlib>
 #include <fstream>
 #include <string>
 
 #include "KeyframeRegistration.h"
 #include "PolarDescriptor.h"
+#include "RealData.h"
 #include "SyntheticScans.h"
 
 namespace dyslam
@@ -138,12 +138,8 @@ class RealScans : public ::testing::Test
  protected:
   void SetUp() override
   {
-    const char* data = std::getenv("DYSLAM_DATA");
-    if (data == nullptr)
-    {
-      GTEST_SKIP() << "DYSLAM_DATA is not set: no real scans";
-    }
-    data_ = data;
+    DYSLAM_REQUIRE_DATA();
+    data_ = *realDataFolder();
   }
 
   [[nodiscard]] std::vector<Eigen::Vector3f> frame(int number) const

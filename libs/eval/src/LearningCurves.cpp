@@ -43,6 +43,13 @@ bool numberOf(const std::string& cell, double& value)
   return !cell.empty() && *end == '\0';
 }
 
+/** Finite, and so that the difference of two values is, too. */
+bool isDrawable(double value)
+{
+  constexpr double largest = 1e150;
+  return std::abs(value) < largest;
+}
+
 Curve runningMean(const Curve& raw)
 {
   Curve curve = raw;
@@ -88,8 +95,7 @@ void drawPanel(cv::Mat& page,
     curve.colour = curveColour(s);
     for (std::size_t i = 0; i < log.step.size(); ++i)
     {
-      if (log.series[i] == series[s] && std::isfinite(log.step[i]) &&
-          std::isfinite(column.value[i]))
+      if (log.series[i] == series[s] && isDrawable(log.step[i]) && isDrawable(column.value[i]))
       {
         curve.points.emplace_back(log.step[i], column.value[i]);
         values.push_back(column.value[i]);

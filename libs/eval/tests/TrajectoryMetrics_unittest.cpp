@@ -4,11 +4,12 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <cstdlib>
 #include <fstream>
 #include <limits>
 #include <random>
 #include <sstream>
+
+#include "RealData.h"
 
 namespace dyslam
 {
@@ -305,12 +306,8 @@ std::vector<Pose> readKitti(const std::string& path)
 
 TEST(KittiDrift, ReproducesPublishedFigures)
 {
-  const char* const data = std::getenv("DYSLAM_DATA");
-  if (data == nullptr)
-  {
-    GTEST_SKIP() << "DYSLAM_DATA is not set: no published trajectories to evaluate";
-  }
-  const std::string folder = std::string(data) + "/kitti_odometry_text/";
+  DYSLAM_REQUIRE_DATA("kitti_odometry_text");
+  const std::string folder = *realDataFolder("kitti_odometry_text") + "/";
   struct Expected
   {
     double t_rel;  // as published with the SiMpLE estimates

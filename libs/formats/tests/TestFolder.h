@@ -4,12 +4,12 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
-#include <optional>
 #include <sstream>
 #include <string>
+
+#include "RealData.h"
 
 namespace dyslam
 {
@@ -73,18 +73,4 @@ inline bool contains(const std::string& text, const std::string& part)
 {
   return text.find(part) != std::string::npos;
 }
-
-/** Folder of real data, if the user says where it is. */
-inline std::optional<std::string> realDataFolder()
-{
-  const char* folder = std::getenv("DYSLAM_DATA");
-  return folder != nullptr && *folder != 0 ? std::optional<std::string>(folder) : std::nullopt;
-}
 }  // namespace dyslam
-
-#define DYSLAM_REQUIRE_DATA()                                       \
-  if (!dyslam::realDataFolder())                                    \
-  {                                                                 \
-    GTEST_SKIP() << "needs real data: set DYSLAM_DATA to a folder"; \
-  }                                                                 \
-  static_assert(true)

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Bounds on a real drive; needs DYSLAM_DATA.
+#include "RealData.h"
+
 #include <dyslam/formats/ScanFiles.h>
 #include <dyslam/formats/TrajectoryFiles.h>
 #include <dyslam/odometry/Odometry.h>
@@ -10,7 +12,6 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
-#include <cstdlib>
 #include <filesystem>
 
 namespace dyslam
@@ -34,13 +35,8 @@ class RealDrive : public testing::TestWithParam<Bound>
 /** What `dyslam` runs with its default settings, without segmentation. */
 TEST_P(RealDrive, DefaultOdometryStaysWithinBounds)
 {
-  const char* data = std::getenv("DYSLAM_DATA");
-  if (data == nullptr ||
-      !std::filesystem::is_directory(std::filesystem::path(data) / GetParam().folder))
-  {
-    GTEST_SKIP() << "DYSLAM_DATA is not set or has no " << GetParam().folder;
-  }
-  const std::filesystem::path folder = std::filesystem::path(data) / GetParam().folder;
+  DYSLAM_REQUIRE_DATA(GetParam().folder);
+  const std::filesystem::path folder = *realDataFolder(GetParam().folder);
   const std::vector<Pose> reference = readKittiPoses((folder / GetParam().poses).string());
   const Config config;
   ConfigLoader loader(config);
