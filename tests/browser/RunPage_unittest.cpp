@@ -166,7 +166,7 @@ TEST(RunPageInBrowser, LayersCanBeHidden)
   }
   page.map_points = &points;
   page.reference = page.trajectory;
-  page.loops.push_back({{0, 0, 0}, {19, 0, 0}, false});
+  page.loops.push_back({{0, 0, 0}, {19, 0, 0}});
   Browser browser;
   browser.open(written(page, "layers.html"));
   ASSERT_TRUE(browser.waitFor(all_drawn)) << browser.errors();

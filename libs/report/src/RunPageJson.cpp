@@ -168,7 +168,7 @@ Json totalsJson(const RunPage& page)
 Json scansJson(const RunPage& page)
 {
   Json json;
-  for (const char* name : {"index", "time", "points", "moving", "registered", "keyframe"})
+  for (const char* name : {"index", "time", "points", "moving", "keyframe"})
   {
     json[name] = Json::array();
   }
@@ -180,7 +180,6 @@ Json scansJson(const RunPage& page)
         rounded(page.trajectory[i].stamp - page.trajectory[0].stamp, millimetre));
     json["points"].push_back(scan.points);
     json["moving"].push_back(scan.moving_points);
-    json["registered"].push_back(scan.registered ? 1 : 0);
     json["keyframe"].push_back(scan.keyframe ? 1 : 0);
   }
   return json;
@@ -305,7 +304,6 @@ nlohmann::ordered_json runPageJson(const RunPage& page,
   json["failure"] = page.failure;
   json["warnings"] = page.warnings;
   json["files"] = page.files;
-  json["odometry_failed"] = page.odometry_failed;
   json["stage_ms"] = Json::object();
   for (const auto& [stage, ms] : page.stage_ms)
   {
@@ -320,9 +318,8 @@ nlohmann::ordered_json runPageJson(const RunPage& page,
   json["loops"] = Json::array();
   for (const PageLoop& loop : shown.loops)
   {
-    json["loops"].push_back({{"from", vectorJson(loop.from, millimetre)},
-                             {"to", vectorJson(loop.to, millimetre)},
-                             {"by_appearance", loop.by_appearance}});
+    json["loops"].push_back(
+        {{"from", vectorJson(loop.from, millimetre)}, {"to", vectorJson(loop.to, millimetre)}});
   }
   json["objects"] = Json::array();
   for (const PageObject& object : shown.objects)

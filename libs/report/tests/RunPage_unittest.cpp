@@ -98,7 +98,6 @@ TEST(RunPage, WithoutTruthHasTheDriftOfTheOdometryAgainstTheFinalTrajectory)
   EXPECT_NEAR(json["drift"]["odometry"]["heading"][2].get<double>(), 0.1 * 180 / M_PI, 1e-4);
   EXPECT_EQ(json["scans"]["index"], nlohmann::json({10, 11, 12}));
   EXPECT_EQ(json["scans"]["time"], nlohmann::json({0.0, 0.1, 0.2}));
-  EXPECT_EQ(json["scans"]["registered"], nlohmann::json({0, 1, 1}));
   EXPECT_EQ(json["odometry"]["x"][0], 5.0) << "drawn in the map frame";
   EXPECT_EQ(json["map"]["count"], 0);
 }
@@ -123,7 +122,7 @@ TEST(RunPage, ShowsObjectsLoopsAndMap)
   RunPage page = smallRun();
   const std::vector<Eigen::Vector3f> points{{0, 0, 0}, {10, 20, 5}};
   page.map_points = &points;
-  page.loops.push_back({{1, 2, 3}, {4, 5, 6}, true});
+  page.loops.push_back({{1, 2, 3}, {4, 5, 6}});
   PageObject object{7, ObjectClass::pedestrian, {}};
   object.states.push_back({1, {{1, 2, 0.9}, {0.6, 0.5, 1.8}, 0.25}, {3, 4, 0}});
   page.objects.push_back(object);

@@ -70,7 +70,6 @@ class PageOutput : public RunOutput
     page.failure = results.report.failure;
     page.warnings = results.report.warnings;
     page.files = results.report.files;
-    page.odometry_failed = results.report.odometry_failed;
     page.stage_ms = results.stage_ms;
     for (const PastScan& scan : results.history->scans())
     {
@@ -99,7 +98,7 @@ class PageOutput : public RunOutput
       {
         const auto& keyframes = backend.keyframes();
         loops.push_back({keyframes[loop.from].T_map_vehicle.translation(),
-                         keyframes[loop.to].T_map_vehicle.translation(), loop.by_appearance});
+                         keyframes[loop.to].T_map_vehicle.translation()});
       }
     }
     return loops;

@@ -45,7 +45,6 @@ struct PageLoop
   Eigen::Vector3d from =
       Eigen::Vector3d::Zero();                   //!< where the place was seen first, map frame [m]
   Eigen::Vector3d to = Eigen::Vector3d::Zero();  //!< where it was seen again
-  bool by_appearance = false;                    //!< found by appearance, beyond the search radius
 };
 
 /** All that the page of a run shows. Texts may hold anything; the page shows them as they are. */
@@ -60,7 +59,6 @@ struct RunPage
   std::vector<std::string> warnings;
   std::vector<std::string> files;          //!< in the folder of the run, beside the page
   std::map<std::string, double> stage_ms;  //!< mean per scan [ms]
-  std::size_t odometry_failed = 0;         //!< scans on which odometry.method found no motion
 
   std::vector<PageScan> scans;
   Trajectory trajectory;         //!< of the vehicle in the map frame, a pose per scan
