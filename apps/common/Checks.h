@@ -88,10 +88,7 @@ inline void requireNewRecording(const std::string& rawlog, bool force)
   {
     throw UserError(rawlog + ": name the recording to write *.rawlog (--output)");
   }
-  if (std::filesystem::is_directory(path))
-  {
-    throw UserError(rawlog + ": is a folder; name the file to write");
-  }
+  requireWritable(rawlog);
   const std::string truth = groundTruthFolder(rawlog);
   for (const std::string& earlier : {rawlog, truth})
   {

@@ -61,13 +61,15 @@ inline ConversionResult convertWithProgress(
   return result;
 }
 
-/** Writes a rawlog with a line of progress, and prints the result. \throws UserError. */
+/** Writes a rawlog with a line of progress, and prints the result.
+ * \param force replace an earlier recording and its ground truth \throws UserError. */
 inline void runConversion(const std::string& program,
                           const std::string& output,
+                          bool force,
                           bool quiet,
                           const std::function<ConversionResult(const ConversionProgress&)>& convert)
 {
-  requireWritable(output);
+  requireNewRecording(output, force);
   report(convertWithProgress(program, output, quiet, convert), output);
 }
 }  // namespace dyslam

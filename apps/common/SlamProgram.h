@@ -72,8 +72,7 @@ inline void print(const SlamRunReport& report, const std::string& folder, std::s
  */
 inline void requireNoKilledRun(const SlamRunSettings& settings)
 {
-  const auto state = std::filesystem::path(settings.output_folder) / "resume.state";
-  if (!settings.force && std::filesystem::exists(state))
+  if (!settings.force && hasCheckpoint(settings.output_folder))
   {
     throw UserError(settings.output_folder +
                     ": has the checkpoint of a killed run; continue it with dyslam --resume, or "

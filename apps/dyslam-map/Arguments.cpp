@@ -5,6 +5,7 @@
 #include <dyslam/core/Files.h>
 #include <dyslam/core/Printable.h>
 #include <dyslam/dyseg/MovingSegmenter.h>
+#include <dyslam/formats/RunFiles.h>
 #include <dyslam/formats/ScanFiles.h>
 #include <dyslam/mapbuilder/RunFolder.h>
 #include <dyslam/odometry/ScanMatcher.h>
@@ -15,7 +16,6 @@
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
-#include <nlohmann/json.hpp>
 #include <set>
 #include <utility>
 
@@ -99,31 +99,11 @@ std::string scanTableBeside(const std::string& trajectory)
              : "";
 }
 
-/** Files that the run in the folder wrote, by its report.json. */
-std::vector<std::string> filesOfRun(const std::filesystem::path& folder)
-{
-  const auto report = folder / "report.json";
-  if (!std::filesystem::is_regular_file(report))
-  {
-    return {};
-  }
-  const auto json = nlohmann::json::parse(readWhole(report.string()), nullptr, false);
-  std::vector<std::string> names;
-  if (json.is_object() && json.contains("files") && json["files"].is_array())
-  {
-    for (const auto& name : json["files"])
-    {
-      names.push_back(name.is_string() ? name.get<std::string>() : "");
-    }
-  }
-  return names;
-}
-
 /** \throws UserError for a file that a run wrote. */
 void requireNotOfRun(const std::string& output)
 {
   const std::filesystem::path path(output);
-  const auto names = filesOfRun(path.parent_path());
+  const auto names = filesOfRun(path.parent_path().string());
   if (std::find(names.begin(), names.end(), path.filename().string()) != names.end())
   {
     throw UserError(output +

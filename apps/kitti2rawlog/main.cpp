@@ -73,9 +73,8 @@ void run(const Arguments& arguments)
   {
     throw UserError("--sequence goes with --kind tracking; another recording is its folder, -i");
   }
-  requireNewRecording(arguments.output, arguments.force);
   runConversion(
-      "kitti2rawlog", arguments.output, arguments.quiet,
+      "kitti2rawlog", arguments.output, arguments.force, arguments.quiet,
       [&](const ConversionProgress& progress)
       { return convertKitti(arguments.input, arguments.output, arguments.options, progress); });
 }

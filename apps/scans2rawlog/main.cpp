@@ -90,9 +90,8 @@ void run(const Arguments& arguments)
   {
     throw UserError("--output: name the rawlog to write (-o x.rawlog)");
   }
-  requireNewRecording(arguments.output, arguments.force);
   runConversion(
-      "scans2rawlog", arguments.output, arguments.quiet,
+      "scans2rawlog", arguments.output, arguments.force, arguments.quiet,
       [&](const ConversionProgress& progress)
       { return convertScans(arguments.input, arguments.output, arguments.options, progress); });
 }

@@ -4,13 +4,14 @@
 #include <dyslam/batch/ChildProcess.h>
 #include <dyslam/core/Error.h>
 #include <dyslam/core/Files.h>
+#include <dyslam/formats/RunFiles.h>
 
+#include <algorithm>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
-#include <nlohmann/json.hpp>
-#include <set>
 #include <sstream>
+#include <vector>
 
 namespace fs = std::filesystem;
 
@@ -43,22 +44,6 @@ std::string tailOf(const std::string& path)
   return text.str();
 }
 
-/** Names of the files that the run in a folder wrote, by its report; none without one. */
-std::set<std::string> writtenFiles(const fs::path& folder)
-{
-  std::ifstream file(folder / "report.json");
-  const auto report = nlohmann::json::parse(file, nullptr, false);
-  std::set<std::string> names{log_name};
-  if (report.is_object() && report.contains("files") && report["files"].is_array())
-  {
-    for (const auto& name : report["files"])
-    {
-      names.insert(name.is_string() ? name.get<std::string>() : "");
-    }
-  }
-  return names;
-}
-
 /** Moves results to their folder as a whole: those of an earlier run are replaced at the end, other
  * files stay. */
 void moveResults(const fs::path& from, const fs::path& to)
@@ -68,11 +53,13 @@ void moveResults(const fs::path& from, const fs::path& to)
   fs::copy(from, partial, fs::copy_options::recursive);
   if (fs::exists(to))
   {
-    const std::set<std::string> earlier = writtenFiles(to);
+    std::vector<std::string> earlier = filesOfRun(to.string());
+    earlier.emplace_back(log_name);
     for (const auto& entry : fs::directory_iterator(to))
     {
       const fs::path kept = partial / entry.path().filename();
-      if (earlier.count(entry.path().filename().string()) == 0 && !fs::exists(kept))
+      const std::string name = entry.path().filename().string();
+      if (std::find(earlier.begin(), earlier.end(), name) == earlier.end() && !fs::exists(kept))
       {
         fs::copy(entry.path(), kept, fs::copy_options::recursive);
       }

@@ -216,6 +216,11 @@ SlamRunReport runSlam(const SlamRunSettings& settings, const OnFrame& on_frame)
   return replayToTheEnd(settings, source, run, ScanSum(), on_frame);
 }
 
+bool hasCheckpoint(const std::string& output_folder)
+{
+  return std::filesystem::exists(std::filesystem::path(output_folder) / state_file_name);
+}
+
 SlamRunReport resumeSlam(const SlamRunSettings& given, const OnFrame& on_frame)
 {
   RunToResume saved(given.output_folder);

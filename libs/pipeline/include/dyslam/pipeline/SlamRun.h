@@ -124,4 +124,7 @@ SlamRunReport runSlam(const SlamRunSettings& settings,
  *   recording, settings or program differ. Nothing is removed then. */
 SlamRunReport resumeSlam(const SlamRunSettings& given,
                          const std::function<void(double, std::size_t)>& on_frame = {});
+
+/** Whether the output folder of a run has a checkpoint, which resumeSlam() continues from. */
+[[nodiscard]] bool hasCheckpoint(const std::string& output_folder);
 }  // namespace dyslam

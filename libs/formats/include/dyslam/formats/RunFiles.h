@@ -1,0 +1,11 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace dyslam
+{
+/** Names of the files that the run in a folder wrote, by its report.json; none without one. */
+[[nodiscard]] std::vector<std::string> filesOfRun(const std::string& folder);
+}  // namespace dyslam

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/Files.h>
+#include <dyslam/formats/RunFiles.h>
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+namespace dyslam
+{
+std::vector<std::string> filesOfRun(const std::string& folder)
+{
+  const auto report = std::filesystem::path(folder) / "report.json";
+  if (!std::filesystem::is_regular_file(report))
+  {
+    return {};
+  }
+  const auto json = nlohmann::json::parse(readWhole(report.string()), nullptr, false);
+  std::vector<std::string> names;
+  if (json.is_object() && json.contains("files") && json["files"].is_array())
+  {
+    for (const auto& name : json["files"])
+    {
+      names.push_back(name.is_string() ? name.get<std::string>() : "");
+    }
+  }
+  return names;
+}
+}  // namespace dyslam

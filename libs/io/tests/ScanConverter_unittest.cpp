@@ -1,0 +1,189 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/Error.h>
+#include <dyslam/formats/GroundTruth.h>
+#include <dyslam/io/Converters.h>
+#include <dyslam/io/RawlogSource.h>
+
+#include "ScanFolders.h"
+
+namespace dyslam
+{
+TEST(ScanConverter, StampsFromNames)
+{
+  const TestFolder folder;
+  struct Case
+  {
+    const char* folder;
+    const char* first;
+    const char* second;
+  };
+  for (const Case& names : {Case{"s", "1600000000.250", "1600000000.500"},
+                            Case{"split", "1600000000_250", "1600000000_500"},
+                            Case{"ms", "1600000000250", "1600000000500"},
+                            Case{"us", "1600000000250000", "1600000000500000"},
+                            Case{"ns", "1600000000250000000", "1600000000500000000"}})
+  {
+    makeFolderOf(folder, names.folder);
+    const std::string base = std::string(names.folder) + "/";
+    const Scan scan = someScan(0, 5);
+    writeBin(folder.file(base + names.first + ".bin"), scan.points, scan.intensity);
+    writeBin(folder.file(base + names.second + ".bin"), scan.points, scan.intensity);
+    const auto result =
+        convertScans(folder.file(names.folder), folder.file("x.rawlog"), ScanConverterOptions{});
+    const auto frames = readAll(folder.file("x.rawlog"));
+    EXPECT_NEAR(1600000000.25, frames.at(0).scan.stamp, 1e-6) << names.folder;
+    EXPECT_NEAR(1600000000.5, frames.at(1).scan.stamp, 1e-6) << names.folder;
+    EXPECT_TRUE(contains(result.notes.at(0), "time stamps: the file names")) << names.folder;
+  }
+}
+
+TEST(ScanConverter, FilesOfNuScenes)
+{
+  const TestFolder folder;
+  const std::string base = "in/n008-2018-08-01-15-16-36-0400__LIDAR_TOP__15331516035";
+  folder.write(base + "47590.pcd.bin", fiveColumns(0));
+  folder.write(base + "97590.pcd.bin", fiveColumns(1));
+  ScanConverterOptions options;
+  const auto result = convertScans(folder.file("in"), folder.file("x.rawlog"), options);
+  EXPECT_TRUE(contains(result.notes.at(0), "time stamps: the file names")) << result.notes[0];
+  EXPECT_TRUE(contains(result.notes.at(1), "x y z intensity ring")) << result.notes[1];
+  const auto frames = readAll(folder.file("x.rawlog"));
+  ASSERT_EQ(2U, frames.size());
+  EXPECT_NEAR(1533151603.59759, frames[1].scan.stamp, 1e-6);
+  ASSERT_EQ(320U, frames[1].scan.size());
+  EXPECT_TRUE(frames[1].scan.points[33].isApprox(Eigen::Vector3f(6.7F, -2.7F, 0.34F), 1e-5F));
+  EXPECT_EQ(1.0F, frames[1].scan.intensity[33]);
+  EXPECT_EQ(1, frames[1].scan.ring[33]);
+  // As requested, whatever the content looks like.
+  options.bin_layout = BinLayout::xyzi;
+  EXPECT_EQ(800U, convertScans(folder.file("in"), folder.file("x.rawlog"), options).points);
+  options.bin_layout = BinLayout::xyzir;
+  writeBins(folder, "four", 1);
+  EXPECT_TRUE(contains(
+      messageOfError<UserError>(
+          [&] { (void)convertScans(folder.file("four"), folder.file("x.rawlog"), options); }),
+      "000000.bin"));
+}
+
+TEST(ScanConverter, ARangeOfTimeAndEveryNthScan)
+{
+  const TestFolder folder;
+  writeBins(folder, "in", 10);
+  ScanConverterOptions options;
+  options.dt = 0.1;
+  options.skip_first_n = 1;
+  options.start = 0.3;
+  options.end = 0.8;
+  options.every_n = 2;
+  const auto convert = [&]
+  { return convertScans(folder.file("in"), folder.file("x.rawlog"), options); };
+  EXPECT_TRUE(contains(convert().warnings.back(), "preprocess.deskew=none"));
+  const auto frames = readAll(folder.file("x.rawlog"));
+  ASSERT_EQ(3U, frames.size());
+  EXPECT_TRUE(samePoints(someScan(3, 13), frames[0].scan));
+  EXPECT_TRUE(samePoints(someScan(7, 17), frames[2].scan));
+  EXPECT_NEAR(0.2, frames[1].scan.stamp - frames[0].scan.stamp, 1e-6);
+  options.every_n = 1;
+  EXPECT_FALSE(contains(convert().warnings.back(), "preprocess.deskew=none"));
+  EXPECT_EQ(5U, convert().scans);
+  options.start = 1;
+  options.end = 0;
+  EXPECT_TRUE(contains(messageOfError<UserError>([&] { (void)convert(); }),
+                       "--start and --end leave none of the 10 scans"));
+}
+
+TEST(ScanConverter, CountedNamesAndTimesOfAFile)
+{
+  const TestFolder folder;
+  writeBins(folder, "in", 2);
+  ScanConverterOptions options;
+  const auto counted = convertScans(folder.file("in"), folder.file("x.rawlog"), options);
+  EXPECT_TRUE(contains(counted.notes.at(0), "not taken as time stamps"));
+  EXPECT_TRUE(contains(counted.warnings.at(0), "0.1 s between scans is assumed"));
+  EXPECT_TRUE(contains(counted.warnings.at(1), "points have no times"));
+  for (const std::string text :
+       {"5\n5.25\n", "1600000005\n1600000005.25\n", "1600000005000000000\n1600000005250000000\n",
+        "2011-09-26 13:02:25.5\n2011-09-26 13:02:25.75\n"})
+  {
+    options.times = folder.write("t.txt", text);
+    (void)convertScans(folder.file("in"), folder.file("x.rawlog"), options);
+    const auto frames = readAll(folder.file("x.rawlog"));
+    EXPECT_NEAR(0.25, frames.at(1).scan.stamp - frames[0].scan.stamp, 1e-6) << text;
+  }
+  options.times = folder.write("t.txt", "1\n");
+  EXPECT_TRUE(contains(
+      messageOfError<UserError>(
+          [&] { (void)convertScans(folder.file("in"), folder.file("x.rawlog"), options); }),
+      "has 1 times, but there are 2 scans"));
+}
+
+TEST(ScanConverter, FoldersOfEachKind)
+{
+  const TestFolder folder;
+  for (const std::string kind : {"bin", "pcd", "ply"})
+  {
+    makeFolderOf(folder, kind);
+    for (std::size_t i = 0; i < 3; ++i)
+    {
+      Scan scan = someScan(i, 5 + i);
+      scan.intensity.back() = 255;
+      writeCloud(folder.file(kind + "/" + std::to_string(8 + i) + "." + kind), scan.points,
+                 scan.intensity);
+    }
+    ScanConverterOptions options;
+    options.sensor = "my-lidar";
+    options.dt = 0.05;
+    const auto result = convertScans(folder.file(kind), folder.file(kind + ".rawlog"), options);
+    EXPECT_EQ(3U, result.scans);
+    EXPECT_EQ("", result.ground_truth);
+    const auto frames = readAll(folder.file(kind + ".rawlog"));
+    ASSERT_EQ(3U, frames.size());
+    EXPECT_TRUE(samePoints(someScan(2, 7), frames[2].scan));
+    EXPECT_EQ(1.0F, frames[2].scan.intensity.back());
+    EXPECT_NEAR(0.1, frames[2].scan.stamp, 1e-9);
+    EXPECT_EQ("my-lidar", frames[2].scan.sensor_label);
+  }
+}
+
+TEST(ScanConverter, PosesAndStaleTruth)
+{
+  const TestFolder folder;
+  writeBins(folder, "in", 2);
+  writeKittiPoses(folder.file("poses.txt"), std::vector<Pose>{somePose(0), somePose(1)});
+  ScanConverterOptions options;
+  options.poses = folder.file("poses.txt");
+  EXPECT_EQ(2U, convertScans(folder.file("in"), folder.file("x.rawlog"), options).poses);
+  EXPECT_TRUE(
+      readAll(folder.file("x.rawlog"))[1].T_world_vehicle_truth->isApprox(somePose(1), 1e-9));
+  EXPECT_EQ(PoseSource::given, poseOrigin(folder.file("x.gt")).source);
+  options.pose_source = PoseSource::simulated;
+  (void)convertScans(folder.file("in"), folder.file("x.rawlog"), options);
+  EXPECT_TRUE(poseOrigin(folder.file("x.gt")).isExact());
+  options.poses = "";
+  EXPECT_TRUE(contains(
+      messageOfError<UserError>(
+          [&] { (void)convertScans(folder.file("in"), folder.file("x.rawlog"), options); }),
+      "--pose-source"));
+  options.pose_source = PoseSource::unknown;
+  EXPECT_EQ(0U, convertScans(folder.file("in"), folder.file("x.rawlog"), options).poses);
+  EXPECT_TRUE(GroundTruthReader(folder.file("x.gt")).poses().empty());
+}
+
+TEST(ScanConverter, Errors)
+{
+  const TestFolder folder;
+  ScanConverterOptions options;
+  const auto message = [&](const std::string& input)
+  {
+    return messageOfError<UserError>([&]
+                                     { convertScans(input, folder.file("x.rawlog"), options); });
+  };
+  EXPECT_TRUE(contains(message(folder.file("none")), "no such file"));
+  makeFolderOf(folder, "in");
+  EXPECT_TRUE(contains(message(folder.file("in")), "has no .bin"));
+  EXPECT_TRUE(contains(message(folder.write("a.bin", "")), "single scan"));
+  EXPECT_TRUE(contains(message(folder.write("a.pcap", "nonsense")), "not a network capture"));
+  options.sensor = "VLS128";
+  EXPECT_TRUE(contains(message(folder.file("a.pcap")), "VLS128"));
+}
+}  // namespace dyslam
