@@ -229,7 +229,7 @@ void writeStates(const fs::path& folder)
 
 int main(int argc, char** argv)
 {
-  if (argc != 2)
+  if (argc != 2 || argv[1][0] == '-')
   {
     std::fprintf(stderr, "fuzz_seeds <folder>\n");
     return 1;

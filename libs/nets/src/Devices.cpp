@@ -15,6 +15,12 @@ torch::Device deviceNamed(const std::string& name, const std::string& setting)
   {
     throw UserError(setting + " cuda: this machine or this libtorch has no CUDA; use cpu");
   }
-  return name == "cuda" ? torch::kCUDA : torch::kCPU;
+  if (name == "cpu")
+  {
+    return torch::kCPU;
+  }
+  // CUDA's linear algebra is loaded at its first use, which two threads must not do at a time.
+  torch::linalg_eigh(torch::eye(2, torch::kCUDA));
+  return torch::kCUDA;
 }
 }  // namespace dyslam

@@ -2,6 +2,7 @@
 #include <dyslam/sim/ClipGenerator.h>
 
 #include <algorithm>
+#include <mutex>
 
 #include "Random.h"
 
@@ -20,8 +21,16 @@ void ClipOptions::describe(OptionsVisitor& visitor)
   visitor.integer("most_seed", most_seed, 0, 2147483647, "upper bound of the worlds' seeds");
 }
 
+/** The last world. */
+struct ClipGenerator::WorldCache
+{
+  std::mutex mutex;
+  std::shared_ptr<const World> world;
+  std::uint64_t number = 0;
+};
+
 ClipGenerator::ClipGenerator(const ClipOptions& options, int threads)
-    : options_(options), threads_(threads)
+    : options_(options), threads_(threads), cache_(std::make_shared<WorldCache>())
 {
   validate(options, "clips");
 }
@@ -76,6 +85,19 @@ SimulatorOptions ClipGenerator::clipOptions(std::uint64_t index) const
   return o;
 }
 
+std::shared_ptr<const World> ClipGenerator::worldOf(std::uint64_t index,
+                                                    const SimulatorOptions& options) const
+{
+  const std::uint64_t number = index / static_cast<std::uint64_t>(options_.clips_per_world);
+  const std::lock_guard<std::mutex> lock(cache_->mutex);
+  if (!cache_->world || cache_->number != number)
+  {
+    cache_->world = makeWorld(options);
+    cache_->number = number;
+  }
+  return cache_->world;
+}
+
 std::vector<SimulatedScan> ClipGenerator::clip(std::uint64_t index) const
 {
   return clip(index, options_.scans);
@@ -84,16 +106,9 @@ std::vector<SimulatedScan> ClipGenerator::clip(std::uint64_t index) const
 std::vector<SimulatedScan> ClipGenerator::clip(std::uint64_t index, int count) const
 {
   const SimulatorOptions o = clipOptions(index);
-  const std::uint64_t world_number =
-      index / static_cast<std::uint64_t>(options_.clips_per_world) + 1;
-  if (!world_ || world_number_ != world_number)
-  {
-    world_ = makeWorld(o);
-    world_number_ = world_number;
-  }
   SimulatorOptions driven = o;
   driven.seed = static_cast<int>(combine(static_cast<std::uint64_t>(o.seed), index) >> 34);
-  Simulator simulator(world_, driven, threads_);
+  Simulator simulator(worldOf(index, o), driven, threads_);
   std::vector<SimulatedScan> scans;
   for (int i = 0; i < count; ++i)
   {

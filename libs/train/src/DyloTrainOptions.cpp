@@ -17,7 +17,8 @@ void TrainOptions::describe(OptionsVisitor& visitor)
   visitor.real("clip", clip, 1e-6, 1e6, "largest norm of the gradient");
   visitor.real("perturbed_starts", perturbed_starts, 0, 1,
                "share of pairs with an initial guess near the truth, not at zero motion");
-  visitor.integer("threads", threads, 1, 256, "CPU threads");
+  visitor.integer("threads", threads, 1, 256,
+                  "pairs computed at a time, each in a thread; validation: CPU threads");
   visitor.real("checkpoint_minutes", checkpoint_minutes, 0.01, 1e6, "minutes between checkpoints");
   visitor.integer("validate_every", validate_every, 1, 100000000, "steps between validations");
   visitor.integer("report_every", report_every, 1, 1000000, "steps between rows of the log");

@@ -22,7 +22,7 @@ struct TrainOptions : Options
   double mean_decay = 0.998;      //!< decay of the exponential moving average of the weights
   double clip = 5;                //!< largest norm of the gradient
   double perturbed_starts = 0.5;  //!< share of pairs that start near the truth
-  int threads = 1;
+  int threads = 1;                //!< pairs computed at a time
   double checkpoint_minutes = 3;  //!< between checkpoints
   int validate_every = 500;       //!< steps
   int report_every = 20;          //!< steps

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/Error.h>
 #include <dyslam/core/Files.h>
+#include <dyslam/core/Parallel.h>
 #include <dyslam/core/PendingFile.h>
 #include <dyslam/formats/ScanFiles.h>
 #include <dyslam/nets/Devices.h>
@@ -12,6 +13,7 @@
 #include <dyslam/train/DyloLoss.h>
 #include <dyslam/train/DyloTrainer.h>
 #include <dyslam/train/NetworkWeights.h>
+#include <dyslam/train/PairGradients.h>
 #include <dyslam/train/RandomDraws.h>
 #include <dyslam/train/RecordingPairSource.h>
 #include <dyslam/train/ScanFiles.h>
@@ -140,6 +142,32 @@ Pose drawInitialGuess(const Pose& truth,
                              draws.normal(0.3 * radians), draws.normal(0.3 * radians));
 }
 
+/** A pair of a step, ready for the network. */
+struct PreparedPair
+{
+  ScanTensors scan1, scan2;
+  std::vector<torch::Tensor> labels;  //!< nodeLabels() of scan 1
+  Pose T_2_1 = Pose::Identity();
+  Pose start = Pose::Identity();  //!< initial guess
+};
+
+/** A thread's copy of what is trained. */
+struct ThreadCopy
+{
+  DyloNetwork network{nullptr};
+  DyloLoss loss{nullptr};
+};
+
+std::vector<torch::Tensor> parametersOf(const DyloNetwork& network, const DyloLoss& loss)
+{
+  std::vector<torch::Tensor> parameters = network->parameters();
+  for (const torch::Tensor& parameter : loss->parameters())
+  {
+    parameters.push_back(parameter);
+  }
+  return parameters;
+}
+
 class Trainer
 {
  public:
@@ -152,7 +180,13 @@ class Trainer
   void load(const std::string& checkpoint, bool weights_only);
   void startFrom(const std::string& path);
   void validate();
-  DyloLossImpl::Terms trainPair(std::uint64_t index);
+  /** Makes the threads, their copies of the network, and the pairs of the first step. */
+  void begin();
+  [[nodiscard]] PreparedPair preparePair(std::uint64_t index) const;
+  /** Loss of a pair; adds to the gradients of the copy. */
+  DyloLossImpl::Terms backward(ThreadCopy& copy, const PreparedPair& pair) const;
+  /** Sets the gradients of a step and prepares the pairs of the next one. */
+  std::vector<DyloLossImpl::Terms> computeGradients();
   /** \param pairs those of the step. */
   void log(const std::vector<DyloLossImpl::Terms>& pairs, double gradient);
 
@@ -165,11 +199,14 @@ class Trainer
   DyloLoss loss_{nullptr};
   std::unique_ptr<torch::optim::Adam> optimizer_;
   std::unique_ptr<PairSource> source_;
+  std::unique_ptr<ThreadPool> pool_;
+  std::vector<ThreadCopy> copies_;  //!< one per thread
+  std::unique_ptr<PairGradients> gradients_;
+  std::vector<PreparedPair> prepared_;  //!< the pairs of this step
   std::vector<Recording> validation_;
   torch::Device device_;
   std::int64_t step_ = 0;
   std::int64_t first_step_ = 0;
-  double data_seconds_ = 0;
   Clock::time_point begin_;
 };
 
@@ -193,13 +230,9 @@ Trainer::Trainer(const Config& config, const DyloTrainRequest& request)
   mean_->to(device_);
   copyWeights(*mean_, *network_, "");
   loss_->to(device_);
-  std::vector<torch::Tensor> parameters = network_->parameters();
-  for (const torch::Tensor& parameter : loss_->parameters())
-  {
-    parameters.push_back(parameter);
-  }
   optimizer_ = std::make_unique<torch::optim::Adam>(
-      parameters, torch::optim::AdamOptions(options_.rate.learning_rate).betas({0.9, 0.999}));
+      parametersOf(network_, loss_),
+      torch::optim::AdamOptions(options_.rate.learning_rate).betas({0.9, 0.999}));
 
   if (request.validate_only && !request.start.empty())
   {
@@ -237,34 +270,83 @@ Trainer::Trainer(const Config& config, const DyloTrainRequest& request)
   }
 }
 
-DyloLossImpl::Terms Trainer::trainPair(std::uint64_t index)
+void Trainer::begin()
 {
-  const auto begin = Clock::now();
-  const TrainingPair pair = source_->pair(index);
-  const PreparedScan prepared1 = prepareScan(pair.points1);
-  const PreparedScan prepared2 = prepareScan(pair.points2);
-  std::vector<torch::Tensor> labels = nodeLabels(prepared1, pair.labels1);
-  for (torch::Tensor& label : labels)
+  pool_ = std::make_unique<ThreadPool>(options_.threads);
+  std::vector<std::vector<torch::Tensor>> of_copies;
+  for (int i = 0; i < pool_->size(); ++i)
+  {
+    ThreadCopy copy{DyloNetwork(network_->options()), DyloLoss(loss_->options())};
+    copy.network->to(device_);
+    copy.loss->to(device_);
+    of_copies.push_back(parametersOf(copy.network, copy.loss));
+    copies_.push_back(std::move(copy));
+  }
+  gradients_ = std::make_unique<PairGradients>(parametersOf(network_, loss_), std::move(of_copies));
+  prepared_.resize(static_cast<std::size_t>(options_.batch));
+  const auto first = static_cast<std::uint64_t>(step_) * prepared_.size();
+  pool_->forChunks(prepared_.size(), 1,
+                   [&](std::size_t i, std::size_t, std::size_t)
+                   { prepared_[i] = preparePair(first + i); });
+}
+
+PreparedPair Trainer::preparePair(std::uint64_t index) const
+{
+  const TrainingPair drawn = source_->pair(index);
+  const PreparedScan prepared1 = prepareScan(drawn.points1);
+  PreparedPair pair;
+  pair.scan1 = toTensors(prepared1, device_);
+  pair.scan2 = toTensors(prepareScan(drawn.points2), device_);
+  pair.labels = nodeLabels(prepared1, drawn.labels1);
+  for (torch::Tensor& label : pair.labels)
   {
     label = label.defined() ? label.to(device_) : label;
   }
-  const ScanTensors scan1 = toTensors(prepared1, device_);
-  const ScanTensors scan2 = toTensors(prepared2, device_);
-  data_seconds_ += secondsSince(begin);
+  pair.T_2_1 = drawn.T_2_1;
+  pair.start = drawInitialGuess(drawn.T_2_1, options_.perturbed_starts,
+                                static_cast<std::uint64_t>(options_.seed), index);
+  return pair;
+}
 
+DyloLossImpl::Terms Trainer::backward(ThreadCopy& copy, const PreparedPair& pair) const
+{
+  useTorchThreads(1);  // of this thread
   const auto options = torch::dtype(torch::kFloat).device(device_);
-  const Pose start = drawInitialGuess(pair.T_2_1, options_.perturbed_starts,
-                                      static_cast<std::uint64_t>(options_.seed), index);
-  const auto stages = network_->forward(network_->encode(scan1), network_->encode(scan2),
-                                        PoseTensors::from(start, options));
+  DyloNetwork& network = copy.network;
+  const auto stages = network->forward(network->encode(pair.scan1), network->encode(pair.scan2),
+                                       PoseTensors::from(pair.start, options));
   DyloLossImpl::Terms terms =
-      loss_->forward(stages, scan1, PoseTensors::from(pair.T_2_1, options), labels);
+      copy.loss->forward(stages, pair.scan1, PoseTensors::from(pair.T_2_1, options), pair.labels);
   (terms.total / options_.batch).backward();
   for (torch::Tensor* term :
        {&terms.total, &terms.pose, &terms.flow, &terms.precision, &terms.moving, &terms.final_pose})
   {
     *term = term->detach();  // the graph is not needed for the log
   }
+  return terms;
+}
+
+std::vector<DyloLossImpl::Terms> Trainer::computeGradients()
+{
+  const std::size_t batch = prepared_.size();
+  const auto next_step = static_cast<std::uint64_t>(step_ + 1) * batch;
+  std::vector<DyloLossImpl::Terms> terms(batch);
+  std::vector<PreparedPair> next(batch);
+  gradients_->begin(batch);
+  // Threads without a pair of this step prepare pairs of the next one.
+  pool_->forChunks(2 * batch, 1,
+                   [&](std::size_t i, std::size_t, std::size_t)
+                   {
+                     if (i >= batch)
+                     {
+                       next[i - batch] = preparePair(next_step + (i - batch));
+                       return;
+                     }
+                     gradients_->compute(i, [&](std::size_t copy)
+                                         { terms[i] = backward(copies_[copy], prepared_[i]); });
+                   });
+  gradients_->finish();
+  prepared_ = std::move(next);
   return terms;
 }
 
@@ -285,6 +367,7 @@ void Trainer::run()
            "step,recording,start,t_mean_m,t_rmse_m,r_mean_deg,r_rmse_deg,forward_ratio", step_);
   auto saved = Clock::now();
   request_.report("training on: " + source_->name());
+  begin();
   while (step_ < options_.steps)
   {
     if (request_.stopped && request_.stopped())
@@ -299,12 +382,7 @@ void Trainer::run()
     {
       static_cast<torch::optim::AdamOptions&>(group.options()).lr(rate);
     }
-    optimizer_->zero_grad();
-    std::vector<DyloLossImpl::Terms> pairs;
-    for (int b = 0; b < options_.batch; ++b)
-    {
-      pairs.push_back(trainPair(static_cast<std::uint64_t>(step_ * options_.batch + b)));
-    }
+    const std::vector<DyloLossImpl::Terms> pairs = computeGradients();
     const double gradient = clippedStep(*optimizer_, options_.clip);
     updateMean(*mean_, *network_, step_, options_.mean_decay);
     ++step_;
@@ -360,11 +438,9 @@ void Trainer::log(const std::vector<DyloLossImpl::Terms>& pairs, double gradient
   const double per_step = secondsSince(begin_) / done;
   char line[240];
   std::snprintf(line, sizeof line,
-                "step %lld/%d  loss %.3f  t %.3f -> %.4f m  |g| %.2f  %.0f ms/pair (data %.0f)  "
-                "%.0f min left",
+                "step %lld/%d  loss %.3f  t %.3f -> %.4f m  |g| %.2f  %.0f ms/pair  %.0f min left",
                 static_cast<long long>(step_), options_.steps, loss, first_error, last_error,
                 gradient, 1e3 * per_step / options_.batch,
-                1e3 * data_seconds_ / done / options_.batch,
                 per_step * static_cast<double>(options_.steps - step_) / 60);
   request_.report(line);
 }
@@ -375,6 +451,7 @@ void Trainer::validate()
   {
     return;
   }
+  useTorchThreads(options_.threads);
   if (!request_.mask_folder.empty())
   {
     makeFolder(request_.mask_folder);

@@ -200,7 +200,8 @@ DysegLoss DysegTrainer::Impl::backward(DysegNet& network, PreparedPair& pair) co
 {
   useTorchThreads(1);  // of this thread
   DysegLoss loss = dysegLoss(network, pair.sample, crop, pair.centre, loss_options, pair.draws);
-  if (!loss.total.defined() || !std::isfinite(loss.total.item<double>()))
+  if (!loss.total.defined() || !loss.total.requires_grad() ||
+      !std::isfinite(loss.total.item<double>()))
   {
     return {};
   }

@@ -65,6 +65,20 @@ TEST(DyloTrainer, AStoppedTrainingGoesOnExactly)
   EXPECT_TRUE(learned);
 }
 
+TEST(DyloTrainer, AnyNumberOfThreadsGivesTheSameWeights)
+{
+  const auto train = [](int threads)
+  {
+    Config config = tiny(3);
+    config.set("train.batch=3");
+    config.set("train.threads=" + std::to_string(threads));
+    const std::string folder = freshFolder("threads_" + std::to_string(threads));
+    trainDylo(config, requestFor(folder));
+    return readWhole(folder + "/dylo.safetensors");
+  };
+  EXPECT_EQ(train(1), train(4));
+}
+
 /** At almost no learning rate the pairs of two steps have the losses that they have in one. */
 TEST(DyloTrainer, LogsTheMeanOfABatch)
 {

@@ -26,8 +26,8 @@ struct ClipOptions : Options
 
 /** Labelled training data by index: clip(i) depends on the options and on i alone.
  *
- * Not thread-safe: each worker needs its own copy. Indices in ascending order are fastest, because
- * the last world is cached.
+ * Threads may draw clips at the same time. Indices in ascending order are fastest, because the last
+ * world is cached.
  */
 class ClipGenerator
 {
@@ -43,9 +43,12 @@ class ClipGenerator
   [[nodiscard]] SimulatorOptions clipOptions(std::uint64_t index) const;
 
  private:
+  struct WorldCache;
+  [[nodiscard]] std::shared_ptr<const World> worldOf(std::uint64_t index,
+                                                     const SimulatorOptions& options) const;
+
   ClipOptions options_;
   int threads_;
-  mutable std::shared_ptr<const World> world_;
-  mutable std::uint64_t world_number_ = 0;
+  std::shared_ptr<WorldCache> cache_;  //!< shared with copies
 };
 }  // namespace dyslam::sim

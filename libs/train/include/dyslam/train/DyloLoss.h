@@ -29,6 +29,8 @@ class DyloLossImpl : public torch::nn::Module
  public:
   explicit DyloLossImpl(const DyloLossOptions& options);
 
+  [[nodiscard]] const DyloLossOptions& options() const { return options_; }
+
   struct Terms
   {
     torch::Tensor total, pose, flow, precision, moving, final_pose;

@@ -27,7 +27,7 @@ struct TrainingPair
 };
 
 /** Endless training pairs by number. pair(i) depends on the source and i alone, so that a resumed
- * training continues with exactly the same data. */
+ * training continues with exactly the same data. Threads may draw pairs at the same time. */
 class PairSource
 {
  public:
