@@ -43,6 +43,9 @@ dyslam_add_test(NAME nets_dyseg HEADERS torch
     tests/RigidFlow_unittest.cpp
     tests/TensorFile_unittest.cpp
   LIBRARIES dyslam::nets_dyseg ${TORCH_LIBRARIES})
+if(TARGET nets_dyseg_tests)
+  target_include_directories(nets_dyseg_tests PRIVATE src)
+endif()
 
 if(DYSLAM_BUILD_BENCHMARKS)
   add_executable(dyseg_benchmark benchmarks/dyseg_benchmark.cpp)

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/Objects.h>
+#include <dyslam/core/Printable.h>
 
-#include <algorithm>
 #include <array>
-#include <cctype>
 #include <utility>
 
 namespace dyslam
@@ -19,13 +18,6 @@ constexpr std::array<std::pair<ObjectClass, const char*>, 8> names{
      {ObjectClass::motorcyclist, "Motorcyclist"},
      {ObjectClass::cyclist, "Cyclist"},
      {ObjectClass::pedestrian, "Pedestrian"}}};
-
-std::string lowered(std::string text)
-{
-  std::transform(text.begin(), text.end(), text.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return text;
-}
 }  // namespace
 
 std::string toString(ObjectClass object_class)

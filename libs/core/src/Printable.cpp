@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/Printable.h>
 
+#include <algorithm>
+#include <cctype>
+
 namespace dyslam
 {
 std::string printable(std::string text)
@@ -25,6 +28,13 @@ std::string printable(std::string text)
       text.erase(i + 1, 1);
     }
   }
+  return text;
+}
+
+std::string lowered(std::string text)
+{
+  std::transform(text.begin(), text.end(), text.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
   return text;
 }
 

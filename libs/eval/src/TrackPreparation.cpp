@@ -2,9 +2,9 @@
 #include "TrackPreparation.h"
 
 #include <dyslam/core/BoxOverlap.h>
+#include <dyslam/core/Printable.h>
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <string>
 #include <utility>
@@ -18,13 +18,6 @@ constexpr int max_truncated = 0;
 constexpr int max_occluded = 2;
 constexpr double min_image_height = 25;  // of estimates [px]
 constexpr double max_dontcare = 0.5;     // fraction of an estimate's image box in a DontCare area
-
-std::string lowered(std::string text)
-{
-  std::transform(text.begin(), text.end(), text.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return text;
-}
 
 double imageArea(const Eigen::Vector4d& box)
 {

@@ -2,12 +2,12 @@
 #include <dyslam/core/Error.h>
 #include <dyslam/core/Files.h>
 #include <dyslam/core/PendingFile.h>
+#include <dyslam/core/Printable.h>
 #include <dyslam/formats/RecordingKind.h>
 #include <dyslam/formats/ScanFiles.h>
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <cmath>
 #include <cstring>
 #include <filesystem>
@@ -154,10 +154,7 @@ std::vector<std::string> listFiles(const std::string& folder,
 
 std::string lowerExtension(const std::string& path)
 {
-  std::string extension = fs::path(path).extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return extension;
+  return lowered(fs::path(path).extension().string());
 }
 
 BinLayout binLayoutOf(const std::string& path)

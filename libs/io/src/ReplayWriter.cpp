@@ -27,7 +27,6 @@ namespace
 {
 const TColor moving_colour(255, 40, 40);
 const TColor path_colour(255, 255, 255);
-constexpr double arrow_seconds = 1.0;  // an arrow is as long as the path in this time
 
 /** Points of one kind with their intensities. */
 struct Part
@@ -123,8 +122,7 @@ void insertObject(mrpt::opengl::COpenGLScene& scene,
   const Eigen::Vector3d top = object.box.center + Eigen::Vector3d(0, 0, 0.5 * object.box.size.z());
   scene.insert(
       textAt(labelOf(object), T_vehicle_odom * (top + Eigen::Vector3d(0, 0, 0.4)), colour));
-  if (const auto shape = arrow(T_vehicle_odom * top,
-                               T_vehicle_odom * (top + arrow_seconds * object.velocity), colour))
+  if (const auto shape = velocityArrow(T_vehicle_odom * top, T_vehicle_odom.linear() * object.velocity, colour))
   {
     scene.insert(shape);
   }

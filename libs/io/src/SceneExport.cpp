@@ -70,7 +70,6 @@ mrpt::opengl::CRenderizable::Ptr gridUnder(const std::vector<Eigen::Vector3d>& p
 
 void insertBoxes(mrpt::opengl::COpenGLScene& scene, const SceneContent& content)
 {
-  constexpr double arrow_seconds = 1.0;  // an arrow is as long as the path in this time
   for (std::size_t i = 0; i < content.boxes.size(); ++i)
   {
     const LabelledBox& object = content.boxes[i];
@@ -86,7 +85,7 @@ void insertBoxes(mrpt::opengl::COpenGLScene& scene, const SceneContent& content)
     {
       const Eigen::Vector3d top =
           object.box.center + Eigen::Vector3d(0, 0, 0.5 * object.box.size.z());
-      if (const auto shape = arrow(top, top + arrow_seconds * content.velocities[i], colour))
+      if (const auto shape = velocityArrow(top, content.velocities[i], colour))
       {
         insert(scene, shape, name + " velocity");
       }

@@ -178,18 +178,21 @@ mrpt::opengl::CRenderizable::Ptr textAt(const std::string& words,
   return label;
 }
 
-mrpt::opengl::CRenderizable::Ptr arrow(const Eigen::Vector3d& a,
-                                       const Eigen::Vector3d& b,
-                                       const TColor& colour)
+mrpt::opengl::CRenderizable::Ptr velocityArrow(const Eigen::Vector3d& at,
+                                               const Eigen::Vector3d& velocity,
+                                               const TColor& colour)
 {
+  constexpr double seconds = 1;
   constexpr double shortest = 0.2;
-  if (!((b - a).norm() > shortest))
+  const Eigen::Vector3d along = seconds * velocity;
+  if (!(along.norm() > shortest))
   {
     return nullptr;
   }
   const auto f = [](double v) { return static_cast<float>(v); };
-  auto shape = mrpt::opengl::CArrow::Create(f(a.x()), f(a.y()), f(a.z()), f(b.x()), f(b.y()),
-                                            f(b.z()), 0.25F, 0.06F, 0.2F);
+  const Eigen::Vector3d tip = at + along;
+  auto shape = mrpt::opengl::CArrow::Create(f(at.x()), f(at.y()), f(at.z()), f(tip.x()), f(tip.y()),
+                                            f(tip.z()), 0.25F, 0.06F, 0.2F);
   shape->setColor_u8(colour);
   return shape;
 }

@@ -34,10 +34,10 @@ namespace dyslam
 [[nodiscard]] mrpt::opengl::CRenderizable::Ptr textAt(const std::string& words,
                                                       const Eigen::Vector3d& at,
                                                       const mrpt::img::TColor& colour);
-/** Arrow from a to b; null for one that is too short to draw. */
-[[nodiscard]] mrpt::opengl::CRenderizable::Ptr arrow(const Eigen::Vector3d& a,
-                                                     const Eigen::Vector3d& b,
-                                                     const mrpt::img::TColor& colour);
+/** Arrow of a velocity [m/s], as long as the path in a second; null if too short to draw. */
+[[nodiscard]] mrpt::opengl::CRenderizable::Ptr velocityArrow(const Eigen::Vector3d& at,
+                                                             const Eigen::Vector3d& velocity,
+                                                             const mrpt::img::TColor& colour);
 /** A line through points; null for fewer than two. */
 [[nodiscard]] mrpt::opengl::CRenderizable::Ptr polyline(const std::vector<Eigen::Vector3d>& points,
                                                         const mrpt::img::TColor& colour,

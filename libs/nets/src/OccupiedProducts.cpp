@@ -8,21 +8,6 @@ namespace dyslam
 {
 namespace
 {
-// Vectors of 8 floats, as GCC and clang have them for every processor.
-constexpr std::int64_t lanes = 8;
-using Packet = float __attribute__((vector_size(32)));
-using UnalignedPacket = float __attribute__((vector_size(32), aligned(4), may_alias));
-
-const UnalignedPacket& packetAt(const float* p)
-{
-  return *reinterpret_cast<const UnalignedPacket*>(p);
-}
-
-UnalignedPacket& packetAt(float* p)
-{
-  return *reinterpret_cast<UnalignedPacket*>(p);
-}
-
 /** A cell's features and where its sums are. */
 struct Term
 {
@@ -30,86 +15,70 @@ struct Term
   float* sum;
 };
 
-/** Adds x * weights for `cells` cells at once: packets x 8 outputs each. */
-template <int cells, int packets>
-void addProducts(const Term* terms,
-                 std::int64_t channels,
-                 const float* weights,
-                 std::int64_t stride)
-{
-  std::array<std::array<Packet, packets>, cells> sums;
-#pragma GCC unroll 8
-  for (int cell = 0; cell < cells; ++cell)
-  {
-#pragma GCC unroll 8
-    for (int p = 0; p < packets; ++p)
-    {
-      sums[cell][p] = packetAt(terms[cell].sum + p * lanes);
-    }
-  }
-  for (std::int64_t c = 0; c < channels; ++c, weights += stride)
-  {
-    std::array<Packet, cells> x;
-#pragma GCC unroll 8
-    for (int cell = 0; cell < cells; ++cell)
-    {
-      x[cell] = terms[cell].x[c] - Packet{};
-    }
-#pragma GCC unroll 8
-    for (int p = 0; p < packets; ++p)
-    {
-      const Packet weight = packetAt(weights + p * lanes);
-#pragma GCC unroll 8
-      for (int cell = 0; cell < cells; ++cell)
-      {
-        sums[cell][p] += x[cell] * weight;
-      }
-    }
-  }
-#pragma GCC unroll 8
-  for (int cell = 0; cell < cells; ++cell)
-  {
-#pragma GCC unroll 8
-    for (int p = 0; p < packets; ++p)
-    {
-      packetAt(terms[cell].sum + p * lanes) = sums[cell][p];
-    }
-  }
-}
+/** Adds the products of `count` cells with a position's weights. */
+using AddAll = void (*)(const Term* terms,
+                        std::size_t count,
+                        std::int64_t channels,
+                        const float* weights,
+                        std::int64_t stride);
 
-/** All terms, as many at once as the registers hold. */
-template <int packets>
-void addAll(const std::vector<Term>& terms,
-            std::int64_t channels,
-            const float* weights,
-            std::int64_t stride)
+namespace vectors_of_8
 {
-  constexpr int cells = packets <= 3 ? 4 : 2;
-  std::size_t next = 0;
-  for (; next + cells <= terms.size(); next += cells)
-  {
-    addProducts<cells, packets>(&terms[next], channels, weights, stride);
-  }
-  for (; next < terms.size(); ++next)
-  {
-    addProducts<1, packets>(&terms[next], channels, weights, stride);
-  }
-}
+#define DYSLAM_LANES 8
+#define DYSLAM_REGISTERS 16
+#define DYSLAM_TARGET
+#include "OccupiedKernel.inc"
+#undef DYSLAM_LANES
+#undef DYSLAM_REGISTERS
+#undef DYSLAM_TARGET
+}  // namespace vectors_of_8
 
-using AddAll = void (*)(const std::vector<Term>&, std::int64_t, const float*, std::int64_t);
-constexpr std::array<AddAll, 6> add_all = {&addAll<1>, &addAll<2>, &addAll<3>,
-                                           &addAll<4>, &addAll<5>, &addAll<6>};
+// Where all code is for processors with FMA, AVX-512 gives the same sums.
+#if defined(__x86_64__) && defined(__FMA__)
+namespace vectors_of_16
+{
+#define DYSLAM_LANES 16
+#define DYSLAM_REGISTERS 32
+#define DYSLAM_TARGET __attribute__((target("avx512f")))
+#include "OccupiedKernel.inc"
+#undef DYSLAM_LANES
+#undef DYSLAM_REGISTERS
+#undef DYSLAM_TARGET
+}  // namespace vectors_of_16
+#endif
+
 }  // namespace
+
+struct OccupiedProducts::Kernel
+{
+  std::int64_t lanes;
+  std::array<AddAll, 6> add_all;
+};
+
+const OccupiedProducts::Kernel& OccupiedProducts::kernelFor(bool wide)
+{
+  static constexpr Kernel of_8{vectors_of_8::lanes, vectors_of_8::add_all};
+#if defined(__x86_64__) && defined(__FMA__)
+  static constexpr Kernel of_16{vectors_of_16::lanes, vectors_of_16::add_all};
+  static const bool has_avx512 = __builtin_cpu_supports("avx512f") != 0;
+  return wide && has_avx512 ? of_16 : of_8;
+#else
+  (void)wide;
+  return of_8;
+#endif
+}
 
 OccupiedProducts::OccupiedProducts(const float* rows,
                                    std::int64_t channels,
                                    const float* weight,
                                    std::int64_t positions,
-                                   std::int64_t outputs)
-    : rows_(rows),
+                                   std::int64_t outputs,
+                                   bool wide)
+    : kernel_(kernelFor(wide)),
+      rows_(rows),
       channels_(channels),
       positions_(positions),
-      width_((outputs + lanes - 1) / lanes * lanes),
+      width_((outputs + kernel_.lanes - 1) / kernel_.lanes * kernel_.lanes),
       weight_(static_cast<std::size_t>(positions * channels * width_), 0.0F)
 {
   const std::int64_t inputs = positions * channels;
@@ -124,7 +93,7 @@ OccupiedProducts::OccupiedProducts(const float* rows,
 
 void OccupiedProducts::addTo(const std::int32_t* table, std::int64_t count, float* sums) const
 {
-  constexpr auto most_packets = static_cast<std::int64_t>(add_all.size());
+  const auto most_packets = static_cast<std::int64_t>(kernel_.add_all.size());
   std::vector<Term> terms;
   terms.reserve(static_cast<std::size_t>(count));
   for (std::int64_t position = 0; position < positions_; ++position)
@@ -139,13 +108,14 @@ void OccupiedProducts::addTo(const std::int32_t* table, std::int64_t count, floa
       }
     }
     const float* weights = &weight_[static_cast<std::size_t>(position * channels_ * width_)];
-    for (std::int64_t first = 0; first < width_; first += most_packets * lanes)
+    for (std::int64_t first = 0; first < width_; first += most_packets * kernel_.lanes)
     {
-      const std::int64_t packets = std::min(most_packets, (width_ - first) / lanes);
-      add_all[static_cast<std::size_t>(packets - 1)](terms, channels_, weights + first, width_);
+      const std::int64_t packets = std::min(most_packets, (width_ - first) / kernel_.lanes);
+      kernel_.add_all[static_cast<std::size_t>(packets - 1)](terms.data(), terms.size(), channels_,
+                                                             weights + first, width_);
       for (Term& term : terms)
       {
-        term.sum += packets * lanes;
+        term.sum += packets * kernel_.lanes;
       }
     }
   }

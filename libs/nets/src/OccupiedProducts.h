@@ -17,12 +17,14 @@ class OccupiedProducts
 {
  public:
   /** \param rows features, `channels` of each cell \param weight `outputs` rows of `positions` x
-   * `channels` \param positions of the kernel. `rows` must outlive this. */
+   * `channels` \param positions of the kernel \param wide with AVX-512 if this processor has it:
+   * the same sums, faster. `rows` must outlive this. */
   OccupiedProducts(const float* rows,
                    std::int64_t channels,
                    const float* weight,
                    std::int64_t positions,
-                   std::int64_t outputs);
+                   std::int64_t outputs,
+                   bool wide = true);
 
   /** Floats from one cell's sums to the next: outputs, rounded up to whole vectors. */
   [[nodiscard]] std::int64_t width() const { return width_; }
@@ -31,6 +33,10 @@ class OccupiedProducts
   void addTo(const std::int32_t* table, std::int64_t count, float* sums) const;
 
  private:
+  struct Kernel;
+  static const Kernel& kernelFor(bool wide);
+
+  const Kernel& kernel_;
   const float* rows_;
   std::int64_t channels_;
   std::int64_t positions_;

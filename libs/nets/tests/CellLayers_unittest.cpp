@@ -4,7 +4,11 @@
 #include <gtest/gtest.h>
 #include <torch/torch.h>
 
+#include <algorithm>
 #include <random>
+#include <vector>
+
+#include "OccupiedProducts.h"
 
 namespace
 {
@@ -140,5 +144,51 @@ TEST(CellConv, IsIndependentOfTheNumberOfThreads)
   const auto three = layer(rows, table);
   torch::set_num_threads(before);
   EXPECT_TRUE(torch::equal(one, three));
+}
+TEST(OccupiedProducts, WideVectorsGiveTheSameSums)
+{
+  constexpr std::int64_t positions = 9;
+  constexpr std::int64_t channels = 11;
+  constexpr std::int64_t cells = 37;
+  std::mt19937 random(3);
+  std::normal_distribution<float> value;
+  std::uniform_int_distribution<int> row(-20, cells - 1);  // about a third is empty
+  for (const std::int64_t outputs : {1, 16, 24, 48, 64, 100})
+  {
+    std::vector<float> rows(cells * channels);
+    std::vector<float> weight(static_cast<std::size_t>(outputs * positions * channels));
+    std::vector<std::int32_t> table(cells * positions);
+    std::generate(rows.begin(), rows.end(), [&] { return value(random); });
+    std::generate(weight.begin(), weight.end(), [&] { return value(random); });
+    std::generate(table.begin(), table.end(), [&] { return std::max(-1, row(random)); });
+    const auto sums = [&](bool wide)
+    {
+      const dyslam::OccupiedProducts products(rows.data(), channels, weight.data(), positions,
+                                              outputs, wide);
+      std::vector<float> padded(static_cast<std::size_t>(cells * products.width()), 0.5F);
+      products.addTo(table.data(), cells, padded.data());
+      std::vector<float> result;
+      for (std::int64_t i = 0; i < cells; ++i)
+      {
+        const auto first = padded.begin() + i * products.width();
+        result.insert(result.end(), first, first + outputs);
+      }
+      return result;
+    };
+    const std::vector<float> wide = sums(true);
+    EXPECT_EQ(sums(false), wide) << outputs;
+    double expected = 0.5;  // of the last cell's last output
+    for (std::int64_t p = 0; p < positions; ++p)
+    {
+      const std::int32_t at = table[static_cast<std::size_t>((cells - 1) * positions + p)];
+      for (std::int64_t c = 0; at >= 0 && c < channels; ++c)
+      {
+        expected +=
+            rows[static_cast<std::size_t>(at * channels + c)] *
+            weight[static_cast<std::size_t>(((outputs - 1) * positions + p) * channels + c)];
+      }
+    }
+    EXPECT_NEAR(wide.back(), expected, 1e-4) << outputs;
+  }
 }
 }  // namespace

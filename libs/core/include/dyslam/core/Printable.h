@@ -11,6 +11,9 @@ namespace dyslam
  * cursor or worse, and cut at a limit. */
 [[nodiscard]] std::string printable(std::string text);
 
+/** With small ASCII letters for capitals. */
+[[nodiscard]] std::string lowered(std::string text);
+
 /** For messages: "1 pose", "2 poses". */
 [[nodiscard]] inline std::string counted(std::size_t count, const std::string& noun)
 {
