@@ -1,19 +1,20 @@
 #!/usr/bin/env bash
 # Installs what is needed (Debian 12), builds the two programs that it runs, runs the main job on a bundled
 # recording, and prints the error table and where the results are.
-#   ./demo.sh [rawlog/street64.rawlog] [kitti64.ini]
+#   ./demo.sh [rawlog/street64.rawlog] [SETTINGS.ini]        # without an ini the settings fit the sensor
 # The rest is built by `cmake --build --preset release`, or by ./test.sh with the tests.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")"
 source scripts/dependencies.sh
 install_packages
 rawlog=${1:-rawlog/street64.rawlog}
-config=${2:-kitti64.ini}
+config=(${2:+-c "$2"})
 out=out/$(basename "$rawlog" .rawlog)
+echo "Building dyslam and dyslam-eval in build/release"
 cmake --preset release >/dev/null
 cmake --build --preset release --target dyslam dyslam-eval
 bin=build/release/bin
-"$bin/dyslam" -i "$rawlog" -c "$config" -o "$out" --labels
+"$bin/dyslam" -i "$rawlog" "${config[@]}" -o "$out" --labels
 "$bin/dyslam-eval" run "$out"
 echo
 echo "The run in a browser:      $out/report.html"

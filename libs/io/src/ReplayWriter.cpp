@@ -122,7 +122,8 @@ void insertObject(mrpt::opengl::COpenGLScene& scene,
   const Eigen::Vector3d top = object.box.center + Eigen::Vector3d(0, 0, 0.5 * object.box.size.z());
   scene.insert(
       textAt(labelOf(object), T_vehicle_odom * (top + Eigen::Vector3d(0, 0, 0.4)), colour));
-  if (const auto shape = velocityArrow(T_vehicle_odom * top, T_vehicle_odom.linear() * object.velocity, colour))
+  if (const auto shape =
+          velocityArrow(T_vehicle_odom * top, T_vehicle_odom.linear() * object.velocity, colour))
   {
     scene.insert(shape);
   }
