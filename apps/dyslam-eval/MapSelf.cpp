@@ -124,7 +124,10 @@ class ScanPlacer
       dt = t[current].stamp - t[current - 1].stamp;
     }
     Cloud cloud = preprocessor_.prepare(frame.scan, T_previous_current, dt, frame.sweep_duration);
-    const Eigen::Isometry3f T = (t[pose].pose * T_body_vehicle).cast<float>();
+    // Coordinates such as UTM's are too large for single precision.
+    const Eigen::Vector3d origin = (t[0].pose.translation() / 1000).array().round() * 1000;
+    const Eigen::Isometry3f T =
+        (Eigen::Translation3d(-origin) * t[pose].pose * T_body_vehicle).cast<float>();
     for (auto& point : cloud.points)
     {
       point = T * point;

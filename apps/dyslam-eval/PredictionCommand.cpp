@@ -48,33 +48,52 @@ constexpr double paper_table5[5][7] = {{1.33, 1.49, 1.37, 1.42, 0.57, 0.65, 1.14
                                        {0.64, 0.81, 0.85, 0.33, 0.13, 0.23, 0.50},
                                        {0.81, 1.07, 1.17, 0.49, 0.18, 0.29, 0.67}};
 
-double rmse(OneStepPredictor& predictor, const KittiTarget& target, int warm_up)
+/** Nothing if the target is too short for a prediction. */
+std::optional<double> rmse(OneStepPredictor& predictor, const KittiTarget& target, int warm_up)
 {
-  return predictionError(predictor, target.observations, target.truth,
-                         static_cast<std::size_t>(warm_up))
-      .rmse;
+  const PredictionError error = predictionError(predictor, target.observations, target.truth,
+                                                static_cast<std::size_t>(warm_up));
+  return error.predictions > 0 ? std::optional<double>(error.rmse) : std::nullopt;
 }
 
-double fixedRmse(const KittiTarget& target, int degree, int window)
+std::optional<double> fixedRmse(const KittiTarget& target, int degree, int window)
 {
   return rmse(*polynomialPredictor(degree, window), target, window);
 }
 
 /** On the same frames as a full window of length `window`. */
-double adaptiveRmse(const KittiTarget& target, int window)
+std::optional<double> adaptiveRmse(const KittiTarget& target, int window)
 {
   return rmse(*adaptivePredictor(), target, window);
 }
 
-template <typename Rmse>
-double meanOver(const std::vector<KittiTarget>& targets, Rmse&& of)
+/** Of those that there are. */
+std::optional<double> meanOf(const std::vector<std::optional<double>>& values)
 {
   double sum = 0;
+  int count = 0;
+  for (const std::optional<double>& value : values)
+  {
+    sum += value.value_or(0);
+    count += value ? 1 : 0;
+  }
+  return count > 0 ? std::optional<double>(sum / count) : std::nullopt;
+}
+
+template <typename Rmse>
+std::optional<double> meanOver(const std::vector<KittiTarget>& targets, Rmse&& of)
+{
+  std::vector<std::optional<double>> errors;
   for (const KittiTarget& target : targets)
   {
-    sum += of(target);
+    errors.push_back(of(target));
   }
-  return sum / static_cast<double>(targets.size());
+  return meanOf(errors);
+}
+
+nlohmann::ordered_json jsonOf(const std::optional<double>& value)
+{
+  return value ? nlohmann::ordered_json(*value) : nlohmann::ordered_json();
 }
 
 std::vector<std::string> windowColumns()
@@ -100,22 +119,22 @@ Table gridTable(const std::vector<KittiTarget>& targets,
     std::vector<TableCell> row{degree_names[static_cast<std::size_t>(degree)]};
     for (std::size_t w = 0; w < windows.size(); ++w)
     {
-      const double ours =
+      const std::optional<double> ours =
           meanOver(targets, [&](const KittiTarget& t) { return fixedRmse(t, degree, windows[w]); });
       const std::optional<double> paper =
           with_paper ? std::optional<double>(paper_table4[degree - 1][w]) : std::nullopt;
       row.emplace_back(ours, 3, paper);
-      json["grid"][std::to_string(degree)][std::to_string(windows[w])] = ours;
+      json["grid"][std::to_string(degree)][std::to_string(windows[w])] = jsonOf(ours);
     }
     table.addRow(row);
   }
   std::vector<TableCell> row{"adaptive"};
   for (const int window : windows)
   {
-    const double ours =
+    const std::optional<double> ours =
         meanOver(targets, [&](const KittiTarget& t) { return adaptiveRmse(t, window); });
     row.emplace_back(ours, 3);
-    json["grid"]["adaptive"][std::to_string(window)] = ours;
+    json["grid"]["adaptive"][std::to_string(window)] = jsonOf(ours);
   }
   table.addRow(row);
   return table;
@@ -136,17 +155,17 @@ Table targetTable(const std::vector<KittiTarget>& targets,
   const auto addRow = [&](const std::string& name, const double* paper, auto&& of)
   {
     std::vector<TableCell> row{name};
-    double sum = 0;
+    std::vector<std::optional<double>> errors;
     for (std::size_t i = 0; i < targets.size(); ++i)
     {
-      const double ours = of(targets[i]);
-      sum += ours;
+      const std::optional<double> ours = of(targets[i]);
+      errors.push_back(ours);
       row.emplace_back(ours, 3, paper ? std::optional<double>(paper[i]) : std::nullopt);
-      json["table5"][name][targets[i].name] = ours;
+      json["table5"][name][targets[i].name] = jsonOf(ours);
     }
-    const double mean = sum / static_cast<double>(targets.size());
+    const std::optional<double> mean = meanOf(errors);
     row.emplace_back(mean, 3, paper ? std::optional<double>(paper[targets.size()]) : std::nullopt);
-    json["table5"][name]["mean"] = mean;
+    json["table5"][name]["mean"] = jsonOf(mean);
     table.addRow(row);
   };
   addRow("last position", nullptr,
@@ -208,8 +227,8 @@ void runPrediction(const PredictionArguments& a)
       readKittiTarget(a.boxes, a.oxts, a.calib, a.track, a.detections)};
   nlohmann::ordered_json json;
   const Table table = gridTable(targets, "", false, json);
-  const double constant = rmse(*constantVelocityPredictor(), targets.front(), 2);
-  json["constant velocity"] = constant;
+  const std::optional<double> constant = rmse(*constantVelocityPredictor(), targets.front(), 2);
+  json["constant velocity"] = jsonOf(constant);
   std::cout << "constant velocity: " << TableCell(constant, 3).text << " m\n";
   a.output.write(table, textOf(json));
 }

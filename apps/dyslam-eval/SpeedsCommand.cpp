@@ -208,6 +208,9 @@ Subcommand speedsCommand(CLI::App& app)
   sub->add_option("--truth-window", a->truth_window,
                   "labels in the centred quadratic whose slope is the true speed; odd")
       ->check(CLI::Range(3, 101))
+      ->check(CLI::Validator([](const std::string& text)
+                             { return std::stoi(text) % 2 == 1 ? "" : "must be odd: " + text; },
+                             "odd"))
       ->capture_default_str();
   sub->add_option("--series", a->series,
                   "further speeds: NAME=FILE.csv with the columns time (s since the first scan) "

@@ -10,9 +10,11 @@
 #include <dyslam/formats/KittiFiles.h>
 #include <dyslam/formats/TrajectoryFiles.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <iostream>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -134,19 +136,26 @@ PosePairs associate(const std::string& reference_path,
   return associateByIndex(reference.trajectory, estimate.trajectory);
 }
 
-/** Mean over the estimates, for benchmarks of several sequences. */
+/** Mean over the estimates, for benchmarks of several sequences; the drift over those that are long
+ * enough to have one. */
 TrajectoryReport meanDrift(const std::vector<TrajectoryReport>& reports)
 {
   TrajectoryReport mean;
   mean.name = "mean";
-  const auto n = static_cast<double>(reports.size());
+  const auto with_drift = static_cast<double>(
+      std::count_if(reports.begin(), reports.end(),
+                    [](const TrajectoryReport& r) { return r.drift.overall.segments > 0; }));
   for (const auto& r : reports)
   {
     mean.pairs += r.pairs;
     mean.length += r.length;
-    mean.drift.overall.segments += r.drift.overall.segments;
-    mean.drift.overall.translation_percent += r.drift.overall.translation_percent / n;
-    mean.drift.overall.rotation_deg_per_100m += r.drift.overall.rotation_deg_per_100m / n;
+    if (r.drift.overall.segments > 0)
+    {
+      mean.drift.overall.segments += r.drift.overall.segments;
+      mean.drift.overall.translation_percent += r.drift.overall.translation_percent / with_drift;
+      mean.drift.overall.rotation_deg_per_100m +=
+          r.drift.overall.rotation_deg_per_100m / with_drift;
+    }
   }
   return mean;
 }
@@ -154,10 +163,13 @@ TrajectoryReport meanDrift(const std::vector<TrajectoryReport>& reports)
 void addMeanRow(Table& table, const std::vector<TrajectoryReport>& reports)
 {
   const TrajectoryReport mean = meanDrift(reports);
+  const SegmentDrift& drift = mean.drift.overall;
+  const auto shown = [&](double value)
+  { return drift.segments > 0 ? std::optional<double>(value) : std::nullopt; };
   std::vector<TableCell> cells{mean.name, TableCell(static_cast<double>(mean.pairs), 0),
                                TableCell(mean.length, 1),
-                               TableCell(mean.drift.overall.translation_percent, 4),
-                               TableCell(mean.drift.overall.rotation_deg_per_100m, 4)};
+                               TableCell(shown(drift.translation_percent), 4),
+                               TableCell(shown(drift.rotation_deg_per_100m), 4)};
   while (cells.size() < table.columns())
   {
     cells.emplace_back("-");
@@ -170,6 +182,10 @@ void runTrajectory(const TrajectoryArguments& a)
   if (!a.plot.empty() && std::filesystem::path(a.plot).extension() != ".png")
   {
     throw UserError("--plot " + a.plot + ": the ending must be .png");
+  }
+  if (!a.plot.empty() && a.references.size() > 1)
+  {
+    throw UserError("--plot draws estimates of one reference, but several were given");
   }
   if (a.references.size() != 1 && a.references.size() != a.estimates.size())
   {
@@ -211,10 +227,6 @@ void runTrajectory(const TrajectoryArguments& a)
   if (a.plot.empty())
   {
     return;
-  }
-  if (a.references.size() > 1)
-  {
-    throw UserError("--plot draws estimates of one reference, but several were given");
   }
   const auto png = renderTrajectoryPlot(plots, {"", metrics.alignment});
   writeWhole(a.plot, {reinterpret_cast<const char*>(png.data()), png.size()});

@@ -114,6 +114,12 @@ void optimizeGraph(const Arguments& a)
   {
     throw UserError("--optimize writes one file: give -o or --output, not both");
   }
+  if (!a.slam.config.empty() || !a.slam.settings.rawlog.empty() || a.slam.only_first_n ||
+      a.slam.skip_first_n || a.slam.start || a.slam.end || a.slam.passes > 1)
+  {
+    throw UserError(
+        "--optimize takes a saved graph and --set only, no -c and nothing of a recording");
+  }
   const std::string& output =
       a.plugins.optimizer.empty() ? a.slam.settings.output_folder : a.plugins.optimizer;
   dyslam::Config config;

@@ -68,11 +68,16 @@ Config baseSettings(const Arguments& a, std::vector<std::string>& messages)
 {
   const std::string of_run = a.runs.empty() ? effectiveIniBeside(a.recording.trajectory)
                                             : effectiveIniOfRun(a.runs.front());
-  const GivenSettings given = readGivenSettings(a.config.empty() ? of_run : a.config);
   if (!a.runs.empty())
   {
-    return given.ini;
+    Config merged = readGivenSettings(of_run).ini;
+    if (!a.config.empty())
+    {
+      merged.merge(readGivenSettings(a.config).ini);
+    }
+    return merged;
   }
+  const GivenSettings given = readGivenSettings(a.config.empty() ? of_run : a.config);
   if (a.config.empty() && !of_run.empty())
   {
     messages.push_back("settings: " + of_run);

@@ -72,12 +72,14 @@ Loop LoopCloser::State::verify(const LoopCandidate& candidate,
   loop.descriptor_distance = candidate.descriptor_distance;
   const Pose estimate = poseBetween(keyframes, loop.from, loop.to);
   loop.T_from_to = estimate;
-  if (candidate.descriptor_distance > options.max_descriptor_distance)
+  if (candidate.descriptor_distance >
+      (by_appearance ? options.appearance_descriptor_distance : options.max_descriptor_distance))
   {
     loop.verdict = LoopVerdict::dissimilar;
     return loop;
   }
-  RegistrationTarget target = submapAround(keyframes, candidate.id, {0, keyframes.size()}, options);
+  // Without the newest keyframe, which would be registered to itself.
+  RegistrationTarget target = submapAround(keyframes, candidate.id, {0, loop.to}, options);
   KeyframeRegistrationResult registration = registerFrom(target, source, candidate.T_from_to);
   if (!by_appearance && (!registration.converged || registration.overlap < options.min_overlap))
   {

@@ -43,6 +43,14 @@ Pose turnedBack(const Pose& pose)
   return pose * poseFromYpr(0, 0, 0, M_PI, 0, 0);
 }
 
+/** Covariance over the tangent of turnedBack(pose), of that over the tangent of the pose. */
+Matrix6 turnedBack(const Matrix6& covariance)
+{
+  Eigen::Matrix<double, 6, 1> sign;
+  sign << -1, -1, 1, -1, -1, 1;  // x, y and z of translation and rotation
+  return sign.asDiagonal() * covariance * sign.asDiagonal();
+}
+
 bool isReversed(const Pose& a, const Pose& b)
 {
   return a.linear().col(0).dot(b.linear().col(0)) < 0;
@@ -193,9 +201,11 @@ void ObjectGraph::insertStanding(const ObjectKey& object_key,
                    graph_.pose(Key::ego(observation.keyframe)) * observation.T_keyframe_object);
   }
   Pose T = observation.T_keyframe_object;
+  Matrix6 covariance = observation.covariance;
   if (isReversed(graph_.pose(Key::ego(observation.keyframe)) * T, graph_.pose(key)))
   {
     T = turnedBack(T);
+    covariance = turnedBack(covariance);
   }
   MeanObservation& mean = object.mean;
   if (mean.count == 0 || mean.keyframe != observation.keyframe)
@@ -211,7 +221,7 @@ void ObjectGraph::insertStanding(const ObjectKey& object_key,
   const double share = 1 / static_cast<double>(mean.count);
   mean.T_keyframe_object =
       mean.count == 1 ? T : orthonormalized(interpolate(mean.T_keyframe_object, T, share));
-  mean.covariance += share * (observation.covariance - mean.covariance);
+  mean.covariance += share * (covariance - mean.covariance);
   mean.factor = graph_.add(std::make_unique<ObservationFactor>(
       mean.keyframe, key, mean.T_keyframe_object,
       informationOf(mean.covariance, options_.static_sigma_scale)));
@@ -227,6 +237,7 @@ void ObjectGraph::insertMoving(const ObjectKey& object_key, Object& object, std:
                           T_map_keyframe * now.T_keyframe_object))
   {
     now.T_keyframe_object = turnedBack(now.T_keyframe_object);
+    now.covariance = turnedBack(now.covariance);
   }
   graph_.addPose(key, T_map_keyframe * now.T_keyframe_object);
   graph_.add(std::make_unique<ObservationFactor>(

@@ -108,7 +108,8 @@ NearLoops RunLoops::near(const KeyframeRange& older,
     {
       nearest = std::min(nearest, {poseBetween(keyframes_, i, k).translation().norm(), i});
     }
-    if (nearest.first < farthest)
+    // Keyframes without points, such as those of a scan that is missing, confirm nothing.
+    if (nearest.first < farthest && keyframes_.loopCloud(k).size() > 0)
     {
       LoopCandidate candidate;
       candidate.id = nearest.second;

@@ -268,6 +268,7 @@ bool RunMerger::State::join(const Placement& placement)
   }
   const std::vector<Loop> joined_loops = loops;
   const std::set<std::size_t> joined_false = false_loops;
+  const OptimisationResult joined_optimisation = optimisation;
   const auto solveWith = [&](const std::vector<Loop>& more)
   {
     loops = joined_loops;
@@ -294,6 +295,7 @@ bool RunMerger::State::join(const Placement& placement)
   run.joined = false;
   loops = joined_loops;
   false_loops = joined_false;
+  optimisation = joined_optimisation;
   keyframes.correct(before);
   return false;
 }

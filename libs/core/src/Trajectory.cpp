@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 namespace dyslam
 {
@@ -57,6 +58,23 @@ std::optional<std::size_t> Trajectory::nearest(double stamp, double tolerance) c
     return std::nullopt;
   }
   return static_cast<std::size_t>(it - poses_.begin());
+}
+
+std::optional<Pose> Trajectory::at(double stamp, double max_gap) const
+{
+  const auto after =
+      std::lower_bound(poses_.begin(), poses_.end(), stamp,
+                       [](const StampedPose& pose, double t) { return pose.stamp < t; });
+  if (after == poses_.end() || after->stamp - stamp > max_gap)
+  {
+    return std::nullopt;
+  }
+  const bool is_exact = after->stamp == stamp;
+  if (!is_exact && (after == poses_.begin() || stamp - std::prev(after)->stamp > max_gap))
+  {
+    return std::nullopt;
+  }
+  return at(stamp);
 }
 
 std::vector<double> Trajectory::pathLengths() const

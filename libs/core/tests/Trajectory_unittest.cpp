@@ -27,6 +27,18 @@ TEST(Trajectory, InterpolatesInsideOnly)
   EXPECT_NEAR(t.at(13)->translation().y(), 3, 1e-12);
 }
 
+TEST(Trajectory, InterpolatesOverShortGapsOnly)
+{
+  const auto t = straight();
+  EXPECT_NEAR(t.at(10.5, 0.6)->translation().x(), 1, 1e-12);
+  EXPECT_FALSE(t.at(10.1, 0.6));  // the pose after is 0.9 s away
+  EXPECT_FALSE(t.at(11.1, 0.6));
+  EXPECT_NEAR(t.at(11, 0.1)->translation().x(), 2, 1e-12);
+  EXPECT_FALSE(t.at(9.9, 5));
+  EXPECT_FALSE(t.at(13.1, 5));
+  EXPECT_FALSE(Trajectory().at(1, 5));
+}
+
 TEST(Trajectory, NearestWithinTolerance)
 {
   const auto t = straight();

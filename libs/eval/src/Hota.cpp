@@ -79,11 +79,13 @@ struct HotaSums
 class HotaSequence
 {
  public:
-  explicit HotaSequence(const Sequence& sequence)
+  HotaSequence(const Sequence& sequence, const TrackRules& rules)
   {
+    // KITTI matches ignored boxes from half an overlap on; others as their own rules do.
+    const double least = rules.image_rules ? 0.5 : rules.min_iou;
     for (const EvaluationFrame& frame : sequence.frames)
     {
-      frames_.push_back(withoutIgnored(frame, 0.5));
+      frames_.push_back(withoutIgnored(frame, least));
     }
     for (const EvaluationFrame& frame : frames_)
     {
@@ -184,7 +186,7 @@ Hota hota(const std::vector<TrackSequence>& sequences, const TrackRules& rules)
   std::vector<HotaSequence> prepared;
   for (const Sequence& sequence : track_evaluation::prepare(sequences, rules))
   {
-    prepared.emplace_back(sequence);
+    prepared.emplace_back(sequence, rules);
   }
   constexpr int alphas = 19;
   const auto ratio = [](double a, double b) { return b > 0 ? a / b : 0.0; };

@@ -88,7 +88,7 @@ void CloudColumns::declare(const std::string& name, CloudNumber type)
         roles_[column.field] = none;
       }
       role = names[rank].role;
-      column = {true, rank, roles_.size(), type, {}};
+      column = {true, rank, roles_.size(), type, false, {}};
     }
   }
   roles_.push_back(role);
@@ -108,6 +108,7 @@ void CloudColumns::addBytes(std::size_t field, const char* bytes)
   {
     Column& column = columns_[roles_[field]];
     column.values.push_back(cloudNumber(bytes, column.type));
+    column.exact = column.type.kind != CloudNumber::Kind::real || column.type.size == 8;
   }
 }
 
@@ -116,27 +117,63 @@ void CloudColumns::addText(std::size_t field, std::string_view word)
   if (wants(field))
   {
     columns_[roles_[field]].values.push_back(cloudNumber(word, path_));
+    columns_[roles_[field]].exact = true;
   }
 }
 
-/** Seconds as they are, whole numbers as nanoseconds. */
+/** Seconds as they are, whole numbers as nanoseconds; real ones since 1970 in seconds, milli-,
+ * micro- or nanoseconds by their size. */
 void CloudColumns::fillTimes(Scan& scan) const
 {
+  constexpr double hour = 3600;  // times of a scan above it are absolute [s]
   std::vector<double> times = columns_[time].values;
-  const bool nanoseconds = columns_[time].type.kind != CloudNumber::Kind::real;
+  const CloudNumber type = columns_[time].type;
+  double largest = 0;
+  for (const double value : times)
+  {
+    largest = std::isfinite(value) ? std::max(largest, std::abs(value)) : largest;
+  }
+  const double unit = type.kind != CloudNumber::Kind::real ? 1e-9
+                      : largest > 1e17                     ? 1e-9
+                      : largest > 1e14                     ? 1e-6
+                      : largest > 1e11                     ? 1e-3
+                                                           : 1;
+  const bool absolute = largest * unit > hour;
+  if (absolute && !columns_[time].exact)
+  {
+    return;  // single precision has steps of minutes there
+  }
   double first = std::numeric_limits<double>::infinity();
   for (double& value : times)
   {
-    value *= nanoseconds ? 1e-9 : 1.0;
+    // Points without a return have no time.
+    value = absolute && value == 0 ? std::numeric_limits<double>::quiet_NaN() : value * unit;
     first = std::isfinite(value) ? std::min(first, value) : first;
   }
-  if (std::isfinite(first) && std::abs(first) > 3600)
+  if (absolute)
   {
     scan.stamp = first;
   }
   for (const double value : times)
   {
     scan.time.push_back(static_cast<float>(value - scan.stamp));
+  }
+}
+
+void CloudColumns::requireNearOrigin() const
+{
+  constexpr double farthest = 1e5;  // m: single precision has steps of 8 mm there
+  for (const std::size_t axis : {x, y, z})
+  {
+    for (const double value : columns_[axis].values)
+    {
+      if (columns_[axis].exact && std::isfinite(value) && std::abs(value) > farthest)
+      {
+        throw UserError(path_ + ": has a point at " + std::to_string(value) +
+                        " m, more than 100 km from the origin, where single precision is too "
+                        "coarse; subtract an origin from its coordinates");
+      }
+    }
   }
 }
 
@@ -154,6 +191,7 @@ Scan CloudColumns::scan() const
       throw UserError(path_ + ": has fields with no number");
     }
   }
+  requireNearOrigin();
   Scan scan;
   scan.points.reserve(xs.size());
   for (std::size_t i = 0; i < xs.size(); ++i)

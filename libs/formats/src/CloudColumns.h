@@ -46,8 +46,9 @@ class CloudColumns
   /** \throws UserError if it is not a number. */
   void addText(std::size_t field, std::string_view word);
 
-  /** Times since 1970 (above an hour) are counted from the earliest, which becomes the stamp.
-   * \throws UserError without x, y and z. */
+  /** Times since 1970 (above an hour) are counted from the earliest, which becomes the stamp; in
+   * single precision they are left out.
+   * \throws UserError without x, y and z, and for points too far away for single precision. */
   [[nodiscard]] Scan scan() const;
   [[nodiscard]] const std::string& path() const { return path_; }
 
@@ -68,8 +69,10 @@ class CloudColumns
     std::size_t rank = 0;  //!< of its name: the lower is taken
     std::size_t field = 0;
     CloudNumber type;
+    bool exact = false;  //!< more digits than single precision has
     std::vector<double> values;
   };
+  void requireNearOrigin() const;
   void fillTimes(Scan& scan) const;
 
   std::string path_;

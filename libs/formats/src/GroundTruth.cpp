@@ -168,8 +168,12 @@ std::vector<LabelledBox> readTracks(const std::string& path)
 
 std::string trackLine(const LabelledBox& box)
 {
-  std::string text = std::to_string(box.frame) + ' ' + std::to_string(box.id) + ' ' +
-                     (box.type.empty() ? toString(box.object_class) : box.type) + ' ' +
+  std::string type = box.type.empty() ? toString(box.object_class) : box.type;
+  // One word: blanks separate the fields.
+  std::replace_if(
+      type.begin(), type.end(), [](unsigned char c) { return c <= ' ' || c == ',' || c == 0x7F; },
+      '_');
+  std::string text = std::to_string(box.frame) + ' ' + std::to_string(box.id) + ' ' + type + ' ' +
                      std::to_string(box.truncated) + ' ' + std::to_string(box.occluded);
   const auto append = [&text](double value)
   {
@@ -320,7 +324,11 @@ GroundTruthWriter::~GroundTruthWriter()
 
 void GroundTruthWriter::addPose(double stamp, const Pose& T_world_vehicle)
 {
-  poses_.push_back(stamp, T_world_vehicle);
+  // Readers refuse times that do not ascend; of scans with such times none is processed, either.
+  if (poses_.empty() || stamp > poses_[poses_.size() - 1].stamp)
+  {
+    poses_.push_back(stamp, T_world_vehicle);
+  }
 }
 
 void GroundTruthWriter::addBox(const LabelledBox& box)

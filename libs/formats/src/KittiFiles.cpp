@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdlib>
 #include <filesystem>
 #include <map>
 
@@ -283,6 +284,13 @@ std::vector<OxtsReading> readOxts(const std::string& file_or_folder)
   std::sort(names.begin(), names.end());
   for (const std::string& name : names)
   {
+    const auto expected = static_cast<long long>(readings.size());
+    const std::string stem = fs::path(name).stem().string();
+    if (std::atoll(stem.c_str()) != expected)
+    {
+      throw UserError(folder.string() + ": has no " + std::to_string(expected) + ".txt (after it " +
+                      stem + ".txt); the readings must be complete from number 0");
+    }
     TextFile file(name);
     if (!file.next())
     {

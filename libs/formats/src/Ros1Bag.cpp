@@ -150,6 +150,10 @@ class Ros1Bag : public ChunkedBag
         break;
       case chunk_record:
       {
+        if (data_size == 0)
+        {
+          break;  // begun by a recorder that was killed; its sizes were to follow
+        }
         Chunk chunk;
         chunk.offset = data_at;
         chunk.size = data_size;

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "RosReader.h"
 
@@ -32,7 +33,8 @@ Kind kindOf(const std::string& type)
 }
 
 /** Position or translation, then a quaternion, x first: the same in Pose and Transform. */
-Pose readPose(ByteReader& reader)
+/** Nothing if the numbers are no pose. */
+std::optional<Pose> readPose(ByteReader& reader)
 {
   Pose pose = Pose::Identity();
   for (int i = 0; i < 3; ++i)
@@ -47,23 +49,25 @@ Pose readPose(ByteReader& reader)
   constexpr double tolerance = 0.02;
   if (!pose.translation().allFinite() || !(std::abs(q.norm() - 1) < tolerance))
   {
-    reader.fail("has no pose: position " + std::to_string(pose.translation().x()) + " " +
-                std::to_string(pose.translation().y()) + " " +
-                std::to_string(pose.translation().z()) + ", norm of the quaternion " +
-                std::to_string(q.norm()));
+    return std::nullopt;
   }
   pose.linear() = q.normalized().toRotationMatrix();
   return pose;
 }
 
-RosPose readOne(ByteReader& reader, RosEncoding encoding, bool with_child)
+std::optional<RosPose> readOne(ByteReader& reader, RosEncoding encoding, bool with_child)
 {
   const RosHeader header = rosHeader(reader, encoding);
   RosPose pose;
   pose.stamp = header.stamp;
   pose.parent = header.frame;
   pose.child = with_child ? rosString(reader) : "";
-  pose.pose = readPose(reader);
+  const std::optional<Pose> read = readPose(reader);
+  if (!read)
+  {
+    return std::nullopt;
+  }
+  pose.pose = *read;
   return pose;
 }
 }  // namespace
@@ -73,7 +77,9 @@ bool isRosPose(const BagTopic& topic)
   return topic.encoding != RosEncoding::other && kindOf(topic.type) != Kind::none;
 }
 
-std::vector<RosPose> decodeRosPoses(const BagTopic& topic, const BagMessage& message)
+std::vector<RosPose> decodeRosPoses(const BagTopic& topic,
+                                    const BagMessage& message,
+                                    std::size_t* left_out)
 {
   const Kind kind = kindOf(topic.type);
   ByteReader reader = rosReader(topic, message);
@@ -81,7 +87,14 @@ std::vector<RosPose> decodeRosPoses(const BagTopic& topic, const BagMessage& mes
   const std::uint32_t count = kind == Kind::transforms ? reader.u32() : 1;
   for (std::uint32_t i = 0; i < count; ++i)  // each takes bytes: no count outruns the message
   {
-    poses.push_back(readOne(reader, topic.encoding, kind != Kind::pose));
+    if (const auto pose = readOne(reader, topic.encoding, kind != Kind::pose))
+    {
+      poses.push_back(*pose);
+    }
+    else if (left_out != nullptr)
+    {
+      ++*left_out;
+    }
   }
   return poses;
 }

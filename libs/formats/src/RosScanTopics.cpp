@@ -45,7 +45,7 @@ std::string sensorPoseText(const Pose& pose)
   const Eigen::Vector3d t = pose.translation();
   char text[160];
   // Adding zero makes a negative zero positive.
-  std::snprintf(text, sizeof text, "%.4g %.4g %.4g %.4g %.4g %.4g", t.x() + 0.0, t.y() + 0.0,
+  std::snprintf(text, sizeof text, "%.7g %.7g %.7g %.7g %.7g %.7g", t.x() + 0.0, t.y() + 0.0,
                 t.z() + 0.0, degrees * std::atan2(R(1, 0), R(0, 0)) + 0.0,
                 degrees * std::asin(std::clamp(-R(2, 0), -1.0, 1.0)) + 0.0,
                 degrees * std::atan2(R(2, 1), R(2, 2)) + 0.0);

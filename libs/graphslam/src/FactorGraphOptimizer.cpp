@@ -36,9 +36,9 @@ void FactorGraphOptimizer::optimizeGraph()
     {
       node = view.nodes.at(id);
     }
-    if (m_graph->edgeCount() != view.edgeCount())
+    if (moved_)
     {
-      m_graph->edges = view.edges;  // a loop is left out, or used again
+      m_graph->edges = view.edges;  // loops may be left out, or used again
     }
   }
   reset_ = context_->frame()->is_keyframe;

@@ -85,6 +85,11 @@ FactorGraphFileReport optimizeFactorGraphFile(const std::string& input,
                                               const std::string& output,
                                               const Config& config)
 {
+  const std::string extension = std::filesystem::path(output).extension().string();
+  if (extension == ".g2o" || extension == ".graph")
+  {
+    throw UserError(output + ": a factor graph with objects is written as .txt only");
+  }
   FactorGraphOptions options;
   load(options, config, "solver");
   FactorGraphFileReport report;

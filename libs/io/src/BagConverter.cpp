@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/Error.h>
+#include <dyslam/core/Printable.h>
 #include <dyslam/core/Trajectory.h>
 #include <dyslam/formats/Bag.h>
 #include <dyslam/formats/RosMessages.h>
@@ -103,21 +104,30 @@ std::size_t scanTopic(const std::string& input, Bag& bag, const std::string& ask
 }
 
 /** Poses of one body from a topic of the bag. */
-Trajectory readTruth(const std::string& input, Bag& bag, const ScanConverterOptions& options)
+Trajectory readTruth(const std::string& input,
+                     Bag& bag,
+                     const ScanConverterOptions& options,
+                     ScanSink& sink)
 {
   const std::size_t topic = topicNamed(input, bag, "--truth-topic", options.truth_topic, isRosPose);
   bag.select({topic});
   std::map<std::string, std::map<double, Pose>> bodies;  // by child frame, in order of time
   BagMessage message;
+  std::size_t left_out = 0;
   while (bag.next(message))
   {
-    for (const RosPose& pose : decodeRosPoses(bag.topics()[topic], message))
+    for (const RosPose& pose : decodeRosPoses(bag.topics()[topic], message, &left_out))
     {
       if (options.truth_frame.empty() || pose.child == options.truth_frame)
       {
         bodies[pose.child].emplace(pose.stamp != 0 ? pose.stamp : message.recorded, pose.pose);
       }
     }
+  }
+  if (left_out > 0)
+  {
+    sink.warn(options.truth_topic + ": " + counted(left_out, "message") +
+              " without a pose (not a number, or no rotation) left out");
   }
   if (bodies.size() != 1)
   {
@@ -153,7 +163,7 @@ std::optional<Pose> poseAt(const Trajectory& truth, double stamp)
   {
     return truth[*same].pose;
   }
-  return truth.nearest(stamp, truth_max_gap) ? truth.at(stamp) : std::nullopt;
+  return truth.at(stamp, truth_max_gap);
 }
 }  // namespace
 
@@ -163,7 +173,7 @@ void convertBag(const std::string& input, ScanSink& sink, const ScanConverterOpt
   const std::size_t at = scanTopic(input, *bag, options.topic, sink);
   const BagTopic topic = bag->topics()[at];
   const Trajectory truth =
-      options.truth_topic.empty() ? Trajectory() : readTruth(input, *bag, options);
+      options.truth_topic.empty() ? Trajectory() : readTruth(input, *bag, options, sink);
   if (!truth.empty())
   {
     sink.setPoseOrigin(PoseSource::given, options.truth_topic);
@@ -196,7 +206,8 @@ void convertBag(const std::string& input, ScanSink& sink, const ScanConverterOpt
   if (sink.written() == 0)
   {
     throw UserError(input + ": " + topic.name + " has " + std::to_string(topic.messages) +
-                    " scans; " + emptyRange(options));
+                    " scans" +
+                    (topic.messages > 0 ? "; " + emptyRange(options) : "; choose another --topic"));
   }
   if (!truth.empty() && without_pose > 0)
   {

@@ -8,7 +8,8 @@ namespace dyslam
 {
 void IntensityScaler::operator()(Scan& scan)
 {
-  const auto bright = [](float value) { return std::isfinite(value) && value > 1.0F; };
+  constexpr float above_one = 2;  // 1.002 is rounding
+  const auto bright = [](float value) { return std::isfinite(value) && value > above_one; };
   if (scale_ == 0 && std::any_of(scan.intensity.begin(), scan.intensity.end(), bright))
   {
     scale_ = 1.0 / 255.0;

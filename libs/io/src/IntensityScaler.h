@@ -7,7 +7,7 @@ namespace dyslam
 {
 /** Brings a recording's intensities to [0, 1].
  *
- * By a given factor, or by the data: from the first scan with a value above 1 on they are 0..255.
+ * By a given factor, or by the data: from the first scan with a value above 2 on they are 0..255.
  * Until then they are unchanged, so that a dim first scan decides nothing.
  */
 class IntensityScaler

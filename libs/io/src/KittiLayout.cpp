@@ -3,6 +3,8 @@
 
 #include <dyslam/core/Error.h>
 #include <dyslam/core/Files.h>
+#include <dyslam/core/Printable.h>
+#include <dyslam/core/Trajectory.h>
 #include <dyslam/formats/RecordingKind.h>
 #include <dyslam/formats/ScanFiles.h>
 #include <dyslam/formats/SustechFiles.h>
@@ -267,25 +269,31 @@ class LayoutReader
       return;
     }
     const TrajectoryFile file = readTrajectory(path);
+    std::vector<Pose> poses;
+    for (const StampedPose& pose : file.trajectory)
+    {
+      poses.push_back(pose.pose);
+    }
+    if (isCameraFrame(path, file.format))
+    {
+      poses = cameraToLidarPoses(poses, requireCamera("poses of the camera").T_cam_velo);
+    }
     if (file.format == TrajectoryFormat::tum && has_times_)
     {
+      Trajectory of_lidar;
+      for (std::size_t i = 0; i < poses.size(); ++i)
+      {
+        of_lidar.push_back(file.trajectory[i].stamp, poses[i]);
+      }
+      constexpr double max_gap = 0.2;  // s, as for other recordings
       for (auto& entry : layout_.entries)
       {
-        entry.T_world_lidar = file.trajectory.at(entry.stamp);
+        entry.T_world_lidar = of_lidar.at(entry.stamp, max_gap);
       }
     }
     else
     {
-      std::vector<Pose> poses;
-      for (const StampedPose& pose : file.trajectory)
-      {
-        poses.push_back(pose.pose);
-      }
-      if (isCameraFrame(path, file.format))
-      {
-        poses = cameraToLidarPoses(poses, requireCamera("poses of the camera").T_cam_velo);
-      }
-      assign(poses);
+      assign(path, poses);
     }
     took(PoseSource::given, path);
   }
@@ -323,15 +331,24 @@ class LayoutReader
                       (fs::is_directory(calib_path_) ? "calib_imu_to_velo.txt" : "Tr_imu_velo") +
                       "), needed for oxts");
     }
-    assign(imuToLidarPoses(oxtsPoses(readOxts(path)), calib_.T_velo_imu));
+    assign(path, imuToLidarPoses(oxtsPoses(readOxts(path)), calib_.T_velo_imu));
     took(PoseSource::gnss_ins, path);
   }
 
-  /** Pose files have a line for each frame number, or for each scan there is. */
-  void assign(const std::vector<Pose>& poses)
+  /** Pose files have a line for each frame number, or for each scan there is.
+   * \throws UserError if neither can be told from the other. */
+  void assign(const std::string& path, const std::vector<Pose>& poses)
   {
     auto& entries = layout_.entries;
     const bool by_number = poses.size() > entries.back().number;
+    const bool has_gaps = entries.back().number - entries.front().number + 1 != entries.size();
+    if (!by_number && has_gaps && poses.size() != entries.size())
+    {
+      throw UserError(path + ": has " + counted(poses.size(), "pose") + ", but there are " +
+                      counted(entries.size(), "scan") + ", numbered up to " +
+                      std::to_string(entries.back().number) +
+                      " with gaps; a pose for each scan or for each number is needed");
+    }
     for (std::size_t i = 0; i < entries.size(); ++i)
     {
       const std::size_t line = by_number ? entries[i].number : i;

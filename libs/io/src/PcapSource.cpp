@@ -52,11 +52,15 @@ std::size_t headerSize(int link)
   }
 }
 
-/** The UDP payload in a captured frame, or null. */
-const std::uint8_t* udpPayload(int link,
-                               const std::uint8_t* data,
-                               std::size_t size,
-                               std::size_t& payload_size)
+struct UdpPacket
+{
+  const std::uint8_t* data = nullptr;  //!< null: none
+  std::size_t size = 0;
+  std::uint64_t stream = 0;  //!< sender's address and receiver's port: one of each lidar
+};
+
+/** The UDP packet in a captured frame. */
+UdpPacket udpPacket(int link, const std::uint8_t* data, std::size_t size)
 {
   std::size_t at = headerSize(link);
   if (link == DLT_EN10MB && size > 18 && bigEndian(data + 12) == 0x8100)
@@ -65,18 +69,23 @@ const std::uint8_t* udpPayload(int link,
   }
   if (size < at + 28 || (data[at] >> 4U) != 4 || data[at + 9] != 17)
   {
-    return nullptr;
+    return {};
+  }
+  std::uint64_t stream = 0;
+  for (std::size_t i = 12; i < 16; ++i)
+  {
+    stream = stream << 8U | data[at + i];
   }
   at += static_cast<std::size_t>(data[at] & 0x0fU) * 4;
   if (size < at + 8)
   {
-    return nullptr;
+    return {};
   }
-  payload_size = std::min<std::size_t>(size - at - 8, bigEndian(data + at + 4) - 8U);
-  return data + at + 8;
+  return {data + at + 8, std::min<std::size_t>(size - at - 8, bigEndian(data + at + 4) - 8U),
+          stream << 16U | bigEndian(data + at + 2)};
 }
 
-/** Data packets of a capture file one by one. */
+/** Data packets of a capture file one by one, those of its first lidar. */
 class PacketReader
 {
  public:
@@ -104,11 +113,16 @@ class PacketReader
     int code = 0;
     while ((code = pcap_next_ex(file_, &header, &data)) == 1)
     {
-      std::size_t size = 0;
-      const auto* payload = udpPayload(pcap_datalink(file_), data, header->caplen, size);
-      if (payload != nullptr && size == velodyne_packet_size)
+      const UdpPacket udp = udpPacket(pcap_datalink(file_), data, header->caplen);
+      if (udp.data != nullptr && udp.size == velodyne_packet_size)
       {
-        std::memcpy(packet.bytes.data(), payload, size);
+        stream_ = stream_.value_or(udp.stream);
+        if (udp.stream != *stream_)
+        {
+          ++of_others_;
+          continue;
+        }
+        std::memcpy(packet.bytes.data(), udp.data, udp.size);
         packet.captured =
             static_cast<double>(header->ts.tv_sec) + 1e-6 * static_cast<double>(header->ts.tv_usec);
         ++count_;
@@ -124,6 +138,8 @@ class PacketReader
 
   [[nodiscard]] const std::string& damage() const { return damage_; }
   [[nodiscard]] std::size_t count() const { return count_; }
+  /** Data packets of other lidars than the first. */
+  [[nodiscard]] std::size_t ofOthers() const { return of_others_; }
   [[nodiscard]] double progress() const
   {
     const long at = std::ftell(pcap_file(file_));
@@ -135,6 +151,8 @@ class PacketReader
   pcap_t* file_ = nullptr;
   std::uintmax_t size_ = 0;
   std::size_t count_ = 0;
+  std::size_t of_others_ = 0;
+  std::optional<std::uint64_t> stream_;  //!< of the first data packet
   std::string damage_;
 };
 
@@ -223,6 +241,16 @@ struct PcapSource::Impl
       }
     }
     const std::uint8_t byte = probed.front().view().modelByte();
+    const char* other = byte == 0x24   ? "Puck Hi-Res"
+                        : byte == 0x28 ? "VLP-32C"
+                        : byte == 0xA1 ? "VLS-128"
+                                       : nullptr;
+    if (other != nullptr)
+    {
+      throw UserError(path + ": is of a " + other + ", which is not decoded" +
+                      (byte == 0x24 ? "; with --sensor VLP16 and its --calibration it is"
+                                    : "; record the clouds of its driver in a ROS bag"));
+    }
     VelodyneModel stated = byte == 0x21   ? VelodyneModel::hdl32e
                            : byte == 0x22 ? VelodyneModel::vlp16
                                           : VelodyneModel::automatic;
@@ -420,6 +448,11 @@ double PcapSource::progress() const
 std::vector<std::string> PcapSource::warnings() const
 {
   auto lines = impl_->notes;
+  if (impl_->reader.ofOthers() > 0)
+  {
+    lines.push_back(impl_->path + ": " + std::to_string(impl_->reader.ofOthers()) +
+                    " packets of other senders or ports left out; capture each lidar by itself");
+  }
   if (impl_->bad_blocks > 0)
   {
     lines.push_back(impl_->path + ": " + std::to_string(impl_->bad_blocks) +

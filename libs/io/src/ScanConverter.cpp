@@ -12,6 +12,7 @@
 #include <array>
 #include <charconv>
 #include <filesystem>
+#include <utility>
 
 #include "ScanSink.h"
 
@@ -60,10 +61,12 @@ std::string timeInName(const std::string& file)
 }
 
 /** Times since 1970 out of file names such as 1317042145951199337.bin, in nano-, micro-,
- * milliseconds or seconds by their size; nothing unless all names are such. */
-std::vector<double> stampsFromNames(const std::vector<std::string>& files)
+ * milliseconds or seconds by their size; nothing unless all names are such. Puts the files in the
+ * order of these times, which differs from that of names such as 12.05 and 12.5. */
+std::vector<double> stampsFromNames(std::vector<std::string>& files)
 {
-  std::vector<double> stamps;
+  constexpr double latest = 4.1e9;  // s since 1970, in 2099: 20180801151636 is a date
+  std::vector<std::pair<double, std::string>> timed;
   for (const std::string& file : files)
   {
     std::string stem = timeInName(file);
@@ -74,18 +77,32 @@ std::vector<double> stampsFromNames(const std::vector<std::string>& files)
     }
     double value = 0;
     const auto [end, error] = std::from_chars(stem.data(), stem.data() + stem.size(), value);
-    if (error != std::errc() || end != stem.data() + stem.size() || value < 1e8 || value > 1e20 ||
-        (!stamps.empty() && !(secondsOf(value) > stamps.back())))
+    if (error != std::errc() || end != stem.data() + stem.size() || value < 1e8 ||
+        !(secondsOf(value) < latest))
     {
       return {};
     }
-    stamps.push_back(secondsOf(value));
+    timed.emplace_back(secondsOf(value), file);
+  }
+  std::sort(timed.begin(), timed.end());
+  const auto same = std::adjacent_find(
+      timed.begin(), timed.end(), [](const auto& a, const auto& b) { return a.first == b.first; });
+  if (same != timed.end())
+  {
+    return {};
+  }
+  std::vector<double> stamps;
+  for (std::size_t i = 0; i < timed.size(); ++i)
+  {
+    stamps.push_back(timed[i].first);
+    files[i] = timed[i].second;
   }
   return stamps;
 }
 
-/** A time for each scan of a folder; empty if only the scans themselves have times. */
-std::vector<double> stampsFor(const std::vector<std::string>& files,
+/** A time for each scan of a folder; empty if only the scans themselves have times. May put the
+ * files in another order. */
+std::vector<double> stampsFor(std::vector<std::string>& files,
                               const ScanConverterOptions& options,
                               ScanSink& sink)
 {
@@ -134,7 +151,7 @@ BinLayout binLayoutFor(const std::vector<std::string>& files,
 
 void convertFolder(const std::string& input,
                    ScanSink& sink,
-                   const std::vector<std::string>& files,
+                   std::vector<std::string> files,
                    const std::vector<Pose>& poses,
                    const ScanConverterOptions& options)
 {

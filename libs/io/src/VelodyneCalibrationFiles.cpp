@@ -63,15 +63,50 @@ double numberAfter(std::string_view text, const std::string& key)
   return value;
 }
 
-/** Every laser is a `- {key: value, ...}`, in whatever order. MRPT 2.5.8 takes the text of a YAML
- * file for a file name, so this is read here. */
+/** The items of a list, `- {key: value, ...}` or `- key: value` with further lines. */
+std::vector<std::string_view> itemsOf(const std::string& text)
+{
+  std::vector<std::string_view> items;
+  const std::string_view all = text;
+  const bool braces = text.find("- {") != std::string::npos;
+  const char* const mark = braces ? "- {" : "- ";
+  for (std::size_t at = text.find(mark); at != std::string::npos; at = text.find(mark, at + 1))
+  {
+    const std::size_t line = text.find_last_of('\n', at);
+    const std::size_t first = line == std::string::npos ? 0 : line + 1;
+    if (braces || text.find_first_not_of(' ', first) == at)
+    {
+      items.push_back(all.substr(at));
+    }
+  }
+  for (std::size_t i = 0; i < items.size(); ++i)
+  {
+    const std::size_t next = i + 1 < items.size()
+                                 ? static_cast<std::size_t>(items[i + 1].data() - items[i].data())
+                                 : items[i].size();
+    // The last item of a block ends where a line is not indented.
+    std::size_t end = braces ? items[i].find('}') : next;
+    for (std::size_t line = items[i].find('\n'); !braces && line < end;
+         line = items[i].find('\n', line + 1))
+    {
+      if (line + 1 < items[i].size() && items[i][line + 1] != ' ' && items[i][line + 1] != '-')
+      {
+        end = line;
+      }
+    }
+    items[i] = items[i].substr(0, std::min(end, next));
+  }
+  return items;
+}
+
+/** Every laser is an item of a list, its keys in whatever order. MRPT 2.5.8 takes the text of a
+ * YAML file for a file name, so this is read here. */
 Calibration fromYaml(const std::string& text)
 {
   Calibration calibration;
   std::set<std::size_t> ids;
-  for (std::size_t at = text.find("- {"); at != std::string::npos; at = text.find("- {", at + 1))
+  for (const std::string_view laser_text : itemsOf(text))
   {
-    const std::string_view laser_text = std::string_view(text).substr(at, text.find('}', at) - at);
     Calibration::PerLaserCalib laser;
     std::size_t id = calibration.laser_corrections.size();
     for (std::size_t colon = laser_text.find(':'); colon != std::string_view::npos;
@@ -86,6 +121,10 @@ Calibration fromYaml(const std::string& text)
       {
       }
       const std::string key(laser_text.substr(begin, end - begin));
+      if (key == "two_pt_correction_available")
+      {
+        continue;  // true or false
+      }
       const double value = numberAfter(laser_text.substr(colon + 1), key);
       setField(laser, key, value);
       id = key == "laser_id" && value >= 0 && value < most_lasers ? static_cast<std::size_t>(value)

@@ -285,6 +285,17 @@ TEST(KittiConverter, Errors)
   options.oxts = folder.write("oxts.txt", oxtsLine(0));
   EXPECT_TRUE(contains(message(), "--calib"));
   options.oxts = "";
+  writeBins(folder, "gaps/velodyne", 3);
+  std::filesystem::rename(folder.file("gaps/velodyne/000002.bin"),
+                          folder.file("gaps/velodyne/000005.bin"));
+  options.pose_frame = PoseFrame::lidar;
+  const std::string identity = "1 0 0 0 0 1 0 0 0 0 1 0\n";
+  options.poses = folder.write("four.txt", identity + identity + identity + identity);
+  EXPECT_TRUE(
+      contains(messageOfError<UserError>(
+                   [&] { convertKitti(folder.file("gaps"), folder.file("y.rawlog"), options); }),
+               "has 4 poses, but there are 3 scans, numbered up to 5 with gaps"));
+  options.poses = "";
   folder.write("in/labels/000000.label", std::string(4 * 9, '\0'));
   EXPECT_TRUE(contains(message(), "has 9 labels, but the scan has 10 points"));
   folder.write("in/velodyne/000001.bin", "cut");
@@ -395,6 +406,29 @@ TEST(KittiConverter, TimesAndSensorPose)
   options.times = "";
   EXPECT_TRUE(contains(
       convertKitti(folder.file("in"), folder.file("x.rawlog"), options).warnings.at(0), "0.1034"));
+}
+
+/** A pose within 0.2 s before and after a scan is needed; poses of the camera are converted. */
+TEST(KittiConverter, PosesWithTimes)
+{
+  const TestFolder folder;
+  writeBins(folder, "in/velodyne", 3);
+  KittiConverterOptions options;
+  options.times = folder.write("t.txt", "10\n10.1\n11\n");
+  options.poses =
+      folder.write("poses.tum", "9.95 0 0 0 0 0 0 1\n10.15 2 0 0 0 0 0 1\n20 9 0 0 0 0 0 1\n");
+  options.pose_frame = PoseFrame::lidar;
+  const auto result = convertKitti(folder.file("in"), folder.file("x.rawlog"), options);
+  EXPECT_TRUE(contains(result.warnings.at(0), "has no pose for 1 of 3")) << result.warnings[0];
+  const auto frames = readAll(folder.file("x.rawlog"));
+  ASSERT_TRUE(frames.at(1).T_world_vehicle_truth);
+  EXPECT_NEAR(frames[1].T_world_vehicle_truth->translation().x(), 1.5, 1e-6);
+  EXPECT_FALSE(frames.at(2).T_world_vehicle_truth);
+  options.pose_frame = PoseFrame::camera;
+  EXPECT_TRUE(
+      contains(messageOfError<UserError>(
+                   [&] { convertKitti(folder.file("in"), folder.file("x.rawlog"), options); }),
+               "--calib"));
 }
 
 TEST(Conversions, AnInterruptedOneLeavesWhatWasThere)

@@ -133,6 +133,19 @@ TEST(PcapSource, OwnCalibration)
     ASSERT_NEAR(10.5, p.norm(), 1e-3);
     ASSERT_NEAR(0.02 * scans[0].ring[i], std::asin(p.z() / 10.5), 1e-4);
   }
+  // The other style of YAML, as in ROS's calibrations of the HDL-64E.
+  std::string block = "lasers:\n";
+  for (int i = 0; i < 16; ++i)
+  {
+    block += "- dist_correction: 0.5\n  laser_id: " + std::to_string(i) +
+             "\n  rot_correction: 0.1\n  two_pt_correction_available: true\n"
+             "  vert_correction: " +
+             std::to_string(0.02 * i) + "\n";
+  }
+  options.calibration_file = folder.write("b.yaml", block + "num_lasers: 16\n");
+  const auto again = revolutionsOf(path, options).scans;
+  ASSERT_EQ(again.size(), scans.size());
+  EXPECT_EQ(again[0].points, scans[0].points);
   options.model = VelodyneModel::hdl64e;
   EXPECT_THROW(revolutionsOf(path, options), UserError);
   options.calibration_file = "";

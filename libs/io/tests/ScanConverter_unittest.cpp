@@ -38,6 +38,28 @@ TEST(ScanConverter, StampsFromNames)
   }
 }
 
+/** Without trailing zeros, names are not in the order of their times. A date is no time. */
+TEST(ScanConverter, NamesInTheOrderOfTheirTimes)
+{
+  const TestFolder folder;
+  makeFolderOf(folder, "s");
+  makeFolderOf(folder, "dates");
+  const Scan early = someScan(0, 5);
+  const Scan late = someScan(1, 7);
+  writeBin(folder.file("s/1600000000.15.bin"), late.points, late.intensity);
+  writeBin(folder.file("s/1600000000.05125.bin"), early.points, early.intensity);
+  (void)convertScans(folder.file("s"), folder.file("x.rawlog"), ScanConverterOptions{});
+  const auto frames = readAll(folder.file("x.rawlog"));
+  EXPECT_NEAR(1600000000.05125, frames.at(0).scan.stamp, 1e-6);
+  EXPECT_EQ(early.size(), frames[0].scan.size());
+  EXPECT_NEAR(1600000000.15, frames.at(1).scan.stamp, 1e-6);
+  writeBin(folder.file("dates/20180801151636123.bin"), early.points, early.intensity);
+  writeBin(folder.file("dates/20180801151636223.bin"), late.points, late.intensity);
+  const auto result =
+      convertScans(folder.file("dates"), folder.file("y.rawlog"), ScanConverterOptions{});
+  EXPECT_TRUE(contains(result.notes.at(0), "are not taken as time stamps")) << result.notes[0];
+}
+
 TEST(ScanConverter, FilesOfNuScenes)
 {
   const TestFolder folder;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "MapWriting.h"
 
+#include <dyslam/core/Error.h>
 #include <dyslam/core/PendingFile.h>
 #include <dyslam/formats/LabelFiles.h>
 #include <dyslam/formats/ScanFiles.h>
@@ -81,6 +82,13 @@ std::size_t writeClouds(MapBuilder& builder,
   const MapClouds clouds(builder.options().map, exports, builder.origin(), builder.pool());
   if (exports.tile_size > 0)
   {
+    constexpr double farthest = 2;  // m beyond its border that a tile is built of
+    if (exports.normals && exports.normal_radius > farthest)
+    {
+      throw UserError(
+          "map_export.normal_radius: with tiles at most 2 m; lower it, or set tile_size "
+          "to 0");
+    }
     listener.beginWriting(namesOf(paths), "tiles");
     std::size_t tiles = 0;
     const std::size_t points = clouds.writeTiles(*builder.scans(), paths,
@@ -163,7 +171,12 @@ MapBuilderOptions withNeedsOf(const MapOutputs& outputs, MapBuilderOptions optio
 
 MapReport writeMapOutputs(MapBuilder& builder, const MapOutputs& outputs, MapListener& listener)
 {
-  warnOfOrigin(builder.origin(), outputs.maps, listener);
+  std::vector<std::string> rounded = outputs.maps;
+  if (!outputs.labelled_map.empty())
+  {
+    rounded.push_back(fs::path(outputs.labelled_map).replace_extension(".label").string());
+  }
+  warnOfOrigin(builder.origin(), rounded, listener);
   MapReport report;
   report.keyframes = builder.keyframes();
   report.skipped = builder.skipped();

@@ -2,6 +2,7 @@
 #include "RunMerging.h"
 
 #include <dyslam/core/Error.h>
+#include <dyslam/formats/GroundTruth.h>
 #include <dyslam/mapping/MovingInMap.h>
 
 #include <cmath>
@@ -89,6 +90,15 @@ Trajectory addRun(const RunFolder& run,
   }
   return truth;
 }
+
+/** Whether the true poses of both are in one frame: simulated in one world. Those of a drive with
+ * GNSS/INS, say, begin at its own start. */
+bool haveCommonFrame(const RunFolder& a, const RunFolder& b)
+{
+  const auto world_a = simulatedWorld(groundTruthFolder(a.rawlog));
+  const auto world_b = simulatedWorld(groundTruthFolder(b.rawlog));
+  return world_a && world_b && world_a->world == world_b->world && world_a->seed == world_b->seed;
+}
 }  // namespace
 
 MergedRuns mergeRuns(const std::vector<RunFolder>& runs,
@@ -103,6 +113,10 @@ MergedRuns mergeRuns(const std::vector<RunFolder>& runs,
   for (const RunFolder& run : runs)
   {
     result.truth.push_back(addRun(run, map, pool, listener, merger));
+    if (!haveCommonFrame(runs.front(), run))
+    {
+      result.truth.back() = Trajectory();
+    }
   }
   result.merge = merger.merge();
   return result;

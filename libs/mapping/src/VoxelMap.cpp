@@ -99,9 +99,10 @@ Voxel& VoxelMap::hit(const Eigen::Vector3d& p, std::uint32_t keyframe)
 
 void VoxelMap::discountEarlierRuns(Voxel& voxel) const
 {
-  if (voxel.last_keyframe < run_begin_ && voxel.hits > earlier_hits_)
+  if (voxel.last_keyframe < run_begin_ && voxel.discounted_in != run_)
   {
-    voxel.hits = static_cast<std::uint16_t>(earlier_hits_);
+    voxel.hits = std::min(voxel.hits, static_cast<std::uint16_t>(earlier_hits_));
+    voxel.discounted_in = run_;
     if (!rebuilding_)
     {
       voxel.observed_free = 0;
@@ -124,6 +125,7 @@ void VoxelMap::carryEvidence(const Voxel& old, Voxel& voxel)
   voxel.observed_free =
       voxel.has_evidence ? std::min(voxel.observed_free, old.observed_free) : old.observed_free;
   voxel.has_evidence = true;
+  voxel.old_discounted_in = std::max(voxel.old_discounted_in, old.discounted_in);
 }
 
 void VoxelMap::mergeOldHits()
@@ -133,6 +135,7 @@ void VoxelMap::mergeOldHits()
     for (Voxel& voxel : tiles_.edit(t).voxels())
     {
       voxel.hits = std::max(voxel.hits, voxel.old_hits);
+      voxel.discounted_in = std::max(voxel.discounted_in, voxel.old_discounted_in);
     }
   }
   rebuilding_ = false;

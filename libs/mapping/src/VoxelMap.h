@@ -43,12 +43,15 @@ class VoxelMap
   {
     run_begin_ = keyframe;
     earlier_hits_ = hits;
+    run_ = run_ < most_runs ? static_cast<std::uint8_t>(run_ + 1) : most_runs;
   }
   /** Goes on with the run of another map of the same keyframes, which are inserted again. Until
    * mergeOldHits() free observations are only carried over: the other map has reset them. */
   void continueRun(const VoxelMap& other)
   {
-    beginRun(other.run_begin_, other.earlier_hits_);
+    run_begin_ = other.run_begin_;
+    earlier_hits_ = other.earlier_hits_;
+    run_ = other.run_;
     rebuilding_ = true;
   }
   void addPoint(Voxel& voxel, const Eigen::Vector3d& p, float intensity) const;
@@ -84,6 +87,8 @@ class VoxelMap
   double voxel_size_;
   std::uint32_t run_begin_ = 0;  //!< first keyframe of the run
   int earlier_hits_ = 1;
+  static constexpr std::uint8_t most_runs = 255;  // further ones count as one
+  std::uint8_t run_ = 0;
   bool rebuilding_ = false;  //!< between continueRun() and mergeOldHits()
   std::size_t size_ = 0;
   VoxelHash tile_index_;

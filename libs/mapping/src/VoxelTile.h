@@ -24,6 +24,8 @@ struct Voxel
   std::uint16_t old_hits = 0;       //!< in the map before the last correction, of the points in it
   std::uint16_t observed_free = 0;  //!< keyframes that observed it as free
   bool has_evidence = false;        //!< carried over from the map before the last correction
+  std::uint8_t discounted_in = 0;   //!< the last run that discounted what earlier runs observed
+  std::uint8_t old_discounted_in = 0;  //!< of the voxels that old_hits are of
 };
 
 /** The voxels of a square of the map; a value of SwappedStore. */

@@ -169,14 +169,14 @@ TEST(StaticMap, KeepsAParkedCar)
             0.97 * static_cast<double>(carPoints(raw.map.points())));
 }
 
-/** The street driven along twice. \param first, second where the parked car is in each run */
-std::size_t carPointsOfTwoRuns(double first, double second, MapChanges changes, int min_hits = 1)
+/** The street driven along several times. \param cars where the parked car is in each run */
+std::size_t carPointsOfRuns(const std::vector<double>& cars, MapChanges changes, int min_hits = 1)
 {
   StaticMapOptions options;
   options.changes = changes;
   options.min_hits = min_hits;
   TestMap map(options);
-  for (const double car : {first, second})
+  for (const double car : cars)
   {
     if (!map.keyframes->empty())
     {
@@ -188,6 +188,23 @@ std::size_t carPointsOfTwoRuns(double first, double second, MapChanges changes, 
     }
   }
   return carPoints(map.map.points());
+}
+
+/** \param first, second where the parked car is in each run */
+std::size_t carPointsOfTwoRuns(double first, double second, MapChanges changes, int min_hits = 1)
+{
+  return carPointsOfRuns({first, second}, changes, min_hits);
+}
+
+TEST(StaticMap, OfThreeRunsTheLatestCounts)
+{
+  constexpr double there = 12;
+  const auto latest = MapChanges::latest;
+  const std::size_t parked = carPointsOfRuns({there, there, there}, latest);
+  ASSERT_GT(parked, 100U);
+  // Gone on the second day and back on the third.
+  EXPECT_GT(carPointsOfRuns({there, kNoCar, there}, latest), parked * 4 / 5);
+  EXPECT_LT(carPointsOfRuns({kNoCar, there, kNoCar}, latest), parked / 10);
 }
 
 TEST(StaticMap, OfTwoRunsTheLatestThatSawAPlaceCounts)

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/Error.h>
 #include <dyslam/core/ScanPattern.h>
 #include <dyslam/core/StateArchive.h>
 #include <dyslam/odometry/LocalMapRegistration.h>
@@ -418,6 +419,10 @@ void LocalMapRegistration::State::finishAdding()
 LocalMapRegistration::LocalMapRegistration(const RefineOptions& options, ThreadPool& pool)
 {
   validate(options, "refine");
+  if (options.loss_width > options.max_loss_width)
+  {
+    throw UserError("[refine] loss_width: is above max_loss_width; lower it, or raise that");
+  }
   state_ = std::make_unique<State>(options, pool);
 }
 LocalMapRegistration::~LocalMapRegistration() = default;

@@ -112,7 +112,11 @@ struct RosPose
 /** True for `geometry_msgs/PoseStamped`, `PoseWithCovarianceStamped`, `TransformStamped`,
  * `nav_msgs/Odometry` and `tf2_msgs/TFMessage` (`tf/tfMessage`). */
 [[nodiscard]] bool isRosPose(const BagTopic& topic);
-/** The pose of such a message, or the transforms of a TFMessage.
- * \throws UserError naming the message and what is wrong with it. */
-[[nodiscard]] std::vector<RosPose> decodeRosPoses(const BagTopic& topic, const BagMessage& message);
+/** The pose of such a message, or the transforms of a TFMessage, without those that are no pose
+ * (not a number, or a quaternion that is none), as a receiver sends before its first fix. \param
+ * left_out counts these, if given \throws UserError naming the message and what is wrong with it.
+ */
+[[nodiscard]] std::vector<RosPose> decodeRosPoses(const BagTopic& topic,
+                                                  const BagMessage& message,
+                                                  std::size_t* left_out = nullptr);
 }  // namespace dyslam
