@@ -113,7 +113,7 @@ MergedRuns mergeRuns(const std::vector<RunFolder>& runs,
   for (const RunFolder& run : runs)
   {
     result.truth.push_back(addRun(run, map, pool, listener, merger));
-    if (!haveCommonFrame(runs.front(), run))
+    if (&run != &runs.front() && !haveCommonFrame(runs.front(), run))
     {
       result.truth.back() = Trajectory();
     }
