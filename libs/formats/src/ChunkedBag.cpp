@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "ChunkedBag.h"
 
+#include <dyslam/core/Error.h>
 #include <dyslam/core/Files.h>
+#include <libdeflate.h>
 
 #include <filesystem>
 
@@ -127,8 +129,13 @@ void ChunkedBag::countByReading(Chunk& chunk)
 
 std::string ChunkedBag::contentOf(const Chunk& chunk)
 {
-  return decompressed(chunk.compression, bytesAt(chunk.offset, chunk.size), chunk.unpacked,
-                      place(chunk.offset, "chunk"));
+  std::string content = decompressed(chunk.compression, bytesAt(chunk.offset, chunk.size),
+                                     chunk.unpacked, place(chunk.offset, "chunk"));
+  if (chunk.crc != 0 && libdeflate_crc32(0, content.data(), content.size()) != chunk.crc)
+  {
+    throw UserError(place(chunk.offset, "chunk") + ": damaged: its checksum is another");
+  }
+  return content;
 }
 
 void ChunkedBag::select(const std::vector<std::size_t>& topics)

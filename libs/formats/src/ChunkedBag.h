@@ -38,6 +38,7 @@ class ChunkedBag : public Bag
     std::uint64_t size = 0;
     std::string compression = "none";
     std::uint64_t unpacked = 0;           //!< size of the data without compression; 0: unknown
+    std::uint32_t crc = 0;                //!< CRC-32 of the data without compression; 0: unknown
     std::map<std::uint32_t, Span> index;  //!< of each connection's messages in it
   };
 

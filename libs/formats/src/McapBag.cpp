@@ -129,7 +129,7 @@ class McapBag : public ChunkedBag
     (void)reader.u64();  // last time
     Chunk chunk;
     chunk.unpacked = reader.u64();
-    (void)reader.u32();  // CRC
+    chunk.crc = reader.u32();
     chunk.compression = reader.block();
     chunk.size = reader.u64();
     chunk.offset = at + record_head + reader.at();

@@ -2,6 +2,7 @@
 #include "BagWriters.h"
 
 #include <bzlib.h>
+#include <libdeflate.h>
 #include <lz4frame.h>
 #include <sqlite3.h>
 #include <zstd.h>
@@ -161,7 +162,7 @@ std::string mcapChunk(const std::string& records,
   append(content, nanoseconds(first));
   append(content, nanoseconds(last));
   append(content, static_cast<std::uint64_t>(records.size()));
-  append(content, std::uint32_t{0});
+  append(content, libdeflate_crc32(0, records.data(), records.size()));
   appendBlock(content, compression == "none" ? "" : compression);
   const std::string data = compressed(compression, records);
   append(content, static_cast<std::uint64_t>(data.size()));

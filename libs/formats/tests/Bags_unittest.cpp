@@ -118,6 +118,21 @@ TEST(Bags, McapOfEachCompressionWithAndWithoutIndexOrChunks)
   EXPECT_EQ(RosEncoding::other, openBag(folder.file("x.mcap"))->topics().front().encoding);
 }
 
+TEST(Bags, McapChecksChunks)
+{
+  const TestFolder folder;
+  const auto messages = someMessages(3);
+  test::writeMcap(folder.file("x.mcap"), messages, {"none", 3, true});
+  std::string bytes = readWhole(folder.file("x.mcap"));
+  const std::size_t at = bytes.find(messages[1].data);
+  ASSERT_NE(at, std::string::npos);
+  bytes[at + messages[1].data.size() / 2] ^= 1;
+  const std::string path = folder.write("y.mcap", bytes);
+  const std::string message =
+      messageOfError<UserError>([&] { (void)dataOf(*openBag(path), "/imu"); });
+  EXPECT_TRUE(contains(message, "checksum")) << message;
+}
+
 TEST(Bags, SqlitePlainAndCompressed)
 {
   const TestFolder folder;
