@@ -54,9 +54,10 @@ void LoopEdgeDecider::registerLoops()
   for (; seen_ < loops.size(); ++seen_)
   {
     const Loop& loop = loops[seen_];
-    if (loop.verdict == LoopVerdict::accepted)
+    const auto edge = view.edges.find({loop.from, loop.to});
+    if (loop.verdict == LoopVerdict::accepted && edge != view.edges.end())
     {
-      registerNewEdge(loop.from, loop.to, view.edges.find({loop.from, loop.to})->second);
+      registerNewEdge(loop.from, loop.to, edge->second);
     }
   }
 }
