@@ -32,8 +32,8 @@ Kind kindOf(const std::string& type)
   return type == "tf2_msgs/TFMessage" || type == "tf/tfMessage" ? Kind::transforms : Kind::none;
 }
 
-/** Position or translation, then a quaternion, x first: the same in Pose and Transform. */
-/** Nothing if the numbers are no pose. */
+/** Position or translation, then a quaternion, x first: the same in Pose and Transform. Nothing if
+ * the numbers are no pose. */
 std::optional<Pose> readPose(ByteReader& reader)
 {
   Pose pose = Pose::Identity();

@@ -14,7 +14,6 @@ namespace dyslam
 {
 namespace
 {
-constexpr double truth_max_gap = 0.2;  //!< [s] as RawlogSourceOptions::ground_truth_max_gap
 constexpr double same_instant = 1e-6;  //!< [s]
 
 std::string namesOf(const Bag& bag, const std::function<bool(const BagTopic&)>& wanted)

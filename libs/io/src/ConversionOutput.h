@@ -12,6 +12,10 @@
 
 namespace dyslam
 {
+/** Longest time from a scan to the true poses that its own is interpolated between [s], as
+ * RawlogSourceOptions::ground_truth_max_gap. */
+constexpr double truth_max_gap = 0.2;
+
 /** T_vehicle_lidar of "x y z yaw pitch roll" [m, deg], separated by spaces or commas; identity if
  * empty. \throws UserError. */
 [[nodiscard]] Pose sensorPoseFrom(std::string text);

@@ -285,10 +285,9 @@ class LayoutReader
       {
         of_lidar.push_back(file.trajectory[i].stamp, poses[i]);
       }
-      constexpr double max_gap = 0.2;  // s, as for other recordings
       for (auto& entry : layout_.entries)
       {
-        entry.T_world_lidar = of_lidar.at(entry.stamp, max_gap);
+        entry.T_world_lidar = of_lidar.at(entry.stamp, truth_max_gap);
       }
     }
     else

@@ -129,15 +129,22 @@ TEST(KittiConverter, OfficialTrackingWithBoxesAndALostScan)
   EXPECT_TRUE(truth.boxes(2).empty());
 }
 
-TEST(KittiConverter, OfficialRaw)
+/** A raw drive of two scans, without calibration. \return its folder */
+std::string writeRawDrive(const TestFolder& folder)
 {
-  const TestFolder folder;
   const std::string drive = "2011_09_26/2011_09_26_drive_0001_sync/";
   writeBins(folder, drive + "velodyne_points/data", 2, 10);
   folder.write(drive + "velodyne_points/timestamps.txt",
                "2011-09-26 13:02:25.951199337\n2011-09-26 13:02:26.055098\n");
   folder.write(drive + "oxts/data/0000000000.txt", oxtsLine(0));
   folder.write(drive + "oxts/data/0000000001.txt", oxtsLine(1));
+  return drive;
+}
+
+TEST(KittiConverter, OfficialRaw)
+{
+  const TestFolder folder;
+  const std::string drive = writeRawDrive(folder);
   folder.write("2011_09_26/calib_cam_to_cam.txt", "R_rect_00: 1 0 0 0 1 0 0 0 1\n");
   folder.write("2011_09_26/calib_velo_to_cam.txt", "R: 0 -1 0 0 0 -1 1 0 0\nT: 0 0 0\n");
   folder.write("2011_09_26/calib_imu_to_velo.txt", "R: 1 0 0 0 1 0 0 0 1\nT: 0 0 0\n");
@@ -308,12 +315,7 @@ TEST(KittiConverter, Errors)
 TEST(KittiConverter, MissingCalibrationCostsTheTruthOnly)
 {
   const TestFolder folder;
-  const std::string drive = "2011_09_26/2011_09_26_drive_0001_sync/";
-  writeBins(folder, drive + "velodyne_points/data", 2, 10);
-  folder.write(drive + "velodyne_points/timestamps.txt",
-               "2011-09-26 13:02:25.951199337\n2011-09-26 13:02:26.055098\n");
-  folder.write(drive + "oxts/data/0000000000.txt", oxtsLine(0));
-  folder.write(drive + "oxts/data/0000000001.txt", oxtsLine(1));
+  const std::string drive = writeRawDrive(folder);
   KittiConverterOptions options;
   options.kind = KittiKind::raw;
   const auto convert = [&]

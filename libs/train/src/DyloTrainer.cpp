@@ -332,20 +332,10 @@ std::vector<DyloLossImpl::Terms> Trainer::computeGradients()
   const auto next_step = static_cast<std::uint64_t>(step_ + 1) * batch;
   std::vector<DyloLossImpl::Terms> terms(batch);
   std::vector<PreparedPair> next(batch);
-  gradients_->begin(batch);
-  // Threads without a pair of this step prepare pairs of the next one.
-  pool_->forChunks(2 * batch, 1,
-                   [&](std::size_t i, std::size_t, std::size_t)
-                   {
-                     if (i >= batch)
-                     {
-                       next[i - batch] = preparePair(next_step + (i - batch));
-                       return;
-                     }
-                     gradients_->compute(i, [&](std::size_t copy)
-                                         { terms[i] = backward(copies_[copy], prepared_[i]); });
-                   });
-  gradients_->finish();
+  gradients_->computeStep(
+      *pool_, batch,
+      [&](std::size_t i, std::size_t copy) { terms[i] = backward(copies_[copy], prepared_[i]); },
+      [&](std::size_t i) { next[i] = preparePair(next_step + i); });
   prepared_ = std::move(next);
   return terms;
 }

@@ -215,21 +215,11 @@ DysegLoss DysegTrainer::Impl::trainStep()
   const std::size_t batch = prepared.size();
   std::vector<DysegLoss> losses(batch);
   std::vector<PreparedPair> next(batch);
-  gradients->begin(batch);
   pairs->prepare(step + 1);
-  // Threads without a pair of this step prepare pairs of the next one.
-  pool->forChunks(2 * batch, 1,
-                  [&](std::size_t i, std::size_t, std::size_t)
-                  {
-                    if (i >= batch)
-                    {
-                      next[i - batch] = preparePair(step + 1, i - batch);
-                      return;
-                    }
-                    gradients->compute(i, [&](std::size_t copy)
-                                       { losses[i] = backward(copies[copy], prepared[i]); });
-                  });
-  gradients->finish();
+  gradients->computeStep(
+      *pool, batch,
+      [&](std::size_t i, std::size_t copy) { losses[i] = backward(copies[copy], prepared[i]); },
+      [&](std::size_t i) { next[i] = preparePair(step + 1, i); });
   prepared = std::move(next);
   DysegLoss sum;
   bool has_loss = false;

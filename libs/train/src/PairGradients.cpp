@@ -83,4 +83,24 @@ void PairGradients::finish()
     parameters_[i].mutable_grad() = sum;
   }
 }
+
+void PairGradients::computeStep(
+    ThreadPool& pool,
+    std::size_t pairs,
+    const std::function<void(std::size_t pair, std::size_t copy)>& backward,
+    const std::function<void(std::size_t pair)>& prepare)
+{
+  begin(pairs);
+  pool.forChunks(2 * pairs, 1,
+                 [&](std::size_t i, std::size_t, std::size_t)
+                 {
+                   if (i >= pairs)
+                   {
+                     prepare(i - pairs);
+                     return;
+                   }
+                   compute(i, [&](std::size_t copy) { backward(i, copy); });
+                 });
+  finish();
+}
 }  // namespace dyslam

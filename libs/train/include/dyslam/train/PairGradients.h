@@ -2,6 +2,7 @@
 // Includes torch: for train only.
 #pragma once
 
+#include <dyslam/core/Parallel.h>
 #include <torch/torch.h>
 
 #include <cstddef>
@@ -33,6 +34,12 @@ class PairGradients
   void compute(std::size_t pair, const std::function<void(std::size_t copy)>& backward);
   /** Sets the gradients of the network in training to the sums. */
   void finish();
+  /** All of a step: begin(), compute() of each of `pairs` with `backward(pair, copy)`, finish().
+   * Threads of the pool that have no pair of it call `prepare(pair)` for those of the next step. */
+  void computeStep(ThreadPool& pool,
+                   std::size_t pairs,
+                   const std::function<void(std::size_t pair, std::size_t copy)>& backward,
+                   const std::function<void(std::size_t pair)>& prepare);
 
  private:
   std::vector<torch::Tensor> parameters_;
