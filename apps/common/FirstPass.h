@@ -57,9 +57,30 @@ inline std::filesystem::path labelsOfFirstPass(const std::string& output)
   return std::filesystem::path(output) / "first_pass" / "labels";
 }
 
-inline bool hasLabelsOfFirstPass(const std::string& output)
+/** The labels that a run with these settings reads; empty for none. */
+inline std::string labelsIn(const Config& config)
 {
-  return std::filesystem::is_directory(labelsOfFirstPass(output));
+  return config.has("dyseg", "labels") ? config.section("dyseg").at("labels").text : "";
+}
+
+/** Whether a run with these settings into that folder is the second pass of one with two: a folder
+ * of labels may be of an earlier run. */
+inline bool isSecondPass(const Config& config, const std::string& output)
+{
+  std::error_code none;
+  const std::string labels = labelsIn(config);
+  return !labels.empty() && std::filesystem::equivalent(labels, labelsOfFirstPass(output), none);
+}
+
+/** \throws UserError if labels are given for a run that makes them itself. */
+inline void requireNoLabels(const SlamArguments& a)
+{
+  const std::string given = labelsIn(readGivenSettings(a.config, assignmentsOf(a)).merged());
+  if (!given.empty())
+  {
+    throw UserError("dyseg.labels=" + given +
+                    ": --passes 2 makes labels of its own in the first pass; give one of the two");
+  }
 }
 
 /** Moves the labels of the first pass to where the second one, which writes into the same folder,

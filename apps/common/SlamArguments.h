@@ -32,6 +32,7 @@ struct SlamArguments
   int passes = 1;                     //!< over the recording
   std::future<void> loading;          //!< loadAhead()
   std::vector<std::string> messages;  //!< about sensor and settings, at the first scan
+  std::vector<std::string> told;      //!< warnings that were printed during the run
 
   [[nodiscard]] bool quiet() const { return verbosity == "ERROR"; }
 };
@@ -63,7 +64,8 @@ inline void declareSlamArguments(CLI::App& app, SlamArguments& a)
   app.add_option(
          "--passes", a.passes,
          "2: process the recording twice, with segmentation and odometry of the second pass "
-         "without the points that the first one labelled moving (dense traffic)")
+         "without the points that the first one labelled moving (dense traffic); --resume goes on "
+         "with the second pass, a run killed in the first one starts anew")
       ->check(CLI::IsMember({1, 2}))
       ->capture_default_str();
   app.add_option("--profile", a.settings.profile_csv, "CSV file for the times of every stage");

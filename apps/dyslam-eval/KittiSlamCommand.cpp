@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "KittiSlamCommand.h"
 
+#include <dyslam/core/Angle.h>
 #include <dyslam/core/Options.h>
 #include <dyslam/core/PendingFile.h>
 #include <dyslam/core/SharedFiles.h>
@@ -8,7 +9,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <filesystem>
 #include <iomanip>
 #include <iostream>
@@ -40,12 +40,11 @@ struct KittiSlamArguments
   OutputFlags output;
 };
 
-constexpr double degree = M_PI / 180;
 /** Noise model of the visual odometry of the data, whose scale error is up to 4 %. */
-const OdometryNoise visual{"visual", 0.01, 0.02, 0.05 * degree};
-const std::array<OdometryNoise, 4> noises{{{"poor", 0.05, 0.005, 0.1 * degree},
-                                           {"middle", 0.02, 0, 0.05 * degree},
-                                           {"good", 0.005, 0, 0.015 * degree},
+const OdometryNoise visual{"visual", 0.01, 0.02, 0.05 * radians_per_degree};
+const std::array<OdometryNoise, 4> noises{{{"poor", 0.05, 0.005, 0.1 * radians_per_degree},
+                                           {"middle", 0.02, 0, 0.05 * radians_per_degree},
+                                           {"good", 0.005, 0, 0.015 * radians_per_degree},
                                            visual}};
 
 const OdometryNoise& noiseOf(const std::string& name)
@@ -139,7 +138,7 @@ ModeError errorOf(const KittiDrive& drive, const std::vector<Pose>& estimate, Al
   pairs.reference = drive.truth;
   pairs.estimate = estimate;
   const AbsoluteTrajectoryError error = absoluteTrajectoryError(pairs, alignment);
-  return {error.translation.rmse, error.rotation_deg.rmse * degree};
+  return {error.translation.rmse, error.rotation_deg.rmse * radians_per_degree};
 }
 
 /** FOLDER/SEQUENCE_LABEL_SOURCE.csv for each vehicle. */

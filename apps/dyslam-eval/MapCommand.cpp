@@ -167,7 +167,8 @@ void declareSelf(CLI::App& sub, MapArguments& a)
       ->check(CLI::Range(4, 1000000));
   option("--points", self.points, "number of points whose neighbourhoods are evaluated")
       ->check(CLI::Range(1, 10000000));
-  option("--tolerance", self.tolerance, "largest difference of time stamps [s]")
+  option("--tolerance", self.tolerance,
+         "largest difference of time stamps where the pose of a scan cannot be interpolated [s]")
       ->check(notNegative());
   option("--poses-of", a.poses_of, "body of the poses: vehicle or lidar")
       ->check(CLI::IsMember({"vehicle", "lidar"}));

@@ -6,6 +6,7 @@
 #include <dyslam/formats/TrajectoryFiles.h>
 #include <dyslam/odometry/Preprocessor.h>
 #include <dyslam/odometry/ScanClock.h>
+#include <dyslam/odometry/ScanPoses.h>
 
 #include <algorithm>
 #include <cstdint>
@@ -86,18 +87,22 @@ class ScanPlacer
 {
  public:
   explicit ScanPlacer(const MapSelfArguments& a)
-      : a_(a), trajectories_(readTrajectories(a)), pool_(0), preprocessor_(preprocess(a), pool_)
+      : a_(a), pool_(0), preprocessor_(preprocess(a), pool_)
   {
+    for (Trajectory& trajectory : readTrajectories(a))
+    {
+      trajectories_.emplace_back(std::move(trajectory), a.tolerance);
+    }
   }
 
-  /** Number of each trajectory's pose of the scan; empty unless all have one. */
-  [[nodiscard]] std::vector<std::size_t> posesOf(const Frame& frame) const
+  /** The scan's pose of each trajectory; empty unless all have one. */
+  [[nodiscard]] std::vector<Pose> posesOf(const Frame& frame) const
   {
-    std::vector<std::size_t> poses;
-    for (const Trajectory& trajectory : trajectories_)
+    std::vector<Pose> poses;
+    for (const ScanPoses& trajectory : trajectories_)
     {
-      const auto pose = trajectory.nearest(frame.scan.stamp, a_.tolerance);
-      if (!pose || !trajectory[*pose].pose.matrix().allFinite())
+      const auto pose = trajectory.at(frame.scan.stamp);
+      if (!pose || !pose->matrix().allFinite())
       {
         return {};
       }
@@ -109,25 +114,22 @@ class ScanPlacer
   /** Points of the scan in the frame of a trajectory, with their numbers in the scan. */
   [[nodiscard]] std::pair<Points, std::vector<std::uint32_t>> place(const Frame& frame,
                                                                     std::size_t trajectory,
-                                                                    std::size_t pose) const
+                                                                    const Pose& pose) const
   {
-    const Trajectory& t = trajectories_[trajectory];
+    const ScanPoses& t = trajectories_[trajectory];
     const Pose T_body_vehicle =
         a_.of_lidar ? frame.scan.T_vehicle_lidar.inverse() : Pose::Identity();
-    Pose T_previous_current = Pose::Identity();
-    double dt = 0;
-    if (t.size() > 1)
-    {
-      const std::size_t current = std::max<std::size_t>(pose, 1);
-      T_previous_current =
-          (t[current - 1].pose * T_body_vehicle).inverse() * (t[current].pose * T_body_vehicle);
-      dt = t[current].stamp - t[current - 1].stamp;
-    }
-    Cloud cloud = preprocessor_.prepare(frame.scan, T_previous_current, dt, frame.sweep_duration);
+    const double sweep = frame.sweep_duration;
+    const TimedMotion motion =
+        t.motionDuring(frame.scan.stamp, preprocessor_.sweepSpan(frame.scan, sweep));
+    const Pose T_previous_current =
+        (motion.from * T_body_vehicle).inverse() * (motion.to * T_body_vehicle);
+    Cloud cloud = preprocessor_.prepare(frame.scan, T_previous_current, motion.dt, sweep);
     // Coordinates such as UTM's are too large for single precision.
-    const Eigen::Vector3d origin = (t[0].pose.translation() / 1000).array().round() * 1000;
+    const Eigen::Vector3d origin =
+        (t.trajectory()[0].pose.translation() / 1000).array().round() * 1000;
     const Eigen::Isometry3f T =
-        (Eigen::Translation3d(-origin) * t[pose].pose * T_body_vehicle).cast<float>();
+        (Eigen::Translation3d(-origin) * pose * T_body_vehicle).cast<float>();
     for (auto& point : cloud.points)
     {
       point = T * point;
@@ -144,7 +146,8 @@ class ScanPlacer
     for (std::size_t i = 0; i < trajectories_.size(); ++i)
     {
       text += ", " + a_.trajectories[i] + ": " +
-              (trajectories_[i].empty() ? "no poses" : timesOf(trajectories_[i]));
+              (trajectories_[i].trajectory().empty() ? "no poses"
+                                                     : timesOf(trajectories_[i].trajectory()));
     }
     return text;
   }
@@ -163,7 +166,7 @@ class ScanPlacer
   }
 
   const MapSelfArguments& a_;
-  std::vector<Trajectory> trajectories_;
+  std::vector<ScanPoses> trajectories_;
   ThreadPool pool_;
   Preprocessor preprocessor_;
 };
@@ -177,7 +180,7 @@ class PointChoice
   {
   }
 
-  void add(const ScanPlacer& placer, const Frame& frame, const std::vector<std::size_t>& poses)
+  void add(const ScanPlacer& placer, const Frame& frame, const std::vector<Pose>& poses)
   {
     for (std::size_t t = 0; t < trajectories_; ++t)
     {

@@ -19,7 +19,7 @@ struct MapSelfArguments
   RawlogSourceOptions source;
   MapQualityOptions quality;
   std::size_t points = 20000;  //!< of the map, whose neighbourhoods are evaluated
-  double tolerance = 0.01;     //!< between the time stamps of scan and pose [s]
+  double tolerance = 0.01;     //!< of time stamps where a pose cannot be interpolated [s]
   bool of_lidar = false;       //!< the poses are the lidar's, not the vehicle's
 };
 

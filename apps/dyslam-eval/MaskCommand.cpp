@@ -49,7 +49,7 @@ Subcommand maskCommand(CLI::App& app)
       writeWhole(to, {reinterpret_cast<const char*>(picture.data()), picture.size()});
       table.addRow({scan.name, TableCell(sampled(scan, MaskScan::Truth::stationary), 0),
                     TableCell(sampled(scan, MaskScan::Truth::moving), 0),
-                    TableCell(areaUnderCurve(rocCurve(scan)), 3), to});
+                    TableCell(areaUnderCurve(scan), 3), to});
     }
     std::fputs(table.toText().c_str(), stdout);
   };

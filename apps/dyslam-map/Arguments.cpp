@@ -29,10 +29,10 @@ namespace
 std::vector<std::string> knownSections()
 {
   std::vector<std::string> known{
-      "map",      "labels",  "preprocess",  "map_export", "input",   "pipeline",       "dyseg",
-      "odometry", "refine",  "motion",      "detector",   "tracker", "dyseg_filter",   "solver",
-      "loop",     "backend", "output",      "replay",     "merge",   "start",          "report",
-      "fusion",   "sensor",  "uncertainty", "objects",    "memory",  "track_smoothing"};
+      "map",      "labels",      "preprocess", "map_export", "input",          "pipeline", "dyseg",
+      "odometry", "refine",      "motion",     "detector",   "tracker",        "solver",   "loop",
+      "backend",  "output",      "replay",     "merge",      "start",          "report",   "fusion",
+      "sensor",   "uncertainty", "objects",    "memory",     "track_smoothing"};
   for (const auto& sections : {segmenterSections(), scanMatcherSections()})
   {
     known.insert(known.end(), sections.begin(), sections.end());
@@ -137,7 +137,8 @@ struct KeyframeOptions : Options
 
   void describe(OptionsVisitor& visitor) override
   {
-    visitor.real("keyframe_distance", distance, 0, 1000, "a new keyframe after this distance [m]");
+    visitor.real("keyframe_distance", distance, 0, 1000,
+                 "translation since the last keyframe after which a new one is added [m]");
   }
 };
 
@@ -197,7 +198,8 @@ void declare(CLI::App& app, Arguments& a)
                  "default: the ini's backend.keyframe_distance, else 1")
       ->check(notNegative());
   app.add_option("--tolerance", a.recording.scans.tolerance,
-                 "largest difference of time stamps [s]")
+                 "largest difference of time stamps where the pose of a scan cannot be "
+                 "interpolated [s]")
       ->check(notNegative())
       ->capture_default_str();
   app.add_option("--skip-first-n", a.skip_first_n, "scans to skip")->check(notNegative());

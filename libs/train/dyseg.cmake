@@ -16,6 +16,7 @@ dyslam_add_library(NAME train_dyseg INTERNAL HEADERS torch
 dyslam_add_test(NAME train_dyseg HEADERS torch
   SOURCES
     tests/DysegData_unittest.cpp
+    tests/DysegHelpTexts_unittest.cpp
     tests/DysegLosses_unittest.cpp
     tests/DysegPairs_unittest.cpp
     tests/DysegTrainer_unittest.cpp

@@ -34,11 +34,13 @@ const char* const all_drawn =
     "const n = c.dataset.drawn; const same = window.before === n; window.before = n; return same;";
 
 /** The page with this run in it, as a file. */
-std::string written(const RunPage& page, const std::string& name)
+std::string written(const RunPage& page,
+                    const std::string& name,
+                    const RunPageOptions& options = {})
 {
   const std::string file = (fs::temp_directory_path() / name).string();
   std::ofstream(file) << renderRunPage(
-      page, readWhole(std::string(DYSLAM_SHARE_DIR) + "/report/page.html"));
+      page, readWhole(std::string(DYSLAM_SHARE_DIR) + "/report/page.html"), options);
   return file;
 }
 
@@ -241,6 +243,31 @@ TEST(RunPageInBrowser, StatesTheSensorAndWhereTheTruthIsFrom)
   EXPECT_NE(textOf(browser, "verdict").find("No warnings."), std::string::npos);
   EXPECT_NE(textOf(browser, "errors").find("(GNSS/INS (oxts), not exact)"), std::string::npos);
   EXPECT_NE(textOf(browser, "times").find("with the motion that was found"), std::string::npos);
+  EXPECT_EQ(browser.errors(), "");
+}
+
+TEST(RunPageInBrowser, SaysWhichScansOfALongRunAreShownAndWhichLoopsAreLeftOut)
+{
+  DYSLAM_REQUIRE_BROWSER();
+  RunPage page = smallRun();
+  page.loops.push_back({{0, 0, 0}, {19, 0, 0}});
+  page.loops_left_out = 20;
+  RunPageOptions options;
+  options.max_scans = 7;
+  Browser browser;
+  browser.open(written(page, "thinned.html", options));
+  ASSERT_TRUE(browser.waitFor(all_drawn)) << browser.errors();
+  browser.type("time-slider", "\xEE\x80\x90");  // End
+  EXPECT_EQ(textOf(browser, "scene-info").find("Scan 18 (19 of 20), 1.80 s"), 0U);
+  for (const char* section : {"view", "trajectory"})
+  {
+    EXPECT_NE(textOf(browser, section).find("Shown is every 3rd scan"), std::string::npos)
+        << section;
+  }
+  EXPECT_NE(textOf(browser, "summary").find("1 loop: places recognised a second time."),
+            std::string::npos);
+  EXPECT_NE(textOf(browser, "summary").find("20 left out, as they contradict the others."),
+            std::string::npos);
   EXPECT_EQ(browser.errors(), "");
 }
 

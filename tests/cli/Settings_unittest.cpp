@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cstdlib>
+#include <filesystem>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -130,6 +132,31 @@ TEST(Settings, MissingTimesOfPointsAreSaid)
   EXPECT_TRUE(contains(outcome.err, "the points have no times: scans are not deskewed"))
       << outcome.err;
   EXPECT_TRUE(contains(contentOf(folder.file("run/report.json")), "the points have no times"));
+  EXPECT_TRUE(contains(outcome.err, "warning: no point of the first 2 scans is a return"))
+      << outcome.err;
+  EXPECT_TRUE(contains(outcome.err, "; check the recording, and how it was converted"))
+      << outcome.err;
+}
+
+/** As a program of a prefix that DySLAM was not configured for. */
+TEST(Settings, WithoutTheShippedOnesNothingRuns)
+{
+  namespace fs = std::filesystem;
+  const TestFolder folder;
+  fs::create_directories(folder.file("bin"));
+  fs::copy_file(std::string(DYSLAM_BIN_DIR) + "/dyslam", folder.file("bin/dyslam"));
+  const std::string command = "env -u DYSLAM_SHARE " + folder.file("bin/dyslam") + " -i " +
+                              campus16 + " --only-first-n 2 -o " + folder.file("run") + " > " +
+                              folder.file("out.txt") + " 2> " + folder.file("err.txt");
+  const bool ran = std::system(command.c_str()) == 0;
+  const std::string err = folder.read("err.txt");
+  if (ran)
+  {
+    EXPECT_TRUE(contains(err, "settings: vlp16.ini")) << "those that are installed";
+    return;
+  }
+  EXPECT_TRUE(contains(err, "dyslam: the shipped settings are not found; set DYSLAM_SHARE")) << err;
+  EXPECT_FALSE(fs::exists(folder.file("run")));
 }
 
 TEST(Settings, ARangeOfTimeIsProcessedAndEvaluated)

@@ -2,11 +2,14 @@
 // SLAM on scans as a live driver delivers them: one Frame per scan goes through the pipeline, which
 // fills in pose, moving points and objects. Here the scans are of a vehicle that drives through a
 // simulated hall; exit code 0 if its path is found.
+#include <dyslam/core/Error.h>
+#include <dyslam/mapping/MapExport.h>
 #include <dyslam/pipeline/GivenSettings.h>
 #include <dyslam/pipeline/Pipeline.h>
 #include <dyslam/pipeline/StartSpeed.h>
 #include <mrpt/system/CTimeLogger.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <string>
@@ -97,15 +100,41 @@ dyslam::Config settingsFrom(const std::vector<dyslam::Frame>& first)
   const dyslam::RecordedSensor sensor = dyslam::recogniseSensor(first);
   dyslam::ChosenSettings chosen = dyslam::settingsFor(sensor, given);
   std::printf("%s; settings: %s\n", sensor.summary().c_str(), chosen.source.c_str());
+  for (const std::string& warning : chosen.warnings)
+  {
+    std::printf("warning: %s\n", warning.c_str());
+  }
   if (const auto speed = dyslam::findStartSpeed(first, chosen.config))
   {
     dyslam::setStartSpeed(*speed, chosen.config);
   }
   return chosen.config;
 }
-}  // namespace
 
-int main()
+/** What a program would publish: the vehicle and the objects in the odometry frame, and where that
+ * frame is in the map. */
+void publish(const dyslam::Frame& frame)
+{
+  const auto reported =
+      std::count_if(frame.objects.begin(), frame.objects.end(),
+                    [](const dyslam::TrackedObject& object) { return object.reported; });
+  const Eigen::Vector3d in_odom = frame.T_odom_vehicle.translation();
+  const Eigen::Vector3d in_map = frame.T_map_vehicle().translation();
+  std::printf("scan %zu: at %.2f %.2f m (map: %.2f %.2f m), %zu points, %td objects%s\n",
+              frame.index, in_odom.x(), in_odom.y(), in_map.x(), in_map.y(), frame.cloud.size(),
+              reported, frame.is_keyframe ? ", keyframe" : "");
+}
+
+/** The static map as a file; none if mapping is off. */
+void saveMap(const dyslam::Pipeline& slam, const std::string& path)
+{
+  if (const dyslam::StaticMap* map = slam.map())
+  {
+    dyslam::writeMapCloud(map->points(), path);
+  }
+}
+
+int run()
 {
   constexpr std::size_t count = 30;
   constexpr std::size_t waited_for = 10;  // that choose the settings
@@ -124,12 +153,25 @@ int main()
   {
     frame = i < waited_for ? frames[i] : frameAt(i);
     slam.process(frame);
-    std::printf("scan %zu: at %.2f %.2f m, %zu points, %zu objects%s\n", i,
-                frame.T_map_vehicle().translation().x(), frame.T_map_vehicle().translation().y(),
-                frame.cloud.size(), frame.objects.size(), frame.is_keyframe ? ", keyframe" : "");
+    publish(frame);
   }
   slam.finish();
+  saveMap(slam, "live_map.pcd");
   const double error = (poseAt(count - 1).inverse() * frame.T_map_vehicle()).translation().norm();
   std::printf("error after 8.7 m: %.3f m\n", error);
   return error < 0.1 ? 0 : 1;
+}
+}  // namespace
+
+int main()
+{
+  try
+  {
+    return run();
+  }
+  catch (const dyslam::UserError& error)  // a bad setting, or a missing file
+  {
+    std::fprintf(stderr, "live: %s\n", error.what());
+    return 1;
+  }
 }

@@ -53,8 +53,12 @@ if(NOT out MATCHES "dyslam/core/Frame.h")
 endif()
 
 file(GLOB programs ${work}/all/uses_*)
+set(told "")
+if(NOT position EQUAL 0)
+  set(told ${CMAKE_COMMAND} -E env DYSLAM_SHARE=${prefix}/share/dyslam)
+endif()
 foreach(program ${programs} ${work}/all/example ${work}/all/live)
-  step(${CMAKE_COMMAND} -E chdir ${work} ${program})
+  step(${CMAKE_COMMAND} -E chdir ${work} ${told} ${program})
 endforeach()
 
 # The shared files: where installed, where told, and beside a program that was moved.

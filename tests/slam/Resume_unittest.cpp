@@ -206,10 +206,8 @@ TEST_F(Resume, ObjectsLoopsAndHindsightGiveTheSameBytes)
 
 TEST_F(Resume, FirstScanIsEnough)
 {
-  expectResumes(
-      "first",
-      {"backend.mode=ego", "dyseg.method=residual", "dyseg.filter=true", "odometry.method=loam"},
-      {1});
+  expectResumes("first", {"backend.mode=ego", "dyseg.method=residual", "odometry.method=loam"},
+                {1});
 }
 
 /** The network encodes each scan ahead, beside the one before it. */

@@ -251,11 +251,24 @@ TEST_F(SlamRun, AStoppedRunLeavesItsResults)
   auto s = settings("stopped");
   s.labels = false;
   int asked = 0;
-  s.stop = [&] { return ++asked == 6; };
+  s.stop = [&] { return ++asked == 7; };  // first before the first scan
   const std::string error = errorOf(s);
   EXPECT_NE(error.find("stopped; results of the 6 scans"), std::string::npos) << error;
   EXPECT_EQ(readTum(s.output_folder + "/trajectory_tum.txt").size(), 6U);
   EXPECT_GT(readWhole(s.output_folder + "/report.json").size(), 0U);
+}
+
+TEST_F(SlamRun, StoppedBeforeTheFirstScanItLeavesTheEarlierRun)
+{
+  auto s = settings("kept");
+  s.config.set("input.only_first_n=3");
+  (void)runSlam(s);
+  const auto before = filesOf(s.output_folder);
+  const std::string report = readWhole(s.output_folder + "/report.json");
+  s.stop = [] { return true; };
+  EXPECT_EQ(errorOf(s), s.rawlog + ": stopped before the first scan");
+  EXPECT_EQ(before, filesOf(s.output_folder));
+  EXPECT_EQ(report, readWhole(s.output_folder + "/report.json"));
 }
 
 TEST_F(SlamRun, AnEarlierRunLeavesNothingBehindInTheFolder)

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Runs with the shipped settings within bounds, all networks together, and a run that closes loops.
+#include <dyslam/core/Files.h>
 #include <dyslam/eval/SegmentationMetrics.h>
 #include <dyslam/eval/TrajectoryMetrics.h>
 #include <dyslam/formats/LabelFiles.h>
@@ -212,6 +213,40 @@ TEST_F(WholeRun, ALoopCorrectsTrajectoryAndMap)
   EXPECT_LT(errorsOf(closed).end.translation, errorsOf(closed, "odometry_tum.txt").end.translation);
   // Walls that are seen twice, at two places, fill more voxels.
   EXPECT_LT(closed_report.map_points, open_report.map_points);
+}
+
+TEST_F(WholeRun, LoopsThatAreLeftOutAreNotCounted)
+{
+  auto s = settings(bundled("campus16.rawlog"), "vlp16.ini", "left_out");
+  for (const char* assignment :
+       {"input.only_first_n=40", "output.page=true", "backend.keyframe_distance=0.8",
+        "loop.min_path=4", "loop.min_support=0", "loop.interval=1",
+        "loop.max_descriptor_distance=1", "loop.min_overlap=0.3", "loop.min_observability=0",
+        "solver.loop_loss_width=0.1"})  // far too strict: every loop contradicts the odometry
+  {
+    s.config.set(assignment);
+  }
+  const SlamRunReport report = runSlam(s);
+  const fs::path folder = s.output_folder;
+  const std::string graph = readWhole(folder / "factor_graph.txt");
+  const auto linesOf = [&graph](const std::string& type)
+  {
+    std::size_t count = 0;
+    for (auto at = graph.find("\n" + type); at != std::string::npos;
+         at = graph.find("\n" + type, at + 1))
+    {
+      ++count;
+    }
+    return count;
+  };
+  EXPECT_GT(report.loops_left_out, 2U) << "this recording should test loops";
+  EXPECT_EQ(report.loops_left_out, linesOf("LEFT_OUT_LOOP "));
+  EXPECT_EQ(report.loops, linesOf("LOOP "));
+  const std::string totals = "\"loops\":" + std::to_string(report.loops) +
+                             ",\"loops_left_out\":" + std::to_string(report.loops_left_out) + ",";
+  EXPECT_NE(readWhole(folder / "report.html").find(totals), std::string::npos);
+  EXPECT_NE(readWhole(folder / "report.json").find("\"loops\": " + std::to_string(report.loops)),
+            std::string::npos);
 }
 }  // namespace
 }  // namespace dyslam

@@ -3,6 +3,7 @@
 #include <dyslam/backend/factors/LoopFactor.h>
 #include <dyslam/backend/factors/OdometryFactor.h>
 #include <dyslam/core/MotionAccumulator.h>
+#include <dyslam/core/PathLength.h>
 #include <dyslam/core/StateArchive.h>
 #include <mrpt/graphs/CNetworkOfPoses.h>
 
@@ -15,11 +16,15 @@
 #include "LoopCorrection.h"
 #include "ObjectGraph.h"
 #include "PoseGraphView.h"
+#include "UnseenPath.h"
 
 namespace dyslam
 {
 namespace
 {
+/** Sigma of the rotation over a stretch that was not measured [rad]. */
+constexpr double unseen_rotation = 0.5;
+
 /** A frame, relative to the keyframe before it. */
 struct FrameInKeyframe
 {
@@ -28,11 +33,15 @@ struct FrameInKeyframe
   Pose T_keyframe_frame = Pose::Identity();
 };
 
-/** Covariance of one odometry step: that of the odometry, or the option's where it did not
- * converge. */
+/** Covariance of one odometry step: that of the odometry, of which a step that did not converge
+ * has the prior's (large after a gap), and the option's in addition where it did not converge. */
 Matrix6 stepCovariance(const MotionEstimate& motion, const BackendOptions& options)
 {
-  if (motion.converged && motion.information.allFinite())
+  Vector6 sigmas;
+  sigmas << Eigen::Vector3d::Constant(options.unconverged_sigma_translation),
+      Eigen::Vector3d::Constant(options.unconverged_sigma_rotation);
+  const Matrix6 unconverged = sigmas.array().square().matrix().asDiagonal();
+  if (motion.information.allFinite())
   {
     const Eigen::LLT<Matrix6> cholesky(motion.information);
     if (cholesky.info() == Eigen::Success)
@@ -40,14 +49,12 @@ Matrix6 stepCovariance(const MotionEstimate& motion, const BackendOptions& optio
       const Matrix6 own = cholesky.solve(Matrix6::Identity());
       if (own.allFinite())
       {
-        return 0.5 * (own + own.transpose());
+        const Matrix6 symmetric = 0.5 * (own + own.transpose());
+        return motion.converged ? symmetric : Matrix6(symmetric + unconverged);
       }
     }
   }
-  Vector6 sigmas;
-  sigmas << Eigen::Vector3d::Constant(options.unconverged_sigma_translation),
-      Eigen::Vector3d::Constant(options.unconverged_sigma_rotation);
-  return sigmas.array().square().matrix().asDiagonal();
+  return unconverged;
 }
 
 std::vector<Eigen::Vector3f> staticPoints(const Frame& frame)
@@ -113,7 +120,8 @@ struct Backend::State
 
   MotionAccumulator since_keyframe;
   Pose T_odom_previous = Pose::Identity();
-  double path_length = 0;  //!< since the start [m]
+  PathLength path;         //!< of the odometry
+  UnseenPath unseen_path;  //!< beside it
   double drift = 0;        //!< variance of the steps per axis, summed [m^2] ...
   double drift_angle = 0;  //!< ... [rad^2]
 };
@@ -121,12 +129,17 @@ struct Backend::State
 void Backend::State::accumulateOdometry(const Frame& frame)
 {
   const Pose step = T_odom_previous.inverse() * frame.T_odom_vehicle;
-  const Matrix6 own = stepCovariance(frame.motion, options);
+  const double unseen = unseen_path.add(frame, step.translation().norm());
+  Matrix6 own = stepCovariance(frame.motion, options);
+  if (unseen > 0)
+  {
+    own.diagonal().head<3>().array() += unseen * unseen;
+    own.diagonal().tail<3>().array() += unseen_rotation * unseen_rotation;
+  }
   since_keyframe.add(step, own, frame.motion.pose_noise);
   const Vector6 lasting = (own - 2 * frame.motion.pose_noise).diagonal().cwiseMax(0);
   drift += lasting.head<3>().mean();
   drift_angle += lasting.tail<3>().mean();
-  path_length += step.translation().norm();
 }
 
 bool Backend::State::wantsKeyframe() const
@@ -140,7 +153,8 @@ void Backend::State::addKeyframe(const Frame& frame)
 {
   const std::size_t id = keyframes.size();
   Keyframe keyframe = keyframeOf(frame);
-  keyframe.path_length = path_length;
+  keyframe.path_length = path.length();
+  keyframe.unseen_path = unseen_path.length();
   keyframe.T_map_vehicle =
       id == 0 ? frame.T_odom_vehicle : keyframes.back().T_map_vehicle * since_keyframe.motion();
   graph.addPose(Key::ego(id), keyframe.T_map_vehicle);
@@ -249,22 +263,24 @@ void BackendOptions::describe(OptionsVisitor& visitor)
       "factors of the graph: odometry; ego: also loops; segmot: also objects, all as moving; "
       "full: also objects, static ones as landmarks");
   visitor.real("keyframe_distance", keyframe_distance, 0, 1000,
-               "a new keyframe after this distance [m]");
-  visitor.degrees("keyframe_angle_deg", keyframe_angle, 0, 180, "or after this turn");
+               "translation since the last keyframe after which a new one is added [m]");
+  visitor.degrees("keyframe_angle_deg", keyframe_angle, 0, 180,
+                  "rotation since the last keyframe after which a new one is added [deg]");
   visitor.real("unconverged_sigma_translation", unconverged_sigma_translation, 1e-6, 100,
-               "sigma of a step for which the odometry did not converge [m]");
+               "sigma of the translation of a step for which the odometry did not converge [m]");
   visitor.degrees("unconverged_sigma_rotation_deg", unconverged_sigma_rotation, 1e-5, 180,
-                  "the same for rotation");
+                  "sigma of the rotation of a step for which the odometry did not converge [deg]");
   visitor.real("residual_to_optimise", residual_to_optimise, 0, 1e6,
-               "optimise when the residual of a new loop exceeds this many standard deviations");
+               "whitened residual of a new loop above which the graph is optimised [sigmas]");
   visitor.integer("loops_to_optimise", loops_to_optimise, 1, 100000,
-                  "or after this many new loops");
+                  "number of new loops after which the graph is optimised");
   visitor.integer(
       "correction_keyframes", correction_keyframes, 0, 1000000,
       "newest keyframes optimised for a loop that is consistent with odometry and earlier loops; "
       "0: all");
   visitor.real("correction_growth", correction_growth, 0, 10,
-               "optimise all keyframes when their number has grown by this fraction");
+               "growth of the number of keyframes after which a loop optimises all of them again, "
+               "as a fraction");
 }
 
 Backend::Backend(const BackendConfig& config, KeyframeStore& keyframes)
@@ -278,6 +294,7 @@ Backend& Backend::operator=(Backend&&) noexcept = default;
 bool Backend::addOdometry(Frame& frame)
 {
   State& s = *state_;
+  s.path.add(frame.T_odom_vehicle.translation());
   if (!s.frames.empty())
   {
     s.accumulateOdometry(frame);
@@ -305,7 +322,9 @@ std::size_t Backend::addLoops(const Frame& frame)
   {
     return 0;
   }
-  s.closer.add(staticPoints(frame));
+  // Where a scan was not registered, its neighbours are not where the keyframe's pose says: within
+  // a submap its points would confirm whatever motion was predicted.
+  s.closer.add(frame.motion.converged ? staticPoints(frame) : std::vector<Eigen::Vector3f>());
   return s.insertLoops(s.closer.search());
 }
 
@@ -406,7 +425,7 @@ void Backend::exchangeState(StateArchive& archive)
 {
   State& s = *state_;
   archive(s.closer, s.graph, s.objects, s.frames, s.loops, s.correction, s.problems,
-          s.T_odom_keyframe, s.since_keyframe, s.T_odom_previous, s.path_length, s.drift,
+          s.T_odom_keyframe, s.since_keyframe, s.T_odom_previous, s.path, s.unseen_path, s.drift,
           s.drift_angle);
 }
 }  // namespace dyslam

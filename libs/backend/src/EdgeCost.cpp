@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "EdgeCost.h"
 
+#include <dyslam/core/Angle.h>
+
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <array>
-#include <cmath>
 
 namespace dyslam
 {
@@ -88,7 +89,7 @@ class PlanarEdgeCost final : public ceres::SizedCostFunction<3, 3, 3>
     const Eigen::Rotation2Dd back(-heading_);
     Eigen::Vector3d error;
     error.head<2>() = A * motion - back * translation_;
-    error.z() = std::remainder(j.z() - i.z() - heading_, 2 * M_PI);
+    error.z() = wrapAngle(j.z() - i.z() - heading_);
     Eigen::Map<Eigen::Vector3d>(residuals).noalias() = whitening_ * error;
     if (jacobians == nullptr)
     {

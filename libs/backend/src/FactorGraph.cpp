@@ -34,23 +34,25 @@ void requireFinite(const Key& key, bool finite)
 
 void FactorGraphOptions::describe(OptionsVisitor& visitor)
 {
-  visitor.integer("max_iterations", max_iterations, 0, 10000, "iterations of the solver");
+  visitor.integer("max_iterations", max_iterations, 0, 10000,
+                  "upper limit of the solver's iterations");
   visitor.real("tolerance", tolerance, 0, 1,
-               "stop when a step lowers the cost by less than this fraction");
+               "relative decrease of the cost in a step below which the solver stops");
   visitor.choice(
       "loop_loss", loop_loss,
       {{"none", RobustLoss::none}, {"cauchy", RobustLoss::cauchy}, {"dcs", RobustLoss::dcs}},
       "robust loss of loop factors");
   visitor.real("loop_loss_width", loop_loss_width, 1e-6, 1e6,
-               "width of the loss, a whitened residual");
+               "width of the robust loss of loop factors, as a whitened residual [sigmas]");
   visitor.real("odometry_sigma_scale", odometry_sigma_scale, 1, 1000,
-               "factor on the odometry's sigmas when loops are checked against it");
+               "factor on the odometry's sigmas where loops are checked against the odometry");
   visitor.choice(
       "object_loss", object_loss,
       {{"none", RobustLoss::none}, {"cauchy", RobustLoss::cauchy}, {"dcs", RobustLoss::dcs}},
-      "robust loss of observations of objects");
-  visitor.real("object_loss_width", object_loss_width, 1e-6, 1e6,
-               "width of the loss, a whitened residual");
+      "robust loss of object observation factors");
+  visitor.real(
+      "object_loss_width", object_loss_width, 1e-6, 1e6,
+      "width of the robust loss of object observation factors, as a whitened residual [sigmas]");
 }
 
 FactorGraph::Variable& FactorGraph::variable(const Key& key)
@@ -219,6 +221,25 @@ std::vector<FactorGraph::FactorId> FactorGraph::factorIds() const
     }
   }
   return ids;
+}
+
+void FactorGraph::leaveOut(FactorId loop)
+{
+  if (factor(loop).kind() != FactorKind::loop)
+  {
+    throw std::invalid_argument("factor " + std::to_string(loop) + ": is no loop");
+  }
+  left_out_.insert(loop);
+}
+
+std::vector<FactorGraph::FactorId> FactorGraph::usedLoops() const
+{
+  std::vector<FactorId> loops = factorIds();
+  loops.erase(std::remove_if(loops.begin(), loops.end(),
+                             [this](FactorId id)
+                             { return factor(id).kind() != FactorKind::loop || isLeftOut(id); }),
+              loops.end());
+  return loops;
 }
 
 double FactorGraph::whitenedResidual(FactorId id) const

@@ -95,7 +95,16 @@ void appendMeasurement(std::string& text, const Pose& pose)
   }
 }
 
-std::string factorLine(const Factor& factor)
+std::string relativePoseName(const Factor& factor, bool left_out)
+{
+  if (factor.kind() == FactorKind::odometry)
+  {
+    return "ODOMETRY";
+  }
+  return left_out ? "LEFT_OUT_LOOP" : "LOOP";
+}
+
+std::string factorLine(const Factor& factor, bool left_out)
 {
   const std::vector<Key>& keys = factor.keys();
   std::string text;
@@ -103,7 +112,7 @@ std::string factorLine(const Factor& factor)
   {
     case FactorKind::odometry:
     case FactorKind::loop:
-      text = factor.kind() == FactorKind::loop ? "LOOP" : "ODOMETRY";
+      text = relativePoseName(factor, left_out);
       append(text, keys[0].index);
       append(text, keys[1].index);
       appendMeasurement(text, factor.measurement());
@@ -317,7 +326,7 @@ std::unique_ptr<const Factor> readRelativePose(const std::string& kind, LineRead
     return std::make_unique<ObservationFactor>(from, to, T, information);
   }
   const auto index = static_cast<std::size_t>(to.index);
-  if (kind == "LOOP")
+  if (kind == "LOOP" || kind == "LEFT_OUT_LOOP")
   {
     return std::make_unique<LoopFactor>(from, index, T, information);
   }
@@ -357,7 +366,7 @@ void readLine(const TextFile& file, FactorGraph& graph, std::vector<std::string>
     return;
   }
   const bool is_motion = is({"OBJECT_MOTION", "SMOOTH_MOTION"});
-  if (!is_motion && !is({"ODOMETRY", "LOOP", "OBSERVATION"}))
+  if (!is_motion && !is({"ODOMETRY", "LOOP", "LEFT_OUT_LOOP", "OBSERVATION"}))
   {
     file.fail("'" + kind + "' is no kind of variable or factor of a factor graph");
   }
@@ -365,7 +374,12 @@ void readLine(const TextFile& file, FactorGraph& graph, std::vector<std::string>
   {
     LineReader line(file);
     (void)line.word();
-    graph.add(is_motion ? readMotion(kind, line) : readRelativePose(kind, line));
+    const FactorGraph::FactorId id =
+        graph.add(is_motion ? readMotion(kind, line) : readRelativePose(kind, line));
+    if (kind == "LEFT_OUT_LOOP")
+    {
+      graph.leaveOut(id);
+    }
   }
   catch (const std::invalid_argument& error)
   {
@@ -413,7 +427,7 @@ void writeFactorGraph(const FactorGraph& graph, const std::string& path)
                }
                for (const FactorGraph::FactorId id : graph.factorIds())
                {
-                 out << factorLine(graph.factor(id));
+                 out << factorLine(graph.factor(id), graph.isLeftOut(id));
                }
              });
 }

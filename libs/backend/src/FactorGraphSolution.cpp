@@ -13,7 +13,8 @@
 
 namespace dyslam
 {
-void FactorGraph::holdLooseParts(std::vector<Key>& free, std::vector<std::string>& warnings) const
+void FactorGraph::fixUnconstrainedParts(std::vector<Key>& free,
+                                        std::vector<std::string>& warnings) const
 {
   const auto indexOf = [&free](const Key& key)
   {
@@ -56,7 +57,7 @@ OptimisationResult FactorGraph::optimiseVariables(const FactorGraphOptions& opti
 {
   std::vector<std::string> warnings;
   std::vector<Key> free = wanted;
-  holdLooseParts(free, warnings);
+  fixUnconstrainedParts(free, warnings);
   OptimisationResult result;
   result.converged = true;
   result.reason = "nothing to optimise";

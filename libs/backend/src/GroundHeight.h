@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <dyslam/core/Quantile.h>
+
 #include <Eigen/Core>
-#include <algorithm>
 #include <cstddef>
 #include <vector>
 
@@ -25,8 +26,6 @@ namespace dyslam
   {
     return 0;
   }
-  const auto low = heights.begin() + static_cast<std::ptrdiff_t>(heights.size() / share);
-  std::nth_element(heights.begin(), low, heights.end());
-  return *low;
+  return lowQuantile(heights, share);
 }
 }  // namespace dyslam

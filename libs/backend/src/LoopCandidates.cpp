@@ -22,16 +22,27 @@ float difference(const PolarDescriptor::RingMeans& a, const PolarDescriptor::Rin
   return (Rings(a.data()) - Rings(b.data())).abs().sum();
 }
 
+/** Keyframes soon after one another tell nothing new, unless something unseen lies between. */
+bool areApart(const LoopCloserOptions& options, const PathBetween& path)
+{
+  return path.measured >= options.min_path || path.unseen > 0;
+}
+
 bool isMoreSimilar(const LoopCandidate& a, const LoopCandidate& b)
 {
   return std::make_pair(a.descriptor_distance, a.id) < std::make_pair(b.descriptor_distance, b.id);
 }
 }  // namespace
 
-double searchRadius(const LoopCloserOptions& options, double path)
+PathBetween pathBetween(const Keyframe& older, const Keyframe& newer)
+{
+  return {newer.path_length - older.path_length, newer.unseen_path - older.unseen_path};
+}
+
+double searchRadius(const LoopCloserOptions& options, const PathBetween& path)
 {
   return std::min(options.max_search_radius,
-                  options.search_radius + options.drift_per_metre * path);
+                  options.search_radius + options.drift_per_metre * path.measured + path.unseen);
 }
 
 PlaceViews::PlaceViews(const std::vector<Eigen::Vector3f>& points, double range)
@@ -40,6 +51,32 @@ PlaceViews::PlaceViews(const std::vector<Eigen::Vector3f>& points, double range)
   {
     views.push_back({static_cast<double>(y), PolarDescriptor(points, range, {0, y})});
   }
+}
+
+std::string PlaceViews::toBytes() const
+{
+  std::string bytes;
+  for (const View& view : views)
+  {
+    appendBytes(bytes, view.y);
+    bytes += view.descriptor.toBytes();
+  }
+  return bytes;
+}
+
+PlaceViews PlaceViews::fromBytes(std::string_view bytes)
+{
+  PlaceViews result;
+  const std::size_t size = PolarDescriptor().toBytes().size();
+  while (!bytes.empty())
+  {
+    View view;
+    takeBytes(bytes, view.y);
+    view.descriptor = PolarDescriptor::fromBytes(bytes);
+    bytes.remove_prefix(size);
+    result.views.push_back(view);
+  }
+  return result;
 }
 
 void LoopCandidates::add(const std::vector<Eigen::Vector3f>& points)
@@ -63,15 +100,15 @@ void LoopCandidates::shortlist(std::vector<Ranked>& ranked, std::size_t limit)
   ranked.resize(static_cast<std::size_t>(keep));
 }
 
-std::vector<LoopCandidate> LoopCandidates::near(const KeyframeStore& keyframes) const
+std::vector<LoopCandidate> LoopCandidates::byPosition(const KeyframeStore& keyframes) const
 {
   const std::size_t newest = descriptors_.size() - 1;
   const Keyframe& now = keyframes[newest];
   std::vector<Ranked> ranked;
   for (std::size_t i = 0; i < newest; ++i)
   {
-    const double path = now.path_length - keyframes[i].path_length;
-    if (path < options_.min_path)
+    const PathBetween path = pathBetween(keyframes[i], now);
+    if (!areApart(options_, path))
     {
       break;
     }
@@ -120,14 +157,14 @@ void LoopCandidates::addAlike(const PlaceViews::View& view,
   }
 }
 
-std::vector<LoopCandidate> LoopCandidates::alike(const KeyframeStore& keyframes) const
+std::vector<LoopCandidate> LoopCandidates::byAppearance(const KeyframeStore& keyframes) const
 {
   const std::size_t newest = descriptors_.size() - 1;
   const Keyframe& now = keyframes[newest];
   const auto isEligible = [&](std::size_t i)
   {
-    const double path = now.path_length - keyframes[i].path_length;
-    return path >= options_.min_path &&
+    const PathBetween path = pathBetween(keyframes[i], now);
+    return areApart(options_, path) &&
            (keyframes[i].T_map_vehicle.translation() - now.T_map_vehicle.translation()).norm() >=
                searchRadius(options_, path);
   };
@@ -135,13 +172,13 @@ std::vector<LoopCandidate> LoopCandidates::alike(const KeyframeStore& keyframes)
   {
     if (isEligible(i))  // else the views, which take milliseconds, are not needed
     {
-      return alike(keyframes, PlaceViews(points_, options_.descriptor_range), isEligible);
+      return byAppearance(keyframes, PlaceViews(points_, options_.descriptor_range), isEligible);
     }
   }
   return {};
 }
 
-std::vector<LoopCandidate> LoopCandidates::alike(
+std::vector<LoopCandidate> LoopCandidates::byAppearance(
     const KeyframeStore& keyframes,
     const PlaceViews& now,
     const std::function<bool(std::size_t)>& is_eligible) const

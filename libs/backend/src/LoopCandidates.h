@@ -6,6 +6,8 @@
 
 #include <cstddef>
 #include <functional>
+#include <string>
+#include <string_view>
 #include <vector>
 
 #include "PolarDescriptor.h"
@@ -17,8 +19,16 @@ class StateArchive;
 /** Share of the memory limit for the descriptors. */
 constexpr double descriptor_share = 0.05;
 
-/** Largest expected drift after `path` metres [m]. */
-[[nodiscard]] double searchRadius(const LoopCloserOptions& options, double path);
+/** What was driven from one keyframe to a later one of the same run. */
+struct PathBetween
+{
+  double measured = 0;  //!< [m]
+  double unseen = 0;    //!< at most, see Keyframe::unseen_path [m]
+};
+[[nodiscard]] PathBetween pathBetween(const Keyframe& older, const Keyframe& newer);
+
+/** Largest expected error of the newer keyframe's position in the older one's frame [m]. */
+[[nodiscard]] double searchRadius(const LoopCloserOptions& options, const PathBetween& path);
 
 struct LoopCandidate
 {
@@ -40,6 +50,11 @@ struct PlaceViews
     PolarDescriptor descriptor;
   };
   std::vector<View> views;
+
+  // For SwappedStore.
+  [[nodiscard]] std::size_t memory() const { return views.capacity() * sizeof(View); }
+  [[nodiscard]] std::string toBytes() const;
+  [[nodiscard]] static PlaceViews fromBytes(std::string_view bytes);
 };
 
 /** The appearance of all keyframes, and the older keyframes that the newest may revisit. */
@@ -56,11 +71,11 @@ class LoopCandidates
   [[nodiscard]] std::size_t size() const { return descriptors_.size(); }
 
   /** Keyframes near the newest one, the most similar first. */
-  [[nodiscard]] std::vector<LoopCandidate> near(const KeyframeStore& keyframes) const;
+  [[nodiscard]] std::vector<LoopCandidate> byPosition(const KeyframeStore& keyframes) const;
   /** Keyframes anywhere else of similar appearance, the most similar first, one of each place. */
-  [[nodiscard]] std::vector<LoopCandidate> alike(const KeyframeStore& keyframes) const;
+  [[nodiscard]] std::vector<LoopCandidate> byAppearance(const KeyframeStore& keyframes) const;
   /** The same of any keyframe, among those that are eligible. */
-  [[nodiscard]] std::vector<LoopCandidate> alike(
+  [[nodiscard]] std::vector<LoopCandidate> byAppearance(
       const KeyframeStore& keyframes,
       const PlaceViews& now,
       const std::function<bool(std::size_t)>& eligible) const;

@@ -44,16 +44,18 @@ LoopVerdict LoopCloser::State::judge(const Loop& loop,
                                      const Pose& T_from_to_estimate) const
 {
   const bool alike = loop.by_appearance;
-  const LoopVerdict fit = judgeFit(registration, limitsOf(options, alike));
+  const LoopVerdict fit = verifyRegistration(registration, limitsOf(options, alike));
   if (fit != LoopVerdict::accepted)
   {
     return fit;
   }
   const Pose correction = T_from_to_estimate.inverse() * loop.T_from_to;
-  const double path = keyframes[loop.to].path_length - keyframes[loop.from].path_length;
+  const PathBetween path = pathBetween(keyframes[loop.from], keyframes[loop.to]);
   const double farthest =
-      alike ? options.search_radius + options.appearance_drift * path : searchRadius(options, path);
-  const double turn = alike ? tiltOf(correction) : rotationAngle(correction);
+      alike ? options.search_radius + options.appearance_drift * path.measured + path.unseen
+            : searchRadius(options, path);
+  const bool knows_heading = !alike && path.unseen == 0;
+  const double turn = knows_heading ? rotationAngle(correction) : tiltOf(correction);
   if (correction.translation().norm() > farthest || turn > options.max_correction_angle)
   {
     return LoopVerdict::inconsistent;
@@ -98,7 +100,7 @@ Loop LoopCloser::State::verify(const LoopCandidate& candidate,
 bool LoopCloser::State::searchNear(const std::vector<Eigen::Vector3f>& source,
                                    std::vector<Loop>& rejected)
 {
-  for (const LoopCandidate& candidate : candidates.near(keyframes))
+  for (const LoopCandidate& candidate : candidates.byPosition(keyframes))
   {
     const Loop loop = verify(candidate, source, false);
     if (loop.verdict == LoopVerdict::accepted)
@@ -116,7 +118,7 @@ void LoopCloser::State::searchByAppearance(const std::vector<Eigen::Vector3f>& s
                                            std::vector<Loop>& rejected)
 {
   std::vector<Loop> fitting;
-  for (const LoopCandidate& candidate : candidates.alike(keyframes))
+  for (const LoopCandidate& candidate : candidates.byAppearance(keyframes))
   {
     const Loop loop = verify(candidate, source, true);
     const bool fits =
@@ -164,45 +166,66 @@ std::string toString(LoopVerdict verdict)
 void LoopCloserOptions::describe(OptionsVisitor& visitor)
 {
   visitor.real("min_path", min_path, 1, 1e5,
-               "least distance travelled between the two keyframes [m]");
-  visitor.real("search_radius", search_radius, 0, 1000, "around the newest keyframe [m]");
+               "least distance travelled between the two keyframes of a loop [m]");
+  visitor.real("search_radius", search_radius, 0, 1000,
+               "radius of the search for loops around the newest keyframe, without drift [m]");
   visitor.real("drift_per_metre", drift_per_metre, 0, 1,
-               "growth of the radius per metre travelled");
-  visitor.real("max_search_radius", max_search_radius, 0, 10000, "upper limit of the radius [m]");
+               "growth of the search radius per distance travelled since the older keyframe [m/m]");
+  visitor.real("max_search_radius", max_search_radius, 0, 10000,
+               "upper limit of the search radius with drift [m]");
   visitor.degrees("max_correction_angle_deg", max_correction_angle, 0, 180,
-                  "largest rotation of the estimate by a loop");
-  visitor.integer("interval", interval, 1, 1000, "search for loops at every n-th keyframe");
-  visitor.integer("candidates", candidates, 0, 100, "most candidates registered per keyframe");
-  visitor.real("max_descriptor_distance", max_descriptor_distance, 0, 1,
-               "descriptor distance of a candidate, from 0 (equal) to 1");
+                  "largest rotation of the estimate by a loop (by appearance: tilt) [deg]");
+  visitor.integer(
+      "interval", interval, 1, 1000,
+      "interval between keyframes that search for loops; 1: every keyframe [keyframes]");
+  visitor.integer("candidates", candidates, 0, 100,
+                  "most candidates within the search radius that are registered per keyframe");
+  visitor.real(
+      "max_descriptor_distance", max_descriptor_distance, 0, 1,
+      "largest descriptor distance of a candidate within the search radius, from 0 (equal) to 1");
   visitor.real("descriptor_range", descriptor_range, 5, 130,
-               "range of the points in the appearance descriptor [m]");
-  visitor.integer("submap_keyframes", submap_keyframes, 0, 50,
-                  "neighbours on each side merged into the submap");
-  visitor.real("voxel_size", voxel_size, 0.05, 5, "of the registered clouds [m]");
+               "largest range of the points in the appearance descriptor [m]");
+  visitor.integer(
+      "submap_keyframes", submap_keyframes, 0, 50,
+      "keyframes on each side of a loop's older keyframe that are merged into its submap");
+  visitor.real("voxel_size", voxel_size, 0.05, 5,
+               "voxel size of the clouds that are registered [m]");
   visitor.real("min_overlap", min_overlap, 0, 1,
-               "fraction of points above ground with a correspondence");
-  visitor.real("max_rmse", max_rmse, 0, 10, "of their point-to-plane distances [m]");
+               "least fraction of points above ground with a correspondence, for a loop within the "
+               "search radius");
+  visitor.real(
+      "max_rmse", max_rmse, 0, 10,
+      "largest RMSE of the point-to-plane residuals, for a loop within the search radius [m]");
   visitor.real("min_observability", min_observability, 0, 1,
-               "ratio of the weakest to the strongest direction of translation");
-  visitor.integer("min_support", min_support, 0, 100, "loops of nearby keyframes that must agree");
-  visitor.integer("support_window", support_window, 1, 1000,
-                  "keyframes that count as nearby for min_support");
+               "least ratio of the weakest to the strongest direction of translation, for a loop "
+               "within the search radius");
+  visitor.integer(
+      "min_support", min_support, 0, 100,
+      "least number of loops of nearby keyframes that agree with a loop within the search radius");
+  visitor.integer(
+      "support_window", support_window, 1, 1000,
+      "number of keyframes that count as nearby for min_support and appearance_support");
   visitor.flag("appearance", appearance,
                "search for loops beyond the search radius, by appearance alone");
   visitor.integer("appearance_candidates", appearance_candidates, 1, 100,
-                  "most places registered per keyframe");
+                  "most candidates by appearance that are registered per keyframe");
   visitor.real("appearance_descriptor_distance", appearance_descriptor_distance, 0, 1,
-               "max_descriptor_distance of loops by appearance");
-  visitor.real("appearance_overlap", appearance_overlap, 0, 1, "their min_overlap");
-  visitor.real("appearance_rmse", appearance_rmse, 0, 10, "their max_rmse [m]");
+               "largest descriptor distance of a candidate by appearance, from 0 (equal) to 1");
+  visitor.real(
+      "appearance_overlap", appearance_overlap, 0, 1,
+      "least fraction of points above ground with a correspondence, for a loop by appearance");
+  visitor.real("appearance_rmse", appearance_rmse, 0, 10,
+               "largest RMSE of the point-to-plane residuals, for a loop by appearance [m]");
   visitor.real("appearance_observability", appearance_observability, 0, 1,
-               "their min_observability");
-  visitor.integer("appearance_support", appearance_support, 0, 100, "their min_support");
+               "least ratio of the weakest to the strongest direction of translation, for a loop "
+               "by appearance");
+  visitor.integer("appearance_support", appearance_support, 0, 100,
+                  "least number of loops of nearby keyframes that agree with a loop by appearance");
   visitor.real("appearance_drift", appearance_drift, 0, 10,
-               "largest drift of the odometry, as a fraction of the path");
+               "largest drift of the odometry that a loop by appearance corrects, per distance "
+               "travelled [m/m]");
   visitor.real("place_distance", place_distance, 0, 1000,
-               "keyframes farther apart count as different places [m]");
+               "distance beyond which candidates by appearance count as different places [m]");
 }
 
 LoopCloser::LoopCloser(const LoopCloserOptions& options, KeyframeStore& keyframes)

@@ -55,7 +55,11 @@ RegistrationTarget submapAround(const KeyframeStore& keyframes,
   std::vector<Eigen::Vector3f> points;
   for (std::size_t i = first; i <= last; ++i)
   {
-    append(keyframes.loopCloud(i), T_id_map * keyframes[i].T_map_vehicle, points);
+    // Beyond an unseen stretch they are not where they seem to be.
+    if (keyframes[i].unseen_path == keyframes[id].unseen_path)
+    {
+      append(keyframes.loopCloud(i), T_id_map * keyframes[i].T_map_vehicle, points);
+    }
   }
   return RegistrationTarget(voxelDownsample(points, options.voxel_size, VoxelPick::centroid).points,
                             {});
@@ -70,7 +74,8 @@ KeyframeRegistrationResult registerFrom(RegistrationTarget& target,
                                   .value_or(T_target_source_initial));
 }
 
-LoopVerdict judgeFit(const KeyframeRegistrationResult& registration, const LoopLimits& limits)
+LoopVerdict verifyRegistration(const KeyframeRegistrationResult& registration,
+                               const LoopLimits& limits)
 {
   if (!registration.converged)
   {

@@ -38,8 +38,8 @@ struct KeyframeRange
 [[nodiscard]] PackedCloud loopCloudOf(const std::vector<Eigen::Vector3f>& static_points,
                                       const LoopCloserOptions& options);
 
-/** Points around keyframe `id` from it and its neighbours within `range`, in its frame, ready to be
- * registered to. */
+/** Points around keyframe `id` from it and its neighbours within `range` with nothing unseen in
+ * between, in its frame, ready to be registered to. */
 [[nodiscard]] RegistrationTarget submapAround(const KeyframeStore& keyframes,
                                               std::size_t id,
                                               const KeyframeRange& range,
@@ -52,8 +52,8 @@ struct KeyframeRange
                                                       const Pose& T_target_source_initial);
 
 /** Accepted, or the criterion that the registration fails. */
-[[nodiscard]] LoopVerdict judgeFit(const KeyframeRegistrationResult& registration,
-                                   const LoopLimits& limits);
+[[nodiscard]] LoopVerdict verifyRegistration(const KeyframeRegistrationResult& registration,
+                                             const LoopLimits& limits);
 
 /** Copies the registration's result into the loop. */
 void fillFrom(const KeyframeRegistrationResult& registration, Loop& loop);

@@ -98,16 +98,10 @@ void ObjectGraph::decide(const ObjectKey& key, Object& object) const
   {
     object.state = State::moving;
   }
-  else if (object.state == State::undecided && object.fast == 0 && stands(object))
+  else if (object.state == State::undecided && object.fast == 0 &&
+           (object.landmark || !landmarks_) && stands(object))
   {
-    if (!landmarks_)
-    {
-      object.state = State::moving;  // at rest
-    }
-    else if (object.landmark)
-    {
-      object.state = State::stationary;
-    }
+    object.state = landmarks_ ? State::stationary : State::moving;  // moving, at rest
   }
 }
 }  // namespace dyslam

@@ -59,35 +59,42 @@ bool isReversed(const Pose& a, const Pose& b)
 
 void ObjectGraphOptions::describe(OptionsVisitor& v)
 {
-  v.real("max_range", max_range, 0, 1000, "of observations added to the graph [m]");
+  v.real("max_range", max_range, 0, 1000,
+         "largest range of object observations that are added to the graph [m]");
   v.integer("min_observations", min_observations, 2, 10000,
-            "of an object before it is added to the graph");
+            "least number of observations of an object before it is added to the graph");
   v.real("max_gap", max_gap, 0, 100,
-         "largest gap between observations linked by a motion factor [s]");
-  v.real("max_jump", max_jump, 0, 1000,
-         "largest distance from the predicted position; beyond, there is no motion factor [m]");
+         "largest time between two observations that a motion factor links [s]");
+  v.real(
+      "max_jump", max_jump, 0, 1000,
+      "largest distance of an object from its predicted position that a motion factor allows [m]");
   v.real("moving_speed", moving_speed, 0, 100,
-         "an object that was ever significantly faster is dynamic [m/s]");
-  v.real("speed_window", speed_window, 0.1, 100, "window of the speed estimate [s]");
+         "speed above which an object is dynamic, if exceeded significantly [m/s]");
+  v.real("speed_window", speed_window, 0.1, 100, "time window of an object's speed estimate [s]");
   v.real("max_static_motion", max_static_motion, 0, 1000,
-         "an object displaced by more than this is dynamic [m]");
+         "displacement beyond which an object is dynamic, in addition to the odometry's drift [m]");
   v.real("min_static_time", min_static_time, 0, 1000,
-         "an object observed at one place for this long is static [s]");
+         "least time that an object is observed at one place before it is static [s]");
   v.real("static_sigma_scale", static_sigma_scale, 0.1, 100,
          "factor on the sigmas of observations of static objects, whose errors are correlated");
   v.integer("static_saturation", static_saturation, 1, 1000000,
             "keyframes after which further observations of a static object add no information");
-  v.real("moving_sigma_scale", moving_sigma_scale, 0.1, 100, "the same for moving objects");
-  v.degrees("tilt_sigma_deg", tilt_sigma, 0.01, 90, "sigma of an object's roll and pitch");
-  v.real("acceleration_sigma", acceleration_sigma, 1e-3, 1000, "sigma, of a moving object [m/s^2]");
+  v.real("moving_sigma_scale", moving_sigma_scale, 0.1, 100,
+         "factor on the sigmas of observations of moving objects, whose errors are correlated");
+  v.degrees("tilt_sigma_deg", tilt_sigma, 0.01, 90, "sigma of an object's roll and pitch [deg]");
+  v.real("acceleration_sigma", acceleration_sigma, 1e-3, 1000,
+         "sigma of a moving object's acceleration [m/s^2]");
   v.degrees("angular_acceleration_sigma_deg", angular_acceleration_sigma, 0.1, 10000,
-            "sigma, about the vertical axis, per second squared");
-  v.real("motion_sigma", motion_sigma, 1e-4, 100, "sigma of a velocity within one time step [m/s]");
+            "sigma of a moving object's angular acceleration [deg/s^2]");
+  v.real("motion_sigma", motion_sigma, 1e-4, 100,
+         "sigma of a moving object's motion about its velocity within one time step [m/s]");
   v.degrees("angular_motion_sigma_deg", angular_motion_sigma, 0.01, 10000,
-            "the same for rotation, per second");
-  v.real("window", window, 0, 1e6, "poses of moving objects older than this are held fixed [s]");
+            "sigma of a moving object's rotation about its angular velocity within one time step "
+            "[deg/s]");
+  v.real("window", window, 0, 1e6, "age above which poses of moving objects are held fixed [s]");
   v.integer("window_keyframes", window_keyframes, 0, 1000000,
-            "older ego poses are held fixed; 0: nothing is optimised until a loop or the end");
+            "newest ego poses optimised with the objects; 0: nothing is optimised until a loop or "
+            "the end");
 }
 
 ObjectGraph::ObjectGraph(const ObjectGraphOptions& options, bool landmarks, FactorGraph& graph)

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "PolarDescriptor.h"
 
+#include <dyslam/core/Angle.h>
+#include <dyslam/core/SwappedStore.h>
+
 #include <algorithm>
 #include <bitset>
 #include <cmath>
@@ -94,8 +97,8 @@ PolarDescriptor::Match PolarDescriptor::match(const Columns& ours, const Columns
     if (distance < best.distance)
     {
       best.distance = distance;
-      best.heading = std::remainder(
-          2 * M_PI * static_cast<double>(shift) / static_cast<double>(sectors), 2 * M_PI);
+      best.heading =
+          wrapAngle(2 * M_PI * static_cast<double>(shift) / static_cast<double>(sectors));
     }
   }
   return best;

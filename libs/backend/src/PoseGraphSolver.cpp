@@ -158,18 +158,19 @@ void optimise(GraphData& data, const PoseGraphSolverOptions& options, PoseGraphR
 
 void PoseGraphSolverOptions::describe(OptionsVisitor& visitor)
 {
-  visitor.integer("max_iterations", max_iterations, 0, 10000, "iterations of the solver");
+  visitor.integer("max_iterations", max_iterations, 0, 10000,
+                  "upper limit of the solver's iterations");
   visitor.real("tolerance", tolerance, 0, 1,
-               "stop when a step lowers the cost by less than this fraction");
+               "relative decrease of the cost in a step below which the solver stops");
   visitor.choice("residual", residual, {{"log", EdgeResidual::log}, {"g2o", EdgeResidual::g2o}},
                  "parametrisation of an edge's residual");
   visitor.choice("start", start, {{"file", GraphStart::file}, {"chordal", GraphStart::chordal}},
-                 "initial values of the poses");
+                 "initial values of the poses: those of the file, or chordal initialisation");
   visitor.choice(
       "indefinite_information", indefinite_information,
       {{"error", IndefiniteInformation::error}, {"project", IndefiniteInformation::project}},
-      "edges whose information is not positive definite");
-  visitor.integer("threads", threads, 1, 256, "threads");
+      "treatment of edges whose information matrix is not positive definite");
+  visitor.integer("threads", threads, 1, 256, "threads of the solver");
 }
 
 PoseGraphSolver::PoseGraphSolver(const PoseGraphSolverOptions& options) : options_(options)

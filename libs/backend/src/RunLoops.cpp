@@ -36,7 +36,8 @@ void takeAccepted(std::vector<Loop>&& decided, std::vector<Loop>& accepted)
 RunLoops::RunLoops(const LoopCloserOptions& options, KeyframeStore& keyframes)
     : options_(options),
       keyframes_(keyframes),
-      candidates_(withoutPoints(options), keyframes.memory().part(descriptor_share))
+      candidates_(withoutPoints(options), keyframes.memory().part(descriptor_share)),
+      views_(keyframes.memory().part(descriptor_share))
 {
 }
 
@@ -44,7 +45,7 @@ void RunLoops::add(const std::vector<Eigen::Vector3f>& static_points)
 {
   keyframes_.setLoopCloud(candidates_.size(), loopCloudOf(static_points, options_));
   candidates_.add(static_points);
-  views_.emplace_back(static_points, options_.descriptor_range);
+  (void)views_.add(PlaceViews(static_points, options_.descriptor_range));
 }
 
 Loop RunLoops::verify(const LoopCandidate& candidate,
@@ -61,11 +62,11 @@ Loop RunLoops::verify(const LoopCandidate& candidate,
   const KeyframeRegistrationResult registration =
       registerFrom(target, keyframes_.loopCloud(keyframe).unpacked().points, candidate.T_from_to);
   fillFrom(registration, loop);
-  loop.verdict = judgeFit(registration, limitsOf(options_, by_appearance));
+  loop.verdict = verifyRegistration(registration, limitsOf(options_, by_appearance));
   return loop;
 }
 
-std::vector<Loop> RunLoops::alike(const KeyframeRange& older, const KeyframeRange& newer)
+std::vector<Loop> RunLoops::byAppearance(const KeyframeRange& older, const KeyframeRange& newer)
 {
   LoopAgreement agreement(options_.appearance_support, options_.appearance_support,
                           options_.support_window);
@@ -73,8 +74,8 @@ std::vector<Loop> RunLoops::alike(const KeyframeRange& older, const KeyframeRang
   for (std::size_t k = newer.begin; k < newer.end; k += static_cast<std::size_t>(options_.interval))
   {
     std::vector<Loop> fitting;
-    for (const LoopCandidate& candidate :
-         candidates_.alike(keyframes_, views_[k], [&](std::size_t i) { return older.contains(i); }))
+    for (const LoopCandidate& candidate : candidates_.byAppearance(
+             keyframes_, views_.get(k), [&](std::size_t i) { return older.contains(i); }))
     {
       const Loop loop = verify(candidate, k, older, true);
       if (loop.verdict == LoopVerdict::accepted &&
@@ -93,9 +94,9 @@ std::vector<Loop> RunLoops::alike(const KeyframeRange& older, const KeyframeRang
   return accepted;
 }
 
-NearLoops RunLoops::near(const KeyframeRange& older,
-                         const KeyframeRange& newer,
-                         const std::vector<double>& reach)
+NearLoops RunLoops::byPosition(const KeyframeRange& older,
+                               const KeyframeRange& newer,
+                               const std::vector<double>& reach)
 {
   LoopAgreement agreement(options_.min_support, options_.min_support, options_.support_window);
   NearLoops result;

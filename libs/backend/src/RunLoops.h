@@ -3,6 +3,7 @@
 
 #include <dyslam/backend/LoopCloser.h>
 #include <dyslam/core/KeyframeStore.h>
+#include <dyslam/core/SwappedStore.h>
 
 #include <Eigen/Core>
 #include <cstddef>
@@ -34,13 +35,14 @@ class RunLoops
 
   /** Loops from keyframes of one run to another's, by appearance alone: positions are not compared,
    * since the relative pose of the two runs is unknown. */
-  [[nodiscard]] std::vector<Loop> alike(const KeyframeRange& older, const KeyframeRange& newer);
+  [[nodiscard]] std::vector<Loop> byAppearance(const KeyframeRange& older,
+                                               const KeyframeRange& newer);
 
   /** Loops to the nearest keyframe of the other run. \param reach for every keyframe of `newer`,
    * largest expected error of the poses [m] */
-  [[nodiscard]] NearLoops near(const KeyframeRange& older,
-                               const KeyframeRange& newer,
-                               const std::vector<double>& reach);
+  [[nodiscard]] NearLoops byPosition(const KeyframeRange& older,
+                                     const KeyframeRange& newer,
+                                     const std::vector<double>& reach);
 
   /** Whether two loops between the same runs agree on their relative pose, up to the drift in
    * between. */
@@ -55,6 +57,6 @@ class RunLoops
   LoopCloserOptions options_;
   KeyframeStore& keyframes_;
   LoopCandidates candidates_;
-  std::vector<PlaceViews> views_;  //!< of every keyframe
+  SwappedStore<PlaceViews> views_;  //!< of every keyframe
 };
 }  // namespace dyslam

@@ -44,12 +44,13 @@ void RunMergerOptions::describe(OptionsVisitor& visitor)
 {
   visitor.real(
       "min_confirmed", min_confirmed, 0, 1,
-      "fraction of the keyframes near those of other runs that a registration must confirm");
+      "least fraction of the keyframes near those of other runs that registrations confirm");
 }
 
 struct RunMerger::State
 {
-  explicit State(const RunMergerConfig& given) : config(given), finder(given.loops, keyframes)
+  explicit State(const RunMergerConfig& given)
+      : config(given), keyframes(given.memory), finder(given.loops, keyframes)
   {
     validate(config.merge, "merge");
     validate(config.loops, "loop");
@@ -102,7 +103,7 @@ void RunMerger::State::findSeeds()
     for (std::size_t a = 0; a < b; ++a)
     {
       pairs.emplace_back(a, b);
-      seeds.push_back(finder.alike(runs[a].range, runs[b].range));
+      seeds.push_back(finder.byAppearance(runs[a].range, runs[b].range));
     }
   }
 }
@@ -189,7 +190,7 @@ std::vector<double> RunMerger::State::reachOf(const Run& run, const std::vector<
       const std::size_t end = run.range.contains(loop.to) ? loop.to : loop.from;
       path = std::min(path, std::abs(keyframes[k].path_length - keyframes[end].path_length));
     }
-    reach.push_back(searchRadius(config.loops, path));
+    reach.push_back(searchRadius(config.loops, {path, 0}));
   }
   return reach;
 }
@@ -204,7 +205,7 @@ NearLoops RunMerger::State::loopsAround(const Run& run, const std::vector<Loop>&
     {
       continue;
     }
-    const NearLoops some = finder.near(other.range, run.range, reach);
+    const NearLoops some = finder.byPosition(other.range, run.range, reach);
     all.accepted.insert(all.accepted.end(), some.accepted.begin(), some.accepted.end());
     all.tried += some.tried;
     all.confirmed += some.confirmed;
@@ -354,7 +355,8 @@ void RunMerger::addRun(const FactorGraph& graph)
   for (const FactorGraph::FactorId id : graph.factorIds())
   {
     const Factor& factor = graph.factor(id);
-    if (factor.kind() == FactorKind::odometry || factor.kind() == FactorKind::loop)
+    if (factor.kind() == FactorKind::odometry ||
+        (factor.kind() == FactorKind::loop && !graph.isLeftOut(id)))
     {
       run.edges.push_back({factor.kind() == FactorKind::loop,
                            run.range.begin + static_cast<std::size_t>(factor.keys()[0].index),

@@ -6,6 +6,8 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
+#include <cmath>
+#include <random>
 
 #include "SyntheticScans.h"
 
@@ -197,16 +199,17 @@ TEST(Backend, EdgesCarryTheComposedMotionAndCovariance)
 
 TEST(Backend, UnconvergedOdometryOrInvalidInformationMeansLittleTrust)
 {
-  double information[3] = {0, 0, 0};
-  for (int kind = 0; kind < 3; ++kind)
+  const double own[4] = {1e8, 1e8, NAN, 0.01};
+  double information[4] = {0, 0, 0, 0};
+  for (int kind = 0; kind < 4; ++kind)
   {
     BackendRun run;
     for (std::size_t i = 0; i < 2; ++i)
     {
       Frame frame;
       frame.index = i;
-      frame.motion.converged = kind != 1;
-      frame.motion.information = (kind == 2 ? NAN : 1e8) * Matrix6::Identity();
+      frame.motion.converged = kind == 0 || kind == 2;
+      frame.motion.information = own[kind] * Matrix6::Identity();
       frame.T_odom_vehicle = poseFromYpr(2.0 * static_cast<double>(i), 0, 0, 0, 0, 0);
       run.backend.addFrame(frame);
     }
@@ -216,6 +219,86 @@ TEST(Backend, UnconvergedOdometryOrInvalidInformationMeansLittleTrust)
   const double fallback = BackendOptions().unconverged_sigma_translation;
   EXPECT_NEAR(information[1], 1 / (fallback * fallback), 0.01);
   EXPECT_NEAR(information[2], 1 / (fallback * fallback), 0.01);
+  EXPECT_NEAR(information[3], 1 / (fallback * fallback + 1 / own[3]), 1e-4) << "after a gap";
+}
+
+TEST(Backend, ScansThatWereNotRegisteredMakeNoLoops)
+{
+  const BoxWorld world(21, 30, 20);
+  Drive drive = makeDrive(world, driveAround(30, 20, 250, 0.75), 0.0008, 0.01);
+  for (std::size_t i = 16; i < 32; ++i)
+  {
+    drive.frames[i].motion.converged = false;
+  }
+  const BackendRun run(drive);
+  std::size_t accepted = 0;
+  for (const Loop& loop : run.backend.loops())
+  {
+    if (loop.verdict == LoopVerdict::accepted)
+    {
+      const std::size_t frame = run.keyframes[loop.from].frame;
+      EXPECT_TRUE(frame < 16 || frame >= 32) << frame;
+      ++accepted;
+    }
+  }
+  EXPECT_GT(accepted, 5U);
+}
+
+TEST(Backend, StandingStillIsNoPath)
+{
+  std::mt19937 rng(1);
+  std::normal_distribution<double> jitter(0, 0.0007);
+  BackendRun run;
+  for (std::size_t i = 0; i < 5000; ++i)
+  {
+    Frame frame;
+    frame.index = i;
+    frame.motion.converged = true;
+    frame.motion.information = 1e6 * Matrix6::Identity();
+    const double x = i < 4000 ? 0 : 0.01 * static_cast<double>(i - 4000);
+    frame.T_odom_vehicle = poseFromYpr(x + jitter(rng), jitter(rng), jitter(rng), 0, 0, 0);
+    run.backend.addFrame(frame);
+  }
+  ASSERT_GT(run.keyframes.size(), 5U);
+  const Keyframe& last = run.keyframes.back();
+  EXPECT_NEAR(last.path_length, last.T_map_vehicle.translation().x(), 0.12);
+}
+
+/** Ten metres a second, but for scans that are not registered. */
+TEST(Backend, WhatMayHaveBeenDrivenUnseenIsCounted)
+{
+  struct Step
+  {
+    double dt;
+    bool registered;
+    bool restarted;
+    double unseen;  // expected after it
+  };
+  const std::vector<Step> steps = {
+      {0.1, true, false, 0},    {0.1, false, false, 0},    {0.1, true, false, 0},
+      {5.0, true, false, 0},    {20.0, false, false, 200}, {0.1, false, false, 200},
+      {0.1, false, true, 210},  {0.1, true, false, 210},   {1.0, false, false, 210},
+      {1.0, false, false, 210}, {0.1, false, true, 231},   {0.1, true, false, 231}};
+  BackendOptions options;
+  options.keyframe_distance = 0.5;
+  BackendRun run(options);
+  Frame first;
+  run.backend.addFrame(first);
+  double x = 0;
+  for (const Step& step : steps)
+  {
+    Frame frame;
+    frame.index = run.keyframes.size();
+    frame.dt = step.dt;
+    frame.sweep_duration = 0.1;
+    frame.motion.converged = step.registered;
+    frame.motion.map_restarted = step.restarted;
+    x += 10 * std::min(step.dt, 2.0);
+    frame.T_odom_vehicle = poseFromYpr(x, 0, 0, 0, 0, 0);
+    run.backend.addFrame(frame);
+    EXPECT_NEAR(run.keyframes.back().unseen_path, step.unseen, 1e-9) << x;
+    EXPECT_NEAR(run.keyframes.back().path_length, x, 1e-9);
+  }
 }
 
 /** A straight drive past one parked car that is observed at every scan. */

@@ -10,6 +10,7 @@
 #include <fstream>
 #include <iterator>
 #include <set>
+#include <stdexcept>
 
 #include "NoisyDrive.h"
 
@@ -86,6 +87,7 @@ FactorGraph everyKind()
 TEST_F(FactorGraphFile, WrittenReadAndWrittenIsTheSame)
 {
   FactorGraph graph = everyKind();
+  graph.leaveOut(graph.usedLoops().at(1));
   writeFactorGraph(graph, file("a.txt"));
   EXPECT_FALSE(fs::exists(file("a.txt.tmp")));
   std::vector<std::string> warnings;
@@ -112,10 +114,31 @@ TEST_F(FactorGraphFile, WrittenReadAndWrittenIsTheSame)
     EXPECT_EQ(copy.factor(copied[i]).keys(), graph.factor(ids[i]).keys());
     EXPECT_EQ(copy.factor(copied[i]).information(), graph.factor(ids[i]).information());
     EXPECT_EQ(copy.whitenedResidual(copied[i]), graph.whitenedResidual(ids[i]));
+    EXPECT_EQ(copy.isLeftOut(copied[i]), graph.isLeftOut(ids[i]));
   }
+  EXPECT_EQ(copy.leftOutLoops(), 1U);
   EXPECT_EQ(kinds.size(), 5U);
   const double chi2 = graph.optimise({}).final_chi2;
   EXPECT_EQ(copy.optimise({}).final_chi2, chi2);
+}
+
+TEST_F(FactorGraphFile, LoopsThatAreLeftOutAreMarked)
+{
+  test::NoisyDrive drive(1);
+  std::vector<test::LoopMeasurement> loops = drive.threeTrueLoops();
+  loops.push_back(drive.trueLoop(40, 190));
+  loops.back().T_from_to.translation().x() += 10;
+  FactorGraph graph = drive.graph(loops);
+  EXPECT_EQ(graph.usedLoops().size(), 4U);
+  (void)graph.optimise({});
+  ASSERT_EQ(graph.usedLoops().size(), 3U);
+  EXPECT_EQ(graph.leftOutLoops(), 1U);
+  writeFactorGraph(graph, file("graph.txt"));
+  const std::string text = contentOf(file("graph.txt"));
+  EXPECT_NE(text.find("\nLEFT_OUT_LOOP 40 190 "), std::string::npos);
+  EXPECT_EQ(text.find("\nLOOP 40 190 "), std::string::npos);
+  EXPECT_NE(text.find("\nLOOP 70 221 "), std::string::npos);
+  EXPECT_THROW(graph.leaveOut(graph.factorIds().front()), std::invalid_argument) << "odometry";
 }
 
 TEST_F(FactorGraphFile, EmptyGraph)

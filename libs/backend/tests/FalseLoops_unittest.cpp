@@ -112,6 +112,44 @@ TEST(FalseLoops, FiveThatAgreeDoNotBendTheTrajectory)
   EXPECT_LT(worstShift(agreeingLoops), 0.01);
 }
 
+/** The step from keyframe 100 on was predicted, 63 m and 60 degrees off: its covariance says so. */
+TEST(FalseLoops, AcrossAGapTrueOnesAreKeptAndFalseOnesLeftOut)
+{
+  for (unsigned seed = 1; seed <= 12; ++seed)
+  {
+    NoisyDrive drive(seed);
+    drive.steps[100] = drive.steps[100] * poseFromYpr(60, -20, 1, 1.05, 0, 0);
+    drive.weak_steps[100] = test::diagonalInformation(30, 0.5);
+    std::vector<LoopMeasurement> loops = drive.threeTrueLoops();
+    loops.push_back(drive.trueLoop(30, 181));
+    FactorGraph clean = drive.graph(loops);
+    EXPECT_EQ(clean.optimise({}).false_loops, 0U) << seed;
+    EXPECT_LT(test::largestError(clean, drive.truth), 1) << seed;
+    for (const LoopMeasurement& loop : randomLoops(drive, 5))
+    {
+      loops.push_back(loop);
+    }
+    FactorGraph graph = drive.graph(loops);
+    EXPECT_EQ(graph.optimise({}).false_loops, 5U) << seed;
+    EXPECT_LT(test::largestShift(clean, graph), 0.01) << seed;
+  }
+}
+
+/** The first loop after a gap is no contradiction, however far it moves what comes after. */
+TEST(FalseLoops, TheOnlyLoopAcrossAGapIsKept)
+{
+  for (const double far : {20.0, 60.0, 200.0})
+  {
+    NoisyDrive drive(1);
+    drive.steps[100] = drive.steps[100] * poseFromYpr(far, 0, 0, 0.5, 0, 0);
+    drive.weak_steps[100] = test::diagonalInformation(30, 0.5);
+    FactorGraph graph =
+        drive.graph({drive.trueLoop(120, 270), drive.trueLoop(124, 274), drive.trueLoop(30, 181)});
+    EXPECT_EQ(graph.optimise({}).false_loops, 0U) << far;
+    EXPECT_LT(test::largestError(graph, drive.truth), 1) << far;
+  }
+}
+
 TEST(FalseLoops, OneSlightlyWrongAmongTrueOnesIsLeftOut)
 {
   for (const double scale : {1.0, 3.0})

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cstddef>
 #include <map>
 #include <set>
 #include <stdexcept>
@@ -37,10 +38,12 @@ std::vector<Pose> drifted(const std::vector<Pose>& truth, double turn, double st
   return result;
 }
 
+/** \param unseen path of each keyframe [m]; none: 0 */
 std::vector<Loop> runThrough(const BoxWorld& world,
                              const std::vector<Pose>& truth,
                              const std::vector<Pose>& estimate,
-                             const LoopCloserOptions& options = {})
+                             const LoopCloserOptions& options = {},
+                             const std::vector<double>& unseen = {})
 {
   KeyframeStore keyframes;
   LoopCloser closer(options, keyframes);
@@ -51,6 +54,7 @@ std::vector<Loop> runThrough(const BoxWorld& world,
     path += i == 0 ? 0 : (truth[i].translation() - truth[i - 1].translation()).norm();
     Keyframe keyframe;
     keyframe.path_length = path;
+    keyframe.unseen_path = unseen.empty() ? 0 : unseen[i];
     keyframe.T_map_vehicle = estimate[i];
     keyframes.add(keyframe);
     closer.add(world.scan(truth[i], static_cast<unsigned>(i)));
@@ -220,6 +224,69 @@ TEST(LoopCloser, AcceptsNothingWhereNothingIsSeenAgain)
   {
     EXPECT_NE(loop.verdict, LoopVerdict::accepted)
         << loop.from << " " << loop.to << " overlap " << loop.overlap << " rmse " << loop.rmse;
+  }
+}
+
+/** The poses from keyframe `gap` on, moved by T_wrong in the frame of the first one: a drive that
+ * was not measured there. */
+std::vector<Pose> wrongAfter(std::vector<Pose> poses, std::size_t gap, const Pose& T_wrong)
+{
+  const Pose T = poses.front() * T_wrong * poses.front().inverse();
+  for (std::size_t i = gap; i < poses.size(); ++i)
+  {
+    poses[i] = T * poses[i];
+  }
+  return poses;
+}
+
+std::vector<double> unseenAfter(std::size_t count, std::size_t gap, double unseen)
+{
+  std::vector<double> result(count, 0.0);
+  std::fill(result.begin() + static_cast<std::ptrdiff_t>(gap), result.end(), unseen);
+  return result;
+}
+
+TEST(LoopCloser, FindsPlacesAgainAcrossAGapHoweverFarItIs)
+{
+  const BoxWorld world(11, 30, 20);
+  const std::vector<Pose> truth = driveAround(30, 20, 240, 1.5);
+  const std::vector<Pose> estimate = wrongAfter(truth, 50, poseFromYpr(150, 0, 0, 1, 0, 0));
+  std::vector<Loop> loops = runThrough(world, truth, estimate);
+  EXPECT_EQ(acceptedOf(loops, truth).by_appearance, 0) << "farther than odometry drifts";
+  loops = runThrough(world, truth, estimate, {}, unseenAfter(truth.size(), 50, 160));
+  EXPECT_GT(acceptedOf(loops, truth).by_appearance, 6) << textOf(loops);
+}
+
+TEST(LoopCloser, TheHeadingAfterAGapIsUnknown)
+{
+  const BoxWorld world(11, 30, 20);
+  const std::vector<Pose> truth = driveAround(30, 20, 215, 1.5);
+  const std::vector<Pose> estimate = wrongAfter(truth, 50, poseFromYpr(5, 0, 0, 1.1, 0, 0));
+  LoopCloserOptions options;
+  options.appearance = false;
+  options.candidates = 4;
+  std::vector<Loop> loops = runThrough(world, truth, estimate, options);
+  EXPECT_EQ(acceptedOf(loops, truth).nearby, 0);
+  loops = runThrough(world, truth, estimate, options, unseenAfter(truth.size(), 50, 20));
+  EXPECT_GT(acceptedOf(loops, truth).nearby, 4) << textOf(loops);
+}
+
+/** The scans after a restart of the local map see the same place as those before. */
+TEST(LoopCloser, ConnectsTheTwoSidesOfARestart)
+{
+  const BoxWorld world(12, 30, 20);
+  const std::vector<Pose> truth = driveAround(30, 20, 60, 1.5);
+  constexpr std::size_t restart = 25;
+  const std::vector<Pose> estimate = wrongAfter(truth, restart, poseFromYpr(3, 2, 0, 0.1, 0, 0));
+  LoopCloserOptions options;
+  options.appearance = false;
+  options.max_descriptor_distance = 1;  // leave it all to the verification
+  const std::vector<Loop> loops =
+      runThrough(world, truth, estimate, options, unseenAfter(truth.size(), restart, 10));
+  EXPECT_GT(acceptedOf(loops, truth).nearby, 2) << textOf(loops);
+  for (const Loop& loop : loops)
+  {
+    EXPECT_TRUE(loop.from < restart && loop.to >= restart) << loop.from << " " << loop.to;
   }
 }
 

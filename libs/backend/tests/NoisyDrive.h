@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <map>
 #include <memory>
 #include <random>
 #include <vector>
@@ -90,7 +91,9 @@ struct NoisyDrive
     {
       pose = pose * steps[i];
       graph.addPose(Key::ego(i + 1), pose);
-      graph.add(std::make_unique<OdometryFactor>(i, i + 1, steps[i], odometry_information));
+      const auto weak = weak_steps.find(i);
+      graph.add(std::make_unique<OdometryFactor>(
+          i, i + 1, steps[i], weak == weak_steps.end() ? odometry_information : weak->second));
     }
     for (const LoopMeasurement& loop : loops)
     {
@@ -103,7 +106,8 @@ struct NoisyDrive
   std::mt19937 rng;
   Matrix6 odometry_information;
   std::vector<Pose> truth;
-  std::vector<Pose> steps;  //!< from keyframe i to i + 1
+  std::vector<Pose> steps;                    //!< from keyframe i to i + 1
+  std::map<std::size_t, Matrix6> weak_steps;  //!< information of those that were not measured
 };
 
 /** Largest distance between the ego poses of two graphs [m]. */

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/backend/RunMerger.h>
+#include <dyslam/backend/factors/LoopFactor.h>
 #include <dyslam/backend/factors/OdometryFactor.h>
 #include <gtest/gtest.h>
 
@@ -200,6 +201,44 @@ TEST(RunMerger, AStreetThatLooksLikeAnotherForAWhileIsFoundOut)
   RunMergerConfig unconfirmed;
   unconfirmed.merge.min_confirmed = 0;
   EXPECT_TRUE(merged({&here, &alike}, unconfirmed).joined(1)) << "what the check is there for";
+}
+
+TEST(RunMerger, TheMemoryLimitDoesNotChangeTheResult)
+{
+  const BoxWorld world(11, 30, 20);
+  const std::vector<Pose> drive = driveAround(30, 20, 120, 1.5);
+  const TestRun first(world, part(drive, 0, 50), 1);
+  const TestRun second(world, part(drive, 30, 80), 2);
+  const RunMerge expected = merged({&first, &second});
+  RunMergerConfig limited;
+  limited.memory = MemoryLimit(MemoryOptions{}, ::testing::TempDir());
+  limited.memory.bytes = 100000;
+  const RunMerge merge = merged({&first, &second}, limited);
+  EXPECT_GT(limited.memory.file->size(), 500000U) << "most of it was on disk";
+  ASSERT_TRUE(merge.joined(1));
+  ASSERT_EQ(merge.loops.size(), expected.loops.size());
+  for (std::size_t run = 0; run < 2; ++run)
+  {
+    ASSERT_EQ(merge.poses[run].size(), expected.poses[run].size());
+    for (std::size_t k = 0; k < merge.poses[run].size(); ++k)
+    {
+      EXPECT_EQ(merge.poses[run][k].matrix(), expected.poses[run][k].matrix()) << run << " " << k;
+    }
+  }
+}
+
+TEST(RunMerger, LoopsThatARunLeftOutAreNotUsed)
+{
+  const BoxWorld world(11, 30, 20);
+  const std::vector<Pose> drive = driveAround(30, 20, 120, 1.5);
+  TestRun first(world, part(drive, 0, 50), 1);
+  const TestRun second(world, part(drive, 30, 80), 2);
+  const RunMerge expected = merged({&first, &second});
+  first.graph.leaveOut(first.graph.add(std::make_unique<LoopFactor>(
+      3, 45, poseFromYpr(1, 2, 0, 0, 0, 0), Matrix6(1e4 * Matrix6::Identity()))));
+  const RunMerge merge = merged({&first, &second});
+  ASSERT_EQ(merge.poses[1].size(), expected.poses[1].size());
+  EXPECT_EQ(merge.poses[1].back().matrix(), expected.poses[1].back().matrix());
 }
 
 TEST(RunMerger, FalseUseIsRefused)

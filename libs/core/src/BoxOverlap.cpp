@@ -189,9 +189,4 @@ Box transformed(const Box& box, const Pose& T)
   moved.yaw = std::atan2(forward.y(), forward.x());
   return moved;
 }
-
-double wrapAngle(double angle)
-{
-  return std::remainder(angle, 2 * M_PI);
-}
 }  // namespace dyslam

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/Angle.h>
 #include <dyslam/core/Error.h>
 #include <dyslam/core/Options.h>
 
@@ -11,7 +12,6 @@ namespace dyslam
 {
 namespace
 {
-constexpr double degree = 3.14159265358979323846 / 180;
 
 std::string toText(double value)
 {
@@ -238,12 +238,12 @@ void OptionsVisitor::degrees(
     const char* key, double& radians, double min, double max, const char* help)
 {
   // 1e-9 deg steps: the round trip through radians would otherwise save 30 as 29.999999999999996.
-  const double before = std::round(radians / degree * 1e9) / 1e9;
+  const double before = std::round(radians / radians_per_degree * 1e9) / 1e9;
   double value = before;
   real(key, value, min, max, help);
   if (value != before)
   {
-    radians = value * degree;
+    radians = value * radians_per_degree;
   }
 }
 

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/Quantile.h>
 #include <dyslam/core/Rings.h>
 #include <dyslam/core/Scan.h>
 
@@ -10,7 +11,7 @@ namespace dyslam
 {
 namespace
 {
-constexpr float pi = 3.14159265358979323846F;
+constexpr auto pi = static_cast<float>(M_PI);
 constexpr std::size_t most_rings = 160;
 constexpr std::size_t fewest_rings = 4;
 /** Rings found by elevation have gaps between them, with next to no points. */
@@ -38,17 +39,6 @@ std::vector<std::size_t> ringStarts(const std::vector<std::uint32_t>& returns,
   return starts;
 }
 
-float medianOf(std::vector<float> values)
-{
-  if (values.empty())
-  {
-    return 0;
-  }
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 /** Ring of each return, numbered as met; empty if the order of the file does not show rings. */
 std::vector<std::uint16_t> ringsByOrder(const std::vector<std::uint32_t>& returns,
                                         const std::vector<float>& azimuths,
@@ -69,7 +59,7 @@ std::vector<std::uint16_t> ringsByOrder(const std::vector<std::uint32_t>& return
     {
       steps.push_back(std::fabs(elevations[starts[s]] - elevations[starts[s] - 1]));
     }
-    const float step = medianOf(steps);
+    const float step = upperMedian(steps);
     if (step > best_step)
     {
       best_step = step;
@@ -154,7 +144,7 @@ void sortRings(std::vector<std::uint16_t>& rings, const std::vector<float>& elev
   std::vector<std::uint16_t> order(count);
   for (std::size_t r = 0; r < count; ++r)
   {
-    median[r] = medianOf(of_ring[r]);
+    median[r] = of_ring[r].empty() ? 0 : upperMedian(of_ring[r]);
     order[r] = static_cast<std::uint16_t>(r);
   }
   std::stable_sort(order.begin(), order.end(),

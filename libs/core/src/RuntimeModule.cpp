@@ -33,9 +33,17 @@ std::string fileOf(const std::string& module)
 
 std::vector<std::filesystem::path> moduleFolders()
 {
-  return ProgramFolders{"DYSLAM_MODULES", DYSLAM_BUILD_MODULES, DYSLAM_RELATIVE_MODULES,
-                        DYSLAM_INSTALLED_MODULES}
-      .candidates();
+  std::vector<std::filesystem::path> folders =
+      ProgramFolders{"DYSLAM_MODULES", DYSLAM_BUILD_MODULES, DYSLAM_RELATIVE_MODULES,
+                     DYSLAM_INSTALLED_MODULES}
+          .candidates();
+  if (const char* share = std::getenv("DYSLAM_SHARE"))
+  {
+    // Programs elsewhere that use a tree installed in another prefix than the configured one.
+    const auto prefix = std::filesystem::absolute(share) / ".." / "..";
+    folders.push_back((prefix / DYSLAM_RELATIVE_MODULES).lexically_normal());
+  }
+  return folders;
 }
 
 /** Whether this machine has AVX2, FMA and BMI2, unless $DYSLAM_CPU is `baseline`. */

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/Quantile.h>
 #include <dyslam/core/Rings.h>
 #include <dyslam/core/ScanPattern.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numeric>
 
 namespace dyslam
 {
@@ -14,6 +16,9 @@ constexpr std::size_t min_rings = 4;
 constexpr std::size_t min_ring_points = 20;
 /** Median distance of a ring's points from its elevation, against the spacing of the rings. */
 constexpr float max_ring_spread = 0.35F;
+constexpr std::size_t min_displaced_rings = 8;
+/** The same, against the range of elevations of the rings, where they are displaced. */
+constexpr float max_displaced_spread = 0.25F;
 /** Share of the returns left out at either end of the elevations. */
 constexpr double trimmed_share = 0.0005;
 /** A gap narrower than this does not end the field of view [degrees]. */
@@ -27,14 +32,6 @@ struct Ring
   float spread = 0;  //!< median distance of the points from it
   std::uint16_t number = 0;
 };
-
-float quantile(std::vector<float>& values, double share)
-{
-  const auto last = static_cast<double>(values.size() - 1);
-  const auto place = values.begin() + static_cast<std::ptrdiff_t>(share * last);
-  std::nth_element(values.begin(), place, values.end());
-  return *place;
-}
 
 /** Rings that have points enough, ascending by elevation. */
 std::vector<Ring> measureRings(const std::vector<Eigen::Vector3f>& points,
@@ -73,17 +70,35 @@ std::vector<Ring> measureRings(const std::vector<Eigen::Vector3f>& points,
   return rings;
 }
 
-/** Steps of elevation from ring to ring; rings between that had no returns are counted. */
+/** Steps of elevation from ring to ring; rings between that had no returns are counted. Numbers
+ * between that other rings have do not count: lasers may be numbered as they fire. */
 std::vector<float> spacings(const std::vector<Ring>& rings)
 {
+  std::vector<int> rings_below(65537, 0);  // by number
+  for (const Ring& ring : rings)
+  {
+    rings_below[ring.number + 1U] = 1;
+  }
+  std::partial_sum(rings_below.begin(), rings_below.end(), rings_below.begin());
   std::vector<float> steps;
   for (std::size_t r = 1; r < rings.size(); ++r)
   {
-    const int between = std::abs(int{rings[r].number} - int{rings[r - 1].number});
+    const auto [low, high] = std::minmax(rings[r - 1].number, rings[r].number);
+    const int missing = high - low - (rings_below[high] - rings_below[low]);
     steps.push_back((rings[r].elevation - rings[r - 1].elevation) /
-                    static_cast<float>(std::max(1, between)));
+                    static_cast<float>(1 + missing));
   }
   return steps;
+}
+
+float medianSpread(const std::vector<Ring>& rings)
+{
+  std::vector<float> spreads;
+  for (const Ring& ring : rings)
+  {
+    spreads.push_back(ring.spread);
+  }
+  return quantile(spreads, 0.5);
 }
 
 /** Each ring has an elevation of its own. */
@@ -94,12 +109,39 @@ bool areRings(const std::vector<Ring>& rings)
     return false;
   }
   std::vector<float> steps = spacings(rings);
-  std::vector<float> spreads;
-  for (const Ring& ring : rings)
+  return medianSpread(rings) < max_ring_spread * quantile(steps, 0.5);
+}
+
+/** 2 pi for a full revolution. */
+double azimuthExtent(const std::vector<Eigen::Vector3f>& points)
+{
+  std::array<bool, 360> seen{};
+  for (const Eigen::Vector3f& p : points)
   {
-    spreads.push_back(ring.spread);
+    if (isReturn(p))
+    {
+      seen[static_cast<std::size_t>(azimuthColumn(p, 360))] = true;
+    }
   }
-  return quantile(spreads, 0.5) < max_ring_spread * quantile(steps, 0.5);
+  int gap = 0;
+  int widest = 0;
+  for (std::size_t i = 0; i < 2 * seen.size(); ++i)
+  {
+    gap = seen[i % seen.size()] ? 0 : gap + 1;
+    widest = std::max(widest, gap);
+  }
+  return 2 * M_PI * (widest < min_gap ? 1.0 : 1.0 - std::min(widest, 360) / 360.0);
+}
+
+/** The rings of a lidar that turns, seen from beside it, as in points that were moved to the
+ * vehicle's origin: they have no elevation of their own, but lie one over the other. The few lines
+ * of a Livox and the rows of a camera are no such rings. */
+bool areDisplacedRings(const std::vector<Ring>& rings, const std::vector<Eigen::Vector3f>& points)
+{
+  return rings.size() >= min_displaced_rings &&
+         medianSpread(rings) <
+             max_displaced_spread * (rings.back().elevation - rings.front().elevation) &&
+         azimuthExtent(points) > M_PI;
 }
 
 /** Azimuth step and range noise along the rings. */
@@ -158,7 +200,6 @@ void measureAlongRings(const std::vector<Eigen::Vector3f>& points,
 /** Field of view of the returns. */
 void measureExtent(const std::vector<Eigen::Vector3f>& points, ScanPattern& pattern)
 {
-  std::array<bool, 360> seen{};
   std::vector<float> elevations;
   float farthest = 0;
   for (const Eigen::Vector3f& p : points)
@@ -166,7 +207,6 @@ void measureExtent(const std::vector<Eigen::Vector3f>& points, ScanPattern& patt
     if (isReturn(p))
     {
       elevations.push_back(elevationOf(p));
-      seen[static_cast<std::size_t>(azimuthColumn(p, 360))] = true;
       farthest = std::max(farthest, p.squaredNorm());
     }
   }
@@ -178,14 +218,7 @@ void measureExtent(const std::vector<Eigen::Vector3f>& points, ScanPattern& patt
   pattern.max_range = std::sqrt(static_cast<double>(farthest));
   pattern.lowest = static_cast<double>(quantile(elevations, trimmed_share));
   pattern.highest = static_cast<double>(quantile(elevations, 1 - trimmed_share));
-  int gap = 0;
-  int widest = 0;
-  for (std::size_t i = 0; i < 2 * seen.size(); ++i)
-  {
-    gap = seen[i % seen.size()] ? 0 : gap + 1;
-    widest = std::max(widest, gap);
-  }
-  pattern.azimuth_extent = 2 * M_PI * (widest < min_gap ? 1.0 : 1.0 - widest / 360.0);
+  pattern.azimuth_extent = azimuthExtent(points);
 }
 }  // namespace
 
@@ -202,16 +235,18 @@ double ScanPattern::spacing() const
 std::vector<std::uint16_t> ringsOf(const std::vector<Eigen::Vector3f>& points,
                                    const std::vector<std::uint16_t>& given)
 {
-  if (given.size() == points.size() && areRings(measureRings(points, given)))
+  const std::vector<Ring> recorded =
+      given.size() == points.size() ? measureRings(points, given) : std::vector<Ring>();
+  if (areRings(recorded))
   {
     return given;
   }
   std::vector<std::uint16_t> found = estimateRings(points);
-  if (found.size() != points.size() || !areRings(measureRings(points, found)))
+  if (found.size() == points.size() && areRings(measureRings(points, found)))
   {
-    found.clear();
+    return found;
   }
-  return found;
+  return areDisplacedRings(recorded, points) ? given : std::vector<std::uint16_t>();
 }
 
 ScanPattern measureScanPattern(const Scan& scan)

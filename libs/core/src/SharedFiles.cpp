@@ -98,8 +98,13 @@ std::string findGivenOrShared(const std::string& path,
     }
   }
   const std::string known = namesIn(folder, extension, program);
+  const bool lacks_shared = path.find('/') == std::string::npos && known.empty() &&
+                            sharedFiles(folder, extension).empty();
   throw UserError((field.empty() ? "" : field + " = ") + (path.empty() ? "(nothing)" : path) +
                   (fs::is_directory(path) ? ": is a folder" : ": no such file") +
-                  (known.empty() ? "" : "; give a path or one of: " + known));
+                  (known.empty() ? "" : "; give a path or one of: " + known) +
+                  (lacks_shared ? "; if it is a shipped one: set DYSLAM_SHARE to the folder "
+                                  "share/dyslam"
+                                : ""));
 }
 }  // namespace dyslam

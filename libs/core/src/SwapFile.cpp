@@ -165,8 +165,9 @@ void SwapFile::release(Slot& slot)
 
 void MemoryOptions::describe(OptionsVisitor& visitor)
 {
-  visitor.integer("limit", limit, 1, 1000000,
-                  "MB of map and keyframes held in memory; the rest is in a temporary file");
+  visitor.integer(
+      "limit", limit, 1, 1000000,
+      "memory for map and keyframes, beyond which they are kept in a temporary file [MB]");
 }
 
 MemoryLimit::MemoryLimit(const MemoryOptions& options, const std::string& folder)

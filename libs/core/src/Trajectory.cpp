@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/PathLength.h>
 #include <dyslam/core/StateArchive.h>
 #include <dyslam/core/Trajectory.h>
 
@@ -79,11 +80,12 @@ std::optional<Pose> Trajectory::at(double stamp, double max_gap) const
 
 std::vector<double> Trajectory::pathLengths() const
 {
-  std::vector<double> lengths(poses_.size(), 0.0);
-  for (std::size_t i = 1; i < poses_.size(); ++i)
+  PathLength path;
+  std::vector<double> lengths;
+  lengths.reserve(poses_.size());
+  for (const StampedPose& pose : poses_)
   {
-    lengths[i] =
-        lengths[i - 1] + (poses_[i].pose.translation() - poses_[i - 1].pose.translation()).norm();
+    lengths.push_back(path.add(pose.pose.translation()));
   }
   return lengths;
 }

@@ -3,6 +3,7 @@
 #include <dyslam/core/Pose.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <random>
 
 namespace dyslam
@@ -111,7 +112,7 @@ TEST(FastAngle, WithinItsBoundOfAtan2)
     const double angle = 3.14159 * k / 1000;
     const auto y = static_cast<float>(3 * std::sin(angle));
     const auto x = static_cast<float>(3 * std::cos(angle));
-    EXPECT_NEAR(static_cast<double>(turnsOf(y, x)) * 2 * 3.14159265358979, angle, 1.3e-5);
+    EXPECT_NEAR(static_cast<double>(turnsOf(y, x)) * 2 * M_PI, angle, 1.3e-5);
   }
   EXPECT_EQ(turnsOf(0, 0), 0);
 }

@@ -4,6 +4,8 @@
 #include <gtest/gtest.h>
 
 #include <cstdlib>
+#include <filesystem>
+#include <fstream>
 #include <string>
 
 namespace dyslam
@@ -44,6 +46,31 @@ TEST(RuntimeModule, TheBuildForThisMachineIsTakenUnlessThePlainOneIsAskedFor)
                       __builtin_cpu_supports("bmi2") != 0;
   EXPECT_EQ(cpu(), has_v3 ? "x86-64-v3" : "baseline");
 #endif
+}
+
+/** Of a tree that was installed in another prefix than the configured one. */
+TEST(RuntimeModule, IsFoundBesideTheSharedFiles)
+{
+  namespace fs = std::filesystem;
+  const fs::path prefix = fs::path(testing::TempDir()) / "dyslam_prefix";
+  fs::remove_all(prefix);
+  fs::create_directories(prefix / "share" / "dyslam");
+  for (const char* folder : {"lib", "lib64", "lib/x86_64-linux-gnu"})
+  {
+    fs::create_directories(prefix / folder / "dyslam");
+    std::ofstream(prefix / folder / "dyslam" / "libdyslam-moved.so") << "a module";
+  }
+  EXPECT_EQ(runtimeModuleFile("moved"), "");
+  const char* given = std::getenv("DYSLAM_SHARE");
+  const std::string before = given != nullptr ? given : "";
+  ASSERT_EQ(setenv("DYSLAM_SHARE", (prefix / "share" / "dyslam").c_str(), 1), 0);
+  const std::string found = runtimeModuleFile("moved");
+  const std::string error = errorOf("nothing", "dyslam_test_square");
+  (void)(before.empty() ? unsetenv("DYSLAM_SHARE") : setenv("DYSLAM_SHARE", before.c_str(), 1));
+  EXPECT_EQ(found.rfind((prefix / "lib").string(), 0), 0U) << found;
+  EXPECT_EQ(fs::path(found).filename(), "libdyslam-moved.so");
+  EXPECT_NE(error.find((prefix / "lib").string()), std::string::npos) << error;
+  fs::remove_all(prefix);
 }
 
 TEST(RuntimeModule, MissingOneNamesTheSettingAndTheFile)

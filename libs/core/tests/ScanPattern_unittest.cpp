@@ -2,6 +2,7 @@
 #include <dyslam/core/ScanPattern.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <random>
@@ -10,7 +11,7 @@ namespace dyslam
 {
 namespace
 {
-constexpr double degree = 3.14159265358979323846 / 180;
+constexpr double degree = M_PI / 180;
 
 Eigen::Vector3f direction(double azimuth, double elevation)
 {
@@ -93,6 +94,46 @@ TEST(ScanPattern, EmptyRingsAreCounted)
     }
   }
   EXPECT_NEAR(measureScanPattern(scan).ring_spacing, 1 * degree, 1e-4);
+}
+
+/** The even lasers of an HDL-32E are below the odd ones. */
+TEST(ScanPattern, LasersMayBeNumberedAsTheyFire)
+{
+  Scan scan = spinning(32, -30.67 * degree, 1.333 * degree, 400, 0);
+  for (std::uint16_t& ring : scan.ring)
+  {
+    ring = static_cast<std::uint16_t>(ring < 16 ? 2 * ring : 2 * (ring - 16) + 1);
+  }
+  EXPECT_NEAR(measureScanPattern(scan).ring_spacing, 1.333 * degree, 1e-4);
+}
+
+/** A lidar that is upside down a metre from the origin of its points, as in NCLT. */
+TEST(ScanPattern, RecordedRingsOfPointsThatWereMoved)
+{
+  std::mt19937 random(5);
+  std::uniform_real_distribution<float> range(6, 40);
+  const auto moved = [&](int columns)
+  {
+    Scan scan = spinning(32, -10.67 * degree, 1.333 * degree, 400, 0);
+    scan.points.resize(static_cast<std::size_t>(32 * columns));
+    scan.ring.resize(scan.size());
+    scan.time.clear();
+    for (Eigen::Vector3f& p : scan.points)
+    {
+      p = range(random) * p.normalized() + Eigen::Vector3f(0.3F, 0, 1);
+    }
+    return scan;
+  };
+  const Scan turning = moved(400);
+  const ScanPattern p = measureScanPattern(turning);
+  EXPECT_EQ(p.rings.size(), 32U);
+  EXPECT_TRUE(p.ring_numbers);
+  EXPECT_NEAR(p.ring_spacing, 1.333 * degree, 0.2 * degree);
+  EXPECT_EQ(ringsOf(turning.points, turning.ring), turning.ring);
+  EXPECT_FALSE(measureScanPattern(moved(150)).hasRings()) << "rows of a camera";
+  Scan shuffled = turning;
+  std::shuffle(shuffled.ring.begin(), shuffled.ring.end(), random);
+  EXPECT_FALSE(measureScanPattern(shuffled).hasRings()) << "lines without an elevation";
 }
 
 TEST(ScanPattern, ScatteredPointsHaveNoRings)

@@ -57,6 +57,20 @@ TEST_F(SharedFiles, GivenFileComesFirstButNoFolder)
   EXPECT_EQ(found("kitti64.ini"), "kitti64.ini");
 }
 
+TEST_F(SharedFiles, AFolderThatIsNotFoundNamesTheVariable)
+{
+  try
+  {
+    (void)findGivenOrShared("kitti64", "no_such_folder", ".ini");
+    FAIL();
+  }
+  catch (const UserError& error)
+  {
+    EXPECT_NE(std::string(error.what()).find("set DYSLAM_SHARE"), std::string::npos)
+        << error.what();
+  }
+}
+
 TEST_F(SharedFiles, UnknownNameListsTheKnown)
 {
   try

@@ -57,7 +57,6 @@ class Counter
 struct Everything
 {
   std::map<int, std::vector<std::string>> map;
-  std::unordered_map<std::uint64_t, float> hash;
   std::set<std::pair<int, double>> set;
   std::deque<std::optional<double>> deque;
   std::array<std::vector<int>, 2> array;
@@ -68,7 +67,6 @@ Everything everything()
 {
   Everything all;
   all.map = {{3, {"a", ""}}, {-1, {}}};
-  all.hash = {{1, 2.0F}};
   all.set = {{1, 0.5}};
   all.deque = {1.5, std::nullopt};
   all.array = {std::vector<int>{1}, std::vector<int>{}};
@@ -96,7 +94,6 @@ TEST(StateArchive, ContainersComeBack)
   Everything all = everything();
   const Everything again = loaded<Everything>(saved(all));
   EXPECT_EQ(again.map, all.map);
-  EXPECT_EQ(again.hash, all.hash);
   EXPECT_EQ(again.set, all.set);
   EXPECT_EQ(again.deque, all.deque);
   EXPECT_EQ(again.array, all.array);
@@ -110,7 +107,7 @@ TEST(StateArchive, LoadingReplacesWhatWasThere)
   Everything all = everything();
   StateArchive archive(bytes);
   archive(all);
-  EXPECT_TRUE(all.map.empty() && all.hash.empty() && all.set.empty() && all.deque.empty());
+  EXPECT_TRUE(all.map.empty() && all.set.empty() && all.deque.empty());
 }
 
 TEST(StateArchive, FieldsAreCounted)

@@ -4,6 +4,9 @@
 #include <dyslam/core/Trajectory.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <random>
+
 namespace dyslam
 {
 namespace
@@ -53,6 +56,40 @@ TEST(Trajectory, NearestWithinTolerance)
 TEST(Trajectory, PathLengthsAddUp)
 {
   EXPECT_EQ(straight().pathLengths(), (std::vector<double>{0, 2, 5}));
+  EXPECT_TRUE(Trajectory().pathLengths().empty());
+}
+
+/** An hour at 10 Hz between two drives. */
+TEST(Trajectory, StandingStillIsNoPath)
+{
+  std::mt19937 rng(1);
+  std::normal_distribution<double> jitter(0, 0.0007);
+  Trajectory t;
+  double stamp = 0;
+  const auto stand = [&](double x)
+  { t.push_back(stamp += 0.1, poseFromYpr(x + jitter(rng), jitter(rng), jitter(rng), 0, 0, 0)); };
+  stand(0);
+  for (int i = 0; i < 36000; ++i)
+  {
+    stand(10);
+  }
+  for (int i = 0; i < 1000; ++i)
+  {
+    stand(10 + 0.01 * i);  // slower than the dead band per scan
+  }
+  const std::vector<double> lengths = t.pathLengths();
+  EXPECT_NEAR(lengths[36000], 10, 0.01);
+  EXPECT_NEAR(lengths.back(), 20, 0.15);
+}
+
+TEST(Trajectory, PositionsThatAreNotFiniteAreNoPath)
+{
+  Trajectory t;
+  for (const double x : {std::nan(""), 1.0, std::nan(""), 3.0})
+  {
+    t.push_back(x, poseFromYpr(x, 0, 0, 0, 0, 0));
+  }
+  EXPECT_EQ(t.pathLengths(), (std::vector<double>{0, 0, 0, 2}));
 }
 
 TEST(ObjectClass, NamesRoundTrip)

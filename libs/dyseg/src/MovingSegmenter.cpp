@@ -46,14 +46,13 @@ Registry<MovingSegmenter> segmenters()
 
 void MovingSegmenterOptions::describe(OptionsVisitor& visitor)
 {
-  visitor.word("method", method, segmenterMethods(), "segmentation method");
-  visitor.flag("filter", filter, "accumulate the probabilities over scans in the odometry frame");
+  visitor.word("method", method, segmenterMethods(), "segmentation method for moving points");
   visitor.text(
       "labels", labels,
       "folder of an earlier run of the recording with --labels: segmentation and odometry do "
       "without the points that it labelled moving");
   visitor.real("moving_threshold", moving_threshold, 0, 1,
-               "points with a higher moving probability are moving");
+               "moving probability above which the segmenter classifies a point as moving");
 }
 
 std::vector<std::string> segmenterSections()

@@ -80,7 +80,7 @@ struct NetworkSegmenter::Impl
   std::deque<Past> past;                  //!< newest first
   std::optional<RigidFlowFit> last_step;  //!< to the scan before, if it was estimated
   std::optional<SceneFlow> flow;
-  std::vector<PastVisibility> seen;  //!< of the scan at hand, in the first one compared with
+  std::vector<PastVisibility> seen;  //!< of the scan at hand, in the one compared with
 
   /** Whether the static motion is searched around the prior alone. */
   [[nodiscard]] bool searchesAroundPrior(const Frame& frame) const
@@ -100,8 +100,7 @@ struct NetworkSegmenter::Impl
   void followScans(const DysegModel::Encoded& current,
                    const Frame& frame,
                    const Eigen::Vector3d& sensor);
-  /** Segments by comparison with the scan `back` scans ago, if there is one; keeps the flow of the
-   * first. */
+  /** Segments by comparison with the scan `back` scans ago; keeps the flow. */
   [[nodiscard]] std::vector<float> judge(const DysegModel::Encoded& current,
                                          const Frame& frame,
                                          std::size_t back,
@@ -173,24 +172,6 @@ void shiftTo(double threshold, std::vector<float>& probability)
     p = p > 0 ? 1 / (1 + std::exp(shift - logOdds(p))) : p;
   }
 }
-
-/** Combines the probabilities of two comparisons; points in neither stay at 0. */
-void combine(bool highest, const std::vector<float>& other, std::vector<float>& probability)
-{
-  for (std::size_t i = 0; i < probability.size(); ++i)
-  {
-    const float a = probability[i];
-    const float b = other[i];
-    if (highest)
-    {
-      probability[i] = std::max(a, b);
-    }
-    else if (a > 0 || b > 0)
-    {
-      probability[i] = 1 / (1 + std::exp(-0.5F * (logOdds(a) + logOdds(b))));
-    }
-  }
-}
 }  // namespace
 
 void NetworkSegmenter::Impl::followOdometry(const Frame& frame, const Eigen::Vector3d& sensor)
@@ -237,20 +218,17 @@ std::vector<float> NetworkSegmenter::Impl::judge(const DysegModel::Encoded& curr
     step.motion = earlier.from_current;
   }
   auto result = model.segment(current, *earlier.scan->encoded, step, options.iterations);
-  if (!flow)
+  seen = std::move(result.past_visibility);
+  flow.emplace();
+  flow->static_motion = motionOf(step, sensor);
+  flow->past_index = earlier.index;
+  flow->cell_centre = std::move(result.cell_centre);
+  flow->cell_flow = std::move(result.cell_flow);
+  for (auto& c : flow->cell_centre)
   {
-    seen = std::move(result.past_visibility);
-    flow.emplace();
-    flow->static_motion = motionOf(step, sensor);
-    flow->past_index = earlier.index;
-    flow->cell_centre = std::move(result.cell_centre);
-    flow->cell_flow = std::move(result.cell_flow);
-    for (auto& c : flow->cell_centre)
-    {
-      c += sensor.head<2>().cast<float>();
-    }
-    flow->cell_moving_probability = std::move(result.cell_moving_probability);
+    c += sensor.head<2>().cast<float>();
   }
+  flow->cell_moving_probability = std::move(result.cell_moving_probability);
   return std::move(result.moving_probability);
 }
 
@@ -321,16 +299,8 @@ void NetworkSegmenter::segmentEncoded(Frame& frame,
         frame.segmenter_motion = std::move(motion);
       }
     }
-    const auto reach = [&](int gap)
-    { return std::min(s.past.size(), static_cast<std::size_t>(gap)); };
-    const auto first = reach(s.options.first_gap);
-    const auto second = reach(s.options.second_gap);
-    frame.moving_probability = s.judge(encoded, frame, first, sensor);
-    if (second > first)
-    {
-      combine(s.options.combine == "max", s.judge(encoded, frame, second, sensor),
-              frame.moving_probability);
-    }
+    const auto back = std::min(s.past.size(), static_cast<std::size_t>(s.options.first_gap));
+    frame.moving_probability = s.judge(encoded, frame, back, sensor);
     shiftTo(s.options.threshold, frame.moving_probability);
     MovingGroupsOptions groups;
     groups.reach = static_cast<double>(s.model.grid().halfExtent());
@@ -338,7 +308,7 @@ void NetworkSegmenter::segmentEncoded(Frame& frame,
     keepMovingGroups(scan->points, s.seen, groups, frame.moving_probability);
   }
   s.past.push_front({frame.index, scan, PlanarMotion(), frame.T_odom_vehicle});
-  if (s.past.size() > static_cast<std::size_t>(std::max(s.options.first_gap, s.options.second_gap)))
+  if (s.past.size() > static_cast<std::size_t>(s.options.first_gap))
   {
     s.past.pop_back();
   }

@@ -31,20 +31,25 @@ struct Direction
 
 void ResidualSegmenterOptions::describe(OptionsVisitor& v)
 {
-  v.integer("history", history, 1, 100, "scans back to the oldest one compared");
-  v.integer("compared", compared, 1, 20, "earlier scans that each point is compared with");
-  v.degrees("azimuth_bin_deg", azimuth_bin, 0.05, 5, "column width of the range images");
-  v.real("slope_bin", slope_bin, 0.001, 0.1, "row height of the range images, z per distance");
+  v.integer("history", history, 1, 100, "age of the oldest scan that is compared [scans]");
+  v.integer("compared", compared, 1, 20,
+            "number of earlier scans that each point is compared with");
+  v.degrees("azimuth_bin_deg", azimuth_bin, 0.05, 5, "column width of the range images [deg]");
+  v.real("slope_bin", slope_bin, 0.001, 0.1,
+         "row height of the range images, as height per horizontal distance [m/m]");
   v.real("margin", margin, 0.01, 10,
-         "a moving point is nearer than the earlier range by at least this [m]");
-  v.real("margin_per_range", margin_per_range, 0, 1, "m per m, increase of the margin with range");
-  v.real("max_range", max_range, 1, 1000, "farther points are static [m]");
+         "least distance by which a moving point is nearer than the earlier range, at range 0 [m]");
+  v.real("margin_per_range", margin_per_range, 0, 1, "increase of margin with range [m/m]");
+  v.real("max_range", max_range, 1, 1000, "range beyond which points are static [m]");
   v.flag("open_sky", open_sky, "a ray without return above a point counts as free");
   v.real("ground_clearance", ground_clearance, 0, 2,
          "height above the lowest nearby point up to which points are ground [m]");
-  v.real("cell_size", cell_size, 0.05, 5, "cells in which votes are clustered to objects [m]");
-  v.integer("min_points", min_points, 1, 1000, "points of the smallest moving object");
-  v.real("min_share", min_share, 0, 1, "least fraction of an object's points with a moving vote");
+  v.real("cell_size", cell_size, 0.05, 5,
+         "side of the cells in which moving votes are clustered to objects [m]");
+  v.integer("min_points", min_points, 1, 1000,
+            "least number of points with a moving vote in a moving object");
+  v.real("min_share", min_share, 0, 1,
+         "least fraction of a moving object's points with a moving vote");
 }
 
 namespace
@@ -97,14 +102,19 @@ Direction directionOf(const Eigen::Vector3f& p, float row_height, int columns)
 ResidualSegmenter::PastImage ResidualSegmenter::project(const Frame& frame) const
 {
   PastImage past;
-  past.T_lidar_odom = (frame.T_odom_vehicle * frame.scan.T_vehicle_lidar).inverse();
-  const Eigen::Isometry3f T_lidar_vehicle = frame.scan.T_vehicle_lidar.inverse().cast<float>();
+  Pose T_vehicle_image = frame.scan.T_vehicle_lidar;
+  if (T_vehicle_image.linear()(2, 2) < 0)  // mounted upside down: the sky is above all the same
+  {
+    T_vehicle_image = T_vehicle_image * poseFromYpr(0, 0, 0, 0, 0, M_PI);
+  }
+  past.T_image_odom = (frame.T_odom_vehicle * T_vehicle_image).inverse();
+  const Eigen::Isometry3f T_image_vehicle = T_vehicle_image.inverse().cast<float>();
   std::vector<Direction> directions;
   directions.reserve(frame.cloud.points.size());
   int highest = 0;
   for (const auto& point : frame.cloud.points)
   {
-    const Direction d = directionOf(T_lidar_vehicle * point, row_height_, columns_);
+    const Direction d = directionOf(T_image_vehicle * point, row_height_, columns_);
     if (!d.steep)
     {
       past.lowest_row = directions.empty() ? d.row : std::min(past.lowest_row, d.row);
@@ -194,7 +204,7 @@ void ResidualSegmenter::segment(Frame& frame)
     for (const PastImage* past : scans)
     {
       const Eigen::Isometry3f T_past_vehicle =
-          (past->T_lidar_odom * frame.T_odom_vehicle).cast<float>();
+          (past->T_image_odom * frame.T_odom_vehicle).cast<float>();
       pool_.forChunks(candidates.size(), chunk_size,
                       [&](std::size_t begin, std::size_t end, std::size_t)
                       {

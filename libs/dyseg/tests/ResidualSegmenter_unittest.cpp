@@ -138,7 +138,7 @@ Frame openScene(const Eigen::Vector2d& body)
   return frame;
 }
 
-int movingPoints(double speed, bool open_sky)
+int movingPoints(double speed, bool open_sky, const Pose& T_vehicle_lidar = Pose::Identity())
 {
   ThreadPool pool(1);
   ResidualSegmenterOptions options;
@@ -150,6 +150,7 @@ int movingPoints(double speed, bool open_sky)
   for (int k = 0; k < 14; ++k)
   {
     frame = openScene({8, 0.1 * speed * k});
+    frame.scan.T_vehicle_lidar = T_vehicle_lidar;
     segmenter.segment(frame);
   }
   return static_cast<int>(std::count_if(frame.moving_probability.begin(),
@@ -163,6 +164,12 @@ TEST(ResidualSegmenter, RaysIntoTheOpenSkyPassAFewBeamsBody)
   EXPECT_GT(with, 60);
   EXPECT_GT(with, without);
   EXPECT_EQ(movingPoints(0, true), 0);
+}
+
+TEST(ResidualSegmenter, TheSkyIsAboveALidarUpsideDown)
+{
+  EXPECT_NEAR(movingPoints(1.4, true, poseFromYpr(0, 0, 0, 0, 0, M_PI)), movingPoints(1.4, true),
+              10);
 }
 
 TEST(ResidualSegmenter, SameAnswerForAnyThreadCount)

@@ -145,8 +145,7 @@ SegmentationCounts runSegmenter(MovingSegmenter& segmenter,
                                 const SegmentationSet& set,
                                 const PoseNoise& noise,
                                 SegmentedInstances* instances,
-                                const std::string& picture,
-                                TemporalFilter* filter)
+                                const std::string& picture)
 {
   SegmentationCounts counts;
   RandomDraws draws(11, 1);
@@ -161,10 +160,6 @@ SegmentationCounts runSegmenter(MovingSegmenter& segmenter,
     const auto start = std::chrono::steady_clock::now();
     const auto start_cpu = std::clock();
     segmenter.segment(frame);
-    if (filter != nullptr)
-    {
-      filter->apply(frame);
-    }
     counts.cpu_ms.push_back(1e3 * static_cast<double>(std::clock() - start_cpu) / CLOCKS_PER_SEC);
     counts.ms.push_back(
         std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start)

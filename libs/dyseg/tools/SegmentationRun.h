@@ -2,7 +2,6 @@
 #pragma once
 
 #include <dyslam/dyseg/MovingSegmenter.h>
-#include <dyslam/dyseg/TemporalFilter.h>
 #include <dyslam/train/DysegData.h>
 #include <dyslam/train/DysegScores.h>
 
@@ -48,12 +47,10 @@ struct PoseNoise
 
 /** Runs a segmenter over a set in order, as the pipeline does.
  * \param picture file for a bird's-eye view of the middle scan (PPM, 80 m square, x up: grey
- * static, green true positives, red false negatives, blue false positives); empty for none.
- * \param filter runs behind the segmenter, if given */
+ * static, green true positives, red false negatives, blue false positives); empty for none. */
 [[nodiscard]] SegmentationCounts runSegmenter(MovingSegmenter& segmenter,
                                               const SegmentationSet& set,
                                               const PoseNoise& noise = {},
                                               SegmentedInstances* instances = nullptr,
-                                              const std::string& picture = {},
-                                              TemporalFilter* filter = nullptr);
+                                              const std::string& picture = {});
 }  // namespace dyslam

@@ -5,7 +5,6 @@
 #include <dyslam/core/SharedFiles.h>
 #include <dyslam/dyseg/NetworkSegmenter.h>
 #include <dyslam/dyseg/ResidualSegmenter.h>
-#include <dyslam/dyseg/TemporalFilter.h>
 #include <dyslam/train/DysegBodies.h>
 #include <dyslam/train/DysegScores.h>
 
@@ -189,12 +188,11 @@ std::vector<SegmentationSet> makeSets(const Arguments& a)
   return sets;
 }
 
-NetworkSegmenterOptions networkOptions(const Arguments& a, int second_gap)
+NetworkSegmenterOptions networkOptions(const Arguments& a)
 {
   NetworkSegmenterOptions options = a.network;
   options.weights = a.weights;
   options.threads = a.threads;
-  options.second_gap = second_gap;
   return options;
 }
 
@@ -236,31 +234,19 @@ void printTable(const Arguments& a)
   {
     if (!a.network_only)
     {
-      auto options = networkOptions(a, 0);
+      auto options = networkOptions(a);
       options.first_gap = 1;
       NetworkSegmenter one(options);
       printRow(set.name, "network, 1 scan back", runSegmenter(one, set));
     }
-    NetworkSegmenter two(networkOptions(a, a.network.second_gap));
+    NetworkSegmenter network(networkOptions(a));
     SegmentedInstances by_network;
     char name[64];
-    std::snprintf(name, sizeof(name), "network, %d and %d back", a.network.first_gap,
-                  a.network.second_gap);
-    printRow(set.name, name, runSegmenter(two, set, {}, &by_network, pictureOf(a, set)));
+    std::snprintf(name, sizeof(name), "network, %d scans back", a.network.first_gap);
+    printRow(set.name, name, runSegmenter(network, set, {}, &by_network, pictureOf(a, set)));
     if (a.network_only)
     {
       continue;
-    }
-    for (const auto& [m, rad] : pose_errors)
-    {
-      if (a.brief && m > 0)
-      {
-        break;
-      }
-      NetworkSegmenter network(networkOptions(a, a.network.second_gap));
-      TemporalFilter filter{TemporalFilterOptions()};
-      std::snprintf(name, sizeof(name), "the same, filter, pose error %.2f m", m);
-      printRow(set.name, name, runSegmenter(network, set, {m, rad}, nullptr, {}, &filter));
     }
     SegmentedInstances by_baseline;
     for (const auto& [m, rad] : pose_errors)
@@ -274,9 +260,6 @@ void printTable(const Arguments& a)
       printRow(set.name, name,
                runSegmenter(residual, set, {m, rad}, m == 0 ? &by_baseline : nullptr));
     }
-    ResidualSegmenter residual(ResidualSegmenterOptions(), pool);
-    TemporalFilter filter{TemporalFilterOptions()};
-    printRow(set.name, "residual, filter", runSegmenter(residual, set, {}, nullptr, {}, &filter));
     printFlow(a, model, set);
     if (a.instances)
     {
@@ -299,7 +282,7 @@ void printScenarios(const Arguments& a)
     std::size_t evaluated = 0;
     for (const auto& set : scenario.sets)
     {
-      NetworkSegmenter network(networkOptions(a, a.network.second_gap));
+      NetworkSegmenter network(networkOptions(a));
       ResidualSegmenter residual(ResidualSegmenterOptions(), pool);
       const bool with_picture = &set == &scenario.sets.front();
       const SegmentationCounts counts[] = {
@@ -337,8 +320,6 @@ int main(int argc, char** argv)
       ->check(CLI::Range(static_cast<int>(simulated_history) + 1, 100000));
   app.add_option("--threads", a.threads, "threads");
   app.add_option("--first-gap", a.network.first_gap, "as in [dyseg_network]");
-  app.add_option("--second-gap", a.network.second_gap, "as in [dyseg_network]");
-  app.add_option("--combine", a.network.combine, "as in [dyseg_network]: mean or max");
   app.add_option("--iterations", a.network.iterations, "as in [dyseg_network]");
   app.add_option("--threshold", a.network.threshold, "as in [dyseg_network]");
   app.add_option("--min-points", a.network.min_points, "as in [dyseg_network]");

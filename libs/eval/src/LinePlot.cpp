@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/Quantile.h>
 #include <dyslam/eval/LinePlot.h>
 
 #include <algorithm>
@@ -31,10 +32,8 @@ std::vector<std::uint8_t> renderLinePlot(const std::vector<LineSeries>& series,
   {
     x = {x.low - 1, x.high + 1};
   }
-  const auto at = static_cast<std::size_t>(std::clamp(options.quantile, 0.0, 1.0) *
-                                           static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(at), values.end());
-  const double top = std::max(values[at], options.low + 1e-6);
+  const double highest = quantile(values, std::clamp(options.quantile, 0.0, 1.0));
+  const double top = std::max(highest, options.low + 1e-6);
   const Range y{options.low, options.low + 1.1 * (top - options.low)};
 
   constexpr int width = 1000 * supersampling;

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/Quantile.h>
 #include <dyslam/eval/MapPicture.h>
 
 #include <algorithm>
@@ -114,10 +115,10 @@ View viewOf(const MapPictureContent& content, const MapPictureOptions& options)
 
 /** Height of every point over the ground of its cell, a low quantile of the cell's points, or of
  * the cells around where it lies in a pit: reflections from below the ground do not count [m]. */
-class Ground
+class PictureGround
 {
  public:
-  explicit Ground(const std::vector<Eigen::Vector3f>& points)
+  explicit PictureGround(const std::vector<Eigen::Vector3f>& points)
   {
     std::unordered_map<std::int64_t, std::vector<float>> heights;
     for (const auto& p : points)
@@ -130,9 +131,7 @@ class Ground
     std::unordered_map<std::int64_t, float> low;
     for (auto& [key, values] : heights)
     {
-      const auto nth = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 10);
-      std::nth_element(values.begin(), nth, values.end());
-      low[key] = *nth;
+      low[key] = lowQuantile(values, 10);
     }
     for (const auto& [key, height] : low)
     {
@@ -164,9 +163,7 @@ class Ground
         values.push_back(found->second);
       }
     }
-    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-    std::nth_element(values.begin(), middle, values.end());
-    return *middle;
+    return upperMedian(values);
   }
 
   static constexpr std::int64_t row = 1LL << 32;
@@ -194,7 +191,7 @@ void drawDot(const Eigen::Vector3f& p, const View& view, cv::Mat& page, const Pa
 /** Every pixel as dark as the highest of its points over the ground. */
 void drawPoints(const std::vector<Eigen::Vector3f>& points, const View& view, cv::Mat& page)
 {
-  const Ground ground(points);
+  const PictureGround ground(points);
   for (const auto& p : points)
   {
     if (!p.allFinite())

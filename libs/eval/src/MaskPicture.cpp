@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/AreaUnderCurve.h>
 #include <dyslam/core/Error.h>
 #include <dyslam/eval/MaskPicture.h>
 
@@ -6,9 +7,9 @@
 #include <array>
 #include <charconv>
 #include <cstdio>
-#include <limits>
 #include <opencv2/imgproc.hpp>
 #include <string_view>
+#include <utility>
 
 #include "PlotPage.h"
 
@@ -207,18 +208,18 @@ std::vector<Eigen::Vector2d> rocCurve(const MaskScan& scan)
   return curve;
 }
 
-double areaUnderCurve(const std::vector<Eigen::Vector2d>& roc)
+double areaUnderCurve(const MaskScan& scan)
 {
-  if (roc.empty())
+  std::vector<float> still;
+  std::vector<float> moving;
+  for (const auto& point : scan.points)
   {
-    return std::numeric_limits<double>::quiet_NaN();
+    if (point.confidence >= 0 && point.truth != MaskScan::Truth::unknown)
+    {
+      (point.truth == MaskScan::Truth::moving ? moving : still).push_back(point.confidence);
+    }
   }
-  double area = 0;
-  for (std::size_t i = 1; i < roc.size(); ++i)
-  {
-    area += (roc[i].x() - roc[i - 1].x()) * 0.5 * (roc[i].y() + roc[i - 1].y());
-  }
-  return area;
+  return areaUnderCurve(std::move(still), moving);
 }
 
 std::vector<std::uint8_t> renderMaskScan(const MaskScan& scan)
@@ -235,7 +236,7 @@ std::vector<std::uint8_t> renderMaskScan(const MaskScan& scan)
                         curve_pixels, curve_pixels);
     Panel panel(page, area, {0, 1}, {0, 1});
     char title[48];
-    std::snprintf(title, sizeof title, "area under the curve %.3f", areaUnderCurve(roc));
+    std::snprintf(title, sizeof title, "area under the curve %.3f", areaUnderCurve(scan));
     panel.drawAxes(title, "false positive rate", "true positive rate");
     panel.drawCurve({"", {{0, 0}, {1, 1}}, reference_grey});
     panel.drawCurve({"", roc, curveColour(0)});

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/Angle.h>
 #include <dyslam/core/Error.h>
 #include <dyslam/eval/PaperFigures.h>
 
@@ -8,7 +9,6 @@ namespace dyslam
 {
 namespace
 {
-constexpr double kDegreesPerRadian = 180.0 / 3.14159265358979323846;
 
 struct OdometryFigures
 {
@@ -85,7 +85,7 @@ PaperRow absoluteRow(const char* method, const double (&figures)[2])
   PaperRow row;
   row.method = method;
   row.ate_translation_rmse = figures[0];
-  row.ate_rotation_rmse_deg = figures[1] * kDegreesPerRadian;
+  row.ate_rotation_rmse_deg = figures[1] * degrees_per_radian;
   return row;
 }
 

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/Angle.h>
 #include <dyslam/core/Error.h>
 #include <dyslam/eval/TrajectoryMetrics.h>
 
@@ -13,7 +14,6 @@ namespace dyslam
 {
 namespace
 {
-constexpr double kDegreesPerRadian = 180.0 / 3.14159265358979323846;
 
 /** Error of the estimated motion from i to j: inverse(estimated) * true. */
 Pose motionError(const PosePairs& pairs, std::size_t i, std::size_t j)
@@ -155,7 +155,7 @@ KittiDrift kittiDrift(const PosePairs& pairs, const std::vector<double>& lengths
           motionError(pairs, first, static_cast<std::size_t>(end - distance.begin()));
       ++drift.segments;
       drift.translation_percent += 100 * error.translation().norm() / drift.length;
-      drift.rotation_deg_per_100m += 100 * kDegreesPerRadian * rotationAngle(error) / drift.length;
+      drift.rotation_deg_per_100m += 100 * degrees_per_radian * rotationAngle(error) / drift.length;
     }
   }
   const auto divide = [](SegmentDrift& drift)
@@ -185,7 +185,7 @@ RelativePoseError relativePoseError(const PosePairs& pairs)
   {
     const Pose error = motionError(pairs, i, i + 1);
     translation.push_back(error.translation().norm());
-    rotation.push_back(kDegreesPerRadian * rotationAngle(error));
+    rotation.push_back(degrees_per_radian * rotationAngle(error));
   }
   return {statisticsOf(translation), statisticsOf(rotation)};
 }
@@ -226,7 +226,7 @@ AbsoluteTrajectoryError absoluteTrajectoryError(const PosePairs& pairs, Alignmen
   {
     const Pose aligned = result.T_reference_estimate * pairs.estimate[i];
     translation.push_back((aligned.translation() - pairs.reference[i].translation()).norm());
-    rotation.push_back(kDegreesPerRadian * rotationAngle(pairs.reference[i].inverse() * aligned));
+    rotation.push_back(degrees_per_radian * rotationAngle(pairs.reference[i].inverse() * aligned));
   }
   result.translation = statisticsOf(translation);
   result.rotation_deg = statisticsOf(rotation);
@@ -268,7 +268,7 @@ EndError endError(const PosePairs& pairs)
   const Pose error = motionError(pairs, 0, pairs.size() - 1);
   const double length = distanceTravelled(pairs.reference).back();
   result.translation = error.translation().norm();
-  result.rotation_deg = kDegreesPerRadian * rotationAngle(error);
+  result.rotation_deg = degrees_per_radian * rotationAngle(error);
   result.percent = length > 0 ? 100 * result.translation / length : 0;
   return result;
 }

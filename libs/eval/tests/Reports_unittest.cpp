@@ -229,7 +229,7 @@ TEST(MaskPicture, RocCurveMatchesAHandComputedOne)
   EXPECT_EQ(roc[2], Eigen::Vector2d(0, 2.0 / 3));
   EXPECT_EQ(roc[3], Eigen::Vector2d(0.5, 1));
   EXPECT_EQ(roc[4], Eigen::Vector2d(1, 1));
-  EXPECT_NEAR(areaUnderCurve(roc), (2 + 2 + 0.5 + 1) / 6.0, 1e-12);
+  EXPECT_NEAR(areaUnderCurve(scan), (2 + 2 + 0.5 + 1) / 6.0, 1e-12);
   const auto picture = renderMaskScan(scan);
   const cv::Mat image = cv::imdecode(picture, cv::IMREAD_COLOR);
   EXPECT_GT(image.cols, image.rows) << "the view and the curve";
@@ -239,7 +239,7 @@ TEST(MaskPicture, NoRocCurveWithoutMovingPoints)
 {
   const auto scan = parseMaskScan("x,y,z,static_confidence,label\n1,2,0,0.1,1\n", "m.csv");
   EXPECT_TRUE(rocCurve(scan).empty());
-  EXPECT_TRUE(std::isnan(areaUnderCurve(rocCurve(scan))));
+  EXPECT_TRUE(std::isnan(areaUnderCurve(scan)));
   const cv::Mat image = cv::imdecode(renderMaskScan(scan), cv::IMREAD_COLOR);
   EXPECT_EQ(image.cols, image.rows);
 }

@@ -15,7 +15,7 @@ namespace dyslam
 {
 namespace
 {
-constexpr double kDegrees = 180.0 / 3.14159265358979323846;
+constexpr double kDegrees = 180.0 / M_PI;
 
 PosePairs pairsOf(const std::vector<Pose>& reference, const std::vector<Pose>& estimate)
 {

@@ -42,8 +42,8 @@ struct OriginOptions : Options
   void describe(OptionsVisitor& visitor) override
   {
     describePoseSource(visitor, "source", values.source,
-                       "of the true poses; only simulated ones are exact");
-    visitor.text("name", values.name, "file or topic that they were read from");
+                       "source of the true poses; only simulated ones are exact");
+    visitor.text("name", values.name, "file or topic from which the true poses were read");
   }
 };
 
@@ -53,10 +53,11 @@ struct WorldOptions : Options
   SimulatedWorld values;
   void describe(OptionsVisitor& visitor) override
   {
-    visitor.text("world", values.world, "");
-    visitor.text("sensor", values.sensor, "");
-    visitor.real("traffic", values.traffic, 0, 1, "");
-    visitor.integer("seed", values.seed, 0, 2147483647, "");
+    visitor.text("world", values.world, "kind of the simulated world");
+    visitor.text("sensor", values.sensor, "simulated LiDAR");
+    visitor.real("traffic", values.traffic, 0, 1,
+                 "traffic density, from 0 (nothing moves) to 1 (jam)");
+    visitor.integer("seed", values.seed, 0, 2147483647, "seed of world, traffic and noise");
   }
 };
 }  // namespace

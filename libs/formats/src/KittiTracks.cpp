@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <dyslam/core/BoxOverlap.h>
+#include <dyslam/core/Angle.h>
 #include <dyslam/core/PendingFile.h>
 #include <dyslam/formats/KittiTracks.h>
 #include <dyslam/formats/TextFile.h>

@@ -227,7 +227,7 @@ void RosScanDecoder::orderRings(const std::string& source, Scan& scan)
     constexpr double clear = 0.5;  // a Livox's lines have no order by height
     ring_order_ = covariance < -clear * spread ? Order::from_highest : Order::from_lowest;
     notes_.push_back("ring: " + source +
-                     (ring_order_ == Order::from_highest ? ", turned over: 0 is the lowest" : ""));
+                     (ring_order_ == Order::from_highest ? ", reversed: 0 is the lowest" : ""));
   }
   if (ring_order_ == Order::from_highest)
   {

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/Angle.h>
 #include <dyslam/core/Error.h>
 
 #include <algorithm>
@@ -40,15 +41,14 @@ void forFirstMessages(Bag& bag, const std::vector<std::size_t>& topics, const Us
 /** "x y z yaw pitch roll" [m, deg]. */
 std::string sensorPoseText(const Pose& pose)
 {
-  constexpr double degrees = 180 / M_PI;
   const Eigen::Matrix3d R = pose.rotation();
   const Eigen::Vector3d t = pose.translation();
   char text[160];
   // Adding zero makes a negative zero positive.
   std::snprintf(text, sizeof text, "%.7g %.7g %.7g %.7g %.7g %.7g", t.x() + 0.0, t.y() + 0.0,
-                t.z() + 0.0, degrees * std::atan2(R(1, 0), R(0, 0)) + 0.0,
-                degrees * std::asin(std::clamp(-R(2, 0), -1.0, 1.0)) + 0.0,
-                degrees * std::atan2(R(2, 1), R(2, 2)) + 0.0);
+                t.z() + 0.0, degrees_per_radian * std::atan2(R(1, 0), R(0, 0)) + 0.0,
+                degrees_per_radian * std::asin(std::clamp(-R(2, 0), -1.0, 1.0)) + 0.0,
+                degrees_per_radian * std::atan2(R(2, 1), R(2, 2)) + 0.0);
   return text;
 }
 

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/Angle.h>
 #include <dyslam/core/Error.h>
 #include <dyslam/core/Files.h>
 #include <dyslam/core/Printable.h>
 #include <dyslam/formats/SustechFiles.h>
 
 #include <charconv>
-#include <cmath>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
@@ -54,7 +54,7 @@ LabelledBox boxFrom(const json& object, int frame)
   const json& psr = object.at("psr");
   box.box.center = vectorFrom(psr.at("position"));
   box.box.size = vectorFrom(psr.at("scale"));
-  box.box.yaw = std::remainder(psr.at("rotation").at("z").get<double>(), 2 * M_PI);
+  box.box.yaw = wrapAngle(psr.at("rotation").at("z").get<double>());
   return box;
 }
 }  // namespace

@@ -125,7 +125,7 @@ TEST(RosScans, OusterCountsRingsFromTheHighest)
   expectSame(scan, decoded(decoder, fields), 1e-8);
   EXPECT_TRUE(contains(decoder.notes()[0], "reflectivity"));
   EXPECT_TRUE(contains(decoder.notes()[1], "field t, nanoseconds"));
-  EXPECT_TRUE(contains(decoder.notes()[2], "turned over"));
+  EXPECT_TRUE(contains(decoder.notes()[2], "reversed"));
 }
 
 TEST(RosScans, HesaiAndRoboSenseHaveAbsoluteSeconds)
@@ -200,7 +200,7 @@ TEST(RosScans, RowsOfAnOrderedCloudAreRings)
   const Scan read = decoded(decoder, coordinates(scan), true, 3);
   expectSame(scan, read, 0);
   EXPECT_TRUE(decoder.warnings().empty());
-  EXPECT_EQ("ring: rows of the cloud, turned over: 0 is the lowest", decoder.notes().back());
+  EXPECT_EQ("ring: rows of the cloud, reversed: 0 is the lowest", decoder.notes().back());
 }
 
 TEST(RosScans, TimesThatAreNone)

@@ -86,7 +86,7 @@ void GraphSlamContext::complete()
   if (frame_)
   {
     frame_->T_world_vehicle_truth = decoder_.truthAt(frame_->scan.stamp, clock_shift_);
-    pipeline_.addToMap(*frame_);
+    pipeline_.finaliseFrames(*frame_);
     if (on_frame_)
     {
       on_frame_(std::move(*frame_));

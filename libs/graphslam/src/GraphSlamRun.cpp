@@ -49,7 +49,8 @@ void requireKnown(const GraphSlamPluginNames& names)
 {
   (void)findPlugin(nodeDeciders(), node_kind, names.node_decider);
   (void)findPlugin(edgeDeciders(), edge_kind, names.edge_decider);
-  (void)findPlugin(graphOptimizers(), optimizer_kind, names.optimizer);
+  (void)findPlugin(graphOptimizers(), optimizer_kind, names.optimizer,
+                   " (the folder for results is --output)");
 }
 
 /** The engine and what is plugged into it. */
@@ -147,6 +148,10 @@ SlamRunReport runGraphSlam(const SlamRunSettings& settings,
   requireKnown(plugins);
   SlamRun run(settings);
   (void)RawlogSource(settings.rawlog, run.input());  // throws if there is no scan to use
+  if (settings.stop && settings.stop())
+  {
+    throw UserError(settings.rawlog + ": stopped before the first scan");
+  }
   run.open();
   RawlogStream stream(settings.rawlog);
   const auto context = std::make_shared<GraphSlamContext>(

@@ -16,17 +16,6 @@ std::size_t countOf(const std::vector<Loop>& loops, LoopVerdict verdict)
   return static_cast<std::size_t>(std::count_if(
       loops.begin(), loops.end(), [verdict](const Loop& l) { return l.verdict == verdict; }));
 }
-
-/** Loops that the solver uses: it leaves out those that the rest of the graph contradicts. */
-int usedLoops(const FactorGraph& graph)
-{
-  const auto ids = graph.factorIds();
-  return static_cast<int>(std::count_if(ids.begin(), ids.end(),
-                                        [&](FactorGraph::FactorId id) {
-                                          return graph.factor(id).kind() == FactorKind::loop &&
-                                                 !graph.isLeftOut(id);
-                                        }));
-}
 }  // namespace
 
 LoopEdgeDecider::LoopEdgeDecider(std::shared_ptr<GraphSlamContext> context)
@@ -72,7 +61,7 @@ void LoopEdgeDecider::registerNewEdge(const mrpt::graphs::TNodeID& from,
 
 void LoopEdgeDecider::getEdgesStats(std::map<std::string, int>* edge_type_to_num) const
 {
-  const int loops = usedLoops(context_->backend().factorGraph());
+  const auto loops = static_cast<int>(context_->backend().factorGraph().usedLoops().size());
   (*edge_type_to_num)["ICP3D"] = loops;
   (*edge_type_to_num)["LC"] = loops;
 }

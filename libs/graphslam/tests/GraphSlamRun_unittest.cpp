@@ -147,6 +147,17 @@ TEST_F(GraphSlamRun, UnknownPluginsNameTheNearest)
             "x: unknown edge registration decider; there is LoopEdgeDecider, CEmptyERD");
   EXPECT_EQ(errorOf(s, {"", "", "FactorGraphOptimiser"}),
             "FactorGraphOptimiser: unknown optimizer; did you mean FactorGraphOptimizer?");
+  const std::string folder = errorOf(s, {"", "", "out/gs"});
+  EXPECT_EQ(folder.find("out/gs: unknown optimizer; there is FactorGraphOptimizer"), 0U) << folder;
+  EXPECT_NE(folder.find(" (the folder for results is --output)"), std::string::npos) << folder;
+  EXPECT_FALSE(fs::exists(s.output_folder));
+}
+
+TEST_F(GraphSlamRun, StoppedBeforeTheFirstScanItLeavesTheFolderAlone)
+{
+  auto s = settings("never");
+  s.stop = [] { return true; };
+  EXPECT_EQ(errorOf(s), s.rawlog + ": stopped before the first scan");
   EXPECT_FALSE(fs::exists(s.output_folder));
 }
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "ConversionOutput.h"
 
+#include <dyslam/core/Angle.h>
 #include <dyslam/core/Error.h>
 #include <dyslam/core/Files.h>
 
-#include <cmath>
 #include <filesystem>
 #include <sstream>
 
@@ -55,7 +55,7 @@ Pose sensorPoseFrom(std::string text)
     throw UserError("--sensor-pose '" + text +
                     "': six numbers are needed: x y z [m] yaw pitch roll [deg]");
   }
-  const double rad = M_PI / 180;
+  constexpr double rad = radians_per_degree;
   return poseFromYpr(v[0], v[1], v[2], rad * v[3], rad * v[4], rad * v[5]);
 }
 

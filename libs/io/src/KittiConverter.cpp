@@ -6,6 +6,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <cmath>
 #include <map>
 
 #include "ConversionOutput.h"
@@ -16,7 +17,7 @@ namespace dyslam
 namespace
 {
 /** KITTI odometry's scans were unwrapped with vertical angles 0.205 degrees too low. */
-constexpr float vertical_angle_error = 0.205F * 3.14159265F / 180.0F;
+constexpr float vertical_angle_error = 0.205F * static_cast<float>(M_PI) / 180.0F;
 
 /** Turns each point up about the horizontal axis square to its direction. */
 void correctVerticalAngles(Scan& scan)
@@ -72,16 +73,17 @@ void KittiConverterOptions::describe(OptionsVisitor& visitor)
                  {{"odometry", KittiKind::odometry},
                   {"raw", KittiKind::raw},
                   {"tracking", KittiKind::tracking}},
-                 "which of KITTI's layouts");
-  visitor.text("calib", calib, "calib file or folder; empty: as in the layout");
-  visitor.text("poses", poses, "TUM or KITTI poses");
+                 "kind of KITTI's folder layouts");
+  visitor.text("calib", calib, "calibration file or folder; empty: as in the layout");
+  visitor.text("poses", poses, "file of TUM or KITTI poses; empty: as in the layout");
   visitor.text("oxts", oxts, "GNSS/INS file or folder, used where there are no poses");
-  visitor.text("labels", labels, "folder of .label files");
-  visitor.text("boxes", boxes, "label_02 file, or folder of SUSTechPOINTS json");
-  visitor.text("sequence", sequence, "of tracking's official layout, such as 0000");
+  visitor.text("labels", labels, "folder of .label files of the scans");
+  visitor.text("boxes", boxes, "boxes of objects: label_02 file, or folder of SUSTechPOINTS json");
+  visitor.text("sequence", sequence, "sequence of tracking's official layout, such as 0000");
   visitor.text("times", times, "file of times, a line for each frame number");
-  visitor.text("sensor_pose", sensor_pose, "x y z yaw pitch roll of the lidar [m, deg]");
-  visitor.flag("no_truth", no_truth, "scans only: no poses, labels or boxes");
+  visitor.text("sensor_pose", sensor_pose,
+               "pose of the lidar on the vehicle, x y z yaw pitch roll; empty: identity [m, deg]");
+  visitor.flag("no_truth", no_truth, "convert scans only: no poses, labels or boxes");
   visitor.choice(
       "pose_frame", pose_frame,
       {{"auto", PoseFrame::automatic}, {"lidar", PoseFrame::lidar}, {"camera", PoseFrame::camera}},
@@ -90,15 +92,17 @@ void KittiConverterOptions::describe(OptionsVisitor& visitor)
       "deskewed", deskewed,
       {{"auto", ScansDeskewed::automatic}, {"yes", ScansDeskewed::yes}, {"no", ScansDeskewed::no}},
       "scans are deskewed already; auto: yes for KITTI odometry");
-  visitor.real("dt", dt, 0, 3600, "seconds between scans; 0: the layout's times, else 0.1034");
+  visitor.real("dt", dt, 0, 3600, "time between scans; 0: the layout's times, else 0.1034 [s]");
   visitor.flag("vertical_angle_correction", vertical_angle_correction,
                "correct the elevation of points by +0.205 deg");
   describePoseSource(visitor, "pose_source", pose_source,
-                     "of the true poses; unknown: by the files that they are from");
+                     "source of the true poses; unknown: by the files that they are from");
   describeRange(visitor);
-  visitor.integer("every_n", every_n, 1, 1000000, "of the scans, every n-th is converted");
-  visitor.flag("external_storage", external_storage, "clouds in separate files");
-  visitor.integer("compression_level", compression_level, 0, 9, "of gzip");
+  visitor.integer("every_n", every_n, 1, 1000000,
+                  "interval between converted scans; 1: every scan [scans]");
+  visitor.flag("external_storage", external_storage, "write clouds in separate files");
+  visitor.integer("compression_level", compression_level, 0, 9,
+                  "level of the gzip compression: 0 none, 1 fast, 9 small");
 }
 
 ConversionResult convertKitti(const std::string& input,

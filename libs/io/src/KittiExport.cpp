@@ -214,12 +214,15 @@ class Sequence
 void KittiExportOptions::describe(OptionsVisitor& visitor)
 {
   visitor.text("sequence", sequence, "name of the sequence's folder");
-  visitor.text("trajectory", trajectory, "TUM or KITTI poses of the vehicle; empty: ground truth");
-  visitor.text("calib", calib, "calibration to write; empty: camera axes at the lidar");
-  visitor.flag("no_scans", no_scans, "only times, calibration and poses");
-  visitor.flag("rings", rings, "NNNNNN.ring beside the scans");
-  visitor.integer("skip_first_n", skip_first_n, 0, 1000000000, "scans to skip");
-  visitor.integer("only_first_n", only_first_n, 0, 1000000000, "scans to write; 0: all");
+  visitor.text("trajectory", trajectory,
+               "file of TUM or KITTI poses of the vehicle; empty: ground truth");
+  visitor.text("calib", calib, "calibration file to write; empty: camera axes at the lidar");
+  visitor.flag("no_scans", no_scans, "write only times, calibration and poses");
+  visitor.flag("rings", rings, "write NNNNNN.ring beside the scans");
+  visitor.integer("skip_first_n", skip_first_n, 0, 1000000000,
+                  "number of first scans that are skipped");
+  visitor.integer("only_first_n", only_first_n, 0, 1000000000,
+                  "most scans that are written, after the skipped ones; 0: all");
 }
 
 ConversionResult exportKitti(const std::string& rawlog,

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/Error.h>
+#include <dyslam/core/Quantile.h>
 #include <dyslam/formats/TextFile.h>
 #include <dyslam/io/PcapSource.h>
 #include <pcap/pcap.h>
@@ -181,12 +182,14 @@ void PcapSourceOptions::describe(OptionsVisitor& visitor)
                   {"VLP16", VelodyneModel::vlp16},
                   {"HDL32E", VelodyneModel::hdl32e},
                   {"HDL64E", VelodyneModel::hdl64e}},
-                 "the lidar; auto: from the packets");
-  visitor.text("calibration_file", calibration_file, "Velodyne XML or YAML; empty: the default");
-  visitor.real("min_range", min_range, 0, 100, "nearer returns are dropped (own vehicle) [m]");
+                 "model of the lidar; auto: from the packets");
+  visitor.text("calibration_file", calibration_file,
+               "Velodyne XML or YAML calibration file; empty: the model's default");
+  visitor.real("min_range", min_range, 0, 100,
+               "range below which returns (own vehicle) are dropped [m]");
   visitor.degrees("cut_azimuth_deg", cut_azimuth, 0, 360,
-                  "where scans are cut, clockwise from straight ahead");
-  visitor.flag("keep_partial", keep_partial, "also deliver incomplete first and last revolutions");
+                  "azimuth at which scans are cut, clockwise from straight ahead [deg]");
+  visitor.flag("keep_partial", keep_partial, "deliver also incomplete first and last revolutions");
 }
 
 struct PcapSource::Impl
@@ -261,9 +264,8 @@ struct PcapSource::Impl
     }
     if (!paces.empty())
     {
-      std::sort(paces.begin(), paces.end());
       const bool dual = probed.front().view().returnMode() == VelodynePacketView::dual_return;
-      const double pace = paces[paces.size() / 2] * (dual ? 2 : 1);
+      const double pace = upperMedian(paces) * (dual ? 2 : 1);
       // 1327 us for VLP-16, 553 us for HDL-32E.
       const auto paced = pace > 1200 && pace < 1450 ? VelodyneModel::vlp16
                          : pace > 480 && pace < 630 ? VelodyneModel::hdl32e

@@ -10,15 +10,17 @@ namespace dyslam
 {
 void RawlogSourceOptions::describe(OptionsVisitor& visitor)
 {
-  visitor.text("sensor_label", sensor_label, "regex for the lidar's label; empty: the first lidar");
+  visitor.text("sensor_label", sensor_label,
+               "regex for the lidar's sensor label; empty: the first lidar");
   describeRange(visitor);
-  visitor.text("ground_truth_label", ground_truth_label, "of the true poses; empty: use none");
+  visitor.text("ground_truth_label", ground_truth_label,
+               "sensor label of the true poses; empty: use none");
   visitor.real("ground_truth_max_gap", ground_truth_max_gap, 0, 10,
-               "largest gap between true poses that are interpolated [s]");
+               "largest time between true poses that are interpolated [s]");
   visitor.flag("external_anywhere", external_anywhere,
                "also read external files outside the recording's folder");
   visitor.real("intensity_scale", intensity_scale, 0, 1000,
-               "multiplies the file's intensities; 0: 1, or 1/255 for 0..255 data");
+               "factor on the file's intensities; 0: 1, or 1/255 for 0..255 data");
 }
 
 struct RawlogSource::Impl

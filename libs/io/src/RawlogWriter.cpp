@@ -88,10 +88,12 @@ std::string externalStorageFolder(const std::string& rawlog)
 
 void RawlogWriterOptions::describe(OptionsVisitor& visitor)
 {
-  visitor.flag("external_storage", external_storage, "clouds as .bin files in <name>_Images/");
-  visitor.integer("compression_level", compression_level, 0, 9, "of gzip: 0 none, 1 fast, 9 small");
-  visitor.text("sensor_label", sensor_label, "for scans that have none");
-  visitor.text("ground_truth_label", ground_truth_label, "of the true poses");
+  visitor.flag("external_storage", external_storage,
+               "write clouds as .bin files in <name>_Images/");
+  visitor.integer("compression_level", compression_level, 0, 9,
+                  "level of the gzip compression: 0 none, 1 fast, 9 small");
+  visitor.text("sensor_label", sensor_label, "sensor label of scans that have none");
+  visitor.text("ground_truth_label", ground_truth_label, "sensor label of the true poses");
 }
 
 struct RawlogWriter::Impl

@@ -132,14 +132,15 @@ void insertObject(mrpt::opengl::COpenGLScene& scene,
 
 void ReplayWriterOptions::describe(OptionsVisitor& v)
 {
-  v.integer("every", every, 1, 100000, "1: every scan");
+  v.integer("every", every, 1, 100000, "interval between written scans; 1: every scan [scans]");
   v.real("resolution", resolution, 0, 10,
-         "one point of the static cloud per cube of this side, 0 keeps all [m]");
+         "side of the cubes with one point each in the static cloud; 0: all points [m]");
   v.integer("scene_points", scene_points, 0, 10000000,
-            "at most so many points in the 3D scene, 0: no scene");
+            "most points in the 3D scene of a scan; 0: no scene");
   v.integer("trajectory_points", trajectory_points, 2, 1000000,
-            "at most so many poses of the trajectory in a scene");
-  v.integer("compression_level", compression_level, 0, 9, "of gzip: 0 none, 1 fast, 9 small");
+            "most poses of the trajectory in the 3D scene of a scan");
+  v.integer("compression_level", compression_level, 0, 9,
+            "level of the gzip compression: 0 none, 1 fast, 9 small");
 }
 
 struct ReplayWriter::Impl

@@ -307,22 +307,28 @@ void requireFitting(InputKind kind, const ScanConverterOptions& options)
 
 void ScanConverterOptions::describe(OptionsVisitor& visitor)
 {
-  visitor.text("sensor", sensor, "VLP16, HDL32E, HDL64E for a pcap; else the scans' label");
-  visitor.text("calibration", calibration, "Velodyne XML or YAML for a pcap");
-  visitor.text("poses", poses, "TUM or KITTI poses of the lidar, a line for each scan");
+  visitor.text("sensor", sensor,
+               "model of a pcap's lidar, VLP16, HDL32E or HDL64E; else the scans' label");
+  visitor.text("calibration", calibration, "Velodyne XML or YAML calibration file for a pcap");
+  visitor.text("poses", poses, "file of TUM or KITTI poses of the lidar, a line for each scan");
   visitor.text("times", times, "file of times, a line for each scan of a folder");
-  visitor.text("topic", topic, "of a bag's scans; empty: the most likely lidar");
-  visitor.text("truth_topic", truth_topic, "of a bag's true poses of the vehicle");
+  visitor.text("topic", topic, "topic of a bag's scans; empty: the most likely lidar");
+  visitor.text("truth_topic", truth_topic,
+               "topic of a bag's true poses of the vehicle; empty: none");
   visitor.text("truth_frame", truth_frame, "child frame of the poses in truth_topic");
-  visitor.text("sensor_pose", sensor_pose, "x y z yaw pitch roll of the lidar [m, deg]");
-  visitor.real("dt", dt, 0, 3600, "seconds between scans; 0: the scans' own times, else 0.1");
-  visitor.flag("keep_partial", keep_partial, "also incomplete first and last revolutions");
-  describePoseSource(visitor, "pose_source", pose_source,
-                     "of poses or truth_topic; unknown: given, of unknown accuracy");
+  visitor.text("sensor_pose", sensor_pose,
+               "pose of the lidar on the vehicle, x y z yaw pitch roll; empty: identity [m, deg]");
+  visitor.real("dt", dt, 0, 3600, "time between scans; 0: the scans' own times, else 0.1 [s]");
+  visitor.flag("keep_partial", keep_partial, "convert also incomplete first and last revolutions");
+  describePoseSource(
+      visitor, "pose_source", pose_source,
+      "source of the poses of poses or truth_topic; unknown: given, of unknown accuracy");
   describeRange(visitor);
-  visitor.integer("every_n", every_n, 1, 1000000, "of the scans, every n-th is converted");
-  visitor.flag("external_storage", external_storage, "clouds in separate files");
-  visitor.integer("compression_level", compression_level, 0, 9, "of gzip");
+  visitor.integer("every_n", every_n, 1, 1000000,
+                  "interval between converted scans; 1: every scan [scans]");
+  visitor.flag("external_storage", external_storage, "write clouds in separate files");
+  visitor.integer("compression_level", compression_level, 0, 9,
+                  "level of the gzip compression: 0 none, 1 fast, 9 small");
 }
 
 ConversionResult convertScans(const std::string& input,

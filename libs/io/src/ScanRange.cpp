@@ -15,11 +15,14 @@ constexpr double most_seconds = 1e9;
 
 void ScanRange::describeRange(OptionsVisitor& visitor)
 {
-  visitor.integer("skip_first_n", skip_first_n, 0, most_scans, "scans to skip");
-  visitor.integer("only_first_n", only_first_n, 0, most_scans, "scans to use after those; 0: all");
+  visitor.integer("skip_first_n", skip_first_n, 0, most_scans,
+                  "number of first scans that are skipped");
+  visitor.integer("only_first_n", only_first_n, 0, most_scans,
+                  "most scans that are used, after the skipped ones; 0: all");
   visitor.real("start", start, 0, most_seconds,
-               "scans before this time since the first scan of the recording are skipped [s]");
-  visitor.real("end", end, 0, most_seconds, "scans from this time on are left out [s]; 0: none");
+               "time since the first scan before which scans are skipped [s]");
+  visitor.real("end", end, 0, most_seconds,
+               "time since the first scan from which on scans are left out; 0: none [s]");
 }
 
 ScanSelection::ScanSelection(const ScanRange& range, int every_n)

@@ -1,11 +1,28 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "ScanSink.h"
 
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
 namespace dyslam
 {
 namespace
 {
 constexpr double default_dt = 0.1;  //!< [s]
+
+/** Whether the points have two different times or more. */
+bool haveDifferentTimes(const Scan& scan)
+{
+  float first = std::numeric_limits<float>::infinity();
+  float last = -first;
+  for (const float time : scan.time)
+  {
+    first = std::isfinite(time) ? std::min(first, time) : first;
+    last = std::isfinite(time) ? std::max(last, time) : last;
+  }
+  return last > first;
+}
 }  // namespace
 
 ScanSink::ScanSink(const std::string& output, const ScanConverterOptions& options)
@@ -47,6 +64,12 @@ bool ScanSink::put(Scan scan,
     scan.sensor_label = options_.sensor.empty() ? "lidar" : options_.sensor;
   }
   scan.T_vehicle_lidar = T_vehicle_lidar_;
+  times_differ_ = times_differ_ || haveDifferentTimes(scan);
+  if (!times_differ_ && scan.time.size() > 1)
+  {
+    scan.time.clear();  // all the same: a column that no driver filled
+    equal_times_ = true;
+  }
   any_times_ = any_times_ || !scan.time.empty();
   out_.write(scan, T_world_lidar);
   ++written_;
@@ -63,7 +86,9 @@ ConversionResult ScanSink::close()
   }
   if (!any_times_)
   {
-    warn("the points have no times: dyslam deskews by azimuth or not at all (preprocess.deskew)");
+    const std::string equal = equal_times_ ? " (those of a scan are all the same)" : "";
+    warn("the points have no times" + equal +
+         ": dyslam deskews by azimuth or not at all (preprocess.deskew)");
     if (options_.every_n > 1)
     {
       warn(thinned_without_times);

@@ -44,7 +44,9 @@ class ScanSink
   std::size_t seen_ = 0;
   std::size_t written_ = 0;
   bool assumed_rate_ = false;
-  bool any_times_ = false;
+  bool any_times_ = false;     //!< of points, in the rawlog
+  bool times_differ_ = false;  //!< within a scan so far
+  bool equal_times_ = false;   //!< scans whose points all have the same time were met before
 };
 
 /** Writes the scans of a ROS bag. \throws UserError. */

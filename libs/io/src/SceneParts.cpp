@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "SceneParts.h"
 
+#include <dyslam/core/Quantile.h>
 #include <dyslam/mrpt/Conversions.h>
 #include <mrpt/core/bits_math.h>
 #include <mrpt/opengl/CArrow.h>
@@ -38,15 +39,8 @@ std::pair<float, float> heightRange(const std::vector<Eigen::Vector3f>& points)
   {
     return {0, 1};
   }
-  const auto at = [&](double share)
-  {
-    const auto nth = heights.begin() +
-                     static_cast<std::ptrdiff_t>(share * static_cast<double>(heights.size() - 1));
-    std::nth_element(heights.begin(), nth, heights.end());
-    return *nth;
-  };
-  const float low = at(0.02);
-  return {low, std::max(at(0.98), low + 1.0F)};
+  const float low = quantile(heights, 0.02);
+  return {low, std::max(quantile(heights, 0.98), low + 1.0F)};
 }
 
 /** Is filled at once: MRPT's push_back() takes a lock and tells all viewers for every point. It is

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/Angle.h>
 #include <dyslam/core/Error.h>
 #include <dyslam/formats/TextFile.h>
 
@@ -15,7 +16,6 @@ namespace dyslam
 {
 namespace
 {
-constexpr double degrees = 180 / 3.14159265358979323846;
 constexpr std::size_t most_lasers = 128;
 using Calibration = mrpt::obs::VelodyneCalibration;
 
@@ -23,11 +23,11 @@ void setField(Calibration::PerLaserCalib& laser, const std::string& key, double 
 {
   if (key == "rot_correction")
   {
-    laser.azimuthCorrection = value * degrees;
+    laser.azimuthCorrection = value * degrees_per_radian;
   }
   else if (key == "vert_correction")
   {
-    laser.verticalCorrection = value * degrees;
+    laser.verticalCorrection = value * degrees_per_radian;
   }
   else if (key == "dist_correction")
   {

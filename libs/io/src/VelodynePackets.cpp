@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "VelodynePackets.h"
 
+#include <dyslam/core/Quantile.h>
+
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -87,9 +89,7 @@ double VelodyneDecoder::azimuthStep(const VelodynePacketView& packet, bool dual)
   {
     steps.push_back((36000 + packet.azimuth(block + stride) - packet.azimuth(block)) % 36000);
   }
-  std::nth_element(steps.begin(), steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2),
-                   steps.end());
-  return steps[steps.size() / 2];
+  return upperMedian(steps);
 }
 
 Eigen::Vector3f VelodyneDecoder::point(const Laser& laser, double range, double azimuth) const

@@ -115,6 +115,37 @@ TEST(ScanConverter, ARangeOfTimeAndEveryNthScan)
                        "--start and --end leave none of the 10 scans"));
 }
 
+/** As PCL writes a column that no driver filled. */
+TEST(ScanConverter, EqualTimesOfPointsAreNone)
+{
+  const TestFolder folder;
+  const auto pcd = [](const std::string& points)
+  {
+    return "VERSION 0.7\nFIELDS x y z time\nSIZE 4 4 4 4\nTYPE F F F F\nCOUNT 1 1 1 1\nWIDTH 3\n"
+           "HEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS 3\nDATA ascii\n" +
+           points;
+  };
+  makeFolderOf(folder, "in");
+  const auto timesAfter = [&]
+  {
+    const auto result =
+        convertScans(folder.file("in"), folder.file("x.rawlog"), ScanConverterOptions{});
+    const bool missing = contains(result.warnings.back(), "the points have no times");
+    const auto frames = readAll(folder.file("x.rawlog"));
+    EXPECT_EQ(missing, frames.at(0).scan.time.empty() && frames.at(1).scan.time.empty());
+    EXPECT_EQ(missing, contains(result.warnings.back(), "(those of a scan are all the same)"));
+    return std::pair(frames[0].scan.time, frames[1].scan.time);
+  };
+  const std::string equal = pcd("5 0 0 0\n0 5 0 0\n5 5 0 0\n");
+  folder.write("in/0.pcd", equal);
+  folder.write("in/1.pcd", pcd("5 0 0 0.05\n0 5 0 0.05\n5 5 0 nan\n"));
+  EXPECT_EQ(timesAfter(), std::pair(std::vector<float>(), std::vector<float>()));
+  // Once times were met, a scan of one firing has its time.
+  folder.write("in/0.pcd", pcd("5 0 0 0\n0 5 0 0.01\n5 5 0 0.02\n"));
+  folder.write("in/1.pcd", equal);
+  EXPECT_EQ(timesAfter(), std::pair(std::vector<float>{0, 0.01F, 0.02F}, std::vector<float>(3, 0)));
+}
+
 TEST(ScanConverter, CountedNamesAndTimesOfAFile)
 {
   const TestFolder folder;

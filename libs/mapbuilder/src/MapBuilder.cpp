@@ -109,13 +109,13 @@ void MapBuilder::add(Frame frame)
     ++unregistered_;
     return;
   }
-  frame.T_odom_vehicle = run.trajectory()[*pose].pose;
+  frame.T_odom_vehicle = *pose;
   frame.is_keyframe = isKeyframe(frame.T_odom_vehicle);
   if (!frame.is_keyframe && !hindsight_)
   {
     return;
   }
-  run.fillCloud(frame, *pose);
+  run.fillCloud(frame);
   if (frame.is_keyframe)
   {
     last_keyframe_ = frame.T_odom_vehicle;
@@ -131,7 +131,7 @@ void MapBuilder::add(Frame frame)
     insert(frame);
     return;
   }
-  hindsight_->add(frame, frame.is_keyframe ? KeptParts::all : KeptParts::none,
+  hindsight_->add(frame, frame.is_keyframe ? FrameParts::all : FrameParts::none,
                   [this](const Frame& f) { insert(f); });
 }
 

@@ -101,14 +101,21 @@ MergeReport mergeMaps(const std::vector<RunFolder>& runs,
                       MapListener& listener)
 {
   validate(outputs.exports, "map_export");
-  const MergedRuns joined = mergeRuns(runs, merger, options.map, options.threads, listener);
+  const MapBuilderOptions own = withNeedsOf(outputs, options);
+  RunMergerConfig limited = merger;
+  limited.memory = MemoryLimit(own.memory, own.temporary_folder);
+  const MergedRuns joined = mergeRuns(runs, limited, own.map, own.threads, listener);
+  if (const std::string& full = limited.memory.file->problem(); !full.empty())
+  {
+    listener.warn(full);
+  }
   const std::vector<Trajectory> merged = mergedTrajectories(runs, joined.merge);
   std::string problem = unjoined(runs, joined.merge);
   if (joinedRuns(joined.merge) < 2)
   {
     throw UserError(problem + "; nothing was written");
   }
-  MapBuilder builder(withNeedsOf(outputs, options));
+  MapBuilder builder(own);
   std::size_t scans = 0;
   for (std::size_t r = 0; r < runs.size(); ++r)
   {

@@ -18,10 +18,10 @@ namespace
 std::vector<Eigen::Vector3f> staticPoints(const RunScans& scans,
                                           const StaticMapOptions& map,
                                           Frame& frame,
-                                          std::size_t pose)
+                                          const Pose& pose)
 {
-  frame.T_odom_vehicle = scans.trajectory()[pose].pose;
-  scans.fillCloud(frame, pose);
+  frame.T_odom_vehicle = pose;
+  scans.fillCloud(frame);
   scans.fillMoving(frame);
   for (TrackedObject& object : frame.objects)
   {

@@ -35,12 +35,12 @@ std::string labelFolder(const std::string& folder)
 }  // namespace
 
 RunScans::RunScans(const Trajectory& trajectory, const RunScansOptions& options, ThreadPool& pool)
-    : trajectory_(trajectory),
+    : poses_(trajectory, options.tolerance),
       options_(options),
       label_folder_(labelFolder(options.labels)),
       preprocessor_(options.preprocess, pool)
 {
-  if (trajectory_.empty())
+  if (trajectory.empty())
   {
     throw UserError("the trajectory has no poses");
   }
@@ -59,24 +59,19 @@ RunScans::RunScans(const Trajectory& trajectory, const RunScansOptions& options,
   }
 }
 
-std::optional<std::size_t> RunScans::poseOf(const Frame& frame) const
+std::optional<Pose> RunScans::poseOf(const Frame& frame) const
 {
-  return trajectory_.nearest(frame.scan.stamp, options_.tolerance);
+  return poses_.at(frame.scan.stamp);
 }
 
-void RunScans::fillCloud(Frame& frame, std::size_t pose) const
+void RunScans::fillCloud(Frame& frame) const
 {
-  const Trajectory& t = trajectory_;
-  Pose T_previous_current = Pose::Identity();
-  double dt = 0;
-  if (t.size() > 1)
-  {
-    const std::size_t current = std::max<std::size_t>(pose, 1);
-    T_previous_current = t[current - 1].pose.inverse() * t[current].pose;
-    dt = t[current].stamp - t[current - 1].stamp;
-  }
+  const double sweep = frame.sweep_duration;
+  const TimedMotion motion =
+      poses_.motionDuring(frame.scan.stamp, preprocessor_.sweepSpan(frame.scan, sweep));
   // The trajectory may be that of every tenth scan: its steps are no revolutions.
-  frame.cloud = preprocessor_.prepare(frame.scan, T_previous_current, dt, frame.sweep_duration);
+  frame.cloud =
+      preprocessor_.prepare(frame.scan, motion.from.inverse() * motion.to, motion.dt, sweep);
 }
 
 /** One label per point of the cloud. */
@@ -127,7 +122,7 @@ void RunScans::noteObjects(const Frame& frame)
   {
     return;
   }
-  const Pose T_map_lidar = trajectory_[*pose].pose * frame.scan.T_vehicle_lidar;
+  const Pose T_map_lidar = *pose * frame.scan.T_vehicle_lidar;
   const auto [begin, end] = boxes_.equal_range(static_cast<int>(frame.index));
   for (auto it = begin; it != end; ++it)
   {

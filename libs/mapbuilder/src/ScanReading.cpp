@@ -71,7 +71,17 @@ std::string readScans(RawlogSource& source,
 {
   listener.beginReading(purpose);
   ScanClock clock;
-  for (;;)
+  std::optional<Frame> first;  // until the second shows how long a sweep takes
+  const auto use_first = [&](double sweep_duration)
+  {
+    if (first)
+    {
+      first->sweep_duration = sweep_duration;
+      use(std::move(*first));
+      first.reset();
+    }
+  };
+  for (bool started = false;; started = true)
   {
     std::optional<Frame> frame;
     try
@@ -80,14 +90,22 @@ std::string readScans(RawlogSource& source,
     }
     catch (const UserError& error)
     {
+      use_first(0);
       return error.what();  // the map of the scans before it is kept
     }
     if (!frame)
     {
+      use_first(0);
       listener.finish(source.framesRead());
       return {};
     }
     frame->sweep_duration = clock.nextSweep(frame->scan.stamp);
+    if (!started)
+    {
+      first = std::move(frame);
+      continue;
+    }
+    use_first(frame->sweep_duration);
     use(std::move(*frame));
     listener.update(source.progress(), source.framesRead());
   }

@@ -37,19 +37,67 @@ TEST_F(RunScansTest, ScansHaveThePoseOfTheirTime)
 {
   const RunScans run = scans(test::straightDrive(5, 1));
   Frame frame = test::frameFrom(Pose::Identity(), 3);
-  EXPECT_EQ(3U, run.poseOf(frame));
+  const auto x = [&] { return run.poseOf(frame)->translation().x(); };
+  EXPECT_EQ(3, x());
   frame.scan.stamp += 0.009;
-  EXPECT_EQ(3U, run.poseOf(frame));
+  EXPECT_NEAR(3.09, x(), 1e-6) << "interpolated";
+  frame.scan.stamp += 0.1;
+  EXPECT_EQ(4, x()) << "after the last pose";
   frame.scan.stamp += 0.002;
   EXPECT_FALSE(run.poseOf(frame)) << "beyond the tolerance";
   EXPECT_THROW((void)scans(Trajectory()), UserError);
+}
+
+TEST_F(RunScansTest, InGapsOfTheTrajectoryTheyHaveNone)
+{
+  Trajectory sparse;
+  for (const std::size_t i : {0, 10})
+  {
+    sparse.push_back(test::straightDrive(11, 1)[i].stamp, test::straightDrive(11, 1)[i].pose);
+  }
+  const RunScans run = scans(sparse);
+  Frame frame = test::frameFrom(Pose::Identity(), 0);
+  frame.scan.stamp += 0.009;
+  EXPECT_EQ(0, run.poseOf(frame)->translation().x());
+  EXPECT_FALSE(run.poseOf(test::frameFrom(Pose::Identity(), 3)));
+}
+
+/** An INS of 50 Hz whose stamps are not those of the scans. */
+TEST_F(RunScansTest, OfAnInsAllScansHaveTheirPoseAndCloud)
+{
+  constexpr double step = 0.02;
+  options.preprocess.deskew = DeskewMode::azimuth;
+  Trajectory ins;
+  for (int i = 0; i < 25; ++i)
+  {
+    const double time = -0.013 + step * i;
+    ins.push_back(test::start_time + time, poseFromYpr(time / test::period, 0, 0, 0, 0, 0));
+  }
+  const Trajectory drive = test::straightDrive(5, 1);
+  const RunScans of_scans = scans(drive);
+  const RunScans of_ins = scans(ins);
+  for (std::size_t i = 0; i < drive.size(); ++i)
+  {
+    Frame expected = test::frameFrom(drive[i].pose, i);
+    expected.sweep_duration = test::period;
+    Frame frame = expected;
+    ASSERT_TRUE(of_ins.poseOf(frame));
+    EXPECT_TRUE(of_ins.poseOf(frame)->isApprox(drive[i].pose, 1e-6)) << i;
+    of_scans.fillCloud(expected);
+    of_ins.fillCloud(frame);
+    ASSERT_EQ(expected.cloud.size(), frame.cloud.size());
+    for (std::size_t k = 0; k < frame.cloud.size(); ++k)
+    {
+      ASSERT_LT((expected.cloud.points[k] - frame.cloud.points[k]).norm(), 1e-4F) << i;
+    }
+  }
 }
 
 TEST_F(RunScansTest, CloudsAreInTheVehicleFrame)
 {
   const RunScans run = scans(test::straightDrive(3, 1));
   Frame frame = test::frameFrom(poseFromYpr(1, 0, 0, 0, 0, 0), 1);
-  run.fillCloud(frame, 1);
+  run.fillCloud(frame);
   ASSERT_FALSE(frame.cloud.points.empty());
   const std::size_t source = frame.cloud.source.front();
   EXPECT_TRUE(frame.cloud.points.front().isApprox(
@@ -77,7 +125,7 @@ TEST_F(RunScansTest, WhatMovesIsByTheLabels)
   writeLabels(folder.file("run/labels/000000.label"), labels);
   const RunScans run = scans(test::straightDrive(2, 1));
   EXPECT_TRUE(run.hasLabels());
-  run.fillCloud(frame, 0);
+  run.fillCloud(frame);
   run.fillMoving(frame);
   ASSERT_EQ(frame.cloud.size(), frame.moving.size());
   for (std::size_t i = 0; i < frame.cloud.size(); ++i)
@@ -85,7 +133,7 @@ TEST_F(RunScansTest, WhatMovesIsByTheLabels)
     EXPECT_EQ(frame.cloud.source[i] + 1 == frame.scan.size(), frame.moving[i]);
   }
   Frame later = test::frameFrom(Pose::Identity(), 1);
-  run.fillCloud(later, 1);
+  run.fillCloud(later);
   const std::string said = messageOfError<UserError>([&] { run.fillMoving(later); });
   EXPECT_TRUE(contains(said, "000001.label")) << said;
 }
@@ -97,7 +145,7 @@ TEST_F(RunScansTest, LabelsBesideAFolderWithoutAnyAreFound)
   writeLabels(folder.file("run/000000.label"), std::vector<Label>(frame.scan.size(), label_moving));
   options.labels = folder.file("run");
   const RunScans run = scans(test::straightDrive(2, 1));
-  run.fillCloud(frame, 0);
+  run.fillCloud(frame);
   const std::vector<Label> labels = run.labelsOf(frame);
   EXPECT_EQ(std::vector<Label>(frame.cloud.size(), label_moving), labels);
 }

@@ -45,7 +45,7 @@ TEST_F(ScanReading, EveryScanHasItsSweep)
   EXPECT_EQ("", readScans(source, "a reason", listener,
                           [&](const Frame& frame) { sweeps.push_back(frame.sweep_duration); }));
   ASSERT_EQ(10U, sweeps.size());
-  EXPECT_EQ(0, sweeps[0]);
+  EXPECT_NEAR(test::period, sweeps[0], 1e-6) << "that of the second";
   EXPECT_NEAR(test::period, sweeps[9], 1e-6);
   EXPECT_EQ((std::vector<std::string>{"reading a reason", "finished 10"}), listener.log);
   EXPECT_EQ(10U, listener.last_count);

@@ -14,8 +14,9 @@
 #include <filesystem>
 #include <limits>
 #include <opencv2/imgcodecs.hpp>
-#include <utility>
 #include <vector>
+
+#include "GridGround.h"
 
 namespace dyslam
 {
@@ -26,101 +27,8 @@ constexpr std::uint8_t occupied = 0;
 constexpr std::uint8_t free_space = 254;
 constexpr std::uint8_t unknown = 205;
 
-constexpr double column = 1.0;  // side of the columns whose lowest points are the ground [m]
 constexpr int azimuth_bins = 1440;
 constexpr double ray_range = 40.0;  // farther returns do not clear cells [m]
-
-std::uint64_t columnKey(double x, double y, int dx = 0, int dy = 0)
-{
-  return voxelKey({static_cast<std::int32_t>(std::floor(x / column)) + dx,
-                   static_cast<std::int32_t>(std::floor(y / column)) + dy, 0});
-}
-
-/** Height of the ground anywhere near map points. */
-class Ground
-{
- public:
-  explicit Ground(const MapPoints& map)
-  {
-    for (std::size_t i = 0; i < map.size(); ++i)
-    {
-      const Eigen::Vector3f& p = map.points[i];
-      const auto next = static_cast<std::uint32_t>(columns_.size());
-      const auto found = index_.findOrInsert(columnKey(p.x(), p.y()), next);
-      if (found == next)
-      {
-        columns_.emplace_back();
-        columns_.back().at = p.head<2>().cast<double>();
-      }
-      columns_[found].add(p.z(), map.hits[i]);
-    }
-    for (const Column& one : columns_)
-    {
-      height_.push_back(nearby(one.at));
-    }
-  }
-
-  /** Height of a point over the ground; of points off the map, not a number. */
-  [[nodiscard]] double above(const Eigen::Vector3d& p) const
-  {
-    const auto found = index_.find(columnKey(p.x(), p.y()));
-    return found == VoxelHash::none ? std::numeric_limits<double>::quiet_NaN()
-                                    : p.z() - static_cast<double>(height_[found]);
-  }
-
- private:
-  static constexpr float none = std::numeric_limits<float>::infinity();
-
-  /** The lowest points of a column. Multipath echoes lie metres below the road, where hardly any
-   * voxel is seen from two keyframes. */
-  struct Column
-  {
-    Eigen::Vector2d at = Eigen::Vector2d::Zero();
-    float lowest = none;
-    float lowest_seen_twice = none;
-
-    void add(float z, std::uint32_t hits)
-    {
-      lowest = std::min(lowest, z);
-      lowest_seen_twice = hits > 1 ? std::min(lowest_seen_twice, z) : lowest_seen_twice;
-    }
-  };
-
-  /** Lower quartile of the columns around: robust to a ghost below the road and to a wall. Columns
-   * that two keyframes saw count, if there are any. */
-  [[nodiscard]] float nearby(const Eigen::Vector2d& at) const
-  {
-    std::vector<float> heights;
-    std::vector<float> heights_seen_twice;
-    for (int dx = -2; dx <= 2; ++dx)
-    {
-      for (int dy = -2; dy <= 2; ++dy)
-      {
-        const auto found = index_.find(columnKey(at.x(), at.y(), dx, dy));
-        if (found == VoxelHash::none)
-        {
-          continue;
-        }
-        heights.push_back(columns_[found].lowest);
-        if (columns_[found].lowest_seen_twice < none)
-        {
-          heights_seen_twice.push_back(columns_[found].lowest_seen_twice);
-        }
-      }
-    }
-    if (!heights_seen_twice.empty())
-    {
-      heights = std::move(heights_seen_twice);
-    }
-    const auto quartile = heights.begin() + static_cast<std::ptrdiff_t>(heights.size() / 4);
-    std::nth_element(heights.begin(), quartile, heights.end());
-    return *quartile;
-  }
-
-  VoxelHash index_;
-  std::vector<Column> columns_;
-  std::vector<float> height_;
-};
 
 /** Cells on a plane; cell (0, 0) has its lower left corner at the origin. */
 struct Grid
@@ -207,11 +115,10 @@ void clearRay(Grid& grid, const Eigen::Vector2d& a, const Eigen::Vector2d& b)
 /** In every direction the ray to the farthest return below the obstacles' upper border is free. */
 void clearRays(Grid& grid,
                const StaticMap& map,
-               const Ground& ground,
+               const GridGround& ground,
                double highest,
                const MapProgress& on_keyframe)
 {
-  constexpr double pi = 3.14159265358979323846;
   map.forEachStaticCloud(
       [&](std::size_t k, const KeyframeCloud& cloud)
       {
@@ -228,7 +135,7 @@ void clearRays(Grid& grid,
           {
             continue;
           }
-          const auto bin = static_cast<std::size_t>((std::atan2(d.y(), d.x()) + pi) / (2 * pi) *
+          const auto bin = static_cast<std::size_t>((std::atan2(d.y(), d.x()) + M_PI) / (2 * M_PI) *
                                                     (azimuth_bins - 1));
           if (range > farthest[bin])
           {
@@ -263,7 +170,7 @@ class ObstacleColumns
 {
  public:
   ObstacleColumns(const MapPoints& map,
-                  const Ground& ground,
+                  const GridGround& ground,
                   double side,
                   const MapExportOptions& options)
       : side_(side)
@@ -320,7 +227,7 @@ class ObstacleColumns
 void markPoints(Grid& grid,
                 const StaticMap& map,
                 const MapPoints& points,
-                const Ground& ground,
+                const GridGround& ground,
                 const MapExportOptions& o)
 {
   const ObstacleColumns columns(points, ground, map.voxelSize(), o);
@@ -406,7 +313,7 @@ void writeOccupancyGrid(const StaticMap& map,
   }
   const MapPoints points = map.points();
   Grid grid = emptyGrid(points, options);
-  const Ground ground(points);
+  const GridGround ground(points);
   clearRays(grid, map, ground, options.obstacle_max_height, on_keyframe);
   markPoints(grid, map, points, ground, options);
   if (std::filesystem::path(path).extension() == ".gridmap")

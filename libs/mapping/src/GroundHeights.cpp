@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "GroundHeights.h"
 
+#include <dyslam/core/Quantile.h>
 #include <dyslam/core/StateArchive.h>
 
 #include <algorithm>
@@ -99,10 +100,7 @@ GroundHeights::GroundHeights(const std::vector<const LowestReturns*>& scans)
   for (std::size_t s = 0; s < counts.size(); ++s)
   {
     const auto end = heights.begin() + ends[s];
-    const auto begin = end - counts[s];
-    const auto low = begin + counts[s] / 4;
-    std::nth_element(begin, low, end);
-    height_.push_back(*low);
+    height_.push_back(lowQuantile(end - counts[s], end, 4));
   }
 }
 
@@ -147,9 +145,8 @@ float GroundHeights::limited(const VoxelCell& square, float own) const
       }
     }
   }
-  const auto middle = around.begin() + static_cast<std::ptrdiff_t>(count / 2);
-  std::nth_element(around.begin(), middle, around.begin() + static_cast<std::ptrdiff_t>(count));
-  return count == 0 ? own : std::min(own, *middle + step);
+  const auto end = around.begin() + static_cast<std::ptrdiff_t>(count);
+  return count == 0 ? own : std::min(own, upperMedian(around.begin(), end) + step);
 }
 
 void LowestReturns::exchangeState(StateArchive& archive)

@@ -33,7 +33,6 @@ constexpr int past_stride = 8;            // scans before the window between tho
 constexpr double growth = 1.1;            // of the distances to those that are used
 constexpr float full_change = 3;          // free observations of a place that suffice
 constexpr float suspicious = 0.1F;        // causal probability of places that may be moving
-constexpr float threshold = 0.5F;         // above this probability a point is moving
 constexpr float doubtful_score = -2;      // of places that may be moving
 constexpr float post_score = 2.5F;        // by which the places of a post are less likely to move
 
@@ -58,13 +57,13 @@ float shareOf(std::uint16_t scans)
 struct WindowScan
 {
   WindowScan() = default;
-  WindowScan(const Frame& given, KeptParts kept)
+  WindowScan(const Frame& given, FrameParts kept)
       : index(given.index),
         T_odom_vehicle(given.T_odom_vehicle),
         image(given.cloud, given.scan.T_vehicle_lidar.translation().cast<float>()),
         lowest(given.cloud.points, T_odom_vehicle.cast<float>())
   {
-    if (kept != KeptParts::none)
+    if (kept != FrameParts::none)
     {
       frame = copyOf(given, kept);
     }
@@ -124,7 +123,7 @@ struct CellMotion
 
   void add(float probability)
   {
-    const bool moves = probability > threshold;
+    const bool moves = probability > 0.5F;
     balance += moves ? 1 : -1;
     (moves ? moving : stationary) += probability;
     ++(moves ? moving_places : static_places);
@@ -197,10 +196,10 @@ void adaptLow(const Segments& segments,
 }
 }  // namespace
 
-Frame copyOf(const Frame& frame, KeptParts parts)
+Frame copyOf(const Frame& frame, FrameParts parts)
 {
   Frame copy;
-  if (parts == KeptParts::all)
+  if (parts == FrameParts::all)
   {
     copy = frame;
     copy.static_confidence = {};  // no longer needed
@@ -221,13 +220,13 @@ Frame copyOf(const Frame& frame, KeptParts parts)
   copy.is_keyframe = frame.is_keyframe;
   copy.T_map_odom = frame.T_map_odom;
   copy.T_world_vehicle_truth = frame.T_world_vehicle_truth;
-  if (parts == KeptParts::cloud)
+  if (parts == FrameParts::cloud)
   {
     copy.cloud = frame.cloud;
     return copy;
   }
   copy.cloud.points = frame.cloud.points;
-  if (parts == KeptParts::intensity)
+  if (parts == FrameParts::intensity)
   {
     copy.cloud.intensity = frame.cloud.intensity;
   }
@@ -237,15 +236,19 @@ Frame copyOf(const Frame& frame, KeptParts parts)
 void HindsightOptions::describe(OptionsVisitor& v)
 {
   v.flag("hindsight", hindsight, "label moving points from earlier and later scans");
-  v.integer("window", window, 1, 1000, "earlier and later scans used");
+  v.integer("window", window, 1, 1000,
+            "number of scans used before, and after, the scan that is labelled");
   v.integer("history", history, 0, 100000,
-            "scans before the window, of which every eighth is used");
+            "number of scans before the window of which every eighth is used");
   v.real("voxel_size", voxel_size, 0.01, 10, "side of the voxels that accumulate evidence [m]");
   v.real("segment_gap", segment_gap, 0.01, 10,
          "side of the cells that are clustered to segments [m]");
   v.real("margin", margin, 0.01, 10,
-         "a ray must end this far behind a place to observe it as free [m]");
-  v.real("ground_clearance", ground_clearance, 0, 10, "lower returns are ground [m]");
+         "least distance that a ray ends behind a place to observe it as free [m]");
+  v.real("moving_threshold", moving_threshold, 0, 1,
+         "moving probability above which a point is moving in labels, map and replay");
+  v.real("ground_clearance", ground_clearance, 0, 10,
+         "height above ground up to which returns are ground [m]");
 }
 
 struct HindsightLabels::Impl
@@ -490,7 +493,7 @@ void HindsightLabels::Impl::decide(WindowScan& scan)
   adaptLow(segments, place_probability, points, heights, frame.moving_probability);
   for (std::size_t i = 0; i < points.size(); ++i)
   {
-    frame.moving[i] = frame.moving_probability[i] > threshold;
+    frame.moving[i] = static_cast<double>(frame.moving_probability[i]) > options.moving_threshold;
   }
   for (TrackedObject& object : frame.objects)
   {
@@ -513,7 +516,7 @@ HindsightLabels::HindsightLabels(const HindsightOptions& options, int threads)
 }
 HindsightLabels::~HindsightLabels() = default;
 
-void HindsightLabels::add(const Frame& frame, KeptParts kept, const Use& use)
+void HindsightLabels::add(const Frame& frame, FrameParts kept, const Use& use)
 {
   Impl& m = *impl_;
   m.noteTracks(frame);

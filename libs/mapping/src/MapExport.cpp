@@ -17,11 +17,12 @@ constexpr double smallest_tile = 5;  // [m]; a scan would reach millions of tile
 
 void MapExportOptions::describe(OptionsVisitor& v)
 {
-  v.flag("full_resolution", full_resolution, "clouds with every static point, not one per voxel");
-  v.flag("normals", normals, "normals in clouds, towards the sensor");
+  v.flag("full_resolution", full_resolution,
+         "write clouds with every static point, not one per voxel");
+  v.flag("normals", normals, "write clouds with normals, which point towards the sensor");
   v.real("normal_radius", normal_radius, 0.01, 100, "radius of the neighbourhood of a normal [m]");
   v.real("tile_size", tile_size, 0, 100000,
-         "side of the tiles of clouds, of which one is in memory, at least 5; 0: one file [m]");
+         "side of the tiles in which clouds are written, at least 5; 0: one file [m]");
   if (tile_size > 0 && tile_size < smallest_tile)
   {
     char text[120];
@@ -31,16 +32,19 @@ void MapExportOptions::describe(OptionsVisitor& v)
         tile_size, smallest_tile);
     throw UserError(text);
   }
-  v.real("octree_resolution", octree_resolution, 0.01, 10, "side of octomap's leaves [m]");
-  v.real("octree_range", octree_range, 1, 300, "rays are cut off here [m]");
+  v.real("octree_resolution", octree_resolution, 0.01, 10, "side of the octree's leaves [m]");
+  v.real("octree_range", octree_range, 1, 300,
+         "range at which rays into the octree are cut off [m]");
   v.real("grid_resolution", grid_resolution, 0.01, 10, "side of the occupancy grid's cells [m]");
   v.real("obstacle_min_height", obstacle_min_height, -10, 100,
-         "m above ground, lower objects can be driven over");
+         "height above ground up to which objects can be driven over [m]");
   v.real("obstacle_max_height", obstacle_max_height, -10, 100,
-         "m above ground, higher objects can be driven under");
-  v.integer("obstacle_min_hits", obstacle_min_hits, 1, 1000,
-            "least keyframes that observed an obstacle; 1: ghosts of moving objects stay");
-  v.integer("grid_max_cells", grid_max_cells, 100, 2000000000, "a larger grid gets coarser cells");
+         "height above ground from which objects can be driven under [m]");
+  v.integer(
+      "obstacle_min_hits", obstacle_min_hits, 1, 1000,
+      "least number of keyframes that observed an obstacle; 1: ghosts of moving objects stay");
+  v.integer("grid_max_cells", grid_max_cells, 100, 2000000000,
+            "upper limit of the occupancy grid's cells; a larger grid gets coarser cells");
 }
 
 MapFormat mapFormatOf(const std::string& path)

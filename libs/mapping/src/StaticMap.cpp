@@ -71,30 +71,34 @@ void MapPoints::append(const MapPoints& others)
 
 void StaticMapOptions::describe(OptionsVisitor& v)
 {
-  v.real("voxel_size", voxel_size, 0.01, 10, "one map point per cube of this side [m]");
-  v.real("min_range", min_range, 0, 100, "nearer returns (own vehicle) are left out [m]");
-  v.real("max_range", max_range, 1, 300, "farther returns are left out [m]");
-  v.real("box_margin", box_margin, 0, 5, "boxes of dynamic tracks are widened by this [m]");
+  v.real("voxel_size", voxel_size, 0.01, 10, "side of the voxels, with one map point each [m]");
+  v.real("min_range", min_range, 0, 100,
+         "range from the vehicle's origin below which returns (own vehicle) are left out [m]");
+  v.real("max_range", max_range, 1, 300,
+         "range from the vehicle's origin above which returns are left out [m]");
+  v.real("box_margin", box_margin, 0, 5,
+         "margin by which boxes of dynamic tracks are widened on each side [m]");
   v.integer("points_per_voxel", points_per_voxel, 1, 1000, "most keyframe points kept per voxel");
   v.integer("max_voxels", max_voxels, 1000, 1000000000,
-            "upper limit, beyond which the voxel size doubles");
-  v.integer("min_hits", min_hits, 1, 1000, "voxels hit by fewer keyframes are not part of the map");
+            "number of voxels above which the voxel size doubles");
+  v.integer("min_hits", min_hits, 1, 1000, "least number of keyframes that hit a voxel of the map");
   v.real("correction_distance", correction_distance, 0, 100,
-         "the map is corrected after a loop that moved a keyframe this far ... [m]");
+         "shift of a keyframe by loops above which the map is corrected [m]");
   v.real("correction_growth", correction_growth, 0, 10,
-         "... once it has grown by this fraction, or at once for more than a voxel");
+         "growth since the last correction after which shifts below a voxel are corrected, as a "
+         "fraction");
   v.flag("visibility", visibility, "remove voxels that later rays passed through");
   v.real("visibility_range", visibility_range, 0, 300, "range up to which voxels are checked [m]");
   v.real("visibility_margin", visibility_margin, 0, 10,
-         "a ray must end this far behind a voxel [m]");
+         "least distance that a ray ends behind a voxel to observe it as free [m]");
   v.integer("visibility_min_views", visibility_min_views, 1, 1000,
-            "least keyframes that observed a removed voxel as free");
+            "least number of keyframes that observed a removed voxel as free");
   v.real("visibility_ratio", visibility_ratio, 0, 1000,
-         "least ratio of these to the keyframes that hit it");
+         "least ratio of the keyframes that observed a removed voxel as free to those that hit it");
   v.real("ground_clearance", ground_clearance, 0, 10,
-         "voxels this near to the lowest of their column are kept [m]");
+         "height above the lowest voxel of a column up to which voxels are kept [m]");
   v.choice("changes", changes, {{"latest", MapChanges::latest}, {"all", MapChanges::all}},
-           "of several runs: the latest run at a place, or all keyframes equally");
+           "map where several runs differ: the latest run at a place, or all keyframes equally");
 }
 
 struct StaticMap::Impl

@@ -14,7 +14,7 @@ namespace dyslam
 {
 namespace
 {
-constexpr float pi = 3.14159265358979F;
+constexpr auto pi = static_cast<float>(M_PI);
 constexpr float row_height = 0.4F * pi / 180.0F;
 constexpr float horizon = 0.5F * row_height;  // row 0 begins there
 constexpr float zenith_row = 225;             // straight up; -225 straight down, or not finite

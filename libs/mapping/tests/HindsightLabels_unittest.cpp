@@ -46,7 +46,7 @@ std::vector<Frame> decided(const Path& car_x,
     {
       prepare(frame);
     }
-    labels.add(frame, KeptParts::all, use);
+    labels.add(frame, FrameParts::all, use);
     const auto ahead = static_cast<std::size_t>(window);
     EXPECT_EQ(result.size(), i + 1 > ahead ? i + 1 - ahead : 0U);
   }
@@ -125,7 +125,7 @@ TEST(HindsightLabels, WhatDroveUpMovesWhileItStandsAsWell)
     };
     for (std::size_t i = 0; i < 52; ++i)
     {
-      labels.add(scanAt(i, 0, arriving(i)), KeptParts::all, use);
+      labels.add(scanAt(i, 0, arriving(i)), FrameParts::all, use);
     }
     labels.finish(use);
     return movingShares(standing, arriving);
@@ -189,7 +189,7 @@ TEST(HindsightLabels, EmptyAndNotFiniteScansAndThoseThatNobodyWants)
       frame.cloud.source = {0, 1};
       frame.moving = {true, true};
     }
-    labels.add(frame, i != 5 ? KeptParts::all : KeptParts::none, use);
+    labels.add(frame, i != 5 ? FrameParts::all : FrameParts::none, use);
   }
   labels.finish(use);
   ASSERT_EQ(result.size(), 7U);

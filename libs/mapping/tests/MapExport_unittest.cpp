@@ -485,6 +485,53 @@ TEST_F(MapExport, EchoesBelowTheRoadLeaveItFree)
   }
 }
 
+/** A ramp of 12 degrees with a box on it. */
+TEST_F(MapExport, RampsAreFreeAndWhatStandsOnThemIsNot)
+{
+  test::TestMap map;
+  for (std::size_t k = 0; k < 3; ++k)
+  {
+    Frame frame;
+    frame.index = k;
+    frame.scan.T_vehicle_lidar.translation().z() = 1.7;
+    const auto add = [&](double x, double y, double height)
+    {
+      frame.cloud.points.emplace_back(static_cast<float>(x), static_cast<float>(y),
+                                      static_cast<float>(std::tan(12 * M_PI / 180) * x + height));
+      frame.cloud.source.push_back(0);
+    };
+    for (int i = 0; i < 10000; ++i)  // 10 m by 10 m
+    {
+      add(3.05 + 0.1 * (i % 100), 0.1 * (i / 100) - 4.95, 0);
+    }
+    for (double y = 1.05; y < 2; y += 0.1)
+    {
+      for (double height = 0.2; height < 1; height += 0.1)
+      {
+        add(7.05, y, height);
+      }
+    }
+    map.insert(frame);
+  }
+  writeOccupancyGrid(map.map, path("m.gridmap"), MapExportOptions());
+  mrpt::io::CFileGZInputStream file(path("m.gridmap"));
+  mrpt::maps::COccupancyGridMap2D grid;
+  auto archive = mrpt::serialization::archiveFrom(file);
+  archive >> grid;
+  int occupied = 0;
+  for (float y = -4.45F; y < 4.5F; y += 0.1F)
+  {
+    for (float x = 3.55F; x < 12.5F; x += 0.1F)
+    {
+      const bool is_box = std::abs(x - 7.05F) < 0.3F && std::abs(y - 1.5F) < 0.7F;
+      const bool is_occupied = grid.getPos(x, y) < 0.4F;
+      EXPECT_TRUE(is_box || !is_occupied) << x << " " << y;
+      occupied += is_occupied ? 1 : 0;
+    }
+  }
+  EXPECT_GE(occupied, 4);
+}
+
 /** Where `(high - origin) / resolution` is rounded up to a whole number, and where the origin is
  * rounded to above `low`. */
 TEST_F(MapExport, EveryPointHasACellOfTheGrid)

@@ -2,9 +2,6 @@
 // Run times of the parts of DyLO on scans of a folder: dylo_benchmark FOLDER [threads] [MODEL]
 #include <dyslam/core/Heap.h>
 #include <dyslam/nets/DyloFile.h>
-#include <torch/csrc/autograd/profiler.h>
-
-#include <cstdlib>
 
 #include "Timing.h"
 
@@ -38,13 +35,5 @@ int main(int argc, char** argv)
       "all", runs,
       [&]
       { (void)network->forward(network->encode(toTensors(prepareScan(points1))), scan2, start); });
-  if (std::getenv("DYLO_TRACE") != nullptr)
-  {
-    const torch::autograd::profiler::RecordProfile trace(std::getenv("DYLO_TRACE"));
-    for (int i = 0; i < 5; ++i)
-    {
-      (void)network->forward(network->encode(tensors), scan2, start);
-    }
-  }
   return 0;
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/Error.h>
 #include <dyslam/core/FastAngle.h>
+#include <dyslam/core/Quantile.h>
 #include <dyslam/core/Scan.h>
 #include <dyslam/nets/BevScan.h>
 
@@ -52,14 +53,6 @@ float lowestSupportedHeight(const std::uint16_t* histogram)
   }
   return unknown_height;
 }
-
-/** \param values at least one; reordered. \return the median, the upper one of an even number. */
-float upperMedian(std::vector<float>& values)
-{
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 }  // namespace
 
 void requireMultipleOf16(const std::string& field, int cells)
@@ -76,8 +69,9 @@ void BevOptions::describe(OptionsVisitor& v)
 {
   v.integer("cells", cells, 64, 2048, "cells along each side of the grid, a multiple of 16");
   requireMultipleOf16("[grid] cells", cells);
-  v.real("cell_size", cell_size, 0.05, 2, "side of a cell [m]");
-  v.real("ground_clearance", ground_clearance, 0, 2, "height up to which points are ground [m]");
+  v.real("cell_size", cell_size, 0.05, 2, "side of a cell of the grid [m]");
+  v.real("ground_clearance", ground_clearance, 0, 2,
+         "height above ground up to which points count as ground [m]");
   v.real("max_height", max_height, 1, 20,
          "height above ground beyond which points are removed [m]");
 }

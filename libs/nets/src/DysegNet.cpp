@@ -64,14 +64,21 @@ Tensor indexOf(const CellLevel& level)
 
 void DysegNetworkOptions::describe(OptionsVisitor& v)
 {
-  v.integer("pillar_channels", pillar_channels, 4, 64, "channels of the point features");
-  v.integer("half_channels", half_channels, 4, 128, "channels at 1/2 of the grid's resolution");
-  v.integer("quarter_channels", quarter_channels, 4, 256, "channels at 1/4 and 1/8");
-  v.integer("matching_channels", matching_channels, 4, 128, "matching channels at 1/4 and 1/8");
-  v.integer("fine_channels", fine_channels, 4, 64, "matching channels at 1/2");
-  v.integer("hidden", hidden, 4, 128, "channels of the flow update's hidden state");
-  v.integer("radius", radius, 1, 10, "radius of the correlation windows, in cells");
-  v.integer("fine_radius", fine_radius, 1, 5, "radius of the correlation windows at 1/2, in cells");
+  v.integer("pillar_channels", pillar_channels, 4, 64,
+            "channels of the point features that are pooled per cell");
+  v.integer("half_channels", half_channels, 4, 128,
+            "feature channels at 1/2 of the grid's resolution");
+  v.integer("quarter_channels", quarter_channels, 4, 256,
+            "feature channels at 1/4 and 1/8 of the grid's resolution");
+  v.integer("matching_channels", matching_channels, 4, 128,
+            "channels of the matching features at 1/4 and 1/8 of the grid's resolution");
+  v.integer("fine_channels", fine_channels, 4, 64,
+            "channels of the matching features at 1/2 of the grid's resolution");
+  v.integer("hidden", hidden, 4, 128, "channels of the hidden state of the flow update");
+  v.integer("radius", radius, 1, 10,
+            "radius of the correlation windows at 1/4 and 1/8 of the grid's resolution [cells]");
+  v.integer("fine_radius", fine_radius, 1, 5,
+            "radius of the correlation windows at 1/2 of the grid's resolution [cells]");
 }
 
 DysegCells::DysegCells(const BevScan& scan)

@@ -242,7 +242,8 @@ Surface surfaceAround(const Eigen::Vector3f& p, const ImageView& image)
   constexpr std::int64_t cols = PreparedScan::columns;
   const ImagePosition place(p, image.row_of_slope);
   const std::int64_t col0 = place.col(cols);
-  const float step = std::max(range * (2 * 3.14159265F / static_cast<float>(cols)), 1e-3F);
+  const float step =
+      std::max(range * (2 * static_cast<float>(M_PI) / static_cast<float>(cols)), 1e-3F);
   const auto dilation =
       std::clamp<std::int64_t>(static_cast<std::int64_t>(std::nearbyint(0.1F / step)), 1, 16);
   const float gate = gateAt(range);

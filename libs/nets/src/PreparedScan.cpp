@@ -13,7 +13,7 @@ namespace
 {
 constexpr float min_range = 1.5F;  // m
 constexpr float max_range = 100;   // m
-constexpr float pi = 3.14159265F;
+constexpr auto pi = static_cast<float>(M_PI);
 
 /** Image row of each slope bin, from the histogram of the slopes. */
 std::vector<std::int32_t> rowsOfSlopes(const std::vector<std::size_t>& histogram,

@@ -9,8 +9,10 @@
 // the class Odometry: METHOD is a scan matcher alone, METHOD+refine the matcher with registration
 // to the local map, refine:point_to_plane and refine:gicp that registration from the prior alone.
 // constant_velocity repeats the reference's previous motion.
+#include <dyslam/core/Angle.h>
 #include <dyslam/core/Error.h>
 #include <dyslam/core/Heap.h>
+#include <dyslam/core/Quantile.h>
 #include <dyslam/formats/ScanFiles.h>
 #include <dyslam/formats/TrajectoryFiles.h>
 #include <dyslam/odometry/Odometry.h>
@@ -252,13 +254,11 @@ Row runMethod(const std::string& method,
 
 double medianOf(std::vector<double> values)
 {
-  std::sort(values.begin(), values.end());
-  return values[values.size() / 2];
+  return upperMedian(values);
 }
 
 void print(const std::string& method, const Row& row, const std::vector<Pose>& reference)
 {
-  constexpr double degree = 3.14159265358979323846 / 180;
   const std::size_t count = std::min(row.poses.size(), reference.size());
   double t_mean = 0;
   double t_square = 0;
@@ -272,7 +272,7 @@ void print(const std::string& method, const Row& row, const std::vector<Pose>& r
     const Pose found = row.poses[i - 1].inverse() * row.poses[i];
     const Pose error = truth.inverse() * found;
     const double t = error.translation().norm();
-    const double r = rotationAngle(error) / degree;
+    const double r = rotationAngle(error) / radians_per_degree;
     t_mean += t;
     t_square += t * t;
     r_mean += r;

@@ -1,15 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "ConstantMotion.h"
 
+#include <dyslam/core/Angle.h>
+
 #include "CloudCheck.h"
 
 namespace dyslam
 {
 ScanMatch ConstantMotion::match(const Frame& frame, const MotionPrior& prior)
 {
-  constexpr double degree = 3.14159265358979323846 / 180;
   ScanMatch match;
-  match.motion.information = informationFromSigmas(0.1, degree);
+  match.motion.information = informationFromSigmas(0.1, radians_per_degree);
   match.motion.reason = reasonUnusable(frame);
   match.motion.converged = match.motion.reason.empty();
   const bool first = first_;

@@ -4,6 +4,7 @@
 #include <dyslam/core/SharedFiles.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <limits>
 #include <optional>
@@ -76,7 +77,7 @@ std::string DyloScanMatcher::doubts(const DyloMatch& match) const
   if (!(far <= options_.max_translation) || !(turned <= options_.max_rotation))
   {
     std::snprintf(text, sizeof text, "a motion of %.1f m and %.0f degrees is implausible", far,
-                  turned * 180 / 3.14159265358979323846);
+                  turned * 180 / M_PI);
     return text;
   }
   return {};

@@ -32,12 +32,13 @@ PclCloud::Ptr toPcl(const std::vector<Eigen::Vector3f>& points)
 void GicpOptions::describe(OptionsVisitor& v)
 {
   v.real("sample_size", sample_size, 0.05, 10,
-         "points of both scans: one per cube of this side [m]");
+         "side of the cubes with one point each in both scans [m]");
   v.real("max_distance", max_distance, 0.01, 100, "largest distance of correspondences [m]");
-  v.integer("neighbours", neighbours, 5, 100, "neighbours of a point for its covariance");
-  v.integer("max_iterations", max_iterations, 1, 500, "most iterations");
+  v.integer("neighbours", neighbours, 5, 100, "number of neighbours of a point for its covariance");
+  v.integer("max_iterations", max_iterations, 1, 500,
+            "upper limit of the iterations of a registration");
   v.real("points_per_measurement", points_per_measurement, 1, 1e6,
-         "points that count as one measurement");
+         "number of correlated points that count as one measurement");
 }
 
 struct GicpMatcher::Pcl

@@ -12,9 +12,9 @@ namespace dyslam
 /** Ini section `[gicp]`. */
 struct GicpOptions : Options
 {
-  double sample_size = 0.5;   //!< points of both scans: one per cube of this side [m]
+  double sample_size = 0.5;   //!< side of the cubes with one point each in both scans [m]
   double max_distance = 1.0;  //!< largest distance of correspondences [m]
-  int neighbours = 20;        //!< for covariances
+  int neighbours = 20;        //!< number of neighbours for a covariance
   int max_iterations = 30;
   double points_per_measurement = 50;  //!< points that count as one measurement
 

@@ -14,29 +14,32 @@ constexpr float least_planarity = 0.2F;
 
 void describeCorrespondences(IcpOptions& o, OptionsVisitor& v)
 {
-  v.real("sample_size", o.sample_size, 0.05, 10, "source points: one per cube of this side [m]");
+  v.real("sample_size", o.sample_size, 0.05, 10,
+         "side of the cubes with one source point each [m]");
   v.real("reference_size", o.reference_size, 0.05, 10,
-         "reference points: one per cube of this side [m]");
+         "side of the cubes with one reference point each [m]");
   v.real("max_distance", o.max_distance, 0.01, 100,
-         "largest distance of correspondences, at the start [m]");
+         "largest distance of correspondences, at the first iterations [m]");
   v.real("end_distance", o.end_distance, 0.01, 100,
-         "largest distance of correspondences, at the end [m]");
+         "largest distance of correspondences, at the last iterations [m]");
 }
 
 void describeIterations(IcpOptions& o, OptionsVisitor& v)
 {
-  v.integer("max_iterations", o.max_iterations, 1, 500, "most iterations");
+  v.integer("max_iterations", o.max_iterations, 1, 500,
+            "upper limit of the iterations of a registration");
   v.real("points_per_measurement", o.points_per_measurement, 1, 1e6,
-         "points that count as one measurement");
+         "number of correlated points that count as one measurement");
 }
 }  // namespace
 
 void IcpOptions::describe(OptionsVisitor& v)
 {
   describeCorrespondences(*this, v);
-  v.real("loss_width", loss_width, 0.001, 10, "of the robust loss [m]");
-  v.integer("neighbours", neighbours, 3, 100, "neighbours of a point for its normal");
-  v.real("normal_radius", normal_radius, 0.01, 10, "radius of the neighbourhood of a normal [m]");
+  v.real("loss_width", loss_width, 0.001, 10, "width of the robust loss of the residuals [m]");
+  v.integer("neighbours", neighbours, 3, 100, "number of neighbours of a point for its normal");
+  v.real("normal_radius", normal_radius, 0.01, 10,
+         "radius of the neighbourhood of a point for its normal [m]");
   describeIterations(*this, v);
 }
 

@@ -11,13 +11,13 @@ namespace dyslam
 /** Ini section `[icp_po2pl]`. */
 struct IcpOptions : Options
 {
-  double sample_size = 0.6;      //!< source points: one per cube of this side [m]
-  double reference_size = 0.25;  //!< reference points: one per cube of this side [m]
-  double max_distance = 1.5;     //!< largest distance of correspondences, at the start [m]
-  double end_distance = 0.4;     //!< ... and at the end [m]
-  double loss_width = 0.1;       //!< of the robust loss, point to plane only [m]
-  int neighbours = 10;           //!< for normals, point to plane only
-  double normal_radius = 1.0;    //!< ... and within [m]
+  double sample_size = 0.6;      //!< side of the cubes with one source point each [m]
+  double reference_size = 0.25;  //!< side of the cubes with one reference point each [m]
+  double max_distance = 1.5;   //!< largest distance of correspondences, at the first iterations [m]
+  double end_distance = 0.4;   //!< largest distance of correspondences, at the last iterations [m]
+  double loss_width = 0.1;     //!< width of the robust loss, point to plane only [m]
+  int neighbours = 10;         //!< number of neighbours for a normal, point to plane only
+  double normal_radius = 1.0;  //!< radius of the neighbourhood for a normal [m]
   int max_iterations = 40;
   double points_per_measurement = 50;  //!< points that count as one measurement
 

@@ -249,24 +249,29 @@ namespace
 {
 void describeScans(LoamOptions& o, OptionsVisitor& v)
 {
-  v.real("edge_curvature", o.edge_curvature, 0, 10, "least curvature of an edge point");
-  v.real("plane_curvature", o.plane_curvature, 0, 10, "largest curvature of a plane point");
-  v.integer("edges", o.edges, 1, 1000, "sharpest points per sixth of a ring, registered");
-  v.integer("target_edges", o.target_edges, 1, 1000, "the same of the reference scan");
-  v.integer("planes", o.planes, 1, 1000, "flattest points per sixth of a ring, registered");
+  v.real("edge_curvature", o.edge_curvature, 0, 10, "least curvature of an edge point [1]");
+  v.real("plane_curvature", o.plane_curvature, 0, 10, "largest curvature of a plane point [1]");
+  v.integer("edges", o.edges, 1, 1000,
+            "edge points (sharpest) per sixth of a ring that are registered");
+  v.integer("target_edges", o.target_edges, 1, 1000,
+            "edge points (sharpest) per sixth of a ring in the reference scan");
+  v.integer("planes", o.planes, 1, 1000,
+            "plane points (flattest) per sixth of a ring that are registered");
   v.real("plane_size", o.plane_size, 0.05, 10,
-         "plane points of the reference scan: one per cube of this side [m]");
+         "side of the cubes with one plane point each in the reference scan [m]");
   v.real("max_distance", o.max_distance, 0.01, 100,
-         "largest distance of correspondences between scans, at the start [m]");
-  v.real("end_distance", o.end_distance, 0.01, 100, "the same at the end [m]");
-  v.real("loss_width", o.loss_width, 0.001, 10, "of the robust loss [m]");
-  v.integer("max_iterations", o.max_iterations, 1, 500, "most iterations");
+         "largest distance of correspondences between scans, at the first iterations [m]");
+  v.real("end_distance", o.end_distance, 0.01, 100,
+         "largest distance of correspondences between scans, at the last iterations [m]");
+  v.real("loss_width", o.loss_width, 0.001, 10, "width of the robust loss of the residuals [m]");
+  v.integer("max_iterations", o.max_iterations, 1, 500,
+            "upper limit of the iterations of a registration");
 }
 
 void describePrecision(LoamOptions& o, OptionsVisitor& v)
 {
   v.real("points_per_measurement", o.points_per_measurement, 1, 1e6,
-         "points that count as one measurement");
+         "number of correlated points that count as one measurement");
 }
 }  // namespace
 
@@ -274,10 +279,10 @@ void LoamOptions::describe(OptionsVisitor& v)
 {
   describeScans(*this, v);
   v.real("map_distance", map_distance, 0.01, 100,
-         "largest distance of correspondences to the map [m]");
-  v.real("map_edge_size", map_edge_size, 0.05, 10, "spacing of the map's edges [m]");
+         "largest distance of correspondences between scan and map [m]");
+  v.real("map_edge_size", map_edge_size, 0.05, 10, "spacing of the map's edge points [m]");
   v.real("map_plane_size", map_plane_size, 0.05, 10, "spacing of the map's plane points [m]");
-  v.real("map_radius", map_radius, 5, 1000, "farther map points are dropped [m]");
+  v.real("map_radius", map_radius, 5, 1000, "distance beyond which map points are dropped [m]");
   describePrecision(*this, v);
 }
 

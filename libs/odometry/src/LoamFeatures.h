@@ -12,20 +12,20 @@ namespace dyslam
 /** Ini section `[loam]`. */
 struct LoamOptions : Options
 {
-  double edge_curvature = 0.02;    //!< least curvature of an edge point (1)
-  double plane_curvature = 0.005;  //!< ... and largest of a plane point (1)
-  int edges = 4;                   //!< sharpest points per sixth of a ring, registered
-  int target_edges = 20;           //!< ... the same of the reference scan
-  int planes = 8;                  //!< flattest points per sixth of a ring, registered
-  double plane_size = 0.3;  //!< plane points of the reference scan: one per cube of this side [m]
-  double max_distance = 2;  //!< largest distance of correspondences between scans, at the start [m]
-  double end_distance = 0.7;  //!< ... and at the end [m]
-  double loss_width = 0.1;    //!< of the robust loss [m]
+  double edge_curvature = 0.02;    //!< least curvature of an edge point [1]
+  double plane_curvature = 0.005;  //!< largest curvature of a plane point [1]
+  int edges = 4;              //!< edge points (sharpest) per sixth of a ring that are registered
+  int target_edges = 20;      //!< edge points (sharpest) per sixth of a ring in the reference scan
+  int planes = 8;             //!< plane points (flattest) per sixth of a ring that are registered
+  double plane_size = 0.3;    //!< reference scan: one plane point per cube of this side [m]
+  double max_distance = 2;    //!< largest distance of correspondences, at the first iterations [m]
+  double end_distance = 0.7;  //!< largest distance of correspondences, at the last iterations [m]
+  double loss_width = 0.1;    //!< width of the robust loss [m]
   int max_iterations = 30;
   double map_distance = 1;             //!< largest distance of correspondences to the map [m]
-  double map_edge_size = 0.3;          //!< spacing of the map's edges [m]
-  double map_plane_size = 0.5;         //!< ... and plane points [m]
-  double map_radius = 80;              //!< farther points are dropped [m]
+  double map_edge_size = 0.3;          //!< spacing of the map's edge points [m]
+  double map_plane_size = 0.5;         //!< spacing of the map's plane points [m]
+  double map_radius = 80;              //!< distance beyond which map points are dropped [m]
   double points_per_measurement = 20;  //!< points that count as one measurement
 
   void describe(OptionsVisitor& visitor) override;

@@ -22,6 +22,8 @@ namespace
 {
 /** Frames in a row that must fail before the map is restarted. */
 constexpr int max_failures = 5;
+/** The first scan of a map is replaced at once if the next has so many times its points. */
+constexpr std::size_t poor_first_ratio = 3;
 constexpr std::size_t min_inliers = 50;
 /** Rotation weighs as the translation that it causes at this distance [m]. */
 constexpr double lever = 10;
@@ -62,42 +64,60 @@ void RefineOptions::describe(OptionsVisitor& v)
            {{"none", RefineMethod::none},
             {"point_to_plane", RefineMethod::point_to_plane},
             {"gicp", RefineMethod::gicp}},
-           "registration to the local map");
-  v.real("cell_size", cell_size, 0.05, 10, "side of the map's smallest cells, at least [m]");
-  v.integer("levels", levels, 0, SurfacePyramid::max_levels,
-            "of the map, each with cells twice as large; 0: by the spacing of the rings");
+           "method of the registration to the local map");
+  v.real("cell_size", cell_size, 0.05, 10, "least side of the local map's smallest cells [m]");
+  v.integer(
+      "levels", levels, 0, SurfacePyramid::max_levels,
+      "levels of the local map, each with cells twice as large; 0: by the spacing of the rings");
   v.real("min_incidence", min_incidence, 0, 20,
-         "angle between ray and surface, in ring spacings; below, it may be a single ring's");
-  v.real("max_points_per_cell", max_points_per_cell, 6, 1e6, "upper limit of the points per cell");
+         "least angle between ray and surface, for maps of several levels [ring spacings]");
+  v.real("max_points_per_cell", max_points_per_cell, 6, 1e6,
+         "upper limit of the points per cell of the local map");
   v.real("map_spacing", map_spacing, 0, 10,
-         "least distance of successive points along a ring in the map [m]");
-  v.real("map_radius", map_radius, 5, 1000, "farther cells are dropped [m]");
-  v.real("sample_size", sample_size, 0.05, 20, "registered points: one per cube of this side [m]");
+         "least distance of successive points of a ring that are added to the local map [m]");
+  v.real("map_radius", map_radius, 5, 1000,
+         "distance from the vehicle beyond which cells of the local map are dropped [m]");
+  v.real("sample_size", sample_size, 0.05, 20,
+         "side of the cubes with one registered point each, for maps of one level [m]");
   v.real("sparse_sample_size", sparse_sample_size, 0.05, 20,
-         "the same for sensors whose map has several levels [m]");
+         "side of the cubes with one registered point each, for maps of several levels [m]");
   v.integer("max_points", max_points, 100, 1000000,
             "upper limit of the registered points per scan");
-  v.integer("max_iterations", max_iterations, 1, 200, "of the registration, per level");
-  v.real("loss_width", loss_width, 0.001, 10, "of the robust loss for good initial guesses [m]");
+  v.integer("max_iterations", max_iterations, 1, 200,
+            "upper limit of the registration's iterations per level");
+  v.real("loss_width", loss_width, 0.001, 10,
+         "final width of the robust loss of the residuals [m]");
   v.real("max_loss_width", max_loss_width, 0.001, 10,
-         "its initial value after bad initial guesses [m]");
+         "largest initial width of the robust loss, after bad initial guesses [m]");
   v.real("initial_sigma", initial_sigma, 0, 50,
-         "of the initial guess of the first registration to a map [m]");
-  v.real("guess_sigma", guess_sigma, 1e-4, 1e3, "of an initial guess that is not the prior [m]");
-  v.degrees("guess_sigma_angle_deg", guess_sigma_angle, 1e-3, 180, "... and of its rotation");
-  v.real("odometry_information_scale", odometry_information_scale, 0, 10,
-         "of the matcher's information, added to the guess's");
+         "sigma of the initial guess at the first registration to a map [m]");
+  v.real("guess_sigma", guess_sigma, 1e-4, 1e3,
+         "sigma of the translation of an initial guess that is not the prior [m]");
+  v.degrees("guess_sigma_angle_deg", guess_sigma_angle, 1e-3, 180,
+            "sigma of the rotation of an initial guess that is not the prior [deg]");
   v.real("points_per_measurement", points_per_measurement, 1, 1e6,
-         "correlated points that count as one measurement");
+         "number of correlated points that count as one measurement");
   v.real("max_ground_weight_ratio", max_ground_weight_ratio, 1e-3, 1e9,
-         "upper limit of the weight of ground surfaces, relative to all others");
+         "upper limit of the weight of ground surfaces, relative to all other surfaces");
   v.real("min_surface_share", min_surface_share, 0, 1,
-         "share of points with a surface in the map below which its cells are too small");
+         "share of points with a surface in the map below which registration has failed (cells too "
+         "small)");
   v.real("min_inlier_ratio", min_inlier_ratio, 0, 1,
-         "share of inliers among the points with a surface, below which registration has failed");
+         "share of inliers among the points with a surface in the map below which registration has "
+         "failed");
 }
 
-struct LocalMapRegistration::State
+/** What the registration of a frame changes for later ones; tryFrame() restores it. */
+struct RegistrationProgress
+{
+  int failures = 0;                         //!< successive ones
+  double guess_error2 = 0;                  //!< running mean square of the error of guesses [m^2]
+  double usual_inliers = 0;                 //!< running mean of the inlier share
+  Pose T_odom_previous = Pose::Identity();  //!< of the frame before the current one
+  Pose T_odom_vehicle = Pose::Identity();   //!< of the current frame
+};
+
+struct LocalMapRegistration::State : RegistrationProgress
 {
   State(const RefineOptions& o, ThreadPool& p)
       : options(o), pool(p), map(o.cell_size, o.levels, o.max_points_per_cell, p), registration(p)
@@ -105,7 +125,7 @@ struct LocalMapRegistration::State
   }
 
   void measureSensor(const Scan& scan);
-  void setPrior(const Frame& frame, const Pose& T_guess, const MotionPrior* prior);
+  void setPrior(const Pose& T_guess, const MotionPrior* prior);
   void computeCovariances();
   [[nodiscard]] ScanToMapSettings settings(double start_loss_width) const;
   ScanToMapResult alignCoarseToFine(const Pose& T_guess, int coarseness);
@@ -127,19 +147,15 @@ struct LocalMapRegistration::State
   SurfacePyramid map;
   ScanToMap registration;
   Eigen::Vector3d cropped_at = Eigen::Vector3d::Zero();
-  double spacing = 0;    //!< of the sensor's rings [rad]
-  double cell_size = 0;  //!< of the map [m]
-  int levels = 1;        //!< of the map
-  int frames = 0;        //!< in the map
-  int failures = 0;
-  double guess_error2 = 0;               //!< running mean square of the error of guesses [m^2]
-  double usual_inliers = 0;              //!< running mean of the inlier share
+  double spacing = 0;                    //!< of the sensor's rings [rad]
+  double cell_size = 0;                  //!< of the map [m]
+  int levels = 1;                        //!< of the map
+  int frames = 0;                        //!< in the map
   RawPoints first;                       //!< the first frame, until the second shows its motion
   Pose T_odom_first = Pose::Identity();  //!< where it was
 
   // The current frame
-  Pose T_odom_previous = Pose::Identity();
-  Pose T_odom_vehicle = Pose::Identity();
+  RegistrationProgress before;  //!< it was registered
   Pending pending = Pending::nothing;
   Eigen::Vector3d sensor = Eigen::Vector3d::Zero();  //!< vehicle frame [m]
   std::optional<Pose> T_prior;
@@ -167,15 +183,9 @@ void LocalMapRegistration::State::measureSensor(const Scan& scan)
   }
 }
 
-void LocalMapRegistration::State::setPrior(const Frame& frame,
-                                           const Pose& T_guess,
-                                           const MotionPrior* prior)
+void LocalMapRegistration::State::setPrior(const Pose& T_guess, const MotionPrior* prior)
 {
-  Matrix6 of_guess = informationFromSigmas(options.guess_sigma, options.guess_sigma_angle);
-  if (frame.odometry.converged)
-  {
-    of_guess += options.odometry_information_scale * frame.odometry.information;
-  }
+  const Matrix6 of_guess = informationFromSigmas(options.guess_sigma, options.guess_sigma_angle);
   guess_information.setZero();
   T_prior.reset();
   prior_information = of_guess;
@@ -320,7 +330,14 @@ void LocalMapRegistration::State::fail(const ScanToMapResult& found, Registratio
   }
   // Values are rounded down, so that none reads as its limit.
   char text[240];
-  if (!found.finite)
+  const bool poor_first = frames == 1 && first.size() < points.scan.size() / poor_first_ratio;
+  if (poor_first)
+  {
+    std::snprintf(text, sizeof text,
+                  "the local map has one scan of %zu points only, a part of a revolution",
+                  first.size());
+  }
+  else if (!found.finite)
   {
     std::snprintf(text, sizeof text, "the registration has no finite solution");
   }
@@ -346,7 +363,7 @@ void LocalMapRegistration::State::fail(const ScanToMapResult& found, Registratio
                   std::floor(100 * result.inlier_ratio) / 100, options.min_inlier_ratio);
   }
   result.motion.reason = text;
-  if (++failures >= max_failures)
+  if (++failures >= max_failures || poor_first)
   {
     pending = Pending::restart;
     result.motion.map_restarted = true;
@@ -435,6 +452,7 @@ RegistrationResult LocalMapRegistration::registerFrame(const Frame& frame,
 {
   State& s = *state_;
   s.finishAdding();
+  s.before = s;
   s.T_odom_previous = s.T_odom_vehicle;
   s.sensor = frame.scan.T_vehicle_lidar.translation();
   s.pending = Pending::nothing;
@@ -449,7 +467,7 @@ RegistrationResult LocalMapRegistration::registerFrame(const Frame& frame,
     return result;
   }
 
-  s.setPrior(frame, T_guess, prior);
+  s.setPrior(T_guess, prior);
   result.motion = MotionEstimate();
   result.motion.T_previous_current = orthonormalized(s.T_odom_previous.inverse() * T_guess);
   result.motion.information = s.prior_information;
@@ -494,6 +512,14 @@ RegistrationResult LocalMapRegistration::registerFrame(const Frame& frame,
   return result;
 }
 
+RegistrationResult LocalMapRegistration::registerAgain(const Frame& frame,
+                                                       const Pose& T_odom_vehicle_guess,
+                                                       const MotionPrior* prior)
+{
+  static_cast<RegistrationProgress&>(*state_) = state_->before;
+  return registerFrame(frame, T_odom_vehicle_guess, prior);
+}
+
 RegistrationResult LocalMapRegistration::tryFrame(const Frame& frame,
                                                   const Pose& T_odom_vehicle_guess,
                                                   const MotionPrior* prior)
@@ -504,17 +530,8 @@ RegistrationResult LocalMapRegistration::tryFrame(const Frame& frame,
   {
     throw std::logic_error("LocalMapRegistration::tryFrame: the map has fewer than two frames");
   }
-  const auto T_previous = s.T_odom_previous;
-  const auto T_current = s.T_odom_vehicle;
-  const auto failures = s.failures;
-  const auto guess_error2 = s.guess_error2;
-  const auto usual_inliers = s.usual_inliers;
   const RegistrationResult result = registerFrame(frame, T_odom_vehicle_guess, prior);
-  s.T_odom_previous = T_previous;
-  s.T_odom_vehicle = T_current;
-  s.failures = failures;
-  s.guess_error2 = guess_error2;
-  s.usual_inliers = usual_inliers;
+  static_cast<RegistrationProgress&>(s) = s.before;
   s.pending = Pending::nothing;
   return result;
 }

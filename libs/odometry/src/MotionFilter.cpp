@@ -18,12 +18,13 @@ constexpr double floor_sigma_angle = 1e-4;
 
 void MotionFilterOptions::describe(OptionsVisitor& v)
 {
-  v.real("acceleration", acceleration, 1e-3, 1e4, "standard deviation of the acceleration [m/s^2]");
-  v.degrees("angular_acceleration_deg", angular_acceleration, 0.01, 1e6, "... and of its rotation");
+  v.real("acceleration", acceleration, 1e-3, 1e4, "sigma of the vehicle's acceleration [m/s^2]");
+  v.degrees("angular_acceleration_deg", angular_acceleration, 0.01, 1e6,
+            "sigma of the vehicle's angular acceleration [deg/s^2]");
   v.real("start_speed_sigma", start_speed_sigma, 1e-3, 1e3,
-         "of the velocity at the first scan, if it is not known [m/s]");
+         "sigma of the velocity at the first scan, if that is not known [m/s]");
   v.degrees("start_turn_rate_sigma_deg", start_turn_rate_sigma, 0.01, 1e4,
-            "of the turn rate at the first scan, per second");
+            "sigma of the angular velocity at the first scan [deg/s]");
 }
 
 MotionFilter::MotionFilter(const MotionFilterOptions& options) : options_(options)

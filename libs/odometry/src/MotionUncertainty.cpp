@@ -26,14 +26,18 @@ Matrix6 symmetric(const Matrix6& M)
 
 void UncertaintyOptions::describe(OptionsVisitor& v)
 {
-  v.integer("window", window, 1, 1000, "motions over which the jitter is averaged");
-  v.real("jitter_translation", jitter_translation, 0, 1000,
-         "variance of a pose's error over that of the jitter of its position");
-  v.real("jitter_rotation", jitter_rotation, 0, 1000, "the same of its rotation");
+  v.integer("window", window, 1, 1000,
+            "number of motions over which the measured jitter is averaged");
+  v.real(
+      "jitter_translation", jitter_translation, 0, 1000,
+      "ratio of a pose's position error variance to the measured variance of the position jitter");
+  v.real(
+      "jitter_rotation", jitter_rotation, 0, 1000,
+      "ratio of a pose's rotation error variance to the measured variance of the rotation jitter");
   v.real("jitter_drift", jitter_drift, 0, 1000,
          "fraction of a pose's error variance that remains in all later poses");
   v.real("registration_covariance_scale", registration_covariance_scale, 0, 1000,
-         "factor on the registration's covariance of a pose");
+         "factor on the covariance of a pose from the registration");
   v.real("motion_covariance_scale", motion_covariance_scale, 0, 1000,
          "factor on the covariance of a motion from the prior or a scan matcher");
 }

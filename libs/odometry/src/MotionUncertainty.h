@@ -12,9 +12,9 @@ class StateArchive;
  * with ground truth, so that the mean of e' * information * e is near 6. */
 struct UncertaintyOptions : Options
 {
-  int window = 10;                  //!< motions that the jitter is averaged over
-  double jitter_translation = 0.7;  //!< variance of a pose's error over that of its jitter
-  double jitter_rotation = 2;       //!< the same of its rotation
+  int window = 10;                  //!< number of motions over which the jitter is averaged
+  double jitter_translation = 0.7;  //!< position error variance over that of the measured jitter
+  double jitter_rotation = 2;       //!< rotation error variance over that of the measured jitter
   /** Fraction of a pose's error variance that remains in the local map and all later poses. */
   double jitter_drift = 0.2;
   /** Factor on the registration's covariance of a pose: most of it is measured as jitter. */

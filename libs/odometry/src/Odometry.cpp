@@ -12,6 +12,7 @@
 #include <optional>
 #include <utility>
 
+#include "CloudCheck.h"
 #include "MotionUncertainty.h"
 
 namespace dyslam
@@ -21,35 +22,48 @@ using mrpt::system::CTimeLoggerEntry;
 namespace
 {
 constexpr double clearly_better = 0.02;  // difference of inlier shares
-}
+constexpr double velocity_share = 0.25;  // of a new velocity in the mean of the last ones
+}  // namespace
 
 void OdometryOptions::describe(OptionsVisitor& v)
 {
-  v.word("method", method, scanMatcherNames(), "scan matcher: motion between scans");
+  v.word("method", method, scanMatcherNames(),
+         "scan matcher, which estimates the motion between scans");
   v.real("start_speed", start_speed, -50, 100,
-         "forward speed at the first scan, if known [m/s]; 0: not known");
-  v.real("start_speed_sigma", start_speed_sigma, 1e-3, 100, "of start_speed, where given [m/s]");
+         "forward speed at the first scan; 0: not known [m/s]");
+  v.real("start_speed_sigma", start_speed_sigma, 1e-3, 100,
+         "sigma of start_speed, where that is given [m/s]");
 }
 
 void FusionOptions::describe(OptionsVisitor& v)
 {
-  v.real("segmenter_sigma", segmenter_sigma, 1e-4, 10, "of the segmenter's ego-motion [m]");
-  v.degrees("segmenter_sigma_angle_deg", segmenter_sigma_angle, 1e-3, 90, "... and its heading");
-  v.real("matcher_sigma", matcher_sigma, 1e-4, 10, "of a scan matcher's motion [m]");
-  v.degrees("matcher_sigma_angle_deg", matcher_sigma_angle, 1e-3, 90, "... and its rotation");
+  v.real("segmenter_sigma", segmenter_sigma, 1e-4, 10,
+         "sigma of the segmenter's ego-motion in x and y [m]");
+  v.degrees("segmenter_sigma_angle_deg", segmenter_sigma_angle, 1e-3, 90,
+            "sigma of the heading of the segmenter's ego-motion [deg]");
+  v.real("matcher_sigma", matcher_sigma, 1e-4, 10,
+         "sigma of the translation of a scan matcher's motion [m]");
+  v.degrees("matcher_sigma_angle_deg", matcher_sigma_angle, 1e-3, 90,
+            "sigma of the rotation of a scan matcher's motion [deg]");
   v.real("gate", gate, 0.1, 1000,
-         "largest Mahalanobis distance to the prior of an accepted motion");
-  v.real("informed_sigma", informed_sigma, 1e-4, 10, "of a matcher that fuses the prior [m]");
-  v.degrees("informed_sigma_angle_deg", informed_sigma_angle, 1e-3, 90, "... and its rotation");
-  v.real("informed_gate", informed_gate, 0.1, 1000, "the gate of a matcher that fuses the prior");
-  v.real("segmenter_initial_sigma", segmenter_initial_sigma, 0, 50,
-         "of the initial guess to a new map, if from the segmenter [m]");
+         "largest Mahalanobis distance to the prior of an accepted motion of segmenter or matcher");
+  v.real("informed_sigma", informed_sigma, 1e-4, 10,
+         "sigma of the translation of a scan matcher that fuses the prior [m]");
+  v.degrees("informed_sigma_angle_deg", informed_sigma_angle, 1e-3, 90,
+            "sigma of the rotation of a scan matcher that fuses the prior [deg]");
+  v.real("informed_gate", informed_gate, 0.1, 1000,
+         "largest Mahalanobis distance to the prior of an accepted motion of a matcher that fuses "
+         "the prior");
+  v.real(
+      "segmenter_initial_sigma", segmenter_initial_sigma, 0, 50,
+      "sigma of the initial guess at the first registration to a map, if from the segmenter [m]");
   v.real("matcher_initial_sigma", matcher_initial_sigma, 0, 50,
-         "the same, if from a matcher that fuses the prior [m]");
+         "sigma of the initial guess at the first registration to a map, if from a matcher that "
+         "fuses the prior [m]");
   v.real("reliable_prior_sigma", reliable_prior_sigma, 0, 100,
-         "sigma of a prior up to which segmenters search only around it [m]");
+         "sigma of the prior below which segmenters search only around the prior [m]");
   v.real("min_static_prior", min_static_prior, 0, 1,
-         "points with a lower static probability by appearance have zero weight");
+         "static probability by appearance below which points have zero weight");
 }
 
 struct Odometry::State
@@ -91,6 +105,8 @@ struct Odometry::State
   void weightByAppearance(Frame& frame) const;
   [[nodiscard]] Pose initialGuess(const Frame& frame) const;
   [[nodiscard]] double initialSigma(const Frame& frame) const;
+  [[nodiscard]] RegistrationResult registerFrom(const Frame& frame, const Pose& T_guess);
+  void updateMeanVelocity(const Frame& frame);
   void registerToMap(Frame& frame, const Pose& T_guess);
   void takeMatcherMotion(Frame& frame, const Pose& T_guess);
 
@@ -105,10 +121,12 @@ struct Odometry::State
   MotionUncertainty uncertainty;
 
   ScanClock clock;
-  bool doubtful = false;    //!< the interval to the scan at hand
-  bool after_gap = false;   //!< too long to predict the velocity after it
-  bool started = false;     //!< a scan has been seen
-  bool registered = false;  //!< a scan has been registered to the map
+  bool doubtful = false;                 //!< the interval to the scan at hand
+  bool after_gap = false;                //!< too long to predict the velocity after it
+  bool started = false;                  //!< a scan has been seen
+  bool registered = false;               //!< a scan has been registered to the map
+  std::optional<Vector6> mean_velocity;  //!< of the last scans registered [m/s, rad/s]
+  double without_scan = 0;               //!< time since the last usable scan [s]
   Pose T_odom_previous = Pose::Identity();
   Pose T_sweep_previous = Pose::Identity();  //!< that the previous cloud was deskewed with
   /** Of the segmenter's motion, if it was fused with the frame's prior; else zero. */
@@ -248,22 +266,50 @@ double Odometry::State::initialSigma(const Frame& frame) const
   return sigma;
 }
 
-void Odometry::State::registerToMap(Frame& frame, const Pose& T_guess)
+/** Registers from the guess and, if that fails, from the mean motion of the last scans: after an
+ * abrupt motion, or one that was misjudged, the velocity of the last scan alone may be wrong. */
+RegistrationResult Odometry::State::registerFrom(const Frame& frame, const Pose& T_guess)
 {
   const RegistrationResult result = registration.registerFrame(frame, T_odom_previous * T_guess,
                                                                &frame.prior, initialSigma(frame));
+  const bool failed = result.points > 0 && result.measured_information.isZero();
+  if (!failed || !mean_velocity || after_gap || registration.framesInMap() < 2)
+  {
+    return result;
+  }
+  MotionPrior steady = frame.prior;
+  steady.T_previous_current = expSE3(frame.dt * *mean_velocity);
+  return registration.registerAgain(frame, T_odom_previous * steady.T_previous_current, &steady);
+}
+
+void Odometry::State::updateMeanVelocity(const Frame& frame)
+{
+  if (frame.dt <= 0 || !frame.motion.converged || after_gap)
+  {
+    return;
+  }
+  const Vector6 velocity = logSE3(frame.motion.T_previous_current) / frame.dt;
+  mean_velocity = mean_velocity
+                      ? Vector6(*mean_velocity + velocity_share * (velocity - *mean_velocity))
+                      : velocity;
+}
+
+void Odometry::State::registerToMap(Frame& frame, const Pose& T_guess)
+{
+  const RegistrationResult result = registerFrom(frame, T_guess);
   registered = registered || result.points > 0;
   frame.motion = result.motion;
   frame.T_odom_vehicle = result.T_odom_vehicle;
-  if (after_gap)
+  if (after_gap || without_scan > ScanClock::max_extrapolation)
   {
-    filter.forget(frame.dt);
+    filter.forget(std::max(frame.dt, without_scan));
   }
   else
   {
     filter.update(frame.dt, result.motion.T_previous_current,
                   result.measured_information + segmenter_information, result.prior_weight);
   }
+  updateMeanVelocity(frame);
   uncertainty.calibrate(frame.dt, result.measured_information, frame.motion);
 }
 
@@ -405,7 +451,10 @@ void Odometry::estimate(Frame& frame)
     s.matchScan(frame);
   }
   const CTimeLoggerEntry timed(s.times, "refine");
-  const Pose T_guess = s.initialGuess(frame);
+  const bool usable = reasonUnusable(frame).empty();
+  s.without_scan += frame.dt;
+  const bool extrapolates = usable || s.without_scan <= ScanClock::max_extrapolation;
+  const Pose T_guess = extrapolates ? s.initialGuess(frame) : Pose::Identity();
   if (s.registers())
   {
     s.registerToMap(frame, T_guess);
@@ -414,6 +463,7 @@ void Odometry::estimate(Frame& frame)
   {
     s.takeMatcherMotion(frame, T_guess);
   }
+  s.without_scan = usable ? 0 : s.without_scan;
   s.T_odom_previous = frame.T_odom_vehicle;
   s.T_sweep_previous = frame.cloud.T_sweep;
 }
@@ -428,7 +478,8 @@ void Odometry::exchangeState(StateArchive& archive)
 {
   State& s = *state_;
   archive(s.filter, *s.matcher, s.registration, s.uncertainty, s.clock, s.started, s.registered,
-          s.T_odom_previous, s.T_sweep_previous, s.segmenter_frames, s.segmenter_failures);
+          s.without_scan, s.mean_velocity, s.T_odom_previous, s.T_sweep_previous,
+          s.segmenter_frames, s.segmenter_failures);
 }
 
 std::string Odometry::name() const

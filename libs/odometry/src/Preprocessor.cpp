@@ -11,17 +11,24 @@ namespace
 {
 constexpr std::size_t chunk_size = 8192;
 
-/** Seconds between the first and the last point; 0 where there are no times. */
-double timeSpan(const Scan& scan)
+/** Times of the first and the last point [s]; equal where there are none. */
+std::pair<float, float> timesOf(const Scan& scan)
 {
   if (scan.time.size() != scan.size() || scan.time.empty())
   {
-    return 0;
+    return {0.0F, 0.0F};
   }
   const auto [first, last] = std::minmax_element(scan.time.begin(), scan.time.end());
-  const double span = static_cast<double>(*last - *first);
-  return std::isfinite(span) ? span : 0;
+  return std::isfinite(*last - *first) ? std::make_pair(*first, *last) : std::make_pair(0.0F, 0.0F);
 }
+
+/** Seconds between the first and the last point; 0 where there are no times. */
+double timeSpan(const Scan& scan)
+{
+  const auto [first, last] = timesOf(scan);
+  return static_cast<double>(last - first);
+}
+
 /** When the points of a scan were measured, in units of the time since the previous scan. */
 class Phases
 {
@@ -82,8 +89,10 @@ void appendParts(const std::vector<CloudPart>& parts, Cloud& cloud)
 
 void PreprocessOptions::describe(OptionsVisitor& v)
 {
-  v.real("min_range", min_range, 0, 1000, "nearer returns are dropped [m]");
-  v.real("max_range", max_range, 0.1, 10000, "farther returns are dropped [m]");
+  v.real("min_range", min_range, 0, 1000,
+         "range from the lidar below which returns are dropped [m]");
+  v.real("max_range", max_range, 0.1, 10000,
+         "range from the lidar above which returns are dropped [m]");
   v.choice(
       "deskew", deskew,
       {{"none", DeskewMode::none},
@@ -93,9 +102,9 @@ void PreprocessOptions::describe(OptionsVisitor& v)
       "motion compensation: by point times, by azimuth, or (auto) by azimuth where there are no "
       "times");
   v.choice("sweep_direction", sweep.direction, {{"-1", -1}, {"1", 1}},
-           "-1 clockwise from above, 1 counter-clockwise");
+           "direction of the sweep: -1 clockwise from above, 1 counter-clockwise");
   v.degrees("sweep_start_azimuth_deg", sweep.start_azimuth, -360, 360,
-            "start of the sweep, counter-clockwise from straight ahead");
+            "azimuth of the start of the sweep, counter-clockwise from straight ahead [deg]");
   v.real("sweep_reference", sweep_reference, -1, 2,
          "fraction of the sweep at which the frame's pose is taken");
 }
@@ -173,6 +182,17 @@ Cloud Preprocessor::prepare(const Scan& scan,
     }
   }
   return cloud;
+}
+
+std::pair<double, double> Preprocessor::sweepSpan(const Scan& scan, double sweep_duration) const
+{
+  const auto [first, last] = timesOf(scan);
+  if (last > first && options_.deskew != DeskewMode::azimuth)
+  {
+    return {static_cast<double>(first), static_cast<double>(last)};
+  }
+  return {-options_.sweep_reference * sweep_duration,
+          (1 - options_.sweep_reference) * sweep_duration};
 }
 
 void redeskew(const Pose& T_previous_current, double dt, ThreadPool& pool, Cloud& cloud)

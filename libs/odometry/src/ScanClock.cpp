@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/Motion.h>
+#include <dyslam/core/Quantile.h>
 #include <dyslam/core/StateArchive.h>
 #include <dyslam/odometry/MotionFilter.h>
 #include <dyslam/odometry/ScanClock.h>
 
-#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <vector>
@@ -45,8 +45,11 @@ void ScanClock::advance(double stamp)
 bool ScanClock::isDoubtful() const
 {
   const double expected = period();
-  return scans_ > 1 && expected > 0 &&
-         (interval_ < shortest * expected || interval_ > longest * expected);
+  if (expected <= 0)
+  {
+    return scans_ > 1 && scans_ <= min_intervals + 1 && interval_ > max_extrapolation;
+  }
+  return interval_ < shortest * expected || interval_ > longest * expected;
 }
 
 double ScanClock::period() const
@@ -55,10 +58,8 @@ double ScanClock::period() const
   {
     return 0;
   }
-  std::vector<double> sorted(regular_.begin(), regular_.end());
-  const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
-  std::nth_element(sorted.begin(), middle, sorted.end());
-  return *middle;
+  std::vector<double> intervals(regular_.begin(), regular_.end());
+  return upperMedian(intervals);
 }
 
 void ScanClock::settle(double passed)

@@ -86,6 +86,11 @@ void ScanSample::ingest(const Frame& frame, double spacing, ThreadPool& pool)
   }
 
   const bool skewed = cloud.phase.size() == count;
+  scan_index_.resize(cloud.source.size() == count ? source.size() : 0);
+  for (std::size_t i = 0; i < scan_index_.size(); ++i)
+  {
+    scan_index_[i] = cloud.source[source[i]];
+  }
   scan.points.resize(source.size());
   scan.phase.resize(skewed ? source.size() : 0);
   scan.phase_unit = cloud.phase_unit;
@@ -114,9 +119,17 @@ void ScanSample::updateWeights(const Frame& frame)
 {
   const std::vector<float> weights = pointWeights(frame);
   scan.weight.resize(weights.empty() ? 0 : source.size());
+  const std::vector<std::uint32_t>& cloud_source = frame.cloud.source;
+  std::size_t at = 0;
   for (std::size_t i = 0; i < scan.weight.size(); ++i)
   {
-    scan.weight[i] = weights[source[i]];
+    at = std::max<std::size_t>(at, source[i]);
+    // Points that were put into the cloud since ingest() have moved the others back.
+    while (i < scan_index_.size() && cloud_source.at(at) != scan_index_[i])
+    {
+      ++at;
+    }
+    scan.weight[i] = weights[at];
   }
 }
 

@@ -30,7 +30,7 @@ struct RawPoints
 struct ScanSample
 {
   RawPoints scan;                                //!< thinned along the rings
-  std::vector<std::uint32_t> source;             //!< of `scan`: positions in the cloud
+  std::vector<std::uint32_t> source;             //!< of `scan`: positions in the cloud of ingest()
   std::vector<Eigen::Vector3f> deskewed;         //!< `scan`, as the cloud is deskewed
   RawPoints sample;                              //!< what is registered
   std::vector<Eigen::Vector3f> sample_deskewed;  //!< `sample`, as the cloud is deskewed
@@ -38,7 +38,8 @@ struct ScanSample
   /** Takes the points of the frame's cloud that lie at least `spacing` [m] after the one before
    * along their ring, and undoes their deskewing. */
   void ingest(const Frame& frame, double spacing, ThreadPool& pool);
-  /** Weights of `scan` anew, as the frame has them now. */
+  /** Weights of `scan` anew, as the frame has them now; points may have been inserted into its
+   * cloud since, in the order of the scan. */
   void updateWeights(const Frame& frame);
   /** Fills `sample`: one point per cube of side `size` [m], and evenly fewer where these are more
    * than `max_points`. */
@@ -46,5 +47,6 @@ struct ScanSample
 
  private:
   std::vector<Eigen::Vector3f> last_of_ring_;
+  std::vector<std::uint32_t> scan_index_;  //!< of the points of `scan`, as Cloud::source
 };
 }  // namespace dyslam

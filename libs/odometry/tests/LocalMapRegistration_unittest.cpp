@@ -271,6 +271,27 @@ TEST_P(Registration, AForeignSceneFailsAndThenRestartsTheMap)
   EXPECT_FALSE(after.motion.map_restarted);
 }
 
+TEST_P(Registration, AFirstScanOfAPartOfARevolutionIsReplacedAtOnce)
+{
+  LocalMapRegistration registration(options(), pool_);
+  Frame part = scene_.frame(Pose::Identity(), 0.01, 1);
+  Cloud& cloud = part.cloud;
+  std::vector<Eigen::Vector3f> sector;
+  std::copy_if(cloud.points.begin(), cloud.points.end(), std::back_inserter(sector),
+               [](const Eigen::Vector3f& p)
+               { return p.x() > 0 && std::abs(p.y()) < 0.1F * p.x(); });
+  ASSERT_GT(sector.size(), 100U);
+  cloud = Cloud();
+  cloud.points = sector;
+  part.scan = Scan();
+  step(registration, part, Pose::Identity());
+  const Pose T = poseFromYpr(0.5, 0, 0, 0, 0, 0);
+  const RegistrationResult second = step(registration, scene_.frame(T, 0.01, 2), T);
+  const RegistrationResult third = step(registration, scene_.frame(T * T, 0.01, 3), T * T);
+  EXPECT_TRUE(second.motion.converged || second.motion.map_restarted) << second.motion.reason;
+  EXPECT_TRUE(third.motion.converged) << third.motion.reason;
+}
+
 /** Value and limit of a rejected scan have the same unit, and the value is below the limit. */
 TEST_P(Registration, ARejectedScanHasItsRatioAndTheLimit)
 {

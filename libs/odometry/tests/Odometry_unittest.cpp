@@ -303,5 +303,35 @@ TEST_F(Fusion, AnEmptyScanGetsThePriorsMotion)
   EXPECT_TRUE(back.motion.converged) << back.motion.reason;
   EXPECT_LT(((T * step * step).inverse() * back.T_odom_vehicle).translation().norm(), 0.05);
 }
+
+TEST_F(Fusion, AfterAMisjudgedMotionTheMeanOneIsTried)
+{
+  start({"motion.acceleration=10", "motion.angular_acceleration_deg=600"});
+  const Pose step = poseFromYpr(0.5, 0, 0, 0, 0, 0);
+  const Pose T = settle(step, 12);
+  Frame frame = next(T * step);
+  frame.prior.T_previous_current = poseFromYpr(0.5, 0, 0, 0.5, 0, 0);  // far off
+  script_.converged = false;
+  estimate(frame);
+  EXPECT_TRUE(frame.motion.converged) << frame.motion.reason;
+  EXPECT_LT(((T * step).inverse() * frame.T_odom_vehicle).translation().norm(), 0.1);
+}
+
+TEST_F(Fusion, EmptyScansAreExtrapolatedOverForTwoSeconds)
+{
+  start();
+  const Pose T = settle(poseFromYpr(0.5, 0, 0, 0, 0, 0));
+  script_.converged = false;
+  Frame empty;
+  for (int i = 0; i < 60; ++i)
+  {
+    empty = next(T);
+    empty.cloud = Cloud();
+    estimate(empty);
+  }
+  EXPECT_NEAR((T.inverse() * empty.T_odom_vehicle).translation().norm(), 2 * 5, 0.6);
+  const Frame after = next(T);
+  EXPECT_GT(after.prior.information.inverse()(0, 0), 0.1) << "the velocity is uncertain by now";
+}
 }  // namespace
 }  // namespace dyslam

@@ -65,7 +65,7 @@ TEST_P(RealDrive, DefaultOdometryStaysWithinBounds)
       const Pose error =
           (reference[i - 1].inverse() * reference[i]).inverse() * frame.motion.T_previous_current;
       translation += error.translation().squaredNorm();
-      rotation += std::pow(rotationAngle(error) * 180 / 3.14159265358979323846, 2);
+      rotation += std::pow(rotationAngle(error) * 180 / M_PI, 2);
     }
   }
   const double n = static_cast<double>(GetParam().frames) - 1;

@@ -2,7 +2,6 @@
 #include <dyslam/core/Parallel.h>
 #include <dyslam/core/StateArchive.h>
 #include <dyslam/dyseg/MovingSegmenter.h>
-#include <dyslam/dyseg/TemporalFilter.h>
 #include <dyslam/odometry/Odometry.h>
 #include <dyslam/odometry/Preprocessor.h>
 #include <dyslam/pipeline/FrontEnd.h>
@@ -65,7 +64,6 @@ struct FrontEnd::Stages
         pool(threads),
         preprocessor(config.get<PreprocessOptions>("preprocess"), pool),
         segmenter(makeSegmenter(segmentation.method, config, pool)),
-        filter(config.get<TemporalFilterOptions>("dyseg_filter")),
         odometry(config, pool, times)
   {
   }
@@ -78,7 +76,6 @@ struct FrontEnd::Stages
   [[nodiscard]] std::shared_ptr<const EncodedCloud> preprocess(Frame& frame);
   /** Segments now if the segmenter runs before (false) or after (true) the pose is known. */
   void segment(Frame& frame, bool pose_known, const std::shared_ptr<const EncodedCloud>& encoded);
-  void filterOverTime(Frame& frame);
   /** \param labelled points that an earlier run labelled moving */
   void putBack(const Scan& labelled, Frame& frame);
 
@@ -88,7 +85,6 @@ struct FrontEnd::Stages
   ThreadPool pool;
   Preprocessor preprocessor;
   std::unique_ptr<MovingSegmenter> segmenter;  //!< null: nothing is segmented
-  TemporalFilter filter;
   Odometry odometry;
   SweepPrediction sweep_used;  //!< motion that deskewed the current cloud
   /** Motion for deskewing and encoding the next scan early; empty if it is encoded after its own
@@ -118,7 +114,6 @@ void FrontEnd::process(Frame& frame, const Frame* next)
   s.odometry.estimate(frame);
   s.putBack(labelled, frame);
   s.segment(frame, true, encoded);
-  s.filterOverTime(frame);
   decideMoving(frame, s.segmentation.moving_threshold);
   s.odometry.integrate(frame);
 }
@@ -203,15 +198,6 @@ void FrontEnd::Stages::segment(Frame& frame,
   }
 }
 
-void FrontEnd::Stages::filterOverTime(Frame& frame)
-{
-  if (segmentation.filter)
-  {
-    const CTimeLoggerEntry timed(times, "dyseg");
-    filter.apply(frame);
-  }
-}
-
 void FrontEnd::Stages::putBack(const Scan& labelled, Frame& frame)
 {
   if (earlier.any())
@@ -236,15 +222,13 @@ void FrontEnd::exchangeState(StateArchive& archive)
   {
     archive(*s.segmenter);
   }
-  archive(s.filter, s.odometry, s.sweep_ahead);
+  archive(s.odometry, s.sweep_ahead);
 }
 
 std::string FrontEnd::summary() const
 {
   const Stages& s = *stages_;
-  std::string text = s.segmenter ? s.segmenter->name() + " + " : "";
-  text += s.segmenter && s.segmentation.filter ? "filter + " : "";
-  return text + s.odometry.name();
+  return (s.segmenter ? s.segmenter->name() + " + " : "") + s.odometry.name();
 }
 
 std::vector<std::string> FrontEnd::warnings() const

@@ -29,7 +29,8 @@ using mrpt::system::CTimeLoggerEntry;
 
 void PipelineOptions::describe(OptionsVisitor& v)
 {
-  v.integer("threads", threads, 0, 256, "threads of the stages' loops; 0: all cores");
+  v.integer("threads", threads, 0, 256,
+            "threads of the parallel loops of all stages; 0: one per core");
   v.flag("tracking", tracking, "detect and track moving objects");
   v.flag("hindsight_tracking", hindsight_tracking,
          "detect and track objects again with the labels of labels.hindsight");
@@ -100,7 +101,7 @@ struct Pipeline::Stages
 
   void insertInMap(const Frame& decided);
   void use(Frame decided);
-  [[nodiscard]] KeptParts keptOf(const Frame& frame) const;
+  [[nodiscard]] FrameParts keptOf(const Frame& frame) const;
   void decide(const Frame& frame);
   void decideFirst();
 
@@ -116,8 +117,8 @@ struct Pipeline::Stages
   std::optional<Tracker> tracker_again;  //!< of decided frames
   std::optional<Frame> first;            //!< until the second one has come
   StaticMap map;
-  std::function<void(Frame)> on_decided;
-  KeptParts decided_parts = KeptParts::points;  //!< of frames, for on_decided
+  std::function<void(Frame)> on_final;
+  FrameParts final_parts = FrameParts::points;  //!< of frames, for on_final
 };
 
 void Pipeline::Stages::insertInMap(const Frame& decided)
@@ -148,9 +149,9 @@ void Pipeline::Stages::use(Frame decided)
     tracker_again->update(decided);
   }
   insertInMap(decided);
-  if (on_decided)
+  if (on_final)
   {
-    on_decided(std::move(decided));
+    on_final(std::move(decided));
   }
 }
 
@@ -181,7 +182,7 @@ void Pipeline::runBackEnd(Frame& frame)
   addOdometry(frame);
   addLoops(frame);
   optimise(frame);
-  addToMap(frame);
+  finaliseFrames(frame);
 }
 
 void Pipeline::deskew(Frame& frame)
@@ -221,12 +222,12 @@ bool Pipeline::optimise(Frame& frame)
   return stages_->backend.optimise(frame);
 }
 
-KeptParts Pipeline::Stages::keptOf(const Frame& frame) const
+FrameParts Pipeline::Stages::keptOf(const Frame& frame) const
 {
-  const KeptParts for_map =
-      options.mapping && frame.is_keyframe ? KeptParts::cloud : KeptParts::none;
-  const KeptParts for_tracker = tracker_again ? KeptParts::points : KeptParts::none;
-  const KeptParts for_user = on_decided ? decided_parts : KeptParts::none;
+  const FrameParts for_map =
+      options.mapping && frame.is_keyframe ? FrameParts::cloud : FrameParts::none;
+  const FrameParts for_tracker = tracker_again ? FrameParts::points : FrameParts::none;
+  const FrameParts for_user = on_final ? final_parts : FrameParts::none;
   return std::max({for_map, for_tracker, for_user});
 }
 
@@ -235,9 +236,9 @@ void Pipeline::Stages::decide(const Frame& frame)
   if (!hindsight)
   {
     insertInMap(frame);
-    if (on_decided)
+    if (on_final)
     {
-      on_decided(copyOf(frame, keptOf(frame)));
+      on_final(copyOf(frame, keptOf(frame)));
     }
     return;
   }
@@ -260,7 +261,7 @@ void Pipeline::Stages::decideFirst()
   }
 }
 
-void Pipeline::addToMap(const Frame& frame)
+void Pipeline::finaliseFrames(const Frame& frame)
 {
   Stages& s = *stages_;
   if (s.first)
@@ -281,13 +282,13 @@ void Pipeline::addToMap(const Frame& frame)
   }
 }
 
-void Pipeline::onDecided(std::function<void(Frame)> use, KeptParts parts)
+void Pipeline::onFinal(std::function<void(Frame)> use, FrameParts parts)
 {
-  stages_->on_decided = std::move(use);
-  stages_->decided_parts = std::max(parts, KeptParts::points);
+  stages_->on_final = std::move(use);
+  stages_->final_parts = std::max(parts, FrameParts::points);
 }
 
-bool Pipeline::tracksAgain() const
+bool Pipeline::tracksWithHindsight() const
 {
   return stages_->tracker_again.has_value();
 }

@@ -58,7 +58,7 @@ struct OutputName
 };
 
 /** Frames as the causal pipeline leaves them, or once their moving points and objects are final,
- * see Pipeline::onDecided(). */
+ * see Pipeline::onFinal(). */
 enum class FrameKind
 {
   causal,

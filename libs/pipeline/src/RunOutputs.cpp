@@ -45,14 +45,14 @@ struct OutputOptions : Options
       }
     }
     v.real("scene_voxel_size", scene_voxel_size, 0.01, 100,
-           "one map point of the scene per cube [m]");
+           "side of the cubes with one map point each in map.3Dscene [m]");
     v.real("checkpoint_seconds", checkpoint_seconds, 0, 1e6,
-           "s between checkpoints for --resume; 0: none");
+           "time between checkpoints for --resume; 0: none [s]");
   }
 
   std::map<std::string, bool> on;  //!< by RunOutputKind::key
-  double scene_voxel_size = 0.4;   //!< of the map points in the scene [m]
-  double checkpoint_seconds = 60;  //!< between checkpoints [s]; 0: none
+  double scene_voxel_size = 0.4;   //!< side of the cubes with one map point each in the scene [m]
+  double checkpoint_seconds = 60;  //!< time between checkpoints [s]; 0: none
 };
 
 /** Files named in a config, such as weights and detections. */
@@ -101,7 +101,7 @@ void attempt(Entry& entry, const Action& action)
 RunOutputs::RunOutputs(const SlamRunSettings& settings,
                        ConfigLoader& config,
                        const std::vector<RunOutputKind>& kinds)
-    : folder_(settings.output_folder), force_(settings.force), config_(config)
+    : folder_(settings.output_folder), force_(settings.force), config_(config), warn_(settings.warn)
 {
   inputs_ = settings.inputs;
   inputs_.push_back(settings.rawlog);
@@ -211,10 +211,38 @@ void RunOutputs::checkpoint(const std::function<void(StateFileWriter&)>& add_sta
     state->add([this](StateArchive& archive) { exchangeState(archive, false); });
     writer_->add([this, state] { finishState(*state); });
   }
-  catch (const std::exception&)
+  catch (const std::exception& error)
   {
-    // the previous state is kept
+    noteCheckpoint(error.what());  // the previous state is kept
   }
+}
+
+void RunOutputs::noteCheckpoint(const std::string& failure)
+{
+  bool warn = false;
+  {
+    const std::lock_guard<std::mutex> lock(checkpoint_mutex_);
+    checkpoint_failure_ = failure;
+    has_checkpoint_ = has_checkpoint_ || failure.empty();
+    warn = !failure.empty() && !has_warned_ && warn_;
+    has_warned_ = has_warned_ || warn;
+  }
+  if (warn)
+  {
+    warn_(checkpointWarning());
+  }
+}
+
+std::string RunOutputs::checkpointWarning()
+{
+  const std::lock_guard<std::mutex> lock(checkpoint_mutex_);
+  if (checkpoint_failure_.empty())
+  {
+    return "";
+  }
+  return "checkpoints could not be written: " + checkpoint_failure_ +
+         (has_checkpoint_ ? "; the run can be resumed from an earlier one only"
+                          : "; the run cannot be resumed");
 }
 
 void RunOutputs::finishState(StateFileWriter& state)
@@ -224,16 +252,18 @@ void RunOutputs::finishState(StateFileWriter& state)
     state.add([this](StateArchive& archive) { exchangeState(archive, true); });
     synchronise(folder_);
     state.commit();
+    noteCheckpoint("");
   }
-  catch (const std::exception&)
+  catch (const std::exception& error)
   {
-    // the previous state is kept
+    noteCheckpoint(error.what());  // the previous state is kept
   }
 }
 
 void RunOutputs::resume(RunToResume& run)
 {
   made_ = std::move(run.lock);
+  has_checkpoint_ = true;
   run.load(StatePart::outputs, [this](StateArchive& archive) { exchangeState(archive, false); });
   run.load(StatePart::slow_outputs,
            [this](StateArchive& archive) { exchangeState(archive, true); });
@@ -260,9 +290,9 @@ void RunOutputs::preferCausal()
   }
 }
 
-KeptParts RunOutputs::decidedParts() const
+FrameParts RunOutputs::finalParts() const
 {
-  KeptParts parts = KeptParts::none;
+  FrameParts parts = FrameParts::none;
   for (const Entry& entry : entries_)
   {
     switch (entry.wants)
@@ -270,13 +300,13 @@ KeptParts RunOutputs::decidedParts() const
       case FrameKind::causal:
         break;
       case FrameKind::decided_objects:
-        parts = std::max(parts, KeptParts::points);
+        parts = std::max(parts, FrameParts::points);
         break;
       case FrameKind::decided_points:
-        parts = std::max(parts, KeptParts::intensity);
+        parts = std::max(parts, FrameParts::intensity);
         break;
       case FrameKind::decided:
-        parts = KeptParts::all;
+        parts = FrameParts::all;
         break;
     }
   }
@@ -318,6 +348,14 @@ void RunOutputs::finish(RunResults& results)
     results.failures.push_back(folder_ + ": was removed during the run, with what was in it");
     std::error_code ignored;
     fs::create_directories(folder_, ignored);  // the files written now are to be kept
+  }
+  if (!state_.expired())
+  {
+    writer_->finish();  // how that checkpoint ends is in the report
+  }
+  if (const std::string warning = checkpointWarning(); !warning.empty())
+  {
+    results.report.warnings.push_back(warning);
   }
   for (Entry& entry : entries_)
   {

@@ -5,6 +5,7 @@
 
 #include <functional>
 #include <memory>
+#include <mutex>
 #include <string>
 #include <vector>
 
@@ -35,14 +36,15 @@ class RunOutputs
    * frames, which have the same; and so does the replay unless every scan is decided anyway. */
   void preferCausal();
   /** What the outputs need of decided frames; `none` if no output wants these. */
-  [[nodiscard]] KeptParts decidedParts() const;
+  [[nodiscard]] FrameParts finalParts() const;
   /** The same frame again, later, for the outputs that want final moving points. */
   void addDecided(Frame frame);
   /** Seconds between checkpoints, 0: none. */
   [[nodiscard]] double checkpointSeconds() const { return checkpoint_seconds_; }
   /** Between two frames: writes a checkpoint: the results so far, and the state, which gets its
    * final name in the writing thread once all frames so far are written. If that fails, or while
-   * the previous state is still being written, it is left for the next checkpoint.
+   * the previous state is still being written, it is left for the next checkpoint; a failure is a
+   * warning of the run unless a later checkpoint succeeds.
    * \param add_state adds the parts of the state before those of the outputs */
   void checkpoint(const std::function<void(StateFileWriter&)>& add_state,
                   const RunResults& results);
@@ -70,6 +72,10 @@ class RunOutputs
   void addTo(const Frame& frame, bool slow, bool decided);
   /** Adds those files of the output that are there. */
   void listFiles(const Entry& entry, SlamRunReport& report) const;
+  /** Notes how a checkpoint ended. \param failure empty if it succeeded */
+  void noteCheckpoint(const std::string& failure);
+  /** The warning about checkpoints that failed; empty if the last one succeeded. */
+  [[nodiscard]] std::string checkpointWarning();
   /** In the writing thread: adds its part and gives the state its name. */
   void finishState(StateFileWriter& state);
   /** State of the outputs of one thread. */
@@ -84,6 +90,11 @@ class RunOutputs
   std::vector<OutputName> names_;  //!< of all kinds, those switched off too
   std::vector<Entry> entries_;
   std::weak_ptr<StateFileWriter> state_;  //!< while it is written
-  std::unique_ptr<JobThread> writer_;     //!< last: its jobs use the entries
+  std::function<void(const std::string&)> warn_;
+  std::mutex checkpoint_mutex_;  //!< for the next three, as both threads write checkpoints
+  std::string checkpoint_failure_;
+  bool has_checkpoint_ = false;
+  bool has_warned_ = false;
+  std::unique_ptr<JobThread> writer_;  //!< last: its jobs use the entries
 };
 }  // namespace dyslam

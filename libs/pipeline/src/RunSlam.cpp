@@ -121,6 +121,15 @@ void replay(const SlamRunSettings& settings,
   }
 }
 
+/** \throws UserError if the run is to end before it has changed anything. */
+void requireNotStopped(const SlamRunSettings& settings)
+{
+  if (settings.stop && settings.stop())
+  {
+    throw UserError(settings.rawlog + ": stopped before the first scan");
+  }
+}
+
 /** The rest of a run that has been opened or resumed. */
 SlamRunReport replayToTheEnd(const SlamRunSettings& settings,
                              RawlogSource& source,
@@ -212,6 +221,7 @@ SlamRunReport runSlam(const SlamRunSettings& settings, const OnFrame& on_frame)
 {
   SlamRun run(settings);
   RawlogSource source(settings.rawlog, run.input());
+  requireNotStopped(settings);
   run.open();
   return replayToTheEnd(settings, source, run, ScanSum(), on_frame);
 }
@@ -221,6 +231,11 @@ bool hasCheckpoint(const std::string& output_folder)
   return std::filesystem::exists(std::filesystem::path(output_folder) / state_file_name);
 }
 
+Config settingsOfCheckpoint(const std::string& output_folder)
+{
+  return Config::fromText(RunToResume(output_folder).run.settings, "the state's settings");
+}
+
 SlamRunReport resumeSlam(const SlamRunSettings& given, const OnFrame& on_frame)
 {
   RunToResume saved(given.output_folder);
@@ -228,6 +243,7 @@ SlamRunReport resumeSlam(const SlamRunSettings& given, const OnFrame& on_frame)
   SlamRun run(settings);
   RawlogSource source(settings.rawlog, run.input());
   const ScanSum scans = skipSeen(saved.run, settings.rawlog, source);
+  requireNotStopped(settings);
   run.resume(saved);
   return replayToTheEnd(settings, source, run, scans, on_frame);
 }

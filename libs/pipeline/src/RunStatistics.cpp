@@ -8,6 +8,27 @@
 
 namespace dyslam
 {
+namespace
+{
+/** What to try, by the most frequent reason of reasonUnusable() or of the registration.
+ * \param has_ini an ini was given, which may be the reason */
+std::string adviceFor(const std::string& reason, bool has_ini)
+{
+  const auto says = [&reason](const char* part) { return reason.find(part) != std::string::npos; };
+  if (says("the scan has "))
+  {
+    return "check the recording, and how it was converted";
+  }
+  if (says("left after preprocess."))
+  {
+    return "change these settings, or check that the points are in metres";
+  }
+  return "try " + std::string(has_ini ? "the settings that fit the sensor (no -c), " : "") +
+         "-c handheld.ini for a handheld one, or odometry.start_speed for a recording that begins "
+         "in motion";
+}
+}  // namespace
+
 void Reasons::add(const std::string& reason)
 {
   std::string kind = reason;
@@ -124,10 +145,8 @@ std::string RunStatistics::failure(bool has_ini) const
   }
   return std::to_string(registration_failures.total()) + " of " + std::to_string(frames) +
          " scans could not be registered: do not trust trajectory and map; most often because: " +
-         registration_failures.mostFrequent() + "; try " +
-         (has_ini ? "the settings that fit the sensor (no -c), " : "") +
-         "-c handheld.ini for a handheld one, or odometry.start_speed for a recording that begins "
-         "in motion";
+         registration_failures.mostFrequent() + "; " +
+         adviceFor(registration_failures.mostFrequent(), has_ini);
 }
 
 void Reasons::exchangeState(StateArchive& archive)

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/Angle.h>
 #include <dyslam/core/Error.h>
 #include <dyslam/core/Files.h>
+#include <dyslam/core/Printable.h>
+#include <dyslam/core/Quantile.h>
 #include <dyslam/core/SharedFiles.h>
 #include <dyslam/io/RawlogSource.h>
 #include <dyslam/pipeline/SensorSettings.h>
@@ -16,10 +19,17 @@ namespace dyslam
 {
 namespace
 {
+/** Full scans that are examined, and scans among which these are looked for. */
 constexpr int examined_scans = 5;
+constexpr int most_examined = 50;
+/** A scan is full if it has this share of the returns of the richest one. */
+constexpr double full_share = 0.5;
+/** Rings are those of the sensor if another full scan has this share of them. */
+constexpr double same_rings = 0.9;
+/** A lidar with rings sees mostly the ground; more returns than this above it are suspicious. */
+constexpr double max_share_above = 2.0 / 3;
 /** Ring spacings outside the limits by this factor are an obvious mismatch. */
 constexpr double plain_mismatch = 1.2;
-constexpr double degrees_per_radian = 180 / 3.14159265358979323846;
 
 std::string fixed(double value, int decimals)
 {
@@ -102,30 +112,40 @@ std::string wantedBy(const SensorOptions& options)
              : "sensors with rings up to " + most;
 }
 
-double median(std::vector<double> values)
+/** Share of the returns that are above the lidar, with the axes of the vehicle. */
+double shareAbove(const Scan& scan)
 {
-  if (values.empty())
+  const Eigen::Vector3f up = scan.T_vehicle_lidar.linear().row(2).cast<float>();
+  std::size_t returns = 0;
+  std::size_t above = 0;
+  for (const Eigen::Vector3f& p : scan.points)
   {
-    return 0;
+    returns += isReturn(p) ? 1U : 0U;
+    above += isReturn(p) && up.dot(p) > 0 ? 1U : 0U;
   }
-  std::sort(values.begin(), values.end());
-  return values[values.size() / 2];
+  return returns > 0 ? static_cast<double>(above) / static_cast<double>(returns) : 0;
 }
 
-/** Collects what scans show of their sensor. */
+/** Collects what scans show of their sensor. Scans with few returns, as at the start of a sensor,
+ * show little and do not count. */
 class ExaminedScans
 {
  public:
   void add(const Scan& scan)
   {
-    const ScanPattern pattern = measureScanPattern(scan);
-    const bool better = pattern.rings.size() > sensor_.pattern.rings.size() ||
-                        (!sensor_.pattern.hasRings() && pattern.returns > sensor_.pattern.returns);
-    sensor_.pattern = better ? pattern : sensor_.pattern;
+    shown_.push_back({measureScanPattern(scan), shareAbove(scan)});
+    richest_ = std::max(richest_, shown_.back().pattern.returns);
     sensor_.has_times = sensor_.has_times || !scan.time.empty();
+    times_differ_ = times_differ_ || shown_.back().pattern.point_times;
     stamps_.push_back(scan.stamp);
   }
   [[nodiscard]] bool empty() const { return stamps_.empty(); }
+  [[nodiscard]] bool areEnough() const
+  {
+    const auto full =
+        std::count_if(shown_.begin(), shown_.end(), [this](const Shown& s) { return isFull(s); });
+    return full >= examined_scans || shown_.size() >= most_examined;
+  }
   [[nodiscard]] RecordedSensor sensor() const
   {
     std::vector<double> periods;
@@ -134,24 +154,103 @@ class ExaminedScans
       periods.push_back(stamps_[i] - stamps_[i - 1]);
     }
     RecordedSensor sensor = sensor_;
-    sensor.period = median(periods);
+    const Shown best = clearest();
+    sensor.pattern = best.pattern;
+    sensor.share_above = best.share_above;
+    sensor.scans = shown_.size();
+    sensor.equal_times = sensor.has_times && !times_differ_;
+    sensor.period = periods.empty() ? 0 : upperMedian(periods);
     return sensor;
   }
 
  private:
+  struct Shown
+  {
+    ScanPattern pattern;
+    double share_above = 0;
+  };
+
+  [[nodiscard]] bool isFull(const Shown& s) const
+  {
+    return s.pattern.returns > 0 &&
+           static_cast<double>(s.pattern.returns) >= full_share * static_cast<double>(richest_);
+  }
+  /** Whether another full scan shows about as many rings, unless there is none. */
+  [[nodiscard]] bool isConfirmed(const Shown& s) const
+  {
+    std::size_t others = 0;
+    const double least = same_rings * static_cast<double>(s.pattern.rings.size());
+    for (const Shown& other : shown_)
+    {
+      if (&other != &s && isFull(other))
+      {
+        ++others;
+        if (static_cast<double>(other.pattern.rings.size()) >= least)
+        {
+          return true;
+        }
+      }
+    }
+    return others == 0;
+  }
+  /** Of the full scans the one with most rings, else with most returns. */
+  [[nodiscard]] Shown clearest() const
+  {
+    Shown best;
+    for (const Shown& s : shown_)
+    {
+      const bool better = s.pattern.rings.size() > best.pattern.rings.size() ||
+                          (!best.pattern.hasRings() && s.pattern.returns > best.pattern.returns);
+      if (better && isFull(s) && isConfirmed(s))
+      {
+        best = s;
+      }
+    }
+    return best;
+  }
+
+  std::vector<Shown> shown_;
+  std::size_t richest_ = 0;  //!< returns
   RecordedSensor sensor_;
+  bool times_differ_ = false;  //!< those of the points of a scan
   std::vector<double> stamps_;
 };
+
+bool hasNoReturns(const RecordedSensor& sensor)
+{
+  return sensor.scans > 0 && sensor.pattern.returns == 0;
+}
+
+/** What is doubtful about the recording, one sentence each. */
+std::vector<std::string> doubtsAbout(const RecordedSensor& sensor)
+{
+  const ScanPattern& pattern = sensor.pattern;
+  if (hasNoReturns(sensor))
+  {
+    return {"no point of the first " + counted(sensor.scans, "scan") +
+            " is a return: the sensor is not recognised, and the settings may not fit it; check "
+            "the recording, or choose settings with -c"};
+  }
+  if ((pattern.hasRings() || isDenseRevolution(pattern)) && sensor.share_above > max_share_above)
+  {
+    return {"most points (" + fixed(100 * sensor.share_above, 0) +
+            " %) lie above the lidar: is its z axis down? (--sensor-pose of the converters)"};
+  }
+  return {};
+}
 }  // namespace
 
 void SensorOptions::describe(OptionsVisitor& v)
 {
-  v.flag("automatic", automatic, "selected automatically for recordings of such sensors");
+  v.flag("automatic", automatic,
+         "select this ini automatically for recordings of the sensors it is for");
   v.choice("rings", rings,
            {{"any", RingsWanted::any}, {"yes", RingsWanted::yes}, {"no", RingsWanted::no}},
-           "whether each laser's points lie on a ring of one elevation");
-  v.degrees("min_ring_spacing_deg", min_ring_spacing, 0, 90, "between neighbouring rings");
-  v.degrees("max_ring_spacing_deg", max_ring_spacing, 0, 90, "between neighbouring rings");
+           "whether the sensors have rings: each laser's points at one elevation");
+  v.degrees("min_ring_spacing_deg", min_ring_spacing, 0, 90,
+            "least median spacing of neighbouring rings of the sensors [deg]");
+  v.degrees("max_ring_spacing_deg", max_ring_spacing, 0, 90,
+            "largest median spacing of neighbouring rings of the sensors [deg]");
 }
 
 std::string RecordedSensor::summary() const
@@ -168,11 +267,18 @@ std::string RecordedSensor::summary() const
 
 std::string RecordedSensor::missingTimes(const std::string& deskew) const
 {
+  const std::string spins = "turns clockwise and begins each scan straight behind";
+  if (equal_times && (deskew == "auto" || deskew == "time"))
+  {
+    return "all points of a scan have the same time: the scans count as deskewed; if they are "
+           "not: a recording with the times of the points" +
+           (turnsFully(pattern) ? ", or, for a lidar that " + spins + ", preprocess.deskew=azimuth"
+                                : std::string());
+  }
   if (has_times)
   {
     return {};
   }
-  const std::string spins = "turns clockwise and begins each scan straight behind";
   if (deskew == "auto" || deskew == "azimuth")
   {
     return "the points have no times: scans are deskewed by azimuth, which is right for a lidar "
@@ -202,13 +308,18 @@ RecordedSensor recogniseSensor(const std::string& rawlog, const RawlogSourceOpti
 {
   RawlogSourceOptions options = input;
   options.only_first_n =
-      input.only_first_n > 0 ? std::min(input.only_first_n, examined_scans) : examined_scans;
+      input.only_first_n > 0 ? std::min(input.only_first_n, most_examined) : most_examined;
   RawlogSource source(rawlog, options);
   ExaminedScans scans;
   try
   {
-    while (const auto frame = source.next())
+    while (!scans.areEnough())
     {
+      const auto frame = source.next();
+      if (!frame)
+      {
+        break;
+      }
       scans.add(frame->scan);
     }
   }
@@ -230,7 +341,7 @@ RecordedSensor recogniseSensor(const std::vector<Frame>& frames)
     throw std::invalid_argument("recogniseSensor: no frames");
   }
   ExaminedScans scans;
-  for (std::size_t i = 0; i < frames.size() && i < examined_scans; ++i)
+  for (std::size_t i = 0; i < frames.size() && !scans.areEnough(); ++i)
   {
     scans.add(frames[i].scan);
   }
@@ -260,23 +371,23 @@ ChosenSettings settingsFor(const RecordedSensor& sensor,
 {
   const std::optional<ShippedSettings> shipped = shippedFor(sensor.pattern);
   ChosenSettings chosen;
+  chosen.warnings = doubtsAbout(sensor);
   if (given.section("sensor").empty())
   {
-    chosen.config = shipped ? shipped->config : Config();
-    chosen.config.merge(given);
-    chosen.source = shipped ? shipped->name : "the defaults";
-    chosen.source += name.empty() ? "" : " + " + name;
     if (!shipped)
     {
-      chosen.warnings.emplace_back(
+      throw UserError(
           "the shipped settings are not found; set DYSLAM_SHARE to the folder share/dyslam");
     }
+    chosen.config = shipped->config;
+    chosen.config.merge(given);
+    chosen.source = shipped->name + (name.empty() ? "" : " + " + name);
     return chosen;
   }
   chosen.config = given;
   chosen.source = name;
   const SensorOptions wanted = sensorOptionsOf(given);
-  if (!fits(wanted, sensor.pattern, plain_mismatch))
+  if (!hasNoReturns(sensor) && !fits(wanted, sensor.pattern, plain_mismatch))
   {
     chosen.warnings.push_back(name + " is for " + wantedBy(wanted) + "; this recording has " +
                               ringsOf(sensor.pattern) +

@@ -147,14 +147,14 @@ struct SlamRun::Impl
   {
     times.setMinLoggingLevel(mrpt::system::LVL_ERROR);  // else it prints its table at the end
     config.requireAllUsed();
-    if (!pipeline.tracksAgain())
+    if (!pipeline.tracksWithHindsight())
     {
       outputs.preferCausal();
     }
-    const KeptParts parts = outputs.decidedParts();
-    if (pipeline.tracksAgain() || parts != KeptParts::none)
+    const FrameParts parts = outputs.finalParts();
+    if (pipeline.tracksWithHindsight() || parts != FrameParts::none)
     {
-      pipeline.onDecided([this](Frame frame) { addDecided(std::move(frame)); }, parts);
+      pipeline.onFinal([this](Frame frame) { addDecided(std::move(frame)); }, parts);
     }
   }
 
@@ -191,7 +191,7 @@ struct SlamRun::Impl
 
 void SlamRun::Impl::addDecided(Frame frame)
 {
-  if (pipeline.tracksAgain())
+  if (pipeline.tracksWithHindsight())
   {
     history.addObjects(frame.index, frame.objects, TrackLife::whole);
   }
@@ -259,10 +259,8 @@ void SlamRun::Impl::fillReport(SlamRunReport& report, const RunResults& results)
   report.failure = statistics.failure(!settings.inputs.empty());
   report.odometry_failed = statistics.odometry_failures.total();
   report.keyframes = pipeline.backend().keyframes().size();
-  const auto& loops = pipeline.backend().loops();
-  report.loops = static_cast<std::size_t>(
-      std::count_if(loops.begin(), loops.end(),
-                    [](const Loop& loop) { return loop.verdict == LoopVerdict::accepted; }));
+  report.loops = pipeline.backend().factorGraph().usedLoops().size();
+  report.loops_left_out = pipeline.backend().factorGraph().leftOutLoops();
   report.tracks = movingTracks(results);
   report.map_points = results.map == nullptr ? 0 : results.map->pointCount();
   const auto lengths = results.trajectory.pathLengths();
@@ -405,7 +403,7 @@ void SlamRun::add(Frame frame)
 {
   impl_->statistics.add(frame);
   impl_->history.addScan(frame);
-  if (!impl_->pipeline.tracksAgain())
+  if (!impl_->pipeline.tracksWithHindsight())
   {
     impl_->history.addObjects(frame.index, frame.objects, TrackLife::reported);
   }

@@ -230,14 +230,17 @@ void StartOptions::describe(OptionsVisitor& v)
 {
   v.flag("search", search,
          "search for the speed at the first scan where the first scans do not determine it");
-  v.integer("scans", scans, 3, 100, "scans used");
-  v.real("slowest", slowest, min_speed, 0, "lowest speed that is tried [m/s]");
-  v.real("fastest", fastest, 0, max_speed, "highest speed that is tried [m/s]");
-  v.real("step", step, 0.5, 20, "between the speeds that are tried [m/s]");
-  v.real("sigma", sigma, 0.1, 20, "of a speed that is tried, and of the one found [m/s]");
-  v.real("max_drift", max_drift, 0.1, 100, "upper limit of the drift of a speed [m/s]");
+  v.integer("scans", scans, 3, 100, "number of first scans used in the search for the start speed");
+  v.real("slowest", slowest, min_speed, 0, "lowest start speed that is tried [m/s]");
+  v.real("fastest", fastest, 0, max_speed, "highest start speed that is tried [m/s]");
+  v.real("step", step, 0.5, 20, "step between the start speeds that are tried [m/s]");
+  v.real("sigma", sigma, 0.1, 20,
+         "sigma of a start speed that is tried, and of the one found [m/s]");
+  v.real("max_drift", max_drift, 0.1, 100,
+         "limit to which the drift of a tried speed over the first scans is clamped [m/s]");
   v.real("min_margin", min_margin, 0, 1e6,
-         "support over that of the speed that the odometry finds [m^2/s^2]");
+         "least support (integral of drift over speed) beyond that of the odometry's own speed "
+         "[m^2/s^2]");
 }
 
 std::optional<double> speedOfDrifts(const std::vector<SpeedDrift>& drifts,

@@ -2,6 +2,7 @@
 #include "TrackHindsight.h"
 
 #include <dyslam/core/BoxOverlap.h>
+#include <dyslam/core/Quantile.h>
 #include <dyslam/tracking/Detector.h>
 
 #include <algorithm>
@@ -141,10 +142,7 @@ Eigen::Vector3d sizeOf(const Track& track)
         sizes.push_back(s.box.size[k]);
       }
     }
-    const auto nth = sizes.begin() + static_cast<std::ptrdiff_t>(
-                                         size_quantile * static_cast<double>(sizes.size() - 1));
-    std::nth_element(sizes.begin(), nth, sizes.end());
-    size[k] = *nth;
+    size[k] = quantile(sizes, size_quantile);
   }
   return size;
 }
@@ -205,9 +203,7 @@ double medianSpeed(const std::vector<TrackState>& states)
   {
     speeds.push_back(state.velocity.head<2>().norm());
   }
-  const auto middle = speeds.begin() + static_cast<std::ptrdiff_t>(speeds.size() / 2);
-  std::nth_element(speeds.begin(), middle, speeds.end());
-  return *middle;
+  return upperMedian(speeds);
 }
 
 SmoothedObject smoothedObject(int id,

@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <chrono>
 #include <filesystem>
 #include <fstream>
 #include <set>
@@ -145,7 +146,7 @@ TEST_F(RunOutputsTest, DecidedFramesGoToThoseThatWantThem)
   const Config given;
   ConfigLoader config(given);
   RunOutputs outputs(settings_, config, {{makeDecided}, {makeB<true>}, report_row});
-  EXPECT_EQ(outputs.decidedParts(), KeptParts::all);
+  EXPECT_EQ(outputs.finalParts(), FrameParts::all);
   outputs.open();
   for (std::size_t i = 0; i < 4; ++i)
   {
@@ -199,6 +200,67 @@ TEST_F(RunOutputsTest, TheReportListsTheFilesWritten)
   {
     EXPECT_NE(content("report.json").find('"' + file + '"'), std::string::npos) << file;
   }
+}
+
+TEST_F(RunOutputsTest, CheckpointsThatFailAreAWarning)
+{
+  std::vector<std::string> told;
+  settings_.warn = [&told](const std::string& warning) { told.push_back(warning); };
+  const auto warningsAfter = [this](const std::vector<std::string>& failures)
+  {
+    const Config given;
+    ConfigLoader config(given);
+    RunOutputs outputs(settings_, config, {settings_row, {makeB<true>}, report_row});
+    outputs.open();
+    for (const std::string& failure : failures)
+    {
+      const auto begin = std::chrono::steady_clock::now();
+      bool written = false;
+      while (!written && std::chrono::steady_clock::now() - begin < std::chrono::seconds(60))
+      {
+        // Left out while the one before is being written.
+        outputs.checkpoint(
+            [&](StateFileWriter&)
+            {
+              written = true;
+              if (!failure.empty())
+              {
+                throw UserError(failure);
+              }
+            },
+            RunResults());
+      }
+      EXPECT_TRUE(written);
+    }
+    RunResults results;
+    outputs.finish(results);
+    return results.report.warnings;
+  };
+  const std::string failed = "checkpoints could not be written: disk full; the run can";
+  EXPECT_EQ(warningsAfter({"no space", "disk full"}),
+            std::vector<std::string>{failed + "not be resumed"});
+  EXPECT_EQ(told.size(), 1U) << "once";
+  EXPECT_NE(content("report.json").find(failed + "not be resumed"), std::string::npos);
+  EXPECT_TRUE(warningsAfter({"disk full", ""}).empty()) << "a later one succeeded";
+  EXPECT_EQ(warningsAfter({"", "disk full"}),
+            std::vector<std::string>{failed + " be resumed from an earlier one only"});
+  EXPECT_EQ(told.size(), 3U);
+}
+
+TEST_F(RunOutputsTest, AStateThatCannotBeWrittenIsAWarning)
+{
+  const Config given;
+  ConfigLoader config(given);
+  RunOutputs outputs(settings_, config, {report_row});
+  outputs.open();
+  outputs.checkpoint([this](StateFileWriter&)
+                     { fs::create_directories(folder_ / "resume.state" / "in the way"); },
+                     RunResults());
+  RunResults results;
+  outputs.finish(results);
+  ASSERT_EQ(results.report.warnings.size(), 1U);
+  EXPECT_NE(results.report.warnings[0].find("resume.state"), std::string::npos)
+      << results.report.warnings[0];
 }
 
 TEST_F(RunOutputsTest, WhatIsSwitchedOffIsRemovedAllTheSame)

@@ -146,14 +146,18 @@ TEST(SensorSettings, SummaryAndMissingTimes)
 }
 
 /** A scan of 16 rings, 2 deg apart. */
-Frame frameOfRings(double stamp)
+Frame frameOfRings(double stamp,
+                   double lowest_deg = -15,
+                   int rings = 16,
+                   double spacing_deg = 2,
+                   int columns = 360)
 {
   Frame frame;
   frame.scan.stamp = stamp;
-  for (int ring = 0; ring < 16; ++ring)
+  for (int ring = 0; ring < rings; ++ring)
   {
-    const double elevation = (2 * ring - 15) * degree;
-    for (int column = 0; column < 360; ++column)
+    const double elevation = (spacing_deg * ring + lowest_deg) * degree;
+    for (int column = 0; column < columns; ++column)
     {
       const double azimuth = column * degree;
       const Eigen::Vector3d ray(std::cos(azimuth) * std::cos(elevation),
@@ -181,8 +185,91 @@ TEST(SensorSettings, IsRecognisedFromTheFirstScans)
   EXPECT_NEAR(2 * degree, sensor.pattern.ring_spacing, 0.01 * degree);
   EXPECT_NEAR(0.1, sensor.period, 1e-9);
   EXPECT_TRUE(sensor.has_times);
+  EXPECT_EQ(5U, sensor.scans);
   EXPECT_EQ("vlp16.ini", settingsFor(sensor, Config(), "").source);
   EXPECT_THROW((void)recogniseSensor(std::vector<Frame>()), std::invalid_argument);
+}
+
+/** Empty scans of a sensor that starts, and a part of a revolution that shows more rings. */
+TEST(SensorSettings, ScansWithFewReturnsDoNotCount)
+{
+  std::vector<Frame> frames;
+  for (int i = 0; i < 12; ++i)
+  {
+    Frame empty;
+    empty.scan.stamp = 0.1 * i;
+    frames.push_back(i < 6 ? empty : frameOfRings(0.1 * i));
+  }
+  frames.insert(frames.begin() + 6, frameOfRings(0.55, -15, 112, 0.25, 20));
+  ASSERT_EQ(112U, recogniseSensor(std::vector<Frame>{frames[6]}).pattern.rings.size());
+  const RecordedSensor sensor = recogniseSensor(frames);
+  EXPECT_EQ(16U, sensor.pattern.rings.size());
+  EXPECT_EQ(12U, sensor.scans) << "until five are full";
+  EXPECT_EQ(2 * M_PI, sensor.pattern.azimuth_extent);
+  const ChosenSettings chosen = settingsFor(sensor, Config(), "");
+  EXPECT_EQ("vlp16.ini", chosen.source);
+  EXPECT_TRUE(chosen.warnings.empty());
+}
+
+TEST(SensorSettings, RingsThatOneScanAloneShowsAreNone)
+{
+  std::vector<Frame> frames;
+  for (int i = 0; i < 5; ++i)
+  {
+    frames.push_back(i == 0 ? frameOfRings(0, -15, 112, 0.25, 60) : frameOfRings(0.1 * i));
+  }
+  EXPECT_EQ(16U, recogniseSensor(frames).pattern.rings.size());
+}
+
+TEST(SensorSettings, ScansWithoutReturnsAreSaid)
+{
+  const std::vector<Frame> frames(60);
+  const RecordedSensor sensor = recogniseSensor(frames);
+  EXPECT_EQ(50U, sensor.scans);
+  const auto warnings = settingsFor(sensor, Config(), "").warnings;
+  ASSERT_EQ(1U, warnings.size());
+  EXPECT_EQ(0U, warnings[0].find("no point of the first 50 scans is a return")) << warnings[0];
+  const Config kitti = Config::fromFile(findGivenOrShared("kitti64", "config_files", ".ini"));
+  EXPECT_EQ(warnings, settingsFor(sensor, kitti, "kitti64.ini").warnings);
+}
+
+TEST(SensorSettings, ALidarThatIsUpsideDownIsAWarning)
+{
+  std::vector<Frame> frames{frameOfRings(0, -5)};
+  const auto warningsNow = [&]
+  { return settingsFor(recogniseSensor(frames), Config(), "").warnings; };
+  ASSERT_EQ(1U, warningsNow().size());
+  EXPECT_NE(warningsNow()[0].find("lie above the lidar: is its z axis down? (--sensor-pose"),
+            std::string::npos)
+      << warningsNow()[0];
+  frames[0].scan.T_vehicle_lidar = poseFromYpr(1, 0, 2, 0.3, 0, M_PI);
+  EXPECT_TRUE(warningsNow().empty()) << "its pose is known";
+  frames[0].scan.T_vehicle_lidar = Pose::Identity();
+  frames[0].scan.points = frameOfRings(0, -25).scan.points;
+  EXPECT_TRUE(warningsNow().empty());
+}
+
+TEST(SensorSettings, EqualTimesAreSaid)
+{
+  std::vector<Frame> frames{frameOfRings(0), frameOfRings(0.1)};
+  for (Frame& frame : frames)
+  {
+    frame.scan.time.assign(frame.scan.size(), 0);
+  }
+  const RecordedSensor equal = recogniseSensor(frames);
+  EXPECT_TRUE(equal.has_times && equal.equal_times);
+  for (const char* deskew : {"auto", "time"})
+  {
+    const std::string text = equal.missingTimes(deskew);
+    EXPECT_NE(text.find("the scans count as deskewed"), std::string::npos) << text;
+    EXPECT_NE(text.find("preprocess.deskew=azimuth"), std::string::npos) << text;
+  }
+  EXPECT_EQ("", equal.missingTimes("none"));
+  EXPECT_EQ("", equal.missingTimes("azimuth"));
+  frames[1].scan.time.back() = 0.1F;
+  const RecordedSensor timed = recogniseSensor(frames);
+  EXPECT_TRUE(timed.has_times && !timed.equal_times);
+  EXPECT_EQ("", timed.missingTimes("auto"));
 }
 
 TEST(SensorSettings, MissingTimesAreByTheConfig)

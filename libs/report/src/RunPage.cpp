@@ -63,7 +63,7 @@ void RunPageOptions::describe(OptionsVisitor& v)
   v.integer("max_points", max_points, 1, 100000000,
             "most map points in the 3D view of report.html; beyond, they are voxel-sampled");
   v.integer("max_scans", max_scans, 2, 100000000,
-            "most scans in the plots of report.html; beyond, only every n-th");
+            "most scans in the plots of report.html; beyond, only every n-th is drawn");
 }
 
 std::string renderRunPage(const RunPage& page,

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "RunPageJson.h"
 
+#include <dyslam/core/Quantile.h>
 #include <dyslam/core/Version.h>
 #include <dyslam/eval/TrajectoryReports.h>
 
@@ -18,7 +19,8 @@ using Json = nlohmann::ordered_json;
 constexpr double tolerance = 1e-3;  // of stamps; all trajectories have those of the scans [s]
 constexpr double millimetre = 1e-3;
 constexpr double milliradian_tenth = 1e-4;
-constexpr double percentile = 0.02;  // of the points' heights that the colours leave out
+constexpr double percentile = 0.02;   // of the points' heights that the colours leave out
+constexpr double speed_reach = 0.25;  // of a speed, before and after its scan [s]
 
 /** To a decimal step, as a number that is printed short; null where it is not finite. */
 Json rounded(double value, double step)
@@ -65,6 +67,33 @@ Json posesJson(const Trajectory& trajectory, const Pose& T = Pose::Identity())
     json["roll"].push_back(rounded(angles.z(), milliradian_tenth));
   }
   return json;
+}
+
+/** Over half a second, more where the scans before and after are farther away; of all scans, since
+ * those shown may be seconds apart [m/s]. */
+std::vector<double> speeds(const Trajectory& trajectory)
+{
+  std::vector<double> result;
+  const auto near = [&](std::size_t i, std::size_t j)
+  { return std::abs(trajectory[i].stamp - trajectory[j].stamp) <= speed_reach + tolerance; };
+  for (std::size_t i = 0; i < trajectory.size(); ++i)
+  {
+    std::size_t a = i > 0 ? i - 1 : i;
+    std::size_t b = std::min(i + 1, trajectory.size() - 1);
+    while (a > 0 && near(i, a - 1))
+    {
+      --a;
+    }
+    while (b + 1 < trajectory.size() && near(i, b + 1))
+    {
+      ++b;
+    }
+    const double seconds = trajectory[b].stamp - trajectory[a].stamp;
+    const double distance =
+        (trajectory[b].pose.translation() - trajectory[a].pose.translation()).norm();
+    result.push_back(seconds > 0 ? distance / seconds : std::nan(""));
+  }
+  return result;
 }
 
 /** Of how many entries one is shown so that at most `most` are. */
@@ -116,21 +145,34 @@ PageObject everyNth(const PageObject& object, std::size_t step)
   return result;
 }
 
-/** Scans shown in the series of the page. */
-RunPage shownPart(const RunPage& page, std::size_t max_scans)
+/** The poses of every n-th scan, moved by T, and the distance travelled up to each, which all scans
+ * count for. */
+Json pathJson(const Trajectory& trajectory, std::size_t step, const Pose& T = Pose::Identity())
 {
-  const std::size_t step = stepFor(page.scans.size(), max_scans);
-  RunPage shown;
-  shown.scans = everyNth(page.scans, step);
-  shown.trajectory = everyNth(page.trajectory, step);
-  shown.odometry = everyNth(page.odometry, step);
-  shown.reference = everyNth(page.reference, stepFor(page.reference.size(), max_scans));
-  shown.loops = everyNth(page.loops, stepFor(page.loops.size(), max_scans));
-  for (const PageObject& object : page.objects)
+  Json json = posesJson(everyNth(trajectory, step), T);
+  json["distance"] = rounded(everyNth(trajectory.pathLengths(), step), 0.01);
+  return json;
+}
+
+/** Takes the odometry to the map frame, for drawing. */
+Pose mapFromOdometry(const RunPage& page)
+{
+  return page.trajectory.empty() ? Pose::Identity()
+                                 : page.trajectory[0].pose * page.odometry[0].pose.inverse();
+}
+
+/** Longest distance between odometry and final trajectory [m]. */
+double largestCorrection(const RunPage& page)
+{
+  const Pose T_map_odom = mapFromOdometry(page);
+  double largest = 0;
+  for (std::size_t i = 0; i < page.trajectory.size(); ++i)
   {
-    shown.objects.push_back(everyNth(object, step));
+    const Eigen::Vector3d odometry = T_map_odom * page.odometry[i].pose.translation();
+    const double distance = (page.trajectory[i].pose.translation() - odometry).norm();
+    largest = distance > largest ? distance : largest;  // NaN is not
   }
-  return shown;
+  return largest;
 }
 
 Json driftJson(const PosePairs& pairs, std::size_t max_scans)
@@ -162,17 +204,21 @@ Json totalsJson(const RunPage& page)
           {"registered", count(&PageScan::registered)},
           {"keyframes", count(&PageScan::keyframe)},
           {"loops", page.loops.size()},
+          {"loops_left_out", page.loops_left_out},
+          {"correction", rounded(largestCorrection(page), millimetre)},
           {"seconds", rounded(seconds, millimetre)}};
 }
 
-Json scansJson(const RunPage& page)
+/** Every n-th scan. */
+Json scansJson(const RunPage& page, std::size_t step)
 {
   Json json;
-  for (const char* name : {"index", "time", "points", "moving", "keyframe"})
+  json["step"] = step;
+  for (const char* name : {"index", "time", "points", "moving"})
   {
     json[name] = Json::array();
   }
-  for (std::size_t i = 0; i < page.scans.size(); ++i)
+  for (std::size_t i = 0; i < page.scans.size(); i += step)
   {
     const PageScan& scan = page.scans[i];
     json["index"].push_back(scan.index);
@@ -180,7 +226,27 @@ Json scansJson(const RunPage& page)
         rounded(page.trajectory[i].stamp - page.trajectory[0].stamp, millimetre));
     json["points"].push_back(scan.points);
     json["moving"].push_back(scan.moving_points);
-    json["keyframe"].push_back(scan.keyframe ? 1 : 0);
+  }
+  json["speed"] = rounded(everyNth(speeds(page.trajectory), step), millimetre);
+  return json;
+}
+
+/** Positions of every n-th keyframe, which is one of all scans. */
+Json keyframesJson(const RunPage& page, std::size_t max_keyframes)
+{
+  std::vector<Eigen::Vector3d> positions;
+  for (std::size_t i = 0; i < page.scans.size(); ++i)
+  {
+    if (page.scans[i].keyframe)
+    {
+      positions.emplace_back(page.trajectory[i].pose.translation());
+    }
+  }
+  const std::size_t step = stepFor(positions.size(), max_keyframes);
+  Json json{{"step", step}, {"position", Json::array()}};
+  for (const Eigen::Vector3d& position : everyNth(positions, step))
+  {
+    json["position"].push_back(vectorJson(position, 0.01));
   }
   return json;
 }
@@ -242,14 +308,13 @@ void addErrors(const RunPage& page, std::size_t max_scans, Json& json)
   }
 }
 
-void addTrajectories(const RunPage& page, Json& json)
+void addTrajectories(const RunPage& page, std::size_t step, std::size_t max_scans, Json& json)
 {
-  json["final"] = posesJson(page.trajectory);
-  const Pose T_map_odom = page.trajectory.empty()
-                              ? Pose::Identity()
-                              : page.trajectory[0].pose * page.odometry[0].pose.inverse();
-  json["odometry"] = posesJson(page.odometry, T_map_odom);
-  json["reference"] = page.reference.empty() ? Json() : posesJson(page.reference);
+  json["final"] = pathJson(page.trajectory, step);
+  json["odometry"] = pathJson(page.odometry, step, mapFromOdometry(page));
+  json["reference"] = page.reference.empty()
+                          ? Json()
+                          : pathJson(page.reference, stepFor(page.reference.size(), max_scans));
 }
 
 /** Extent of the points, and the range of heights of the colours. */
@@ -271,19 +336,10 @@ Json mapJson(const RunPage& page, const PackedPoints& points)
       }
     }
   }
-  const auto quantile = [&](double share)
-  {
-    if (heights.empty())
-    {
-      return 0.0;
-    }
-    const auto nth = heights.begin() +
-                     static_cast<std::ptrdiff_t>(share * static_cast<double>(heights.size() - 1));
-    std::nth_element(heights.begin(), nth, heights.end());
-    return static_cast<double>(*nth);
-  };
-  json["z_low"] = rounded(quantile(percentile), 0.01);
-  json["z_high"] = rounded(quantile(1 - percentile), 0.01);
+  const auto height = [&](double share)
+  { return heights.empty() ? 0.0 : static_cast<double>(quantile(heights, share)); };
+  json["z_low"] = rounded(height(percentile), 0.01);
+  json["z_high"] = rounded(height(1 - percentile), 0.01);
   return json;
 }
 }  // namespace
@@ -292,7 +348,7 @@ nlohmann::ordered_json runPageJson(const RunPage& page,
                                    const PackedPoints& points,
                                    std::size_t max_scans)
 {
-  const RunPage shown = shownPart(page, max_scans);
+  const std::size_t step = stepFor(page.scans.size(), max_scans);
   Json json;
   json["version"] = DYSLAM_VERSION;
   json["title"] = page.title;
@@ -310,21 +366,22 @@ nlohmann::ordered_json runPageJson(const RunPage& page,
     json["stage_ms"][stage] = rounded(ms, 1e-4);
   }
   json["totals"] = totalsJson(page);
-  json["scans"] = scansJson(shown);
-  addTrajectories(shown, json);
+  json["scans"] = scansJson(page, step);
+  json["keyframes"] = keyframesJson(page, max_scans);
+  addTrajectories(page, step, max_scans, json);
   const auto lengths = page.trajectory.pathLengths();
   json["length"] = rounded(lengths.empty() ? 0 : lengths.back(), 0.01);
   addErrors(page, max_scans, json);
   json["loops"] = Json::array();
-  for (const PageLoop& loop : shown.loops)
+  for (const PageLoop& loop : everyNth(page.loops, stepFor(page.loops.size(), max_scans)))
   {
     json["loops"].push_back(
         {{"from", vectorJson(loop.from, millimetre)}, {"to", vectorJson(loop.to, millimetre)}});
   }
   json["objects"] = Json::array();
-  for (const PageObject& object : shown.objects)
+  for (const PageObject& object : page.objects)
   {
-    json["objects"].push_back(objectJson(object));
+    json["objects"].push_back(objectJson(everyNth(object, step)));
   }
   json["map"] = mapJson(page, points);
   return json;

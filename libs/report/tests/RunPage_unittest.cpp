@@ -62,6 +62,7 @@ TEST(RunPage, LongRunsAreThinnedButCountedInFull)
     page.odometry.push_back(0.1 * i, poseFromYpr(i, 0, 0, 0, 0, 0));
     page.loops.push_back({});
   }
+  page.loops_left_out = 20;
   page.objects.push_back({3, ObjectClass::car, {}});
   page.objects.push_back({4, ObjectClass::car, {}});
   for (std::size_t i = 100; i < 200; ++i)
@@ -76,6 +77,7 @@ TEST(RunPage, LongRunsAreThinnedButCountedInFull)
   EXPECT_EQ(json["totals"]["registered"], count - 1);
   EXPECT_EQ(json["totals"]["keyframes"], count / 2 + 1);
   EXPECT_EQ(json["totals"]["loops"], count);
+  EXPECT_EQ(json["totals"]["loops_left_out"], 20);
   EXPECT_NEAR(json["totals"]["seconds"].get<double>(), 100, 1e-9);
   EXPECT_NEAR(json["length"].get<double>(), count - 1, 1e-9);
   ASSERT_EQ(json["scans"]["index"].size(), 91U);  // every 11th
@@ -87,6 +89,55 @@ TEST(RunPage, LongRunsAreThinnedButCountedInFull)
   EXPECT_EQ(json["objects"][0]["scan"][0], 10);  // scan 110
   EXPECT_EQ(json["objects"][0]["scan"].size(), 9U);
   EXPECT_EQ(json["objects"][1]["scan"][0], 5);  // its only scan lies between two shown ones
+}
+
+/** Fifteen scans a second in a zigzag, at 12 m/s, of which every eighth is shown. */
+TEST(RunPage, PathSpeedsAndKeyframesAreThoseOfAllScans)
+{
+  RunPage page;
+  constexpr int count = 800;
+  for (int i = 0; i < count; ++i)
+  {
+    page.scans.push_back({static_cast<std::size_t>(i), 1000, 0, true, i % 16 == 1});
+    const double y = i % 4 < 2 ? 0.3 : 0;
+    page.trajectory.push_back(i / 15.0, poseFromYpr(0.8 * i, y, 0, 0, 0, 0));
+    page.odometry.push_back(i / 15.0, poseFromYpr(0.8 * i, i == 3 ? 7 : y, 0, 0, 0, 0));
+  }
+  RunPageOptions options;
+  options.max_scans = 100;
+  const auto json = dataOf(renderRunPage(page, page_template, options));
+  EXPECT_EQ(json["scans"]["step"], 8);
+  ASSERT_EQ(json["keyframes"]["position"].size(), count / 16U) << "none is a scan that is shown";
+  EXPECT_EQ(json["keyframes"]["step"], 1);
+  EXPECT_EQ(json["keyframes"]["position"][2], nlohmann::json({26.4, 0.3, 0.0}));
+  EXPECT_EQ(json["scans"]["speed"].size(), 100U);
+  EXPECT_NEAR(json["scans"]["speed"][0].get<double>(), 12, 0.4);
+  EXPECT_NEAR(json["scans"]["speed"][50].get<double>(), 12, 0.4);
+  const double per_scan = (0.8 + std::hypot(0.8, 0.3)) / 2;
+  EXPECT_NEAR(json["final"]["distance"][99].get<double>(), 792 * per_scan, 0.2);
+  EXPECT_NEAR(json["totals"]["correction"].get<double>(), 7, 1e-3);
+  options.max_scans = 40;
+  const auto fewer = dataOf(renderRunPage(page, page_template, options));
+  EXPECT_EQ(fewer["keyframes"]["step"], 2);
+  EXPECT_EQ(fewer["keyframes"]["position"].size(), 25U);
+}
+
+TEST(RunPage, SpeedIsThatOverHalfASecondNotOverAGroupOfScans)
+{
+  RunPage page;
+  for (int i = 0; i < 1000; ++i)
+  {
+    const double x = i < 500 ? 0 : i - 500;  // stands, then drives 10 m/s
+    page.scans.push_back({static_cast<std::size_t>(i), 1000, 0, true, false});
+    page.trajectory.push_back(0.1 * i, poseFromYpr(x, 0, 0, 0, 0, 0));
+  }
+  page.odometry = page.trajectory;
+  RunPageOptions options;
+  options.max_scans = 10;
+  const auto speed = dataOf(renderRunPage(page, page_template, options))["scans"]["speed"];
+  ASSERT_EQ(speed.size(), 10U);
+  EXPECT_EQ(speed[4], 0.0);
+  EXPECT_NEAR(speed[6].get<double>(), 10, 1e-3);
 }
 
 TEST(RunPage, WithoutTruthHasTheDriftOfTheOdometryAgainstTheFinalTrajectory)

@@ -23,13 +23,13 @@ void addWalker(const BodyModel& model,
   parts.push_back({model.shapes[0], body * place(0, 0, vertical_offset, 0.06 * s.swing)});
   for (const double side : {-1.0, 1.0})
   {
-    const double a = s.phase + (side > 0 ? 3.141592653589793 : 0.0);
+    const double a = s.phase + (side > 0 ? M_PI : 0.0);
     parts.push_back({model.shapes[1], body * place(0, side * 0.145, 0.80 + vertical_offset,
                                                    -0.55 * s.swing * std::sin(a))});
   }
   for (const double side : {-1.0, 1.0})
   {
-    const double a = s.phase + (side > 0 ? 0.0 : 3.141592653589793);
+    const double a = s.phase + (side > 0 ? 0.0 : M_PI);
     const double hip = 0.48 * s.swing * std::sin(a);
     const double knee = s.swing * (0.12 + 0.75 * std::max(0.0, std::cos(a)) * 0.9);
     const Eigen::Affine3d thigh = body * place(0, side * 0.055, 0.52 + vertical_offset, -hip);
@@ -48,7 +48,7 @@ void addCyclist(const BodyModel& model,
   constexpr double kScale = 1.75, kThigh = 0.25 * kScale, kShank = 0.24 * kScale;
   for (const double side : {-1.0, 1.0})
   {
-    const double a = s.phase + (side > 0 ? 0.0 : 3.141592653589793);
+    const double a = s.phase + (side > 0 ? 0.0 : M_PI);
     const Eigen::Vector2d hip(-0.19, 0.93);
     const Eigen::Vector2d pedal(-0.05 + 0.17 * std::cos(a), 0.36 - 0.17 * std::sin(a));
     const Eigen::Vector2d d = pedal - hip;
@@ -61,8 +61,8 @@ void addCyclist(const BodyModel& model,
     const double line = std::atan2(-d.x(), -d.y());
     const Eigen::Affine3d thigh = body * place(hip.x(), side * 0.1, hip.y(), line - hip_angle);
     parts.push_back({model.shapes[1], thigh * Eigen::Scaling(kScale)});
-    parts.push_back({model.shapes[2], thigh * place(0, 0, -kThigh, 3.141592653589793 - inner) *
-                                          Eigen::Scaling(kScale)});
+    parts.push_back(
+        {model.shapes[2], thigh * place(0, 0, -kThigh, M_PI - inner) * Eigen::Scaling(kScale)});
   }
 }
 }  // namespace

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "EgoMotion.h"
 
+#include <dyslam/core/Angle.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -56,7 +58,7 @@ Pose EgoMotion::update(const EgoState& ego, const Ground& ground, double time, d
                bank = std::atan2(port - starboard + lean, track);
 
   const double acceleration = first_ ? 0 : (ego.speed - speed_) / dt;
-  const double turn = first_ ? 0 : std::remainder(ego.yaw - yaw_, 6.283185307179586) / dt;
+  const double turn = first_ ? 0 : wrapAngle(ego.yaw - yaw_) / dt;
   speed_ = ego.speed;
   yaw_ = ego.yaw;
   // Braking pitches the nose down (pitch > 0); a left turn rolls the body to the right (roll > 0).

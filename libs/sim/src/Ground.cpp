@@ -13,8 +13,8 @@ Terrain::Terrain(std::uint64_t seed, double slope, double bumps)
   Rng rng(combine(seed, 0x7E22A1));
   const auto wave = [&](double length, double amplitude)
   {
-    const double angle = rng.uniform(0, 6.283185307179586);
-    const double k = 6.283185307179586 / (length * rng.uniform(0.8, 1.25));
+    const double angle = rng.uniform(0, 2 * M_PI);
+    const double k = 2 * M_PI / (length * rng.uniform(0.8, 1.25));
     waves_.push_back({k * std::cos(angle), k * std::sin(angle), rng.uniform(0, 6.28), amplitude});
   };
   for (const double length : {420.0, 260.0, 170.0})

@@ -14,7 +14,7 @@ namespace
 {
 using P = Eigen::Vector2d;
 using V = Eigen::Vector3f;
-constexpr double kTau = 6.283185307179586;
+constexpr double kTau = 2 * M_PI;
 
 Path closedCurve(Rng& rng, double length)
 {

@@ -8,7 +8,7 @@ namespace dyslam::sim
 {
 double wrapToPi(double angle)
 {
-  constexpr double kTau = 6.283185307179586;
+  constexpr double kTau = 2 * M_PI;
   angle = std::fmod(angle, kTau);
   if (angle > kTau / 2)
   {
@@ -116,7 +116,7 @@ std::vector<Eigen::Vector2d> roundedCorners(const std::vector<Eigen::Vector2d>& 
     }
     const Eigen::Vector2d ua = (here - before) / la, ub = (after - here) / lb;
     const auto arc = bezier(here - cut * ua, std::atan2(ua.y(), ua.x()), here + cut * ub,
-                            std::atan2(ub.y(), ub.x()), 8);
+                            std::atan2(ub.y(), ub.x()), kTurnPoints);
     out.insert(out.end(), arc.begin(), arc.end());
   }
   // Resampled: the heading interpolation requires segments of similar length.

@@ -36,6 +36,10 @@ class Path
 [[nodiscard]] std::vector<Eigen::Vector2d> roundedCorners(
     const std::vector<Eigen::Vector2d>& points, double radius, double step, bool closed);
 
+/** Segments of a turn: a vehicle's wheels follow them, and with few its turn rate would alternate.
+ */
+constexpr int kTurnPoints = 64;
+
 /** Cubic Bezier curve from one pose to another, `count` + 1 points. */
 [[nodiscard]] std::vector<Eigen::Vector2d> bezier(const Eigen::Vector2d& from,
                                                   double from_heading,

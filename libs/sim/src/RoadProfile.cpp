@@ -9,7 +9,7 @@ namespace dyslam::sim
 {
 namespace
 {
-constexpr double kTwoPi = 6.283185307179586;
+constexpr double kTwoPi = 2 * M_PI;
 constexpr int kWaves = 30;
 constexpr double kLongest = 60, kShortest = 1.2;  // wavelengths [m]
 constexpr double kReference = 0.1;                // [waves/m]

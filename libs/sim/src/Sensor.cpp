@@ -11,7 +11,7 @@ namespace dyslam::sim
 {
 namespace
 {
-constexpr double kPi = 3.14159265358979323846;
+constexpr double kPi = M_PI;
 constexpr double kDegree = kPi / 180;
 
 struct Name

@@ -18,7 +18,7 @@ constexpr std::initializer_list<std::pair<const char*, WorldKind>> kWorlds{
 
 void SimulatorOptions::describe(OptionsVisitor& visitor)
 {
-  visitor.choice("world", world, kWorlds, "kind of world");
+  visitor.choice("world", world, kWorlds, "kind of the simulated world");
   visitor.choice("sensor", sensor,
                  {{"HDL64E", SensorKind::hdl64e},
                   {"HDL32E", SensorKind::hdl32e},
@@ -29,11 +29,12 @@ void SimulatorOptions::describe(OptionsVisitor& visitor)
                   {"PANDAR64", SensorKind::pandar64},
                   {"XT32", SensorKind::xt32},
                   {"AVIA", SensorKind::avia}},
-                 "LiDAR");
-  visitor.real("traffic", traffic, 0, 1, "density, from 0 (nothing moves) to 1 (jam)");
+                 "simulated LiDAR");
+  visitor.real("traffic", traffic, 0, 1, "traffic density, from 0 (nothing moves) to 1 (jam)");
   visitor.integer("seed", seed, 0, 2147483647, "seed of world, traffic and noise");
-  visitor.integer("traffic_seed", traffic_seed, -1, 2147483647,
-                  "seed of traffic and noise in the world of seed; -1: seed");
+  visitor.integer(
+      "traffic_seed", traffic_seed, -1, 2147483647,
+      "seed of traffic, ego-motion and noise, if other than that of the world; -1: seed");
   visitor.choice("ego", ego,
                  {{"automatic", EgoKind::automatic},
                   {"car", EgoKind::car},
@@ -41,18 +42,21 @@ void SimulatorOptions::describe(OptionsVisitor& visitor)
                   {"handheld", EgoKind::handheld}},
                  "carrier of the sensor; automatic: a robot on campus, else a car");
   visitor.real("ego_speed", ego_speed, 0, 40,
-               "cruising speed [m/s]; 0 for the default of the world");
+               "cruising speed of the ego; 0: the default of the world [m/s]");
   visitor.real("loop_length", loop_length, 50, 10000, "approximate length of the ego's loop [m]");
   visitor.real("start_time", start_time, 0, 600, "time simulated before the first scan [s]");
-  visitor.real("start_fraction", start_fraction, 0, 1, "start of the ego on its loop");
+  visitor.real("start_fraction", start_fraction, 0, 1,
+               "start of the ego on its loop, as a fraction of the loop");
   visitor.flag("reverse", reverse,
                "the ego drives its loop in the opposite direction; not on a highway");
   visitor.flag("stops", stops, "the ego stops at random times");
   visitor.flag("motion_distortion", motion_distortion,
-               "points are measured while the sensor moves");
-  visitor.flag("noise", noise, "range noise, losses, mixed pixels");
-  visitor.integer("columns", columns, 0, 8192, "firings per revolution; 0 for the sensor's");
-  visitor.real("max_range", max_range, 0, 300, "[m]; 0 for the sensor's");
+               "points are measured while the sensor moves; false: all at the stamp");
+  visitor.flag("noise", noise,
+               "simulate range noise, lost returns and mixed pixels; false: exact ranges");
+  visitor.integer("columns", columns, 0, 8192, "firings per revolution; 0: those of the sensor");
+  visitor.real("max_range", max_range, 0, 300,
+               "largest range of a return; 0: that of the sensor [m]");
   visitor.real("moving_speed", moving_speed, 0, 10,
                "speed above which bodies are labelled moving [m/s]");
 }

@@ -113,7 +113,8 @@ std::map<std::pair<int, int>, int> addTurns(const std::map<LaneKey, int>& ids,
       Lane lane;
       const auto start = net.lanes[static_cast<std::size_t>(from_id)].path.at(1e9);
       const auto end = net.lanes[static_cast<std::size_t>(to->second)].path.at(0);
-      lane.path = Path(bezier(start.position, start.heading, end.position, end.heading, 14));
+      lane.path =
+          Path(bezier(start.position, start.heading, end.position, end.heading, kTurnPoints));
       lane.junction = i * nv + j;
       lane.speed_limit = turn == 0 ? 11 : turn == 3 ? 5.0 : 6.0;
       lane.next = {to->second};

@@ -48,7 +48,7 @@ BeamTable tabulate(const SensorModel& sensor)
     const std::uint64_t h = combine(0x5E4504, i);
     const double elevation =
         b.elevation + sensor.beam_angle_error * static_cast<double>(normal(combine(h, 1)));
-    const double offset = b.azimuth_offset - 6.283185307179586 * b.fire_time / sensor.period;
+    const double offset = b.azimuth_offset - 2 * M_PI * b.fire_time / sensor.period;
     t.cos_elevation.push_back(static_cast<float>(std::cos(elevation)));
     t.sin_elevation.push_back(static_cast<float>(std::sin(elevation)));
     t.cos_offset.push_back(static_cast<float>(std::cos(offset)));

@@ -3,13 +3,14 @@
 #include <dyslam/sim/Simulator.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <set>
 
 namespace
 {
 using namespace dyslam;
 using namespace dyslam::sim;
-constexpr double kDegree = 3.14159265358979323846 / 180;
+constexpr double kDegree = M_PI / 180;
 
 TEST(Sensor, BeamTablesMatchTheDataSheets)
 {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/Error.h>
+#include <dyslam/core/Quantile.h>
 #include <dyslam/sim/Simulator.h>
 #include <gtest/gtest.h>
 
@@ -253,10 +254,7 @@ double medianDistance(const std::vector<Eigen::Vector3f>& a, const std::vector<E
     }
     distances.push_back(best);
   }
-  std::nth_element(distances.begin(),
-                   distances.begin() + static_cast<std::ptrdiff_t>(distances.size() / 2),
-                   distances.end());
-  return distances.empty() ? 1e9 : static_cast<double>(distances[distances.size() / 2]);
+  return distances.empty() ? 1e9 : static_cast<double>(upperMedian(distances));
 }
 
 TEST(Simulator, FlowMovesPointsOntoTheNextScansSurface)

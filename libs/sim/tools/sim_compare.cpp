@@ -4,6 +4,7 @@
 // Writes PREFIX_range.png (real above simulated) and PREFIX_bev.png (real left) and prints one
 // table of statistics for Markdown.
 #include <dyslam/core/Error.h>
+#include <dyslam/core/Quantile.h>
 #include <dyslam/formats/ScanFiles.h>
 #include <dyslam/sim/Simulator.h>
 
@@ -187,12 +188,7 @@ double planeSpread(const std::vector<Eigen::Vector3d>& points, Eigen::Vector3d& 
 
 double median(std::vector<double>& v)
 {
-  if (v.empty())
-  {
-    return 0;
-  }
-  std::nth_element(v.begin(), v.begin() + static_cast<std::ptrdiff_t>(v.size() / 2), v.end());
-  return v[v.size() / 2];
+  return v.empty() ? 0 : dyslam::upperMedian(v);
 }
 
 void Statistics::add(const Scan& scan, const RowFinder& finder, int columns)

@@ -318,6 +318,10 @@ MotionPrediction AdaptivePredictor::predict(double stamp) const
     prediction.covariance += horizon * horizon * prediction.velocity_covariance;
     return prediction;
   }
+  if (history_.size() < 3)
+  {
+    prediction.covariance *= 1 + noise_gain_[0];  // no past errors yet: that of the fit by noise
+  }
   // Past errors are of one step ahead; the covariance grows with longer predictions.
   const double unmodelled_time = history_.size() < 3 ? horizon : horizon - trained_horizon;
   const double manoeuvre = 0.5 * options_.acceleration_sigma * unmodelled_time * unmodelled_time;

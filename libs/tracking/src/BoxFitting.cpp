@@ -145,6 +145,9 @@ Eigen::Vector3d leastSize(ObjectClass object_class)
     case ObjectClass::car:
     case ObjectClass::van:
       return {4, 1.7, 1.4};
+    case ObjectClass::truck:
+    case ObjectClass::bus:
+      return {0, 2, 0};
     case ObjectClass::cyclist:
     case ObjectClass::motorcyclist:
       return {1.6, 0.6, 1.6};

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/DisjointSets.h>
 #include <dyslam/core/Error.h>
+#include <dyslam/core/Quantile.h>
 #include <dyslam/tracking/Detector.h>
 
 #include <algorithm>
@@ -92,9 +93,8 @@ class GroundAround
     {
       return height;
     }
-    const auto middle = around.begin() + static_cast<std::ptrdiff_t>(count / 2);
-    std::nth_element(around.begin(), middle, around.begin() + static_cast<std::ptrdiff_t>(count));
-    return std::min(height, *middle + step);
+    const auto end = around.begin() + static_cast<std::ptrdiff_t>(count);
+    return std::min(height, upperMedian(around.begin(), end) + step);
   }
 
  private:
@@ -152,6 +152,14 @@ double typicalLength(ObjectClass object_class)
     default:
       return 0.6;
   }
+}
+
+/** Largest length of a cluster of a width: vehicles may be long, but are narrow [m]. */
+double longest(double width, const DetectorOptions& options)
+{
+  constexpr double vehicle_width = 4;
+  return width < vehicle_width ? std::max(options.max_length, options.max_narrow_length)
+                               : options.max_length;
 }
 
 /** The given points in voxels of 0.1 m in the plane, in order of their first points. */
@@ -245,17 +253,23 @@ void DetectorOptions::describe(OptionsVisitor& v)
          "height above ground below which points are not clustered [m]");
   v.real("ground_cell", ground_cell, 0.1, 100, "cell size of the local ground height map [m]");
   v.real("distance", distance, 0.01, 10, "largest gap within a cluster at range 0 [m]");
-  v.real("distance_per_range", distance_per_range, 0, 1, "its increase per metre of range");
-  v.real("max_distance", max_distance, 0.01, 10, "its upper limit [m]");
+  v.real("distance_per_range", distance_per_range, 0, 1,
+         "increase with range of the largest gap within a cluster [m/m]");
+  v.real("max_distance", max_distance, 0.01, 10,
+         "upper limit of the largest gap within a cluster [m]");
   v.integer("min_points", min_points, 1, 100000, "least number of points of a cluster");
   v.real("min_height", min_height, 0, 10, "least height of a cluster [m]");
-  v.real("max_length", max_length, 0.1, 1000, "largest length of a cluster [m]");
-  v.real("max_range", max_range, 1, 1000, "largest horizontal range of points [m]");
-  v.degrees("yaw_step_deg", yaw_step, 0.1, 45, "step of the L-shape heading search");
+  v.real("max_length", max_length, 0.1, 1000, "largest length of a cluster wider than 4 m [m]");
+  v.real("max_narrow_length", max_narrow_length, 0.1, 1000,
+         "largest length of a cluster narrower than 4 m, if above max_length [m]");
+  v.real("max_range", max_range, 1, 1000,
+         "largest horizontal range of points that are clustered [m]");
+  v.degrees("yaw_step_deg", yaw_step, 0.1, 45,
+            "step of the heading search of the L-shape fit [deg]");
   v.real("position_sigma", position_sigma, 0.001, 10,
-         "standard deviation of the position of a box of many points [m]");
+         "sigma of the position of a box of many points [m]");
   v.degrees("yaw_sigma_deg", yaw_sigma, 0.1, 180,
-            "standard deviation of the yaw of a box of many points");
+            "sigma of the heading of a box of many points [deg]");
 }
 
 Detector::Detector(const DetectorOptions& options) : options_(options)
@@ -329,7 +343,7 @@ std::vector<Detection> Detector::detect(const Points& points,
       probability_sum += probability.empty() ? 1.0 : static_cast<double>(probability[i]);
     }
     const Box box = fitLShape(cluster_points, options_.yaw_step);
-    if (box.size.z() < options_.min_height || box.size.x() > options_.max_length)
+    if (box.size.z() < options_.min_height || box.size.x() > longest(box.size.y(), options_))
     {
       continue;
     }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Track.h"
 
-#include <dyslam/core/BoxOverlap.h>
+#include <dyslam/core/Angle.h>
 #include <dyslam/core/StateArchive.h>
 #include <dyslam/tracking/Detector.h>
 
@@ -53,32 +53,21 @@ double nearestAxis(double a, double b)
 }
 }  // namespace
 
-const ClassTracking& optionsFor(const TrackerOptions& options, ObjectClass object_class)
-{
-  switch (object_class)
-  {
-    case ObjectClass::pedestrian:
-      return options.pedestrian;
-    case ObjectClass::cyclist:
-    case ObjectClass::motorcyclist:
-      return options.cyclist;
-    default:
-      return options.vehicle;
-  }
-}
-
 Track::Motion Track::makeMotion(const TrackerOptions& options, ObjectClass object_class)
 {
+  const ClassTracking& class_options = optionsFor(options, object_class);
   if (options.motion == TrackMotion::adaptive)
   {
-    return AdaptivePredictor();
+    AdaptiveOptions adaptive;
+    adaptive.initial_speed_sigma = class_options.speed_sigma;
+    return AdaptivePredictor(adaptive);
   }
   if (options.motion == TrackMotion::kalman)
   {
-    const ClassTracking& class_options = optionsFor(options, object_class);
     return KalmanMotion({class_options.speed_sigma, class_options.velocity_walk});
   }
   PolynomialOptions polynomial;
+  polynomial.initial_speed_sigma = class_options.speed_sigma;
   polynomial.degree = options.degree;
   polynomial.window = options.window;
   polynomial.model = options.motion == TrackMotion::polynomial ? MotionModel::polynomial
@@ -94,7 +83,7 @@ Track::Track(int id, double stamp, const Observation& observation, const Tracker
       box_(observation.box)
 {
   position_covariance_ = observation.covariance.topLeftCorner<2, 2>();
-  velocity_covariance_ *= square(5);
+  velocity_covariance_ *= square(optionsFor(options, observation.object_class).speed_sigma);
   z_variance_ = observation.covariance(2, 2);
   yaw_variance_ = observation.covariance(3, 3);
   addToHistory(observation);
@@ -105,8 +94,7 @@ Track::Track(int id, double stamp, const Observation& observation, const Tracker
 void Track::confirm(const Observation& observation)
 {
   // Clusters that do not move are mostly occlusion boundaries.
-  const bool mature =
-      hits_ >= classOptions().confirm_hits || score_sum_ >= classOptions().confirm_score;
+  const bool mature = hits_ >= classOptions().confirm_hits;
   const bool moved = has_moved_ || !observation.from_points || !options_->must_move;
   confirmed_ = confirmed_ || (mature && moved && !(observation.from_points && isStrip(box_.size)));
 }
@@ -139,7 +127,6 @@ void Track::addToHistory(const Observation& observation)
     object_class_ = refineClass(by_size == ObjectClass::unknown ? object_class_ : by_size,
                                 box_.size, dynamic_ ? velocity_.norm() : 0.0);
   }
-  score_sum_ += observation.score;
   recent_scores_ = classOptions().score_memory * recent_scores_ + observation.score;
   score_weight_ = classOptions().score_memory * score_weight_ + 1;
   detection_ = observation.index;
@@ -360,6 +347,33 @@ void Track::miss()
   detection_ = -1;
 }
 
+bool Track::isAliased(const std::vector<Observation>& observations) const
+{
+  constexpr std::size_t places = 2;     // one who follows the object may come to earlier ones
+  constexpr double clear_distance = 2;  // of the object from a place that it left [m]
+  constexpr double same_place = 1;      // [m]
+  if (confirmed_ || hits_ == 1)
+  {
+    return false;
+  }
+  const auto is_taken = [&](const TimedPosition& place)
+  {
+    return (box_.center.head<2>() - place.position).norm() > clear_distance &&
+           std::any_of(observations.begin(), observations.end(),
+                       [&](const Observation& o)
+                       { return (o.box.center.head<2>() - place.position).norm() < same_place; });
+  };
+  const std::deque<TimedPosition>& past = history();
+  const auto count = static_cast<std::ptrdiff_t>(std::min(places, past.size()));
+  return std::any_of(past.end() - count, past.end(), is_taken);
+}
+
+double Track::gateDistance() const
+{
+  const double reach = isNew() ? classOptions().max_speed * (stamp_ - history().back().stamp) : 0;
+  return std::max(classOptions().gate_distance, reach);
+}
+
 bool Track::movesByPrediction() const
 {
   constexpr int most_misses = 2;  // further ones leave the position too uncertain
@@ -405,8 +419,8 @@ void Track::exchangeState(StateArchive& archive)
   std::visit([&](auto& motion) { archive(motion); }, motion_);
   archive(id_, stamp_, box_, velocity_, velocity_covariance_, position_covariance_,
           vertical_velocity_, z_variance_, yaw_variance_, reversed_observations_, class_votes_,
-          object_class_, score_sum_, recent_scores_, score_weight_, hits_, misses_, total_misses_,
-          age_, predicted_hits_, confirmed_, dynamic_, has_moved_, change_count_, detection_,
-          observed_, observed_covariance_);
+          object_class_, recent_scores_, score_weight_, hits_, misses_, total_misses_, age_,
+          predicted_hits_, confirmed_, dynamic_, has_moved_, change_count_, detection_, observed_,
+          observed_covariance_);
 }
 }  // namespace dyslam

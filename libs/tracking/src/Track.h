@@ -8,6 +8,9 @@
 
 #include <array>
 #include <variant>
+#include <vector>
+
+#include "ClassOptions.h"
 
 namespace dyslam
 {
@@ -26,10 +29,6 @@ struct Observation
   bool from_points = false;  //!< a cluster: size and heading of the visible part only
   bool predicted = false;    //!< of points that move by prediction alone
 };
-
-/** Lifecycle and association options of a class. */
-[[nodiscard]] const ClassTracking& optionsFor(const TrackerOptions& options,
-                                              ObjectClass object_class);
 
 /** One object's history and state, odometry frame. */
 class Track
@@ -52,6 +51,13 @@ class Track
    * behind their visible sides to the track's size. */
   [[nodiscard]] Box alignedBox(const Observation& observation) const;
 
+  /** Whether it has one observation and is not confirmed: its velocity is not known. */
+  [[nodiscard]] bool isNew() const { return hits_ == 1 && !confirmed_; }
+  /** Whether it is not confirmed and a place that it just left is taken again: objects that stand
+   * in a row and are seen in turn look like one that moves. */
+  [[nodiscard]] bool isAliased(const std::vector<Observation>& observations) const;
+  /** Largest distance of an associated observation from the predicted position [m]. */
+  [[nodiscard]] double gateDistance() const;
   /** Whether the points in the box predicted for the next scan move, without being segmented. */
   [[nodiscard]] bool movesByPrediction() const;
   [[nodiscard]] const Box& box() const { return box_; }
@@ -94,7 +100,6 @@ class Track
   int reversed_observations_ = 0;  //!< excess of observations with the opposite heading
   std::array<double, 8> class_votes_{};
   ObjectClass object_class_ = ObjectClass::unknown;
-  double score_sum_ = 0;
   double recent_scores_ = 0;  //!< discounted sum
   double score_weight_ = 0;   //!< discounted count
   int hits_ = 1;

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/Quantile.h>
 #include <dyslam/tracking/TrackSmoother.h>
 
 #include <Eigen/QR>
@@ -19,13 +20,14 @@ struct Position
 {
   double time;
   Eigen::RowVector3d center;
-  double robust = 1;  // weight
+  Eigen::RowVector3d velocity;  // the tracker's
+  double robust = 1;            // weight
 };
 
 struct Fit
 {
   Eigen::RowVector3d center;
-  Eigen::RowVector3d velocity = Eigen::RowVector3d::Zero();
+  Eigen::RowVector3d velocity;
 };
 
 double tricube(double u)
@@ -47,16 +49,18 @@ std::vector<Position> observationsOf(const std::vector<TrackState>& track)
   {
     if (state.observed)
     {
-      observations.push_back({state.time, state.center.transpose()});
+      observations.push_back({state.time, state.center.transpose(), state.velocity.transpose()});
     }
   }
   return observations;
 }
 
-/** Fits the observations within `window` of `time`.
+/** Fits the observations within `window` of `time`. \param velocity the tracker's at that time,
+ * which a fit of degree 0 does not tell: the observations are moved to `time` with it.
  * \return false if there are none. */
 bool fitAt(const std::vector<Position>& observations,
            double time,
+           const Eigen::RowVector3d& velocity,
            const TrackSmoothingOptions& options,
            Fit& fit)
 {
@@ -87,9 +91,14 @@ bool fitAt(const std::vector<Position>& observations,
       basis(i, d) = power;
     }
     centers.row(i) = weight * o.center;
+    if (degree == 0)
+    {
+      centers.row(i) += weight * (time - o.time) * velocity;
+    }
   }
   const Eigen::MatrixXd coefficients = basis.colPivHouseholderQr().solve(centers);
   fit.center = coefficients.row(0);
+  fit.velocity = velocity;
   if (degree > 0)
   {
     fit.velocity = coefficients.row(1) / options.window;
@@ -104,13 +113,11 @@ void weighOutliers(std::vector<Position>& observations, const TrackSmoothingOpti
   for (const Position& o : observations)
   {
     Fit fit;
-    fitAt(observations, o.time, options, fit);
+    fitAt(observations, o.time, o.velocity, options, fit);
     residuals.push_back((o.center - fit.center).head<2>().norm());
   }
-  std::vector<double> sorted = residuals;
-  const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
-  std::nth_element(sorted.begin(), middle, sorted.end());
-  const double limit = outlier_medians * std::max(*middle, least_scatter);
+  std::vector<double> reordered = residuals;
+  const double limit = outlier_medians * std::max(upperMedian(reordered), least_scatter);
   for (std::size_t i = 0; i < observations.size(); ++i)
   {
     observations[i].robust = bisquare(residuals[i] / limit);
@@ -120,9 +127,10 @@ void weighOutliers(std::vector<Position>& observations, const TrackSmoothingOpti
 
 void TrackSmoothingOptions::describe(OptionsVisitor& v)
 {
-  v.real("window", window, 0, 100,
-         "earlier and later observations of a track used to smooth it; 0: not smoothed [s]");
-  v.integer("degree", degree, 0, 5, "degree of the polynomials");
+  v.real(
+      "window", window, 0, 100,
+      "time before and after a state whose observations smooth it; 0: tracks are not smoothed [s]");
+  v.integer("degree", degree, 0, 5, "degree of the polynomials that smooth a track");
 }
 
 std::vector<TrackState> smoothTrack(const std::vector<TrackState>& track,
@@ -148,7 +156,7 @@ std::vector<TrackState> smoothTrack(const std::vector<TrackState>& track,
   for (TrackState& state : result)
   {
     Fit fit;
-    if (fitAt(observations, state.time, options, fit))
+    if (fitAt(observations, state.time, state.velocity.transpose(), options, fit))
     {
       state.center = fit.center.transpose();
       state.velocity = fit.velocity.transpose();

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/Angle.h>
 #include <dyslam/core/Assignment.h>
 #include <dyslam/core/BoxOverlap.h>
 #include <dyslam/core/Error.h>
@@ -56,8 +57,6 @@ Assignment solveAssignment(AssociationMethod method, const CostMatrix& cost)
   constexpr double unassigned = 1;  // costs are relative to max_cost
   switch (method)
   {
-    case AssociationMethod::hungarian:
-      return assignHungarian(cost, unassigned);
     case AssociationMethod::greedy:
       return assignGreedy(cost, unassigned);
     default:
@@ -92,7 +91,7 @@ struct Tracker::Implementation
     const ClassTracking& class_options = track.classOptions();
     const Box seen = track.alignedBox(observation);
     const Eigen::Vector2d difference = (seen.center - track.box().center).head<2>();
-    if (difference.squaredNorm() > class_options.gate_distance * class_options.gate_distance)
+    if (difference.norm() > track.gateDistance())
     {
       return forbidden;
     }
@@ -102,7 +101,7 @@ struct Tracker::Implementation
     {
       return forbidden;
     }
-    double cost = class_options.position_weight * gate_ratio;
+    double cost = gate_ratio;
     if (&class_options != &optionsFor(options, observation.object_class) &&
         observation.object_class != ObjectClass::unknown &&
         track.objectClass() != ObjectClass::unknown &&
@@ -114,7 +113,12 @@ struct Tracker::Implementation
     cost += class_options.heading_weight * std::min(angle, M_PI - angle) / (M_PI / 2);
     if (class_options.overlap_weight > 0 || class_options.min_overlap > -1)
     {
-      const double overlap = boxOverlap(track.box(), seen).giou;
+      Box predicted = track.box();
+      if (track.isNew())
+      {
+        predicted.center = seen.center;  // its motion is not known: sizes and headings count
+      }
+      const double overlap = boxOverlap(predicted, seen).giou;
       if (overlap < class_options.min_overlap)
       {
         return forbidden;
@@ -223,6 +227,32 @@ struct Tracker::Implementation
     unmatched_tracks = std::move(remaining_tracks);
     unmatched_observations = std::move(remaining_observations);
   }
+
+  /** Updates all tracks, predicted to this scan. New ones have wide gates: they choose among the
+   * observations that the others leave. Observations without a partner remain. */
+  void updateTracks(const std::vector<Observation>& observations,
+                    std::vector<std::size_t>& strong,
+                    std::vector<std::size_t>& weak)
+  {
+    tracks.erase(std::remove_if(tracks.begin(), tracks.end(),
+                                [&](const Track& track) { return track.isAliased(observations); }),
+                 tracks.end());
+    std::vector<std::size_t> known_tracks;
+    std::vector<std::size_t> new_tracks;
+    for (std::size_t i = 0; i < tracks.size(); ++i)
+    {
+      (tracks[i].isNew() ? new_tracks : known_tracks).push_back(i);
+    }
+    for (std::vector<std::size_t>* unmatched_tracks : {&known_tracks, &new_tracks})
+    {
+      associate(observations, *unmatched_tracks, strong);
+      associate(observations, *unmatched_tracks, weak);
+      for (const std::size_t i : *unmatched_tracks)
+      {
+        tracks[i].miss();
+      }
+    }
+  }
 };
 
 Tracker::Tracker(const TrackerOptions& options)
@@ -279,18 +309,11 @@ std::vector<TrackedObject> Tracker::update(double stamp,
     observations.push_back(self.observationOf(detections[i], static_cast<int>(i), T_odom_vehicle));
   }
 
-  std::vector<std::size_t> unmatched_tracks(self.tracks.size());
-  for (std::size_t i = 0; i < unmatched_tracks.size(); ++i)
+  for (Track& track : self.tracks)
   {
-    unmatched_tracks[i] = i;
-    self.tracks[i].predict(stamp);
+    track.predict(stamp);
   }
-  self.associate(observations, unmatched_tracks, strong);
-  self.associate(observations, unmatched_tracks, weak);
-  for (const std::size_t i : unmatched_tracks)
-  {
-    self.tracks[i].miss();
-  }
+  self.updateTracks(observations, strong, weak);
   self.tracks.erase(std::remove_if(self.tracks.begin(), self.tracks.end(),
                                    [](const Track& track) { return track.dead(); }),
                     self.tracks.end());

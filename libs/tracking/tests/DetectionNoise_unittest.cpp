@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/Angle.h>
 #include <dyslam/core/BoxOverlap.h>
 #include <dyslam/tracking/DetectionDeskew.h>
 #include <dyslam/tracking/DetectionNoise.h>

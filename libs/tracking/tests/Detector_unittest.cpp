@@ -118,6 +118,27 @@ TEST(Detector, movingGroundDoesNotLinkTwoPedestrians)
   EXPECT_EQ(Detector().detect(scene.points, scene.moving, scene.probability).size(), 2u);
 }
 
+/** Vehicles may be long but are narrow: trams and road trains are detected, buildings are not. */
+TEST(Detector, longNarrowClustersAreTrucks)
+{
+  const auto detect = [](double length, double width)
+  {
+    Scene scene;
+    const double x = 4 + 0.5 * length;  // its end and one side are visible
+    scene.addVisibleSides(makeBox(x, 8 + 0.5 * width, 1, length, width, 3, 0.1), 9000);
+    scene.addGround(-1.7);
+    return Detector().detect(scene.points, scene.moving, scene.probability);
+  };
+  const auto tram = detect(35, 2.6);
+  ASSERT_EQ(tram.size(), 1u);
+  EXPECT_EQ(tram[0].object_class, ObjectClass::truck);
+  EXPECT_NEAR(tram[0].box.size.x(), 35, 0.5);
+  EXPECT_NEAR(std::remainder(tram[0].box.yaw - 0.1, M_PI), 0, 0.03);
+  EXPECT_TRUE(detect(55, 2.6).empty());
+  EXPECT_TRUE(detect(25, 6).empty());
+  EXPECT_EQ(detect(18, 6).size(), 1u);
+}
+
 /** Points of a distant car have wide gaps but still form one cluster. */
 TEST(Detector, clusteringAdaptsToRange)
 {

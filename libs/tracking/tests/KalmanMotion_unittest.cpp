@@ -2,6 +2,7 @@
 #include <dyslam/tracking/KalmanMotion.h>
 #include <gtest/gtest.h>
 
+#include <Eigen/Cholesky>
 #include <Eigen/LU>
 #include <cmath>
 #include <limits>

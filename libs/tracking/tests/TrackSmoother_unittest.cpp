@@ -108,6 +108,43 @@ TEST(TrackSmoother, FewObservationsLowerTheDegree)
   EXPECT_EQ(smoothTrack(track, options)[1].center, track[1].center);
 }
 
+/** A slow sensor, or the scan between two gaps: one observation does not tell the velocity. */
+TEST(TrackSmoother, LoneObservationsKeepTheTrackersVelocity)
+{
+  std::vector<TrackState> track;
+  for (int i = 0; i < 5; ++i)
+  {
+    track.push_back(onCircle(2.0 * i));
+  }
+  const auto smooth = smoothTrack(track, {});
+  for (std::size_t i = 0; i < track.size(); ++i)
+  {
+    EXPECT_EQ(smooth[i].center, track[i].center) << i;
+    EXPECT_EQ(smooth[i].velocity, track[i].velocity) << i;
+  }
+  // A predicted state a second after the only observation around it is not drawn back to it.
+  track.resize(2);
+  track[1] = onCircle(1.0);
+  track[1].observed = false;
+  const auto after = smoothTrack(track, {});
+  EXPECT_LT((after[1].center - track[0].center - track[1].velocity).norm(), 1e-9);
+  EXPECT_EQ(after[1].velocity, track[1].velocity);
+}
+
+TEST(TrackSmoother, DegreeZeroKeepsTheVelocitiesAndDoesNotLag)
+{
+  auto track = circle(60);
+  TrackSmoothingOptions options;
+  options.window = 0.5;
+  options.degree = 0;
+  const auto smooth = smoothTrack(track, options);
+  EXPECT_LT(rmsError(smooth), 0.2);  // 1.6 m at the ends if the observations were not moved
+  for (std::size_t i = 0; i < track.size(); ++i)
+  {
+    EXPECT_EQ(smooth[i].velocity, track[i].velocity) << i;
+  }
+}
+
 TEST(TrackSmoother, NoWindowChangesNothingAndTimesMustIncrease)
 {
   TrackSmoothingOptions options;

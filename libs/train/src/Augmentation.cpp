@@ -177,17 +177,21 @@ void pasteBodies(const AugmentationOptions& options,
 
 void AugmentationOptions::describe(OptionsVisitor& visitor)
 {
-  visitor.real("translation", translation, 0, 5, "standard deviation of T_aug along x [m]");
-  visitor.degrees("yaw_deg", yaw, 0, 45, "standard deviation of T_aug's yaw");
-  visitor.real("mirror", mirror, 0, 1, "probability of a mirrored scene");
-  visitor.real("turned", turned, 0, 1, "probability of a common random heading");
+  visitor.real("translation", translation, 0, 5,
+               "standard deviation of the augmenting motion's translation along x [m]");
+  visitor.degrees("yaw_deg", yaw, 0, 45, "standard deviation of the augmenting motion's yaw [deg]");
+  visitor.real("mirror", mirror, 0, 1, "probability that a pair is mirrored");
+  visitor.real("turned", turned, 0, 1, "probability that a pair is turned to a random heading");
   visitor.real("range_noise", range_noise, 0, 1,
                "largest standard deviation of added range noise [m]");
-  visitor.real("point_dropout", point_dropout, 0, 1, "largest share of points left out");
-  visitor.real("beam_dropout", beam_dropout, 0, 1, "probability of fewer beams");
-  visitor.real("bodies", bodies, 0, 1, "probability of pasted bodies");
+  visitor.real("point_dropout", point_dropout, 0, 1,
+               "largest share of a scan's points that is left out");
+  visitor.real("beam_dropout", beam_dropout, 0, 1,
+               "probability that only every 2nd or 4th beam is kept");
+  visitor.real("bodies", bodies, 0, 1, "probability that bodies are pasted into a pair");
   visitor.integer("most_bodies", most_bodies, 1, 100, "most bodies pasted into a pair");
-  visitor.real("co_moving", co_moving, 0, 1, "share of bodies that move with the ego-vehicle");
+  visitor.real("co_moving", co_moving, 0, 1,
+               "share of pasted bodies that move with the ego-vehicle");
 }
 
 std::vector<Body> loadBodies(const std::string& folder, std::size_t min_points)

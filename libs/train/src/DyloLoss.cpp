@@ -30,12 +30,13 @@ torch::Tensor huber(const torch::Tensor& x)
 
 void DyloLossOptions::describe(OptionsVisitor& visitor)
 {
-  visitor.real("flow", flow, 0, 100, "weight of the error of the soft correspondences");
+  visitor.real("flow", flow, 0, 100, "weight of the loss on the error of the soft correspondences");
   visitor.real("precision", precision, 0, 100,
-               "weight of the negative log-likelihood of the residuals");
-  visitor.real("moving", moving, 0, 100, "weight of the cross-entropy of moving labels");
+               "weight of the loss on the negative log-likelihood of the residuals");
+  visitor.real("moving", moving, 0, 100,
+               "weight of the loss on the cross-entropy of moving labels");
   visitor.real("final_pose", final_pose, 0, 100,
-               "weight of the log error of the pose of the last, dense pass");
+               "weight of the loss on the log error of the pose of the last, dense pass");
 }
 
 DyloLossImpl::DyloLossImpl(const DyloLossOptions& options) : options_(options)

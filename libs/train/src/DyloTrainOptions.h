@@ -15,17 +15,17 @@ namespace dyslam
 {
 struct TrainOptions : Options
 {
-  int seed = 1;      //!< of the initial weights and of all data
-  int steps = 8000;  //!< of the optimiser
-  int batch = 2;     //!< pairs in a step
+  int seed = 1;      //!< seed of the initial weights and of all data
+  int steps = 8000;  //!< number of optimiser steps
+  int batch = 2;     //!< number of pairs per step
   LearningRateOptions rate;
   double mean_decay = 0.998;      //!< decay of the exponential moving average of the weights
   double clip = 5;                //!< largest norm of the gradient
-  double perturbed_starts = 0.5;  //!< share of pairs that start near the truth
+  double perturbed_starts = 0.5;  //!< share of pairs with an initial guess near the truth
   int threads = 1;                //!< pairs computed at a time
-  double checkpoint_minutes = 3;  //!< between checkpoints
-  int validate_every = 500;       //!< steps
-  int report_every = 20;          //!< steps
+  double checkpoint_minutes = 3;  //!< time between checkpoints [min]
+  int validate_every = 500;       //!< steps between validations
+  int report_every = 20;          //!< steps between rows of the log
 
   void describe(OptionsVisitor& visitor) override;
 };
@@ -40,8 +40,8 @@ struct DataOptions : Options
   std::string bodies;
   std::string validation;
   std::string simulated_validation;
-  int most_gap = 5;  //!< largest gap in a pair, in scans; simulated ones: 3 at most
-  // Shares of pairs, relative to each other.
+  int most_gap = 5;  //!< largest gap between the scans of a pair [scans]; simulated: 3 at most
+  // Weights of the sources of pairs, relative to each other.
   double recordings_weight = 1;
   double singles_weight = 0.1;
   double simulator_weight = 0;

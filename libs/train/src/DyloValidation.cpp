@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "DyloValidation.h"
 
+#include <dyslam/core/AreaUnderCurve.h>
 #include <dyslam/core/PendingFile.h>
 
 #include <algorithm>
@@ -72,24 +73,6 @@ void sampleMask(const DyloStage& stage,
              });
 }
 }  // namespace
-
-double areaUnderCurve(std::vector<float> still, std::vector<float> moving)
-{
-  if (still.empty() || moving.empty())
-  {
-    return std::numeric_limits<double>::quiet_NaN();
-  }
-  std::sort(still.begin(), still.end());
-  double pairs = 0;
-  for (const float m : moving)
-  {
-    const auto above = still.end() - std::upper_bound(still.begin(), still.end(), m);
-    const auto equal = std::upper_bound(still.begin(), still.end(), m) -
-                       std::lower_bound(still.begin(), still.end(), m);
-    pairs += static_cast<double>(above) + 0.5 * static_cast<double>(equal);
-  }
-  return pairs / static_cast<double>(still.size()) / static_cast<double>(moving.size());
-}
 
 MotionErrors motionErrors(const std::vector<Pose>& estimates, const std::vector<Pose>& truths)
 {

@@ -40,10 +40,6 @@ struct ValidationRow
   double milliseconds = 0;  //!< encode one scan and match, mean
 };
 
-/** Area under the ROC curve: probability that a moving point has the lower confidence, ties count
- * half. */
-[[nodiscard]] double areaUnderCurve(std::vector<float> still, std::vector<float> moving);
-
 /** \param mask_folder gets a CSV per recording of its middle scan's points, if not empty. */
 [[nodiscard]] std::vector<ValidationRow> validateDylo(DyloNetwork& network,
                                                       const std::vector<Recording>& recordings,

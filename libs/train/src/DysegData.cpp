@@ -103,12 +103,15 @@ void DysegAugmentOptions::describe(OptionsVisitor& v)
 {
   v.integer("bodies", bodies, 0, 100, "most bodies cast into a pair");
   v.real("moving_share", moving_share, 0, 1, "share of the cast bodies that move");
-  v.real("beside_share", beside_share, 0, 1, "share of the cast bodies close beside the sensor");
+  v.real("beside_share", beside_share, 0, 1,
+         "share of the cast bodies that are close beside the sensor");
   v.real("convoy_share", convoy_share, 0, 1,
          "share of pairs with twice the bodies, most moving with the ego-vehicle");
-  v.real("farthest_body", farthest_body, 5, 100, "greatest distance of a cast body [m]");
+  v.real("farthest_body", farthest_body, 5, 100,
+         "largest distance of a cast body from the sensor [m]");
   v.real("dropout", dropout, 0, 0.9, "largest share of points left out of a scan");
-  v.real("range_noise", range_noise, 0, 0.5, "range noise of cast bodies [m]");
+  v.real("range_noise", range_noise, 0, 0.5,
+         "standard deviation of the range noise of cast bodies [m]");
 }
 
 namespace

@@ -161,11 +161,14 @@ Tensor lovaszLoss(const Tensor& logit, const Tensor& label, const Tensor& weight
 
 void DysegLossOptions::describe(OptionsVisitor& v)
 {
-  v.integer("iterations", iterations, 1, 12, "flow updates in training");
-  v.real("decay", decay, 0.1, 1, "weight of an update's flow relative to the next one's");
-  v.integer("points", points, 16, 100000, "points of a pair in the point loss");
-  v.real("first_noise", first_noise, 0, 5, "error of the first motion in training [m]");
-  v.real("second_noise", second_noise, 0, 5, "error of the static flow in training [m]");
+  v.integer("iterations", iterations, 1, 12, "iterations of the flow update in training");
+  v.real("decay", decay, 0.1, 1,
+         "weight of the flow error after an update, relative to the next update's");
+  v.integer("points", points, 16, 100000, "number of points of a pair in the point loss");
+  v.real("first_noise", first_noise, 0, 5,
+         "sigma of the error of the ego-motion that guides the coarse matching in training [m]");
+  v.real("second_noise", second_noise, 0, 5,
+         "sigma of the error of the ego-motion that gives the static flow in training [m]");
 }
 
 namespace

@@ -49,14 +49,6 @@ DysegPairs::DysegPairs(const DysegTrainerOptions& options) : options_(options)
     runs_.push_back(
         loadBoxedRun(under(options.boxed_run), 0, static_cast<std::size_t>(options.boxed_last)));
   }
-  if (!options.labelled_run.empty())
-  {
-    const auto run = under(options.labelled_run);
-    splits.requireFrames(run + "/velodyne", {0, options.labelled_last}, Split::training,
-                         "[train] labelled_run");
-    runs_.push_back(loadLabelledRun(run, run + "/" + options.labelled_poses, 0,
-                                    static_cast<std::size_t>(options.labelled_last)));
-  }
   for (const auto& part : listItems(options.single_scans, ','))
   {
     for (const auto& f : listBinFiles(under(part)))

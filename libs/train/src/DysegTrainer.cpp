@@ -74,49 +74,58 @@ struct PreparedPair
 void DysegTrainerOptions::describe(OptionsVisitor& v)
 {
   v.text("data", data, "folder with the real data; empty: simulated data only");
-  v.text("splits", splits, "file, or name of a shipped one: training, validation and test frames");
-  v.text("boxed_run", boxed_run, "run with boxes, under data; empty for none");
-  v.integer("boxed_last", boxed_last, 1, 1000000, "its last training frame");
-  v.text("labelled_run", labelled_run, "run with point labels, under data; empty for none");
-  v.text("labelled_poses", labelled_poses, "poses, in the folders of runs with labels");
-  v.integer("labelled_last", labelled_last, 1, 1000000, "its last training frame");
-  v.text("boxed_validation", boxed_validation, "run with boxes, under data; empty for none");
+  v.text("splits", splits,
+         "splits of the frames (training, validation, test): a file, or the name of a shipped one");
+  v.text("boxed_run", boxed_run, "training run with boxes, a folder under data; empty: none");
+  v.integer("boxed_last", boxed_last, 1, 1000000, "last training frame of boxed_run");
+  v.text("boxed_validation", boxed_validation,
+         "validation run with boxes, a folder under data; empty: none");
   v.integer("boxed_validation_first", boxed_validation_first, 8, 1000000,
-            "its first frame evaluated");
-  v.integer("boxed_validation_last", boxed_validation_last, 8, 1000000, "its last frame evaluated");
-  v.text("labelled_validation", labelled_validation, "run with labels, under data; empty for none");
+            "first frame of boxed_validation that is evaluated");
+  v.integer("boxed_validation_last", boxed_validation_last, 8, 1000000,
+            "last frame of boxed_validation that is evaluated");
+  v.text("labelled_validation", labelled_validation,
+         "validation run with point labels, a folder under data; empty: none");
+  v.text("labelled_poses", labelled_poses,
+         "name of the pose file in the folder of labelled_validation");
   v.integer("labelled_validation_first", labelled_validation_first, 1, 1000000,
-            "its first frame evaluated");
+            "first frame of labelled_validation that is evaluated");
   v.integer("labelled_validation_last", labelled_validation_last, 1, 1000000,
-            "its last frame evaluated");
-  v.text("single_scans", single_scans, "folders of scans under data, separated by commas");
-  v.real("simulated_share", simulated_share, 0, 1, "share of simulated pairs");
-  v.real("single_share", single_share, 0, 1, "share of the real pairs from single scans");
-  v.real("twice_share", twice_share, 0, 1, "share of pairs of runs and clips made from one scan");
-  v.integer("gap", gap, 1, 10, "scans between those that the application compares");
+            "last frame of labelled_validation that is evaluated");
+  v.text("single_scans", single_scans, "folders of single scans under data, separated by commas");
+  v.real("simulated_share", simulated_share, 0, 1, "share of pairs that are simulated");
+  v.real("single_share", single_share, 0, 1, "share of real pairs that are made from single scans");
+  v.real("twice_share", twice_share, 0, 1,
+         "share of pairs of runs and clips that are made from one scan");
+  v.integer("gap", gap, 1, 10, "gap between the scans that the application compares [scans]");
   v.real("gap_share", gap_share, 0, 1,
          "share of pairs of runs and clips that are gap scans apart; the others are 1 to 10");
   v.real("campus_share", campus_share, 0, 1,
-         "share of simulated clips on a campus (many pedestrians)");
-  v.real("highway_share", highway_share, 0, 1, "share of the other simulated clips on a highway");
-  v.real("few_beams_share", few_beams_share, 0, 1, "share of simulated clips with 16 beams");
-  v.integer("simulated_pool", simulated_pool, 1, 100000, "simulated clips kept in memory");
-  v.integer("simulate_every", simulate_every, 1, 100000, "steps between new clips");
-  v.integer("crop", crop, 64, 2048, "cells along each side in training, a multiple of 16");
+         "share of simulated clips that are on a campus (many pedestrians)");
+  v.real("highway_share", highway_share, 0, 1,
+         "share of simulated clips that are on a highway, of those not on a campus");
+  v.real("few_beams_share", few_beams_share, 0, 1,
+         "share of simulated clips that are scanned with 16 beams");
+  v.integer("simulated_pool", simulated_pool, 1, 100000,
+            "number of simulated clips kept in memory");
+  v.integer("simulate_every", simulate_every, 1, 100000, "steps between new simulated clips");
+  v.integer("crop", crop, 64, 2048,
+            "cells along each side of the grid in training, a multiple of 16");
   requireMultipleOf16("[train] crop", crop);
   v.real("crop_reach", crop_reach, 0, 1000,
-         "greatest distance of the centre of a crop from the sensor, in x and in y [m]");
-  v.integer("steps", steps, 1, 100000000, "optimiser steps");
-  v.integer("batch", batch, 1, most_pairs, "pairs in a step");
+         "largest distance of the centre of a crop from the sensor, in x and in y [m]");
+  v.integer("steps", steps, 1, 100000000, "number of optimiser steps");
+  v.integer("batch", batch, 1, most_pairs, "number of pairs per step");
   rate.describe(v);
   v.real("mean_decay", mean_decay, 0, 1,
-         "decay of the exponential moving average of the weights, which is what is saved");
+         "decay per step of the exponential moving average of the weights, which is saved");
   v.real("weight_decay", weight_decay, 0, 1, "weight decay of AdamW");
   v.integer("checkpoint_every", checkpoint_every, 1, 1000000, "steps between checkpoints");
-  v.integer("validate_every", validate_every, 0, 1000000, "steps between validations; 0: none");
+  v.integer("validate_every", validate_every, 0, 1000000,
+            "steps between validations; 0: no validation");
   v.integer("threads", threads, 1, 256,
-            "pairs computed at a time, each in a thread; validation: CPU threads of the network");
-  v.integer("seed", seed, 0, 2000000000, "random seed");
+            "pairs computed at a time, each in a thread; in validation, threads of the network");
+  v.integer("seed", seed, 0, 2000000000, "random seed of weights and data");
 }
 
 struct DysegTrainer::Impl

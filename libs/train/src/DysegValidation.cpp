@@ -89,8 +89,6 @@ void checkDysegValidation(const DysegTrainerOptions& options)
                       "; exchange them, or leave " + evaluated.key + " empty");
     }
     requireDisjoint(evaluated, {options.boxed_run, "boxed", 0, options.boxed_last}, options.data);
-    requireDisjoint(evaluated, {options.labelled_run, "labelled", 0, options.labelled_last},
-                    options.data);
   }
 }
 

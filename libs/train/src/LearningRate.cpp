@@ -8,7 +8,8 @@ namespace dyslam
 {
 void LearningRateOptions::describe(OptionsVisitor& visitor)
 {
-  visitor.real("learning_rate", learning_rate, 0, 1, "learning rate after the warm-up");
+  visitor.real("learning_rate", learning_rate, 0, 1,
+               "learning rate after the warm-up, before the decay");
   visitor.real("last_share", last_share, 0, 1,
                "final learning rate, as a fraction of learning_rate");
   visitor.real("decay_from", decay_from, 0, 1,

@@ -244,14 +244,5 @@ TEST(Recordings, OneScanIsNone)
   description.last = 1;
   EXPECT_EQ(loadRecording(description, false).scans.size(), 2U);
 }
-
-TEST(DyloValidation, AreaUnderCurveByHand)
-{
-  EXPECT_DOUBLE_EQ(areaUnderCurve({0.9F, 0.8F}, {0.1F}), 1);
-  EXPECT_DOUBLE_EQ(areaUnderCurve({0.5F}, {0.5F}), 0.5);
-  // Of the four pairs: 0.9 > 0.7, 0.9 > 0.2, 0.4 < 0.7, 0.4 > 0.2.
-  EXPECT_DOUBLE_EQ(areaUnderCurve({0.9F, 0.4F}, {0.7F, 0.2F}), 0.75);
-  EXPECT_TRUE(std::isnan(areaUnderCurve({}, {0.5F})));
-}
 }  // namespace
 }  // namespace dyslam

@@ -80,6 +80,7 @@ class PageOutput : public RunOutput
     page.trajectory = results.trajectory;
     page.reference = results.reference;
     page.loops = loopsOf(*results.backend);
+    page.loops_left_out = results.report.loops_left_out;
     page.objects = objectsOf(results);
     if (results.map != nullptr)
     {
@@ -89,17 +90,15 @@ class PageOutput : public RunOutput
     return page;
   }
 
+  /** Those in use, without the ones that the rest of the graph contradicts. */
   static std::vector<PageLoop> loopsOf(const Backend& backend)
   {
+    const FactorGraph& graph = backend.factorGraph();
     std::vector<PageLoop> loops;
-    for (const Loop& loop : backend.loops())
+    for (const FactorGraph::FactorId id : graph.usedLoops())
     {
-      if (loop.verdict == LoopVerdict::accepted)
-      {
-        const auto& keyframes = backend.keyframes();
-        loops.push_back({keyframes[loop.from].T_map_vehicle.translation(),
-                         keyframes[loop.to].T_map_vehicle.translation()});
-      }
+      const std::vector<Key>& keys = graph.factor(id).keys();
+      loops.push_back({graph.pose(keys[0]).translation(), graph.pose(keys[1]).translation()});
     }
     return loops;
   }

@@ -23,8 +23,7 @@ struct ReplayOptions : ReplayWriterOptions
     ReplayWriterOptions::describe(v);
     v.flag(
         "hindsight", hindsight,
-        "moving points and objects as in labels and tracks.csv, where all scans are labelled with "
-        "hindsight; false: as known at each scan");
+        "write moving points and objects as labelled with hindsight; false: as known at each scan");
   }
 };
 

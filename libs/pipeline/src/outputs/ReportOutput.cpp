@@ -67,6 +67,7 @@ class ReportOutput : public RunOutput
     json["odometry_failed"] = report.odometry_failed;
     json["keyframes"] = report.keyframes;
     json["loops"] = report.loops;
+    json["loops_left_out"] = report.loops_left_out;
     json["tracks"] = report.tracks;
     json["map_points"] = report.map_points;
     json["path_length_m"] = rounded(report.path_length);

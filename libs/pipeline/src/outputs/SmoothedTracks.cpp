@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "SmoothedTracks.h"
 
+#include <dyslam/core/Angle.h>
+
 #include <algorithm>
 #include <cmath>
 #include <set>
@@ -28,7 +30,7 @@ TrackedObject smoothedTrack(const TrackedObject& tracked,
   result.box.center = T_odom_object.translation();
   const double yaw = yawPitchRoll(T_odom_object).x();
   const bool reversed = smoothed.from_graph && std::cos(yaw - tracked.box.yaw) < 0;
-  result.box.yaw = std::remainder(reversed ? yaw + M_PI : yaw, 2 * M_PI);
+  result.box.yaw = wrapAngle(reversed ? yaw + M_PI : yaw);
   result.box.size = smoothed.size.value_or(tracked.box.size);
   result.object_class = smoothed.object_class.value_or(tracked.object_class);
   result.velocity = T_odom_map.linear() * smoothed.velocity;

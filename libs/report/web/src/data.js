@@ -24,15 +24,17 @@ export function readPoints(count) {
   return points;
 }
 
-/** Distance travelled up to each pose [m]. */
-export function distances(poses) {
-  const result = [0];
-  for (let i = 1; i < poses.x.length; ++i) {
-    const step = Math.hypot(
-        poses.x[i] - poses.x[i - 1], poses.y[i] - poses.y[i - 1], poses.z[i] - poses.z[i - 1]);
-    result.push(result[i - 1] + step);
-  }
-  return result;
+/** "every 3rd scan" */
+export function everyNth(step, one) {
+  const tens = step % 100 - step % 10;
+  const ending = tens === 10 ? 'th' : ['th', 'st', 'nd', 'rd'][step % 10] || 'th';
+  return `every ${step}${ending} ${one}`;
+}
+
+/** A sentence for long runs, of whose scans a part is shown; empty for others. */
+export function shownScans(data) {
+  return data.scans.step === 1 ? '' :
+      `Shown is ${everyNth(data.scans.step, 'scan')} (report.max_scans). `;
 }
 
 /** What a reader calls a class of objects, and its colour. */

@@ -3,7 +3,7 @@
 import {AmbientLight, BoxGeometry, BufferAttribute, BufferGeometry, Color, CylinderGeometry,
   DirectionalLight, EdgesGeometry, GLSL3, GridHelper, Group, LineBasicMaterial, LineSegments, Line, Mesh,
   MeshLambertMaterial, Points, RawShaderMaterial, Scene, Vector3} from 'three';
-import {colours, kindOf} from './data.js';
+import {colours, everyNth, kindOf} from './data.js';
 
 const max_boxes = 200;  // of objects shown at one time
 
@@ -74,10 +74,9 @@ function loopsOf(loops) {
   return group;
 }
 
-function keyframesOf(data) {
+function keyframesOf(positions) {
   const geometry = new BufferGeometry();
-  const values = data.scans.keyframe.flatMap((is, i) =>
-    is ? [data.final.x[i], data.final.y[i], data.final.z[i], data.final.x[i], data.final.y[i], data.final.z[i] + 1] : []);
+  const values = positions.flatMap(([x, y, z]) => [x, y, z, x, y, z + 1]);
   geometry.setAttribute('position', new BufferAttribute(new Float32Array(values), 3));
   return new LineSegments(geometry, new LineBasicMaterial({color: colours.final}));
 }
@@ -136,7 +135,9 @@ export class Content {
     if (data.loops.length > 0) {
       this.addLayer('loops', 'loops', colours.loop, loopsOf(data.loops), true);
     }
-    this.addLayer('keyframes', 'keyframes', colours.final, keyframesOf(data), false);
+    const {step, position} = data.keyframes;
+    this.addLayer('keyframes', step === 1 ? 'keyframes' : everyNth(step, 'keyframe'), colours.final,
+        keyframesOf(position), false);
     this.objects = this.addLayer('objects', 'moving objects', '#d62828', new Group(), true);
     this.addLayer('tracks', 'their paths', '#d62828', this.tracks(), true);
     this.addLayer('grid', 'grid, 10 m', '#c8ced6', this.grid(), false);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The parts of the page that need no 3D.
-import {colours, distances, kindOf} from './data.js';
+import {colours, kindOf, shownScans} from './data.js';
 import {count, fixed, h, s} from './dom.js';
 import {legend, plot} from './plots.js';
 
@@ -13,11 +13,17 @@ function kindsInWords(objects) {
   return [...numbers].map(([kind, n]) => count(n, kind.one, kind.many)).join(', ');
 }
 
-/** Longest distance between odometry and final trajectory [m]. */
-function largestCorrection(data) {
-  const {final: a, odometry: b} = data;
-  return a.x.reduce((most, _, i) => Math.max(
-      most, Math.hypot(a.x[i] - b.x[i], a.y[i] - b.y[i], a.z[i] - b.z[i])), 0);
+/** What loops were found and did. */
+function loopsInWords({loops, loops_left_out: rejected, correction}) {
+  if (loops === 0) {
+    const none = rejected === 0 ? 'No place was recognised a second time (no loops)' :
+        `${count(rejected, 'loop')} left out, as they contradict the odometry or each other`;
+    return `${none}, so nothing corrects the drift of the odometry.`;
+  }
+  const found = `${count(loops, 'loop')}: places recognised a second time. They moved the trajectory by up to ` +
+      `${fixed(correction, 2)} m.`;
+  return rejected === 0 ? found :
+      `${found} ${rejected.toLocaleString('en')} left out, as they contradict the others.`;
 }
 
 /** Where the ground truth is from, in brackets. */
@@ -39,13 +45,7 @@ function sentences(data) {
       'The motion of every scan was found by registration.' :
       `${lost} of ${count(n, 'scan')} could not be registered: their motion was predicted from ` +
       'the motion before. The first scan of a recording that starts in motion is often among them.');
-  if (data.totals.loops === 0) {
-    result.push('No place was recognised a second time (no loops), so nothing corrects the drift of ' +
-        'the odometry.');
-  } else {
-    result.push(`${count(data.totals.loops, 'loop')}: places recognised a second time. They moved the ` +
-        `trajectory by up to ${fixed(largestCorrection(data), 2)} m.`);
-  }
+  result.push(loopsInWords(data.totals));
   result.push(data.objects.length === 0 ? 'No moving object was tracked.' :
       `${count(data.objects.length, 'moving object')} tracked: ${kindsInWords(data.objects)}.`);
   const final = data.errors.find((e) => e.name === 'final');
@@ -156,32 +156,22 @@ function lines(data, build) {
   return all.map((line) => ({...line, ...build(line.poses)}));
 }
 
-function speeds(data) {
-  const d = distances(data.final);
-  const t = data.scans.time;
-  const half = Math.max(1, Math.round(t.length > 1 ? 0.25 / (t[t.length - 1] / (t.length - 1)) : 1));
-  const at = (i) => {
-    const a = Math.max(0, i - half);
-    const b = Math.min(t.length - 1, i + half);
-    return t[b] > t[a] ? (d[b] - d[a]) / (t[b] - t[a]) : null;
-  };
-  return {x: t, y: t.map((_, i) => at(i))};
-}
-
 export function trajectory(data) {
   const n = data.final.x.length;
   const mark = (i, name, colour) => ({x: data.final.x[i], y: data.final.y[i], name, colour});
-  return h('section', {id: 'trajectory'}, h('h2', {}, 'Trajectory'), h('div', {class: 'columns'},
+  const shown = shownScans(data);
+  return h('section', {id: 'trajectory'}, h('h2', {}, 'Trajectory'), shown ? h('p', {}, shown) : null,
+      h('div', {class: 'columns'},
       plot({title: 'From above.', words: 'Green dot: start, red dot: end. Where the lines lie on one ' +
           'another, only the upper one is seen.', equal: true, x: 'x [m]', y: 'y [m]',
           series: lines(data, (p) => ({x: p.x, y: p.y})),
           marks: n > 0 ? [mark(0, 'start', '#1c8f3a'), mark(n - 1, 'end', colours.bad)] : []}),
       h('div', {},
           plot({title: 'Height.', words: 'z of the sensor\'s vehicle over the distance travelled.',
-            x: 'distance [m]', y: 'z [m]', series: lines(data, (p) => ({x: distances(p), y: p.z}))}),
+            x: 'distance [m]', y: 'z [m]', series: lines(data, (p) => ({x: p.distance, y: p.z}))}),
           plot({title: 'Speed.', words: 'By the final trajectory, over half a second.', x: 'time [s]',
             y: 'speed [m/s]', floor: 0, digits: 2,
-            series: [{name: 'final', colour: colours.final, ...speeds(data)}]}))));
+            series: [{name: 'final', colour: colours.final, x: data.scans.time, y: data.scans.speed}]}))));
 }
 
 export function drift(data) {

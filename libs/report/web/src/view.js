@@ -2,7 +2,7 @@
 // The 3D view with its buttons and the slider of time. Drawn only when something has changed.
 import {PerspectiveCamera, Vector3, WebGLRenderer} from 'three';
 import {OrbitControls} from 'three/addons/controls/OrbitControls.js';
-import {kindOf, readPoints} from './data.js';
+import {kindOf, readPoints, shownScans} from './data.js';
 import {count, fixed, h} from './dom.js';
 import {Content} from './scene.js';
 
@@ -150,8 +150,9 @@ class View {
       this.controls.target.add(step);
       this.controls.update();
     }
-    const {index, time} = this.data.scans;
-    this.info.textContent = `Scan ${index[scan]} (${scan + 1} of ${index.length}), ${fixed(time[scan], 2)} s: ` +
+    const {index, time, step} = this.data.scans;
+    this.info.textContent = `Scan ${index[scan]} (${scan * step + 1} of ${this.data.totals.scans}), ` +
+        `${fixed(time[scan], 2)} s: ` +
         count(this.states.length, 'moving object');
     this.request();
   }
@@ -274,7 +275,7 @@ export function view3d(data) {
   const info = h('div', {id: 'scene-info'});
   const section = h('section', {id: 'view'}, h('h2', {}, '3D view'), h('p', {}, mapInWords(data),
       'Drag to turn, right button or two fingers to move, wheel or pinch to zoom. The slider goes through ' +
-      'the scans: sensor and objects move.'));
+      'the scans: sensor and objects move. ', shownScans(data)));
   const start = () => {
     try {
       const view = new View(data, stage, info);

@@ -32,17 +32,16 @@ enum class BackendMode
 struct BackendOptions : Options
 {
   BackendMode mode = BackendMode::ego;
-  double keyframe_distance = 1.5;              //!< a new keyframe after this distance [m] ...
-  double keyframe_angle = 0.17453292519943;    //!< ... or this turn [rad]
-  double unconverged_sigma_translation = 0.1;  //!< of a step without convergence [m]
-  double unconverged_sigma_rotation = 0.005;   //!< [rad]
-  /** Optimise when a new loop's residual is this large [standard deviations] ... */
+  double keyframe_distance = 1.5;              //!< translation after which a keyframe is added [m]
+  double keyframe_angle = 0.17453292519943;    //!< rotation after which a keyframe is added [rad]
+  double unconverged_sigma_translation = 0.1;  //!< sigma of a step without convergence [m]
+  double unconverged_sigma_rotation = 0.005;   //!< sigma of a step without convergence [rad]
+  /** Whitened residual of a new loop above which the graph is optimised. */
   double residual_to_optimise = 3;
-  int loops_to_optimise = 20;  //!< ... or after this many new loops
-  /** A loop consistent with odometry and earlier loops moves this many newest keyframes ... */
+  int loops_to_optimise = 20;  //!< number of new loops after which it is optimised
+  /** Newest keyframes optimised for a loop consistent with odometry and earlier loops; 0: all. */
   int correction_keyframes = 100;
-  /** ... until the graph has grown by this fraction; then, and for all other loops, all keyframes
-   * are optimised. */
+  /** Growth of the graph, as a fraction, after which a loop optimises all keyframes again. */
   double correction_growth = 0.1;
 
   void describe(OptionsVisitor& visitor) override;
@@ -83,7 +82,8 @@ class Backend
    * T_map_odom by the present estimate. \return is_keyframe */
   bool addOdometry(Frame& frame);
   /** Looks for loops from the frame, if it is a keyframe, and adds those accepted now; moves no
-   * pose. Without this call no loop is found. \return number of loops added */
+   * pose. Keyframes whose motion did not converge make none. Without this call no loop is found.
+   * \return number of loops added */
   std::size_t addLoops(const Frame& frame);
   /** Optimises what is due: the newest part, or everything where a loop requires it. Fills
    * T_map_odom. \return true if the pose of a keyframe changed */
@@ -96,12 +96,13 @@ class Backend
   [[nodiscard]] const FactorGraph& factorGraph() const;
   /** What is kept from frame to frame; the keyframes are saved by themselves. */
   void exchangeState(StateArchive& archive);
-  /** View of the ego poses, odometry and accepted loops as MRPT has them; built for the caller. */
+  /** View of the ego poses, odometry and loops in use as MRPT has them; built for the caller. */
   [[nodiscard]] PoseGraph graph() const;
   [[nodiscard]] const KeyframeStore& keyframes() const;
   /** Every frame's T_map_vehicle by the present estimate. */
   [[nodiscard]] Trajectory optimizedTrajectory() const;
-  /** All candidates that were decided, in order. */
+  /** All candidates that were decided, in order. Of the accepted ones, factorGraph().usedLoops()
+   * are those that the rest of the graph does not contradict. */
   [[nodiscard]] const std::vector<Loop>& loops() const;
   /** Every object of the graph at every scan that observed it, by scan, then id. */
   [[nodiscard]] std::vector<SmoothedObject> smoothedObjects() const;

@@ -28,12 +28,12 @@ struct FactorGraphOptions : Options
 {
   int max_iterations = 50;
   double tolerance = 1e-6;  //!< stop when a step lowers the cost by less than this fraction
-  RobustLoss loop_loss = RobustLoss::dcs;  //!< of loop factors
-  double loop_loss_width = 3;              //!< width of the loss, a whitened residual
+  RobustLoss loop_loss = RobustLoss::dcs;  //!< robust loss of loop factors
+  double loop_loss_width = 3;              //!< width of loop_loss, as a whitened residual
   /** Factor on the odometry's sigmas when loops are checked against it. */
   double odometry_sigma_scale = 3;
-  RobustLoss object_loss = RobustLoss::cauchy;  //!< of observation factors
-  double object_loss_width = 3;
+  RobustLoss object_loss = RobustLoss::cauchy;  //!< robust loss of observation factors
+  double object_loss_width = 3;                 //!< width of object_loss, as a whitened residual
 
   void describe(OptionsVisitor& visitor) override;
 };
@@ -112,6 +112,12 @@ class FactorGraph
   OptimisationResult optimise(const FactorGraphOptions& options);
   /** Whether the last optimisation of all variables left this loop out. */
   [[nodiscard]] bool isLeftOut(FactorId id) const { return left_out_.count(id) != 0; }
+  /** Leaves a loop out, until the next optimisation of all variables decides again.
+   * \throws std::invalid_argument for a factor of another kind. */
+  void leaveOut(FactorId loop);
+  /** Loops that are not left out, in order of their ids. */
+  [[nodiscard]] std::vector<FactorId> usedLoops() const;
+  [[nodiscard]] std::size_t leftOutLoops() const { return left_out_.size(); }
   /** Optimises the given variables alone; all others keep their values. */
   OptimisationResult optimise(const FactorGraphOptions& options, const std::set<Key>& free);
 
@@ -143,7 +149,7 @@ class FactorGraph
                           const std::map<Key, Variable>& start,
                           OptimisationResult& result);
   /** Takes the first pose of every part of `free` that no other variable holds out of it. */
-  void holdLooseParts(std::vector<Key>& free, std::vector<std::string>& warnings) const;
+  void fixUnconstrainedParts(std::vector<Key>& free, std::vector<std::string>& warnings) const;
 
   std::map<Key, Variable> variables_;
   std::vector<std::unique_ptr<const Factor>> factors_;  //!< null where one was removed

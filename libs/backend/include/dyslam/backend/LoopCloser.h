@@ -17,26 +17,26 @@ class StateArchive;
 
 struct LoopCloserOptions : Options
 {
-  double min_path = 30;           //!< least distance travelled between the two keyframes [m]
-  double search_radius = 6;       //!< around the newest keyframe, before any drift [m] ...
-  double drift_per_metre = 0.03;  //!< ... and its growth per metre travelled in between
-  double max_search_radius = 50;  //!< [m]
+  double min_path = 30;      //!< least distance travelled between the two keyframes [m]
+  double search_radius = 6;  //!< radius of the search around the newest keyframe, without drift [m]
+  double drift_per_metre = 0.03;  //!< growth of the search radius per distance travelled [m/m]
+  double max_search_radius = 50;  //!< upper limit of the search radius with drift [m]
   double max_correction_angle = 0.7853981634;  //!< largest rotation by a loop [rad]
   int interval = 2;                            //!< search for loops at every n-th keyframe
-  int candidates = 2;                          //!< registered per keyframe, at most
-  double max_descriptor_distance = 0.4;        //!< from 0 (equal) to 1 (nothing in common)
-  double descriptor_range = 60;                //!< of the points in the descriptor [m]
-  int submap_keyframes = 2;  //!< neighbours on each side merged into the older keyframe's cloud
-  double voxel_size = 0.5;   //!< of the clouds that are registered [m]
-  double min_overlap = 0.6;  //!< fraction of points above ground that have a correspondence
-  double max_rmse = 0.2;     //!< of their point-to-plane distances [m]
-  double min_observability = 0.02;  //!< weakest against strongest direction of translation
-  int min_support = 1;              //!< other loops of nearby keyframes that must agree
-  int support_window = 6;           //!< "nearby", in keyframes
+  int candidates = 2;  //!< most candidates in the search radius registered per keyframe
+  double max_descriptor_distance = 0.4;  //!< from 0 (equal) to 1 (nothing in common)
+  double descriptor_range = 60;          //!< largest range of points in the descriptor [m]
+  int submap_keyframes = 2;  //!< keyframes on each side merged into the older keyframe's cloud
+  double voxel_size = 0.5;   //!< voxel size of the clouds that are registered [m]
+  double min_overlap = 0.6;  //!< least fraction of points above ground with a correspondence
+  double max_rmse = 0.2;     //!< largest RMSE of the point-to-plane residuals [m]
+  double min_observability = 0.02;  //!< least ratio of weakest to strongest translation
+  int min_support = 1;              //!< least number of loops of nearby keyframes that agree
+  int support_window = 6;           //!< number of keyframes that count as nearby
 
   // Places that look alike but lie beyond the search radius: position gives no evidence for them.
-  bool appearance = true;                       //!< search for loops beyond the search radius
-  int appearance_candidates = 2;                //!< places registered per keyframe, at most
+  bool appearance = true;         //!< search for loops beyond the search radius
+  int appearance_candidates = 2;  //!< most candidates by appearance registered per keyframe
   double appearance_descriptor_distance = 0.3;  //!< as max_descriptor_distance
   double appearance_overlap = 0.75;             //!< as min_overlap
   double appearance_rmse = 0.15;                //!< as max_rmse [m]
@@ -45,7 +45,7 @@ struct LoopCloserOptions : Options
   /** Largest drift of the odometry, as a fraction of the path: a loop that implies more is
    * rejected. */
   double appearance_drift = 0.3;
-  double place_distance = 10;  //!< keyframes farther apart count as different places [m]
+  double place_distance = 10;  //!< candidates farther apart count as different places [m]
 
   void describe(OptionsVisitor& visitor) override;
 };

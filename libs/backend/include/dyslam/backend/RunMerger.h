@@ -5,6 +5,7 @@
 #include <dyslam/backend/LoopCloser.h>
 #include <dyslam/core/Options.h>
 #include <dyslam/core/Pose.h>
+#include <dyslam/core/SwapFile.h>
 
 #include <Eigen/Core>
 #include <cstddef>
@@ -16,8 +17,8 @@ namespace dyslam
 {
 struct RunMergerOptions : Options
 {
-  /** Of the keyframes that a placement brings near those of other runs, this share must be
-   * confirmed by a registration: a street that looks like another fails here. */
+  /** Least fraction of the keyframes near those of other runs that registrations confirm: a street
+   * that looks like another fails here. */
   double min_confirmed = 0.5;
 
   void describe(OptionsVisitor& visitor) override;
@@ -29,6 +30,7 @@ struct RunMergerConfig
   RunMergerOptions merge;
   LoopCloserOptions loops;
   FactorGraphOptions solver;
+  MemoryLimit memory;  //!< of points and descriptors of the keyframes, like KeyframeStore's
 };
 
 /** A loop between two runs; `from` and `to` count each run's keyframes from 0. */
@@ -59,8 +61,9 @@ struct RunMerge
  * and the loops of each run.
  *
  * A run is joined to those joined before, in the order of evidence, so that runs which meet the
- * first one only through others (a chain) are joined too. Deterministic; not thread-safe. Memory:
- * about 40 kB a keyframe.
+ * first one only through others (a chain) are joined too. Deterministic; not thread-safe. Of
+ * points and descriptors, about 40 kB a keyframe, those beyond `memory` are on disk; the result
+ * does not depend on it.
  */
 class RunMerger
 {
@@ -70,7 +73,8 @@ class RunMerger
   RunMerger(RunMerger&&) noexcept;
   RunMerger& operator=(RunMerger&&) noexcept;
 
-  /** Begins the next run. \param graph whose ego poses, odometry and loops are taken
+  /** Begins the next run. \param graph whose ego poses, odometry and loops are taken, but for loops
+   * that it leaves out
    * \throws std::invalid_argument unless the keyframes are numbered 0, 1, 2, ... and the run before
    * has got the points of all of its keyframes. */
   void addRun(const FactorGraph& graph);

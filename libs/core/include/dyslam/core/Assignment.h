@@ -34,10 +34,6 @@ constexpr double always_assign = std::numeric_limits<double>::infinity();
 [[nodiscard]] Assignment assignShortestPaths(const CostMatrix& cost,
                                              double unassigned_cost = always_assign);
 
-/** The same optimum by the primal-dual Hungarian method, for comparison. */
-[[nodiscard]] Assignment assignHungarian(const CostMatrix& cost,
-                                         double unassigned_cost = always_assign);
-
 /** Greedy: the cheapest pair first, then the cheapest of the rest; not optimal, for comparison.
  */
 [[nodiscard]] Assignment assignGreedy(const CostMatrix& cost,

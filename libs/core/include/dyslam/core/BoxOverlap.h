@@ -24,7 +24,4 @@ struct BoxOverlap
 
 /** The box moved by a pose whose up axis is near +z: centre exactly, yaw by the turned x axis. */
 [[nodiscard]] Box transformed(const Box& box, const Pose& T);
-
-/** Angle in [-pi, pi]. */
-[[nodiscard]] double wrapAngle(double angle);
 }  // namespace dyslam

@@ -4,6 +4,7 @@
 #include <dyslam/core/Pose.h>
 
 #include <Eigen/Core>
+#include <cmath>
 #include <vector>
 
 namespace dyslam
@@ -15,7 +16,7 @@ struct SweepModel
   int direction = -1;
   /** Azimuth at which the sweep begins and ends, from +x towards +y [rad]. The default, straight
    * behind, is that of the HDL-64E scans of KITTI: straight ahead is at half the sweep. */
-  double start_azimuth = 3.14159265358979323846;
+  double start_azimuth = M_PI;
 };
 
 /** Share of the revolution, in [0, 1), at which a sensor of this model looks towards `p` (lidar

@@ -61,9 +61,12 @@ class PackedCloud
 /** A keyframe without its points. */
 struct Keyframe
 {
-  std::size_t frame = 0;                             //!< Frame::index
-  double stamp = 0;                                  //!< UNIX time [s]
-  double path_length = 0;                            //!< driven since the start [m]
+  std::size_t frame = 0;   //!< Frame::index
+  double stamp = 0;        //!< UNIX time [s]
+  double path_length = 0;  //!< driven since the start, as measured [m]
+  /** Since the start, what may have been driven without being measured: in gaps of the recording
+   * and before restarts of the local map. Keyframes of one stretch have the same [m]. */
+  double unseen_path = 0;
   Eigen::Vector3f sensor = Eigen::Vector3f::Zero();  //!< lidar's origin, vehicle frame [m]
   Pose T_map_vehicle = Pose::Identity();
 };

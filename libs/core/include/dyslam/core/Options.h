@@ -10,7 +10,9 @@
 
 namespace dyslam
 {
-/** Visitor of every field of an options struct: loading, saving and checking are visitors. */
+/** Visitor of every field of an options struct: loading, saving and checking are visitors.
+ *
+ * A help text is read alone, in effective.ini: quantity of what, condition [unit]. */
 class OptionsVisitor
 {
  public:

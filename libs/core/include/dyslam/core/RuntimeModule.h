@@ -12,8 +12,9 @@ namespace dyslam
  *
  * The library is looked for in $DYSLAM_MODULES, then, for a program of the build folder, there; for
  * any other in the library folder beside the program's folder (an installed tree), then in the
- * prefix that DySLAM was configured to be installed in. On a machine with AVX2, FMA and BMI2 a
- * build for these, in the folder `x86-64-v3` there, comes first, unless $DYSLAM_CPU is `baseline`.
+ * prefix that DySLAM was configured to be installed in, then in that of $DYSLAM_SHARE. On a machine
+ * with AVX2, FMA and BMI2 a build for these, in the folder `x86-64-v3` there, comes first, unless
+ * $DYSLAM_CPU is `baseline`.
  * \param needed_by the setting that asks for it, for the message, e.g. "dyseg.method: network"
  * \throws UserError if there is no such library, if it cannot be loaded, or if it is of another
  * version than the program. */

@@ -14,7 +14,7 @@ namespace dyslam
 struct ScanPattern
 {
   std::size_t returns = 0;     //!< points that are returns
-  bool ring_numbers = false;   //!< Scan::ring is given and names rings of one elevation each
+  bool ring_numbers = false;   //!< Scan::ring is given and names the rings
   bool point_times = false;    //!< Scan::time is given and not the same for all points
   double duration = 0;         //!< from the first to the last point's time [s]
   double max_range = 0;        //!< farthest return [m]
@@ -33,12 +33,13 @@ struct ScanPattern
   [[nodiscard]] double spacing() const;
 };
 
-/** Measures the pattern of one scan. Rings are those of Scan::ring, else found by estimateRings();
- * numbers that do not name rings of one elevation (as the lines of a Livox) count as none. */
+/** Measures the pattern of one scan, with the rings of ringsOf(). */
 [[nodiscard]] ScanPattern measureScanPattern(const Scan& scan);
 
 /** Rings of the points: `given` where they have one elevation each, else estimateRings() under the
- * same condition; empty where the scan has no rings. One per point. */
+ * same condition, else `given` of a lidar that turns if they lie one over the other (points that
+ * were moved to the vehicle's origin); empty where the scan has no rings, as the lines of a Livox.
+ * One per point. */
 [[nodiscard]] std::vector<std::uint16_t> ringsOf(const std::vector<Eigen::Vector3f>& points,
                                                  const std::vector<std::uint16_t>& given);
 }  // namespace dyslam

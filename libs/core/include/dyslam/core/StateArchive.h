@@ -16,7 +16,6 @@
 #include <string>
 #include <string_view>
 #include <type_traits>
-#include <unordered_map>
 #include <utility>
 #include <vector>
 
@@ -205,12 +204,24 @@ class StateArchive
   template <typename Key, typename T, typename Less, typename Allocator>
   void exchange(std::map<Key, T, Less, Allocator>& values)
   {
-    exchangeMap(values);
-  }
-  template <typename Key, typename T, typename Hash, typename Equal, typename Allocator>
-  void exchange(std::unordered_map<Key, T, Hash, Equal, Allocator>& values)
-  {
-    exchangeMap(values);  // in another order when it is loaded
+    const std::size_t size = count(values.size(), 1);
+    if (!isLoading())
+    {
+      for (auto& [key, value] : values)
+      {
+        auto copy = key;
+        exchange(copy);
+        exchange(value);
+      }
+      return;
+    }
+    values.clear();
+    for (std::size_t i = 0; i < size; ++i)
+    {
+      Key key{};
+      exchange(key);
+      exchange(values[key]);
+    }
   }
   template <typename T>
   void exchange(std::set<T>& values)
@@ -235,28 +246,6 @@ class StateArchive
         values.emplace_back();
       }
       exchange(values[i]);
-    }
-  }
-  template <typename Map>
-  void exchangeMap(Map& values)
-  {
-    const std::size_t size = count(values.size(), 1);
-    if (!isLoading())
-    {
-      for (auto& [key, value] : values)
-      {
-        auto copy = key;
-        exchange(copy);
-        exchange(value);
-      }
-      return;
-    }
-    values.clear();
-    for (std::size_t i = 0; i < size; ++i)
-    {
-      typename Map::key_type key{};
-      exchange(key);
-      exchange(values[key]);
     }
   }
 

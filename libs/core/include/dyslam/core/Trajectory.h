@@ -37,7 +37,7 @@ class Trajectory
   [[nodiscard]] std::optional<Pose> at(double stamp, double max_gap) const;
   /** Index of the pose nearest in time if within `tolerance` seconds. */
   [[nodiscard]] std::optional<std::size_t> nearest(double stamp, double tolerance) const;
-  /** Distance travelled up to each pose [m]. */
+  /** Distance travelled up to each pose, as PathLength counts it [m]. */
   [[nodiscard]] std::vector<double> pathLengths() const;
   void exchangeState(StateArchive& archive);
 

@@ -62,7 +62,6 @@ class MovingSegmenter
 struct MovingSegmenterOptions : Options
 {
   std::string method = "residual";
-  bool filter = false;            //!< accumulate the probabilities over scans: TemporalFilter
   std::string labels;             //!< folder of an earlier run's labels; empty: none
   double moving_threshold = 0.5;  //!< points with a higher probability are moving: Frame::moving
   void describe(OptionsVisitor& visitor) override;

@@ -12,18 +12,16 @@ namespace dyslam
 struct NetworkSegmenterOptions : Options
 {
   std::string weights = "dyseg";  //!< a file, or the name of weights that come with DySLAM
-  int first_gap = 8;              //!< scans back to the one that is compared
-  int second_gap = 0;             //!< scans back to a second one; not above the first: none
+  int first_gap = 8;              //!< age of the earlier scan that is compared [scans]
   /** Search range of the static motion. global: all motions, independent of any prior; prior:
    * around the prior, where that is reliable, which separates the static world from traffic that
    * moves alike; auto: globally until `first_gap` scans have been seen, then as `prior`. */
   std::string search = "auto";
-  std::string combine = "mean";  //!< of the two probabilities: mean (of log-odds), max
-  double threshold = 0.5;        //!< of the network's output; becomes a probability of 0.5
-  int min_points = 5;            //!< of the smallest moving group
-  int iterations = 2;            //!< of the flow update
-  int threads = 1;               //!< of the network
-  std::string device = "cpu";    //!< or cuda
+  double threshold = 0.5;      //!< output of the network that becomes a probability of 0.5
+  int min_points = 5;          //!< least number of points in a moving group
+  int iterations = 2;          //!< iterations of the flow update
+  int threads = 1;             //!< threads of the network
+  std::string device = "cpu";  //!< device of the network: cpu or cuda
   /** Encode each scan deskewed by the motion predicted for the scan before, beside the work on that
    * one: faster on three cores and more, with a few more false alarms. */
   bool encode_ahead = false;
@@ -45,13 +43,12 @@ struct SceneFlow
 
 /** DySeg (the paper's section 3.1): moving points by scene flow, from a trained network.
  *
- * Compares each scan with one some scans back, when slow objects were elsewhere, or with two. The
- * static motion between the two is estimated from the scans. The search starts at the static motion
- * from scan to scan, which is estimated too and given as Frame::segmenter_motion; once it is around
- * the prior, at the motion between their Frame::T_odom_vehicle, and Frame::segmenter_motion is left
- * out. Until `first_gap` scans have been seen, Frame::static_prior is given too. The first scan is
- * all static, as are points beyond the network's grid (102 m to each side with the shipped
- * weights).
+ * Compares each scan with one some scans back, when slow objects were elsewhere. The static motion
+ * between the two is estimated from the scans. The search starts at the static motion from scan to
+ * scan, which is estimated too and given as Frame::segmenter_motion; once it is around the prior,
+ * at the motion between their Frame::T_odom_vehicle, and Frame::segmenter_motion is left out. Until
+ * `first_gap` scans have been seen, Frame::static_prior is given too. The first scan is all static,
+ * as are points beyond the network's grid (102 m to each side with the shipped weights).
  *
  * In the library dyslam::dyseg_network; makeSegmenter() loads it with the module `networks`.
  */

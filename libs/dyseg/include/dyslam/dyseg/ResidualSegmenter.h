@@ -9,20 +9,20 @@ namespace dyslam
 {
 struct ResidualSegmenterOptions : Options
 {
-  int history = 30;                //!< scans back to the oldest one compared
-  int compared = 6;                //!< scans of the history that are compared
+  int history = 30;                //!< age of the oldest scan that is compared [scans]
+  int compared = 6;                //!< number of earlier scans that are compared
   double azimuth_bin = 0.0052360;  //!< column width of the range images [rad]
-  double slope_bin = 0.007;        //!< row height, in z per horizontal distance
-  double margin = 0.2;             //!< a moving point is nearer than the earlier range by this ...
-  double margin_per_range = 0.01;  //!< ... and this much more per metre of its range [m]
-  double max_range = 60;           //!< points beyond are static [m]
+  double slope_bin = 0.007;  //!< row height of the range images, height per horizontal distance
+  double margin = 0.2;  //!< a moving point is nearer than the earlier range by this, at range 0 [m]
+  double margin_per_range = 0.01;  //!< increase of margin with range [m/m]
+  double max_range = 60;           //!< range beyond which points are static [m]
   /** A ray without return above a point counts as free, as for sensors with few beams under open
    * sky; else only where the returns above and below it are farther away. */
   bool open_sky = false;
   double ground_clearance = 0.15;  //!< points this little above the lowest nearby are ground [m]
-  double cell_size = 0.4;          //!< of the grid in which votes are clustered to objects [m]
-  int min_points = 8;              //!< that voted moving, in a moving object
-  double min_share = 0.3;          //!< of an object's points that must have voted moving
+  double cell_size = 0.4;  //!< side of the cells in which votes are clustered to objects [m]
+  int min_points = 8;      //!< least number of points with a moving vote in a moving object
+  double min_share = 0.3;  //!< least fraction of a moving object's points with a moving vote
 
   void describe(OptionsVisitor& visitor) override;
 };
@@ -49,14 +49,14 @@ class ResidualSegmenter : public MovingSegmenter
   /** Nearest range per direction of one earlier scan. */
   struct PastImage
   {
-    Pose T_lidar_odom = Pose::Identity();
-    std::vector<float> range;  //!< rows x columns [m]; 0 where nothing was seen
-    int lowest_row = 0;        //!< of the image: the one below the lowest that has returns
-    int rows = 0;              //!< up to the one above the highest that has returns
+    Pose T_image_odom = Pose::Identity();  //!< the lidar's, with its z axis upwards
+    std::vector<float> range;              //!< rows x columns [m]; 0 where nothing was seen
+    int lowest_row = 0;  //!< of the image: the one below the lowest that has returns
+    int rows = 0;        //!< up to the one above the highest that has returns
   };
 
   [[nodiscard]] PastImage project(const Frame& frame) const;
-  /** 2 seen through, -1 seen there, 0 hidden or unknown; point in the past scan's lidar frame. */
+  /** 2 seen through, -1 seen there, 0 hidden or unknown; point in the frame of the past image. */
   [[nodiscard]] int vote(const PastImage& past, const Eigen::Vector3f& point) const;
   [[nodiscard]] std::vector<const PastImage*> comparedScans() const;
 

@@ -38,7 +38,7 @@ struct MaskScan
 [[nodiscard]] std::vector<Eigen::Vector2d> rocCurve(const MaskScan& scan);
 
 /** Area under rocCurve(), 0.5 for chance; NaN without a curve. */
-[[nodiscard]] double areaUnderCurve(const std::vector<Eigen::Vector2d>& roc);
+[[nodiscard]] double areaUnderCurve(const MaskScan& scan);
 
 /** PNG of the scan from above (80 m x 80 m, x up) and of the ROC curve if there is one. Returns are
  * grey, truly moving ones dark red; sampled points are blue (static) to red (moving), larger where

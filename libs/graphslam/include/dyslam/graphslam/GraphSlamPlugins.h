@@ -32,13 +32,14 @@ struct GraphSlamPlugin
 [[nodiscard]] std::vector<GraphSlamPlugin<GraphOptimizer>> graphOptimizers();
 
 /** The plug-in of that name; the first for an empty one.
- * \param kind for the message, as "edge decider"
+ * \param kind for the message, as "edge decider" \param hint behind a list of the names
  * \throws UserError for an unknown name, with the nearest. */
 template <typename Interface>
 [[nodiscard]] GraphSlamPlugin<Interface> findPlugin(
     const std::vector<GraphSlamPlugin<Interface>>& plugins,
     const std::string& kind,
-    const std::string& name)
+    const std::string& name,
+    const std::string& hint = "")
 {
   std::vector<std::string> names;
   std::string all;
@@ -52,7 +53,8 @@ template <typename Interface>
     all += (all.empty() ? "" : ", ") + names.back();
   }
   const std::string nearest = nearestWord(name, names);
-  throw UserError(name + ": unknown " + kind +
-                  (nearest.empty() ? "; there is " + all : "; did you mean " + nearest + "?"));
+  throw UserError(
+      name + ": unknown " + kind +
+      (nearest.empty() ? "; there is " + all + hint : "; did you mean " + nearest + "?"));
 }
 }  // namespace dyslam

@@ -4,6 +4,7 @@
 #include <dyslam/core/Options.h>
 #include <dyslam/core/Scan.h>
 
+#include <cmath>
 #include <memory>
 #include <optional>
 #include <string>
@@ -24,8 +25,8 @@ struct PcapSourceOptions : Options
   VelodyneModel model = VelodyneModel::automatic;
   std::string calibration_file;  //!< Velodyne's XML or YAML; empty: MRPT's default of the model
   double min_range = 1.0;        //!< nearer returns (vehicle, housing) are dropped [m]
-  double cut_azimuth = 3.14159265358979323846;  //!< clockwise from ahead [rad]; the rear
-  bool keep_partial = false;  //!< also deliver the incomplete first and last revolution
+  double cut_azimuth = M_PI;     //!< where scans are cut, clockwise from ahead [rad]; the rear
+  bool keep_partial = false;     //!< also deliver the incomplete first and last revolution
 
   void describe(OptionsVisitor& visitor) override;
 };

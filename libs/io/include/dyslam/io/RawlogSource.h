@@ -16,7 +16,7 @@ namespace dyslam
 struct RawlogSourceOptions : Options, ScanRange
 {
   std::string sensor_label;  //!< regex for the lidar's label; empty: the first lidar of the file
-  std::string ground_truth_label = "ground_truth";  //!< of the CObservationRobotPose
+  std::string ground_truth_label = "ground_truth";  //!< sensor label of the CObservationRobotPose
   /** Ground truth without the scan's own time stamp is interpolated if both neighbours are this
    * near.
    */

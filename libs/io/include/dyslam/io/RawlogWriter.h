@@ -16,10 +16,10 @@ class StateArchive;
 
 struct RawlogWriterOptions : Options
 {
-  bool external_storage = false;       //!< clouds as .bin files in `<name>_Images/`
-  int compression_level = 1;           //!< of gzip, 0 (none) to 9
-  std::string sensor_label = "lidar";  //!< for scans that have none
-  std::string ground_truth_label = "ground_truth";
+  bool external_storage = false;                    //!< clouds as .bin files in `<name>_Images/`
+  int compression_level = 1;                        //!< level of gzip, 0 (none) to 9
+  std::string sensor_label = "lidar";               //!< sensor label of scans that have none
+  std::string ground_truth_label = "ground_truth";  //!< sensor label of the true poses
 
   void describe(OptionsVisitor& visitor) override;
 };

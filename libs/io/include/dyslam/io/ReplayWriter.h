@@ -14,11 +14,11 @@ class StateArchive;
 
 struct ReplayWriterOptions : Options
 {
-  int every = 1;                 //!< 1: every scan; the others are left out
-  double resolution = 0.15;      //!< thins the static cloud; 0 keeps every point [m]
-  int scene_points = 30000;      //!< at most so many points in the 3D scene; 0: no scene
+  int every = 1;             //!< interval between written scans; 1: every scan
+  double resolution = 0.15;  //!< static cloud: one point per cube of this side [m]; 0: all points
+  int scene_points = 30000;  //!< at most so many points in the 3D scene; 0: no scene
   int trajectory_points = 2000;  //!< at most so many poses of the trajectory in a scene
-  int compression_level = 1;     //!< of gzip, 0 (none) to 9
+  int compression_level = 1;     //!< level of gzip, 0 (none) to 9
 
   void describe(OptionsVisitor& visitor) override;
 };

@@ -7,6 +7,7 @@
 #include <dyslam/formats/GroundTruth.h>
 #include <dyslam/formats/LabelFiles.h>
 #include <dyslam/odometry/Preprocessor.h>
+#include <dyslam/odometry/ScanPoses.h>
 
 #include <cstddef>
 #include <map>
@@ -21,10 +22,11 @@ namespace dyslam
 struct RunScansOptions
 {
   PreprocessOptions preprocess;
-  std::string labels;       //!< folder of NNNNNN.label, or one with such a `labels` folder
-  std::string tracks;       //!< objects' boxes; those that move are left out of the map
-  std::string scan_table;   //!< scans.csv of the run: scans that were not registered are left out
-  double tolerance = 0.01;  //!< of time stamps against the trajectory's [s]
+  std::string labels;      //!< folder of NNNNNN.label, or one with such a `labels` folder
+  std::string tracks;      //!< objects' boxes; those that move are left out of the map
+  std::string scan_table;  //!< scans.csv of the run: scans that were not registered are left out
+  /** Largest difference of time stamps where the pose cannot be interpolated [s]. */
+  double tolerance = 0.01;
 };
 
 /** A moving object: its path and last box. */
@@ -38,13 +40,12 @@ struct ObjectPath
 class RunScans
 {
  public:
-  /** Reads labels' folder and tracks. \param trajectory has the times of the scans \param pool
-   * outlives this \throws UserError. */
+  /** Reads labels' folder and tracks. \param pool outlives this \throws UserError. */
   RunScans(const Trajectory& trajectory, const RunScansOptions& options, ThreadPool& pool);
 
-  [[nodiscard]] const Trajectory& trajectory() const { return trajectory_; }
-  /** Position of the scan's pose in the trajectory. */
-  [[nodiscard]] std::optional<std::size_t> poseOf(const Frame& frame) const;
+  [[nodiscard]] const Trajectory& trajectory() const { return poses_.trajectory(); }
+  /** The vehicle's pose at the time of the scan, see ScanPoses. */
+  [[nodiscard]] std::optional<Pose> poseOf(const Frame& frame) const;
   /** False if the run could not register it, so that its pose is a guess. */
   [[nodiscard]] bool isRegistered(const Frame& frame) const
   {
@@ -61,8 +62,8 @@ class RunScans
   /** First pass, if there are tracks: the objects of a scan. Every scan comes here before
    * fillMoving(), for an object that moves at all moves in all scans. */
   void noteObjects(const Frame& frame);
-  /** The cloud at the scan's pose. */
-  void fillCloud(Frame& frame, std::size_t pose) const;
+  /** The cloud, deskewed by the motion along the trajectory. */
+  void fillCloud(Frame& frame) const;
   /** What moves by labels, and the objects. \pre cloud and T_odom_vehicle */
   void fillMoving(Frame& frame) const;
   /** One label per point of the cloud. \pre hasLabels() \throws UserError. */
@@ -72,7 +73,7 @@ class RunScans
   [[nodiscard]] std::map<int, ObjectPath> movingObjects() const;
 
  private:
-  Trajectory trajectory_;
+  ScanPoses poses_;
   RunScansOptions options_;
   std::string label_folder_;
   Preprocessor preprocessor_;

@@ -16,11 +16,12 @@ class StateArchive;
 struct HindsightOptions : Options
 {
   bool hindsight = true;     //!< label moving points from earlier and later scans
-  int window = 100;          //!< earlier and later scans used
+  int window = 100;          //!< number of scans used before, and after, the labelled scan
   int history = 400;         //!< scans before the window that are used, every eighth of them
   double voxel_size = 0.2;   //!< side of the voxels that accumulate evidence [m]
   double segment_gap = 0.4;  //!< side of the cells that are clustered to segments [m]
   double margin = 0.5;       //!< a ray must end this far behind a place to observe it as free [m]
+  double moving_threshold = 0.5;  //!< points with a higher probability are moving
   double ground_clearance = 0.3;  //!< lower returns are ground: decided as their surroundings [m]
 
   void describe(OptionsVisitor& visitor) override;
@@ -29,7 +30,7 @@ struct HindsightOptions : Options
 /** What is kept of a frame until it is decided, each more than the one before. Of all but `none`:
  * index, is_keyframe, stamp, dt, clock_offset, motion, poses, T_vehicle_lidar, `moving`,
  * `moving_probability`, detections and objects. */
-enum class KeptParts
+enum class FrameParts
 {
   none,       //!< nothing: the frame is evidence for others, and is not decided itself
   points,     //!< the cloud's points, for tracking
@@ -39,7 +40,7 @@ enum class KeptParts
 };
 
 /** A copy of these parts of a frame, not `none`. */
-[[nodiscard]] Frame copyOf(const Frame& frame, KeptParts parts);
+[[nodiscard]] Frame copyOf(const Frame& frame, FrameParts parts);
 
 /** Labels the moving points of each scan again, from the scans before and after it.
  *
@@ -67,7 +68,7 @@ class HindsightLabels
    * decision and `moving_probability` its probability (one value per cloud point each; above 0.5:
    * moving), and an object that was reported later is `reported`. It never gets those of which
    * `none` is kept. */
-  void add(const Frame& frame, KeptParts kept, const Use& use);
+  void add(const Frame& frame, FrameParts kept, const Use& use);
   /** Decides the remaining frames. */
   void finish(const Use& use);
 

@@ -13,7 +13,7 @@ namespace dyslam
 struct MapExportOptions : Options
 {
   bool full_resolution = false;      //!< clouds with every static point, not one per voxel
-  bool normals = true;               //!< in clouds
+  bool normals = true;               //!< clouds with normals
   double normal_radius = 0.8;        //!< radius of the neighbourhood of a normal [m]
   double tile_size = 0;              //!< clouds in tiles of this side, at least 5 [m]; 0: one file
   double octree_resolution = 0.2;    //!< side of octomap's leaves [m]

@@ -34,18 +34,18 @@ struct StaticMapOptions : Options
   int points_per_voxel = 5;     //!< most keyframe points kept per voxel
   int max_voxels = 1000000000;  //!< beyond, the voxel size doubles
   int min_hits = 1;             //!< voxels hit by fewer keyframes are not part of the map
-  /** insert() first corrects the map where a loop has moved one of its keyframes farther than a
-   * voxel, or this far [m] ... */
+  /** Shift of a keyframe by loops above which insert() first corrects the map [m]: at once if it is
+   * above a voxel, else after correction_growth. */
   double correction_distance = 0.05;
-  /** ... and the map has grown by this fraction since it was corrected. */
+  /** Growth since the last correction, as a fraction. */
   double correction_growth = 0.1;
 
   // Visibility clean-up: voxels that later rays pass through repeatedly were not static.
   bool visibility = true;
   double visibility_range = 40.0;  //!< voxels up to here are checked [m]
   double visibility_margin = 0.5;  //!< a ray must end this far behind the voxel [m]
-  int visibility_min_views = 3;    //!< keyframes that observed it as free, at least ...
-  double visibility_ratio = 1.5;   //!< ... and this many times as many as hit it
+  int visibility_min_views = 3;    //!< least number of keyframes that observed it as free
+  double visibility_ratio = 1.5;   //!< least ratio of these to the keyframes that hit it
   double ground_clearance = 0.3;   //!< voxels this near to the lowest of their column stay [m]
   MapChanges changes = MapChanges::latest;  //!< of maps of several runs
 

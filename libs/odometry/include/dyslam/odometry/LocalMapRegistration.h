@@ -26,7 +26,7 @@ enum class RefineMethod
 struct RefineOptions : Options
 {
   RefineMethod method = RefineMethod::point_to_plane;
-  double cell_size = 0.4;  //!< of the map; surfaces are computed from 3 x 3 x 3 cells [m]
+  double cell_size = 0.4;  //!< least cell size; surfaces are computed from 3 x 3 x 3 cells [m]
   /** Levels of the map, each with cells twice as large. A surface is taken from the smallest cells
    * that have one, so that rings far apart have surfaces, too. 0: by the ring spacing of the first
    * scan. */
@@ -36,18 +36,17 @@ struct RefineOptions : Options
    * this are left out. */
   double min_incidence = 4;
   double max_points_per_cell = 200;  //!< upper limit of the points per cell
-  double map_spacing = 0.1;          //!< least distance of successive points along a ring [m]
-  double map_radius = 100;           //!< farther cells are dropped [m]
-  double sample_size = 0.8;          //!< registered points: one per cube of this side [m]
-  double sparse_sample_size = 0.4;   //!< the same where the map has several levels [m]
-  int max_points = 10000;            //!< upper limit of the registered points per scan
-  int max_iterations = 25;           //!< per level of the map
-  double loss_width = 0.06;          //!< of the robust loss for good initial guesses [m]
-  double max_loss_width = 0.6;       //!< its initial value after bad initial guesses [m]
-  double initial_sigma = 2;  //!< of the initial guess of the first registration to a map [m]
-  double guess_sigma = 0.3;  //!< of an initial guess that is not the prior [m]
-  double guess_sigma_angle = 0.0349;      //!< ... and of its rotation [rad]
-  double odometry_information_scale = 0;  //!< of the matcher's information, added to the guess's
+  double map_spacing = 0.1;  //!< least distance of successive points of a ring in the map [m]
+  double map_radius = 100;   //!< distance beyond which cells are dropped [m]
+  double sample_size = 0.8;  //!< side of the cubes with one registered point each [m]
+  double sparse_sample_size = 0.4;  //!< sample_size for maps of several levels [m]
+  int max_points = 10000;           //!< upper limit of the registered points per scan
+  int max_iterations = 25;          //!< upper limit per level of the map
+  double loss_width = 0.06;         //!< final width of the robust loss [m]
+  double max_loss_width = 0.6;      //!< largest initial width, after bad initial guesses [m]
+  double initial_sigma = 2;  //!< sigma of the initial guess at the first registration to a map [m]
+  double guess_sigma = 0.3;  //!< sigma of a guess that is not the prior: translation [m]
+  double guess_sigma_angle = 0.0349;  //!< sigma of such a guess: rotation [rad]
   /** Residuals of neighbouring points are correlated: this many count as one measurement. Tunnels
    * and open fields, where the prior must outweigh the sampling pattern, need this many; on KITTI
    * drive 0005 the normalised squared error is 0.9 with it, where 6 is exact. */
@@ -83,7 +82,7 @@ struct RegistrationResult
   double inlier_share = 0;    //!< weight of the inliers over that of all registered points
   double surface_share = 0;   //!< weight of the points with a surface in the map over that of all
   double inlier_ratio = 0;    //!< weight of the inliers over that of the points with a surface
-  double loss_width = 0;      //!< of the robust loss at the start [m]
+  double loss_width = 0;      //!< initial width of the robust loss [m]
   std::size_t points = 0;     //!< registered
   std::size_t map_cells = 0;  //!< before the frame is integrated
 };
@@ -116,6 +115,12 @@ class LocalMapRegistration
                                                  const Pose& T_odom_vehicle_guess,
                                                  const MotionPrior* prior = nullptr,
                                                  std::optional<double> initial_sigma = {});
+
+  /** registerFrame() of the same frame once more, from another guess, as if it had not been
+   * registered yet. Between registerFrame() and integrate() only. */
+  [[nodiscard]] RegistrationResult registerAgain(const Frame& frame,
+                                                 const Pose& T_odom_vehicle_guess,
+                                                 const MotionPrior* prior);
 
   /** The result of registerFrame(), without changing the object. Between integrate() and
    * registerFrame() only. \throws std::logic_error if the map has fewer than two frames. */

@@ -13,10 +13,10 @@ class StateArchive;
 /** Ini section `[motion]`. */
 struct MotionFilterOptions : Options
 {
-  double acceleration = 3;           //!< standard deviation of the acceleration [m/s^2]
-  double angular_acceleration = 1;   //!< [rad/s^2]
-  double start_speed_sigma = 20;     //!< of the velocity at the first scan, if not known [m/s]
-  double start_turn_rate_sigma = 1;  //!< of the turn rate at the first scan [rad/s]
+  double acceleration = 3;          //!< sigma of the acceleration [m/s^2]
+  double angular_acceleration = 1;  //!< sigma of the angular acceleration [rad/s^2]
+  double start_speed_sigma = 20;    //!< sigma of the velocity at the first scan, if not known [m/s]
+  double start_turn_rate_sigma = 1;  //!< sigma of the angular velocity at the first scan [rad/s]
   void describe(OptionsVisitor& visitor) override;
 };
 

@@ -28,7 +28,7 @@ struct OdometryOptions : Options
   /** Forward speed at the first scan, if known; 0: not known. Among vehicles that all move alike
    * nothing else shows the speed at the start of a recording. [m/s] */
   double start_speed = 0;
-  double start_speed_sigma = 3;  //!< of start_speed, where it is given [m/s]
+  double start_speed_sigma = 3;  //!< sigma of start_speed, where that is given [m/s]
 
   void describe(OptionsVisitor& visitor) override;
 };
@@ -37,22 +37,22 @@ struct OdometryOptions : Options
  * weighted against the motion filter's prior. */
 struct FusionOptions : Options
 {
-  double segmenter_sigma = 0.1;          //!< of the segmenter's ego-motion, in the plane [m]
-  double segmenter_sigma_angle = 0.005;  //!< ... and of its heading [rad]
-  double matcher_sigma = 0.1;            //!< of a scan matcher's motion [m]
-  double matcher_sigma_angle = 0.02;     //!< [rad]
-  double gate = 4;  //!< Mahalanobis distance to the prior beyond which either is rejected
-  /** The same for a matcher that fuses the prior itself: a large correction of the prior means that
-   * it has matched the traffic. */
-  double informed_sigma = 0.03;         //!< [m]
-  double informed_sigma_angle = 0.006;  //!< [rad]
+  double segmenter_sigma = 0.1;          //!< sigma of the segmenter's ego-motion in x and y [m]
+  double segmenter_sigma_angle = 0.005;  //!< sigma of the segmenter's heading change [rad]
+  double matcher_sigma = 0.1;         //!< sigma of the translation of a scan matcher's motion [m]
+  double matcher_sigma_angle = 0.02;  //!< sigma of the rotation of a scan matcher's motion [rad]
+  double gate = 4;  //!< largest Mahalanobis distance to the prior of an accepted motion
+  /** Sigmas and gate of a matcher that fuses the prior itself: a large correction of the prior
+   * means that it has matched the traffic. */
+  double informed_sigma = 0.03;         //!< sigma of the translation [m]
+  double informed_sigma_angle = 0.006;  //!< sigma of the rotation [rad]
   double informed_gate = 1;
   /** First registration to a map: standard deviation of the initial guess where the segmenter, or
    * a matcher that fuses the prior, has given it [m]. */
   double segmenter_initial_sigma = 0.3;
   double matcher_initial_sigma = 0.1;
-  double reliable_prior_sigma = 0.1;  //!< up to this, segmenters search around the prior alone [m]
-  double min_static_prior = 0.2;      //!< points with a lower static probability have zero weight
+  double reliable_prior_sigma = 0.1;  //!< below, segmenters search only around the prior [m]
+  double min_static_prior = 0.2;      //!< static probability below which points have zero weight
 
   void describe(OptionsVisitor& visitor) override;
 };

@@ -7,6 +7,8 @@
 #include <dyslam/core/Pose.h>
 #include <dyslam/core/Scan.h>
 
+#include <utility>
+
 namespace dyslam
 {
 enum class DeskewMode
@@ -21,7 +23,7 @@ enum class DeskewMode
 struct PreprocessOptions : Options
 {
   double min_range = 1.5;  //!< nearer returns are the vehicle itself [m]
-  double max_range = 100;  //!< [m]
+  double max_range = 100;  //!< farther returns are dropped [m]
   DeskewMode deskew = DeskewMode::automatic;
   SweepModel sweep;  //!< for azimuth deskew
   /** Azimuth deskew: the fraction of the sweep at which the frame's pose is taken. KITTI's stamps
@@ -54,6 +56,10 @@ class Preprocessor
                               const Pose& T_previous_current,
                               double dt,
                               double sweep_duration = 0) const;
+
+  /** When prepare() takes the first and the last point of a scan to be measured, from its stamp
+   * [s]. \param sweep_duration of one revolution [s]; 0: unknown, then both may be 0 */
+  [[nodiscard]] std::pair<double, double> sweepSpan(const Scan& scan, double sweep_duration) const;
 
   [[nodiscard]] const PreprocessOptions& options() const { return options_; }
 

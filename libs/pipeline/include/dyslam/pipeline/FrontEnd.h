@@ -32,7 +32,7 @@ struct FrontEndWaits
 class FrontEnd
 {
  public:
-  /** Loads [dyseg], [preprocess], the segmenters' sections, [dyseg_filter] and those of Odometry.
+  /** Loads [dyseg], [preprocess], the segmenters' sections and those of Odometry.
    * \param threads 0: as many as the machine has \param times outlives the object; gets the time of
    * each stage. \throws UserError for bad options. */
   FrontEnd(int threads, ConfigLoader& config, mrpt::system::CTimeLogger& times);

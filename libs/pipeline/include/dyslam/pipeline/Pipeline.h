@@ -24,13 +24,13 @@ class StateArchive;
 class Backend;
 class StaticMap;
 struct FrontEndWaits;
-enum class KeptParts;
+enum class FrameParts;
 
 struct PipelineOptions : Options
 {
-  int threads = 0;                 //!< 0: as many as the machine has
+  int threads = 0;                 //!< threads of the stages' loops; 0: one per core
   bool tracking = true;            //!< detect and track moving objects
-  bool hindsight_tracking = true;  //!< again with the labels of `labels.hindsight`
+  bool hindsight_tracking = true;  //!< track again with the labels of `labels.hindsight`
   bool mapping = true;             //!< build the static map
   void describe(OptionsVisitor& visitor) override;
 };
@@ -66,7 +66,7 @@ class Pipeline
 
   /** FrontEnd::process(). */
   void runFrontEnd(Frame& frame, const Frame* next = nullptr);
-  /** deskew(), trackObjects(), addOdometry(), addLoops(), optimise() and addToMap(). */
+  /** deskew(), trackObjects(), addOdometry(), addLoops(), optimise() and finaliseFrames(). */
   void runBackEnd(Frame& frame);
 
   // The steps of runBackEnd(), for callers that do something in between, as MRPT's graph-SLAM
@@ -82,19 +82,19 @@ class Pipeline
   std::size_t addLoops(const Frame& frame);
   /** Backend::optimise(). \return whether a keyframe was moved. */
   bool optimise(Frame& frame);
-  /** Decides again what moves in the scans before, where `labels.hindsight` is on, and adds decided
-   * keyframes to the map, if mapping is on. The first frame waits for the second one, whose motion
-   * deskews it. */
-  void addToMap(const Frame& frame);
+  /** Makes final what can be: moving points and objects of the scans whose later scans are known
+   * (`labels.hindsight`), which onFinal()'s receiver gets, and the map of final keyframes, if
+   * mapping is on. The first frame waits for the second one, whose motion deskews it. */
+  void finaliseFrames(const Frame& frame);
 
   /** Sets the receiver of every frame, in order, once its moving points and objects are final: with
    * `labels.hindsight` some seconds later, the last ones in finish().
    * \param parts what it needs of a frame, `points` at least; the less, the less memory. */
-  void onDecided(std::function<void(Frame)> use, KeptParts parts);
+  void onFinal(std::function<void(Frame)> use, FrameParts parts);
   /** Whether decided frames have other objects than those of trackObjects(), with ids of their own:
    * detected and tracked again with hindsight (`pipeline.hindsight_tracking`). Not if objects are
    * in the graph, which has those of trackObjects(). */
-  [[nodiscard]] bool tracksAgain() const;
+  [[nodiscard]] bool tracksWithHindsight() const;
 
   /** After the last frame: optimises once more and corrects the map. */
   void finish();

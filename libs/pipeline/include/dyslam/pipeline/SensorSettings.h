@@ -24,35 +24,40 @@ enum class RingsWanted
  * complete; one without changes the settings that fit the recording. */
 struct SensorOptions : Options
 {
-  bool automatic = false;  //!< selected automatically for recordings of such sensors
+  bool automatic = false;  //!< select this ini automatically for such sensors
   RingsWanted rings = RingsWanted::any;
-  double min_ring_spacing = 0;    //!< [rad]
-  double max_ring_spacing = 0.7;  //!< [rad]
+  double min_ring_spacing = 0;    //!< least median spacing of neighbouring rings [rad]
+  double max_ring_spacing = 0.7;  //!< largest median spacing of neighbouring rings [rad]
 
   void describe(OptionsVisitor& visitor) override;
 };
 
-/** Properties of a lidar, measured from the first scans of a recording. */
+/** Properties of a lidar, measured from the first scans of a recording that have many returns. */
 struct RecordedSensor
 {
-  ScanPattern pattern;     //!< of the scan that shows most rings
-  double period = 0;       //!< between scans, median [s]; 0 for a single scan
-  bool has_times = false;  //!< points have times, even if all the same (deskewed before)
+  ScanPattern pattern;       //!< of the scan that shows most rings
+  double share_above = 0;    //!< of its returns: above the lidar, with the axes of the vehicle
+  double period = 0;         //!< between scans, median [s]; 0 for a single scan
+  bool has_times = false;    //!< points have times, even if all the same (deskewed before)
+  bool equal_times = false;  //!< ... which are the same for all points of a scan
+  std::size_t scans = 0;     //!< looked at
 
   /** "16 rings, 2.0 deg apart, -15.0 to 15.0 deg, to 98 m, 10.0 Hz". */
   [[nodiscard]] std::string summary() const;
-  /** Missing point times, what follows from that and what can be done; empty if they are there.
+  /** Missing or equal point times, what follows from that and what can be done; empty if there is
+   * nothing to say.
    * \param deskew value of preprocess.deskew */
   [[nodiscard]] std::string missingTimes(const std::string& deskew) const;
   /** The same with preprocess.deskew of a run's config. */
   [[nodiscard]] std::string missingTimes(const Config& config) const;
 };
 
-/** Reads a few scans. \throws UserError if there is none. */
+/** Reads a few scans, up to fifty until five of them have many returns.
+ * \throws UserError if there is none. */
 [[nodiscard]] RecordedSensor recogniseSensor(const std::string& rawlog,
                                              const RawlogSourceOptions& input);
 
-/** The same from the first scans of a live sensor; five are enough.
+/** The same from the first scans of a live sensor; five with many returns are enough.
  * \param frames `scan` of each is read \throws std::invalid_argument without a frame. */
 [[nodiscard]] RecordedSensor recogniseSensor(const std::vector<Frame>& frames);
 
@@ -64,13 +69,13 @@ struct ChosenSettings
   Config config;
   std::string source;  //!< the inis: "vlp16.ini", "vlp16.ini + my.ini"
   std::vector<std::string>
-      warnings;  //!< settings that clearly do not fit the sensor, one sentence each
+      warnings;  //!< settings that clearly do not fit, a recording to be checked; a sentence each
 };
 
 /** The settings for a recording: those of an ini that names the sensors it is for, else the shipped
  * ones that fit the sensor, changed by those of the ini.
  * \param given of the user's ini; empty without \param name of it; empty without
- * \throws UserError for a shipped ini that cannot be read. */
+ * \throws UserError for a shipped ini that cannot be read or is not found. */
 [[nodiscard]] ChosenSettings settingsFor(const RecordedSensor& sensor,
                                          const Config& given,
                                          const std::string& name);

@@ -29,10 +29,14 @@ struct SlamRunSettings
   std::vector<std::string> warnings;  //!< about the settings; for the report
   bool force = false;                 //!< replace files that no run wrote
   bool probabilities = false;         //!< write the moving probability of each point, .bin files
-  bool static_scans = false;   //!< write the scans without moving points: .bin files and a rawlog
-  bool labels = false;         //!< write labels/NNNNNN.label, one entry per point of the input scan
-  std::string profile_csv;     //!< times of every stage, if not empty
-  std::function<bool()> stop;  //!< polled after every scan: true ends the run there
+  bool static_scans = false;  //!< write the scans without moving points: .bin files and a rawlog
+  bool labels = false;        //!< write labels/NNNNNN.label, one entry per point of the input scan
+  std::string profile_csv;    //!< times of every stage, if not empty
+  /** Polled before the output folder is opened, where true leaves it as it is, and after every
+   * scan: true ends the run there. */
+  std::function<bool()> stop;
+  /** Gets warnings that should not wait for the report, which has them too; from any thread. */
+  std::function<void(const std::string&)> warn;
 };
 
 /** Result of a run; the same is in report.json. */
@@ -43,8 +47,9 @@ struct SlamRunReport
   std::size_t unconverged = 0;      //!< frames whose motion was predicted, not measured
   std::size_t odometry_failed = 0;  //!< frames on which odometry.method found no motion
   std::size_t keyframes = 0;
-  std::size_t loops = 0;
-  std::size_t tracks = 0;  //!< confirmed moving objects
+  std::size_t loops = 0;           //!< in use
+  std::size_t loops_left_out = 0;  //!< that contradict these and the odometry
+  std::size_t tracks = 0;          //!< confirmed moving objects
   std::size_t map_points = 0;
   double path_length = 0;      //!< [m]
   double ms_per_scan = 0;      //!< mean of all stages, without reading and writing files
@@ -127,4 +132,8 @@ SlamRunReport resumeSlam(const SlamRunSettings& given,
 
 /** Whether the output folder of a run has a checkpoint, which resumeSlam() continues from. */
 [[nodiscard]] bool hasCheckpoint(const std::string& output_folder);
+
+/** All settings of the run whose checkpoint is in the folder.
+ * \throws UserError if there is no checkpoint, or it cannot be used. */
+[[nodiscard]] Config settingsOfCheckpoint(const std::string& output_folder);
 }  // namespace dyslam

@@ -17,13 +17,13 @@ struct RawlogSourceOptions;
 struct StartOptions : Options
 {
   bool search = true;     //!< search for the initial speed if the first scans do not determine it
-  int scans = 10;         //!< used for the search
-  double slowest = -5;    //!< speeds that are tried [m/s]
-  double fastest = 45;    //!< [m/s]
-  double step = 5;        //!< between them [m/s]
-  double sigma = 1.5;     //!< of a speed that is tried, and of the one found [m/s]
-  double max_drift = 2;   //!< upper limit of the drift of a speed [m/s]
-  double min_margin = 6;  //!< support over that of the speed that the odometry finds [m^2/s^2]
+  int scans = 10;         //!< number of first scans used in the search
+  double slowest = -5;    //!< lowest speed that is tried [m/s]
+  double fastest = 45;    //!< highest speed that is tried [m/s]
+  double step = 5;        //!< step between the speeds that are tried [m/s]
+  double sigma = 1.5;     //!< sigma of a speed that is tried, and of the one found [m/s]
+  double max_drift = 2;   //!< limit of the change of a tried speed over the scans [m/s]
+  double min_margin = 6;  //!< least support beyond that of the odometry's own speed [m^2/s^2]
 
   void describe(OptionsVisitor& visitor) override;
 };

@@ -61,11 +61,12 @@ struct RunPage
   std::map<std::string, double> stage_ms;  //!< mean per scan [ms]
 
   std::vector<PageScan> scans;
-  Trajectory trajectory;         //!< of the vehicle in the map frame, a pose per scan
-  Trajectory odometry;           //!< before the graph, a pose per scan, in a frame of its own
-  Trajectory reference;          //!< ground truth in the map frame; empty where there is none
-  std::string reference_origin;  //!< where the ground truth is from, and whether it is exact
-  std::vector<PageLoop> loops;
+  Trajectory trajectory;            //!< of the vehicle in the map frame, a pose per scan
+  Trajectory odometry;              //!< before the graph, a pose per scan, in a frame of its own
+  Trajectory reference;             //!< ground truth in the map frame; empty where there is none
+  std::string reference_origin;     //!< where the ground truth is from, and whether it is exact
+  std::vector<PageLoop> loops;      //!< in use
+  std::size_t loops_left_out = 0;   //!< that contradict these
   std::vector<PageObject> objects;  //!< those that moved
 
   const std::vector<Eigen::Vector3f>* map_points = nullptr;  //!< map frame [m]; null: no map

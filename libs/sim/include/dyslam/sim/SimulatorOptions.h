@@ -32,9 +32,9 @@ struct SimulatorOptions : Options
 {
   WorldKind world = WorldKind::urban;
   SensorKind sensor = SensorKind::hdl64e;
-  double traffic = 0.4;  //!< density, from 0 (nothing moves) to 1 (jam)
+  double traffic = 0.4;  //!< traffic density, from 0 (nothing moves) to 1 (jam)
   int seed = 1;
-  int traffic_seed = -1;  //!< of what moves and of noise; below 0: seed, which is then the world's
+  int traffic_seed = -1;  //!< seed of traffic, ego-motion and noise; below 0: seed
   EgoKind ego = EgoKind::automatic;
 
   double ego_speed = 0;  //!< cruising speed [m/s]; 0 for the default of the world
@@ -47,8 +47,8 @@ struct SimulatorOptions : Options
 
   bool motion_distortion = true;  //!< false: all points are measured at the stamp
   bool noise = true;              //!< false: exact ranges without losses
-  int columns = 0;                //!< firings per revolution; 0 for the sensor's
-  double max_range = 0;           //!< [m]; 0 for the sensor's
+  int columns = 0;                //!< firings per revolution; 0: those of the sensor
+  double max_range = 0;           //!< largest range of a return [m]; 0: that of the sensor
   double moving_speed = 0.2;      //!< speed above which bodies are labelled moving [m/s]
 
   /** Seed of traffic, motion of the ego and noise. */

@@ -13,13 +13,13 @@ namespace dyslam
  * sensor. */
 struct ClassNoise : Options
 {
-  double radial = 0.08;                  //!< along the line of sight at r = 0 [m]
-  double radial_per_range = 0.005;       //!< its increase [m/m]
-  double tangential = 0.05;              //!< across it, horizontally [m]
-  double tangential_per_range = 0.0015;  //!< its increase [m/m]
-  double height = 0.06;                  //!< of the centre's z [m]
-  double yaw = 0.035;                    //!< of the heading at r = 0 [rad]
-  double yaw_per_range = 0.0014;         //!< its increase [rad/m]
+  double radial = 0.08;             //!< sigma along the line of sight at r = 0 [m]
+  double radial_per_range = 0.005;  //!< increase of radial with range [m/m]
+  double tangential = 0.05;         //!< sigma across the line of sight, horizontally, at r = 0 [m]
+  double tangential_per_range = 0.0015;  //!< increase of tangential with range [m/m]
+  double height = 0.06;                  //!< sigma of the centre's z [m]
+  double yaw = 0.035;                    //!< sigma of the heading at r = 0 [rad]
+  double yaw_per_range = 0.0014;         //!< increase of yaw with range [rad/m]
 
   void describe(OptionsVisitor& visitor) override;
 };
@@ -29,7 +29,7 @@ struct ClassNoise : Options
  * 4. */
 struct DetectionNoiseOptions : Options
 {
-  double factor = 1;  //!< on all standard deviations
+  double factor = 1;  //!< factor on all standard deviations
   ClassNoise vehicle;
   ClassNoise cyclist;
   ClassNoise pedestrian;

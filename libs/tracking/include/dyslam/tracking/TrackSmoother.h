@@ -10,8 +10,8 @@ namespace dyslam
 {
 struct TrackSmoothingOptions : Options
 {
-  double window = 1.5;  //!< earlier and later observations used [s]; 0: tracks are not smoothed
-  int degree = 2;       //!< of the polynomials
+  double window = 1.5;  //!< time before and after whose observations are used [s]; 0: not smoothed
+  int degree = 2;       //!< degree of the polynomials; 0: velocities stay as they are
 
   void describe(OptionsVisitor& visitor) override;
 };
@@ -29,9 +29,10 @@ struct TrackState
  * weighted regression with polynomials (Cleveland, 1979), a centred form of the sliding window of
  * the paper's Eqs. 2-5. The velocity is their derivative.
  *
- * The degree is reduced where there are few observations; a state without any in its window stays
- * as it is. Same bytes for the same input. \param track by time, which increases \throws
- * std::invalid_argument if it does not. */
+ * The degree is reduced where there are few observations. At degree 0 (one observation in the
+ * window) a state keeps its velocity; without observations in its window it stays as it is. Same
+ * bytes for the same input. \param track by time, which increases \throws std::invalid_argument if
+ * it does not. */
 [[nodiscard]] std::vector<TrackState> smoothTrack(const std::vector<TrackState>& track,
                                                   const TrackSmoothingOptions& options);
 }  // namespace dyslam

@@ -11,28 +11,30 @@ namespace dyslam
 {
 class StateArchive;
 
-/** Track lifecycle and association of one class of objects. */
+/** Track lifecycle and association of one class of objects. The cost of a pair is the sum of
+ * (Mahalanobis distance / gate)^2 and the weighted terms. Tentative tracks of one observation,
+ * whose velocity is not known, choose after all others and by the boxes' shapes instead of the
+ * overlap. */
 struct ClassTracking : Options
 {
   double birth_score = 0;        //!< least score of a detection that starts a track
   double match_score = 0;        //!< least score of a detection that is used
   int confirm_hits = 3;          //!< observations after which a track is confirmed
-  double confirm_score = 1e6;    //!< sum of scores that confirms a track as well
-  int max_misses = 10;           //!< misses in a row of a confirmed track; then it is deleted
-  int max_tentative_misses = 2;  //!< misses in a row of a tentative track
+  int max_misses = 10;           //!< misses in a row of a confirmed track after which it is deleted
+  int max_tentative_misses = 2;  //!< misses in a row of a tentative track after which it is deleted
   int report_misses = 2;         //!< misses in a row during which a confirmed track is reported
   double gate_sigmas = 4;        //!< largest Mahalanobis distance of a pair
   double gate_distance = 4;      //!< largest distance of a pair [m]
-  double min_sigma = 0.2;        //!< added to the predicted position's covariance [m]
-  double position_weight = 1;    //!< weight of (Mahalanobis distance / gate)^2 in the cost
+  double max_speed = 50;         //!< up to which tentative tracks of one observation pair [m/s]
+  double min_sigma = 0.2;        //!< sigma added to the predicted position [m]
   double overlap_weight = 1;     //!< weight of (1 - GIoU) / 2 in the cost
   double heading_weight = 0.2;   //!< weight of the angle between the axes / 90 deg in the cost
   double max_cost = 1.2;         //!< largest cost of a pair
   double min_overlap = -1;       //!< least GIoU of a pair
   double score_memory = 1;   //!< weight of earlier scores in a track's mean score, per observation
-  double score_prior = 3;    //!< zero scores added to the mean of a track's scores
-  double miss_prior = 1;     //!< zero scores added for each miss
-  double speed_sigma = 8;    //!< of a new track's speed, motion = kalman [m/s]
+  double score_prior = 3;    //!< number of zero scores added to the mean of a track's scores
+  double miss_prior = 1;     //!< number of zero scores added for each miss
+  double speed_sigma = 15;   //!< sigma of a new track's speed [m/s]
   double velocity_walk = 2;  //!< random walk of the velocity, motion = kalman [m/s/sqrt(s)]
 
   void describe(OptionsVisitor& visitor) override;
@@ -49,19 +51,18 @@ enum class TrackMotion
 enum class AssociationMethod
 {
   shortest_paths,
-  hungarian,
   greedy
 };
 
 struct TrackerOptions : Options
 {
   TrackMotion motion = TrackMotion::adaptive;
-  int degree = 2;   //!< of the fit, motion = polynomial
-  int window = 30;  //!< observations in the fit, motion = polynomial
+  int degree = 2;   //!< degree of the fitted polynomial, motion = polynomial
+  int window = 30;  //!< number of observations in the fit, motion = polynomial
   AssociationMethod association = AssociationMethod::shortest_paths;
   double dynamic_speed = 1.0;   //!< speed above which an object becomes dynamic (V_thres) [m/s]
-  double static_speed = 0.5;    //!< speed below which it becomes static again [m/s]
-  double dynamic_sigmas = 2.5;  //!< least speed in standard deviations
+  double static_speed = 0.5;    //!< speed below which a dynamic object becomes static again [m/s]
+  double dynamic_sigmas = 2.5;  //!< least speed of a dynamic object, relative to the speed's sigma
   int dynamic_hits = 3;         //!< scans in a row that must agree on a change
   /** Scans in a row in which a dynamic object is followed by the points in its predicted box alone;
    * 0: none. */

@@ -15,14 +15,14 @@ struct AugmentationOptions : Options
       0.12;  //!< standard deviation of T_aug along x; half of it along y, a quarter along z [m]
   double yaw =
       0.0175;  //!< standard deviation of T_aug's yaw; a third of it in pitch and roll [rad]
-  double mirror = 0.5;          //!< probability
+  double mirror = 0.5;          //!< probability that a pair is mirrored
   double turned = 0.2;          //!< probability of a common random heading of both scans
   double range_noise = 0.01;    //!< largest standard deviation of added range noise [m]
   double point_dropout = 0.15;  //!< largest share of points left out
   double beam_dropout = 0.1;    //!< probability of leaving out all but every 2nd or 4th beam
   double bodies = 0.5;          //!< probability of pasted bodies
   int most_bodies = 8;          //!< most bodies pasted into a pair
-  double co_moving = 0.4;       //!< share of bodies that move with the ego-vehicle
+  double co_moving = 0.4;       //!< share of pasted bodies that move with the ego-vehicle
 
   void describe(OptionsVisitor& visitor) override;
 };

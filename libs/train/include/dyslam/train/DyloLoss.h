@@ -11,10 +11,10 @@ namespace dyslam
 {
 struct DyloLossOptions : Options
 {
-  double flow = 0.2;      //!< error of the soft correspondences at the true motion
-  double precision = 1;   //!< negative log-likelihood of the residuals at the true pose
-  double moving = 0.3;    //!< cross-entropy of static confidence where labels are known
-  double final_pose = 0;  //!< log error of the pose of the last, dense pass
+  double flow = 0.2;      //!< weight of the error of the soft correspondences
+  double precision = 1;   //!< weight of the negative log-likelihood of the residuals
+  double moving = 0.3;    //!< weight of the cross-entropy of moving labels
+  double final_pose = 0;  //!< weight of the log error of the pose of the last, dense pass
 
   void describe(OptionsVisitor& visitor) override;
 };

@@ -9,9 +9,9 @@ struct DysegLossOptions : Options
 {
   int iterations = 2;          //!< flow updates in training
   double decay = 0.8;          //!< weight of an update's flow relative to the next one's
-  int points = 3072;           //!< of a pair in the point loss
-  double first_noise = 0.35;   //!< m, error of the guide at 1/4 resolution; its yaw 1.5 deg per m
-  double second_noise = 0.06;  //!< m, error of the static flow in training
+  int points = 3072;           //!< number of points of a pair in the point loss
+  double first_noise = 0.35;   //!< sigma of the guide at 1/4 resolution [m]; its yaw: 1.5 deg per m
+  double second_noise = 0.06;  //!< sigma of the static flow [m]
   void describe(OptionsVisitor& visitor) override;
 };
 }  // namespace dyslam

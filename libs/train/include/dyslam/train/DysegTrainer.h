@@ -18,39 +18,37 @@ struct DysegTrainerOptions : Options
 {
   std::string data;               //!< folder with the real data; empty: simulated data only
   std::string splits = "splits";  //!< training, validation and test frames
-  std::string boxed_run = "vls128_run88";  //!< under `data`; empty for none
-  int boxed_last = 47;                     //!< its last training frame
-  std::string labelled_run;                //!< folder under `data` with labels; empty for none
-  std::string labelled_poses = "poses_icp_raw_velo.txt";  //!< in the folders with labels
-  int labelled_last = 79;                                 //!< its last training frame
+  std::string boxed_run = "vls128_run88";  //!< training run with boxes, under `data`; empty: none
+  int boxed_last = 47;                     //!< last training frame of `boxed_run`
   /** Frames of a run with boxes and of one with labels that are evaluated and never trained on.
    * They are compared with frames before them, up to 8 back, that may be. Empty for none. */
   std::string boxed_validation = "vls128_run88";
   int boxed_validation_first = 48;
   int boxed_validation_last = 63;
   std::string labelled_validation = "kitti_raw_2011_09_26_drive_0005";
+  std::string labelled_poses = "poses_icp_raw_velo.txt";  //!< in its folder
   int labelled_validation_first = 80;
   int labelled_validation_last = 109;
   std::string single_scans = "hdl64_singles_sceneflow,hdl64_singles_object/velodyne";
-  double simulated_share = 0.5;  //!< of pairs; the rest is real, if there is any
-  double single_share = 0.3;     //!< of real pairs
-  double twice_share = 0.1;      //!< of pairs of runs and clips: one scan, seen twice
+  double simulated_share = 0.5;  //!< share of simulated pairs; the rest is real, if there is any
+  double single_share = 0.3;     //!< share of real pairs from single scans
+  double twice_share = 0.1;      //!< share of pairs of runs and clips from one scan, seen twice
   int gap = 8;                   //!< scans between those that the application compares
   double gap_share = 0;  //!< of pairs of runs and clips, that far apart; the others 1 to 10 scans
-  double campus_share = 0.25;    //!< of simulated clips; the others are streets and highways
-  double highway_share = 0.2;    //!< of the clips that are not of a campus
-  double few_beams_share = 0.2;  //!< of simulated clips, seen by 16 beams
-  int simulated_pool = 80;       //!< clips kept; the oldest is replaced
+  double campus_share = 0.25;    //!< share of simulated clips on a campus
+  double highway_share = 0.2;    //!< share on a highway, of the clips that are not on a campus
+  double few_beams_share = 0.2;  //!< share of simulated clips with 16 beams
+  int simulated_pool = 80;       //!< number of clips kept; the oldest is replaced
   int simulate_every = 16;       //!< steps between new clips
   int crop = 256;                //!< cells along each side in training
-  double crop_reach = 26;        //!< m, greatest distance of its centre from the sensor, in x and y
+  double crop_reach = 26;        //!< largest distance of a crop's centre, in x and in y [m]
   int steps = 100000;
   int batch = 2;  //!< pairs in a step, up to 64
   LearningRateOptions rate;
   double mean_decay = 0.998;  //!< decay of the exponential moving average of the weights
   double weight_decay = 1e-4;
-  int checkpoint_every = 100;  //!< steps
-  int validate_every = 1500;   //!< steps
+  int checkpoint_every = 100;  //!< steps between checkpoints
+  int validate_every = 1500;   //!< steps between validations; 0: none
   int threads = 1;             //!< pairs computed at a time
   int seed = 1;
 

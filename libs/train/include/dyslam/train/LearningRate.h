@@ -13,8 +13,8 @@ struct LearningRateOptions : Options
 {
   double learning_rate = 1e-3;
   double last_share = 0.02;  //!< final rate as a fraction of `learning_rate`
-  double decay_from = 0.5;   //!< share of the steps
-  int warm_up = 100;         //!< steps
+  double decay_from = 0.5;   //!< fraction of the steps after which the rate decays
+  int warm_up = 100;         //!< steps of the linear warm-up
 
   void describe(OptionsVisitor& visitor) override;
 

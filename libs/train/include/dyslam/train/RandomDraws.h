@@ -49,7 +49,7 @@ class RandomDraws
   double normal(double deviation)
   {
     const double radius = std::sqrt(-2 * std::log(1 - uniform()));
-    return deviation * radius * std::cos(6.283185307179586 * uniform());
+    return deviation * radius * std::cos(2 * M_PI * uniform());
   }
 
  private:

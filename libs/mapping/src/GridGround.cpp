@@ -1,0 +1,224 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "GridGround.h"
+
+#include <dyslam/core/Quantile.h>
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+
+namespace dyslam
+{
+namespace
+{
+constexpr double column_side = 1.0;        // [m]
+constexpr int columns_around = 2;          // to each side
+constexpr std::size_t fewest_columns = 6;  // for a slope
+constexpr double on_plane = 0.08;          // largest distance of a column that a plane fits [m]
+constexpr double slope_prior = 0.5;        // weight of no slope, for columns in a line [m^2]
+
+/** \param dx, dy columns from the one at `p` */
+std::uint64_t columnKey(const Eigen::Vector2d& p, int dx = 0, int dy = 0)
+{
+  return voxelKey({static_cast<std::int32_t>(std::floor(p.x() / column_side)) + dx,
+                   static_cast<std::int32_t>(std::floor(p.y() / column_side)) + dy, 0});
+}
+
+std::vector<double> heightsOver(const Eigen::Vector2d& slope,
+                                const std::vector<Eigen::Vector3d>& points)
+{
+  std::vector<double> heights;
+  heights.reserve(points.size());
+  for (const Eigen::Vector3d& p : points)
+  {
+    heights.push_back(p.z() - slope.dot(p.head<2>()));
+  }
+  return heights;
+}
+
+double levelOn(const Eigen::Vector2d& slope, const std::vector<Eigen::Vector3d>& points)
+{
+  std::vector<double> heights = heightsOver(slope, points);
+  return lowQuantile(heights, 4);
+}
+
+/** Slope of the plane that most points are near: weighted least squares whose weights (Geman and
+ * McClure) get narrower. */
+Eigen::Vector2d robustSlope(const std::vector<Eigen::Vector3d>& points)
+{
+  Eigen::Vector3d plane(levelOn(Eigen::Vector2d::Zero(), points), 0, 0);  // height, slope
+  for (const double width : {1.0, 0.7, 0.5, 0.35, 0.25, 0.18, 0.12, 0.08, 0.08})
+  {
+    Eigen::Matrix3d A = Eigen::Vector3d(1e-9, slope_prior, slope_prior).asDiagonal();
+    Eigen::Vector3d b = Eigen::Vector3d::Zero();
+    for (const Eigen::Vector3d& p : points)
+    {
+      const Eigen::Vector3d row(1, p.x(), p.y());
+      const double ratio = (p.z() - row.dot(plane)) / width;
+      const double weight = 1 / ((1 + ratio * ratio) * (1 + ratio * ratio));
+      A += weight * row * row.transpose();
+      b += weight * p.z() * row;
+    }
+    plane = A.ldlt().solve(b);
+    const double steepness = plane.tail<2>().norm();
+    if (steepness > GridGround::max_slope)
+    {
+      plane.tail<2>() *= GridGround::max_slope / steepness;
+      plane[0] = (b[0] - A.row(0).tail<2>().dot(plane.tail<2>())) / A(0, 0);
+    }
+  }
+  return plane.tail<2>();
+}
+
+/** Largest number of points within twice `on_plane` of height over the slope. */
+std::size_t support(const Eigen::Vector2d& slope, const std::vector<Eigen::Vector3d>& points)
+{
+  std::vector<double> heights = heightsOver(slope, points);
+  std::sort(heights.begin(), heights.end());
+  std::size_t most = 0;
+  std::size_t first = 0;
+  for (std::size_t last = 0; last < heights.size(); ++last)
+  {
+    while (heights[last] - heights[first] > 2 * on_plane)
+    {
+      ++first;
+    }
+    most = std::max(most, last + 1 - first);
+  }
+  return most;
+}
+
+/** Slope of most of the points; none where there is not one. */
+std::optional<Eigen::Vector2d> commonSlope(const std::vector<Eigen::Vector3d>& points)
+{
+  if (points.size() < fewest_columns)
+  {
+    return std::nullopt;
+  }
+  const Eigen::Vector2d slope = robustSlope(points);
+  const std::size_t level = support(Eigen::Vector2d::Zero(), points);
+  const std::size_t sloped = support(slope, points);
+  if (2 * std::max(level, sloped) < points.size())
+  {
+    return std::nullopt;
+  }
+  return sloped > level ? slope : Eigen::Vector2d::Zero();
+}
+}  // namespace
+
+void GridGround::Column::add(const Eigen::Vector3f& p, std::uint32_t hits)
+{
+  if (p.z() < lowest.z())
+  {
+    lowest = p;
+  }
+  if (hits > 1 && p.z() < lowest_seen_twice.z())
+  {
+    lowest_seen_twice = p;
+  }
+}
+
+bool GridGround::Column::isSeenTwice() const
+{
+  return std::isfinite(lowest_seen_twice.z());
+}
+
+GridGround::GridGround(const MapPoints& map)
+{
+  addColumns(map);
+  std::vector<std::optional<Eigen::Vector2d>> slopes;
+  slopes.reserve(columns_.size());
+  for (const Column& column : columns_)
+  {
+    slopes.push_back(commonSlope(lowestAround(column)));
+  }
+  planes_.reserve(columns_.size());
+  for (const Column& column : columns_)
+  {
+    const Eigen::Vector2d slope = slopeAround(column, slopes);
+    planes_.push_back({levelOn(slope, lowestAround(column)), slope});
+  }
+}
+
+void GridGround::addColumns(const MapPoints& map)
+{
+  for (std::size_t i = 0; i < map.size(); ++i)
+  {
+    const Eigen::Vector3f& p = map.points[i];
+    const Eigen::Vector2d at = p.head<2>().cast<double>();
+    const auto next = static_cast<std::uint32_t>(columns_.size());
+    const auto found = index_.findOrInsert(columnKey(at), next);
+    if (found == next)
+    {
+      columns_.emplace_back();
+      columns_.back().centre = column_side * ((at / column_side).array().floor() + 0.5);
+    }
+    columns_[found].add(p, map.hits[i]);
+  }
+}
+
+/** Median of the columns around that have a slope, so that a wrong one has no effect. */
+Eigen::Vector2d GridGround::slopeAround(
+    const Column& column, const std::vector<std::optional<Eigen::Vector2d>>& slopes) const
+{
+  std::vector<double> x;
+  std::vector<double> y;
+  forEachAround(column,
+                [&](std::size_t other)
+                {
+                  if (slopes[other])
+                  {
+                    x.push_back(slopes[other]->x());
+                    y.push_back(slopes[other]->y());
+                  }
+                });
+  return x.empty() ? Eigen::Vector2d(0, 0) : Eigen::Vector2d(upperMedian(x), upperMedian(y));
+}
+
+double GridGround::above(const Eigen::Vector3d& p) const
+{
+  const auto found = index_.find(columnKey(p.head<2>()));
+  if (found == VoxelHash::none)
+  {
+    return std::numeric_limits<double>::quiet_NaN();
+  }
+  const Plane& plane = planes_[found];
+  return p.z() - plane.height - plane.slope.dot(p.head<2>() - columns_[found].centre);
+}
+
+template <typename Use>
+void GridGround::forEachAround(const Column& column, const Use& use) const
+{
+  for (int dx = -columns_around; dx <= columns_around; ++dx)
+  {
+    for (int dy = -columns_around; dy <= columns_around; ++dy)
+    {
+      const auto found = index_.find(columnKey(column.centre, dx, dy));
+      if (found != VoxelHash::none)
+      {
+        use(found);
+      }
+    }
+  }
+}
+
+/** Relative to the column's centre: of the columns that two keyframes saw, if there are any. */
+std::vector<Eigen::Vector3d> GridGround::lowestAround(const Column& column) const
+{
+  std::vector<Eigen::Vector3d> points;
+  std::vector<Eigen::Vector3d> seen_twice;
+  const Eigen::Vector3d centre(column.centre.x(), column.centre.y(), 0);
+  forEachAround(column,
+                [&](std::size_t other)
+                {
+                  const Column& around = columns_[other];
+                  points.emplace_back(around.lowest.cast<double>() - centre);
+                  if (around.isSeenTwice())
+                  {
+                    seen_twice.emplace_back(around.lowest_seen_twice.cast<double>() - centre);
+                  }
+                });
+  return seen_twice.empty() ? points : seen_twice;
+}
+}  // namespace dyslam

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <dyslam/core/VoxelGrid.h>
+#include <dyslam/mapping/StaticMap.h>
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <vector>
+
+namespace dyslam
+{
+/** The ground under a map, for its occupancy grid: around each column of 1 m a plane through the
+ * lowest points of the columns in a square of 5 m.
+ *
+ * The plane is level unless another slope fits more of the columns, and most of them. Its height is
+ * the lower quartile of the columns': robust to ghosts below the road and to walls. Thread-safe. */
+class GridGround
+{
+ public:
+  /** Steepest plane [m/m]; steeper ground rises above it and becomes an obstacle. */
+  static constexpr double max_slope = 0.25;
+
+  explicit GridGround(const MapPoints& map);
+
+  /** Height of a point over the ground [m]; of points off the map, not a number. */
+  [[nodiscard]] double above(const Eigen::Vector3d& p) const;
+
+ private:
+  /** The lowest points of a column. Multipath echoes lie metres below the road, where hardly any
+   * voxel is seen from two keyframes. */
+  struct Column
+  {
+    Eigen::Vector2d centre = Eigen::Vector2d::Zero();
+    Eigen::Vector3f lowest = Eigen::Vector3f::Constant(std::numeric_limits<float>::infinity());
+    Eigen::Vector3f lowest_seen_twice = lowest;
+
+    void add(const Eigen::Vector3f& p, std::uint32_t hits);
+    [[nodiscard]] bool isSeenTwice() const;
+  };
+  /** z = height + slope * (p - centre of the column) */
+  struct Plane
+  {
+    double height = 0;
+    Eigen::Vector2d slope = Eigen::Vector2d::Zero();
+  };
+
+  void addColumns(const MapPoints& map);
+  template <typename Use>
+  void forEachAround(const Column& column, const Use& use) const;
+  [[nodiscard]] std::vector<Eigen::Vector3d> lowestAround(const Column& column) const;
+  [[nodiscard]] Eigen::Vector2d slopeAround(
+      const Column& column, const std::vector<std::optional<Eigen::Vector2d>>& slopes) const;
+
+  VoxelHash index_;
+  std::vector<Column> columns_;
+  std::vector<Plane> planes_;
+};
+}  // namespace dyslam

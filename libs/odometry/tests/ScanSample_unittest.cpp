@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "../src/ScanSample.h"
+
+#include <gtest/gtest.h>
+
+namespace dyslam
+{
+namespace
+{
+/** A frame whose cloud has the given points of its scan, 1 m apart. */
+Frame frameOf(const std::vector<std::uint32_t>& source)
+{
+  Frame frame;
+  frame.scan.points.resize(6, Eigen::Vector3f::Zero());
+  for (const std::uint32_t i : source)
+  {
+    frame.cloud.points.emplace_back(static_cast<float>(i), 0.0F, 0.0F);
+    frame.cloud.source.push_back(i);
+  }
+  return frame;
+}
+
+TEST(ScanSample, WeightsAreOfTheirPointsAfterOthersWereInserted)
+{
+  ThreadPool pool(1);
+  Frame frame = frameOf({1, 3, 4});
+  frame.moving_probability = {0.1F, 0.3F, 0.4F};
+  ScanSample sample;
+  sample.ingest(frame, 0.5, pool);
+  ASSERT_EQ(3U, sample.scan.size());
+  const std::vector<float> before = sample.scan.weight;
+
+  frame = frameOf({0, 1, 2, 3, 4, 5});
+  frame.moving_probability = {0.999F, 0.1F, 0.999F, 0.3F, 0.4F, 0.999F};
+  sample.updateWeights(frame);
+  EXPECT_EQ(before, sample.scan.weight);
+  EXPECT_GT(before[0], before[1]);
+  EXPECT_GT(before[1], before[2]);
+}
+}  // namespace
+}  // namespace dyslam

@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Users read the help texts one at a time, in effective.ini.
+#include "HelpTexts.h"
+
+#include <dyslam/backend/PoseGraphSolver.h>
+#include <dyslam/backend/RunMerger.h>
+#include <dyslam/io/Converters.h>
+#include <dyslam/io/KittiExport.h>
+#include <dyslam/io/PcapSource.h>
+#include <dyslam/io/RawlogWriter.h>
+#include <dyslam/mapping/MapExport.h>
+#include <dyslam/pipeline/SlamRun.h>
+#include <dyslam/tracking/DetectionNoise.h>
+#include <gtest/gtest.h>
+
+#include <string>
+#include <vector>
+
+#include "TestFolder.h"
+
+namespace dyslam
+{
+namespace
+{
+const std::vector<std::string> no_lines;
+
+TEST(HelpTexts, ThoseOfARunReadAlone)
+{
+  const TestFolder folder;
+  SlamRunSettings settings;
+  settings.rawlog = folder.file("drive.rawlog");  // is not opened
+  settings.output_folder = folder.file("run");
+  SlamRun run(settings);
+  run.open();
+  const std::string effective = folder.read("run/effective.ini");
+  for (const char* section : {"[sensor]", "[odometry]", "[dylo]", "[dyseg_network]", "[tracker]",
+                              "[loop]", "[map]", "[output]", "[replay]"})
+  {
+    EXPECT_TRUE(contains(effective, section)) << section;
+  }
+  EXPECT_EQ(no_lines, unclearHelpTexts(effective));
+}
+
+TEST(HelpTexts, ThoseOfOtherProgramsReadAlone)
+{
+  Config config;
+  save(MapExportOptions(), config, "map_export");
+  save(RunMergerOptions(), config, "merge");
+  save(PoseGraphSolverOptions(), config, "solver");
+  save(DetectionNoiseOptions(), config, "detection_noise");
+  save(KittiConverterOptions(), config, "kitti_converter");
+  save(ScanConverterOptions(), config, "scan_converter");
+  save(KittiExportOptions(), config, "kitti_export");
+  save(PcapSourceOptions(), config, "pcap");
+  save(RawlogWriterOptions(), config, "rawlog_writer");
+  EXPECT_EQ(no_lines, unclearHelpTexts(config.toIni()));
+}
+
+TEST(HelpTexts, UnclearOnesAreFound)
+{
+  EXPECT_EQ(no_lines,
+            unclearHelpTexts("[a]\nx = 1  // size of a cell [m]\n\n[b]\n"
+                             "x = 1  // size of a cell [m]\ny = no  // cells: use (yes, no)\n"));
+  const std::vector<std::string> bad{
+      "x = 1",
+      "x = 1  // ",
+      "x = 1  //  (yes, no)",
+      "x = 1  // ... and of its rotation",
+      "x = 1  // its increase",
+      "x = 1  // their rmse",
+      "x = 1  // the same of rotations",
+      "x = 1  // of the prior [m]",
+      "x = 1  // vehicles: its increase",
+      "y = 2  // size of a cell [m]",
+  };
+  for (const std::string& line : bad)
+  {
+    const std::vector<std::string> found =
+        unclearHelpTexts("[a]\nx = 1  // size of a cell [m]\n" + line + "\n");
+    EXPECT_EQ(std::vector<std::string>{"[a] " + line}, found);
+  }
+}
+}  // namespace
+}  // namespace dyslam

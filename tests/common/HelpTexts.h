@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <set>
+#include <sstream>
+#include <string>
+#include <vector>
+
+namespace dyslam
+{
+/** Whether a help text can be understood without those before it. */
+inline bool readsAlone(const std::string& help)
+{
+  for (const char* start :
+       {"...", "its ", "their ", "the same", "of ", "or ", "and ", "as ", "between ", " ("})
+  {
+    if (help.rfind(start, 0) == 0)
+    {
+      return false;
+    }
+  }
+  return !help.empty();
+}
+
+/** Lines of an effective ini whose help text cannot be read alone, or is that of an earlier key of
+ * the section. */
+inline std::vector<std::string> unclearHelpTexts(const std::string& effective_ini)
+{
+  const std::string mark = "  // ";
+  std::vector<std::string> unclear;
+  std::set<std::string> of_section;
+  std::string section;
+  std::istringstream lines(effective_ini);
+  for (std::string line; std::getline(lines, line);)
+  {
+    if (line.empty() || line.front() == '[')
+    {
+      section = line.empty() ? section : line;
+      of_section.clear();
+      continue;
+    }
+    const auto at = line.find(mark);
+    const std::string help = at == std::string::npos ? "" : line.substr(at + mark.size());
+    // "vehicles: ...": the words behind it are those of the options of a class.
+    const auto space = help.find(' ');
+    const bool has_class = space != std::string::npos && space > 0 && help[space - 1] == ':';
+    if (!readsAlone(help) || (has_class && !readsAlone(help.substr(space + 1))) ||
+        !of_section.insert(help).second)
+    {
+      unclear.push_back(section + " " + line);
+    }
+  }
+  return unclear;
+}
+}  // namespace dyslam
