@@ -61,11 +61,14 @@ std::optional<std::size_t> Trajectory::nearest(double stamp, double tolerance) c
   return static_cast<std::size_t>(it - poses_.begin());
 }
 
+std::size_t Trajectory::firstNotBefore(double stamp) const
+{
+  return static_cast<std::size_t>(lowerBound(poses_, stamp) - poses_.begin());
+}
+
 std::optional<Pose> Trajectory::at(double stamp, double max_gap) const
 {
-  const auto after =
-      std::lower_bound(poses_.begin(), poses_.end(), stamp,
-                       [](const StampedPose& pose, double t) { return pose.stamp < t; });
+  const auto after = lowerBound(poses_, stamp);
   if (after == poses_.end() || after->stamp - stamp > max_gap)
   {
     return std::nullopt;

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cstddef>
-#include <iterator>
 #include <limits>
 #include <vector>
 
@@ -49,21 +48,20 @@ std::optional<Pose> ScanPoses::interpolated(double stamp) const
   {
     return trajectory_[*same].pose;
   }
-  const auto after =
-      std::lower_bound(trajectory_.begin(), trajectory_.end(), stamp,
-                       [](const StampedPose& pose, double time) { return pose.stamp < time; });
-  if (after == trajectory_.end() || after == trajectory_.begin())
+  const std::size_t next = trajectory_.firstNotBefore(stamp);
+  if (next == 0 || next == trajectory_.size())
   {
     return std::nullopt;
   }
-  const auto before = std::prev(after);
-  const double gap = after->stamp - before->stamp;
+  const StampedPose& before = trajectory_[next - 1];
+  const StampedPose& after = trajectory_[next];
+  const double gap = after.stamp - before.stamp;
   // Where a clock was set back, the poses are not in order.
-  if (gap > longest_gap || before->stamp > stamp || after->stamp < stamp)
+  if (gap > longest_gap || before.stamp > stamp || after.stamp < stamp)
   {
     return std::nullopt;
   }
-  return interpolate(before->pose, after->pose, (stamp - before->stamp) / gap);
+  return interpolate(before.pose, after.pose, (stamp - before.stamp) / gap);
 }
 
 TimedMotion ScanPoses::motionDuring(double stamp, const std::pair<double, double>& span) const

@@ -114,7 +114,7 @@ struct Pipeline::Stages
   KeyframeStore keyframes;
   Backend backend;
   std::optional<HindsightLabels> hindsight;
-  std::optional<Tracker> tracker_again;  //!< of decided frames
+  std::optional<Tracker> tracker_again;  //!< of final frames
   std::optional<Frame> first;            //!< until the second one has come
   StaticMap map;
   std::function<void(Frame)> on_final;

@@ -62,9 +62,9 @@ struct OutputName
 enum class FrameKind
 {
   causal,
-  decided_objects,  //!< final, maybe with the points of the cloud alone
-  decided_points,   //!< final, with points and intensities; causal if no scan need be decided
-  decided           //!< final, whole
+  final_objects,  //!< final, maybe with the points of the cloud alone
+  final_points,   //!< final, with points and intensities; causal if no scan need be decided
+  decided         //!< final, whole
 };
 
 /** Arguments of an output. An output's own options are a section of the config. */

@@ -277,13 +277,13 @@ void RunOutputs::add(Frame frame)
 
 void RunOutputs::preferCausal()
 {
-  const bool all_decided =
+  const bool all_final =
       std::any_of(entries_.begin(), entries_.end(),
                   [](const Entry& entry) { return entry.wants == FrameKind::decided; });
   for (Entry& entry : entries_)
   {
-    if (entry.wants == FrameKind::decided_objects ||
-        (entry.wants == FrameKind::decided_points && !all_decided))
+    if (entry.wants == FrameKind::final_objects ||
+        (entry.wants == FrameKind::final_points && !all_final))
     {
       entry.wants = FrameKind::causal;
     }
@@ -299,10 +299,10 @@ FrameParts RunOutputs::finalParts() const
     {
       case FrameKind::causal:
         break;
-      case FrameKind::decided_objects:
+      case FrameKind::final_objects:
         parts = std::max(parts, FrameParts::points);
         break;
-      case FrameKind::decided_points:
+      case FrameKind::final_points:
         parts = std::max(parts, FrameParts::intensity);
         break;
       case FrameKind::decided:
@@ -313,7 +313,7 @@ FrameParts RunOutputs::finalParts() const
   return parts;
 }
 
-void RunOutputs::addDecided(Frame frame)
+void RunOutputs::addFinal(Frame frame)
 {
   add(std::move(frame), true);
 }

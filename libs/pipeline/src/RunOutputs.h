@@ -32,13 +32,13 @@ class RunOutputs
   void open();
   /** Takes the frame; slow outputs write in another thread. */
   void add(Frame frame);
-  /** For runs that do not track again: outputs that want the objects of decided frames get causal
+  /** For runs that do not track again: outputs that want the objects of final frames get causal
    * frames, which have the same; and so does the replay unless every scan is decided anyway. */
   void preferCausal();
-  /** What the outputs need of decided frames; `none` if no output wants these. */
+  /** What the outputs need of final frames; `none` if no output wants these. */
   [[nodiscard]] FrameParts finalParts() const;
   /** The same frame again, later, for the outputs that want final moving points. */
-  void addDecided(Frame frame);
+  void addFinal(Frame frame);
   /** Seconds between checkpoints, 0: none. */
   [[nodiscard]] double checkpointSeconds() const { return checkpoint_seconds_; }
   /** Between two frames: writes a checkpoint: the results so far, and the state, which gets its

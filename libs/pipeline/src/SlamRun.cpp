@@ -154,11 +154,11 @@ struct SlamRun::Impl
     const FrameParts parts = outputs.finalParts();
     if (pipeline.tracksWithHindsight() || parts != FrameParts::none)
     {
-      pipeline.onFinal([this](Frame frame) { addDecided(std::move(frame)); }, parts);
+      pipeline.onFinal([this](Frame frame) { addFinal(std::move(frame)); }, parts);
     }
   }
 
-  void addDecided(Frame frame);
+  void addFinal(Frame frame);
   /** Scans of this process, whose times are known: not those before a resumed run. */
   [[nodiscard]] std::size_t timedScans() const { return statistics.frames - resumed_after; }
   [[nodiscard]] std::map<std::string, double> waitMilliseconds() const;
@@ -189,13 +189,13 @@ struct SlamRun::Impl
   std::map<std::string, double> waits;  //!< of the caller's threads [s]
 };
 
-void SlamRun::Impl::addDecided(Frame frame)
+void SlamRun::Impl::addFinal(Frame frame)
 {
   if (pipeline.tracksWithHindsight())
   {
     history.addObjects(frame.index, frame.objects, TrackLife::whole);
   }
-  outputs.addDecided(std::move(frame));
+  outputs.addFinal(std::move(frame));
 }
 
 std::map<std::string, double> SlamRun::Impl::waitMilliseconds() const

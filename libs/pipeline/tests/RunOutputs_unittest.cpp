@@ -141,7 +141,7 @@ class RunOutputsTest : public ::testing::Test
   SlamRunSettings settings_;
 };
 
-TEST_F(RunOutputsTest, DecidedFramesGoToThoseThatWantThem)
+TEST_F(RunOutputsTest, FinalFramesGoToThoseThatWantThem)
 {
   const Config given;
   ConfigLoader config(given);
@@ -158,7 +158,7 @@ TEST_F(RunOutputsTest, DecidedFramesGoToThoseThatWantThem)
   {
     Frame frame;
     frame.index = i;
-    outputs.addDecided(frame);
+    outputs.addFinal(frame);
   }
   RunResults results;
   outputs.finish(results);

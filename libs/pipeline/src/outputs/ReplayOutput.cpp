@@ -38,7 +38,7 @@ class ReplayOutput : public RunOutput
   [[nodiscard]] bool isSlow() const override { return true; }
   [[nodiscard]] FrameKind wants() const override
   {
-    return options_.hindsight ? FrameKind::decided_points : FrameKind::causal;
+    return options_.hindsight ? FrameKind::final_points : FrameKind::causal;
   }
   void open() override { writer_.emplace(path(rawlog), options_); }
   void exchangeState(StateArchive& archive) override

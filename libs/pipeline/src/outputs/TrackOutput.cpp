@@ -70,7 +70,7 @@ class TrackOutput : public RunOutput
   explicit TrackOutput(const RunOutputContext& context) : RunOutput(context, {table, kitti_tracks})
   {
   }
-  [[nodiscard]] FrameKind wants() const override { return FrameKind::decided_objects; }
+  [[nodiscard]] FrameKind wants() const override { return FrameKind::final_objects; }
   void open() override { rows_.open(path(table), header); }
   void add(const Frame& frame) override
   {

@@ -35,6 +35,8 @@ class Trajectory
   [[nodiscard]] std::optional<Pose> at(double stamp) const;
   /** As at(), but nothing unless the poses before and after are within `max_gap` seconds. */
   [[nodiscard]] std::optional<Pose> at(double stamp, double max_gap) const;
+  /** Index of the first pose that is not before a time; size() if all are. */
+  [[nodiscard]] std::size_t firstNotBefore(double stamp) const;
   /** Index of the pose nearest in time if within `tolerance` seconds. */
   [[nodiscard]] std::optional<std::size_t> nearest(double stamp, double tolerance) const;
   /** Distance travelled up to each pose, as PathLength counts it [m]. */

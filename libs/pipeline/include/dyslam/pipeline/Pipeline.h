@@ -91,7 +91,7 @@ class Pipeline
    * `labels.hindsight` some seconds later, the last ones in finish().
    * \param parts what it needs of a frame, `points` at least; the less, the less memory. */
   void onFinal(std::function<void(Frame)> use, FrameParts parts);
-  /** Whether decided frames have other objects than those of trackObjects(), with ids of their own:
+  /** Whether final frames have other objects than those of trackObjects(), with ids of their own:
    * detected and tracked again with hindsight (`pipeline.hindsight_tracking`). Not if objects are
    * in the graph, which has those of trackObjects(). */
   [[nodiscard]] bool tracksWithHindsight() const;
