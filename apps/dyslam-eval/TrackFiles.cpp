@@ -25,6 +25,9 @@ namespace dyslam
 {
 namespace
 {
+constexpr double all_around = 360;   // [deg]
+constexpr double kitti_camera = 81;  // field of view of KITTI's colour cameras [deg]
+
 /** T_world_lidar by frame index, for scans with a true pose. The indices and stamps of the scans
  * and the sensor pose are read from the rawlog, `x.rawlog` next to `x.gt`. */
 std::map<int, StampedPose> lidarPoses(const std::string& folder, const Trajectory& T_world_vehicle)
@@ -58,9 +61,11 @@ std::map<int, StampedPose> lidarPoses(const std::string& folder, const Trajector
 }
 
 /** Number of points by (frame, instance). */
-std::map<std::pair<int, int>, int> pointCounts(const std::string& labels_folder)
+using PointCounts = std::map<std::pair<int, int>, int>;
+
+PointCounts pointCounts(const std::string& labels_folder)
 {
-  std::map<std::pair<int, int>, int> counts;
+  PointCounts counts;
   for (const auto& entry : fs::directory_iterator(labels_folder))
   {
     const std::string stem = entry.path().stem().string();
@@ -80,6 +85,26 @@ std::map<std::pair<int, int>, int> pointCounts(const std::string& labels_folder)
     }
   }
   return counts;
+}
+
+/** Whether the boxes were labelled in camera images, which show nothing beside and behind. */
+bool fromImages(const std::vector<LabelledBox>& boxes)
+{
+  return std::any_of(boxes.begin(), boxes.end(),
+                     [](const LabelledBox& box) { return !box.image_box.isZero(); });
+}
+
+/** Instance minus track id: instances are ids, or one more where id 0 is in use. */
+int instanceOffset(const std::vector<LabelledBox>& boxes, const PointCounts& counts)
+{
+  const auto boxes_with_points = [&](int offset)
+  {
+    return std::count_if(boxes.begin(), boxes.end(),
+                         [&](const LabelledBox& box) {
+                           return counts.count({box.frame, box.id + offset}) != 0;
+                         });
+  };
+  return boxes_with_points(1) > boxes_with_points(0) ? 1 : 0;
 }
 
 /** Speeds of a run's tracks.csv, by frame and id. */
@@ -112,7 +137,8 @@ TrackSpeeds readTrackSpeeds(const std::string& path)
 bool isExcluded(const LabelledBox& box, const TrackSelection& selection)
 {
   const double azimuth = std::atan2(box.box.center.y(), box.box.center.x());
-  return box.frame < selection.first_frame || std::abs(azimuth) > 0.5 * selection.view * M_PI / 180;
+  return box.frame < selection.first_frame ||
+         std::abs(azimuth) > 0.5 * selection.view.value_or(all_around) * M_PI / 180;
 }
 
 void removeExcluded(std::vector<LabelledBox>& boxes, const TrackSelection& selection)
@@ -135,7 +161,7 @@ std::optional<int> firstFrame(const std::string& folder)
 }
 }  // namespace
 
-TrackData readTruth(const std::string& folder, const TrackSelection& selection)
+TrackData readTruth(const std::string& folder, TrackSelection& selection)
 {
   TrackData data;
   data.boxes = readTracks((fs::path(folder) / "tracks.txt").string());
@@ -146,10 +172,13 @@ TrackData readTruth(const std::string& folder, const TrackSelection& selection)
     data.speeds = speedsFrom(data.boxes, lidarPoses(folder, readTum(poses.string())));
   }
   const bool has_labels = fs::is_directory(labels);
-  const auto counts = has_labels ? pointCounts(labels.string()) : decltype(pointCounts("")){};
+  const PointCounts counts = has_labels ? pointCounts(labels.string()) : PointCounts();
+  selection.view = selection.view.value_or(fromImages(data.boxes) ? kitti_camera : all_around);
+  selection.instance_offset =
+      selection.instance_offset.value_or(instanceOffset(data.boxes, counts));
   for (LabelledBox& box : data.boxes)
   {
-    const auto points = counts.find({box.frame, box.id + selection.instance_offset});
+    const auto points = counts.find({box.frame, box.id + *selection.instance_offset});
     const bool few_points = has_labels && selection.min_points > 0 &&
                             (points == counts.end() || points->second < selection.min_points);
     const auto speed = data.speeds.find({box.frame, box.id});

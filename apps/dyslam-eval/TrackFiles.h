@@ -16,9 +16,14 @@ struct TrackSelection
   int min_points = 10;     //!< least number of points of the box's instance in the scan
   double min_speed = 0.5;  //!< least true speed [m/s]
   double max_range = 60;   //!< largest horizontal distance [m]
-  double view = 360;    //!< horizontal field of view, centred ahead; other boxes are removed [deg]
+  /** Horizontal field of view, centred ahead; other boxes are removed [deg]. By default that of
+   * KITTI's camera if the true boxes are from its images (they have rectangles), else all around.
+   */
+  std::optional<double> view;
   int first_frame = 0;  //!< earlier frames are removed
-  int instance_offset = 0;  //!< instance in the labels minus track id
+  /** Instance in the labels minus track id; by default 0 or 1, with which more boxes have points.
+   */
+  std::optional<int> instance_offset;
 };
 
 /** Tracks of a recording with their known speeds. */
@@ -30,9 +35,10 @@ struct TrackData
 
 /** Reads the ground truth of a recording: a folder with tracks.txt and optionally poses_tum.txt
  * (for speeds; requires the rawlog next to the folder) and labels/ (for the points per box). Boxes
- * that the selection does not count are marked as ignored. \throws UserError for files that are
- * missing or cannot be read. */
-[[nodiscard]] TrackData readTruth(const std::string& folder, const TrackSelection& selection);
+ * that the selection does not count are marked as ignored. \param selection its defaults are
+ * replaced by the values for this ground truth \throws UserError for files that are missing or
+ * cannot be read. */
+[[nodiscard]] TrackData readTruth(const std::string& folder, TrackSelection& selection);
 
 /** Reads the tracks of a run: tracks.txt, and speeds from tracks.csv.
  * \throws UserError for files that are missing or cannot be read. */

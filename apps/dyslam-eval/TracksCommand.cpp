@@ -40,17 +40,38 @@ struct TracksArguments
 /** Limits of the range intervals of the error table [m]. */
 constexpr std::array<double, 4> range_limits{0, 20, 40, 60};
 
-TrackData read(const TracksArguments& a, const std::string& path, bool truth)
+TrackData readFile(const TracksArguments& a, const std::string& path)
 {
-  if (std::filesystem::is_directory(path))
-  {
-    TrackData data = truth ? readTruth(path, a.selection) : readRun(path, a.selection);
-    mergeTypes(data.boxes);
-    return data;
-  }
   return {a.calib.empty() ? readTracks(path)
                           : readKittiTracking(path, readKittiCalib(a.calib).T_cam_velo, true),
           {}};
+}
+
+TrackData readReference(const TracksArguments& a, TrackSelection& selection)
+{
+  if (!std::filesystem::is_directory(a.reference))
+  {
+    return readFile(a, a.reference);
+  }
+  TrackData data = readTruth(a.reference, selection);
+  mergeTypes(data.boxes);
+  if (!a.selection.view && *selection.view < 360)
+  {
+    std::cout << "true boxes are from camera images: those within " << *selection.view
+              << " degrees ahead are evaluated (--view)\n";
+  }
+  return data;
+}
+
+TrackData readEstimate(const TracksArguments& a, const TrackSelection& selection)
+{
+  if (!std::filesystem::is_directory(a.estimate))
+  {
+    return readFile(a, a.estimate);
+  }
+  TrackData data = readRun(a.estimate, selection);
+  mergeTypes(data.boxes);
+  return data;
 }
 
 /** Number of frames covered by either file. */
@@ -280,8 +301,9 @@ void addMetrics(const std::string& name,
 
 void runTracks(const TracksArguments& a)
 {
-  const TrackData truth = read(a, a.reference, true);
-  const TrackData estimate = read(a, a.estimate, false);
+  TrackSelection selection = a.selection;
+  const TrackData truth = readReference(a, selection);
+  const TrackData estimate = readEstimate(a, selection);
   TrackSequence sequence;
   sequence.reference = truth.boxes;
   sequence.estimate = estimate.boxes;
@@ -356,16 +378,15 @@ Subcommand tracksCommand(CLI::App& app)
       ->capture_default_str();
   sub->add_option(
          "--view", a->selection.view,
-         "folders: evaluated horizontal field of view, centred ahead (81 for truth from KITTI's "
-         "camera images), degrees")
-      ->check(CLI::Range(1.0, 360.0))
-      ->capture_default_str();
+         "folders: evaluated horizontal field of view, centred ahead, degrees; by default 81 where "
+         "the true boxes are from KITTI's camera images, else 360")
+      ->check(CLI::Range(1.0, 360.0));
   sub->add_option("--first-frame", a->selection.first_frame, "folders: earlier frames are removed")
       ->check(notNegative())
       ->capture_default_str();
   sub->add_option("--instance-offset", a->selection.instance_offset,
-                  "folders: instance in the labels minus track id")
-      ->capture_default_str();
+                  "folders: instance in the labels minus track id; by default 0 or 1, with which "
+                  "more boxes have points");
   a->output.declare(*sub);
   return {sub, [a] { runTracks(*a); }};
 }

@@ -1,9 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What a run and its evaluation say about where the true poses are from.
+#include <dyslam/formats/LabelFiles.h>
 #include <gtest/gtest.h>
 
 #include <filesystem>
+#include <nlohmann/json.hpp>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "RunProgram.h"
 #include "TestFolder.h"
@@ -107,5 +111,39 @@ TEST_F(GroundTruthSource, ADamagedMarkIsAnErrorBeforeTheRun)
   EXPECT_EQ(1, outcome.code);
   EXPECT_TRUE(contains(outcome.err, "poses.ini:2")) << outcome.err;
   EXPECT_FALSE(fs::exists(folder_.file("run")));
+}
+
+/** As KITTI's: boxes in images of a camera that looks ahead, instances one more than track ids. */
+TEST(TrueTracks, OfCameraImagesAreEvaluatedInTheView)
+{
+  const TestFolder folder;
+  const std::string rest = " 1.5 1.8 4 ";  // height, width, length
+  const std::string ahead = "0 0 Car 0 0 -10 100 100 200 150" + rest + "10 2 -1 0\n";
+  const std::string behind = "0 1 Car 0 0 -10 300 100 400 150" + rest + "-10 2 -1 0\n";
+  fs::create_directories(folder.file("x.gt/labels"));
+  folder.write("x.gt/tracks.txt", ahead + behind);
+  folder.write("run/tracks.txt", ahead);
+  std::vector<Label> labels(20, makeLabel(10, 1));
+  labels.insert(labels.end(), 3, makeLabel(10, 2));
+  writeLabels(folder.file("x.gt/labels/000000.label"), labels);
+  const auto evaluated = [&](const std::string& flags)
+  {
+    const Outcome outcome =
+        runProgram("dyslam-eval",
+                   "tracks --reference " + folder.file("x.gt") + " --estimate " +
+                       folder.file("run") + " --json " + folder.file("e.json") + flags,
+                   folder.path());
+    EXPECT_EQ(0, outcome.code) << outcome.err;
+    const auto all = nlohmann::json::parse(contentOf(folder.file("e.json"))).at("all");
+    return std::pair(outcome.out,
+                     all.at("references").get<int>() * 10 + all.at("misses").get<int>());
+  };
+  const auto [said, in_view] = evaluated("");
+  EXPECT_TRUE(contains(said, "within 81 degrees ahead")) << said;
+  EXPECT_EQ(10, in_view) << "the box ahead, which has 20 points";
+  const auto [silent, all_around] = evaluated(" --view 360 --min-points 3");
+  EXPECT_FALSE(contains(silent, "degrees ahead")) << silent;
+  EXPECT_EQ(21, all_around) << "that behind is missed";
+  EXPECT_EQ(0, evaluated(" --instance-offset 0").second) << "a box without points is ignored";
 }
 }  // namespace dyslam

@@ -140,7 +140,7 @@ void pasteBodies(const AugmentationOptions& options,
                  RandomDraws& draws,
                  TrainingPair& pair)
 {
-  const std::size_t count = 1 + draws.below(static_cast<std::size_t>(options.most_bodies));
+  const std::size_t count = 1 + draws.below(static_cast<std::size_t>(options.max_bodies));
   const bool jam = draws.chance(options.co_moving / 2);
   const double step = pair.T_2_1.translation().norm();
   for (std::size_t i = 0; i < count; ++i)
@@ -189,7 +189,7 @@ void AugmentationOptions::describe(OptionsVisitor& visitor)
   visitor.real("beam_dropout", beam_dropout, 0, 1,
                "probability that only every 2nd or 4th beam is kept");
   visitor.real("bodies", bodies, 0, 1, "probability that bodies are pasted into a pair");
-  visitor.integer("most_bodies", most_bodies, 1, 100, "most bodies pasted into a pair");
+  visitor.integer("max_bodies", max_bodies, 1, 100, "most bodies pasted into a pair");
   visitor.real("co_moving", co_moving, 0, 1,
                "share of pasted bodies that move with the ego-vehicle");
 }

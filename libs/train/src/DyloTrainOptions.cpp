@@ -12,7 +12,7 @@ void TrainOptions::describe(OptionsVisitor& visitor)
   visitor.integer("steps", steps, 1, 100000000, "number of optimiser steps");
   visitor.integer("batch", batch, 1, 1024, "number of pairs per step");
   rate.describe(visitor);
-  visitor.real("mean_decay", mean_decay, 0, 1,
+  visitor.real("ema_decay", ema_decay, 0, 1,
                "decay per step of the exponential moving average of the weights, which is saved");
   visitor.real("clip", clip, 1e-6, 1e6, "norm to which the gradient is clipped");
   visitor.real("perturbed_starts", perturbed_starts, 0, 1,
@@ -42,7 +42,7 @@ void DataOptions::describe(OptionsVisitor& visitor)
   visitor.text("validation", validation, "validation recordings, in the format of recordings");
   visitor.text("simulated_validation", simulated_validation,
                "simulated validation drives, world;sensor;traffic;seed;scans each, separated by |");
-  visitor.integer("most_gap", most_gap, 1, 100, "largest gap between the scans of a pair [scans]");
+  visitor.integer("max_gap", max_gap, 1, 100, "largest gap between the scans of a pair [scans]");
   visitor.real("recordings_weight", recordings_weight, 0, 1e6,
                "weight of recordings among the sources of pairs");
   visitor.real("singles_weight", singles_weight, 0, 1e6,

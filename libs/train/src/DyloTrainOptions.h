@@ -19,7 +19,7 @@ struct TrainOptions : Options
   int steps = 8000;  //!< number of optimiser steps
   int batch = 2;     //!< number of pairs per step
   LearningRateOptions rate;
-  double mean_decay = 0.998;      //!< decay of the exponential moving average of the weights
+  double ema_decay = 0.998;       //!< decay of the exponential moving average of the weights
   double clip = 5;                //!< largest norm of the gradient
   double perturbed_starts = 0.5;  //!< share of pairs with an initial guess near the truth
   int threads = 1;                //!< pairs computed at a time
@@ -40,7 +40,7 @@ struct DataOptions : Options
   std::string bodies;
   std::string validation;
   std::string simulated_validation;
-  int most_gap = 5;  //!< largest gap between the scans of a pair [scans]; simulated: 3 at most
+  int max_gap = 5;  //!< largest gap between the scans of a pair [scans]; simulated: 3 at most
   // Weights of the sources of pairs, relative to each other.
   double recordings_weight = 1;
   double singles_weight = 0.1;

@@ -68,7 +68,7 @@ std::unique_ptr<PairSource> makeSource(const DataOptions& data,
   {
     mixed->add(std::make_unique<RecordingPairSource>(
                    loadRecordings(data.recordings, base, splits, Split::training), bodies,
-                   augmentation, data.most_gap, seed),
+                   augmentation, data.max_gap, seed),
                data.recordings_weight);
   }
   if (data.singles_weight > 0 && !data.singles.empty())
@@ -88,7 +88,7 @@ std::unique_ptr<PairSource> makeSource(const DataOptions& data,
   if (data.simulator_weight > 0)
   {
     mixed->add(makeSimulatorPairSource(listItems(data.simulator_worlds, '|'), augmentation,
-                                       data.most_gap, splits.trainingSeeds(), seed),
+                                       data.max_gap, splits.trainingSeeds(), seed),
                data.simulator_weight);
   }
   if (mixed->empty())
@@ -374,7 +374,7 @@ void Trainer::run()
     }
     const std::vector<DyloLossImpl::Terms> pairs = computeGradients();
     const double gradient = clippedStep(*optimizer_, options_.clip);
-    updateMean(*mean_, *network_, step_, options_.mean_decay);
+    updateMean(*mean_, *network_, step_, options_.ema_decay);
     ++step_;
     log(pairs, gradient);
     if (step_ % options_.validate_every == 0)

@@ -107,7 +107,7 @@ void DysegAugmentOptions::describe(OptionsVisitor& v)
          "share of the cast bodies that are close beside the sensor");
   v.real("convoy_share", convoy_share, 0, 1,
          "share of pairs with twice the bodies, most moving with the ego-vehicle");
-  v.real("farthest_body", farthest_body, 5, 100,
+  v.real("max_body_distance", max_body_distance, 5, 100,
          "largest distance of a cast body from the sensor [m]");
   v.real("dropout", dropout, 0, 0.9, "largest share of points left out of a scan");
   v.real("range_noise", range_noise, 0, 0.5,
@@ -235,7 +235,7 @@ void castOne(const DysegAugmentOptions& options,
 {
   const bool beside = draws.chance(convoy ? 0.4 : options.beside_share);
   const CastBody body = makeBody(drawKind(beside, draws), draws);
-  Pose T_now = drawPlace(body, beside, options.farthest_body, draws);
+  Pose T_now = drawPlace(body, beside, options.max_body_distance, draws);
   const bool along = convoy && draws.chance(0.7);
   const BodyMotion motion =
       along ? alongMotion(sample, T_now, draws)

@@ -119,7 +119,7 @@ DysegSample seenTwice(const std::vector<Eigen::Vector3f>& scan, RandomDraws& dra
 
 DysegSample pairOf(const DysegClip& clip, const DysegTrainerOptions& options, RandomDraws& draws)
 {
-  if (draws.chance(options.twice_share))
+  if (draws.chance(options.same_scan_share))
   {
     return seenTwice(clip.frames[draws.below(clip.frames.size())].points, draws);
   }

@@ -95,7 +95,7 @@ void DysegTrainerOptions::describe(OptionsVisitor& v)
   v.text("single_scans", single_scans, "folders of single scans under data, separated by commas");
   v.real("simulated_share", simulated_share, 0, 1, "share of pairs that are simulated");
   v.real("single_share", single_share, 0, 1, "share of real pairs that are made from single scans");
-  v.real("twice_share", twice_share, 0, 1,
+  v.real("same_scan_share", same_scan_share, 0, 1,
          "share of pairs of runs and clips that are made from one scan");
   v.integer("gap", gap, 1, 10, "gap between the scans that the application compares [scans]");
   v.real("gap_share", gap_share, 0, 1,
@@ -117,7 +117,7 @@ void DysegTrainerOptions::describe(OptionsVisitor& v)
   v.integer("steps", steps, 1, 100000000, "number of optimiser steps");
   v.integer("batch", batch, 1, most_pairs, "number of pairs per step");
   rate.describe(v);
-  v.real("mean_decay", mean_decay, 0, 1,
+  v.real("ema_decay", ema_decay, 0, 1,
          "decay per step of the exponential moving average of the weights, which is saved");
   v.real("weight_decay", weight_decay, 0, 1, "weight decay of AdamW");
   v.integer("checkpoint_every", checkpoint_every, 1, 1000000, "steps between checkpoints");
@@ -249,7 +249,7 @@ DysegLoss DysegTrainer::Impl::trainStep()
       .lr(options.rate.rateAt(step, options.steps));
   if (std::isfinite(clippedStep(*optimizer, clip_norm)))
   {
-    updateMean(*mean, *net, step, options.mean_decay);
+    updateMean(*mean, *net, step, options.ema_decay);
   }
   return sum;
 }

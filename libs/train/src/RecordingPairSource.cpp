@@ -9,12 +9,12 @@ namespace dyslam
 RecordingPairSource::RecordingPairSource(std::vector<Recording> recordings,
                                          std::vector<Body> bodies,
                                          const AugmentationOptions& augmentation,
-                                         int most_gap,
+                                         int max_gap,
                                          std::uint64_t seed)
     : recordings_(std::move(recordings)),
       bodies_(std::move(bodies)),
       augmentation_(augmentation),
-      most_gap_(most_gap),
+      max_gap_(max_gap),
       seed_(seed)
 {
   for (const Recording& recording : recordings_)
@@ -45,7 +45,7 @@ TrainingPair RecordingPairSource::pair(std::uint64_t index) const
   // Steps of one scan are the usual case of odometry.
   const std::size_t last = recording.scans.size() - 1;
   const std::size_t drawn =
-      draws.chance(0.45) ? 1 : 1 + draws.below(static_cast<std::size_t>(most_gap_));
+      draws.chance(0.45) ? 1 : 1 + draws.below(static_cast<std::size_t>(max_gap_));
   const std::size_t gap = std::min(drawn, last);
   bool forward = draws.chance(0.7);
   if (forward ? scan < gap : scan + gap > last)

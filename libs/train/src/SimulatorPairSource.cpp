@@ -79,10 +79,10 @@ class SimulatorPairSource : public PairSource
  public:
   SimulatorPairSource(const std::vector<std::string>& worlds,
                       const AugmentationOptions& augmentation,
-                      int most_gap,
+                      int max_gap,
                       const NumberRange& seeds,
                       std::uint64_t seed)
-      : augmentation_(augmentation), most_gap_(std::min(most_gap, 3)), seed_(seed)
+      : augmentation_(augmentation), max_gap_(std::min(max_gap, 3)), seed_(seed)
   {
     // Simulated scans have moving objects already.
     augmentation_.bodies = 0;
@@ -112,7 +112,7 @@ class SimulatorPairSource : public PairSource
     RandomDraws draws(seed_ ^ 0x51ULL, index);
     const int gap = draws.chance(0.6)
                         ? 1
-                        : 1 + static_cast<int>(draws.below(static_cast<std::size_t>(most_gap_)));
+                        : 1 + static_cast<int>(draws.below(static_cast<std::size_t>(max_gap_)));
     const std::vector<sim::SimulatedScan> clip = clips_[scene(index)].clip(index, gap + 1);
     const bool backwards = draws.chance(0.3);
     const sim::SimulatedScan& scan1 = backwards ? clip.front() : clip.back();
@@ -134,7 +134,7 @@ class SimulatorPairSource : public PairSource
   }
 
   AugmentationOptions augmentation_;
-  int most_gap_;
+  int max_gap_;
   std::uint64_t seed_;
   std::vector<double> shares_;
   std::vector<sim::ClipGenerator> clips_;
@@ -143,7 +143,7 @@ class SimulatorPairSource : public PairSource
 
 std::unique_ptr<PairSource> makeSimulatorPairSource(const std::vector<std::string>& worlds,
                                                     const AugmentationOptions& augmentation,
-                                                    int most_gap,
+                                                    int max_gap,
                                                     const NumberRange& seeds,
                                                     std::uint64_t seed)
 {
@@ -151,7 +151,7 @@ std::unique_ptr<PairSource> makeSimulatorPairSource(const std::vector<std::strin
   {
     throw UserError("[data] simulator_worlds: names none; do, or set simulator_weight to 0");
   }
-  return std::make_unique<SimulatorPairSource>(worlds, augmentation, most_gap, seeds, seed);
+  return std::make_unique<SimulatorPairSource>(worlds, augmentation, max_gap, seeds, seed);
 }
 
 Recording simulateRecording(const std::string& text, const DataSplits& splits)

@@ -21,7 +21,7 @@ namespace dyslam
 [[nodiscard]] std::unique_ptr<PairSource> makeSimulatorPairSource(
     const std::vector<std::string>& worlds,
     const AugmentationOptions& augmentation,
-    int most_gap,
+    int max_gap,
     const NumberRange& seeds,
     std::uint64_t seed);
 

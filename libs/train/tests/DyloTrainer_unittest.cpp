@@ -140,7 +140,7 @@ TEST(DyloTrainer, StartsFromTheLayersThatAModelShares)
 Config decaying(int steps)
 {
   Config config = tiny(steps);
-  config.set("train.decay_from=0.5");
+  config.set("train.decay_start=0.5");
   return config;
 }
 
@@ -167,7 +167,7 @@ TEST(DyloTrainer, IsLengthenedFromTheCheckpointBeforeTheDecay)
 TEST(DyloTrainer, WritesTheRunningMeanOfTheWeights)
 {
   Config last = tiny(2);
-  last.set("train.mean_decay=0");
+  last.set("train.ema_decay=0");
   const std::string without = freshFolder("without_mean");
   trainDylo(last, requestFor(without));
   const std::string with = freshFolder("with_mean");

@@ -14,7 +14,7 @@ dyslam::DysegTrainerOptions simulatedOnly()
   options.few_beams_share = 1;
   options.campus_share = 0;
   options.highway_share = 0;
-  options.twice_share = 0;
+  options.same_scan_share = 0;
   return options;
 }
 

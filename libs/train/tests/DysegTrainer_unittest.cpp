@@ -37,7 +37,7 @@ class DysegTraining : public ::testing::Test
     setup_.train.crop = 128;
     setup_.train.batch = 1;
     setup_.train.steps = 6;
-    setup_.train.rate.decay_from = 1;  // the same learning rate for any number of steps
+    setup_.train.rate.decay_start = 1;  // the same learning rate for any number of steps
     setup_.train.validate_every = 0;
     setup_.augmentation.bodies = 2;
   }
@@ -85,7 +85,7 @@ TEST_F(DysegTraining, RefusesADeviceThatThereIsNot)
 
 TEST_F(DysegTraining, IsLengthenedFromTheCheckpointBeforeTheDecay)
 {
-  setup_.train.rate.decay_from = 0.5;
+  setup_.train.rate.decay_start = 0.5;
   const auto whole = contentOf(train("long", 8));
   train("short", 4);
   fs::create_directories(folder_ / "lengthened");

@@ -21,7 +21,7 @@ struct AugmentationOptions : Options
   double point_dropout = 0.15;  //!< largest share of points left out
   double beam_dropout = 0.1;    //!< probability of leaving out all but every 2nd or 4th beam
   double bodies = 0.5;          //!< probability of pasted bodies
-  int most_bodies = 8;          //!< most bodies pasted into a pair
+  int max_bodies = 8;           //!< most bodies pasted into a pair
   double co_moving = 0.4;       //!< share of pasted bodies that move with the ego-vehicle
 
   void describe(OptionsVisitor& visitor) override;

@@ -76,13 +76,13 @@ struct DysegSample
 
 struct DysegAugmentOptions : Options
 {
-  int bodies = 7;             //!< most bodies cast into a pair
-  double moving_share = 0.6;  //!< share of cast bodies that move; the others are static
-  double beside_share = 0.2;  //!< share of cast bodies close beside the sensor
-  double convoy_share = 0.2;  //!< share of pairs with twice the bodies, most co-moving
-  double farthest_body = 45;  //!< largest distance of a cast body [m]
-  double dropout = 0.3;       //!< largest share of points left out of a scan
-  double range_noise = 0.02;  //!< standard deviation of the range noise of cast bodies [m]
+  int bodies = 7;                 //!< most bodies cast into a pair
+  double moving_share = 0.6;      //!< share of cast bodies that move; the others are static
+  double beside_share = 0.2;      //!< share of cast bodies close beside the sensor
+  double convoy_share = 0.2;      //!< share of pairs with twice the bodies, most co-moving
+  double max_body_distance = 45;  //!< largest distance of a cast body [m]
+  double dropout = 0.3;           //!< largest share of points left out of a scan
+  double range_noise = 0.02;      //!< standard deviation of the range noise of cast bodies [m]
   void describe(OptionsVisitor& visitor) override;
 };
 

@@ -32,7 +32,7 @@ struct DysegTrainerOptions : Options
   std::string single_scans = "hdl64_singles_sceneflow,hdl64_singles_object/velodyne";
   double simulated_share = 0.5;  //!< share of simulated pairs; the rest is real, if there is any
   double single_share = 0.3;     //!< share of real pairs from single scans
-  double twice_share = 0.1;      //!< share of pairs of runs and clips from one scan, seen twice
+  double same_scan_share = 0.1;  //!< share of pairs of runs and clips from one scan, seen twice
   int gap = 8;                   //!< scans between those that the application compares
   double gap_share = 0;  //!< of pairs of runs and clips, that far apart; the others 1 to 10 scans
   double campus_share = 0.25;    //!< share of simulated clips on a campus
@@ -45,7 +45,7 @@ struct DysegTrainerOptions : Options
   int steps = 100000;
   int batch = 2;  //!< pairs in a step, up to 64
   LearningRateOptions rate;
-  double mean_decay = 0.998;  //!< decay of the exponential moving average of the weights
+  double ema_decay = 0.998;  //!< decay of the exponential moving average of the weights
   double weight_decay = 1e-4;
   int checkpoint_every = 100;  //!< steps between checkpoints
   int validate_every = 1500;   //!< steps between validations; 0: none

@@ -7,14 +7,14 @@
 
 namespace dyslam
 {
-/** Schedule of the learning rate: linear warm-up, constant, then cosine decay. Until `decay_from`
+/** Schedule of the learning rate: linear warm-up, constant, then cosine decay. Until `decay_start`
  * it does not depend on the number of steps, so that a training can be extended from there. */
 struct LearningRateOptions : Options
 {
   double learning_rate = 1e-3;
-  double last_share = 0.02;  //!< final rate as a fraction of `learning_rate`
-  double decay_from = 0.5;   //!< fraction of the steps after which the rate decays
-  int warm_up = 100;         //!< steps of the linear warm-up
+  double final_rate_ratio = 0.02;  //!< final rate as a fraction of `learning_rate`
+  double decay_start = 0.5;        //!< fraction of the steps after which the rate decays
+  int warmup_steps = 100;          //!< steps of the linear warm-up
 
   void describe(OptionsVisitor& visitor) override;
 

@@ -6,14 +6,14 @@
 
 namespace dyslam
 {
-/** Pairs of scans up to `most_gap` steps apart, either way round, from recordings with poses. */
+/** Pairs of scans up to `max_gap` steps apart, either way round, from recordings with poses. */
 class RecordingPairSource : public PairSource
 {
  public:
   RecordingPairSource(std::vector<Recording> recordings,
                       std::vector<Body> bodies,
                       const AugmentationOptions& augmentation,
-                      int most_gap,
+                      int max_gap,
                       std::uint64_t seed);
   [[nodiscard]] std::string name() const override { return "recordings"; }
   [[nodiscard]] TrainingPair pair(std::uint64_t index) const override;
@@ -22,7 +22,7 @@ class RecordingPairSource : public PairSource
   std::vector<Recording> recordings_;
   std::vector<Body> bodies_;
   AugmentationOptions augmentation_;
-  int most_gap_;
+  int max_gap_;
   std::uint64_t seed_;
 };
 
