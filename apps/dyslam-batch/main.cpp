@@ -73,15 +73,20 @@ void declare(CLI::App& app, Arguments& a)
                  "of all runs together [GiB]; 0: 90 % of the available memory (0)")
       ->check(notNegative());
   app.add_option("--scratch", a.scratch,
-                 "folder to run in, on a disk of this machine; whole results move to --output");
+                 "folder to run in, on a disk of this machine, with --slurm of each node; whole "
+                 "results move to --output");
   app.add_option("--shard", a.shard, "K/N: only the K-th of every N recordings of the list");
   app.add_flag("--no-summary", a.no_summary, "write no table and page at the end");
   app.add_flag("--gather", a.gather,
                "run nothing, only write table and page of the existing results");
-  app.add_flag(
+  CLI::Option* slurm = app.add_flag(
       "--slurm", a.slurm,
       "submit an array of Slurm jobs, and one after it that gathers the results; --output must be "
       "on storage that all nodes share");
+  for (const char* of_this_machine : {"--jobs", "--memory", "--no-summary", "--gather"})
+  {
+    slurm->excludes(app.get_option(of_this_machine));
+  }
   app.add_option("--slurm-options", a.slurm_options,
                  "of sbatch, as \"--partition=x --mem=8G --cpus-per-task=4\"");
   app.add_flag("-q,--quiet", a.quiet, "no progress");
@@ -215,6 +220,7 @@ void submitToSlurm(const Arguments& a, const std::vector<Recording>& recordings)
   job.program = fs::read_symlink("/proc/self/exe").string();
   job.output = fs::absolute(a.output).lexically_normal().string();
   job.list = job.output + "/slurm/recordings.txt";
+  job.scratch = a.scratch.empty() ? "" : fs::absolute(a.scratch).lexically_normal().string();
   Arguments absolute = a;
   if (fs::is_regular_file(a.config))
   {

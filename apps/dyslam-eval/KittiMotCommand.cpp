@@ -49,10 +49,11 @@ constexpr Published ab3dmot[] = {{"Car", 93.34, 86.47, 79.40, 108.7, 93.55, 87.0
                                  {"Pedestrian", 82.73, 73.86, 67.58, 119.2, 83.24, 73.86},
                                  {"Cyclist", 93.78, 84.79, 77.23, 980.7, 95.59, 84.79}};
 
+/** Nothing unless the detections are PointRCNN's, whole and as AB3DMOT used them. */
 const Published* publishedFor(const KittiMotArguments& a, const std::string& type)
 {
   if (a.split != "validation" || !a.sequences.empty() || a.min_iou != 0.25 ||
-      a.setup.added_noise > 0 || a.setup.every > 1)
+      !a.setup.detections.empty() || a.setup.added_noise > 0 || a.setup.every > 1)
   {
     return nullptr;
   }

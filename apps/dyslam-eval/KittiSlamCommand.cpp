@@ -5,6 +5,7 @@
 #include <dyslam/core/Options.h>
 #include <dyslam/core/PendingFile.h>
 #include <dyslam/core/SharedFiles.h>
+#include <dyslam/eval/PaperFigures.h>
 #include <dyslam/eval/TrajectoryMetrics.h>
 
 #include <algorithm>
@@ -24,13 +25,17 @@ namespace dyslam
 {
 namespace
 {
+/** Of the paper's Table 6. */
+const std::vector<std::string> paper_sequences{"0004", "0007", "0008", "0010",
+                                               "0015", "0018", "0019"};
+
 struct KittiSlamArguments
 {
   std::string data;
   std::string config = "kitti_mot.ini";
   std::string detector = "pointrcnn";
   std::vector<std::string> set;
-  std::vector<std::string> sequences{"0004", "0007", "0008", "0010", "0015", "0018", "0019"};
+  std::vector<std::string> sequences = paper_sequences;
   std::vector<std::string> odometries{"poor", "middle", "good", "visual"};
   std::vector<std::string> modes{"odometry", "segmot", "full"};
   int seeds = 10;
@@ -88,24 +93,6 @@ BackendMode modeOf(const std::string& name)
          : name == "segmot" ? BackendMode::segmot
                             : BackendMode::full;
 }
-
-/** The paper's Table 6: ATE of DyLO, DyLO-SAM, LIO-SEGMOT* and DyLO-SAM-MOT [m], [rad]. */
-struct PaperRow
-{
-  const char* sequence;
-  std::array<double, 4> translation;
-  std::array<double, 4> rotation;
-};
-constexpr std::array<const char*, 4> paper_modes{"odometry", "ego", "segmot", "full"};
-constexpr std::array<PaperRow, 8> paper_table6{
-    {{"0004", {2.947, 2.915, 2.754, 2.841}, {0.167, 0.161, 0.167, 0.167}},
-     {"0007", {4.821, 4.671, 4.356, 4.142}, {0.108, 0.118, 0.120, 0.114}},
-     {"0008", {2.216, 2.227, 2.205, 2.144}, {0.207, 0.213, 0.201, 0.206}},
-     {"0010", {1.163, 1.121, 1.115, 1.105}, {0.153, 0.150, 0.152, 0.146}},
-     {"0015", {0.427, 0.420, 0.401, 0.366}, {0.099, 0.103, 0.112, 0.098}},
-     {"0018", {3.894, 3.620, 3.425, 3.526}, {0.186, 0.185, 0.189, 0.185}},
-     {"0019", {3.452, 3.391, 3.464, 3.430}, {0.161, 0.162, 0.160, 0.158}},
-     {"mean", {2.703, 2.624, 2.531, 2.507}, {0.154, 0.156, 0.157, 0.153}}}};
 
 /** Means over the seeds of one sequence. */
 struct ModeError
@@ -217,13 +204,29 @@ void addRow(Table& table,
   table.addRow(cells);
 }
 
+SequenceErrors meanErrors(const std::vector<SequenceErrors>& sequences,
+                          const std::vector<std::string>& modes)
+{
+  SequenceErrors mean;
+  const auto n = static_cast<double>(sequences.size());
+  for (const std::string& mode : modes)
+  {
+    for (const SequenceErrors& errors : sequences)
+    {
+      mean[mode].translation += errors.at(mode).translation / n;
+      mean[mode].rotation += errors.at(mode).rotation / n;
+    }
+  }
+  return mean;
+}
+
 /** Means over the sequences, and the ratios to the first mode: of the means, mean of the ratios. */
 void addMeans(Table& table,
               const std::string& odometry,
               const std::vector<SequenceErrors>& sequences,
               const std::vector<std::string>& modes)
 {
-  SequenceErrors mean;
+  SequenceErrors mean = meanErrors(sequences, modes);
   SequenceErrors ratio_of_means;
   SequenceErrors mean_of_ratios;
   const auto n = static_cast<double>(sequences.size());
@@ -232,8 +235,6 @@ void addMeans(Table& table,
     for (const SequenceErrors& errors : sequences)
     {
       const ModeError& base = errors.at(modes.front());
-      mean[mode].translation += errors.at(mode).translation / n;
-      mean[mode].rotation += errors.at(mode).rotation / n;
       mean_of_ratios[mode].translation += errors.at(mode).translation / base.translation / n;
       mean_of_ratios[mode].rotation += errors.at(mode).rotation / base.rotation / n;
     }
@@ -246,17 +247,31 @@ void addMeans(Table& table,
   addRow(table, odometry, "mean of ratios", mean_of_ratios, modes);
 }
 
+/** The paper's figures of a sequence, by the mode that corresponds to each of its methods. */
+SequenceErrors paperErrors(const std::string& sequence)
+{
+  const std::map<std::string, std::string> mode_of{{"DyLO", "odometry"},
+                                                   {"DyLO-SAM", "ego"},
+                                                   {"LIO-SEGMOT*", "segmot"},
+                                                   {"DyLO-SAM-MOT", "full"}};
+  SequenceErrors errors;
+  for (const PaperRow& row : paperFigures("tracking/" + sequence.substr(2)))
+  {
+    errors[mode_of.at(row.method)] = {row.ate_translation_rmse.value(),
+                                      row.ate_rotation_rmse_deg.value() * radians_per_degree};
+  }
+  return errors;
+}
+
 void addPaper(Table& table, const std::vector<std::string>& modes)
 {
-  for (const PaperRow& row : paper_table6)
+  std::vector<SequenceErrors> sequences;
+  for (const std::string& sequence : paper_sequences)
   {
-    SequenceErrors errors;
-    for (std::size_t i = 0; i < paper_modes.size(); ++i)
-    {
-      errors[paper_modes[i]] = {row.translation[i], row.rotation[i]};
-    }
-    addRow(table, "the paper's", row.sequence, errors, modes);
+    sequences.push_back(paperErrors(sequence));
+    addRow(table, "the paper's", sequence, sequences.back(), modes);
   }
+  addRow(table, "the paper's", "mean", meanErrors(sequences, modes), modes);
 }
 
 void runKittiSlam(const KittiSlamArguments& a)

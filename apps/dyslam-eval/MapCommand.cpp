@@ -159,21 +159,27 @@ void declareSelf(CLI::App& sub, MapArguments& a)
   const char* group = "Without ground truth";
   const auto option = [&](const char* name, auto& value, const char* help)
   { return sub.add_option(name, value, help)->group(group)->capture_default_str(); };
-  option("--self", self.rawlog, "rawlog of the scans; --estimate are then trajectories")
-      ->excludes("--reference");
-  option("-c,--config", self.config, "ini file whose [preprocess] is used");
-  option("--neighbourhood", self.quality.radius, "radius around a point [m]")->check(positive());
-  option("--min-neighbours", self.quality.min_neighbours, "points with fewer are left out")
+  CLI::Option* without_truth =
+      option("--self", self.rawlog, "rawlog of the scans; --estimate are then trajectories");
+  for (const char* other : {"--reference", "--labels", "--radius", "--voxel"})
+  {
+    without_truth->excludes(other);
+  }
+  const auto of_self = [&](const char* name, auto& value, const char* help)
+  { return option(name, value, help)->needs(without_truth); };
+  of_self("-c,--config", self.config, "ini file whose [preprocess] is used");
+  of_self("--neighbourhood", self.quality.radius, "radius around a point [m]")->check(positive());
+  of_self("--min-neighbours", self.quality.min_neighbours, "points with fewer are left out")
       ->check(CLI::Range(4, 1000000));
-  option("--points", self.points, "number of points whose neighbourhoods are evaluated")
+  of_self("--points", self.points, "number of points whose neighbourhoods are evaluated")
       ->check(CLI::Range(1, 10000000));
-  option("--tolerance", self.tolerance,
-         "largest difference of time stamps where the pose of a scan cannot be interpolated [s]")
+  of_self("--tolerance", self.tolerance,
+          "largest difference of time stamps where the pose of a scan cannot be interpolated [s]")
       ->check(notNegative());
-  option("--poses-of", a.poses_of, "body of the poses: vehicle or lidar")
+  of_self("--poses-of", a.poses_of, "body of the poses: vehicle or lidar")
       ->check(CLI::IsMember({"vehicle", "lidar"}));
-  option("--skip-first-n", self.source.skip_first_n, "scans to skip")->check(notNegative());
-  option("--only-first-n", self.source.only_first_n, "scans to use after those; 0: all")
+  of_self("--skip-first-n", self.source.skip_first_n, "scans to skip")->check(notNegative());
+  of_self("--only-first-n", self.source.only_first_n, "scans to use after those; 0: all")
       ->check(notNegative());
 }
 }  // namespace

@@ -6,17 +6,20 @@
 #include <filesystem>
 #include <iostream>
 #include <set>
+#include <system_error>
 
 namespace dyslam
 {
 namespace
 {
-/** The last `parts` components of a path, without extension. */
+/** The last `parts` components of a path; that of a file without extension. */
 std::string tail(const std::filesystem::path& path, int parts)
 {
-  std::filesystem::path name = path.has_filename() ? path.stem() : path.parent_path().filename();
-  std::filesystem::path folder =
-      path.has_filename() ? path.parent_path() : path.parent_path().parent_path();
+  std::error_code ignored;
+  const bool is_folder = !path.has_filename() || std::filesystem::is_directory(path, ignored);
+  const std::filesystem::path last = path.has_filename() ? path : path.parent_path();
+  std::filesystem::path name = is_folder ? last.filename() : last.stem();
+  std::filesystem::path folder = last.parent_path();
   for (int i = 1; i < parts && folder.has_filename(); ++i)
   {
     name = folder.filename() / name;

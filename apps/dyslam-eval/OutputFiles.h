@@ -27,6 +27,6 @@ struct OutputFlags
   return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
 }
 
-/** Shortest unambiguous names of files for a table. */
+/** Shortest unambiguous names of files, without extension, and of folders for a table. */
 [[nodiscard]] std::vector<std::string> shortNames(const std::vector<std::string>& paths);
 }  // namespace dyslam

@@ -12,7 +12,9 @@
 #include <filesystem>
 #include <iostream>
 
+#include "PairNote.h"
 #include "RunReport.h"
+#include "TimeRange.h"
 
 namespace dyslam
 {
@@ -120,17 +122,13 @@ PoseOrigin originOf(const fs::path& folder,
 }
 
 /** Nothing, with a note, if the run has no or too little ground truth. */
-std::optional<TrajectoryReport> evaluate(const fs::path& folder,
-                                         const char* file,
-                                         const fs::path& reference,
-                                         const TrajectoryMetricsOptions& metrics)
+std::optional<PosePairs> pairsOf(const fs::path& estimate, const fs::path& reference)
 {
-  const fs::path estimate = folder / file;
   if (!fs::exists(reference) || !fs::exists(estimate))
   {
     return std::nullopt;
   }
-  const PosePairs pairs =
+  PosePairs pairs =
       associateByTime(readTum(reference.string()), readTum(estimate.string()), tolerance);
   if (pairs.size() < 2)
   {
@@ -139,7 +137,26 @@ std::optional<TrajectoryReport> evaluate(const fs::path& folder,
         << " poses match a time stamp of the ground truth, 2 are needed: no errors computed\n";
     return std::nullopt;
   }
-  return evaluateTrajectory(estimate.string(), pairs, metrics);
+  return pairs;
+}
+
+/** Errors of the trajectory and of the odometry, with a note if the ground truth covers a part. */
+void evaluate(const fs::path& folder,
+              const fs::path& reference,
+              const TrajectoryMetricsOptions& metrics,
+              RunScores& scores)
+{
+  const std::string trajectory = (folder / "trajectory_tum.txt").string();
+  const std::string odometry = (folder / "odometry_tum.txt").string();
+  if (const auto pairs = pairsOf(trajectory, reference))
+  {
+    noteFewPairs(*pairs, trajectory, reference.string(), shortNumber(tolerance));
+    scores.trajectory = evaluateTrajectory(trajectory, *pairs, metrics);
+    if (const auto of_odometry = pairsOf(odometry, reference))
+    {
+      scores.odometry = evaluateTrajectory(odometry, *of_odometry, metrics);
+    }
+  }
 }
 
 /** Nothing if the run does not state its covariances. */
@@ -193,10 +210,9 @@ RunScores scoresOf(const std::string& folder,
   scores.report = readReport(folder);
   const std::string truth = truthFolder(given_truth, scores.report);
   const fs::path reference = referenceOf(folder, given_truth);
-  scores.trajectory = evaluate(folder, "trajectory_tum.txt", reference, metrics);
+  evaluate(folder, reference, metrics, scores);
   if (scores.trajectory)
   {
-    scores.odometry = evaluate(folder, "odometry_tum.txt", reference, metrics);
     scores.truth = originOf(folder, scores.report, truthFolder("", scores.report), given_truth);
     if (scores.truth.isExact())
     {

@@ -111,7 +111,13 @@ Speeds readSpeeds(const std::string& path)
   return speeds;
 }
 
-double rmse(const Speeds& speeds, const Speeds& truth)
+struct SpeedError
+{
+  double rmse = 0;  //!< [m/s]; NaN without a frame
+  int frames = 0;   //!< with both speeds
+};
+
+SpeedError speedError(const Speeds& speeds, const Speeds& truth)
 {
   double sum = 0;
   int count = 0;
@@ -123,7 +129,7 @@ double rmse(const Speeds& speeds, const Speeds& truth)
       ++count;
     }
   }
-  return count > 0 ? std::sqrt(sum / count) : std::nan("");
+  return {count > 0 ? std::sqrt(sum / count) : std::nan(""), count};
 }
 
 LineSeries lineOf(const std::string& name, const Speeds& speeds)
@@ -176,9 +182,9 @@ void runSpeeds(const SpeedsArguments& a)
     lines.push_back(lineOf(name, speeds));
     if (name != "labels")
     {
-      const double error = rmse(speeds, truth);
-      table.addRow({name, TableCell(error, 3), TableCell(static_cast<double>(speeds.size()), 0)});
-      json[name] = error;
+      const SpeedError error = speedError(speeds, truth);
+      table.addRow({name, TableCell(error.rmse, 3), TableCell(error.frames, 0)});
+      json[name] = error.rmse;
     }
   }
   if (!a.plot.empty())

@@ -134,18 +134,18 @@ TrackSpeeds readTrackSpeeds(const std::string& path)
   return speeds;
 }
 
-bool isExcluded(const LabelledBox& box, const TrackSelection& selection)
+/** Whether a box is beyond view or range. */
+bool isOutside(const LabelledBox& box, const TrackSelection& selection)
 {
   const double azimuth = std::atan2(box.box.center.y(), box.box.center.x());
-  return box.frame < selection.first_frame ||
-         std::abs(azimuth) > 0.5 * selection.view.value_or(all_around) * M_PI / 180;
+  return std::abs(azimuth) > 0.5 * selection.view.value_or(all_around) * M_PI / 180 ||
+         box.box.center.head<2>().norm() > selection.max_range;
 }
 
-void removeExcluded(std::vector<LabelledBox>& boxes, const TrackSelection& selection)
+template <typename Condition>
+void removeIf(std::vector<LabelledBox>& boxes, Condition condition)
 {
-  boxes.erase(std::remove_if(boxes.begin(), boxes.end(),
-                             [&](const LabelledBox& box) { return isExcluded(box, selection); }),
-              boxes.end());
+  boxes.erase(std::remove_if(boxes.begin(), boxes.end(), condition), boxes.end());
 }
 
 /** Number of the first scan of a run, by scans.csv; nothing without. */
@@ -184,31 +184,53 @@ TrackData readTruth(const std::string& folder, TrackSelection& selection)
     const auto speed = data.speeds.find({box.frame, box.id});
     const bool slow = !data.speeds.empty() && selection.min_speed > 0 &&
                       (speed == data.speeds.end() || speed->second < selection.min_speed);
-    if (few_points || slow || box.box.center.head<2>().norm() > selection.max_range)
+    if (few_points || slow || isOutside(box, selection))
     {
       box.occluded = ignored_box;
     }
   }
-  removeExcluded(data.boxes, selection);
+  removeIf(data.boxes, [&](const LabelledBox& box) { return box.frame < selection.first_frame; });
   return data;
 }
 
-TrackData readRun(const std::string& folder, const TrackSelection& selection)
+TrackData readRun(const std::string& folder)
 {
   TrackData data;
   data.boxes = readTracks((fs::path(folder) / "tracks.txt").string());
-  removeExcluded(data.boxes, selection);
-  data.boxes.erase(std::remove_if(data.boxes.begin(), data.boxes.end(),
-                                  [&](const LabelledBox& box) {
-                                    return box.box.center.head<2>().norm() > selection.max_range;
-                                  }),
-                   data.boxes.end());
   const std::string path = (fs::path(folder) / "tracks.csv").string();
   if (fs::exists(path))
   {
     data.speeds = readTrackSpeeds(path);
   }
   return data;
+}
+
+void removeUncovered(std::vector<LabelledBox>& estimates,
+                     const std::vector<LabelledBox>& truth,
+                     const TrackSelection& selection)
+{
+  constexpr double margin = 2;  // [m]; across the border, the estimate of a box that counts
+  std::map<int, std::vector<Eigen::Vector2d>> counted;  // centres by frame
+  for (const LabelledBox& box : truth)
+  {
+    if (box.id >= 0 && box.occluded != ignored_box)
+    {
+      counted[box.frame].emplace_back(box.box.center.head<2>());
+    }
+  }
+  const auto isNearCounted = [&](const LabelledBox& estimate)
+  {
+    const std::vector<Eigen::Vector2d>& centres = counted[estimate.frame];
+    return std::any_of(centres.begin(), centres.end(),
+                       [&](const Eigen::Vector2d& centre)
+                       { return (estimate.box.center.head<2>() - centre).norm() <= margin; });
+  };
+  removeIf(estimates,
+           [&](const LabelledBox& box)
+           {
+             return box.frame < selection.first_frame ||
+                    (isOutside(box, selection) && !isNearCounted(box));
+           });
 }
 
 std::optional<FrameRange> processedFrames(const std::string& folder)

@@ -16,9 +16,8 @@ struct TrackSelection
   int min_points = 10;     //!< least number of points of the box's instance in the scan
   double min_speed = 0.5;  //!< least true speed [m/s]
   double max_range = 60;   //!< largest horizontal distance [m]
-  /** Horizontal field of view, centred ahead; other boxes are removed [deg]. By default that of
-   * KITTI's camera if the true boxes are from its images (they have rectangles), else all around.
-   */
+  /** Horizontal field of view, centred ahead [deg]. By default that of KITTI's camera if the true
+   * boxes are from its images (they have rectangles), else all around. */
   std::optional<double> view;
   int first_frame = 0;  //!< earlier frames are removed
   /** Instance in the labels minus track id; by default 0 or 1, with which more boxes have points.
@@ -35,14 +34,22 @@ struct TrackData
 
 /** Reads the ground truth of a recording: a folder with tracks.txt and optionally poses_tum.txt
  * (for speeds; requires the rawlog next to the folder) and labels/ (for the points per box). Boxes
- * that the selection does not count are marked as ignored. \param selection its defaults are
+ * that the selection does not count are marked as ignored, those before its first frame removed.
+ * \param selection its defaults are
  * replaced by the values for this ground truth \throws UserError for files that are missing or
  * cannot be read. */
 [[nodiscard]] TrackData readTruth(const std::string& folder, TrackSelection& selection);
 
 /** Reads the tracks of a run: tracks.txt, and speeds from tracks.csv.
  * \throws UserError for files that are missing or cannot be read. */
-[[nodiscard]] TrackData readRun(const std::string& folder, const TrackSelection& selection);
+[[nodiscard]] TrackData readRun(const std::string& folder);
+
+/** Removes the estimates that the selection of true boxes does not cover: before its first frame,
+ * or beyond its view and range and not within 2 m of a true box that counts. \param truth of
+ * readTruth() */
+void removeUncovered(std::vector<LabelledBox>& estimates,
+                     const std::vector<LabelledBox>& truth,
+                     const TrackSelection& selection);
 
 /** Indices of the scans that a run processed, from its report and ini; nothing for a folder
  * without them. */

@@ -54,7 +54,6 @@ TrackData readReference(const TracksArguments& a, TrackSelection& selection)
     return readFile(a, a.reference);
   }
   TrackData data = readTruth(a.reference, selection);
-  mergeTypes(data.boxes);
   if (!a.selection.view && *selection.view < 360)
   {
     std::cout << "true boxes are from camera images: those within " << *selection.view
@@ -63,15 +62,24 @@ TrackData readReference(const TracksArguments& a, TrackSelection& selection)
   return data;
 }
 
-TrackData readEstimate(const TracksArguments& a, const TrackSelection& selection)
+/** Against a ground-truth folder, where it is complete; of a file of true boxes all count. */
+TrackData readEstimate(const TracksArguments& a,
+                       const TrackData& truth,
+                       const TrackSelection& selection)
 {
-  if (!std::filesystem::is_directory(a.estimate))
+  TrackData data =
+      std::filesystem::is_directory(a.estimate) ? readRun(a.estimate) : readFile(a, a.estimate);
+  if (std::filesystem::is_directory(a.reference))
   {
-    return readFile(a, a.estimate);
+    removeUncovered(data.boxes, truth.boxes, selection);
   }
-  TrackData data = readRun(a.estimate, selection);
-  mergeTypes(data.boxes);
   return data;
+}
+
+/** Whether Car, Van, Truck and Bus are one class: in folders, and in a file compared with one. */
+bool typesAreMerged(const TracksArguments& a)
+{
+  return std::filesystem::is_directory(a.reference) || std::filesystem::is_directory(a.estimate);
 }
 
 /** Number of frames covered by either file. */
@@ -121,7 +129,7 @@ void keepProcessedFrames(const std::string& folder, TrackSequence& sequence)
 /** The classes to evaluate, as the boxes name them. \throws UserError for an unknown one. */
 std::vector<std::string> classesToEvaluate(const TracksArguments& a, const TrackSequence& sequence)
 {
-  const bool merged = std::filesystem::is_directory(a.reference);
+  const bool merged = typesAreMerged(a);
   std::set<std::string> known;
   for (const auto* boxes : {&sequence.reference, &sequence.estimate})
   {
@@ -302,8 +310,13 @@ void addMetrics(const std::string& name,
 void runTracks(const TracksArguments& a)
 {
   TrackSelection selection = a.selection;
-  const TrackData truth = readReference(a, selection);
-  const TrackData estimate = readEstimate(a, selection);
+  TrackData truth = readReference(a, selection);
+  TrackData estimate = readEstimate(a, truth, selection);
+  if (typesAreMerged(a))
+  {
+    mergeTypes(truth.boxes);
+    mergeTypes(estimate.boxes);
+  }
   TrackSequence sequence;
   sequence.reference = truth.boxes;
   sequence.estimate = estimate.boxes;
@@ -353,10 +366,9 @@ Subcommand tracksCommand(CLI::App& app)
   sub->add_option("--calib", a->calib,
                   "calibration of KITTI files in the camera frame; the image "
                   "rules of its benchmark apply");
-  sub->add_option(
-      "--class", a->types,
-      "classes to evaluate; all of the reference by default (folders: Car, Van, Truck and Bus are "
-      "Vehicle)");
+  sub->add_option("--class", a->types,
+                  "classes to evaluate; all of the reference by default (with a folder: Car, Van, "
+                  "Truck and Bus are Vehicle)");
   sub->add_option("--iou", a->min_iou, "least 3D IoU of a match")
       ->check(CLI::Range(0.01, 1.0))
       ->capture_default_str();
@@ -365,28 +377,29 @@ Subcommand tracksCommand(CLI::App& app)
          "match by the horizontal distance of the centres up to this instead of the IoU, m")
       ->check(CLI::Range(0.01, 100.0));
   sub->add_option("--min-points", a->selection.min_points,
-                  "folders: true boxes with fewer points are ignored")
+                  "folder x.gt: true boxes with fewer points are ignored")
       ->check(notNegative())
       ->capture_default_str();
   sub->add_option("--min-speed", a->selection.min_speed,
-                  "folders: slower true boxes are ignored, m/s")
+                  "folder x.gt: slower true boxes are ignored, m/s")
       ->check(notNegative())
       ->capture_default_str();
   sub->add_option("--max-range", a->selection.max_range,
-                  "folders: more distant boxes are ignored, m")
+                  "folder x.gt: more distant boxes are ignored, m")
       ->check(positive())
       ->capture_default_str();
   sub->add_option(
          "--view", a->selection.view,
-         "folders: evaluated horizontal field of view, centred ahead, degrees; by default 81 where "
-         "the true boxes are from KITTI's camera images, else 360")
+         "folder x.gt: evaluated horizontal field of view, centred ahead, degrees; by default 81 "
+         "where the true boxes are from KITTI's camera images, else 360")
       ->check(CLI::Range(1.0, 360.0));
-  sub->add_option("--first-frame", a->selection.first_frame, "folders: earlier frames are removed")
+  sub->add_option("--first-frame", a->selection.first_frame,
+                  "folder x.gt: earlier frames are removed")
       ->check(notNegative())
       ->capture_default_str();
   sub->add_option("--instance-offset", a->selection.instance_offset,
-                  "folders: instance in the labels minus track id; by default 0 or 1, with which "
-                  "more boxes have points");
+                  "folder x.gt: instance in the labels minus track id; by default 0 or 1, with "
+                  "which more boxes have points");
   a->output.declare(*sub);
   return {sub, [a] { runTracks(*a); }};
 }

@@ -21,19 +21,22 @@
 #include "../common/Checks.h"
 #include "MetricFlags.h"
 #include "OutputFiles.h"
+#include "PairNote.h"
 #include "TimeRange.h"
 
 namespace dyslam
 {
 namespace
 {
+constexpr double default_tolerance = 0.01;  // [s]
+
 struct TrajectoryArguments
 {
   std::vector<std::string> references;
   std::vector<std::string> estimates;
   MetricFlags metrics;
-  double tolerance = 0.01;
-  double time_offset = 0;
+  std::optional<double> tolerance;  //!< of time stamps [s]
+  std::optional<double> time_offset;
   std::string camera;
   std::string calib;
   std::string plot;
@@ -86,16 +89,27 @@ void warnAboutAxes(const std::string& reference,
   }
 }
 
+/** \throws UserError if flags for time stamps are given with a file that has none. */
+void requireNoTimeFlags(const TrajectoryArguments& a, const std::string& file)
+{
+  if (a.tolerance || a.time_offset)
+  {
+    throw UserError(file +
+                    ": has no time stamps (KITTI), its poses are paired line by line; leave " +
+                    (a.tolerance ? "--tolerance" : "--time-offset") + " out, or give a TUM file");
+  }
+}
+
 PosePairs associate(const std::string& reference_path,
                     const std::string& estimate_path,
                     const TrajectoryArguments& a)
 {
-  const double tolerance = a.tolerance;
+  const double tolerance = a.tolerance.value_or(default_tolerance);
   const TrajectoryFile reference = readPoses(reference_path, a.camera == "reference", a.calib);
   TrajectoryFile estimate = readPoses(estimate_path, a.camera == "estimate", a.calib);
   for (std::size_t i = 0; i < estimate.trajectory.size(); ++i)
   {
-    estimate.trajectory[i].stamp += a.time_offset;
+    estimate.trajectory[i].stamp += a.time_offset.value_or(0);
   }
   if (reference.trajectory.empty() || estimate.trajectory.empty())
   {
@@ -117,16 +131,11 @@ PosePairs associate(const std::string& reference_path,
                       timesOf(estimate.trajectory) + " and " + timesOf(reference.trajectory) +
                       "; --time-offset is added to the estimate's)");
     }
-    const std::size_t possible = std::min(pairs.reference_size, pairs.estimate_size);
-    if (10 * pairs.size() < 9 * possible || 2 * pairs.size() < pairs.estimate_size)
-    {
-      std::cerr << "note: " << estimate_path << ": only " << pairs.size() << " of "
-                << counted(pairs.estimate_size, "pose") << " have one of " << pairs.reference_size
-                << " in " << reference_path << " within --tolerance " << shortNumber(tolerance)
-                << " s; RPE is between the poses that have\n";
-    }
+    noteFewPairs(pairs, estimate_path, reference_path, "--tolerance " + shortNumber(tolerance));
     return pairs;
   }
+  requireNoTimeFlags(a,
+                     reference.format == TrajectoryFormat::kitti ? reference_path : estimate_path);
   if (reference.trajectory.size() != estimate.trajectory.size())
   {
     std::cerr << "note: " << estimate_path << " has " << counted(estimate.trajectory.size(), "pose")
@@ -242,11 +251,11 @@ Subcommand trajectoryCommand(CLI::App& app)
       ->required();
   sub->add_option("--estimate", a->estimates, "poses to evaluate; any number of files")->required();
   a->metrics.declare(*sub);
-  sub->add_option("--tolerance", a->tolerance, "largest difference of time stamps [s]")
+  sub->add_option("--tolerance", a->tolerance, "largest difference of time stamps (TUM) [s]")
       ->check(notNegative())
-      ->capture_default_str();
+      ->default_str(shortNumber(default_tolerance));
   sub->add_option("--time-offset", a->time_offset,
-                  "added to the time stamps of the estimates [s]: for clocks that differ");
+                  "added to the time stamps of the estimates (TUM) [s]: for clocks that differ");
   sub->add_option("--camera", a->camera,
                   "which poses are a camera's (z ahead), to be taken to the lidar's: estimate or "
                   "reference")

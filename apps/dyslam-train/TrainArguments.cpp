@@ -84,7 +84,8 @@ CLI::App& declareDyseg(CLI::App& app, TrainArguments& arguments)
   parser.footer(
       "Writes dyseg.safetensors (the weights), checkpoint.safetensors (to continue from), "
       "train.csv, validation.csv and\n"
-      "effective.ini. --start takes a dyseg.safetensors. Ctrl-C ends a training after a last "
+      "effective.ini. --start takes a dyseg.safetensors of the same [grid]. Ctrl-C ends a training "
+      "after a last "
       "checkpoint.");
   return parser;
 }

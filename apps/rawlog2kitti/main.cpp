@@ -32,7 +32,9 @@ void declare(CLI::App& app, Arguments& arguments)
       "--trajectory", o.trajectory,
       "poses of the vehicle, TUM or KITTI (default: the rawlog's ground truth); they are written "
       "in the camera's frame, as KITTI's tools read them");
-  app.add_option("--calib", o.calib, "calib.txt to write (default: camera axes at the lidar)");
+  app.add_option("--calib", o.calib,
+                 "calibration of KITTI odometry or tracking, or folder of raw's (default: camera "
+                 "axes at the lidar)");
   app.add_flag("--no-scans", o.no_scans, "only times, calibration and poses");
   app.add_flag("--rings", o.rings, "NNNNNN.ring beside each scan, a byte for each point");
   app.add_option("--skip-first-n", o.skip_first_n, "scans to skip");

@@ -3,6 +3,7 @@
 dyslam_add_library(NAME train_dyseg INTERNAL HEADERS torch
   SOURCES
     src/DysegBodies.cpp
+    src/DysegCrop.cpp
     src/DysegData.cpp
     src/DysegLosses.cpp
     src/DysegPairs.cpp
@@ -15,11 +16,13 @@ dyslam_add_library(NAME train_dyseg INTERNAL HEADERS torch
 
 dyslam_add_test(NAME train_dyseg HEADERS torch
   SOURCES
+    tests/DysegCrop_unittest.cpp
     tests/DysegData_unittest.cpp
     tests/DysegHelpTexts_unittest.cpp
     tests/DysegLosses_unittest.cpp
     tests/DysegPairs_unittest.cpp
     tests/DysegTrainer_unittest.cpp
+    tests/DysegValidation_unittest.cpp
   LIBRARIES dyslam::train_dyseg ${TORCH_LIBRARIES})
 if(TARGET train_dyseg_tests)
   target_include_directories(train_dyseg_tests PRIVATE ${CMAKE_CURRENT_SOURCE_DIR}/src)

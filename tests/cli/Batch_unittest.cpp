@@ -84,6 +84,22 @@ TEST(Batch, HasTheBytesOfSingleRunsAndSkipsWhatIsDone)
   EXPECT_FALSE(contains(folder.read("batch/index.html"), "<td class=\"number\"></td>"));
 }
 
+TEST(Batch, NamesThatDifferBehindADotHaveTheirErrorsOnThePage)
+{
+  const TestFolder folder;
+  for (const std::string name : {"day.1", "day.2"})
+  {
+    fs::copy(recordings + "/campus16.rawlog", folder.file(name + ".rawlog"));
+    fs::copy(recordings + "/campus16.gt", folder.file(name + ".gt"), fs::copy_options::recursive);
+  }
+  const Outcome batch = runProgram(
+      "dyslam-batch", folder.path() + settings + "-o " + folder.file("batch"), folder.path());
+  ASSERT_EQ(batch.code, 0) << batch.err;
+  const std::string page = folder.read("batch/index.html");
+  EXPECT_TRUE(contains(page, "href=\"day.2/report.html\"")) << page;
+  EXPECT_FALSE(contains(page, "<td class=\"number\"></td>")) << page;
+}
+
 TEST(Batch, ProcessesEachRecordingTwiceIfAsked)
 {
   const TestFolder folder;
@@ -142,6 +158,11 @@ TEST(Batch, BadInputIsOneLine)
   EXPECT_TRUE(contains(said(recordings + out + " --shard 3/2"), "is not K/N"));
   EXPECT_TRUE(contains(said(recordings + out + " -c none.ini"), "none.ini: no such file"));
   EXPECT_TRUE(contains(said(recordings + out + " --set nonsense"), "nonsense"));
+  for (const std::string option : {"--jobs 2", "--memory 8", "--no-summary", "--gather"})
+  {
+    const std::string line = said(recordings + out + " --slurm " + option);
+    EXPECT_TRUE(contains(line, option.substr(0, option.find(' ')) + " excludes --slurm")) << line;
+  }
   EXPECT_FALSE(fs::exists(folder.file("out")));
 }
 }  // namespace dyslam

@@ -1,11 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What a run and its evaluation say about where the true poses are from.
+// What a run and its evaluation say about the ground truth: where the true poses are from, which
+// part of a run and which tracks they cover, and flags that do not go with the files given.
 #include <dyslam/formats/LabelFiles.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <sstream>
 #include <string>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -51,6 +55,42 @@ class GroundTruthSource : public testing::Test
 
   TestFolder folder_;
 };
+
+/** A line of tracks.txt: a box of frame 0 in the lidar frame. \param rectangle in the image */
+std::string trackLine(
+    int id, const std::string& type, double x, double y, const std::string& rectangle = "0 0 0 0")
+{
+  std::ostringstream line;
+  line << "0 " << id << " " << type << " 0 0 -10 " << rectangle << " 1.5 1.8 4 " << x << " " << y
+       << " -1 0\n";
+  return line.str();
+}
+
+/** `count` poses of a straight drive, one a second. */
+std::string posesOf(int count)
+{
+  std::ostringstream poses;
+  for (int i = 0; i < count; ++i)
+  {
+    poses << i << " " << i << " 0 0 0 0 0 1\n";
+  }
+  return poses.str();
+}
+
+/** The figures of `dyslam-eval tracks`. */
+nlohmann::json trackScores(const TestFolder& folder,
+                           const std::string& reference,
+                           const std::string& estimate,
+                           const std::string& flags = "")
+{
+  const Outcome outcome =
+      runProgram("dyslam-eval",
+                 "tracks --reference " + folder.file(reference) + " --estimate " +
+                     folder.file(estimate) + " --json " + folder.file("e.json") + flags,
+                 folder.path());
+  EXPECT_EQ(0, outcome.code) << outcome.err;
+  return nlohmann::json::parse(contentOf(folder.file("e.json")));
+}
 }  // namespace
 
 TEST_F(GroundTruthSource, NeesIsForExactOneOnly)
@@ -145,5 +185,140 @@ TEST(TrueTracks, OfCameraImagesAreEvaluatedInTheView)
   EXPECT_FALSE(contains(silent, "degrees ahead")) << silent;
   EXPECT_EQ(21, all_around) << "that behind is missed";
   EXPECT_EQ(0, evaluated(" --instance-offset 0").second) << "a box without points is ignored";
+}
+
+TEST(TrueTracks, AgainstThemselvesScoreFullyAsFileOrFolder)
+{
+  const TestFolder folder;
+  folder.write("x.gt/tracks.txt", trackLine(0, "Car", 10, 2) + trackLine(1, "Van", 20, -3) +
+                                      trackLine(2, "Truck", 30, 8) + trackLine(3, "Car", 70, 4));
+  const std::string file = "x.gt/tracks.txt";
+  for (const auto& [reference, estimate, boxes] :
+       {std::tuple<std::string, std::string, int>{"x.gt", "x.gt", 3},
+        {"x.gt", file, 3},
+        {file, "x.gt", 4}})
+  {
+    SCOPED_TRACE(reference + " and " + estimate);
+    const auto scores = trackScores(folder, reference, estimate);
+    for (const char* name : {"Vehicle", "all"})
+    {
+      EXPECT_EQ(boxes, scores.at(name).at("references")) << name;
+      EXPECT_EQ(0, scores.at(name).at("false_alarms")) << name;
+      EXPECT_DOUBLE_EQ(1, scores.at(name).at("mota")) << name;
+      EXPECT_DOUBLE_EQ(1, scores.at(name).at("recall")) << name;
+    }
+    EXPECT_EQ(0U, scores.count("Van"));
+  }
+  const auto files = trackScores(folder, file, file);
+  EXPECT_EQ(2, files.at("Car").at("references"));
+  EXPECT_EQ(1, files.at("Van").at("references"));
+}
+
+/** The camera's view ends at 40.5 degrees. */
+TEST(TrueTracks, TheBorderOfTheViewCausesNeitherMissesNorFalseAlarms)
+{
+  const TestFolder folder;
+  const auto at = [](int id, double azimuth_deg, double range)
+  {
+    const double azimuth = azimuth_deg * M_PI / 180;
+    return trackLine(id, "Car", range * std::cos(azimuth), range * std::sin(azimuth),
+                     "100 100 200 150");
+  };
+  folder.write("x.gt/tracks.txt", at(0, 0, 10) + at(1, 40.8, 20) + at(2, -40.2, 20));
+  const std::string found = at(10, 0, 10) + at(11, 40.2, 20) + at(12, -40.8, 20);
+  const std::string unlabelled = at(13, 90, 15) + at(14, -170, 15);
+  folder.write("run/tracks.txt", found + unlabelled);
+  for (const char* estimate : {"run", "run/tracks.txt"})
+  {
+    const auto all = trackScores(folder, "x.gt", estimate).at("all");
+    EXPECT_EQ(2, all.at("references")) << estimate;
+    EXPECT_EQ(0, all.at("misses")) << estimate;
+    EXPECT_EQ(0, all.at("false_alarms")) << estimate;
+  }
+  const auto around = trackScores(folder, "x.gt", "run", " --view 360").at("all");
+  EXPECT_EQ(3, around.at("references"));
+  EXPECT_EQ(2, around.at("false_alarms"));
+}
+
+TEST(RunCoverage, APartOfTheRunIsNotedOnce)
+{
+  const TestFolder folder;
+  folder.write("run/trajectory_tum.txt", posesOf(6));
+  folder.write("run/odometry_tum.txt", posesOf(6));
+  const auto notes = [&]
+  {
+    const Outcome outcome = runProgram("dyslam-eval", "run " + folder.file("run"), folder.path());
+    EXPECT_EQ(0, outcome.code) << outcome.err;
+    return outcome.err;
+  };
+  folder.write("run/reference_tum.txt", posesOf(2));
+  const std::string part = notes();
+  const std::string note = "trajectory_tum.txt: only 2 of 6 poses have one of 2 in " +
+                           folder.file("run/reference_tum.txt") + " within 0.001 s";
+  EXPECT_TRUE(contains(part, note)) << part;
+  EXPECT_FALSE(contains(part, "odometry_tum.txt")) << part;
+  folder.write("run/reference_tum.txt", posesOf(6));
+  EXPECT_FALSE(contains(notes(), "only"));
+}
+
+TEST(RunNames, KeepTheirDotsAndFilesLoseTheirEnding)
+{
+  const TestFolder folder;
+  for (const std::string name : {"b/x.1", "b/x.2"})
+  {
+    folder.write(name + "/trajectory_tum.txt", posesOf(3));
+    folder.write(name + "/reference_tum.txt", posesOf(3));
+  }
+  const auto namesIn = [&](const std::string& arguments, const char* list)
+  {
+    const Outcome outcome =
+        runProgram("dyslam-eval", arguments + " --json " + folder.file("e.json"), folder.path());
+    EXPECT_EQ(0, outcome.code) << outcome.err;
+    const auto json = nlohmann::json::parse(contentOf(folder.file("e.json")));
+    std::vector<std::string> names;
+    for (const auto& entry : json.at(list))
+    {
+      names.push_back(entry.at("name"));
+    }
+    return names;
+  };
+  using Names = std::vector<std::string>;
+  EXPECT_EQ(Names({"x.1", "x.2"}),
+            namesIn("run " + folder.file("b/x.1") + " " + folder.file("b/x.2/"), "runs"));
+  const std::string poses = folder.file("b/x.1/trajectory_tum.txt");
+  EXPECT_EQ(Names({"trajectory_tum"}),
+            namesIn("trajectory --reference " + poses + " --estimate " + poses, "trajectories"));
+}
+
+TEST(EvaluationFlags, ThoseWithoutAnEffectAreErrors)
+{
+  const TestFolder folder;
+  const std::string tum = folder.write("tum.txt", posesOf(3));
+  const std::string kitti = folder.write(
+      "kitti.txt", "1 0 0 0 0 1 0 0 0 0 1 0\n1 0 0 1 0 1 0 0 0 0 1 0\n1 0 0 2 0 1 0 0 0 0 1 0\n");
+  const auto expect = [&](const std::string& arguments, int code, const std::string& part)
+  {
+    const Outcome outcome = runProgram("dyslam-eval", arguments, folder.path());
+    EXPECT_EQ(code, outcome.code) << arguments << ": " << outcome.err;
+    EXPECT_TRUE(contains(outcome.err, part)) << arguments << ": " << outcome.err;
+  };
+  const std::string files = "trajectory --estimate " + tum + " --reference ";
+  expect(files + kitti, 0, "");
+  expect(files + kitti + " --tolerance 0.01", 1, "kitti.txt: has no time stamps");
+  expect(files + kitti + " --time-offset 0", 1, "leave --time-offset out");
+  expect(files + tum + " --tolerance 0.01 --time-offset 0", 0, "");
+
+  const std::string self = "map --self x.rawlog --estimate " + tum;
+  for (const char* flag : {"--labels x.label", "--radius 0.1", "--voxel 0.2"})
+  {
+    expect(self + " " + flag, 1, "excludes");
+  }
+  const std::string maps = "map --reference a.ply --estimate b.ply";
+  for (const std::string flag :
+       {"--config a.ini", "--neighbourhood 1", "--min-neighbours 5", "--points 9", "--tolerance 1",
+        "--poses-of lidar", "--skip-first-n 1", "--only-first-n 1"})
+  {
+    expect(maps + " " + flag, 1, flag.substr(0, flag.find(' ')) + " requires --self");
+  }
 }
 }  // namespace dyslam

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// dyslam-eval kitti-mot on a small folder of KITTI's layout made up here.
+// dyslam-eval kitti-mot and speeds on a small folder of KITTI's layout made up here.
 #include <dyslam/eval/TrackMetrics.h>
 #include <dyslam/formats/KittiTracks.h>
 #include <gtest/gtest.h>
@@ -135,10 +135,15 @@ class KittiMot : public ::testing::Test
   /** Exit code of the command with `arguments`; what it says goes to the file `says`. */
   static int run(const std::string& arguments)
   {
-    const std::string command = std::string(DYSLAM_BIN_DIR) + "/dyslam-eval kitti-mot --data " +
-                                folder_.string() +
-                                " --sequences 0000 --repeats 1 --class Car Pedestrian " +
-                                arguments + " > " + (folder_ / "says").string() + " 2>&1";
+    return evaluate("kitti-mot --data " + folder_.string() +
+                    " --sequences 0000 --repeats 1 --class Car Pedestrian " + arguments);
+  }
+
+  /** Exit code of any of the program's commands; what it says goes to the file `says`. */
+  static int evaluate(const std::string& arguments)
+  {
+    const std::string command = std::string(DYSLAM_BIN_DIR) + "/dyslam-eval " + arguments + " > " +
+                                (folder_ / "says").string() + " 2>&1";
     return WEXITSTATUS(std::system(command.c_str()));
   }
 
@@ -214,6 +219,51 @@ TEST_F(KittiMot, TimesComeFromTheirFileAndAreChecked)
   EXPECT_EQ(run(""), 1);
   EXPECT_NE(contentOf(folder_ / "says").find("0000.txt:3: times must increase"), std::string::npos);
   fs::remove_all(folder_ / "times");
+}
+
+TEST_F(KittiMot, PublishedFiguresAreOfPointRcnnsDetectionsOnly)
+{
+  const fs::path all = folder_ / "validation";
+  for (const std::string name :
+       {"0001", "0006", "0008", "0010", "0012", "0013", "0014", "0015", "0016", "0018", "0019"})
+  {
+    for (const char* sub : {"calib", "oxts", "label_02", "det_pointrcnn"})
+    {
+      fs::create_directories(all / sub);
+      fs::copy_file(folder_ / sub / "0000.txt", all / sub / (name + ".txt"));
+    }
+  }
+  const std::string command = "kitti-mot --repeats 1 --class Car --data " + all.string();
+  ASSERT_EQ(evaluate(command), 0) << contentOf(folder_ / "says");
+  EXPECT_NE(contentOf(folder_ / "says").find("AB3DMOT, published"), std::string::npos);
+  const std::string given = command + " --detections " + (all / "det_pointrcnn").string();
+  ASSERT_EQ(evaluate(given), 0) << contentOf(folder_ / "says");
+  EXPECT_EQ(contentOf(folder_ / "says").find("AB3DMOT"), std::string::npos);
+}
+
+TEST_F(KittiMot, SpeedsCountTheFramesOfTheirError)
+{
+  const fs::path data = folder_ / "speeds";
+  for (const char* sub : {"calib", "oxts", "label_02"})
+  {
+    fs::create_directories(data / sub);
+    fs::copy_file(folder_ / sub / "0000.txt", data / sub / "0000.txt");
+  }
+  fs::create_directories(data / "det_pointrcnn/Car");
+  fs::copy_file(folder_ / "det_pointrcnn/0000.txt", data / "det_pointrcnn/Car/0000.txt");
+  // The labels of the car give true speeds of frames 5 to 35 or so.
+  std::ofstream(data / "series.csv") << "time,speed\n1.036,3\n2.072,3\n51.8,3\n";
+  ASSERT_EQ(evaluate("speeds --sequence 0000 --track 1 --data " + data.string() +
+                     " --series given=" + (data / "series.csv").string() + " --csv " +
+                     (data / "table.csv").string()),
+            0)
+      << contentOf(folder_ / "says");
+  std::istringstream rows(contentOf(data / "table.csv"));
+  std::string row;
+  while (std::getline(rows, row) && row.rfind("given,", 0) != 0)
+  {
+  }
+  EXPECT_EQ(row.substr(row.rfind(',') + 1), "2") << row;
 }
 
 TEST_F(KittiMot, DetectionsWithoutScoreAreAnError)

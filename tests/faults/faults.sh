@@ -184,6 +184,12 @@ conversion_on_a_full_disk() {
   check grep -qx earlier h.rawlog
   check test ! -e h.rawlog.tmp
 }
+batch_on_a_full_disk() { # a disk that takes nothing
+  (trap '' XFSZ; ulimit -f 0; timeout 120 "$bin/dyslam-batch" "$source/rawlog" -o q 2>&1; echo "code $?") | cat >q.out
+  check grep -qx 'code 1' q.out
+  check test "$(grep -c ': failed, .*/manifest.json: cannot be written' q.out)" -eq 2
+  check grep -q 'batch.json: cannot be written' q.out
+}
 output_that_takes_nothing() {
   "$bin/dyslam-eval" trajectory --reference "$source/rawlog/campus16.gt/poses_tum.txt" \
     --estimate "$source/rawlog/campus16.gt/poses_tum.txt" >/dev/full 2>i.err
@@ -231,6 +237,7 @@ must input_cut_in_mid_run "all results of the scans before the cut, and the reas
 must links "files that links point to stay as they are"
 must disk_too_small_for_memory "memory grows instead, the results are the same, a warning says so"
 must conversion_on_a_full_disk "the earlier file stays, nothing half is left, exit code 1"
+must batch_on_a_full_disk "every recording is a failure that names the file, exit code 1"
 must output_that_takes_nothing "a full standard output is an error"
 must name_that_is_no_text "a folder name that is not UTF-8 still gives valid JSON"
 must wild_numbers "counts and steps that cannot be are refused at once, without memory"

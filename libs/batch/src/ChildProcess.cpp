@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/batch/ChildProcess.h>
+#include <dyslam/batch/ControlGroup.h>
 #include <dyslam/core/Error.h>
 #include <fcntl.h>
 #include <sched.h>
@@ -51,14 +52,6 @@ constexpr int not_started = 127;
   }
   ::execv(arguments[0], arguments);
   ::_exit(not_started);
-}
-
-/** Bytes in the file, or nothing known: 0. */
-std::uint64_t numberIn(const std::string& path)
-{
-  std::uint64_t value = 0;
-  std::ifstream(path) >> value;
-  return value;
 }
 }  // namespace
 
@@ -143,16 +136,7 @@ std::uint64_t availableMemory()
     }
   }
   available *= 1024;
-  // Of control groups (version 2) that this one is in, where they set a limit.
-  std::string group;
-  std::getline(std::ifstream("/proc/self/cgroup"), group);
-  if (group.rfind("0::", 0) == 0)
-  {
-    const std::string folder = "/sys/fs/cgroup" + group.substr(3);
-    const std::uint64_t limit = numberIn(folder + "/memory.max");
-    const std::uint64_t used = numberIn(folder + "/memory.current");
-    available = limit > used ? std::min(available, limit - used) : available;
-  }
-  return available;
+  const auto left = memoryLeftByGroups("/");
+  return left ? std::min(available, *left) : available;
 }
 }  // namespace dyslam::batch

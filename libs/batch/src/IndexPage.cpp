@@ -3,10 +3,11 @@
 #include <dyslam/core/Files.h>
 #include <dyslam/core/Printable.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <filesystem>
-#include <map>
 #include <nlohmann/json.hpp>
+#include <vector>
 
 namespace fs = std::filesystem;
 
@@ -51,6 +52,30 @@ std::string numberCell(const Json& json, const std::string& pointer, int digits)
   return std::string("<td class=\"number\">") + text + "</td>";
 }
 
+/** The entry of each recording in table.json, null for one without results. The runs with results
+ * are there in the order of the batch; their names are those that dyslam-eval gave them. */
+std::vector<Json> errorsOf(const std::vector<BatchResult>& results, const std::string& folder)
+{
+  std::vector<Json> errors(results.size());
+  const Json table = parsed(fs::path(folder) / "table.json");
+  const Json runs = table.is_object() ? table.value("runs", Json::array()) : Json::array();
+  const auto evaluated = std::count_if(
+      results.begin(), results.end(), [](const BatchResult& r) { return r.manifest.hasResults(); });
+  if (static_cast<std::size_t>(evaluated) != runs.size())
+  {
+    return errors;
+  }
+  auto next = runs.begin();
+  for (std::size_t i = 0; i < results.size(); ++i)
+  {
+    if (results[i].manifest.hasResults())
+    {
+      errors[i] = *next++;
+    }
+  }
+  return errors;
+}
+
 std::string row(const BatchResult& r, const std::string& folder, const Json& errors)
 {
   const fs::path results = fs::path(folder) / r.recording.name;
@@ -88,15 +113,7 @@ std::string indexPage(const std::vector<BatchResult>& results,
                       const std::string& folder,
                       const std::string& style)
 {
-  std::map<std::string, Json> errors;
-  const Json table = parsed(fs::path(folder) / "table.json");
-  if (table.is_object() && table.contains("runs"))
-  {
-    for (const Json& run : table["runs"])
-    {
-      errors[run.value("name", "")] = run;
-    }
-  }
+  const std::vector<Json> errors = errorsOf(results, folder);
   const std::string title = escapedHtml(fs::path(folder).filename().string());
   const Counts counts = countsOf(results);
   const bool good = counts.done == results.size();
@@ -119,9 +136,9 @@ std::string indexPage(const std::vector<BatchResult>& results,
     html += std::string("<th class=\"number\">") + column + "</th>";
   }
   html += "<th></th></tr></thead>\n<tbody>\n";
-  for (const BatchResult& r : results)
+  for (std::size_t i = 0; i < results.size(); ++i)
   {
-    html += row(r, folder, errors[r.recording.name]);
+    html += row(results[i], folder, errors[i]);
   }
   html += "</tbody></table></div>\n<p>ATE, RPE and IoU where the recording has ground truth.";
   for (const char* file : {"table.txt", "table.csv", "batch.json"})

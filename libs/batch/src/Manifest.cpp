@@ -48,10 +48,60 @@ class Sha256
   std::unique_ptr<EVP_MD_CTX, void (*)(EVP_MD_CTX*)> context_;
 };
 
+struct FileState
+{
+  std::uintmax_t bytes = 0;
+  std::int64_t time = 0;  //!< of the last change [ns]
+};
+
+std::optional<FileState> stateOf(const std::string& path)
+{
+  struct stat status = {};
+  if (::stat(path.c_str(), &status) != 0)
+  {
+    return std::nullopt;
+  }
+  return FileState{
+      static_cast<std::uintmax_t>(status.st_size),
+      std::int64_t{status.st_mtim.tv_sec} * 1000000000 + std::int64_t{status.st_mtim.tv_nsec}};
+}
+
+/** Folder of the files that a rawlog names, if it has any. */
+std::string externalFolder(const std::string& path)
+{
+  return fs::path(path).replace_extension().string() + "_Images";
+}
+
+/** Size of all files within and last change of any; folders change when a file is removed. */
+FileState stateOfFolder(const std::string& folder)
+{
+  FileState all;
+  if (!fs::is_directory(folder))
+  {
+    return all;
+  }
+  all.time = stateOf(folder).value_or(FileState()).time;
+  for (const auto& entry : fs::recursive_directory_iterator(folder))
+  {
+    const FileState one = stateOf(entry.path().string()).value_or(FileState());
+    all.bytes += entry.is_regular_file() ? one.bytes : 0;
+    all.time = std::max(all.time, one.time);
+  }
+  return all;
+}
+
+/** Whether files of the same path can be taken for unchanged without reading them. */
+bool looksUnchanged(const Work& known, const Work& now)
+{
+  return known.input == now.input && known.input_bytes == now.input_bytes &&
+         known.input_time == now.input_time && known.external_bytes == now.external_bytes &&
+         known.external_time == now.external_time;
+}
+
 /** The rawlog and the files that it names, which stand in a folder beside it. */
 std::string checksumOfRecording(const std::string& path)
 {
-  const fs::path images = fs::path(path).replace_extension().string() + "_Images";
+  const fs::path images = externalFolder(path);
   if (!fs::is_directory(images))
   {
     return checksumOfFile(path);
@@ -144,6 +194,8 @@ std::optional<Manifest> readManifest(const std::string& folder)
     m.work.input = json.at("input").at("path");
     m.work.input_bytes = json.at("input").at("bytes");
     m.work.input_time = json.at("input").at("changed_ns");
+    m.work.external_bytes = json.at("input").value("external_bytes", std::uintmax_t{0});
+    m.work.external_time = json.at("input").value("external_changed_ns", std::int64_t{0});
     m.work.input_checksum = json.at("input").at("sha256");
     m.work.settings = json.at("settings");
     m.work.version = json.at("program").at("version");
@@ -167,6 +219,8 @@ void writeManifest(const std::string& folder, const Manifest& m)
   json["input"] = {{"path", m.work.input},
                    {"bytes", m.work.input_bytes},
                    {"changed_ns", m.work.input_time},
+                   {"external_bytes", m.work.external_bytes},
+                   {"external_changed_ns", m.work.external_time},
                    {"sha256", m.work.input_checksum}};
   json["settings"] = m.work.settings;
   json["effective_ini_sha256"] = m.settings_checksum;
@@ -177,20 +231,20 @@ void writeManifest(const std::string& folder, const Manifest& m)
 
 Work workOn(const std::string& input, const Work& common, const std::optional<Manifest>& known)
 {
-  struct stat status = {};
-  if (::stat(input.c_str(), &status) != 0)
+  const auto file = stateOf(input);
+  if (!file)
   {
     throw UserError(input + ": no such file");
   }
+  const FileState external = stateOfFolder(externalFolder(input));
   Work work = common;
   work.input = input;
-  work.input_bytes = static_cast<std::uintmax_t>(status.st_size);
-  work.input_time =
-      std::int64_t{status.st_mtim.tv_sec} * 1000000000 + std::int64_t{status.st_mtim.tv_nsec};
-  const bool same_file = known && known->work.input == work.input &&
-                         known->work.input_bytes == work.input_bytes &&
-                         known->work.input_time == work.input_time;
-  work.input_checksum = same_file ? known->work.input_checksum : checksumOfRecording(input);
+  work.input_bytes = file->bytes;
+  work.input_time = file->time;
+  work.external_bytes = external.bytes;
+  work.external_time = external.time;
+  const bool unchanged = known && looksUnchanged(known->work, work);
+  work.input_checksum = unchanged ? known->work.input_checksum : checksumOfRecording(input);
   return work;
 }
 

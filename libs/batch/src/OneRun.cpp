@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <exception>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
@@ -141,11 +142,21 @@ double progressIn(const std::string& log)
   return std::atof(text.substr(begin == std::string::npos ? 0 : begin + 1).c_str()) / 100;
 }
 
-void recordFailure(const std::string& folder, const Manifest& manifest)
+void recordFailure(const std::string& folder, Manifest& manifest)
 {
-  if (fs::exists(fs::path(folder) / log_name))
+  try
   {
-    writeManifest(folder, manifest);
+    if (fs::exists(fs::path(folder) / log_name))
+    {
+      writeManifest(folder, manifest);
+    }
+  }
+  catch (const std::exception& error)
+  {
+    if (manifest.reason.find(error.what()) == std::string::npos)
+    {
+      manifest.reason += std::string("; ") + error.what();
+    }
   }
 }
 

@@ -16,8 +16,9 @@ bool runOne(const BatchSettings& settings,
             const std::function<bool()>& stop,
             BatchResult& result);
 
-/** Records a run that could not be started, if the folder is a batch's. */
-void recordFailure(const std::string& folder, const Manifest& manifest);
+/** Records a run that could not be started or ended, if the folder is a batch's. Throws nothing: if
+ * the manifest cannot be written, its reason says so. */
+void recordFailure(const std::string& folder, Manifest& manifest);
 /** Share of the work according to a log's last line of progress, 0 to 1. */
 [[nodiscard]] double progressIn(const std::string& log);
 /** Where the run of a recording writes to while it lasts. */

@@ -87,9 +87,12 @@ std::string submitted(const std::string& command)
 std::string arrayScript(const SlurmJob& job)
 {
   const std::string count = std::to_string(job.tasks);
-  return header(job, "dyslam", "%a.log") + "#SBATCH --array=1-" + count +
-         "\n# A task that was killed has left its folder.\n"
-         "scratch=${TMPDIR:-/tmp}/dyslam.${SLURM_ARRAY_JOB_ID}_$SLURM_ARRAY_TASK_ID\n"
+  const std::string given = quoted(job.scratch);
+  return header(job, "dyslam", "%a.log") + "#SBATCH --array=1-" + count + "\n" +
+         (job.scratch.empty() ? "" : "mkdir -p " + given + "\n") +
+         "# A task that was killed has left its folder.\nscratch=" +
+         (job.scratch.empty() ? "${TMPDIR:-/tmp}" : given) +
+         "/dyslam.${SLURM_ARRAY_JOB_ID}_$SLURM_ARRAY_TASK_ID\n"
          "rm -rf \"$scratch\"\n"
          "mkdir -m 700 \"$scratch\" || exit 1\n"
          "trap 'rm -rf \"$scratch\"' EXIT\n" +

@@ -114,6 +114,30 @@ TEST_F(Batch, KeepsGoingAndRunsOnceMoreWhatFailed)
   EXPECT_EQ(read[2].manifest.state, State::done);
 }
 
+TEST_F(Batch, ManifestThatCannotBeWrittenIsAFailureOfItsRunAlone)
+{
+  program("[[ $2 == */b.rawlog ]] && { rm \"$4/manifest.json\"; mkdir \"$4/manifest.json\"; }");
+  const auto results = run();
+  EXPECT_EQ(toText(countsOf(results)), "2 done, 1 failed");
+  EXPECT_EQ(runs(), 3U);
+  const std::string& reason = results[1].manifest.reason;
+  EXPECT_TRUE(contains(reason, "out/b/manifest.json: is a folder")) << reason;
+  EXPECT_EQ(reason.find("manifest.json"), reason.rfind("manifest.json")) << "said once: " << reason;
+}
+
+TEST_F(Batch, FailureNamesItsCauseAndTheManifestThatCannotBeWritten)
+{
+  settings_.scratch = folder_.file("scratch");
+  folder_.write("out/b/log.txt", "of an earlier batch");
+  folder_.write("out/b/manifest.json/file", "");
+  folder_.write("scratch/b/drive.bin", "mine");
+  const auto results = run();
+  EXPECT_EQ(toText(countsOf(results)), "2 done, 1 failed");
+  const std::string& reason = results[1].manifest.reason;
+  EXPECT_TRUE(contains(reason, "choose another --scratch; ")) << reason;
+  EXPECT_TRUE(contains(reason, "out/b/manifest.json: is a folder")) << reason;
+}
+
 TEST_F(Batch, SettingsThatAreRefusedEndItAtOnce)
 {
   for (int i = 0; i < 20; ++i)
@@ -252,5 +276,37 @@ TEST(IndexPage, LinksReportsAndShowsNamesAsTheyAre)
   }
   EXPECT_TRUE(contains(page, "1 warning"));
   EXPECT_FALSE(contains(page, "http"));
+}
+
+TEST(IndexPage, ErrorsDoNotDependOnTheNamesInTheTable)
+{
+  const TestFolder folder;
+  const auto run = [](const std::string& name, double ate)
+  {
+    return R"({"name": ")" + name + R"(", "trajectory": {"ate": {"translation_m": {"rmse": )" +
+           std::to_string(ate) + "}}}}";
+  };
+  folder.write("table.json",
+               R"({"runs": [)" + run("x/drive", 0.25) + "," + run("y/drive", 0.5) + "]}");
+  std::vector<BatchResult> results(3);
+  const std::vector<std::string> names{"drive.1", "drive.2", "drive.3"};
+  for (std::size_t i = 0; i < 3; ++i)
+  {
+    results[i].recording.name = names[i];
+    results[i].manifest.state = i == 1 ? State::failed : State::done;
+  }
+  const std::string page = indexPage(results, folder.path(), "");
+  const auto row = [&page](const std::string& name)
+  {
+    const auto begin = page.find("<td>" + name);
+    return page.substr(begin, page.find("</tr>", begin) - begin);
+  };
+  EXPECT_TRUE(contains(row("drive.1"), ">0.250</td>")) << page;
+  EXPECT_FALSE(contains(row("drive.2"), ">0.250</td>")) << page;
+  EXPECT_FALSE(contains(row("drive.2"), ">0.500</td>")) << page;
+  EXPECT_TRUE(contains(row("drive.3"), ">0.500</td>")) << page;
+  results[1].manifest.state = State::done;
+  EXPECT_FALSE(contains(indexPage(results, folder.path(), ""), ">0.250</td>"))
+      << "a table of other runs";
 }
 }  // namespace dyslam::batch

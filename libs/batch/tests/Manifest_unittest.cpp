@@ -108,4 +108,60 @@ TEST(Manifest, ExternalFilesAreOfTheInput)
   folder.write("x_Images/1.bin", "two");
   EXPECT_NE(workOn(input, common(), std::nullopt).input_checksum, before.input_checksum);
 }
+
+TEST(Manifest, ReplacedExternalFilesAreNoticedBesideAnUnchangedRawlog)
+{
+  const TestFolder folder;
+  const std::string input = folder.write("x.rawlog", "scans");
+  const std::string scan = folder.write("x_Images/deep/1.bin", "one");
+  doneIn(folder, workOn(input, common(), std::nullopt));
+  const auto known = readManifest(folder.path());
+  ASSERT_TRUE(known);
+  EXPECT_TRUE(isDone(folder.path(), workOn(input, common(), known), known));
+
+  const auto time = std::filesystem::last_write_time(scan);
+  folder.write("x_Images/deep/1.bin", "two");
+  std::filesystem::last_write_time(scan, time + std::chrono::hours(1));
+  EXPECT_FALSE(isDone(folder.path(), workOn(input, common(), known), known)) << "time";
+
+  folder.write("x_Images/deep/1.bin", "three");
+  std::filesystem::last_write_time(scan, time);
+  EXPECT_FALSE(isDone(folder.path(), workOn(input, common(), known), known)) << "size";
+
+  folder.write("x_Images/deep/1.bin", "one");
+  EXPECT_TRUE(isDone(folder.path(), workOn(input, common(), known), known)) << "as before";
+  std::filesystem::remove_all(folder.file("x_Images"));
+  EXPECT_FALSE(isDone(folder.path(), workOn(input, common(), known), known)) << "removed";
+}
+
+TEST(Manifest, FilesOfSameSizeAndTimeAreNotReadAgain)
+{
+  const TestFolder folder;
+  const std::string input = folder.write("x.rawlog", "scans");
+  folder.write("x_Images/1.bin", "one");
+  doneIn(folder, workOn(input, common(), std::nullopt));
+  auto known = readManifest(folder.path());
+  ASSERT_TRUE(known);
+  known->work.input_checksum = "of the manifest";
+  EXPECT_EQ(workOn(input, common(), known).input_checksum, "of the manifest");
+}
+
+TEST(Manifest, OfAnEarlierVersionStillCounts)
+{
+  const TestFolder folder;
+  const std::string input = folder.write("x.rawlog", "scans");
+  const Manifest m = doneIn(folder, workOn(input, common(), std::nullopt));
+  std::string text = folder.read("manifest.json");
+  for (const std::string key : {"\"external_bytes\"", "\"external_changed_ns\""})
+  {
+    const auto begin = text.find(key);
+    ASSERT_NE(begin, std::string::npos) << text;
+    text.erase(begin, text.find('\n', begin) + 1 - begin);
+  }
+  folder.write("manifest.json", text);
+  const auto known = readManifest(folder.path());
+  ASSERT_TRUE(known) << text;
+  EXPECT_TRUE(isDone(folder.path(), workOn(input, common(), known), known));
+  EXPECT_EQ(known->work.input_checksum, m.work.input_checksum);
+}
 }  // namespace dyslam::batch

@@ -66,6 +66,18 @@ TEST(SlurmJob, TaskRunsItsPartInScratchAndCleansUp)
   }
 }
 
+TEST(SlurmJob, TaskRunsInTheScratchFolderThatIsGiven)
+{
+  const TestFolder folder;
+  writeProgram(folder, "it's batch", "while [[ $1 != --scratch ]]; do shift; done\necho \"$2\"\n");
+  SlurmJob job = jobIn(folder);
+  job.scratch = folder.file("it's local/disk 1");
+  EXPECT_EQ(runTask(folder, arrayScript(job)), 0);
+  EXPECT_EQ(folder.read("out.txt"), job.scratch + "/dyslam.70_2\n");
+  EXPECT_TRUE(std::filesystem::is_empty(job.scratch));
+  EXPECT_FALSE(contains(gatherScript(job), "disk 1"));
+}
+
 TEST(SlurmJob, TaskThatASignalEndsIsQueuedAgainAndBadInputIsNot)
 {
   const TestFolder folder;

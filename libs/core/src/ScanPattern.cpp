@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/FiringOrder.h>
 #include <dyslam/core/Quantile.h>
 #include <dyslam/core/Rings.h>
 #include <dyslam/core/ScanPattern.h>
@@ -260,6 +261,7 @@ ScanPattern measureScanPattern(const Scan& scan)
     pattern.duration = std::isfinite(duration) ? duration : 0;
     pattern.point_times = pattern.duration > 0;
   }
+  pattern.firing_order = !firingFractions(scan.points).empty();
   const std::vector<std::uint16_t> numbers = ringsOf(scan.points, scan.ring);
   if (numbers.empty())
   {

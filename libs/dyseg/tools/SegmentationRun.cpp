@@ -168,12 +168,12 @@ SegmentationCounts runSegmenter(MovingSegmenter& segmenter,
     {
       continue;
     }
-    const auto truth = makeSample(set.clip, f, f > 0 ? f - 1 : 0);
+    const auto label = labelsBySpeed(from);
     if (!picture.empty() && f == (set.first + set.clip.frames.size()) / 2)
     {
-      writePicture(picture, frame, truth.label);
+      writePicture(picture, frame, label);
     }
-    const auto by_object = count(frame, from, truth.label, counts);
+    const auto by_object = count(frame, from, label, counts);
     if (instances != nullptr)
     {
       addInstances(by_object, set.clip, f, *instances);

@@ -209,7 +209,7 @@ void printFlow(const Arguments& a, const DysegModel& model, const SegmentationSe
   DysegScores flow;
   for (std::size_t f = std::max<std::size_t>(1, set.first); f < set.clip.frames.size(); f += 4)
   {
-    flow.add(scorePair(model, makeSample(set.clip, f, f - 1), a.network.iterations));
+    flow.add(scorePair(model, makeSample(set.clip, f, f - 1), nullptr, a.network.iterations));
   }
   const auto mean = [](double sum, std::uint64_t n)
   { return n > 0 ? sum / static_cast<double>(n) : std::nan(""); };

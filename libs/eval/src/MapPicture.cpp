@@ -98,11 +98,15 @@ void include(View& view, const std::vector<Eigen::Vector3d>& path)
   }
 }
 
-View viewOf(const MapPictureContent& content, const MapPictureOptions& options)
+/** The part around all paths of maps that are shown with one view. */
+View viewOf(const std::vector<const MapPictureContent*>& contents, const MapPictureOptions& options)
 {
   constexpr double infinity = std::numeric_limits<double>::infinity();
   View view{{infinity, infinity}, {-infinity, -infinity}, 1, {}};
-  include(view, content.path);
+  for (const MapPictureContent* content : contents)
+  {
+    include(view, content->path);
+  }
   const Eigen::Vector2d margin(options.margin, options.margin);
   view.low -= margin;
   view.high += margin;
@@ -373,7 +377,7 @@ std::vector<std::uint8_t> renderMapPicture(const MapPictureContent& content,
   {
     return {};
   }
-  const View view = viewOf(content, options);
+  const View view = viewOf({&content}, options);
   cv::Mat page = drawMap(content, view);
   drawLegendOf(content, view, page);
   return encodePage(page);
@@ -385,11 +389,11 @@ std::vector<std::uint8_t> renderMapComparison(
     const MapPictureOptions& options)
 {
   requireValid(options);
-  if (!hasPath(first.second))
+  if (!hasPath(first.second) && !hasPath(second.second))
   {
     return {};
   }
-  const View view = viewOf(first.second, options);
+  const View view = viewOf({&first.second, &second.second}, options);
   std::vector<cv::Mat> pages;
   for (const auto* part : {&first, &second})
   {

@@ -108,6 +108,10 @@ class ClearMotCount
       }
       const auto estimate = static_cast<std::size_t>(kept[static_cast<std::size_t>(j)]);
       history.matched.back() = frame.estimate_id[estimate];
+      if (frame.ignored[i] && !rules_.image_rules)
+      {
+        continue;  // KITTI alone counts them
+      }
       overlap_ += 1 - cost(static_cast<Eigen::Index>(i), j);
       ++result_.matches;
       match_scores_.push_back(mean_score.at(frame.estimate_id[estimate]));

@@ -2,6 +2,7 @@
 #include <dyslam/eval/MapPicture.h>
 #include <gtest/gtest.h>
 
+#include <limits>
 #include <opencv2/imgcodecs.hpp>
 #include <stdexcept>
 
@@ -91,9 +92,36 @@ TEST(MapPicture, ComparisonHidesNothingOfTheMap)
   }
 }
 
+TEST(MapPicture, ComparisonShowsThePartAroundThePathsOfBoth)
+{
+  const MapPictureContent before = drive();
+  MapPictureContent merged = before;
+  merged.path.emplace_back(Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN()));
+  for (int i = 20; i <= 60; ++i)
+  {
+    merged.path.emplace_back(i, 0, 0);
+  }
+  for (const bool first : {true, false})
+  {
+    const auto& a = first ? merged : before;
+    const auto& b = first ? before : merged;
+    const cv::Mat picture =
+        cv::imdecode(renderMapComparison({"a", a}, {"b", b}, options), cv::IMREAD_COLOR);
+    ASSERT_EQ(picture.cols, 800) << "80 m";
+    ASSERT_EQ(picture.rows, 2 * (36 + 200) + 6);
+    const int above = 36 + 100;  // y = 0
+    const int below = above + 36 + 200 + 6;
+    const cv::Vec3b shown = picture.at<cv::Vec3b>(first ? above : below, 600);  // x = 50 m
+    EXPECT_GT(shown[0], 150) << "the path is blue";
+    EXPECT_LT(shown[2], 60);
+    EXPECT_EQ(picture.at<cv::Vec3b>(first ? below : above, 600), cv::Vec3b(255, 255, 255));
+  }
+}
+
 TEST(MapPicture, OfNothingIsNone)
 {
   EXPECT_TRUE(renderMapPicture({}).empty());
+  EXPECT_TRUE(renderMapComparison({"a", {}}, {"b", {}}).empty());
   EXPECT_THROW((void)renderMapPicture(drive(), {0, 10, 0.1}), std::invalid_argument);
 }
 }  // namespace

@@ -96,6 +96,47 @@ TEST(TrackMetrics, ignoredBoxesAreNeitherHitsNorMisses)
   EXPECT_EQ(clearMot({sequence}, plainRules()).misses, 10u);
 }
 
+/** Six of ten counted boxes are found, and all ignored ones, with half a metre of error. */
+TEST(TrackMetrics, matchesOfIgnoredBoxesCountUnderKittisRulesOnly)
+{
+  TrackSequence sequence = perfect();
+  for (LabelledBox& box : sequence.reference)
+  {
+    box.occluded = box.id == 8 ? ignored_box : 0;
+  }
+  std::vector<LabelledBox> estimates;
+  for (LabelledBox box : sequence.estimate)
+  {
+    box.box.center.x() += box.id == 108 ? 0.5 : 0;
+    if (box.id == 108 || box.frame < 6)
+    {
+      estimates.push_back(box);
+    }
+  }
+  estimates.push_back(boxAt(7, 103, -30, 0));
+  estimates.push_back(boxAt(8, 103, -30, 0));
+  sequence.estimate = estimates;
+  const ClearMot mot = clearMot({sequence}, plainRules());
+  EXPECT_EQ(mot.matches, 6u);
+  EXPECT_EQ(mot.misses, 4u);
+  EXPECT_EQ(mot.false_alarms, 2u);
+  EXPECT_DOUBLE_EQ(mot.recall, 0.6);
+  EXPECT_DOUBLE_EQ(mot.precision, 0.75);
+  EXPECT_NEAR(mot.motp, 1, 1e-9);
+  // Of the recalls 0.1, 0.2, ... the thresholds reach 0.5.
+  const RecallAverages averages = averagesOverRecall({sequence}, plainRules(), 10);
+  EXPECT_EQ(averages.points.size(), 5u);
+  EXPECT_NEAR(averages.amotp, 0.5, 1e-9);
+  EXPECT_NEAR(averages.amota, 0.5 * 0.4, 1e-9);
+
+  TrackRules kitti = plainRules();
+  kitti.image_rules = true;
+  const ClearMot as_kitti = clearMot({sequence}, kitti);
+  EXPECT_EQ(as_kitti.matches, 16u);
+  EXPECT_DOUBLE_EQ(as_kitti.recall, 0.8);
+  EXPECT_LT(as_kitti.motp, 0.95);
+}
+
 TEST(TrackMetrics, distanceInsteadOfOverlap)
 {
   TrackSequence sequence = perfect();

@@ -7,7 +7,8 @@
 #include <charconv>
 #include <cmath>
 #include <cstring>
-#include <limits>
+
+#include "FieldNames.h"
 
 namespace dyslam
 {
@@ -55,43 +56,34 @@ double cloudNumber(std::string_view word, const std::string& path)
   return value;
 }
 
+template <typename Names>
+void CloudColumns::offer(Role role, const Names& names, const std::string& name, CloudNumber type)
+{
+  const auto at = std::find(names.begin(), names.end(), name);
+  const auto rank = static_cast<std::size_t>(at - names.begin());
+  Column& column = columns_[role];
+  if (at == names.end() || (column.there && rank >= column.rank))
+  {
+    return;
+  }
+  if (column.there)
+  {
+    roles_[column.field] = none;
+  }
+  column = {true, rank, roles_.size() - 1, name, type, false, {}};
+  roles_.back() = role;
+}
+
 void CloudColumns::declare(const std::string& name, CloudNumber type)
 {
-  struct Name
-  {
-    const char* text;
-    Role role;
-  };
-  static constexpr std::array<Name, 11> names{{{"x", x},
-                                               {"y", y},
-                                               {"z", z},
-                                               {"intensity", intensity},
-                                               {"scalar_intensity", intensity},
-                                               {"scalar_Intensity", intensity},
-                                               {"reflectivity", intensity},
-                                               {"ring", ring},
-                                               {"time", time},
-                                               {"t", time},
-                                               {"timestamp", time}}};
-  Role role = none;
-  for (std::size_t rank = 0; rank < names.size(); ++rank)
-  {
-    if (name != names[rank].text)
-    {
-      continue;
-    }
-    Column& column = columns_[names[rank].role];
-    if (!column.there || rank < column.rank)
-    {
-      if (column.there)
-      {
-        roles_[column.field] = none;
-      }
-      role = names[rank].role;
-      column = {true, rank, roles_.size(), type, false, {}};
-    }
-  }
-  roles_.push_back(role);
+  using Name = std::array<const char*, 1>;
+  roles_.push_back(none);
+  offer(x, Name{"x"}, name, type);
+  offer(y, Name{"y"}, name, type);
+  offer(z, Name{"z"}, name, type);
+  offer(name == calibrated_intensity_name ? calibrated : intensity, intensity_names, name, type);
+  offer(ring, ring_names, name, type);
+  offer(time, time_names, name, type);
 }
 
 void CloudColumns::reserve(std::uint64_t points)
@@ -121,42 +113,52 @@ void CloudColumns::addText(std::size_t field, std::string_view word)
   }
 }
 
-/** Seconds as they are, whole numbers as nanoseconds; real ones since 1970 in seconds, milli-,
- * micro- or nanoseconds by their size. */
-void CloudColumns::fillTimes(Scan& scan) const
+/** \throws UserError if the field of earlier scans is missing. */
+void CloudColumns::fillIntensity(FieldConventions& conventions, Scan& scan) const
 {
-  constexpr double hour = 3600;  // times of a scan above it are absolute [s]
-  std::vector<double> times = columns_[time].values;
-  const CloudNumber type = columns_[time].type;
-  double largest = 0;
-  for (const double value : times)
+  const Column& other = columns_[calibrated];
+  const Column& plain = columns_[intensity];
+  const Column& usual = plain.there && (!other.there || plain.rank < other.rank) ? plain : other;
+  if (usual.values.empty())
   {
-    largest = std::isfinite(value) ? std::max(largest, std::abs(value)) : largest;
+    return;
   }
-  const double unit = type.kind != CloudNumber::Kind::real ? 1e-9
-                      : largest > 1e17                     ? 1e-9
-                      : largest > 1e14                     ? 1e-6
-                      : largest > 1e11                     ? 1e-3
-                                                           : 1;
-  const bool absolute = largest * unit > hour;
-  if (absolute && !columns_[time].exact)
+  const std::string& name =
+      conventions.intensityField(usual.name, other.there ? other.name : "", usual.values);
+  if (name != usual.name && name != other.name)
   {
-    return;  // single precision has steps of minutes there
+    throw UserError(path_ + ": lacks the field " + name + " that earlier scans have");
   }
-  double first = std::numeric_limits<double>::infinity();
-  for (double& value : times)
+  for (const double value : (name == usual.name ? usual : other).values)
   {
-    // Points without a return have no time.
-    value = absolute && value == 0 ? std::numeric_limits<double>::quiet_NaN() : value * unit;
-    first = std::isfinite(value) ? std::min(first, value) : first;
+    scan.intensity.push_back(static_cast<float>(value));
   }
-  if (absolute)
+}
+
+void CloudColumns::fillTimes(FieldConventions& conventions, Scan& scan) const
+{
+  const Column& column = columns_[time];
+  if (!column.values.empty())
   {
-    scan.stamp = first;
+    conventions.fillTimesAndStamp(
+        {column.name, column.type.kind != CloudNumber::Kind::real, !column.exact, column.values},
+        scan);
   }
-  for (const double value : times)
+}
+
+void CloudColumns::fillRings(FieldConventions& conventions, Scan& scan) const
+{
+  constexpr double highest_ring = 65535;
+  const Column& column = columns_[ring];
+  for (const double value : column.values)
   {
-    scan.time.push_back(static_cast<float>(value - scan.stamp));
+    scan.ring.push_back(std::isfinite(value)
+                            ? static_cast<std::uint16_t>(std::clamp(value, 0.0, highest_ring))
+                            : std::uint16_t{0});
+  }
+  if (!scan.ring.empty())
+  {
+    conventions.orderRings("field " + column.name, scan);
   }
 }
 
@@ -177,7 +179,7 @@ void CloudColumns::requireNearOrigin() const
   }
 }
 
-Scan CloudColumns::scan() const
+Scan CloudColumns::scan(FieldConventions& conventions) const
 {
   const std::vector<double>& xs = columns_[x].values;
   if (!columns_[x].there || !columns_[y].there || !columns_[z].there)
@@ -199,18 +201,9 @@ Scan CloudColumns::scan() const
     scan.points.emplace_back(static_cast<float>(xs[i]), static_cast<float>(columns_[y].values[i]),
                              static_cast<float>(columns_[z].values[i]));
   }
-  for (const double value : columns_[intensity].values)
-  {
-    scan.intensity.push_back(static_cast<float>(value));
-  }
-  constexpr double highest_ring = 65535;
-  for (const double value : columns_[ring].values)
-  {
-    scan.ring.push_back(std::isfinite(value)
-                            ? static_cast<std::uint16_t>(std::clamp(value, 0.0, highest_ring))
-                            : std::uint16_t{0});
-  }
-  fillTimes(scan);
+  fillIntensity(conventions, scan);
+  fillTimes(conventions, scan);
+  fillRings(conventions, scan);
   return scan;
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <dyslam/core/Scan.h>
+#include <dyslam/formats/FieldConventions.h>
 
 #include <array>
 #include <cstddef>
@@ -46,10 +47,9 @@ class CloudColumns
   /** \throws UserError if it is not a number. */
   void addText(std::size_t field, std::string_view word);
 
-  /** Times since 1970 (above an hour) are counted from the earliest, which becomes the stamp; in
-   * single precision they are left out.
-   * \throws UserError without x, y and z, and for points too far away for single precision. */
-  [[nodiscard]] Scan scan() const;
+  /** \param conventions of the recording that the file belongs to. \throws UserError without x, y
+   * and z, and for points too far away for single precision. */
+  [[nodiscard]] Scan scan(FieldConventions& conventions) const;
   [[nodiscard]] const std::string& path() const { return path_; }
 
  private:
@@ -59,6 +59,7 @@ class CloudColumns
     y,
     z,
     intensity,
+    calibrated,  //!< intensity
     ring,
     time,
     none
@@ -68,12 +69,19 @@ class CloudColumns
     bool there = false;
     std::size_t rank = 0;  //!< of its name: the lower is taken
     std::size_t field = 0;
+    std::string name;
     CloudNumber type;
     bool exact = false;  //!< more digits than single precision has
     std::vector<double> values;
   };
+  /** Takes the field declared last for a role, if it has one of the names, and a better one than
+   * the field that has the role. */
+  template <typename Names>
+  void offer(Role role, const Names& names, const std::string& name, CloudNumber type);
   void requireNearOrigin() const;
-  void fillTimes(Scan& scan) const;
+  void fillIntensity(FieldConventions& conventions, Scan& scan) const;
+  void fillTimes(FieldConventions& conventions, Scan& scan) const;
+  void fillRings(FieldConventions& conventions, Scan& scan) const;
 
   std::string path_;
   std::vector<Role> roles_;

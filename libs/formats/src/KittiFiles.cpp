@@ -9,6 +9,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
+#include <limits>
 #include <map>
 
 #include "TrackLines.h"
@@ -226,24 +227,37 @@ void requireDate(const TextFile& file)
     }
   }
 }
+
+/** A line such as `2011-09-26 13:02:25.951199337` [s since 1970]. \throws UserError. */
+double dateAndTime(const TextFile& file)
+{
+  file.requireFields(6, "a date and time");
+  requireDate(file);
+  const int year = file.integer(0) - (file.integer(1) <= 2 ? 1 : 0);
+  // Days since 1970 of a Gregorian date, with March as the year's first month.
+  const int month = (file.integer(1) + 9) % 12;
+  const int days = 365 * year + year / 4 - year / 100 + year / 400 + (153 * month + 2) / 5 +
+                   file.integer(2) - 1 - 719468;
+  return 86400.0 * days + 3600.0 * file.integer(3) + 60.0 * file.integer(4) + file.number(5);
+}
 }  // namespace
 
 std::vector<double> readKittiTimestamps(const std::string& path)
 {
   TextFile file(path, " \t\r-:");
   std::vector<double> times;
-  while (file.next())
+  std::size_t size = 0;  // up to the last time
+  while (file.nextOrEmpty())
   {
-    file.requireFields(6, "a date and time");
-    requireDate(file);
-    const int year = file.integer(0) - (file.integer(1) <= 2 ? 1 : 0);
-    // Days since 1970 of a Gregorian date, with March as the year's first month.
-    const int month = (file.integer(1) + 9) % 12;
-    const int days = 365 * year + year / 4 - year / 100 + year / 400 + (153 * month + 2) / 5 +
-                     file.integer(2) - 1 - 719468;
-    times.push_back(86400.0 * days + 3600.0 * file.integer(3) + 60.0 * file.integer(4) +
-                    file.number(5));
+    if (file.fields().empty())
+    {
+      times.push_back(std::numeric_limits<double>::quiet_NaN());
+      continue;
+    }
+    times.push_back(dateAndTime(file));
+    size = times.size();
   }
+  times.resize(size);
   return times;
 }
 

@@ -282,7 +282,7 @@ void fillFromText(std::string_view body,
 }
 }  // namespace
 
-Scan readPcd(const std::string& path)
+Scan readPcd(const std::string& path, FieldConventions& conventions)
 {
   const std::string content = readWhole(path);
   const PcdHeader header = pcdHeaderOf(content, path);
@@ -299,7 +299,7 @@ Scan readPcd(const std::string& path)
   if (header.encoding == "ascii")
   {
     fillFromText(body, fields, points, columns);
-    return columns.scan();
+    return columns.scan(conventions);
   }
   const bool compressed = header.encoding == "binary_compressed";
   if (!compressed && header.encoding != "binary")
@@ -328,6 +328,6 @@ Scan readPcd(const std::string& path)
       columns.addBytes(i, body.data() + first + point * step);
     }
   }
-  return columns.scan();
+  return columns.scan(conventions);
 }
 }  // namespace dyslam

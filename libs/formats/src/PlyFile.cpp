@@ -277,7 +277,7 @@ void passRows(const Element& element, Body& body, CloudColumns* columns, const s
 }
 }  // namespace
 
-Scan readPly(const std::string& path)
+Scan readPly(const std::string& path, FieldConventions& conventions)
 {
   const std::string content = readWhole(path);
   const PlyHeader header = plyHeaderOf(content, path);
@@ -295,7 +295,7 @@ Scan readPly(const std::string& path)
       columns.declare(property.list ? "" : property.name, property.type);
     }
     passRows(element, body, &columns, path);
-    return columns.scan();  // what follows is not needed
+    return columns.scan(conventions);  // what follows is not needed
   }
   throw UserError(path + ": has no vertices");
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <dyslam/core/Scan.h>
+#include <dyslam/formats/FieldConventions.h>
 
 #include <string>
 
@@ -9,5 +10,5 @@ namespace dyslam
 {
 /** The vertices of a PLY file: ascii, little and big endian; lists are skipped.
  * \throws UserError. */
-[[nodiscard]] Scan readPly(const std::string& path);
+[[nodiscard]] Scan readPly(const std::string& path, FieldConventions& conventions);
 }  // namespace dyslam

@@ -43,9 +43,11 @@ struct RosScanDecoder::Cloud2
 
   [[nodiscard]] std::size_t size() const { return static_cast<std::size_t>(width) * height; }
 
-  [[nodiscard]] const PointField* find(std::initializer_list<const char*> names) const
+  /** The field with the first of the names that one has; null if none has. */
+  template <typename Names>
+  [[nodiscard]] const PointField* findAny(const Names& names) const
   {
-    for (const char* name : names)
+    for (const auto& name : names)
     {
       for (const PointField& field : fields)
       {
@@ -56,6 +58,10 @@ struct RosScanDecoder::Cloud2
       }
     }
     return nullptr;
+  }
+  [[nodiscard]] const PointField* find(const std::string& name) const
+  {
+    return findAny(std::array<std::string, 1>{name});
   }
 
   [[nodiscard]] double value(const PointField& field, std::size_t point) const
@@ -81,6 +87,17 @@ struct RosScanDecoder::Cloud2
       default:
         return numberAt<double>(at);
     }
+  }
+
+  /** Of every point. */
+  [[nodiscard]] std::vector<double> values(const PointField& field) const
+  {
+    std::vector<double> all(size());
+    for (std::size_t i = 0; i < all.size(); ++i)
+    {
+      all[i] = value(field, i);
+    }
+    return all;
   }
 
   static Cloud2 read(ByteReader reader, RosEncoding encoding);

@@ -78,8 +78,8 @@ Scan RosScanDecoder::decode(const BagTopic& topic, const BagMessage& message)
   {
     if (first_)
     {
-      warnings_.push_back(topic.name +
-                          ": its headers have no time stamp; the times of recording are used");
+      conventions_.warn(topic.name +
+                        ": its headers have no time stamp; the times of recording are used");
     }
     scan.stamp = message.recorded;
   }
@@ -90,9 +90,9 @@ Scan RosScanDecoder::decode(const BagTopic& topic, const BagMessage& message)
 Scan RosScanDecoder::decodeCloud(const BagTopic& topic, const BagMessage& message)
 {
   const Cloud2 cloud = Cloud2::read(rosReader(topic, message), topic.encoding);
-  const PointField* x = cloud.find({"x"});
-  const PointField* y = cloud.find({"y"});
-  const PointField* z = cloud.find({"z"});
+  const PointField* x = cloud.find("x");
+  const PointField* y = cloud.find("y");
+  const PointField* z = cloud.find("z");
   if (x == nullptr || y == nullptr || z == nullptr)
   {
     throw UserError(cloud.place + ": has no fields x, y and z");
@@ -139,8 +139,8 @@ Scan RosScanDecoder::decodeLivox(const BagTopic& topic, const BagMessage& messag
   }
   if (first_ && count > 0)
   {
-    noteTimes("offset_time", 1e-9, false);
-    notes_.emplace_back("ring: field line");
+    conventions_.setTimes("offset_time", 1e-9, false);
+    conventions_.note("ring: field line");
   }
   return scan;
 }

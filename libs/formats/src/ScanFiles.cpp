@@ -276,6 +276,12 @@ void writeCloud(const std::string& path,
 
 Scan readCloud(const std::string& path)
 {
+  FieldConventions conventions;
+  return readCloud(path, conventions);
+}
+
+Scan readCloud(const std::string& path, FieldConventions& conventions)
+{
   const std::string extension = lowerExtension(path);
   if (extension == ".bin")
   {
@@ -283,11 +289,11 @@ Scan readCloud(const std::string& path)
   }
   if (extension == ".pcd")
   {
-    return readPcd(path);
+    return readPcd(path, conventions);
   }
   if (extension == ".ply")
   {
-    return readPly(path);
+    return readPly(path, conventions);
   }
   const std::string advice = conversionAdvice(path);
   throw UserError(path + ": " +

@@ -27,6 +27,18 @@ TextFile::TextFile(const std::string& path, std::string separators)
 
 bool TextFile::next()
 {
+  while (nextOrEmpty())
+  {
+    if (!fields_.empty())
+    {
+      return true;
+    }
+  }
+  return false;
+}
+
+bool TextFile::nextOrEmpty()
+{
   while (std::getline(file_, line_))
   {
     ++line_number_;
@@ -38,7 +50,7 @@ bool TextFile::next()
       fields_.push_back(view.substr(begin, end == std::string_view::npos ? end : end - begin));
       begin = end == std::string_view::npos ? end : view.find_first_not_of(separators_, end);
     }
-    if (!fields_.empty() && fields_.front().front() != '#')
+    if (fields_.empty() || fields_.front().front() != '#')
     {
       return true;
     }

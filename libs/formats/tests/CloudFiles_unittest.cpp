@@ -3,7 +3,9 @@
 #include <dyslam/formats/ScanFiles.h>
 #include <sys/resource.h>
 
+#include <cstdio>
 #include <cstring>
+#include <functional>
 #include <limits>
 
 #include "TestFolder.h"
@@ -46,6 +48,47 @@ std::string bytesOf(std::initializer_list<T> values, bool big_endian = false)
 
 const std::string pcd_header =
     "VERSION 0.7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nHEIGHT 1\n";
+
+/** A field of a text PCD beside x y z. */
+struct TextField
+{
+  std::string name;
+  char type = 'F';
+  std::function<double(std::size_t)> value;  //!< of a point
+};
+
+/** 40 points on four rings, each higher than the one before. */
+std::string textPcd(const std::vector<TextField>& fields)
+{
+  std::string names = "FIELDS x y z";
+  std::string sizes = "\nSIZE 4 4 4";
+  std::string types = "\nTYPE F F F";
+  for (const TextField& field : fields)
+  {
+    names += " " + field.name;
+    sizes += " 8";
+    types += std::string(" ") + field.type;
+  }
+  std::string text = names + sizes + types + "\nWIDTH 40\nHEIGHT 1\nPOINTS 40\nDATA ascii\n";
+  for (std::size_t i = 0; i < 40; ++i)
+  {
+    text += "10 " + std::to_string(i) + " " + std::to_string(i % 4);
+    for (const TextField& field : fields)
+    {
+      char number[40];
+      std::snprintf(number, sizeof number, field.type == 'F' ? " %.9f" : " %.0f", field.value(i));
+      text += number;
+    }
+    text += "\n";
+  }
+  return text;
+}
+
+/** Times of a scan of 0.1 s. */
+double timeOf(std::size_t point)
+{
+  return 0.1 * static_cast<double>(point) / 40;
+}
 }  // namespace
 
 class CloudFormats : public ::testing::TestWithParam<const char*>
@@ -144,8 +187,142 @@ TEST(CloudFiles, TimesOf64Bits)
   const Scan scan = readCloud(folder.write("a.pcd", header + bytes));
   ASSERT_EQ(2U, scan.time.size());
   EXPECT_DOUBLE_EQ(1500000000.0, scan.stamp);
-  EXPECT_EQ(0.0F, scan.time[0]);
+  EXPECT_NEAR(0.0F, scan.time[0], 1e-6F);
   EXPECT_NEAR(0.05F, scan.time[1], 1e-6F);
+}
+
+TEST(CloudFiles, TimesInEachUnit)
+{
+  const TestFolder folder;
+  constexpr double date = 1600000000.25;
+  for (const double zero : {0.0, date, 5000.0})
+  {
+    for (const double unit : {1.0, 1e-3, 1e-6, 1e-9})
+    {
+      for (const char type : {'F', 'U'})
+      {
+        if (type == 'U' && unit > 1e-6)
+        {
+          continue;  // whole numbers are too coarse
+        }
+        const TextField field{"timestamp", type,
+                              [&](std::size_t i) { return (zero + timeOf(i)) / unit; }};
+        FieldConventions conventions;
+        const Scan scan = readCloud(folder.write("a.pcd", textPcd({field})), conventions);
+        const std::string what = std::to_string(zero) + " " + std::to_string(unit) + " " + type;
+        EXPECT_NEAR(zero, scan.stamp, 1e-6) << what;
+        ASSERT_EQ(40U, scan.time.size()) << what;
+        EXPECT_NEAR(timeOf(0), scan.time.front(), 2e-6) << what;
+        EXPECT_NEAR(timeOf(39), scan.time.back(), 2e-6) << what;
+        EXPECT_TRUE(conventions.warnings().empty()) << what;
+      }
+    }
+  }
+}
+
+TEST(CloudFiles, TheFirstFileShowsTheUnitOfAll)
+{
+  const TestFolder folder;
+  FieldConventions conventions;
+  double factor = 1e6;
+  const TextField field{"t", 'U', [&](std::size_t i) { return factor * timeOf(i); }};
+  (void)readCloud(folder.write("a.pcd", textPcd({field})), conventions);
+  EXPECT_EQ(std::vector<std::string>{"per-point time: field t, microseconds from the time stamp"},
+            conventions.notes());
+  factor = 1e4;  // a hundredth of a scan
+  const Scan part = readCloud(folder.write("b.pcd", textPcd({field})), conventions);
+  EXPECT_NEAR(0.01 * timeOf(39), part.time.back(), 2e-6);
+  EXPECT_EQ(1U, conventions.notes().size());
+  // In no unit does the scan last as long as one.
+  factor = 1e4 / 1e6;
+  FieldConventions other;
+  const TextField seconds{"t", 'F', field.value};
+  EXPECT_NEAR(0.01 * timeOf(39),
+              readCloud(folder.write("c.pcd", textPcd({seconds})), other).time.back(), 1e-7);
+  EXPECT_TRUE(contains(other.warnings().at(0), "seconds are assumed"));
+}
+
+TEST(CloudFiles, AbsoluteTimesInSinglePrecisionAreLeftOut)
+{
+  const TestFolder folder;
+  std::string bytes;
+  for (const float time : {1.6e9F, 1.6e9F + 128.0F})
+  {
+    bytes += bytesOf<float>({1, 2, 3, time});
+  }
+  FieldConventions conventions;
+  const Scan scan =
+      readCloud(folder.write("a.pcd",
+                             "FIELDS x y z t\nSIZE 4 4 4 4\nTYPE F F F F\nWIDTH 2\nHEIGHT 1\n"
+                             "POINTS 2\nDATA binary\n" +
+                                 bytes),
+                conventions);
+  EXPECT_TRUE(scan.time.empty());
+  EXPECT_EQ(0, scan.stamp);
+  EXPECT_TRUE(contains(conventions.warnings().at(0), "too coarse"));
+}
+
+TEST(CloudFiles, NamesThatDriversGiveToFields)
+{
+  const TestFolder folder;
+  const auto ring = [](std::size_t i) { return static_cast<double>(i % 4); };
+  for (const char* ring_name : {"ring", "line", "channel", "laser_id"})
+  {
+    for (const char* time_name :
+         {"t", "time", "timestamp", "offset_time", "time_offset", "time_stamp"})
+    {
+      for (const char* intensity_name : {"intensity", "scalar_intensity", "reflectivity", "i"})
+      {
+        const Scan scan =
+            readCloud(folder.write("a.pcd", textPcd({{"other", 'F', ring},
+                                                     {ring_name, 'U', ring},
+                                                     {time_name, 'F', timeOf},
+                                                     {intensity_name, 'F', [](std::size_t i) {
+                                                        return static_cast<double>(i);
+                                                      }}})));
+        ASSERT_EQ(40U, scan.ring.size()) << ring_name;
+        EXPECT_EQ(3, scan.ring[39]) << ring_name;
+        ASSERT_EQ(40U, scan.time.size()) << time_name;
+        EXPECT_NEAR(timeOf(39), scan.time[39], 1e-7) << time_name;
+        ASSERT_EQ(40U, scan.intensity.size()) << intensity_name;
+        EXPECT_EQ(39, scan.intensity[39]) << intensity_name;
+      }
+    }
+  }
+}
+
+TEST(CloudFiles, RingsAreCountedFromTheLowest)
+{
+  const TestFolder folder;
+  FieldConventions conventions;
+  const TextField from_highest{"ring", 'U',
+                               [](std::size_t i) { return static_cast<double>(3 - i % 4); }};
+  const Scan scan = readCloud(folder.write("a.pcd", textPcd({from_highest})), conventions);
+  for (std::size_t i = 0; i < scan.size(); ++i)
+  {
+    EXPECT_EQ(i % 4, scan.ring[i]);
+  }
+  EXPECT_TRUE(contains(conventions.notes().at(0), "reversed"));
+}
+
+TEST(CloudFiles, ReflectivityWhereTheIntensityCountsPhotons)
+{
+  const TestFolder folder;
+  double scale = 100;
+  const TextField intensity{"intensity", 'F',
+                            [&](std::size_t i) { return scale * static_cast<double>(i); }};
+  const TextField reflectivity{"reflectivity", 'U',
+                               [](std::size_t i) { return static_cast<double>(i + 1); }};
+  FieldConventions conventions;
+  const auto last = [&](const std::vector<TextField>& fields)
+  { return readCloud(folder.write("a.pcd", textPcd(fields)), conventions).intensity.at(39); };
+  EXPECT_EQ(40, last({intensity, reflectivity}));
+  scale = 1;  // a dim scan of the same recording
+  EXPECT_EQ(40, last({intensity, reflectivity}));
+  EXPECT_TRUE(contains(messageOfError<UserError>([&] { (void)last({intensity}); }),
+                       "a.pcd: lacks the field reflectivity"));
+  conventions = FieldConventions();
+  EXPECT_EQ(39, last({reflectivity, intensity}));
 }
 
 TEST(CloudFiles, RealPly)

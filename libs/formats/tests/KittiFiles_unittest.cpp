@@ -180,6 +180,22 @@ TEST(KittiTimestamps, AreSecondsSince1970)
   }
 }
 
+TEST(KittiTimestamps, LostScansHaveNoTime)
+{
+  const TestFolder folder;
+  const std::string text = "\n2011-09-26 13:02:25.5\r\n\r\n# lost\n2011-09-26 13:02:25.75\n \n\n";
+  for (const auto& times : {readKittiTimestamps(folder.write("t.txt", text)),
+                            readTimesOrTimestamps(folder.file("t.txt"))})
+  {
+    ASSERT_EQ(4U, times.size());
+    EXPECT_TRUE(std::isnan(times[0]));
+    EXPECT_NEAR(1317042145.5, times[1], 1e-6);
+    EXPECT_TRUE(std::isnan(times[2]));
+    EXPECT_NEAR(1317042145.75, times[3], 1e-6);
+  }
+  EXPECT_TRUE(readKittiTimestamps(folder.write("u.txt", "\n\n")).empty());
+}
+
 TEST(KittiOxts, FilesAndFolders)
 {
   const TestFolder folder;

@@ -143,6 +143,68 @@ TEST(RosScans, HesaiAndRoboSenseHaveAbsoluteSeconds)
   EXPECT_TRUE(contains(other.warnings()[0], "clock"));
 }
 
+TEST(RosScans, TheStampIsTheZeroOfTimesOfTheSameClock)
+{
+  const Scan scan = sweepOf(50);
+  auto fields = test::velodyneFields(scan);
+  RosScanDecoder* decoder = nullptr;
+  // Time of the first point from the stamp, for a clock that is behind the header's by `behind`.
+  const auto firstTime = [&](double behind)
+  {
+    fields[5] = {"timestamp", 8,
+                 mapped(scan, [&](std::size_t i) { return stamp + scan.time[i] - behind; })};
+    return decoded(*decoder, fields).time.at(0);
+  };
+  for (const double behind : {0.0, 0.05, 0.1, 0.15, -0.05})  // to a stamp behind the last point
+  {
+    RosScanDecoder one;
+    decoder = &one;
+    EXPECT_NEAR(-behind, firstTime(behind), 1e-6) << behind;
+    EXPECT_TRUE(one.warnings().empty()) << behind;
+    EXPECT_NEAR(-0.6, firstTime(0.6), 1e-6) << behind;  // a drift does not move the zero
+    EXPECT_TRUE(one.warnings().empty()) << behind;
+  }
+  for (const double behind : {0.3, 0.6, 37.0, -0.2})
+  {
+    RosScanDecoder one;
+    decoder = &one;
+    EXPECT_NEAR(0, firstTime(behind), 1e-6) << behind;
+    EXPECT_NEAR(0, firstTime(0.05), 1e-6) << behind;
+    ASSERT_EQ(1U, one.warnings().size()) << behind;
+    EXPECT_TRUE(contains(one.warnings()[0], "clock"));
+  }
+}
+
+/** A lidar that loses its time source. */
+TEST(RosScans, AClockThatIsSetIsNoLongerThatOfTheHeaders)
+{
+  const Scan scan = sweepOf(50);
+  auto fields = test::velodyneFields(scan);
+  RosScanDecoder decoder;
+  const auto check = [&](double zero, std::size_t warnings)
+  {
+    fields[5] = {"timestamp", 8, mapped(scan, [&](std::size_t i) { return zero + scan.time[i]; })};
+    expectSame(scan, decoded(decoder, fields), 1e-6);
+    EXPECT_EQ(warnings, decoder.warnings().size());
+  };
+  check(stamp, 0);
+  check(5000, 1);
+  check(5000.1, 1);
+}
+
+TEST(RosScans, DatesHaveTheUnitOfTheirSizeInPartsOfScans)
+{
+  const Scan scan = sweepOf(50);
+  auto fields = test::velodyneFields(scan);
+  fields[5] = {"timestamp", 8,
+               mapped(scan, [&](std::size_t i) { return (stamp + 0.01 * scan.time[i]) * 1e9; })};
+  RosScanDecoder decoder;
+  const Scan part = decoded(decoder, fields);
+  EXPECT_NEAR(0.01 * scan.time.back(), part.time.back(), 1e-6);
+  EXPECT_TRUE(contains(decoder.notes().at(1), "nanoseconds from the clock's zero"));
+  EXPECT_TRUE(decoder.warnings().empty());
+}
+
 TEST(RosScans, LivoxCloudHasAbsoluteNanosecondsAndLines)
 {
   Scan scan = sweepOf(50);

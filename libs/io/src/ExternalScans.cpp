@@ -60,6 +60,10 @@ std::string_view walked(const std::string& path, ByteWindow& window, const Walk&
     ObjectLayout layout(window);
     walk(layout);
   }
+  catch (const NewerMrpt& error)
+  {
+    throw UserError(path + ": has " + error.what() + "; " + newer_mrpt_advice);
+  }
   catch (const std::exception& error)
   {
     throw UserError(path + ": is damaged: " + error.what());

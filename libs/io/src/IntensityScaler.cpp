@@ -13,6 +13,7 @@ void IntensityScaler::operator()(Scan& scan)
   if (scale_ == 0 && std::any_of(scan.intensity.begin(), scan.intensity.end(), bright))
   {
     scale_ = 1.0 / 255.0;
+    by_data_ = true;
   }
   if (scale_ == 0 || scale_ == 1.0)
   {
@@ -21,6 +22,7 @@ void IntensityScaler::operator()(Scan& scan)
   for (float& value : scan.intensity)
   {
     value *= static_cast<float>(scale_);
+    value = by_data_ ? std::min(value, 1.0F) : value;
   }
 }
 }  // namespace dyslam

@@ -7,8 +7,9 @@ namespace dyslam
 {
 /** Brings a recording's intensities to [0, 1].
  *
- * By a given factor, or by the data: from the first scan with a value above 2 on they are 0..255.
- * Until then they are unchanged, so that a dim first scan decides nothing.
+ * By a given factor, or by the data: from the first scan with a value above 2 on they are 0..255,
+ * and higher ones are limited to that. Until then they are unchanged, so that a dim first scan
+ * decides nothing.
  */
 class IntensityScaler
 {
@@ -19,6 +20,7 @@ class IntensityScaler
   void operator()(Scan& scan);
 
  private:
-  double scale_;  //!< 0: not known yet
+  double scale_;          //!< 0: not known yet
+  bool by_data_ = false;  //!< scale_ is
 };
 }  // namespace dyslam

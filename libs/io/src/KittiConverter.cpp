@@ -155,8 +155,8 @@ ConversionResult convertKitti(const std::string& input,
   result.warnings = layout.warnings;
   result.notes.emplace_back(
       deskewed ? "the scans count as deskewed (--deskewed no: as they were recorded)"
-               : "the points have no times: dyslam deskews by azimuth or not at all "
-                 "(preprocess.deskew)");
+               : "the points have no times: dyslam deskews by their order, by azimuth or not at "
+                 "all (preprocess.deskew)");
   if (options.every_n > 1 && !deskewed)
   {
     result.warnings.emplace_back(thinned_without_times);

@@ -21,6 +21,48 @@ namespace
 {
 constexpr double same_instant = 1e-3;  //!< [s] between a scan and its pose in a TUM file
 
+/** Whether it is a calib.txt of KITTI odometry. */
+bool isOdometryCalib(const std::string& path)
+{
+  if (!fs::is_regular_file(path))
+  {
+    return false;
+  }
+  TextFile file(path, " \t\r:");
+  while (file.next())
+  {
+    if (file.fields().front() == "Tr")
+    {
+      return true;
+    }
+  }
+  return false;
+}
+
+/** `key: `, then the upper three rows of a matrix. */
+template <typename Matrix>
+void appendRows(std::string& text, const std::string& key, const Matrix& matrix)
+{
+  text += key + ':';
+  for (int row = 0; row < 3; ++row)
+  {
+    for (int column = 0; column < 4; ++column)
+    {
+      text += ' ';
+      appendNumber(text, matrix(row, column), 12);
+    }
+  }
+  text += '\n';
+}
+
+/** With the axes of a camera at the origin of the lidar. */
+KittiCalib atTheLidar()
+{
+  KittiCalib calib;
+  calib.T_cam_velo = cameraAxes();
+  return calib;
+}
+
 /** One sequence while it is written; removed with the object unless finish() was called. */
 class Sequence
 {
@@ -51,7 +93,13 @@ class Sequence
     }
     if (!options.calib.empty())
     {
-      T_cam_velo_ = readKittiCalib(options.calib).T_cam_velo;
+      calib_ = readKittiCalib(options.calib);
+      if (!calib_.has_camera)
+      {
+        throw UserError(options.calib +
+                        ": has no calib_cam_to_cam.txt and calib_velo_to_cam.txt, needed for the "
+                        "poses of the camera");
+      }
     }
     const std::string truth = groundTruthFolder(rawlog);
     if (fs::is_directory(truth))
@@ -169,32 +217,25 @@ class Sequence
     {
       poses.push_back(orthonormalized(poses_.front().inverse() * pose));
     }
-    return cameraToLidarPoses(poses, T_cam_velo_.inverse());
+    return cameraToLidarPoses(poses, calib_.T_cam_velo.inverse());
   }
 
   void writeCalib() const
   {
     const std::string file = (pending_ / "calib.txt").string();
-    if (!options_.calib.empty() && fs::is_regular_file(options_.calib))
+    if (isOdometryCalib(options_.calib))
     {
       fs::copy_file(options_.calib, file);
       return;
     }
+    const Eigen::Matrix<double, 3, 4> no_projection = Eigen::Matrix<double, 3, 4>::Identity();
     std::string text;
-    for (const char* camera : {"P0", "P1", "P2", "P3"})
-    {
-      text += std::string(camera) + ": 1 0 0 0 0 1 0 0 0 0 1 0\n";
-    }
-    text += "Tr:";
-    for (int row = 0; row < 3; ++row)
-    {
-      for (int column = 0; column < 4; ++column)
-      {
-        text += ' ';
-        appendNumber(text, T_cam_velo_.matrix()(row, column), 12);
-      }
-    }
-    writeWhole(file, text + '\n');
+    appendRows(text, "P0", no_projection);
+    appendRows(text, "P1", no_projection);
+    appendRows(text, "P2", calib_.P2.isZero() ? no_projection : calib_.P2);
+    appendRows(text, "P3", no_projection);
+    appendRows(text, "Tr", calib_.T_cam_velo.matrix());
+    writeWhole(file, text);
   }
 
   const KittiExportOptions& options_;
@@ -203,7 +244,7 @@ class Sequence
   fs::path pending_;
   std::optional<TrajectoryFile> given_;
   std::optional<GroundTruthReader> truth_;
-  Pose T_cam_velo_ = cameraAxes();
+  KittiCalib calib_ = atTheLidar();
   std::string times_;
   double first_stamp_ = 0;
   std::vector<Pose> poses_;  //!< T_world_lidar
@@ -216,7 +257,7 @@ void KittiExportOptions::describe(OptionsVisitor& visitor)
   visitor.text("sequence", sequence, "name of the sequence's folder");
   visitor.text("trajectory", trajectory,
                "file of TUM or KITTI poses of the vehicle; empty: ground truth");
-  visitor.text("calib", calib, "calibration file to write; empty: camera axes at the lidar");
+  visitor.text("calib", calib, "calibration file or folder; empty: camera axes at the lidar");
   visitor.flag("no_scans", no_scans, "write only times, calibration and poses");
   visitor.flag("rings", rings, "write NNNNNN.ring beside the scans");
   visitor.integer("skip_first_n", skip_first_n, 0, 1000000000,

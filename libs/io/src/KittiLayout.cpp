@@ -182,18 +182,15 @@ class LayoutReader
   void findLabels()
   {
     const std::string folder = firstExisting(
-        options_.labels,
-        {input_ / "labels",
-         fs::path(layout_.entries.front().scan).replace_extension(".label").string()});
+        options_.labels, {input_ / "labels", fs::path(layout_.entries.front().scan).parent_path()});
     if (folder.empty())
     {
       return;
     }
-    const fs::path root = fs::is_directory(folder) ? fs::path(folder) : input_;
     std::size_t found = 0;
     for (auto& entry : layout_.entries)
     {
-      const fs::path file = root / (fs::path(entry.scan).stem().string() + ".label");
+      const fs::path file = fs::path(folder) / (fs::path(entry.scan).stem().string() + ".label");
       if (fs::exists(file))
       {
         entry.labels = file.string();
@@ -249,6 +246,11 @@ class LayoutReader
       {
         throw UserError(source + ": has " + std::to_string(times.size()) +
                         " times, none for scan " + std::to_string(number));
+      }
+      if (std::isnan(times[number]))
+      {
+        throw UserError(source + ": has an empty line instead of a time for scan " +
+                        std::to_string(number));
       }
       entries[i].stamp = times[number];
     }

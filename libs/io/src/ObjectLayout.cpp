@@ -3,7 +3,9 @@
 
 #include <mrpt/obs/CObservationVelodyneScan.h>
 
+#include <algorithm>
 #include <array>
+#include <cctype>
 #include <cstring>
 #include <stdexcept>
 
@@ -27,12 +29,25 @@ using Laser = mrpt::obs::VelodyneCalibration::PerLaserCalib;
 
 void requireVersion(const std::string& class_name, int version, int oldest, int newest)
 {
-  if (version < oldest || version > newest)
+  const std::string object = "a " + class_name + " of version " + std::to_string(version);
+  if (version > newest)
   {
-    fail("a " + class_name + " of version " + std::to_string(version) + ", which is not known");
+    throw NewerMrpt(object);
+  }
+  if (version < oldest)
+  {
+    fail(object + ", which is not known");
   }
 }
 }  // namespace
+
+bool isClassName(std::string_view name)
+{
+  return std::all_of(
+      name.begin(), name.end(),
+      [](char c)
+      { return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_' || c == ':'; });
+}
 
 ObjectHeader ObjectLayout::header()
 {
@@ -185,7 +200,11 @@ void ObjectLayout::pointsMap()
   const bool weighted = name == "CWeightedPointsMap";
   if (!simple && !coloured && !weighted && name != "CPointsMapXYZI")
   {
-    fail("points of class '" + name + "', which is not known");
+    if (isClassName(name) && name.find("PointsMap") != std::string::npos)
+    {
+      throw NewerMrpt("points of class '" + name + "'");
+    }
+    fail("no points where they should be");
   }
   // Older versions are from before there were point clouds among the observations.
   const int oldest = simple || coloured ? 8 : weighted ? 1 : 0;

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <stdexcept>
 #include <string>
+#include <string_view>
 
 #include "ByteWindow.h"
 
@@ -14,12 +16,29 @@ struct ObjectHeader
   int version = 0;
 };
 
+/** An object of a class or version that MRPT 2.5.8 does not have; the text says which. */
+class NewerMrpt : public std::runtime_error
+{
+ public:
+  explicit NewerMrpt(const std::string& object)
+      : std::runtime_error(object + ", written by a newer MRPT than 2.5.8")
+  {
+  }
+};
+
+/** What to do about it, for messages. */
+constexpr const char* newer_mrpt_advice =
+    "record with MRPT 2.5.8, or export the scans as .pcd, .ply or .bin for scans2rawlog";
+
+/** Whether only letters, digits, '_' and ':' are in it, as in names of classes. */
+[[nodiscard]] bool isClassName(std::string_view name);
+
 /** Parses serialized objects of MRPT 2.5.8, as `serializeFrom()` of each class reads them, and
  * checks every count against the available bytes: MRPT allocates memory by counts without such a
  * check.
  *
  * Every function passes one object and throws std::runtime_error if it is damaged or of a class or
- * version that is not known here. */
+ * version that is not known here, NewerMrpt if a newer MRPT has it. */
 class ObjectLayout
 {
  public:

@@ -19,7 +19,7 @@ namespace dyslam
 namespace
 {
 constexpr std::size_t probe_packets = 64;  //!< looked at to find the model
-constexpr double clock_jump = 1.0;         //!< [s] between the sensor's and the capture's clock
+constexpr double clock_jump = 1.0;         //!< [s] most between packets of a running clock
 constexpr int whole_turn_tolerance = 300;  //!< [0.01 deg]
 
 struct CapturedPacket
@@ -161,7 +161,7 @@ class PacketReader
 struct Revolution
 {
   Scan scan;
-  std::uint32_t first_clock = 0;
+  bool begun = false;
   int first_azimuth = 0;  //!< after the cut [0.01 deg]
   int last_azimuth = 0;
 };
@@ -213,6 +213,7 @@ struct PcapSource::Impl
   double stamp_offset = 0;  //!< capture's clock minus the sensor's unrolled one
   double sensor_time = 0;   //!< unrolled [s]
   std::optional<std::uint32_t> last_clock;
+  double last_captured = 0;  //!< UNIX time [s]
 
   Impl(const std::string& path_in, const PcapSourceOptions& options_in)
       : path(path_in), options(options_in), reader(path_in)
@@ -314,16 +315,28 @@ struct PcapSource::Impl
     return reader.next(packet);
   }
 
-  /** The sensor's clock unrolled over hours and set to the capture's time. */
+  /** The sensor's clock unrolled over hours and set to the time of the first packet's capture.
+   * Where it goes back or jumps, it was set, or packets are missing: the time that passed is that
+   * of the capture's clock. */
   double stampOf(const CapturedPacket& packet)
   {
     const std::uint32_t clock = packet.view().clock();
-    sensor_time += last_clock ? 1e-6 * microsecondsBetween(*last_clock, clock) : 0;
-    if (!last_clock || std::abs(packet.captured - sensor_time - stamp_offset) > clock_jump)
+    if (last_clock)
     {
-      stamp_offset = packet.captured - sensor_time;
+      const double step = 1e-6 * microsecondsBetween(*last_clock, clock);
+      const double captured_step = packet.captured - last_captured;
+      sensor_time += step;
+      if ((step < 0 || step > clock_jump) && std::abs(captured_step - step) > clock_jump)
+      {
+        stamp_offset += captured_step - step;
+      }
+    }
+    else
+    {
+      stamp_offset = packet.captured;
     }
     last_clock = clock;
+    last_captured = packet.captured;
     return sensor_time + stamp_offset;
   }
 
@@ -338,8 +351,9 @@ struct PcapSource::Impl
       {
         finishRevolution();
       }
-      if (current.scan.stamp == 0)
+      if (!current.begun)
       {
+        current.begun = true;
         current.scan.stamp = stamp;
         current.first_azimuth = azimuth;
       }
@@ -358,7 +372,7 @@ struct PcapSource::Impl
     {
       typical_first = done.first_azimuth;
     }
-    if (done.scan.stamp != 0)
+    if (done.begun)
     {
       ready.push_back(std::move(done));
     }

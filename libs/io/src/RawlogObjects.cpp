@@ -3,8 +3,6 @@
 
 #include <mrpt/serialization/CArchive.h>
 
-#include <algorithm>
-#include <cctype>
 #include <cstring>
 #include <stdexcept>
 
@@ -42,14 +40,24 @@ class MemoryInput
   std::string_view bytes_;
 };
 
-const TRuntimeClassId& classOf(const ObjectHeader& header)
+/** By a name without namespace, whether MRPT has the class or not. */
+bool isObservationName(std::string_view name)
+{
+  return isClassName(name) && name.find("CObservation") != std::string_view::npos;
+}
+
+/** Null for an observation of a class that MRPT does not have. */
+const TRuntimeClassId* classOf(const ObjectHeader& header)
 {
   const TRuntimeClassId* id = mrpt::rtti::findRegisteredClass(header.class_name);
-  if (id == nullptr)
+  if (id == nullptr && !isObservationName(header.class_name))
   {
-    throw std::runtime_error("an object of class '" + header.class_name + "', which is not known");
+    throw std::runtime_error(isClassName(header.class_name)
+                                 ? "an object of class '" + header.class_name +
+                                       "', which is not known"
+                                 : "no object where one should begin");
   }
-  return *id;
+  return id;
 }
 
 /** Whether a header of an object of rawlogs begins here. */
@@ -62,9 +70,7 @@ bool beginsObject(std::string_view bytes)
     return false;
   }
   const std::string_view name = bytes.substr(1, size);
-  const auto isOfName = [](char c)
-  { return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_' || c == ':'; };
-  if (!std::all_of(name.begin(), name.end(), isOfName))
+  if (!isClassName(name))
   {
     return false;  // the name of the object behind it: a byte before that looked like a length
   }
@@ -74,7 +80,8 @@ bool beginsObject(std::string_view bytes)
   {
     return false;
   }
-  return mrpt::rtti::findRegisteredClass(std::string(name)) != nullptr;
+  return isObservationName(name.substr(name.rfind(':') + 1)) ||
+         mrpt::rtti::findRegisteredClass(std::string(name)) != nullptr;
 }
 
 bool isObservation(const TRuntimeClassId& id)
@@ -131,7 +138,7 @@ void RawlogObjects::skipObject()
 }
 
 bool RawlogObjects::observation(const ObjectHeader& header,
-                                const TRuntimeClassId& id,
+                                const TRuntimeClassId* id,
                                 std::deque<CObservation::Ptr>& observations)
 {
   if (ObjectLayout::knows(header.class_name))
@@ -140,7 +147,13 @@ bool RawlogObjects::observation(const ObjectHeader& header,
     observations.push_back(std::dynamic_pointer_cast<CObservation>(objectFrom(window_.since(0))));
     return true;
   }
-  auto empty = std::dynamic_pointer_cast<CObservation>(id.createObject());
+  if (id == nullptr)
+  {
+    skipObject();
+    ++left_out_[header.class_name];
+    return false;
+  }
+  auto empty = std::dynamic_pointer_cast<CObservation>(id->createObject());
   empty->timestamp = INVALID_TIMESTAMP;
   observations.push_back(std::move(empty));
   skipObject();
@@ -149,10 +162,13 @@ bool RawlogObjects::observation(const ObjectHeader& header,
 
 void RawlogObjects::sensoryFrame(int version, std::deque<CObservation::Ptr>& observations)
 {
-  if (version < 1 || version > 2)
+  if (version > 2)
   {
-    throw std::runtime_error("a CSensoryFrame of version " + std::to_string(version) +
-                             ", which is not known");
+    throw NewerMrpt("a CSensoryFrame of version " + std::to_string(version));
+  }
+  if (version < 1)
+  {
+    throw std::runtime_error("a CSensoryFrame of version 0, which is not known");
   }
   window_.skip(version < 2 ? sizeof(std::uint32_t) : 0);  // a number
   const std::uint32_t count = window_.u32();
@@ -165,8 +181,8 @@ void RawlogObjects::sensoryFrame(int version, std::deque<CObservation::Ptr>& obs
   {
     window_.begin();
     const ObjectHeader header = layout_.header();
-    const TRuntimeClassId& id = classOf(header);
-    if (!isObservation(id))
+    const TRuntimeClassId* id = classOf(header);
+    if (id != nullptr && !isObservation(*id))
     {
       throw std::runtime_error("a " + header.class_name + " in a CSensoryFrame");
     }
@@ -178,16 +194,16 @@ void RawlogObjects::sensoryFrame(int version, std::deque<CObservation::Ptr>& obs
   }
 }
 
-const TRuntimeClassId& RawlogObjects::next(std::deque<CObservation::Ptr>& observations)
+const TRuntimeClassId* RawlogObjects::next(std::deque<CObservation::Ptr>& observations)
 {
   window_.begin();
   const ObjectHeader header = layout_.header();
-  const TRuntimeClassId& id = classOf(header);
+  const TRuntimeClassId* id = classOf(header);
   if (header.class_name == "CSensoryFrame")
   {
     sensoryFrame(header.version, observations);
   }
-  else if (isObservation(id))
+  else if (id == nullptr || isObservation(*id))
   {
     (void)observation(header, id, observations);
   }

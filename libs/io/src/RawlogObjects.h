@@ -4,7 +4,9 @@
 #include <mrpt/obs/CObservation.h>
 #include <mrpt/rtti/CObject.h>
 
+#include <cstddef>
 #include <deque>
+#include <map>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -19,7 +21,8 @@ class GzInput;
 /** The objects of a rawlog, checked before MRPT reads them.
  *
  * Observations that hold scans or poses are parsed by an ObjectLayout first. All others are skipped
- * up to the next object and not read: each becomes an empty one of its class, without a time stamp.
+ * up to the next object and not read: each becomes an empty one of its class, without a time stamp,
+ * or nothing if MRPT does not have the class.
  */
 class RawlogObjects
 {
@@ -29,21 +32,26 @@ class RawlogObjects
 
   [[nodiscard]] bool atEnd();
   /** Passes the next object and appends the observations in it.
-   * \return its class. \throws std::exception if it is damaged. */
-  const mrpt::rtti::TRuntimeClassId& next(std::deque<mrpt::obs::CObservation::Ptr>& observations);
+   * \return its class, null for an observation of one that MRPT does not have.
+   * \throws NewerMrpt. \throws std::exception if it is damaged. */
+  const mrpt::rtti::TRuntimeClassId* next(std::deque<mrpt::obs::CObservation::Ptr>& observations);
+  /** How many observations were left out, for each class that MRPT does not have. */
+  [[nodiscard]] const std::map<std::string, std::size_t>& leftOut() const { return left_out_; }
 
  private:
   void sensoryFrame(int version, std::deque<mrpt::obs::CObservation::Ptr>& observations);
   /** An observation whose header is at the window's position.
+   * \param id its class, null if MRPT does not have it.
    * \return whether its end is known: else the next object begins here, if there is one. */
   bool observation(const ObjectHeader& header,
-                   const mrpt::rtti::TRuntimeClassId& id,
+                   const mrpt::rtti::TRuntimeClassId* id,
                    std::deque<mrpt::obs::CObservation::Ptr>& observations);
   void skipObject();
 
   GzInput& file_;
   ByteWindow window_;
   ObjectLayout layout_;
+  std::map<std::string, std::size_t> left_out_;
 };
 
 /** The object of MRPT in these bytes. \throws std::exception if they are damaged. */

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/Error.h>
+#include <dyslam/core/Printable.h>
 #include <dyslam/io/RawlogSource.h>
 #include <dyslam/io/RawlogStream.h>
 #include <dyslam/io/ScanDecoder.h>
@@ -39,7 +40,7 @@ struct RawlogSource::Impl
     {
       throw UserError(*postponed);
     }
-    decoder.failWithoutScans();
+    decoder.failWithoutScans(stream.leftOut());
   }
 
   /** The next wanted scan with a good time stamp, or nothing at the end or after an error, which
@@ -131,6 +132,12 @@ std::string RawlogSource::sensorLabel() const
 }
 std::vector<std::string> RawlogSource::warnings() const
 {
-  return impl_->decoder.warnings();
+  auto lines = impl_->decoder.warnings();
+  for (const auto& [name, count] : impl_->stream.leftOut())
+  {
+    lines.push_back(impl_->stream.path() + ": " + counted(count, "observation") + " of class '" +
+                    name + "', which MRPT 2.5.8 does not have, left out");
+  }
+  return lines;
 }
 }  // namespace dyslam

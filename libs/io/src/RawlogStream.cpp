@@ -80,10 +80,10 @@ void RawlogStream::failReading(const std::string& reason) const
   }
   if (objects_ == 0)
   {
-    // MRPT's message about bytes that are no object would be misleading.
     throw UserError(path_ + ": is not a rawlog, or is damaged in its first object" +
                     (file_->broken() ? " (the compressed data are broken)" : "") +
-                    (file_->cut() ? " (the file ends there)" : "") + "; " + advice);
+                    (file_->cut() ? " (the file ends there)" : "") +
+                    (reason.empty() ? "" : ": " + reason) + "; " + advice);
   }
   const std::string count = std::to_string(objects_);
   if (file_->broken())
@@ -105,11 +105,24 @@ void RawlogStream::readObject()
   const mrpt::rtti::TRuntimeClassId* id = nullptr;
   try
   {
-    id = &objects_in_->next(queue_);
+    id = objects_in_->next(queue_);
+  }
+  catch (const NewerMrpt& error)
+  {
+    if (file_->readError().empty() && !file_->broken() && !file_->cut())
+    {
+      throw UserError(path_ + ": has " + error.what() + "; " + newer_mrpt_advice);
+    }
+    failReading(error.what());
   }
   catch (const std::exception& error)
   {
     failReading(messageOf(error));
+  }
+  if (id == nullptr)
+  {
+    ++objects_;
+    return;
   }
   const std::string name = id->className;
   if (id == CLASS_ID_NAMESPACE(CRawlog, mrpt::obs))
@@ -127,6 +140,11 @@ void RawlogStream::readObject()
     failReading("it holds a " + name);
   }
   ++objects_;
+}
+
+const std::map<std::string, std::size_t>& RawlogStream::leftOut() const
+{
+  return objects_in_->leftOut();
 }
 
 mrpt::obs::CObservation::Ptr RawlogStream::next()

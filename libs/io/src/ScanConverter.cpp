@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/Error.h>
 #include <dyslam/core/Files.h>
+#include <dyslam/formats/FieldConventions.h>
 #include <dyslam/formats/KittiFiles.h>
 #include <dyslam/formats/RecordingKind.h>
 #include <dyslam/formats/ScanFiles.h>
@@ -10,10 +11,11 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
+#include <cmath>
 #include <filesystem>
 #include <utility>
 
+#include "NameStamps.h"
 #include "ScanSink.h"
 
 namespace dyslam
@@ -41,65 +43,6 @@ std::vector<Pose> readPosesFor(const std::string& path, std::size_t scans)
   return poses;
 }
 
-/** A time since 1970 in seconds, whether it is in seconds, milli-, micro- or nanoseconds. */
-double secondsOf(double time)
-{
-  return time * (time < 1e11 ? 1 : time < 1e14 ? 1e-3 : time < 1e17 ? 1e-6 : 1e-9);
-}
-
-/** The part of a file's name that may be a time: all of it, or of nuScenes' names, such as
- * n008-2018-08-01-15-16-36-0400__LIDAR_TOP__1533151603547590.pcd.bin, the end. */
-std::string timeInName(const std::string& file)
-{
-  std::string stem = fs::path(file).stem().string();
-  if (lowerExtension(stem) == ".pcd")
-  {
-    stem.resize(stem.size() - 4);
-  }
-  const auto end = stem.rfind("__");
-  return end == std::string::npos ? stem : stem.substr(end + 2);
-}
-
-/** Times since 1970 out of file names such as 1317042145951199337.bin, in nano-, micro-,
- * milliseconds or seconds by their size; nothing unless all names are such. Puts the files in the
- * order of these times, which differs from that of names such as 12.05 and 12.5. */
-std::vector<double> stampsFromNames(std::vector<std::string>& files)
-{
-  constexpr double latest = 4.1e9;  // s since 1970, in 2099: 20180801151636 is a date
-  std::vector<std::pair<double, std::string>> timed;
-  for (const std::string& file : files)
-  {
-    std::string stem = timeInName(file);
-    const auto part = stem.find('_');
-    if (part != std::string::npos)
-    {
-      stem[part] = '.';  // seconds_fraction
-    }
-    double value = 0;
-    const auto [end, error] = std::from_chars(stem.data(), stem.data() + stem.size(), value);
-    if (error != std::errc() || end != stem.data() + stem.size() || value < 1e8 ||
-        !(secondsOf(value) < latest))
-    {
-      return {};
-    }
-    timed.emplace_back(secondsOf(value), file);
-  }
-  std::sort(timed.begin(), timed.end());
-  const auto same = std::adjacent_find(
-      timed.begin(), timed.end(), [](const auto& a, const auto& b) { return a.first == b.first; });
-  if (same != timed.end())
-  {
-    return {};
-  }
-  std::vector<double> stamps;
-  for (std::size_t i = 0; i < timed.size(); ++i)
-  {
-    stamps.push_back(timed[i].first);
-    files[i] = timed[i].second;
-  }
-  return stamps;
-}
-
 /** A time for each scan of a folder; empty if only the scans themselves have times. May put the
  * files in another order. */
 std::vector<double> stampsFor(std::vector<std::string>& files,
@@ -109,6 +52,9 @@ std::vector<double> stampsFor(std::vector<std::string>& files,
   if (!options.times.empty())
   {
     std::vector<double> stamps = readTimesOrTimestamps(options.times);
+    stamps.erase(std::remove_if(stamps.begin(), stamps.end(),  // of lost scans, without a file
+                                [](double stamp) { return std::isnan(stamp); }),
+                 stamps.end());
     std::transform(stamps.begin(), stamps.end(), stamps.begin(), secondsOf);
     if (stamps.size() != files.size())
     {
@@ -161,12 +107,14 @@ void convertFolder(const std::string& input,
   {
     sink.setPoseOrigin(PoseSource::given, nameOfFile(options.poses));
   }
+  FieldConventions conventions;
   for (std::size_t i = 0; i < files.size(); ++i)
   {
-    Scan scan = layout == BinLayout::xyzir ? readBin(files[i], layout) : readCloud(files[i]);
+    Scan scan =
+        layout == BinLayout::xyzir ? readBin(files[i], layout) : readCloud(files[i], conventions);
     if (!stamps.empty())
     {
-      scan.stamp = stamps[i];
+      conventions.restamp(scan, stamps[i]);
     }
     const bool has_stamp = !stamps.empty() || scan.stamp != 0;
     if (!sink.put(std::move(scan), has_stamp,
@@ -180,6 +128,14 @@ void convertFolder(const std::string& input,
   {
     throw UserError(input + ": " + emptyRange(options) + " of the " + std::to_string(files.size()) +
                     " scans");
+  }
+  for (const std::string& note : conventions.notes())
+  {
+    sink.note(note);
+  }
+  for (const std::string& warning : conventions.warnings())
+  {
+    sink.warn(warning);
   }
 }
 

@@ -411,7 +411,7 @@ std::string ScanDecoder::sensorLabel() const
   return impl_->label;
 }
 
-void ScanDecoder::failWithoutScans() const
+void ScanDecoder::failWithoutScans(const std::map<std::string, std::size_t>& left_out) const
 {
   const Impl& s = *impl_;
   if (s.scans_seen > 0)
@@ -432,7 +432,9 @@ void ScanDecoder::failWithoutScans() const
                     "'; the file has " + known);
   }
   std::string held;
-  for (const auto& [name, count] : s.seen_classes)
+  auto classes = s.seen_classes;
+  classes.insert(left_out.begin(), left_out.end());
+  for (const auto& [name, count] : classes)
   {
     held += (held.empty() ? "" : ", ") + std::to_string(count) + " " + name;
   }

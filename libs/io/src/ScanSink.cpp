@@ -88,7 +88,7 @@ ConversionResult ScanSink::close()
   {
     const std::string equal = equal_times_ ? " (those of a scan are all the same)" : "";
     warn("the points have no times" + equal +
-         ": dyslam deskews by azimuth or not at all (preprocess.deskew)");
+         ": dyslam deskews by their order, by azimuth or not at all (preprocess.deskew)");
     if (options_.every_n > 1)
     {
       warn(thinned_without_times);

@@ -158,6 +158,53 @@ TEST(KittiConverter, OfficialRaw)
   EXPECT_NEAR(0.1038987, frames.at(1).scan.stamp - frames[0].scan.stamp, 1e-6);
 }
 
+/** KITTI has an empty line in timestamps.txt for each scan that it lost. */
+TEST(KittiConverter, LostScansOfARawDrive)
+{
+  const TestFolder folder;
+  const std::string points = "drive_sync/velodyne_points/";
+  const std::string scans = points + "data";
+  writeBins(folder, scans, 6, 10);
+  const auto time = [](const char* seconds)
+  { return "2011-09-26 13:02:" + std::string(seconds) + "\n"; };
+  folder.write(points + "timestamps.txt",
+               time("25.0") + "\n" + time("25.2") + time("25.3") + time("25.4") + time("25.5"));
+  KittiConverterOptions options;
+  options.kind = KittiKind::raw;
+  const auto convert = [&]
+  { return convertKitti(folder.file("drive_sync"), folder.file("x.rawlog"), options); };
+  EXPECT_TRUE(contains(messageOfError<UserError>([&] { (void)convert(); }),
+                       "an empty line instead of a time for scan 1"));
+  std::filesystem::remove(folder.file(scans + "/0000000001.bin"));
+  EXPECT_EQ(5U, convert().scans);
+  const auto frames = readAll(folder.file("x.rawlog"));
+  const std::vector<double> expected{0, 0.2, 0.3, 0.4, 0.5};
+  for (std::size_t i = 0; i < expected.size(); ++i)
+  {
+    EXPECT_NEAR(expected[i], frames.at(i).scan.stamp - frames[0].scan.stamp, 1e-6);
+    EXPECT_EQ(i == 0 ? 10U : 11 + i, frames[i].scan.size());
+  }
+  options.end = 0.35;
+  EXPECT_EQ(3U, convert().scans);
+}
+
+TEST(KittiConverter, LabelsBesideTheScans)
+{
+  const TestFolder folder;
+  writeBins(folder, "in/velodyne", 3);
+  for (const std::size_t i : {1U, 2U})
+  {
+    writeLabels(folder.file("in/velodyne/" + number(i, 6) + ".label"),
+                std::vector<Label>(10 + i, static_cast<Label>(250 + i)));
+  }
+  const auto result =
+      convertKitti(folder.file("in"), folder.file("x.rawlog"), KittiConverterOptions{});
+  EXPECT_EQ(2U, result.label_files);
+  const GroundTruthReader truth(folder.file("x.gt"));
+  EXPECT_FALSE(truth.labels(0, 10));
+  EXPECT_EQ(252U, truth.labels(2, 12).value().front());
+}
+
 TEST(KittiConverter, VerticalAngleCorrection)
 {
   const TestFolder folder;

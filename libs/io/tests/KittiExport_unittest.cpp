@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/Error.h>
 #include <dyslam/formats/GroundTruth.h>
+#include <dyslam/formats/KittiFiles.h>
 #include <dyslam/formats/LabelFiles.h>
 #include <dyslam/formats/ScanFiles.h>
 #include <dyslam/formats/TrajectoryFiles.h>
@@ -110,6 +111,42 @@ TEST(KittiExport, PosesAreThoseOfTheCamera)
   ASSERT_EQ(3U, poses.size());
   EXPECT_TRUE(poses[0].isApprox(Pose::Identity(), 1e-9));
   EXPECT_TRUE(poses[2].translation().isApprox(Eigen::Vector3d(-2, 0, 4), 1e-9));
+}
+
+TEST(KittiExport, EveryCalibrationBecomesOneOfOdometry)
+{
+  const TestFolder folder;
+  writeRecording(folder);
+  const std::string rows = "0 -1 0 0.05 0 0 -1 -0.1 1 0 0 -0.3\n";
+  const std::string projection = "7 0 6 4 0 7 1 0.2 0 0 1 0\n";
+  const std::string odometry = folder.write("o.txt", "P2: " + projection + "Tr: " + rows);
+  const std::string tracking =
+      folder.write("t.txt", "P2: " + projection + "R_rect 1 0 0 0 1 0 0 0 1\nTr_velo_cam " + rows +
+                                "Tr_imu_velo 1 0 0 0 0 1 0 0 0 0 1 0\n");
+  folder.write("raw/calib_cam_to_cam.txt",
+               "R_rect_00: 1 0 0 0 1 0 0 0 1\nP_rect_02: " + projection);
+  const std::string raw =
+      folder.write("raw/calib_velo_to_cam.txt", "R: 0 -1 0 0 0 -1 1 0 0\nT: 0.05 -0.1 -0.3\n");
+  KittiExportOptions options;
+  options.no_scans = true;
+  const KittiCalib expected = readKittiCalib(odometry);
+  for (const std::string& calib : {odometry, tracking, raw, folder.file("raw")})
+  {
+    options.calib = calib;
+    options.sequence += '0';
+    EXPECT_EQ(4U, exportKitti(folder.file("x.rawlog"), folder.file("kitti"), options).poses);
+    const std::string written = "kitti/sequences/" + options.sequence + "/";
+    const std::string text = folder.read(written + "calib.txt");
+    EXPECT_TRUE(contains(text, "\nTr: ")) << text;
+    const KittiCalib after = readKittiCalib(folder.file(written + "calib.txt"));
+    EXPECT_TRUE(after.T_cam_velo.isApprox(expected.T_cam_velo, 1e-9)) << calib;
+    EXPECT_TRUE(expected.P2 == after.P2) << calib;
+  }
+  EXPECT_EQ(folder.read("o.txt"), folder.read("kitti/sequences/000/calib.txt"));
+  options.calib = folder.write("imu/calib_imu_to_velo.txt", "R: 1 0 0 0 1 0 0 0 1\nT: 0 0 0\n");
+  options.sequence = "09";
+  EXPECT_THROW((void)exportKitti(folder.file("x.rawlog"), folder.file("kitti"), options),
+               UserError);
 }
 
 TEST(KittiExport, NothingOfOthersIsTouchedAndNothingHalfStays)

@@ -142,6 +142,16 @@ std::vector<CObservation::Ptr> readStream(const std::string& path)
   return read;
 }
 
+/** With another name of the same length for a class. */
+std::string renamed(std::string bytes, const std::string& from, const std::string& to)
+{
+  for (auto at = bytes.find(from); at != std::string::npos; at = bytes.find(from, at))
+  {
+    bytes.replace(at, from.size(), to);
+  }
+  return bytes;
+}
+
 /** The most memory that this process has had [MB]. */
 long mostMegabytes()
 {
@@ -215,6 +225,81 @@ TEST(ObjectLayout, OtherClassesArePassedOver)
   const std::size_t size = image.find('\xA1', 5000) + 1;
   const std::string cut = folder.write("b.rawlog", bytesOf(*scan) + image.substr(0, size));
   EXPECT_THROW((void)readStream(cut), UserError);
+}
+
+TEST(ObjectLayout, ClassesThatMrptDoesNotHaveAreLeftOut)
+{
+  const TestFolder folder;
+  const std::string scan = bytesOf(*cloud<mrpt::maps::CPointsMapXYZI>());
+  const std::string own = renamed(bytesOf(*picture()), "CObservationImage", "CObservationOther");
+  CSensoryFrame frame;
+  frame.insert(named(CObservationIMU::Create()));
+  frame.insert(cloud<mrpt::maps::CPointsMapXYZI>());
+  frame.insert(named(CObservationIMU::Create()));
+  const std::string in_frame = renamed(bytesOf(frame), "CObservationIMU", "CObservationOwn");
+  const std::string path = folder.write("a.rawlog", own + scan + own + own + in_frame + own);
+  EXPECT_EQ(2U, readStream(path).size());
+  RawlogSourceOptions options;
+  RawlogSource source(path, options);
+  while (source.next())
+  {
+  }
+  std::string told;
+  for (const std::string& line : source.warnings())
+  {
+    told += line + '\n';
+  }
+  EXPECT_TRUE(contains(told, "4 observations of class 'CObservationOther'")) << told;
+  EXPECT_TRUE(contains(told, "2 observations of class 'CObservationOwn'")) << told;
+
+  const std::string only = folder.write("b.rawlog", own + own);
+  const std::string said = messageOfError<UserError>([&] { RawlogSource nothing(only, options); });
+  EXPECT_TRUE(contains(said, "has no 3D scans, only 2 CObservationOther")) << said;
+  const std::string cut = folder.write("c.rawlog", scan + own.substr(0, own.size() - 1));
+  EXPECT_THROW((void)readStream(cut), UserError);
+}
+
+TEST(ObjectLayout, ObjectsOfANewerMrptAreCalledSo)
+{
+  const TestFolder folder;
+  const std::string xyzi = bytesOf(*cloud<mrpt::maps::CPointsMapXYZI>());
+  const auto said = [&](const std::string& bytes)
+  {
+    return messageOfError<UserError>([&]
+                                     { (void)readStream(folder.write("a.rawlog", bytes + xyzi)); });
+  };
+  const auto ofNextVersion = [](std::string bytes, const std::string& class_name)
+  {
+    bytes.at(bytes.find(class_name) + class_name.size()) = 100;
+    return bytes;
+  };
+  const std::string generic = renamed(xyzi, "CPointsMapXYZI", "CPointsMapIRTX");
+  EXPECT_TRUE(contains(said(generic),
+                       "has points of class 'CPointsMapIRTX', written by a newer "
+                       "MRPT than 2.5.8; "))
+      << said(generic);
+  for (const char* class_name : {"CObservationPointCloud", "CPointsMapXYZI"})
+  {
+    const std::string text = said(xyzi + ofNextVersion(xyzi, class_name));
+    EXPECT_TRUE(contains(text, "has a " + std::string(class_name) +
+                                   " of version 100, written by a newer MRPT than 2.5.8; "))
+        << text;
+  }
+  CSensoryFrame frame;
+  frame.insert(cloud<mrpt::maps::CPointsMapXYZI>());
+  EXPECT_TRUE(contains(said(ofNextVersion(bytesOf(frame), "CSensoryFrame")), "a newer MRPT"));
+  // Neither is a name that was damaged.
+  EXPECT_FALSE(contains(said(renamed(xyzi, "CPointsMapXYZI", "CPoints\x01\x02pXYZI")), "newer"));
+}
+
+TEST(ObjectLayout, TheReasonIsGivenForTheFirstObjectToo)
+{
+  const TestFolder folder;
+  const std::string other = renamed(bytesOf(*picture()), "CObservationImage", "CSomethingUnknown");
+  const std::string said =
+      messageOfError<UserError>([&] { (void)readStream(folder.write("a.rawlog", other)); });
+  EXPECT_TRUE(contains(said, "is not a rawlog")) << said;
+  EXPECT_TRUE(contains(said, "an object of class 'CSomethingUnknown', which is not known")) << said;
 }
 
 TEST(ObjectLayout, NoCountTakesMemoryThatTheFileHasNot)

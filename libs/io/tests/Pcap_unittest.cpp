@@ -31,6 +31,34 @@ Revolutions revolutionsOf(const std::string& path, const PcapSourceOptions& opti
   result.warnings = source.warnings();
   return result;
 }
+
+constexpr std::size_t file_header = 24;
+constexpr std::size_t record_header = 16;
+constexpr std::size_t data_offset = record_header + 42;  //!< Ethernet, IP and UDP headers
+constexpr std::size_t record_size = data_offset + 1206;
+constexpr double packet_time = 12 * 2 * 55.296e-6;  // [s]
+
+void put(std::string& bytes, std::size_t at, std::uint32_t value)
+{
+  std::memcpy(&bytes[at], &value, sizeof value);
+}
+
+/** The same capture with other times, both functions of those since its first packet [s]. */
+template <typename Captured, typename Clock>
+std::string withTimes(std::string capture, const Captured& captured_at, const Clock& clock)
+{
+  std::size_t n = 0;
+  for (std::size_t at = file_header; at < capture.size(); at += record_size, ++n)
+  {
+    const double time = static_cast<double>(n) * packet_time;
+    const double seconds = captured_at(time);
+    put(capture, at, static_cast<std::uint32_t>(seconds));
+    put(capture, at + 4, static_cast<std::uint32_t>(std::fmod(seconds, 1.0) * 1e6));
+    put(capture, at + data_offset + 1200,
+        static_cast<std::uint32_t>(std::fmod(clock(time), 3600.0) * 1e6));
+  }
+  return capture;
+}
 }  // namespace
 
 TEST(PcapSource, CutsRevolutionsAndPlacesPoints)
@@ -62,6 +90,87 @@ TEST(PcapSource, CutsRevolutionsAndPlacesPoints)
   }
   options.keep_partial = true;
   EXPECT_EQ(4U, revolutionsOf(path, options).scans.size());
+}
+
+TEST(PcapSource, TheSensorsClockCountsWhateverTheCapturesDoes)
+{
+  const TestFolder folder;
+  PcapSourceOptions options;
+  options.cut_azimuth = 0;
+  const auto clock = [](double time) { return 3599.5 + time; };
+  const auto expectSteady = [&](const std::string& capture, const char* what)
+  {
+    const auto scans = revolutionsOf(folder.write("a.pcap", capture), options).scans;
+    ASSERT_EQ(21U, scans.size()) << what;
+    for (std::size_t i = 0; i < scans.size(); ++i)
+    {
+      EXPECT_NEAR(0.1 * static_cast<double>(i), scans[i].stamp - scans[0].stamp, 0.003) << what;
+      EXPECT_NEAR(0.1, scans[i].time.back(), 0.003) << what;
+      EXPECT_NEAR(0, scans[i].time.front(), 0.003) << what;
+    }
+  };
+  const std::string capture = captured(1600);
+  expectSteady(withTimes(
+                   capture, [](double) { return 0; }, clock),
+               "no capture times");
+  expectSteady(withTimes(
+                   capture, [](double time) { return 1000 + 3 * time; }, clock),
+               "a drift");
+  expectSteady(
+      withTimes(
+          capture, [](double time) { return time < 1.05 ? 1000 + time : 500 + time; }, clock),
+      "the capture's clock is set");
+  for (const double set : {-100.0, 1000.0})
+  {
+    expectSteady(withTimes(
+                     capture, [](double time) { return 1000 + time; },
+                     [set](double time) { return 500 + time + (time < 1.05 ? 0 : set); }),
+                 "the sensor's clock is set");
+  }
+}
+
+TEST(PcapSource, PausesAreKept)
+{
+  const TestFolder folder;
+  PcapSourceOptions options;
+  options.cut_azimuth = 0;
+  for (const double pause : {10.0, 2000.0, 5000.0})
+  {
+    const auto times = [pause](double time) { return 1000 + time + (time < 1.05 ? 0 : pause); };
+    const std::string path = folder.write("a.pcap", withTimes(captured(1600), times, times));
+    const auto scans = revolutionsOf(path, options).scans;
+    ASSERT_EQ(21U, scans.size());
+    EXPECT_NEAR(pause + 2.0, scans.back().stamp - scans.front().stamp, 0.003);
+  }
+}
+
+TEST(PcapSource, NearReturnsAreKept)
+{
+  const TestFolder folder;
+  std::string capture = captured(300);
+  for (std::size_t at = file_header; at < capture.size(); at += record_size)
+  {
+    for (std::size_t block = 0; block < 12; ++block)
+    {
+      capture[at + data_offset + 100 * block + 4] = static_cast<char>(100);  // laser 0, 0.2 m
+      capture[at + data_offset + 100 * block + 5] = 0;
+    }
+  }
+  const std::string path = folder.write("a.pcap", capture);
+  const auto nearest = [&](const PcapSourceOptions& options)
+  {
+    float range = 1e9F;
+    const auto scans = revolutionsOf(path, options).scans;
+    for (const auto& point : scans.at(0).points)
+    {
+      range = std::min(range, point.norm());
+    }
+    return range;
+  };
+  EXPECT_NEAR(0.2F, nearest({}), 1e-3F);
+  PcapSourceOptions options;
+  options.min_range = 1;
+  EXPECT_NEAR(10.0F, nearest(options), 1e-3F);
 }
 
 TEST(PcapSource, DropsTheBrokenFirstAndLast)

@@ -60,6 +60,45 @@ TEST(ScanConverter, NamesInTheOrderOfTheirTimes)
   EXPECT_TRUE(contains(result.notes.at(0), "are not taken as time stamps")) << result.notes[0];
 }
 
+/** As ROS 2's pointcloud_to_pcd wrote them: seconds and a count of nanoseconds. */
+TEST(ScanConverter, NanosecondsWithoutLeadingZeros)
+{
+  const TestFolder folder;
+  const auto stampsOf = [&](const std::vector<std::string>& names)
+  {
+    std::filesystem::remove_all(folder.file("s"));
+    makeFolderOf(folder, "s");
+    for (const std::string& name : names)
+    {
+      const Scan scan = someScan(0, 5);
+      writeBin(folder.file("s/" + name + ".bin"), scan.points, scan.intensity);
+    }
+    const auto result =
+        convertScans(folder.file("s"), folder.file("x.rawlog"), ScanConverterOptions{});
+    std::vector<double> stamps;
+    for (const auto& frame : readAll(folder.file("x.rawlog")))
+    {
+      stamps.push_back(frame.scan.stamp);
+    }
+    EXPECT_EQ(stamps.front() < 1e8, contains(result.notes.at(0), "not taken as time stamps"));
+    return stamps;
+  };
+  for (const std::string point : {".", "_"})
+  {
+    const auto stamps = stampsOf({"1600000000" + point + "150000000", "1600000000" + point + "0",
+                                  "1600000000" + point + "50000000"});
+    ASSERT_EQ(3U, stamps.size());
+    EXPECT_NEAR(1600000000.0, stamps[0], 1e-6);
+    EXPECT_NEAR(1600000000.05, stamps[1], 1e-6);
+    EXPECT_NEAR(1600000000.15, stamps[2], 1e-6);
+  }
+  // A zero before other digits: decimals without trailing zeros.
+  EXPECT_NEAR(1600000000.5, stampsOf({"1600000000.050000001", "1600000000.5"}).at(1), 1e-6);
+  EXPECT_NEAR(1600000001.0, stampsOf({"1600000000.25", "1600000001"}).at(1), 1e-6);
+  // Milliseconds or decimals?
+  EXPECT_NEAR(0.1, stampsOf({"1600000000.50", "1600000000.150"}).at(1), 1e-6);
+}
+
 TEST(ScanConverter, FilesOfNuScenes)
 {
   const TestFolder folder;
@@ -146,6 +185,68 @@ TEST(ScanConverter, EqualTimesOfPointsAreNone)
   EXPECT_EQ(timesAfter(), std::pair(std::vector<float>{0, 0.01F, 0.02F}, std::vector<float>(3, 0)));
 }
 
+/** Drivers that give a scan the time of its last point. */
+TEST(ScanConverter, PointTimesCountFromTheStampOfTheName)
+{
+  const TestFolder folder;
+  const auto writeScans = [&](const std::string& name, double clock)
+  {
+    makeFolderOf(folder, name);
+    for (const int scan : {1, 2})
+    {
+      std::string pcd =
+          "FIELDS x y z t\nSIZE 4 4 4 8\nTYPE F F F F\nWIDTH 11\nHEIGHT 1\nPOINTS 11\nDATA ascii\n";
+      for (int i = 0; i <= 10; ++i)
+      {
+        pcd += "5 " + std::to_string(i) + " 0 " +
+               std::to_string(clock + 0.1 * (scan - 1) + 0.01 * i) + "\n";
+      }
+      folder.write(name + "/1600000000." + std::to_string(scan) + "00.pcd", pcd);
+    }
+  };
+  const auto check = [&](const std::string& name, float first, bool warned)
+  {
+    const auto result =
+        convertScans(folder.file(name), folder.file("x.rawlog"), ScanConverterOptions{});
+    EXPECT_EQ(warned, !result.warnings.empty()) << name;
+    EXPECT_EQ(warned, warned && contains(result.warnings[0], "clock")) << name;
+    EXPECT_TRUE(contains(result.notes.back(), "field t, seconds from the clock's zero"));
+    for (const auto& frame : readAll(folder.file("x.rawlog")))
+    {
+      EXPECT_NEAR(1600000000.1 + 0.1 * static_cast<double>(frame.index), frame.scan.stamp, 1e-6);
+      ASSERT_EQ(11U, frame.scan.time.size()) << name;
+      EXPECT_NEAR(first, frame.scan.time.front(), 2e-6) << name;
+      EXPECT_NEAR(first + 0.1F, frame.scan.time.back(), 2e-6) << name;
+    }
+  };
+  writeScans("last", 1600000000.0);
+  check("last", -0.1F, false);
+  writeScans("first", 1600000000.1);
+  check("first", 0, false);
+  writeScans("leap", 1600000037.0);  // GPS time, or that of the lidar's start
+  check("leap", 0, true);
+}
+
+TEST(ScanConverter, BrightIntensitiesAreLimitedAndScaledOnce)
+{
+  const TestFolder folder;
+  makeFolderOf(folder, "in");
+  Scan scan = someScan(0, 3);
+  scan.intensity = {51, 255, 3000};
+  for (const char* name : {"0", "1"})
+  {
+    writePcd(folder.file(std::string("in/") + name + ".pcd"), scan.points, scan.intensity);
+  }
+  (void)convertScans(folder.file("in"), folder.file("x.rawlog"), ScanConverterOptions{});
+  for (const auto& frame : readAll(folder.file("x.rawlog")))
+  {
+    ASSERT_EQ(3U, frame.scan.intensity.size());
+    EXPECT_NEAR(0.2F, frame.scan.intensity[0], 1e-6);
+    EXPECT_EQ((std::vector<float>{1, 1}),
+              (std::vector<float>{frame.scan.intensity[1], frame.scan.intensity[2]}));
+  }
+}
+
 TEST(ScanConverter, CountedNamesAndTimesOfAFile)
 {
   const TestFolder folder;
@@ -157,7 +258,8 @@ TEST(ScanConverter, CountedNamesAndTimesOfAFile)
   EXPECT_TRUE(contains(counted.warnings.at(1), "points have no times"));
   for (const std::string text :
        {"5\n5.25\n", "1600000005\n1600000005.25\n", "1600000005000000000\n1600000005250000000\n",
-        "2011-09-26 13:02:25.5\n2011-09-26 13:02:25.75\n"})
+        "2011-09-26 13:02:25.5\n2011-09-26 13:02:25.75\n",
+        "2011-09-26 13:02:25.5\n\n2011-09-26 13:02:25.75\n"})
   {
     options.times = folder.write("t.txt", text);
     (void)convertScans(folder.file("in"), folder.file("x.rawlog"), options);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/Error.h>
+#include <dyslam/core/FiringOrder.h>
 #include <dyslam/odometry/Preprocessor.h>
 
 #include <algorithm>
@@ -35,38 +36,75 @@ class Phases
  public:
   /** \param dt since the previous scan [s]; 0: unknown \param sweep_duration [s]; 0: `dt` */
   Phases(const Scan& scan, const PreprocessOptions& options, double dt, double sweep_duration)
-      : scan_(scan), sweep_(options.sweep)
+      : scan_(scan),
+        sweep_(options.sweep),
+        source_(sourceOf(scan, options.deskew)),
+        per_revolution_(dt > 0 ? phaseScale(sweep_duration, dt) : 1.0F),
+        reference_(static_cast<float>(options.sweep_reference)),
+        unit_(sweep_duration > 0 ? dt : 0)
   {
-    const bool automatic = options.deskew == DeskewMode::automatic;
-    const bool time_wanted = automatic || options.deskew == DeskewMode::time;
-    // Without a motion yet, phases are in units of the scan's own duration.
-    const double unit = dt > 0 ? dt : time_wanted ? timeSpan(scan) : 0;
-    by_time_ = time_wanted && unit > 0 && scan.time.size() == scan.size() && scan.size() > 0;
-    by_azimuth_ = !by_time_ && (automatic || options.deskew == DeskewMode::azimuth);
-    per_unit_ = static_cast<float>(by_time_ ? 1 / unit : 0);
-    per_revolution_ = dt > 0 ? phaseScale(sweep_duration, dt) : 1.0F;
-    reference_ = static_cast<float>(options.sweep_reference);
-    unit_ = by_time_ ? unit : sweep_duration > 0 ? dt : 0;
+    if (source_ == Source::times)
+    {
+      // Without a motion yet, phases are in units of the scan's own duration.
+      unit_ = dt > 0 ? dt : timeSpan(scan);
+      per_second_ = unit_ > 0 ? static_cast<float>(1 / unit_) : 0.0F;
+    }
+    const bool may_be_ordered = source_ == Source::none || source_ == Source::azimuth;
+    if (may_be_ordered && usesTimes(options.deskew))
+    {
+      fractions_ = firingFractions(scan.points);
+      source_ = fractions_.empty() ? source_ : Source::order;
+    }
   }
 
-  [[nodiscard]] bool known() const { return by_time_ || by_azimuth_; }
+  [[nodiscard]] bool known() const { return source_ != Source::none; }
   /** Cloud::phase_unit [s] */
   [[nodiscard]] double unit() const { return unit_; }
   [[nodiscard]] float of(std::size_t i) const
   {
-    return by_time_ ? scan_.time[i] * per_unit_
-                    : (sweepFraction(scan_.points[i], sweep_) - reference_) * per_revolution_;
+    switch (source_)
+    {
+      case Source::times:
+        return scan_.time[i] * per_second_;
+      case Source::order:
+        return (fractions_[i] - reference_) * per_revolution_;
+      default:
+        return (sweepFraction(scan_.points[i], sweep_) - reference_) * per_revolution_;
+    }
   }
 
  private:
+  enum class Source
+  {
+    none,
+    times,
+    order,  //!< of the points
+    azimuth
+  };
+
+  static bool usesTimes(DeskewMode mode)
+  {
+    return mode == DeskewMode::automatic || mode == DeskewMode::time;
+  }
+  /** Without a look at the order. */
+  static Source sourceOf(const Scan& scan, DeskewMode mode)
+  {
+    if (usesTimes(mode) && scan.time.size() == scan.size() && scan.size() > 0)
+    {
+      return Source::times;
+    }
+    return mode == DeskewMode::automatic || mode == DeskewMode::azimuth ? Source::azimuth
+                                                                        : Source::none;
+  }
+
   const Scan& scan_;
   const SweepModel& sweep_;
-  bool by_time_ = false;
-  bool by_azimuth_ = false;
-  float per_unit_ = 0;        //!< of the phases, per second
-  float per_revolution_ = 0;  //!< of the phases
-  float reference_ = 0;       //!< fraction of the sweep
-  double unit_ = 0;
+  Source source_;
+  float per_revolution_;  //!< of the phases
+  float reference_;       //!< fraction of the sweep
+  double unit_;
+  float per_second_ = 0;          //!< of the phases
+  std::vector<float> fractions_;  //!< of the revolution, if by order
 };
 
 struct CloudPart
@@ -99,8 +137,8 @@ void PreprocessOptions::describe(OptionsVisitor& v)
        {"time", DeskewMode::time},
        {"azimuth", DeskewMode::azimuth},
        {"auto", DeskewMode::automatic}},
-      "motion compensation: by point times, by azimuth, or (auto) by azimuth where there are no "
-      "times");
+      "motion compensation: by point times, and by the order of points stored as they were fired "
+      "(time), by azimuth, or (auto) by azimuth where time and order are unknown");
   v.choice("sweep_direction", sweep.direction, {{"-1", -1}, {"1", 1}},
            "direction of the sweep: -1 clockwise from above, 1 counter-clockwise");
   v.degrees("sweep_start_azimuth_deg", sweep.start_azimuth, -360, 360,

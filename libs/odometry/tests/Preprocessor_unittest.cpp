@@ -3,6 +3,10 @@
 #include <dyslam/odometry/Preprocessor.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <numeric>
+#include <random>
+
 #include "TestScene.h"
 
 namespace dyslam
@@ -81,6 +85,57 @@ TEST(Preprocessor, DeskewsByTimeAndByAzimuth)
   options.sweep.direction = 1;
   EXPECT_GT(skewLeft(Preprocessor(options, pool).prepare(skewed, motion, 0.1), scene, sensor),
             before);
+}
+
+TEST(Preprocessor, DeskewsByTheOrderOfPointsAsFired)
+{
+  const test::StreetScene scene;
+  const Pose motion = poseFromYpr(1.0, 0.05, 0, 3 * test::degree, 0, 0);
+  const Scan timed = scene.scan(Pose::Identity(), 0, 1, motion);
+  std::vector<std::size_t> order(timed.size());
+  std::iota(order.begin(), order.end(), 0U);
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::size_t a, std::size_t b) { return timed.time[a] < timed.time[b]; });
+  Scan fired = timed;
+  fired.time.clear();
+  Scan expected = timed;
+  for (std::size_t i = 0; i < order.size(); ++i)
+  {
+    fired.points[i] = timed.points[order[i]];
+    expected.points[i] = timed.points[order[i]];
+    expected.time[i] = timed.time[order[i]];
+  }
+  ThreadPool pool(2);
+  PreprocessOptions options;
+  options.sweep.start_azimuth = 0;  // another one than the order shows
+  for (const DeskewMode mode : {DeskewMode::time, DeskewMode::automatic})
+  {
+    options.deskew = mode;
+    const Preprocessor preprocessor(options, pool);
+    const Cloud by_order = preprocessor.prepare(fired, motion, 0.1);
+    const Cloud by_time = preprocessor.prepare(expected, motion, 0.1);
+    ASSERT_EQ(by_order.phase.size(), by_order.size());
+    ASSERT_EQ(by_order.size(), by_time.size());
+    for (std::size_t i = 0; i < by_time.size(); ++i)
+    {
+      EXPECT_NEAR(by_time.phase[i], by_order.phase[i], 0.01F);
+      EXPECT_LT((by_time.points[i] - by_order.points[i]).norm(), 0.03F);
+    }
+  }
+  options.deskew = DeskewMode::time;
+  std::shuffle(fired.points.begin(), fired.points.end(), std::mt19937(1));
+  EXPECT_TRUE(Preprocessor(options, pool).prepare(fired, motion, 0.1).phase.empty());
+}
+
+TEST(Preprocessor, EqualTimesAreThoseOfADeskewedScanAlsoOfTheFirst)
+{
+  const test::StreetScene scene;
+  Scan scan = scene.scan(Pose::Identity(), 0, 1, poseFromYpr(1.0, 0, 0, 0, 0, 0));
+  std::fill(scan.time.begin(), scan.time.end(), 0.0F);
+  ThreadPool pool(1);
+  const Cloud first =
+      Preprocessor(PreprocessOptions(), pool).prepare(scan, Pose::Identity(), 0, 0.1);
+  EXPECT_TRUE(std::all_of(first.phase.begin(), first.phase.end(), [](float p) { return p == 0; }));
 }
 
 TEST(Preprocessor, NoDeskewWithoutPeriodOrIfOff)

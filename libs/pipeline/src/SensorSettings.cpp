@@ -279,6 +279,11 @@ std::string RecordedSensor::missingTimes(const std::string& deskew) const
   {
     return {};
   }
+  if (pattern.firing_order && (deskew == "auto" || deskew == "time"))
+  {
+    return "the points have no times: scans are deskewed by the order of their points, which are "
+           "stored as they were fired; for scans deskewed before: preprocess.deskew=none";
+  }
   if (deskew == "auto" || deskew == "azimuth")
   {
     return "the points have no times: scans are deskewed by azimuth, which is right for a lidar "

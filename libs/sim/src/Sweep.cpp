@@ -44,7 +44,8 @@ BeamTable tabulate(const SensorModel& sensor)
   for (std::size_t i = 0; i < sensor.beams.size(); ++i)
   {
     const Beam& b = sensor.beams[i];
-    // Calibration errors: constant, as those of a real sensor.
+    // The range error is constant, as that of a real sensor. The elevation is exact: with it the
+    // ray is cast and the point reported.
     const std::uint64_t h = combine(0x5E4504, i);
     const double elevation =
         b.elevation + sensor.beam_angle_error * static_cast<double>(normal(combine(h, 1)));

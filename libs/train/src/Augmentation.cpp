@@ -188,7 +188,8 @@ void AugmentationOptions::describe(OptionsVisitor& visitor)
                "largest share of a scan's points that is left out");
   visitor.real("beam_dropout", beam_dropout, 0, 1,
                "probability that only every 2nd or 4th beam is kept");
-  visitor.real("bodies", bodies, 0, 1, "probability that bodies are pasted into a pair");
+  visitor.real("bodies", bodies, 0, 1,
+               "probability that bodies are pasted into a pair that is not simulated");
   visitor.integer("max_bodies", max_bodies, 1, 100, "most bodies pasted into a pair");
   visitor.real("co_moving", co_moving, 0, 1,
                "share of pasted bodies that move with the ego-vehicle");

@@ -42,7 +42,8 @@ void DataOptions::describe(OptionsVisitor& visitor)
   visitor.text("validation", validation, "validation recordings, in the format of recordings");
   visitor.text("simulated_validation", simulated_validation,
                "simulated validation drives, world;sensor;traffic;seed;scans each, separated by |");
-  visitor.integer("max_gap", max_gap, 1, 100, "largest gap between the scans of a pair [scans]");
+  visitor.integer("max_gap", max_gap, 1, 100,
+                  "largest gap between the scans of a pair [scans]; of simulated pairs 3 at most");
   visitor.real("recordings_weight", recordings_weight, 0, 1e6,
                "weight of recordings among the sources of pairs");
   visitor.real("singles_weight", singles_weight, 0, 1e6,

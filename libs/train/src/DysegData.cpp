@@ -18,7 +18,79 @@ Eigen::Vector2f flowOf(const Eigen::Isometry3f& motion, const Eigen::Vector3f& p
 {
   return (motion * p - p).head<2>();
 }
+
+std::uint8_t labelBySpeed(const DysegClip::Object& object)
+{
+  return object.doubtful ? DysegSample::ignored_point
+         : object.moving ? DysegSample::moving_point
+                         : DysegSample::static_point;
+}
+
+/** Label and motion of an object's points in a pair. */
+struct ObjectTruth
+{
+  std::uint8_t label = DysegSample::ignored_point;
+  bool known = false;  //!< its motion
+  Eigen::Isometry3f T_past_current = Eigen::Isometry3f::Identity();
+};
+
+/** \param then the object in the past frame; null if it is not there \param ego T_past_current of
+ * the sensor. */
+ObjectTruth truthOf(const DysegClip::Object& now, const DysegClip::Object* then, const Pose& ego)
+{
+  ObjectTruth truth{labelBySpeed(now), true, ego.cast<float>()};
+  const bool stands = truth.label == DysegSample::static_point;
+  if (then == nullptr)
+  {
+    truth.known = stands;
+    return truth;
+  }
+  const double displacement =
+      (then->T_sensor_object.translation() - ego * now.T_sensor_object.translation())
+          .head<2>()
+          .norm();
+  if (stands && displacement < shown_displacement)
+  {
+    return truth;  // the ego-motion is more accurate than the poses of labelled boxes
+  }
+  truth.T_past_current = (then->T_sensor_object * now.T_sensor_object.inverse()).cast<float>();
+  if (stands ? displacement > standing_displacement : displacement < shown_displacement)
+  {
+    truth.label = DysegSample::ignored_point;
+  }
+  return truth;
+}
+
+/** Truth of all objects of a frame, and of points on none. */
+std::map<std::int32_t, ObjectTruth> truthOfObjects(const DysegClip::Frame& now,
+                                                   const DysegClip::Frame& then,
+                                                   const Pose& ego)
+{
+  std::map<std::int32_t, ObjectTruth> truths;
+  for (const auto& [id, object] : now.objects)
+  {
+    const auto earlier = then.objects.find(id);
+    truths[id] = truthOf(object, earlier == then.objects.end() ? nullptr : &earlier->second, ego);
+  }
+  truths[DysegClip::still] = {DysegSample::static_point, true, ego.cast<float>()};
+  truths[DysegClip::unknown] = {};
+  return truths;
+}
 }  // namespace
+
+std::vector<std::uint8_t> labelsBySpeed(const DysegClip::Frame& frame)
+{
+  std::vector<std::uint8_t> labels;
+  labels.reserve(frame.object.size());
+  for (const std::int32_t id : frame.object)
+  {
+    const auto found = frame.objects.find(id);
+    labels.push_back(id == DysegClip::still         ? DysegSample::static_point
+                     : found == frame.objects.end() ? DysegSample::ignored_point
+                                                    : labelBySpeed(found->second));
+  }
+  return labels;
+}
 
 DysegSample makeSample(const DysegClip& clip, std::size_t current, std::size_t past)
 {
@@ -29,47 +101,29 @@ DysegSample makeSample(const DysegClip& clip, std::size_t current, std::size_t p
   sample.past = then.points;
   sample.T_past_current = then.T_world_sensor.inverse() * now.T_world_sensor;
   sample.elapsed = clip.period * std::abs(static_cast<double>(current) - static_cast<double>(past));
-  sample.label.assign(now.points.size(), DysegSample::static_point);
-  sample.flow.assign(now.points.size(), no_flow);
+  sample.label.reserve(now.points.size());
+  sample.flow.reserve(now.points.size());
 
-  struct Motion
-  {
-    std::uint8_t label = DysegSample::static_point;
-    bool known = false;
-    Eigen::Isometry3f T_past_current = Eigen::Isometry3f::Identity();
-  };
-  const Eigen::Isometry3f ego = sample.T_past_current.cast<float>();
-  std::map<std::int32_t, Motion> motions;
-  motions[DysegClip::still] = {DysegSample::static_point, true, ego};
-  motions[DysegClip::unknown] = {DysegSample::ignored_point, false, ego};
-  for (const auto& [id, object] : now.objects)
-  {
-    Motion m{DysegSample::static_point, true, ego};
-    if (object.moving || object.doubtful)
-    {
-      m.label = object.doubtful ? DysegSample::ignored_point : DysegSample::moving_point;
-      const auto earlier = then.objects.find(id);
-      m.known = earlier != then.objects.end();
-      if (m.known)
-      {
-        m.T_past_current =
-            (earlier->second.T_sensor_object * object.T_sensor_object.inverse()).cast<float>();
-      }
-    }
-    if (m.label == DysegSample::moving_point)
-    {
-      sample.movers.push_back(object.T_sensor_object.translation().head<2>().cast<float>());
-    }
-    motions[id] = m;
-  }
+  const auto truths = truthOfObjects(now, then, sample.T_past_current);
+  std::map<std::int32_t, std::size_t> moving_points;
   for (std::size_t i = 0; i < now.points.size(); ++i)
   {
-    const auto found = motions.find(now.object[i]);
-    const Motion& m = found == motions.end() ? motions[DysegClip::unknown] : found->second;
-    sample.label[i] = m.label;
-    if (m.known)
+    const auto found = truths.find(now.object[i]);
+    const ObjectTruth& truth =
+        found == truths.end() ? truths.at(DysegClip::unknown) : found->second;
+    sample.label.push_back(truth.label);
+    sample.flow.push_back(truth.known ? flowOf(truth.T_past_current, now.points[i]) : no_flow);
+    if (truth.label == DysegSample::moving_point)
     {
-      sample.flow[i] = flowOf(m.T_past_current, now.points[i]);
+      ++moving_points[now.object[i]];
+    }
+  }
+  for (const auto& [id, points] : moving_points)
+  {
+    if (points >= min_mover_points)
+    {
+      sample.movers.emplace_back(
+          now.objects.at(id).T_sensor_object.translation().head<2>().cast<float>());
     }
   }
   return sample;
@@ -259,15 +313,18 @@ void castOne(const DysegAugmentOptions& options,
   castBody(body, T_then, noise, draws, sample.past);
   const Eigen::Isometry3f flow =
       (motion.moving ? T_then * T_now.inverse() : sample.T_past_current).cast<float>();
-  const auto label = !motion.moving                    ? DysegSample::static_point
-                     : motion.speed < cast_moving_over ? DysegSample::ignored_point
-                                                       : DysegSample::moving_point;
+  const double displacement =
+      (T_then.translation() - sample.T_past_current * T_now.translation()).head<2>().norm();
+  const bool shown = motion.speed >= cast_moving_over && displacement >= shown_displacement;
+  const auto label = !motion.moving ? DysegSample::static_point
+                     : shown        ? DysegSample::moving_point
+                                    : DysegSample::ignored_point;
   for (const auto i : on_body)
   {
     sample.label[i] = label;
     sample.flow[i] = flowOf(flow, sample.current[i]);
   }
-  if (label == DysegSample::moving_point && on_body.size() > 15)
+  if (label == DysegSample::moving_point && on_body.size() >= min_mover_points)
   {
     sample.movers.push_back(T_now.translation().head<2>().cast<float>());
   }

@@ -16,19 +16,68 @@ constexpr int clip_scans = 11;
 constexpr std::size_t longest_gap = 10;  // scans between those compared
 constexpr double period = 0.1;           // s, as if between single scans seen twice
 
-/** Streets most often, also campuses, highways, and sensors of few beams. */
-DysegClipScene sceneOf(std::uint64_t number, const DysegTrainerOptions& options)
+/** Half of the clips have the sensor's own, the others fewer, as recordings do. */
+int drawColumns(sim::SensorKind sensor, RandomDraws& draws)
 {
-  DysegClipScene scene;
-  RandomDraws d(static_cast<std::uint64_t>(options.seed), number);
-  scene.world = d.chance(options.campus_share)    ? sim::WorldKind::campus
-                : d.chance(options.highway_share) ? sim::WorldKind::highway
-                                                  : sim::WorldKind::urban;
-  scene.sensor =
-      d.chance(options.few_beams_share) ? sim::SensorKind::vlp16 : sim::SensorKind::hdl64e;
-  return scene;
+  constexpr int least = 400;
+  constexpr int most = 1024;
+  constexpr int of_few_beams = 900;
+  if (draws.chance(0.5))
+  {
+    return 0;
+  }
+  return sensor == sim::SensorKind::vlp16
+             ? of_few_beams
+             : least + static_cast<int>(draws.below(std::size_t{most - least + 1}));
+}
+
+/** Light traffic most often on streets, as on real ones. */
+double drawTraffic(sim::WorldKind world, RandomDraws& draws)
+{
+  const double drawn = draws.uniform();
+  switch (world)
+  {
+    case sim::WorldKind::urban:
+      return 0.03 + 0.97 * drawn * drawn;
+    case sim::WorldKind::highway:
+      return 0.05 + 0.95 * drawn;
+    default:
+      return 0.3 + 0.7 * drawn;
+  }
+}
+
+void drawEgo(RandomDraws& draws, DysegClipScene& scene)
+{
+  switch (scene.world)
+  {
+    case sim::WorldKind::urban:
+      scene.ego_speed = draws.uniform(5, 15);
+      break;
+    case sim::WorldKind::highway:
+      scene.ego_speed = draws.uniform(15, 32);
+      break;
+    default:
+      scene.ego = draws.chance(0.3) ? sim::EgoKind::handheld : sim::EgoKind::robot;
+      scene.ego_speed = draws.uniform(1, scene.ego == sim::EgoKind::handheld ? 2 : 5);
+      break;
+  }
 }
 }  // namespace
+
+DysegClipScene trainingScene(std::uint64_t number, const DysegTrainerOptions& options)
+{
+  DysegClipScene scene;
+  RandomDraws draws(static_cast<std::uint64_t>(options.seed), number);
+  scene.world = draws.chance(options.campus_share)    ? sim::WorldKind::campus
+                : draws.chance(options.highway_share) ? sim::WorldKind::highway
+                                                      : sim::WorldKind::urban;
+  scene.sensor =
+      draws.chance(options.few_beams_share) ? sim::SensorKind::vlp16 : sim::SensorKind::hdl64e;
+  scene.columns = drawColumns(scene.sensor, draws);
+  scene.traffic = drawTraffic(scene.world, draws);
+  drawEgo(draws, scene);
+  return scene;
+}
 
 DysegPairs::DysegPairs(const DysegTrainerOptions& options) : options_(options)
 {
@@ -65,7 +114,7 @@ DysegClip DysegPairs::simulate(int number) const
   const auto drawn = static_cast<std::uint64_t>(options_.seed) * 1000003 + n;
   const auto seeds = static_cast<std::uint64_t>(seeds_.last - seeds_.first + 1);
   const auto seed = static_cast<std::uint64_t>(seeds_.first) + drawn % seeds;
-  return simulateClip(seed, clip_scans, n % 3 != 0, sceneOf(n, options_));
+  return simulateClip(seed, clip_scans, n % 3 != 0, trainingScene(n, options_));
 }
 
 void DysegPairs::simulateAhead()

@@ -12,6 +12,11 @@
 
 namespace dyslam
 {
+/** Scene of a simulated training clip, by its number: world, sensor, firings per revolution,
+ * traffic, carrier and cruising speed, drawn in the shares of the options. */
+[[nodiscard]] DysegClipScene trainingScene(std::uint64_t number,
+                                           const DysegTrainerOptions& options);
+
 /** The training pairs of DySeg's network: simulated clips from a pool that is replaced one by one,
  * runs with ground truth, and pairs made from single scans. */
 class DysegPairs

@@ -44,11 +44,19 @@ void DysegScores::add(const DysegScores& o)
   pairs += o.pairs;
 }
 
-DysegScores scorePair(const DysegModel& model, const DysegSample& sample, int iterations)
+DysegScores scorePair(const DysegModel& model,
+                      const DysegSample& sample,
+                      const PlanarPrior* guess,
+                      int iterations)
 {
   const auto current = model.encode(sample.current);
   const auto past = model.encode(sample.past);
-  const DysegResult result = model.compare(*current, *past, iterations);
+  RigidFlowFit step = model.match(*current, *past, guess);
+  if (guess != nullptr && !step.converged)
+  {
+    step.motion = guess->motion;
+  }
+  const DysegResult result = model.segment(*current, *past, step, iterations);
   DysegScores s;
   for (std::size_t i = 0; i < sample.current.size(); ++i)
   {

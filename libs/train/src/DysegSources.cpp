@@ -165,6 +165,38 @@ DysegClip loadLabelledRun(const std::string& folder,
   return clip;
 }
 
+namespace
+{
+DysegClip::Frame simulatedFrame(sim::SimulatedScan scan, bool deskewed)
+{
+  DysegClip::Frame frame;
+  frame.T_world_sensor = scan.T_map_vehicle * scan.scan.T_vehicle_lidar;
+  frame.points = deskewed ? std::move(scan.deskewed) : std::move(scan.scan.points);
+  frame.object.assign(frame.points.size(), DysegClip::still);
+  for (const auto& o : scan.objects)
+  {
+    DysegClip::Object object;
+    const Box& box = o.points > 0 ? o.box_seen : o.box;
+    object.T_sensor_object =
+        poseFromYpr(box.center.x(), box.center.y(), box.center.z(), box.yaw, 0, 0);
+    const double speed = o.velocity.norm();
+    object.moving = speed > moving_over;
+    object.doubtful = !object.moving && speed > standing_under;
+    frame.objects[o.id] = object;
+  }
+  for (std::size_t i = 0; i < frame.points.size(); ++i)
+  {
+    // Also bodies that stand now: they may have moved between the scans of a pair.
+    const auto id = static_cast<std::int32_t>(scan.label[i] >> 16U);
+    if (frame.objects.count(id) != 0)
+    {
+      frame.object[i] = id;
+    }
+  }
+  return frame;
+}
+}  // namespace
+
 DysegClip simulateClip(std::uint64_t seed, int scans, bool deskewed, const DysegClipScene& scene)
 {
   constexpr std::uint64_t most_seed = std::numeric_limits<std::int32_t>::max();
@@ -177,6 +209,9 @@ DysegClip simulateClip(std::uint64_t seed, int scans, bool deskewed, const Dyseg
   sim::SimulatorOptions options;
   options.world = scene.world;
   options.sensor = scene.sensor;
+  options.columns = scene.columns;
+  options.ego = scene.ego;
+  options.ego_speed = scene.ego_speed;
   options.seed = static_cast<int>(seed);
   options.traffic = draws.uniform(0.3, 1.0);
   options.traffic = scene.traffic < 0 ? options.traffic : scene.traffic;
@@ -189,35 +224,7 @@ DysegClip simulateClip(std::uint64_t seed, int scans, bool deskewed, const Dyseg
   clip.name = "simulated " + std::to_string(seed);
   for (int s = 0; s < scans; ++s)
   {
-    auto scan = simulator.next();
-    DysegClip::Frame frame;
-    frame.T_world_sensor = scan.T_map_vehicle * scan.scan.T_vehicle_lidar;
-    frame.points = deskewed ? std::move(scan.deskewed) : std::move(scan.scan.points);
-    frame.object.assign(frame.points.size(), DysegClip::still);
-    for (const auto& o : scan.objects)
-    {
-      DysegClip::Object object;
-      const Box& box = o.points > 0 ? o.box_seen : o.box;
-      object.T_sensor_object =
-          poseFromYpr(box.center.x(), box.center.y(), box.center.z(), box.yaw, 0, 0);
-      const double speed = o.velocity.norm();
-      object.moving = speed > moving_over;
-      object.doubtful = !object.moving && speed > standing_under;
-      frame.objects[o.id] = object;
-    }
-    for (std::size_t i = 0; i < frame.points.size(); ++i)
-    {
-      const auto id = static_cast<std::int32_t>(scan.label[i] >> 16U);
-      if (frame.objects.count(id) != 0 && scan.moving[i] != 0)
-      {
-        frame.object[i] = id;
-      }
-      else if (frame.objects.count(id) != 0 && frame.objects[id].doubtful)
-      {
-        frame.object[i] = id;
-      }
-    }
-    clip.frames.push_back(std::move(frame));
+    clip.frames.push_back(simulatedFrame(simulator.next(), deskewed));
   }
   return clip;
 }

@@ -21,6 +21,7 @@
 #include <cstdio>
 #include <filesystem>
 
+#include "DysegCrop.h"
 #include "DysegPairs.h"
 #include "DysegValidation.h"
 
@@ -39,29 +40,6 @@ constexpr const char* weights_file = "dyseg.safetensors";
 constexpr const char* score_names =
     "set,iou,precision,recall,epe_static_m,epe_moving_m,own_motion_m,own_motion_rad";
 
-/** Centre of a crop: near a moving object if there is one, else random, near places more often. */
-Eigen::Vector2f drawCentre(const DysegSample& sample,
-                           const BevOptions& grid,
-                           const BevOptions& crop,
-                           double farthest,
-                           RandomDraws& draws)
-{
-  const float half = crop.halfExtent();
-  const float reach = std::min(grid.halfExtent() - half, static_cast<float>(farthest));
-  const auto within = [&](float r) { return static_cast<float>(draws.uniform(-r, r)); };
-  const float some = 0.8F * reach * static_cast<float>(draws.uniform());
-  const float x = within(some);
-  const float y = within(some);
-  Eigen::Vector2f centre(x, y);
-  if (!sample.movers.empty() && draws.chance(0.85))
-  {
-    const float spread = 0.7F * half;
-    centre = sample.movers[draws.below(sample.movers.size())] +
-             Eigen::Vector2f(within(spread), within(spread));
-  }
-  return centre.cwiseMax(-reach).cwiseMin(reach);
-}
-
 /** A pair of a step, with the random numbers that its loss draws. */
 struct PreparedPair
 {
@@ -69,6 +47,31 @@ struct PreparedPair
   Eigen::Vector2f centre = Eigen::Vector2f::Zero();
   RandomDraws draws{0, 0};
 };
+
+/** The network's inputs are computed on the grid; only its extent may differ.
+ * \throws UserError naming the file, the key and both values. */
+void requireSameGrid(const BevOptions& of_weights, const BevOptions& grid, const std::string& file)
+{
+  const struct
+  {
+    const char* key;
+    double of_weights;
+    double given;
+  } fields[] = {{"cell_size", of_weights.cell_size, grid.cell_size},
+                {"ground_clearance", of_weights.ground_clearance, grid.ground_clearance},
+                {"max_height", of_weights.max_height, grid.max_height}};
+  for (const auto& field : fields)
+  {
+    if (field.of_weights != field.given)
+    {
+      char values[160];
+      std::snprintf(values, sizeof(values),
+                    ": trained with [grid] %s = %g, not %g; set it to %g, or train from scratch",
+                    field.key, field.of_weights, field.given, field.of_weights);
+      throw UserError(file + values);
+    }
+  }
+}
 }  // namespace
 
 void DysegTrainerOptions::describe(OptionsVisitor& v)
@@ -103,7 +106,7 @@ void DysegTrainerOptions::describe(OptionsVisitor& v)
   v.real("campus_share", campus_share, 0, 1,
          "share of simulated clips that are on a campus (many pedestrians)");
   v.real("highway_share", highway_share, 0, 1,
-         "share of simulated clips that are on a highway, of those not on a campus");
+         "share of simulated clips that are on a highway, of those that are not on a campus");
   v.real("few_beams_share", few_beams_share, 0, 1,
          "share of simulated clips that are scanned with 16 beams");
   v.integer("simulated_pool", simulated_pool, 1, 100000,
@@ -299,12 +302,13 @@ std::vector<std::string> DysegTrainer::Impl::evaluate(const std::string& weights
   }
   const DysegModel model(weights, options.threads, device.is_cuda() ? "cuda" : "cpu");
   std::vector<std::string> rows;
-  for (const auto& [name, samples] : validation)
+  for (const DysegValidationSet& set : validation)
   {
     DysegScores s;
-    for (const auto& sample : samples)
+    for (const DysegSample& sample : set.samples)
     {
-      s.add(scorePair(model, sample));
+      const PlanarPrior guess{PlanarMotion::fromPose(sample.T_past_current)};
+      s.add(scorePair(model, sample, set.with_guess ? &guess : nullptr));
     }
     char scores[200];
     std::snprintf(scores, sizeof(scores), ",%.4f,%.4f,%.4f,%.4f,%.4f,%.4f,%.5f", s.iou(),
@@ -313,7 +317,7 @@ std::vector<std::string> DysegTrainer::Impl::evaluate(const std::string& weights
                   s.moving_error / std::max<double>(1, static_cast<double>(s.moving_cells)),
                   s.translation_error / static_cast<double>(s.pairs),
                   s.yaw_error / static_cast<double>(s.pairs));
-    rows.push_back(name + scores);
+    rows.push_back(set.name + scores);
   }
   return rows;
 }
@@ -377,6 +381,7 @@ void DysegTrainer::requireFreshFolder() const
 void DysegTrainer::startFrom(const std::string& weights)
 {
   const auto loaded = loadDyseg(weights);
+  requireSameGrid(loaded.grid, impl_->grid, weights);
   for (auto* net : {&impl_->net, &impl_->mean})
   {
     copyWeights(**net, *loaded.net, weights);

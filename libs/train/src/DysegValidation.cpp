@@ -13,6 +13,7 @@ namespace
 namespace fs = std::filesystem;
 
 constexpr std::size_t far_back = 8;  // scans, of the slower comparison
+constexpr const char* far_name = " 8 scans back";
 
 /** Some frames of a run, and the keys of [train] they come from. */
 struct Stretch
@@ -72,6 +73,59 @@ Stretch labelledOf(const DysegTrainerOptions& o)
   return {o.labelled_validation, "labelled_validation", o.labelled_validation_first,
           o.labelled_validation_last};
 }
+
+/** The scenes of a row of simulated clips. */
+struct SimulatedRow
+{
+  const char* name;
+  sim::WorldKind world;
+  sim::SensorKind sensor;
+  int columns;               //!< 0: those of the sensor
+  std::uint64_t first_seed;  //!< behind `unseen_seeds`
+  bool near;                 //!< also to the scan before
+};
+
+// The same streets twice: their rows differ in the firings per revolution alone.
+constexpr SimulatedRow simulated_rows[] = {
+    {"simulated street", sim::WorldKind::urban, sim::SensorKind::hdl64e, 0, 0, true},
+    {"simulated street 512 columns", sim::WorldKind::urban, sim::SensorKind::hdl64e, 512, 0, false},
+    {"simulated highway 1024 columns", sim::WorldKind::highway, sim::SensorKind::hdl64e, 1024, 4,
+     false},
+    {"simulated campus VLP-16", sim::WorldKind::campus, sim::SensorKind::vlp16, 0, 8, false}};
+constexpr double simulated_traffic[] = {0.2, 0.3, 0.4, 0.5};  // of the clips of each row
+
+std::vector<DysegValidationSet> simulatedSets(const DataSplits& splits)
+{
+  std::vector<DysegValidationSet> sets;
+  for (const SimulatedRow& row : simulated_rows)
+  {
+    DysegValidationSet near{row.name, false, {}};
+    DysegValidationSet far{std::string(row.name) + far_name, true, {}};
+    std::uint64_t seed = unseen_seeds + row.first_seed;
+    for (const double traffic : simulated_traffic)
+    {
+      splits.requireSeed(static_cast<std::int64_t>(seed), Split::validation,
+                         "validation on simulated clips");
+      DysegClipScene scene;
+      scene.world = row.world;
+      scene.sensor = row.sensor;
+      scene.traffic = traffic;
+      scene.columns = row.columns;
+      const auto clip = simulateClip(seed++, far_back + 1, true, scene);
+      if (row.near)
+      {
+        near.samples.push_back(makeSample(clip, far_back, far_back - 1));
+      }
+      far.samples.push_back(makeSample(clip, far_back, 0));
+    }
+    if (row.near)
+    {
+      sets.push_back(std::move(near));
+    }
+    sets.push_back(std::move(far));
+  }
+  return sets;
+}
 }  // namespace
 
 void checkDysegValidation(const DysegTrainerOptions& options)
@@ -105,17 +159,7 @@ std::vector<DysegValidationSet> makeDysegValidation(const DysegTrainerOptions& o
       requireSplit(evaluated, options.data, splits);
     }
   }
-  std::vector<DysegValidationSet> sets(2);
-  sets[0].name = "simulated";
-  sets[1].name = "simulated 8 scans back";
-  for (std::uint64_t i = 0; i < 8; ++i)
-  {
-    splits.requireSeed(static_cast<std::int64_t>(unseen_seeds + i), Split::validation,
-                       "validation on simulated clips");
-    const auto clip = simulateClip(unseen_seeds + i, far_back + 1, true);
-    sets[0].samples.push_back(makeSample(clip, far_back, far_back - 1));
-    sets[1].samples.push_back(makeSample(clip, far_back, 0));
-  }
+  std::vector<DysegValidationSet> sets = simulatedSets(splits);
   if (options.data.empty())
   {
     return sets;
@@ -125,8 +169,8 @@ std::vector<DysegValidationSet> makeDysegValidation(const DysegTrainerOptions& o
     const auto run = loadBoxedRun(options.data + "/" + boxed.folder,
                                   static_cast<std::size_t>(boxed.first) - far_back,
                                   static_cast<std::size_t>(boxed.last));
-    DysegValidationSet near{nameOf(boxed), {}};
-    DysegValidationSet slow{nameOf(boxed) + " 8 scans back", {}};
+    DysegValidationSet near{nameOf(boxed), false, {}};
+    DysegValidationSet slow{nameOf(boxed) + far_name, true, {}};
     for (std::size_t i = far_back; i < run.frames.size(); i += 2)
     {
       near.samples.push_back(makeSample(run, i, i - 1));
@@ -141,7 +185,7 @@ std::vector<DysegValidationSet> makeDysegValidation(const DysegTrainerOptions& o
     const auto run = loadLabelledRun(folder, folder + "/" + options.labelled_poses,
                                      static_cast<std::size_t>(labelled.first) - 1,
                                      static_cast<std::size_t>(labelled.last));
-    DysegValidationSet set{nameOf(labelled), {}};
+    DysegValidationSet set{nameOf(labelled), false, {}};
     for (std::size_t i = 1; i < run.frames.size(); i += 3)
     {
       set.samples.push_back(makeSample(run, i, i - 1));

@@ -12,6 +12,7 @@ namespace dyslam
 struct DysegValidationSet
 {
   std::string name;
+  bool with_guess = false;  //!< the ego-motion is searched around the true one
   std::vector<DysegSample> samples;
 };
 
@@ -19,8 +20,8 @@ struct DysegValidationSet
  * last. */
 void checkDysegValidation(const DysegTrainerOptions& options);
 
-/** Simulated clips, and the frames of real runs that the options name. \throws UserError if they
- * are not there. */
+/** Fixed simulated scenes, and the frames of real runs that the options name. \throws UserError if
+ * they are not there. */
 [[nodiscard]] std::vector<DysegValidationSet> makeDysegValidation(
     const DysegTrainerOptions& options);
 }  // namespace dyslam

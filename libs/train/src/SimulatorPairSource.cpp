@@ -16,6 +16,7 @@ namespace
 {
 /** Neighbouring pairs share a world, which saves generating it. */
 constexpr std::uint64_t pairs_per_world = 16;
+constexpr int most_gap = 3;  // scans; each of the scans between costs as much as one of the pair
 
 struct Scene
 {
@@ -82,7 +83,7 @@ class SimulatorPairSource : public PairSource
                       int max_gap,
                       const NumberRange& seeds,
                       std::uint64_t seed)
-      : augmentation_(augmentation), max_gap_(std::min(max_gap, 3)), seed_(seed)
+      : augmentation_(augmentation), max_gap_(std::min(max_gap, most_gap)), seed_(seed)
   {
     // Simulated scans have moving objects already.
     augmentation_.bodies = 0;

@@ -21,9 +21,9 @@ namespace
 Config tiny(int steps)
 {
   return Config::fromText(
-      "[train]\nbatch = 1\nlearning_rate = 0.001\nwarm_up = 1\ndecay_from = 1\nsteps = " +
+      "[train]\nbatch = 1\nlearning_rate = 0.001\nwarmup_steps = 1\ndecay_start = 1\nsteps = " +
           std::to_string(steps) +
-          "\n[network]\nwidth = 0.125\n[data]\nbase = .\nsimulator_weight = 1\nmost_gap = 1\n",
+          "\n[network]\nwidth = 0.125\n[data]\nbase = .\nsimulator_weight = 1\nmax_gap = 1\n",
       "test");
 }
 
@@ -86,7 +86,7 @@ TEST(DyloTrainer, LogsTheMeanOfABatch)
   {
     Config config = tiny(steps);
     config.set("train.batch=" + std::to_string(batch));
-    config.set("train.learning_rate=0.000000001");
+    config.set("train.learning_rate=0.0000000000001");
     config.set("train.report_every=1");
     const std::string folder = freshFolder("batch_of_" + std::to_string(batch));
     trainDylo(config, requestFor(folder));
@@ -117,7 +117,7 @@ TEST(DyloTrainer, StartsFromTheLayersThatAModelShares)
   request.report = [&said](const std::string& line) { said += line + "\n"; };
   Config config = tiny(1);
   config.set("network.head=regression");
-  config.set("train.learning_rate=0.000000001");
+  config.set("train.learning_rate=0.0000000000001");
   trainDylo(config, request);
   EXPECT_NE(said.find("started from"), std::string::npos) << said;
   const auto before = loadDylo(request.start)->named_parameters();

@@ -5,6 +5,7 @@
 #include <dyslam/train/DysegData.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <filesystem>
@@ -102,6 +103,8 @@ TEST(DysegSample, FlowTakesPointsToWhereTheyWere)
   now.T_world_sensor = poseFromYpr(1, 0, 0, 0.1, 0, 0);
   now.points = {{10, 0, 0}, {5, 5, 0}, {3, 3, 3}};
   now.object = {0, 7, dyslam::DysegClip::unknown};
+  now.points.resize(now.points.size() + dyslam::min_mover_points, {5, 5, 0});
+  now.object.resize(now.points.size(), 7);
   now.objects[7].moving = true;
   now.objects[7].T_sensor_object = poseFromYpr(5, 5, 0, 0.3, 0, 0);
   then.objects[7].T_sensor_object = poseFromYpr(4, 4, 0, 0.3, 0, 0);
@@ -115,6 +118,93 @@ TEST(DysegSample, FlowTakesPointsToWhereTheyWere)
   EXPECT_NEAR(s.flow[1].y(), -1, 1e-5);
   EXPECT_FALSE(s.flow[2].allFinite());
   EXPECT_EQ(s.movers.size(), 1U);
+}
+
+/** The sensor moves 1 m, an object with some points `displacement` over ground; the sensor sees it
+ * 1 m and that much farther away before. */
+dyslam::DysegClip clipOf(bool moving, float displacement, std::size_t points)
+{
+  dyslam::DysegClip clip;
+  clip.frames.resize(2);
+  auto& now = clip.frames[1];
+  now.T_world_sensor = poseFromYpr(1, 0, 0, 0, 0, 0);
+  now.points.assign(points, {10, 0, 0});
+  now.object.assign(points, 7);
+  now.objects[7].moving = moving;
+  now.objects[7].T_sensor_object = poseFromYpr(10, 0, 0, 0, 0, 0);
+  clip.frames[0].objects[7].T_sensor_object = poseFromYpr(11 + displacement, 0, 0, 0, 0, 0);
+  return clip;
+}
+
+TEST(DysegSample, LabelsAreThoseThatThePairShows)
+{
+  struct Case
+  {
+    bool moving;
+    float displacement;
+    std::uint8_t label;
+    float flow;
+  };
+  for (const Case& c : {Case{true, 0.5F, DysegSample::moving_point, 1.5F},
+                        Case{true, 0.05F, DysegSample::ignored_point, 1.05F},
+                        Case{false, 0.5F, DysegSample::ignored_point, 1.5F},
+                        Case{false, 0.15F, DysegSample::static_point, 1.15F},
+                        Case{false, 0.02F, DysegSample::static_point, 1}})
+  {
+    const auto s = dyslam::makeSample(clipOf(c.moving, c.displacement, 1), 1, 0);
+    EXPECT_EQ(s.label[0], c.label) << c.moving << " " << c.displacement;
+    EXPECT_NEAR(s.flow[0].x(), c.flow, 1e-5) << c.moving << " " << c.displacement;
+  }
+  for (const bool moving : {false, true})
+  {
+    auto clip = clipOf(moving, 0, 1);
+    clip.frames[0].objects.clear();
+    const auto s = dyslam::makeSample(clip, 1, 0);
+    EXPECT_EQ(s.label[0], moving ? DysegSample::moving_point : DysegSample::static_point);
+    EXPECT_EQ(s.flow[0].allFinite(), !moving) << "where a moving object was is not known";
+  }
+}
+
+TEST(DysegSample, LabelsBySpeedDoNotDependOnAnotherFrame)
+{
+  auto frame = clipOf(true, 0, 1).frames[1];
+  frame.objects[8].doubtful = true;
+  frame.objects[9];
+  frame.object = {7, 8, 9, 10, dyslam::DysegClip::still, dyslam::DysegClip::unknown};
+  EXPECT_EQ(dyslam::labelsBySpeed(frame),
+            (std::vector<std::uint8_t>{DysegSample::moving_point, DysegSample::ignored_point,
+                                       DysegSample::static_point, DysegSample::ignored_point,
+                                       DysegSample::static_point, DysegSample::ignored_point}));
+}
+
+TEST(DysegSample, OnlyObjectsWithPointsAreForCrops)
+{
+  const auto movers = [](const dyslam::DysegClip& clip)
+  { return dyslam::makeSample(clip, 1, 0).movers.size(); };
+  EXPECT_EQ(movers(clipOf(true, 0.5F, dyslam::min_mover_points)), 1U);
+  EXPECT_EQ(movers(clipOf(true, 0.5F, dyslam::min_mover_points - 1)), 0U);
+  EXPECT_EQ(movers(clipOf(true, 0.5F, 0)), 0U);
+  EXPECT_EQ(movers(clipOf(true, 0.05F, dyslam::min_mover_points)), 0U) << "does not show it";
+  EXPECT_EQ(movers(clipOf(false, 0.5F, dyslam::min_mover_points)), 0U);
+}
+
+TEST(DysegSample, CastBodiesWhoseMotionThePairDoesNotShowAreIgnored)
+{
+  dyslam::DysegAugmentOptions options;
+  options.moving_share = 1;
+  options.convoy_share = 0;
+  std::ptrdiff_t ignored = 0;
+  for (std::uint64_t k = 0; k < 10; ++k)
+  {
+    RandomDraws draws(8, k);
+    auto s = dyslam::doubleScan(room(), Pose::Identity(), draws);
+    s.elapsed = 0.005;  // the fastest moves 0.09 m
+    dyslam::augment(options, draws, s);
+    EXPECT_EQ(std::count(s.label.begin(), s.label.end(), DysegSample::moving_point), 0);
+    EXPECT_TRUE(s.movers.empty());
+    ignored += std::count(s.label.begin(), s.label.end(), DysegSample::ignored_point);
+  }
+  EXPECT_GT(ignored, 100);
 }
 
 TEST(DysegSample, AugmentingKeepsFlowAndMotionInStep)
@@ -242,6 +332,40 @@ TEST(LabelledRun, ObjectsOfEachFrameHaveIdsOfTheirOwn)
 TEST(SimulateClip, SeedsBeyondTheLargestAreRefused)
 {
   EXPECT_THROW((void)dyslam::simulateClip(2147483648U, 1, true), dyslam::UserError);
+}
+
+TEST(SimulateClip, FewerColumnsGiveFewerPoints)
+{
+  dyslam::DysegClipScene scene;
+  scene.sensor = dyslam::sim::SensorKind::vlp16;
+  const auto full = dyslam::simulateClip(dyslam::unseen_seeds, 1, true, scene);
+  scene.columns = 904;
+  const auto half = dyslam::simulateClip(dyslam::unseen_seeds, 1, true, scene);
+  const auto points = [](const dyslam::DysegClip& clip)
+  { return static_cast<double>(clip.frames[0].points.size()); };
+  EXPECT_NEAR(points(half) / points(full), 0.5, 0.05);
+}
+
+TEST(SimulateClip, StandingBodiesKeepTheirIds)
+{
+  dyslam::DysegClipScene scene;
+  scene.traffic = 1;
+  scene.columns = 400;
+  std::size_t standing = 0;
+  for (std::uint64_t i = 0; i < 3; ++i)
+  {
+    const auto clip = dyslam::simulateClip(dyslam::unseen_seeds + i, 1, true, scene);
+    const auto& frame = clip.frames[0];
+    for (const std::int32_t id : frame.object)
+    {
+      if (id > 0)
+      {
+        const auto& object = frame.objects.at(id);
+        standing += object.moving || object.doubtful ? 0 : 1;
+      }
+    }
+  }
+  EXPECT_GT(standing, 50U);
 }
 
 TEST(DysegSample, SameNumberSameSample)

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <map>
 #include <set>
 
 namespace
@@ -45,6 +46,88 @@ TEST(DysegPairs, AShareIsAsFarApartAsInTheApplication)
   EXPECT_LT(gaps.count(8), 10U);
   EXPECT_GE(*gaps.begin(), 1);
   EXPECT_LE(*gaps.rbegin(), 10);
+}
+
+/** Scenes of a training's first clips, by world. */
+std::map<dyslam::sim::WorldKind, std::vector<dyslam::DysegClipScene>> scenes(
+    const dyslam::DysegTrainerOptions& options, std::uint64_t count)
+{
+  std::map<dyslam::sim::WorldKind, std::vector<dyslam::DysegClipScene>> by_world;
+  for (std::uint64_t i = 0; i < count; ++i)
+  {
+    const auto scene = dyslam::trainingScene(i, options);
+    by_world[scene.world].push_back(scene);
+  }
+  return by_world;
+}
+
+TEST(TrainingScene, WorldsHaveTheirShares)
+{
+  dyslam::DysegTrainerOptions options;
+  options.campus_share = 0.3;
+  options.highway_share = 0.4;
+  const auto by_world = scenes(options, 4000);
+  using dyslam::sim::WorldKind;
+  EXPECT_NEAR(static_cast<double>(by_world.at(WorldKind::campus).size()), 0.3 * 4000, 120);
+  EXPECT_NEAR(static_cast<double>(by_world.at(WorldKind::highway).size()), 0.7 * 0.4 * 4000, 120);
+}
+
+TEST(TrainingScene, HalfOfTheClipsHaveFewerColumns)
+{
+  dyslam::DysegTrainerOptions options;
+  options.campus_share = 0.5;
+  options.few_beams_share = 0.5;
+  int full = 0;
+  std::set<int> of_few;
+  std::set<int> of_many;
+  for (std::uint64_t i = 0; i < 4000; ++i)
+  {
+    const auto scene = dyslam::trainingScene(i, options);
+    full += scene.columns == 0 ? 1 : 0;
+    (scene.sensor == dyslam::sim::SensorKind::vlp16 ? of_few : of_many).insert(scene.columns);
+  }
+  EXPECT_NEAR(full, 2000, 150);
+  EXPECT_EQ(of_few, (std::set<int>{0, 900}));
+  ASSERT_GT(of_many.size(), 300U);
+  EXPECT_GE(*std::next(of_many.begin()), 400);
+  EXPECT_LT(*std::next(of_many.begin()), 420);
+  EXPECT_LE(*of_many.rbegin(), 1024);
+  EXPECT_GT(*of_many.rbegin(), 1004);
+}
+
+TEST(TrainingScene, TrafficAndSpeedSuitTheWorld)
+{
+  dyslam::DysegTrainerOptions options;
+  options.campus_share = 0.3;
+  options.highway_share = 0.5;
+  const auto by_world = scenes(options, 3000);
+  using dyslam::sim::EgoKind;
+  using dyslam::sim::WorldKind;
+  int light = 0;
+  for (const auto& scene : by_world.at(WorldKind::urban))
+  {
+    EXPECT_TRUE(scene.traffic >= 0.03 && scene.traffic <= 1) << scene.traffic;
+    EXPECT_TRUE(scene.ego_speed >= 5 && scene.ego_speed <= 15) << scene.ego_speed;
+    EXPECT_EQ(scene.ego, EgoKind::automatic);
+    light += scene.traffic < 0.3 ? 1 : 0;
+  }
+  EXPECT_GT(light, static_cast<int>(by_world.at(WorldKind::urban).size() * 45 / 100));
+  for (const auto& scene : by_world.at(WorldKind::highway))
+  {
+    EXPECT_TRUE(scene.traffic >= 0.05 && scene.traffic <= 1) << scene.traffic;
+    EXPECT_TRUE(scene.ego_speed >= 15 && scene.ego_speed <= 32) << scene.ego_speed;
+  }
+  int handheld = 0;
+  for (const auto& scene : by_world.at(WorldKind::campus))
+  {
+    const bool carried = scene.ego == EgoKind::handheld;
+    EXPECT_TRUE(scene.traffic >= 0.3 && scene.traffic <= 1) << scene.traffic;
+    EXPECT_TRUE(scene.ego_speed >= 1 && scene.ego_speed <= (carried ? 2 : 5)) << scene.ego_speed;
+    handheld += carried ? 1 : 0;
+  }
+  const auto campuses = static_cast<int>(by_world.at(WorldKind::campus).size());
+  EXPECT_GT(handheld, campuses / 5);
+  EXPECT_LT(handheld, campuses * 2 / 5);
 }
 
 TEST(DysegPairs, ClipsOfAStepDoNotDependOnTheStepsBefore)

@@ -128,7 +128,7 @@ TEST_F(DysegTraining, ValidationAloneLeavesTheFolderAsItIs)
   DysegTrainer trainer(setup_, (folder_ / "evaluated").string());
   std::string said;
   trainer.validateOnly("", [&](const std::string& line) { said += line + "\n"; });
-  EXPECT_NE(said.find("simulated 8 scans back,"), std::string::npos) << said;
+  EXPECT_NE(said.find("simulated street 8 scans back,"), std::string::npos) << said;
   EXPECT_EQ(files(), before);
 }
 
@@ -138,7 +138,7 @@ TEST_F(DysegTraining, AFinishedRunIsValidatedOnce)
   setup_.train.validate_every = 1000;
   train("finished", 1);
   const auto rows = contentOf(folder_ / "finished" / "validation.csv");
-  EXPECT_NE(rows.find("\n1,simulated,"), std::string::npos) << rows;
+  EXPECT_NE(rows.find("\n1,simulated street,"), std::string::npos) << rows;
   train("finished", 1, true);
   EXPECT_EQ(contentOf(folder_ / "finished" / "validation.csv"), rows);
 }
@@ -224,5 +224,37 @@ TEST_F(DysegTraining, WeightsOfAnotherShapeAndMissingStatesAreRefused)
   EXPECT_THROW(other.resume(), dyslam::UserError);
   DysegTrainer same_folder(setup_, (folder_ / "small").string());
   EXPECT_THROW(same_folder.resume(), dyslam::UserError) << "the state is of another shape";
+}
+
+TEST_F(DysegTraining, WeightsOfAnotherGridAreRefused)
+{
+  const auto weights = train("first", 1).string();
+  const auto said = [&](const dyslam::BevOptions& grid)
+  {
+    auto setup = setup_;
+    setup.grid = grid;
+    try
+    {
+      DysegTrainer(setup, (folder_ / "second").string()).startFrom(weights);
+    }
+    catch (const dyslam::UserError& e)
+    {
+      return std::string(e.what());
+    }
+    return std::string();
+  };
+  auto grid = setup_.grid;
+  grid.cells = 1024;
+  EXPECT_EQ(said(grid), "") << "its extent may differ";
+  grid.cell_size = 0.25;
+  EXPECT_NE(said(grid).find(weights + ": trained with [grid] cell_size = 0.2, not 0.25"),
+            std::string::npos)
+      << said(grid);
+  grid = setup_.grid;
+  grid.ground_clearance = 0.3;
+  EXPECT_NE(said(grid).find("ground_clearance = 0.2, not 0.3"), std::string::npos) << said(grid);
+  grid = setup_.grid;
+  grid.max_height = 3;
+  EXPECT_NE(said(grid).find("max_height = 4.5, not 3"), std::string::npos) << said(grid);
 }
 }  // namespace

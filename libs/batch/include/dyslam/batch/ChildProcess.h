@@ -30,6 +30,7 @@ ChildOutcome runChild(const ChildCommand& command, const std::function<bool()>& 
 
 /** The cores that this program may use. */
 [[nodiscard]] std::vector<int> usableCores();
-/** Memory that this program may still take: of the machine or of its control group [bytes]. */
+/** Memory that this program may still take: the least of what the machine and its control
+ * groups leave [bytes]. */
 [[nodiscard]] std::uint64_t availableMemory();
 }  // namespace dyslam::batch

@@ -14,13 +14,15 @@ namespace dyslam::batch
 /** All inputs of a recording's results. Equal work has the same results. */
 struct Work
 {
-  std::string input;               //!< path of the recording
-  std::uintmax_t input_bytes = 0;  //!< its size
-  std::int64_t input_time = 0;     //!< of its last change [ns]
-  std::string input_checksum;      //!< with that of its external files, if it has any
-  std::string settings;            //!< flags and ini, as text
-  std::string version;             //!< of the program
-  std::string program_checksum;    //!< of program, shipped settings and weights
+  std::string input;                  //!< path of the recording
+  std::uintmax_t input_bytes = 0;     //!< its size
+  std::int64_t input_time = 0;        //!< of its last change [ns]
+  std::uintmax_t external_bytes = 0;  //!< size of its external files, in a folder beside it
+  std::int64_t external_time = 0;     //!< of the last change in that folder [ns]
+  std::string input_checksum;         //!< with that of its external files, if it has any
+  std::string settings;               //!< flags and ini, as text
+  std::string version;                //!< of the program
+  std::string program_checksum;       //!< of program, shipped settings and weights
 };
 
 enum class State
@@ -57,8 +59,9 @@ struct Manifest
 /** \throws UserError. */
 void writeManifest(const std::string& folder, const Manifest& manifest);
 
-/** The work of a recording. The checksum of a known file of same size and time is not computed
- * again. \param common settings, version and program's checksum. \throws UserError. */
+/** The work of a recording. The checksum is not computed again if size and time of a known
+ * recording and of its external files are the same. \param common settings, version and program's
+ * checksum. \throws UserError. */
 [[nodiscard]] Work workOn(const std::string& input,
                           const Work& common,
                           const std::optional<Manifest>& known);

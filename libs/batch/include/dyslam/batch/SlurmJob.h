@@ -16,11 +16,12 @@ struct SlurmJob
   std::string output;                  //!< folder, on storage that all nodes share
   std::vector<std::string> arguments;  //!< of dyslam-batch, but for those above
   std::vector<std::string> options;    //!< of sbatch, as `--partition=x`
+  std::string scratch;  //!< absolute, on a disk of each node, to run in; empty: $TMPDIR or /tmp
   std::size_t tasks = 1;
 };
 
-/** Runs a part of the list in the node's own scratch folder. A task that a signal ends is queued
- * again, twice at most; so is one that Slurm preempts. */
+/** Runs a part of the list in a folder of its own on the node, which is removed behind it. A task
+ * that a signal ends is queued again, twice at most; so is one that Slurm preempts. */
 [[nodiscard]] std::string arrayScript(const SlurmJob& job);
 [[nodiscard]] std::string gatherScript(const SlurmJob& job);
 

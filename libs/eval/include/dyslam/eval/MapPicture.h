@@ -45,8 +45,9 @@ struct MapPictureOptions
 [[nodiscard]] std::vector<std::uint8_t> renderMapPicture(const MapPictureContent& content,
                                                          const MapPictureOptions& options = {});
 
-/** Two maps side by side, or one above the other if they are wide, each with a title; the part that
- * the first one's paths show. \return no bytes without a path. \throws as renderMapPicture(). */
+/** Two maps side by side, or one above the other if they are wide, each with a title. Both show
+ * the same part, that around the vehicle's paths of both. \return no bytes without a path. \throws
+ * as renderMapPicture(). */
 [[nodiscard]] std::vector<std::uint8_t> renderMapComparison(
     const std::pair<std::string, MapPictureContent>& first,
     const std::pair<std::string, MapPictureContent>& second,

@@ -17,8 +17,8 @@ struct TrackSequence
   std::vector<LabelledBox> estimate;  //!< score: the track's confidence at that frame
 };
 
-/** Value of LabelledBox::occluded that marks reference boxes as ignored (neither hits nor misses)
- * under any rules. */
+/** Value of LabelledBox::occluded that marks reference boxes as ignored under any rules: neither
+ * hits nor misses, and an estimate matched to one is no false alarm. */
 constexpr int ignored_box = 99;
 
 /** Which boxes count and which are ignored, as defined by KITTI's tracking benchmark and AB3DMOT.
@@ -49,8 +49,9 @@ struct ClearMot
   double recall = 0;
   double f1 = 0;
   std::size_t references = 0;  //!< reference boxes that are not ignored
-  std::size_t matches =
-      0;  //!< true positives as KITTI counts them, including matched ignored boxes
+  /** True positives; under KITTI's image rules with the matched ignored boxes, as KITTI and AB3DMOT
+   * count them. */
+  std::size_t matches = 0;
   std::size_t misses = 0;
   std::size_t false_alarms = 0;
   std::size_t id_switches = 0;

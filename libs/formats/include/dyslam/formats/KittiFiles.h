@@ -32,10 +32,12 @@ struct KittiCalib
 [[nodiscard]] KittiCalib readKittiCalib(const std::string& file_or_folder);
 
 /** timestamps.txt of a raw drive: a line such as `2011-09-26 13:02:25.951199337`, taken as UTC, for
- * each scan [s since 1970]. \throws UserError. */
+ * each frame number [s since 1970]; NaN for an empty line, KITTI's mark of a lost scan. Empty lines
+ * at the end are left out. \throws UserError. */
 [[nodiscard]] std::vector<double> readKittiTimestamps(const std::string& path);
 
-/** Either that or a number a line [s], whichever the first line is. \throws UserError. */
+/** Either that or a number a line [s], whichever the first line with content is.
+ * \throws UserError. */
 [[nodiscard]] std::vector<double> readTimesOrTimestamps(const std::string& path);
 
 /** One GNSS/INS reading: the 30 numbers of KITTI's oxts, those that we use. */

@@ -4,6 +4,7 @@
 #include <dyslam/core/Pose.h>
 #include <dyslam/core/Scan.h>
 #include <dyslam/formats/Bag.h>
+#include <dyslam/formats/FieldConventions.h>
 
 #include <array>
 #include <optional>
@@ -53,44 +54,21 @@ class RosScanDecoder
   [[nodiscard]] Scan decode(const BagTopic& topic, const BagMessage& message);
 
   /** How the fields were interpreted, a line each: "per-point time: field t, nanoseconds". */
-  [[nodiscard]] const std::vector<std::string>& notes() const { return notes_; }
+  [[nodiscard]] const std::vector<std::string>& notes() const { return conventions_.notes(); }
   /** What the recording lacks, a line each. */
-  [[nodiscard]] const std::vector<std::string>& warnings() const { return warnings_; }
+  [[nodiscard]] const std::vector<std::string>& warnings() const { return conventions_.warnings(); }
 
  private:
   struct Cloud2;
-  enum class Order
-  {
-    unknown,
-    from_lowest,
-    from_highest
-  };
   Scan decodeCloud(const BagTopic& topic, const BagMessage& message);
   Scan decodeLivox(const BagTopic& topic, const BagMessage& message);
   static const PointField* timeField(const Cloud2& cloud);
   static const PointField* ringField(const Cloud2& cloud);
   void fillIntensity(const Cloud2& cloud, Scan& scan);
   void fillTimes(const Cloud2& cloud, Scan& scan);
-  void learnTimes(const std::string& field,
-                  bool whole,
-                  bool coarse,
-                  const std::vector<double>& values);
-  double zeroOf(const std::vector<double>& values, double stamp);
   void fillRings(const Cloud2& cloud, Scan& scan);
-  void orderRings(const std::string& source, Scan& scan);
-  static double unitOf(double span, bool whole);
-  void noteTimes(const std::string& field, double seconds_per_unit, bool absolute);
 
-  std::vector<std::string> notes_;
-  std::vector<std::string> warnings_;
-  std::string intensity_field_;
-  double seconds_per_unit_ = 0;  //!< of the time field; 0: not found yet
-  bool times_absolute_ = false;
-  bool times_unusable_ = false;
-  bool times_equal_ = false;  //!< in a scan before they were known
-  bool clocks_differ_ = false;
-  Order ring_order_ = Order::unknown;
-  std::uint16_t last_ring_ = 0;
+  FieldConventions conventions_;
   bool first_ = true;
 };
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <dyslam/core/Scan.h>
+#include <dyslam/formats/FieldConventions.h>
 
 #include <functional>
 #include <string>
@@ -42,12 +43,14 @@ void writeCloud(const std::string& path,
                 const std::vector<float>& intensity = {});
 
 /** Reads `.bin`, `.pcd` or `.ply` by its ending. Of PCD (ascii, binary, binary_compressed) and PLY
- * (ascii, binary) the fields x y z, `intensity` (or `scalar_intensity`, `reflectivity`), `ring` and
- * `time` (or `t`, `timestamp`: seconds, or nanoseconds for whole numbers) are taken. Times since
- * 1970 (above an hour) are counted from the earliest, which becomes the stamp; smaller ones are as
- * in the file, and so are intensities. Counts in headers are checked against the size of the file.
- * \throws UserError. */
+ * (ascii, binary) the fields x y z are taken, and those of intensity, ring and time by the names
+ * and units of drivers (FieldConventions). Absolute times (above 10 s) are counted from the
+ * earliest, which becomes the stamp; smaller ones are counted as in the file, and intensities are
+ * as in the file. Counts in headers are checked against the size of the file. \throws UserError. */
 [[nodiscard]] Scan readCloud(const std::string& path);
+/** The same of a file that is one of a recording's scans. \param conventions of the recording: used
+ * for all of its files. \throws UserError. */
+[[nodiscard]] Scan readCloud(const std::string& path, FieldConventions& conventions);
 
 /** The ending of a file name with its dot, in lower case: ".bin". */
 [[nodiscard]] std::string lowerExtension(const std::string& path);

@@ -21,6 +21,8 @@ class TextFile
 
   /** The next line that is neither empty nor a comment (`#`). */
   [[nodiscard]] bool next();
+  /** The next line that is no comment; an empty one has no fields. */
+  [[nodiscard]] bool nextOrEmpty();
   [[nodiscard]] const std::vector<std::string_view>& fields() const { return fields_; }
   [[nodiscard]] const std::string& line() const { return line_; }
 

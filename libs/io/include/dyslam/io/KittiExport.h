@@ -11,7 +11,7 @@ struct KittiExportOptions : Options
 {
   std::string sequence = "00";  //!< name of the sequence's folder
   std::string trajectory;       //!< TUM or KITTI poses of the vehicle; empty: the recording's truth
-  std::string calib;            //!< calib.txt to write; empty: camera axes at the lidar
+  std::string calib;            //!< KITTI's calibration; empty: camera axes at the lidar
   bool no_scans = false;        //!< only times, calibration and poses
   bool rings = false;           //!< NNNNNN.ring beside the scans, a byte a point
   int skip_first_n = 0;

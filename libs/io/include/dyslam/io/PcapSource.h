@@ -24,7 +24,7 @@ struct PcapSourceOptions : Options
 {
   VelodyneModel model = VelodyneModel::automatic;
   std::string calibration_file;  //!< Velodyne's XML or YAML; empty: MRPT's default of the model
-  double min_range = 1.0;        //!< nearer returns (vehicle, housing) are dropped [m]
+  double min_range = 0;          //!< nearer returns (vehicle, housing) are dropped [m]
   double cut_azimuth = M_PI;     //!< where scans are cut, clockwise from ahead [rad]; the rear
   bool keep_partial = false;     //!< also deliver the incomplete first and last revolution
 
@@ -35,8 +35,8 @@ struct PcapSourceOptions : Options
  *
  * Lidar frame as MRPT's: x ahead (the sensor's azimuth 0), y left, z up. A revolution is cut where
  * the azimuth passes `cut_azimuth`. Points have time within the scan, ring and intensity; firings
- * without a return are left out. Stamps are of the sensor's clock, aligned once with that of the
- * capture.
+ * without a return are left out. Stamps are of the sensor's clock, aligned with that of the capture
+ * at the first packet, and again where the sensor's clock jumps by more than 1 s or back.
  */
 class PcapSource
 {

@@ -36,6 +36,8 @@ struct RawlogSourceOptions : Options, ScanRange
  * ground-truth sidecar whatever is skipped. See doc/formats.md for how per-point time and ring are
  * stored.
  *
+ * Observations of classes that MRPT does not have are left out, with a warning for each class.
+ *
  * A scan whose time stamp does not come after that of the scan before is dropped with a warning;
  * more than ten in a row are an error. A file cut short delivers every complete scan first, then
  * next() throws.

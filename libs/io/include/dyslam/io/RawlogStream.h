@@ -5,6 +5,7 @@
 
 #include <cstddef>
 #include <deque>
+#include <map>
 #include <memory>
 #include <string>
 
@@ -14,8 +15,9 @@ class GzInput;
 class RawlogObjects;
 
 /** The observations of a rawlog, plain or gzip, one by one, whichever of MRPT's two styles it is
- * written in. Those that hold neither scans nor poses come empty and without a time stamp. Counts
- * in the file are checked against its bytes before any memory is taken. Not thread-safe. */
+ * written in. Those that hold neither scans nor poses come empty and without a time stamp; those of
+ * classes that MRPT does not have are left out. Counts in the file are checked against its bytes
+ * before any memory is taken. Not thread-safe. */
 class RawlogStream
 {
  public:
@@ -26,12 +28,15 @@ class RawlogStream
   RawlogStream& operator=(RawlogStream&&) noexcept;
 
   /** The next observation, null at the end.
-   * \throws UserError if the file is cut short, damaged or holds things that are no rawlog's. */
+   * \throws UserError if the file is cut short, damaged, of a newer MRPT, or holds things that are
+   * no rawlog's. */
   [[nodiscard]] mrpt::obs::CObservation::Ptr next();
 
   [[nodiscard]] const std::string& path() const { return path_; }
   /** `<name>_Images` beside the file if it is there, else the file's own folder. */
   [[nodiscard]] const std::string& externalFolder() const { return external_folder_; }
+  /** How many observations were left out so far, for each class that MRPT does not have. */
+  [[nodiscard]] const std::map<std::string, std::size_t>& leftOut() const;
   /** Bytes of the (compressed) file read so far, 0 to 1. */
   [[nodiscard]] double progress() const;
 

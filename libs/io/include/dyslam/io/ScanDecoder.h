@@ -5,6 +5,7 @@
 #include <mrpt/obs/CObservation.h>
 
 #include <cstddef>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -59,8 +60,9 @@ class ScanDecoder
    * \param stamp of its frame [s] \param clock_shift of its RecordedScan [s] */
   [[nodiscard]] std::optional<Pose> truthAt(double stamp, double clock_shift);
 
-  /** Reports why the observations taken so far have no usable scan. \throws UserError always. */
-  [[noreturn]] void failWithoutScans() const;
+  /** Reports why the observations taken so far have no usable scan.
+   * \param left_out how many others the recording has of each class. \throws UserError always. */
+  [[noreturn]] void failWithoutScans(const std::map<std::string, std::size_t>& left_out) const;
 
   /** Scans dropped for their time stamps so far. */
   [[nodiscard]] std::size_t framesDropped() const;

@@ -14,9 +14,9 @@ namespace dyslam
 enum class DeskewMode
 {
   none,       //!< the scan is motion-compensated already, or a single shot
-  time,       //!< by Scan::time; scans without it stay as they are
+  time,       //!< by Scan::time, else by firingFractions(); scans without either stay as they are
   azimuth,    //!< by the sweep model, for spinning sensors without times
-  automatic,  //!< "auto": time where the scan has it, else azimuth
+  automatic,  //!< "auto": as time where the scan shows it, else azimuth
 };
 
 /** Ini section `[preprocess]`. */
@@ -26,8 +26,8 @@ struct PreprocessOptions : Options
   double max_range = 100;  //!< farther returns are dropped [m]
   DeskewMode deskew = DeskewMode::automatic;
   SweepModel sweep;  //!< for azimuth deskew
-  /** Azimuth deskew: the fraction of the sweep at which the frame's pose is taken. KITTI's stamps
-   * are those of straight ahead (0.5). */
+  /** Deskew by azimuth or order: the fraction of the sweep at which the frame's pose is taken.
+   * KITTI's stamps are those of straight ahead (0.5). */
   double sweep_reference = 0.5;
 
   void describe(OptionsVisitor& visitor) override;
@@ -47,11 +47,12 @@ class Preprocessor
    * of the scan, with Cloud::source.
    *
    * The points are those of the pose at Scan::stamp (time 0), or at
-   * PreprocessOptions::sweep_reference when deskewed by azimuth.
+   * PreprocessOptions::sweep_reference when deskewed by azimuth or order.
    * \param T_previous_current predicted motion of the vehicle over `dt`
    * \param dt seconds since the previous scan. With dt <= 0 (a first scan) no point is moved, but
    *   Cloud::phase is filled, so that the scan can be deskewed once its motion is known.
-   * \param sweep_duration of one revolution [s], for deskewing by azimuth; 0: `dt` */
+   * \param sweep_duration of one revolution [s], for deskewing by azimuth or order; 0:
+   *   `dt` */
   [[nodiscard]] Cloud prepare(const Scan& scan,
                               const Pose& T_previous_current,
                               double dt,

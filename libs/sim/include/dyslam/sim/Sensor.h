@@ -64,9 +64,12 @@ struct SensorModel
   double divergence = 0.0015;   //!< half angle of a beam [rad]
   double reference_range =
       60;  //!< range at which 10 % reflectivity is detected with probability 0.5 [m]
-  double random_loss = 0.005;   //!< probability that a return is lost at random
-  double beam_range_bias = 0;   //!< standard deviation of the beams' constant range errors [m]
-  double beam_angle_error = 0;  //!< standard deviation of the beams' elevation errors [rad]
+  double random_loss = 0.005;  //!< probability that a return is lost at random
+  double beam_range_bias = 0;  //!< standard deviation of the beams' constant range errors [m]
+  /** Standard deviation by which the elevations of the beams deviate from those listed [rad]: an
+   * irregular spacing of the rings, not an error, because rays are cast and points are reported at
+   * the same elevations. */
+  double beam_angle_error = 0;
 
   /** Head azimuth at the start of column `c`, counter-clockwise from straight ahead [rad]. */
   [[nodiscard]] double azimuth(double column) const;

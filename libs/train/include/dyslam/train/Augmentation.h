@@ -20,7 +20,7 @@ struct AugmentationOptions : Options
   double range_noise = 0.01;    //!< largest standard deviation of added range noise [m]
   double point_dropout = 0.15;  //!< largest share of points left out
   double beam_dropout = 0.1;    //!< probability of leaving out all but every 2nd or 4th beam
-  double bodies = 0.5;          //!< probability of pasted bodies
+  double bodies = 0.5;          //!< probability of pasted bodies; simulated pairs have none
   int max_bodies = 8;           //!< most bodies pasted into a pair
   double co_moving = 0.4;       //!< share of pasted bodies that move with the ego-vehicle
 

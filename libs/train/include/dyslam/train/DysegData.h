@@ -20,6 +20,14 @@ constexpr double moving_over = 0.5;
 constexpr double standing_under = 0.25;
 /** The motion of cast bodies is known exactly: those that are faster than this are moving. */
 constexpr double cast_moving_over = 0.3;  // m/s
+/** A pair of scans does not show a smaller displacement of an object [m]: moving objects that are
+ * displaced by less are ignored. */
+constexpr double shown_displacement = 0.1;
+/** Static objects that are displaced by more than this between the scans of a pair are ignored [m].
+ */
+constexpr double standing_displacement = 0.2;
+/** Moving objects with fewer points are not listed for the choice of crops. */
+constexpr std::size_t min_mover_points = 16;
 /** Seeds of simulated clips to validate on, from here on (splits.ini). */
 constexpr std::uint64_t unseen_seeds = 900000000;
 
@@ -61,11 +69,19 @@ struct DysegSample
   std::vector<Eigen::Vector2f>
       flow;  //!< of each, current to past, in the plane; NaN if unknown [m]
   Pose T_past_current = Pose::Identity();
-  double elapsed = 0.1;                 //!< s
-  std::vector<Eigen::Vector2f> movers;  //!< centres of moving objects, for the choice of crops
+  double elapsed = 0.1;  //!< s
+  /** Centres of moving objects with `min_mover_points` or more, for the choice of crops [m]. */
+  std::vector<Eigen::Vector2f> movers;
 };
 
-/** Frame `current` of a clip against frame `past`: places in the clip, from 0. */
+/** Labels of all points of a frame, as DysegSample's, from the speed of the objects at that time.
+ */
+[[nodiscard]] std::vector<std::uint8_t> labelsBySpeed(const DysegClip::Frame& frame);
+
+/** Frame `current` of a clip against frame `past`: places in the clip, from 0.
+ *
+ * The flow of an object in both frames is that of its poses, or the ego-motion's if it stands still
+ * between them. Objects whose displacement contradicts the label of their speed are ignored. */
 [[nodiscard]] DysegSample makeSample(const DysegClip& clip, std::size_t current, std::size_t past);
 
 /** A scan as if it had been taken twice, from two places: itself, moved, thinned and with new
@@ -103,12 +119,15 @@ void augment(const DysegAugmentOptions& options, RandomDraws& draws, DysegSample
                                         std::size_t first,
                                         std::size_t last);
 
-/** World and sensor of a simulated drive. */
+/** World, sensor and carrier of a simulated drive. */
 struct DysegClipScene
 {
   sim::WorldKind world = sim::WorldKind::urban;
   sim::SensorKind sensor = sim::SensorKind::hdl64e;
-  double traffic = -1;  //!< 0 to 1; below 0 it is drawn
+  double traffic = -1;   //!< 0 to 1; below 0 it is drawn from 0.3 to 1
+  int columns = 0;       //!< firings per revolution; 0: those of the sensor
+  double ego_speed = 0;  //!< cruising speed [m/s]; 0: that of the world
+  sim::EgoKind ego = sim::EgoKind::automatic;
 };
 
 /** `scans` consecutive scans from the simulator. \param deskewed or as the sensor gives them.

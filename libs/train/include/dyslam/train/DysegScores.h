@@ -29,8 +29,11 @@ struct DysegScores
   void add(const DysegScores& other);
 };
 
-/** Forward pass of one pair, evaluated on all labelled points of the scan. */
+/** Forward pass of one pair, evaluated on all labelled points of the scan. \param guess of the
+ * ego-motion, current to past, as the application has for scans farther back; null for a search
+ * over all motions in the correlation window. \param iterations flow updates, at least 1. */
 [[nodiscard]] DysegScores scorePair(const DysegModel& model,
                                     const DysegSample& sample,
+                                    const PlanarPrior* guess = nullptr,
                                     int iterations = 2);
 }  // namespace dyslam

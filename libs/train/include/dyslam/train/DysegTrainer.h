@@ -36,7 +36,8 @@ struct DysegTrainerOptions : Options
   int gap = 8;                   //!< scans between those that the application compares
   double gap_share = 0;  //!< of pairs of runs and clips, that far apart; the others 1 to 10 scans
   double campus_share = 0.25;    //!< share of simulated clips on a campus
-  double highway_share = 0.2;    //!< share on a highway, of the clips that are not on a campus
+  double highway_share = 0.2;    //!< share on a highway, of the clips that are not on a campus;
+                                 //!< the others are on streets
   double few_beams_share = 0.2;  //!< share of simulated clips with 16 beams
   int simulated_pool = 80;       //!< number of clips kept; the oldest is replaced
   int simulate_every = 16;       //!< steps between new clips
@@ -85,7 +86,8 @@ class DysegTrainer
   void requireFreshFolder() const;
   /** Resume from the folder's checkpoint. \throws UserError if there is none or it does not fit. */
   void resume();
-  /** Start from the weights of a file. \throws UserError. */
+  /** Start from the weights of a file. \throws UserError, also if they are of another grid; only
+   * the number of cells may differ. */
   void startFrom(const std::string& weights);
   /** \param report is called with a line of progress from time to time \param stopped is polled
    * before each step: true saves and ends; null for never. \throws UserError if data are missing,

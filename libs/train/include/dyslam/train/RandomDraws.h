@@ -9,24 +9,22 @@
 
 namespace dyslam
 {
-/** Small seeded random numbers (splitmix64) whose draws are the same on every platform. */
+/** Small seeded random numbers (splitmix64) whose draws are the same on every platform. Those of
+ * different seeds or indices are independent, also of neighbouring ones. */
 class RandomDraws
 {
  public:
   RandomDraws(std::uint64_t seed, std::uint64_t index)
-      : state_(seed * 0x9E3779B97F4A7C15ULL + index * 0xD1B54A32D192ED03ULL)
+      // Each draw adds `increment` to the state: seed and index are mixed, so that no two states
+      // are a few increments apart.
+      : state_(mixed(mixed(seed + increment) + index))
   {
-    bits();
-    bits();
   }
 
   std::uint64_t bits()
   {
-    state_ += 0x9E3779B97F4A7C15ULL;
-    std::uint64_t z = state_;
-    z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9ULL;
-    z = (z ^ (z >> 27)) * 0x94D049BB133111EBULL;
-    return z ^ (z >> 31);
+    state_ += increment;
+    return mixed(state_);
   }
   /** In [0, 1). */
   double uniform() { return static_cast<double>(bits() >> 11) * 0x1.0p-53; }
@@ -53,6 +51,16 @@ class RandomDraws
   }
 
  private:
+  static constexpr std::uint64_t increment = 0x9E3779B97F4A7C15ULL;
+
+  /** The finaliser of splitmix64: a bijection whose output bits depend on all input bits. */
+  static std::uint64_t mixed(std::uint64_t z)
+  {
+    z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9ULL;
+    z = (z ^ (z >> 27)) * 0x94D049BB133111EBULL;
+    return z ^ (z >> 31);
+  }
+
   std::uint64_t state_;
 };
 }  // namespace dyslam

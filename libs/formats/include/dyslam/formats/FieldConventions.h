@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <dyslam/core/Scan.h>
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace dyslam
+{
+/** Seconds per unit of a time since 1970: 1, 1e-3, 1e-6 or 1e-9, by the size of the time. */
+[[nodiscard]] double unitOfDate(double time);
+
+/** The field that holds the times of a scan's points. */
+struct TimeField
+{
+  std::string name;
+  bool whole = false;          //!< of a type without fractions
+  bool coarse = false;         //!< in single precision
+  std::vector<double> values;  //!< one per point; not finite, or 0 among absolute times: unknown
+};
+
+/** What the fields of a recording's points mean: the unit and the zero of their times, the order of
+ * their rings, the field of their intensities.
+ *
+ * Drivers differ in them and neither files nor messages state them, so that each is derived from
+ * the first scan that shows it, and then kept: one object for each recording of one lidar (a topic
+ * of a bag, a folder of scans).
+ */
+class FieldConventions
+{
+ public:
+  /** Name of the field to take intensities from: `usual`, or `calibrated` if the usual one exceeds
+   * 255, as a count of photons does. A later scan may lack it. \param values of the usual field
+   * \param calibrated empty: none */
+  [[nodiscard]] const std::string& intensityField(const std::string& usual,
+                                                  const std::string& calibrated,
+                                                  const std::vector<double>& values);
+
+  /** Fills Scan::time, counted from the stamp that the scan has, or from its first point if that
+   * has another clock. Leaves it empty, with a warning, where the field shows no times. */
+  void fillTimes(const TimeField& field, Scan& scan);
+  /** Fills Scan::time of a scan without a stamp: absolute times are counted from the first point,
+   * whose time becomes the stamp; others are as in the field. In single precision absolute times
+   * are left out. */
+  void fillTimesAndStamp(const TimeField& field, Scan& scan);
+  /** Gives another stamp [s] to such a scan. The times of its points then count from that, unless
+   * it has another clock. */
+  void restamp(Scan& scan, double stamp);
+  /** Sets what the format of the recording prescribes. \param unit [s] */
+  void setTimes(const std::string& field, double unit, bool absolute);
+
+  /** Renumbers Scan::ring so that 0 is the lowest. \param source of the rings, for the note */
+  void orderRings(const std::string& source, Scan& scan);
+
+  void note(const std::string& what) { notes_.push_back(what); }
+  void warn(const std::string& what) { warnings_.push_back(what); }
+  /** How the fields were interpreted, a line each: "per-point time: field t, nanoseconds". */
+  [[nodiscard]] const std::vector<std::string>& notes() const { return notes_; }
+  /** What the recording lacks, a line each. */
+  [[nodiscard]] const std::vector<std::string>& warnings() const { return warnings_; }
+
+ private:
+  struct TimeScale
+  {
+    double unit = 1;  //!< [s]
+    bool absolute = false;
+    bool certain = true;  //!< the times tell the unit
+  };
+  enum class Zero
+  {
+    unknown,
+    stamp,
+    first_point
+  };
+  enum class Order
+  {
+    unknown,
+    from_lowest,
+    from_highest
+  };
+  static TimeScale scaleOf(double first, double last, bool whole);
+  void learnTimes(const TimeField& field);
+  double zeroOf(double first, double last, double stamp);
+
+  std::vector<std::string> notes_;
+  std::vector<std::string> warnings_;
+  std::string intensity_field_;
+  std::optional<TimeScale> scale_;
+  bool times_unusable_ = false;
+  bool times_equal_ = false;  //!< in a scan before they were known
+  Zero zero_ = Zero::unknown;
+  Order ring_order_ = Order::unknown;
+  std::uint16_t last_ring_ = 0;
+};
+}  // namespace dyslam

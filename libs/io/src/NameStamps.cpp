@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "NameStamps.h"
+
+#include <dyslam/formats/FieldConventions.h>
+#include <dyslam/formats/ScanFiles.h>
+
+#include <algorithm>
+#include <charconv>
+#include <filesystem>
+#include <utility>
+
+namespace dyslam
+{
+namespace fs = std::filesystem;
+
+namespace
+{
+/** The part of a file's name that may be a time: all of it, or of nuScenes' names, such as
+ * n008-2018-08-01-15-16-36-0400__LIDAR_TOP__1533151603547590.pcd.bin, the end. */
+std::string timeInName(const std::string& file)
+{
+  std::string stem = fs::path(file).stem().string();
+  if (lowerExtension(stem) == ".pcd")
+  {
+    stem.resize(stem.size() - 4);
+  }
+  const auto end = stem.rfind("__");
+  return end == std::string::npos ? stem : stem.substr(end + 2);
+}
+
+/** Where a name's fraction of a second begins; the name's end if it has none. */
+std::size_t fractionBegin(const std::string& name)
+{
+  const std::size_t point = name.find('.');
+  return point == std::string::npos ? name.size() : point + 1;
+}
+
+/** Makes decimals of the fractions of seconds in names, which may also be counts of nanoseconds
+ * without leading zeros (1600000000.50000000 is 0.05 s after the full second).
+ * \return false if their lengths differ and they may be either. */
+bool makeDecimals(std::vector<std::string>& names)
+{
+  constexpr std::size_t nanosecond_digits = 9;
+  std::size_t shortest = std::string::npos;
+  std::size_t longest = 0;
+  bool decimals = false;  // a count has digits, and no zero before others
+  for (const std::string& name : names)
+  {
+    const std::size_t begin = fractionBegin(name);
+    const std::size_t length = name.size() - begin;
+    shortest = std::min(shortest, length);
+    longest = std::max(longest, length);
+    decimals = decimals || length == 0 || (length > 1 && name[begin] == '0');
+  }
+  if (decimals || shortest == longest)
+  {
+    return true;
+  }
+  if (longest != nanosecond_digits)
+  {
+    return false;
+  }
+  for (std::string& name : names)
+  {
+    const std::size_t begin = fractionBegin(name);
+    name.insert(begin, nanosecond_digits - (name.size() - begin), '0');
+  }
+  return true;
+}
+
+/** The parts of the files' names that may be times, as decimal numbers; empty if it cannot be told
+ * what the digits behind the point mean. */
+std::vector<std::string> timesInNames(const std::vector<std::string>& files)
+{
+  std::vector<std::string> names;
+  for (const std::string& file : files)
+  {
+    std::string name = timeInName(file);
+    const auto part = name.find('_');
+    if (part != std::string::npos)
+    {
+      name[part] = '.';  // seconds_fraction
+    }
+    names.push_back(std::move(name));
+  }
+  return makeDecimals(names) ? names : std::vector<std::string>();
+}
+}  // namespace
+
+double secondsOf(double time)
+{
+  return time * unitOfDate(time);
+}
+
+std::vector<double> stampsFromNames(std::vector<std::string>& files)
+{
+  constexpr double latest = 4.1e9;  // s since 1970, in 2099: 20180801151636 is a date
+  std::vector<std::pair<double, std::string>> timed;
+  const std::vector<std::string> names = timesInNames(files);
+  for (std::size_t i = 0; i < names.size(); ++i)
+  {
+    const std::string& name = names[i];
+    double value = 0;
+    const auto [end, error] = std::from_chars(name.data(), name.data() + name.size(), value);
+    if (error != std::errc() || end != name.data() + name.size() || value < 1e8 ||
+        !(secondsOf(value) < latest))
+    {
+      return {};
+    }
+    timed.emplace_back(secondsOf(value), files[i]);
+  }
+  std::sort(timed.begin(), timed.end());
+  const auto same = std::adjacent_find(
+      timed.begin(), timed.end(), [](const auto& a, const auto& b) { return a.first == b.first; });
+  if (same != timed.end())
+  {
+    return {};
+  }
+  std::vector<double> stamps;
+  for (std::size_t i = 0; i < timed.size(); ++i)
+  {
+    stamps.push_back(timed[i].first);
+    files[i] = timed[i].second;
+  }
+  return stamps;
+}
+}  // namespace dyslam

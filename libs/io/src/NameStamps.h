@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace dyslam
+{
+/** A time since 1970 in seconds, whether it is in seconds, milli-, micro- or nanoseconds. */
+[[nodiscard]] double secondsOf(double time);
+
+/** Times since 1970 out of file names such as 1317042145951199337.bin, in nano-, micro-,
+ * milliseconds or seconds by their size; nothing unless all names are such. Puts the files in the
+ * order of these times, which differs from that of names such as 12.05 and 12.5. */
+[[nodiscard]] std::vector<double> stampsFromNames(std::vector<std::string>& files);
+}  // namespace dyslam
