@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/FiringOrder.h>
 #include <dyslam/core/Quantile.h>
 #include <dyslam/core/Rings.h>
 #include <dyslam/core/Scan.h>
@@ -17,6 +18,27 @@ constexpr std::size_t fewest_rings = 4;
 /** Rings found by elevation have gaps between them, with next to no points. */
 constexpr float min_gap_share = 0.25F;
 constexpr float max_outside_share = 0.01F;
+/** Drivers put lasers without a return at the sensor, at any elevation [m]. */
+constexpr float nearest_return = 1;
+
+/** Points that show a ring: returns, and of these the far ones if they are the most. */
+std::vector<std::uint32_t> clearReturns(const std::vector<Eigen::Vector3f>& points)
+{
+  std::vector<std::uint32_t> returns;
+  std::vector<std::uint32_t> far;
+  for (std::size_t i = 0; i < points.size(); ++i)
+  {
+    if (isReturn(points[i]))
+    {
+      returns.push_back(static_cast<std::uint32_t>(i));
+      if (points[i].squaredNorm() >= nearest_return * nearest_return)
+      {
+        far.push_back(returns.back());
+      }
+    }
+  }
+  return 2 * far.size() > returns.size() ? far : returns;
+}
 
 /** Where a new ring begins when the azimuth's cut lies at `seam`. */
 std::vector<std::size_t> ringStarts(const std::vector<std::uint32_t>& returns,
@@ -175,23 +197,24 @@ float elevationOf(const Eigen::Vector3f& p)
 
 std::vector<std::uint16_t> estimateRings(const std::vector<Eigen::Vector3f>& points)
 {
-  std::vector<std::uint32_t> returns;
+  const std::vector<std::uint32_t> returns = clearReturns(points);
   std::vector<float> azimuths;
   std::vector<float> elevations;
-  for (std::size_t i = 0; i < points.size(); ++i)
+  for (const std::uint32_t i : returns)
   {
-    if (isReturn(points[i]))
-    {
-      returns.push_back(static_cast<std::uint32_t>(i));
-      azimuths.push_back(std::atan2(points[i].y(), points[i].x()));
-      elevations.push_back(elevationOf(points[i]));
-    }
+    azimuths.push_back(std::atan2(points[i].y(), points[i].x()));
+    elevations.push_back(elevationOf(points[i]));
   }
   if (returns.empty())
   {
     return {};
   }
-  std::vector<std::uint16_t> rings = ringsByOrder(returns, azimuths, elevations);
+  const bool fired = !firingFractions(points).empty();  // all rings at once
+  std::vector<std::uint16_t> rings;
+  if (!fired)
+  {
+    rings = ringsByOrder(returns, azimuths, elevations);
+  }
   if (rings.empty())
   {
     rings = ringsByElevation(elevations);

@@ -74,6 +74,35 @@ TEST(AzimuthColumn, RingsAreTakenFromTheElevationsWhereTheOrderIsLost)
   }
 }
 
+/** As in nuScenes, where lasers without a return have points on the sensor. */
+TEST(AzimuthColumn, PointsOnTheSensorDoNotHideTheRings)
+{
+  const Rings scan = ringAfterRing(24, 360);
+  std::vector<Eigen::Vector3f> points;
+  std::vector<std::uint16_t> truth;
+  std::mt19937 random(6);
+  std::uniform_real_distribution<float> place(-0.4F, 0.4F);
+  for (std::size_t c = 0; c < 360; ++c)
+  {
+    for (std::size_t r = 0; r < 24; ++r)
+    {
+      const bool lost = random() % 3 == 0;
+      points.push_back(lost ? Eigen::Vector3f(place(random), place(random), place(random))
+                            : scan.points[r * 360 + c]);
+      truth.push_back(scan.ring[r * 360 + c]);
+    }
+  }
+  const std::vector<std::uint16_t> rings = estimateRings(points);
+  ASSERT_EQ(rings.size(), points.size());
+  for (std::size_t i = 0; i < points.size(); ++i)
+  {
+    if (points[i].norm() > 1)
+    {
+      EXPECT_EQ(rings[i], truth[i]);
+    }
+  }
+}
+
 TEST(AzimuthColumn, NoRingsWithoutReturnsOrOrder)
 {
   EXPECT_TRUE(estimateRings({}).empty());

@@ -17,7 +17,8 @@ namespace dyslam
  *
  * Files that store one ring after the other (as KITTI's) show it by the azimuth, which jumps back
  * once a ring; where that gives no sensible number of rings, elevations are clustered. Points that
- * are no returns get the ring of the point before.
+ * are no returns, and those nearer than 1 m if these are fewer than the others, get the ring of the
+ * point before.
  */
 [[nodiscard]] std::vector<std::uint16_t> estimateRings(const std::vector<Eigen::Vector3f>& points);
 }  // namespace dyslam
