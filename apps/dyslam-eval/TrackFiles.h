@@ -35,9 +35,8 @@ struct TrackData
 /** Reads the ground truth of a recording: a folder with tracks.txt and optionally poses_tum.txt
  * (for speeds; requires the rawlog next to the folder) and labels/ (for the points per box). Boxes
  * that the selection does not count are marked as ignored, those before its first frame removed.
- * \param selection its defaults are
- * replaced by the values for this ground truth \throws UserError for files that are missing or
- * cannot be read. */
+ * \param selection its defaults are replaced by the values for this ground truth. \throws UserError
+ * for files that are missing or cannot be read. */
 [[nodiscard]] TrackData readTruth(const std::string& folder, TrackSelection& selection);
 
 /** Reads the tracks of a run: tracks.txt, and speeds from tracks.csv.

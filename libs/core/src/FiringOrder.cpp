@@ -72,6 +72,10 @@ using Sweep = std::array<float, blocks>;
 /** \return nothing unless the blocks follow each other once around in one direction. */
 [[nodiscard]] std::optional<Sweep> sweepOf(const std::vector<Eigen::Vector3f>& points)
 {
+  if (points.size() < min_points)
+  {
+    return std::nullopt;
+  }
   Sweep sweep{};
   std::optional<std::size_t> first;
   std::size_t last = 0;
@@ -131,12 +135,13 @@ using Sweep = std::array<float, blocks>;
 }
 }  // namespace
 
+bool inFiringOrder(const std::vector<Eigen::Vector3f>& points)
+{
+  return sweepOf(points).has_value();
+}
+
 std::vector<float> firingFractions(const std::vector<Eigen::Vector3f>& points)
 {
-  if (points.size() < min_points)
-  {
-    return {};
-  }
   const std::optional<Sweep> sweep = sweepOf(points);
   if (!sweep)
   {

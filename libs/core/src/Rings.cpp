@@ -209,9 +209,8 @@ std::vector<std::uint16_t> estimateRings(const std::vector<Eigen::Vector3f>& poi
   {
     return {};
   }
-  const bool fired = !firingFractions(points).empty();  // all rings at once
   std::vector<std::uint16_t> rings;
-  if (!fired)
+  if (!inFiringOrder(points))
   {
     rings = ringsByOrder(returns, azimuths, elevations);
   }

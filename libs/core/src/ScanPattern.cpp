@@ -261,7 +261,7 @@ ScanPattern measureScanPattern(const Scan& scan)
     pattern.duration = std::isfinite(duration) ? duration : 0;
     pattern.point_times = pattern.duration > 0;
   }
-  pattern.firing_order = !firingFractions(scan.points).empty();
+  pattern.firing_order = inFiringOrder(scan.points);
   const std::vector<std::uint16_t> numbers = ringsOf(scan.points, scan.ring);
   if (numbers.empty())
   {

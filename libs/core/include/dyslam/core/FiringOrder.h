@@ -14,4 +14,7 @@ namespace dyslam
  * \return of each point the share of the revolution since the first one, above 1 beyond a full
  * turn; empty if the points are in another order or cover less than three quarters of a turn */
 [[nodiscard]] std::vector<float> firingFractions(const std::vector<Eigen::Vector3f>& points);
+
+/** Whether firingFractions() are known. */
+[[nodiscard]] bool inFiringOrder(const std::vector<Eigen::Vector3f>& points);
 }  // namespace dyslam

@@ -16,7 +16,7 @@ struct ScanPattern
   std::size_t returns = 0;     //!< points that are returns
   bool ring_numbers = false;   //!< Scan::ring is given and names the rings
   bool point_times = false;    //!< Scan::time is given and not the same for all points
-  bool firing_order = false;   //!< the points are stored as they were fired, firingFractions()
+  bool firing_order = false;   //!< the points are stored as they were fired
   double duration = 0;         //!< from the first to the last point's time [s]
   double max_range = 0;        //!< farthest return [m]
   double lowest = 0;           //!< elevation of the lowest returns (without 0.05 % of them)
