@@ -28,11 +28,20 @@ namespace
 /** Sections of an ini: our own, and those of dyslam, which may have written it. */
 std::vector<std::string> knownSections()
 {
-  std::vector<std::string> known{
-      "map",      "labels",      "preprocess", "map_export", "input",          "pipeline", "dyseg",
-      "odometry", "refine",      "motion",     "detector",   "tracker",        "solver",   "loop",
-      "backend",  "output",      "replay",     "merge",      "start",          "report",   "fusion",
-      "sensor",   "uncertainty", "objects",    "memory",     "track_smoothing"};
+  std::vector<std::string> known{"map",           "labels",
+                                 "preprocess",    "map_export",
+                                 "input",         "pipeline",
+                                 "dyseg",         "odometry",
+                                 "refine",        "motion",
+                                 "detector",      "tracker",
+                                 "solver",        "loop",
+                                 "backend",       "output",
+                                 "replay",        "merge",
+                                 "start",         "report",
+                                 "fusion",        "sensor",
+                                 "uncertainty",   "objects",
+                                 "memory",        "track_smoothing",
+                                 "motion_sensors"};
   for (const auto& sections : {segmenterSections(), scanMatcherSections()})
   {
     known.insert(known.end(), sections.begin(), sections.end());

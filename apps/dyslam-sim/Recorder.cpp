@@ -55,6 +55,25 @@ void makeCompact(SimulatedScan& s)
   reorder(s.moving, order);
 }
 
+/** The scan, after the samples since the scan before in order of time. */
+void writeScan(const SimulatedScan& scan, RawlogWriter& rawlog)
+{
+  auto wheels = scan.wheels.begin();
+  for (const ImuSample& imu : scan.imu)
+  {
+    for (; wheels != scan.wheels.end() && wheels->stamp < imu.stamp; ++wheels)
+    {
+      rawlog.write(*wheels);
+    }
+    rawlog.write(imu);
+  }
+  for (; wheels != scan.wheels.end(); ++wheels)
+  {
+    rawlog.write(*wheels);
+  }
+  rawlog.write(scan.scan, scan.T_map_vehicle);
+}
+
 LabelledBox labelledBox(const SimulatedObject& object, std::size_t frame)
 {
   LabelledBox box;
@@ -98,7 +117,7 @@ RecordingResult record(const Recording& recording,
       flow[k] = scan.deskewed[k] + scan.flow[k] - scan.scan.points[k];
       result.moving_points += scan.moving[k];
     }
-    rawlog.write(scan.scan, scan.T_map_vehicle);
+    writeScan(scan, rawlog);
     truth.addPose(scan.scan.stamp, scan.T_map_vehicle);
     truth.addLabels(i, scan.label);
     if (recording.flow)

@@ -31,6 +31,28 @@ struct Arguments
        quiet = false;
 };
 
+/** The flags of sets of recordings, after those of a single one. */
+void declareSets(CLI::App& app, Arguments& a)
+{
+  CLI::Option* benchmark = app.add_option("--benchmark", a.benchmark,
+                                          "write the fixed benchmark set to this folder instead");
+  for (const char* fixed :
+       {"--world",   "--sensor",     "--traffic",  "--seed",          "--traffic-seed",
+        "--reverse", "--output",     "--ego",      "--speed",         "--loop",
+        "--start",   "--start-time", "--one-loop", "--columns",       "--max-range",
+        "--compact", "--no-flow",    "--no-noise", "--no-distortion", "--no-stops",
+        "--count",   "--imu",        "--wheels"})
+  {
+    benchmark->excludes(app.get_option(fixed));
+  }
+  app.add_option("--split", a.split, "the eleven drives of validation or test as benchmark set")
+      ->needs(benchmark);
+  app.add_option("--only", a.only, "a single recording of the benchmark set")->needs(benchmark);
+  app.add_option(
+      "--shard", a.shard,
+      "K/N: only the K-th of every N recordings of --benchmark or --count, for N machines");
+}
+
 void declare(CLI::App& app, Arguments& a)
 {
   SimulatorOptions& o = a.recording.simulator;
@@ -71,25 +93,13 @@ void declare(CLI::App& app, Arguments& a)
   app.add_flag("--no-distortion", a.no_distortion,
                "all points of a scan are measured at its stamp");
   app.add_flag("--no-stops", a.no_stops, "the ego stops for other road users only");
+  app.add_flag("--imu", o.imu, "also an IMU: angular velocity and acceleration at 100 Hz");
+  app.add_flag(
+      "--wheels", o.wheels,
+      "also wheel odometry: forward speed and yaw rate at 50 Hz; not with a hand-held ego");
   app.add_option("--threads", a.recording.threads, "0: number of cores (0)")
       ->check(CLI::Range(0, 256));
-  CLI::Option* benchmark = app.add_option("--benchmark", a.benchmark,
-                                          "write the fixed benchmark set to this folder instead");
-  for (const char* fixed :
-       {"--world",   "--sensor",     "--traffic",  "--seed",          "--traffic-seed",
-        "--reverse", "--output",     "--ego",      "--speed",         "--loop",
-        "--start",   "--start-time", "--one-loop", "--columns",       "--max-range",
-        "--compact", "--no-flow",    "--no-noise", "--no-distortion", "--no-stops",
-        "--count"})
-  {
-    benchmark->excludes(app.get_option(fixed));
-  }
-  app.add_option("--split", a.split, "the eleven drives of validation or test as benchmark set")
-      ->needs(benchmark);
-  app.add_option("--only", a.only, "a single recording of the benchmark set")->needs(benchmark);
-  app.add_option(
-      "--shard", a.shard,
-      "K/N: only the K-th of every N recordings of --benchmark or --count, for N machines");
+  declareSets(app, a);
   app.add_flag("--force", a.force, "replace earlier recordings and their ground truth");
   app.add_flag("-q,--quiet", a.quiet, "no progress");
 }

@@ -47,6 +47,14 @@ void declare(CLI::App& app, Arguments& arguments)
                  "a bag's true poses of the vehicle: PoseStamped, Odometry, TransformStamped, /tf");
   app.add_option("--truth-frame", o.truth_frame,
                  "child frame of --truth-topic, where that has several");
+  app.add_option("--imu-topic", o.imu_topic,
+                 "a bag's sensor_msgs/Imu, whose samples are written beside the scans");
+  app.add_option("--imu-pose", o.imu_pose,
+                 "pose of the IMU on the vehicle: 'x y z yaw pitch roll' [m, deg] (default: by "
+                 "/tf_static and --sensor-pose, else no rotation)");
+  app.add_option("--odometry-topic", o.odometry_topic,
+                 "a bag's speed by the wheels, written beside the scans: Odometry, TwistStamped, "
+                 "TwistWithCovarianceStamped");
   app.add_option("--sensor", o.sensor,
                  "a pcap's lidar: VLP16, HDL32E or HDL64E (default: from the packets); "
                  "otherwise the scans' sensor label");

@@ -9,6 +9,7 @@
 #include <mrpt/maps/CPointsMapXYZI.h>
 #include <mrpt/obs/CObservation3DRangeScan.h>
 #include <mrpt/obs/CObservationIMU.h>
+#include <mrpt/obs/CObservationOdometry.h>
 #include <mrpt/obs/CObservationPointCloud.h>
 #include <mrpt/obs/CObservationRobotPose.h>
 #include <mrpt/obs/CObservationRotatingScan.h>
@@ -82,6 +83,14 @@ void writeRawlogs(const fs::path& folder)
   frame.insert(CObservationIMU::Create());
   frame.insert(std::make_shared<CObservationPointCloud>(later));
   write(folder / "frame", bytesOf(frame) + bytesOf(CObservationIMU()));
+  CObservationIMU imu;
+  imu.set(IMU_WX, 0.1);
+  imu.set(IMU_WY, 0.2);
+  imu.set(IMU_WZ, 0.3);
+  CObservationOdometry wheels;
+  wheels.hasEncodersInfo = wheels.hasVelocities = true;
+  write(folder / "motion", stamped(imu) + stamped(wheels) + stamped(cloud) +
+                               stamped(CObservationOdometry()) + bytesOf(later));
   CObservationRotatingScan rotating;
   rotating.rowCount = 16;
   rotating.columnCount = 2;

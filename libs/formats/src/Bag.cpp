@@ -140,17 +140,26 @@ std::string row(const std::vector<std::string>& cells, const std::vector<std::si
   return line + "\n";
 }
 
-/** Points and frame of a topic of scans, the frame with a mark at that taken without --topic. */
+/** The option of scans2rawlog that adds the topic's samples to the scans; empty if none does. */
+std::string motionOption(const BagTopic& topic)
+{
+  return isRosImu(topic) ? "--imu-topic" : isRosTwist(topic) ? "--odometry-topic" : "";
+}
+
+/** Points and frame of a topic of scans, the frame with a mark at that taken without --topic, or
+ * the option that takes the topic. */
 void addScanCells(const Bag& bag,
                   const std::vector<RosScanTopic>& scans,
+                  const BagTopic& topic,
                   std::vector<std::string>& cells)
 {
   const auto scan = std::find_if(scans.begin(), scans.end(),
                                  [&](const RosScanTopic& candidate)
-                                 { return bag.topics()[candidate.topic].name == cells.front(); });
+                                 { return bag.topics()[candidate.topic].name == topic.name; });
   if (scan == scans.end())
   {
-    cells.insert(cells.end(), {"-", "-"});
+    const std::string option = motionOption(topic);
+    cells.insert(cells.end(), {"-", option.empty() ? "-" : "-  <- for " + option});
     return;
   }
   cells.push_back(std::to_string(scan->points));
@@ -204,7 +213,7 @@ std::string listingOf(Bag& bag)
                     topic.messages > 1 && span > 0
                         ? fixed(static_cast<double>(topic.messages - 1) / span, "%.2f")
                         : "-"});
-    addScanCells(bag, scans, rows.back());
+    addScanCells(bag, scans, topic, rows.back());
     if (topic.messages > 0)
     {
       first = any ? std::min(first, topic.first) : topic.first;

@@ -154,6 +154,11 @@ OxtsReading oxtsFrom(const TextFile& file)
   r.velocity_left = file.number(9);
   r.velocity_up = file.number(10);
   r.position_accuracy = file.number(23);
+  for (std::size_t axis = 0; axis < 3; ++axis)
+  {
+    r.acceleration[static_cast<int>(axis)] = file.number(11 + axis);
+    r.angular_velocity[static_cast<int>(axis)] = file.number(17 + axis);
+  }
   if (std::abs(r.latitude) >= 90)
   {
     file.fail("the latitude is not between -90 and 90");

@@ -52,8 +52,27 @@ std::string sensorPoseText(const Pose& pose)
   return text;
 }
 
-/** By child frame. */
-std::map<std::string, RosPose> staticTransforms(Bag& bag)
+/** Pose of a frame in the last of its parents, or in `last` if that is one of them. */
+RosPose poseInParent(const RosTransforms& transforms,
+                     const std::string& frame,
+                     const std::string& last)
+{
+  RosPose result;
+  result.parent = frame;
+  result.child = frame;
+  std::set<std::string> passed;  // a loop of frames must not be followed for ever
+  for (auto at = transforms.find(frame);
+       at != transforms.end() && result.parent != last && passed.insert(result.parent).second;
+       at = transforms.find(result.parent))
+  {
+    result.pose = at->second.pose * result.pose;
+    result.parent = at->second.parent;
+  }
+  return result;
+}
+}  // namespace
+
+RosTransforms staticTransforms(Bag& bag)
 {
   std::vector<std::size_t> topics;
   for (std::size_t i = 0; i < bag.topics().size(); ++i)
@@ -63,7 +82,7 @@ std::map<std::string, RosPose> staticTransforms(Bag& bag)
       topics.push_back(i);
     }
   }
-  std::map<std::string, RosPose> by_child;
+  RosTransforms by_child;
   if (topics.empty())
   {
     return by_child;
@@ -82,11 +101,33 @@ std::map<std::string, RosPose> staticTransforms(Bag& bag)
   }
   catch (const UserError&)
   {
-    // Data before the damage are shown.
+    // Data before the damage are used.
   }
   return by_child;
 }
-}  // namespace
+
+std::optional<Pose> transformBetween(const RosTransforms& transforms,
+                                     const std::string& a,
+                                     const std::string& b)
+{
+  const RosPose of_a = poseInParent(transforms, a, "");
+  const RosPose of_b = poseInParent(transforms, b, "");
+  return of_a.parent == of_b.parent ? std::optional<Pose>(of_a.pose.inverse() * of_b.pose)
+                                    : std::nullopt;
+}
+
+std::string frameOfTopic(Bag& bag, std::size_t topic)
+{
+  std::string frame;
+  forFirstMessages(bag, {topic},
+                   [&](const BagMessage& message)
+                   {
+                     const BagTopic& read = bag.topics()[topic];
+                     ByteReader reader = rosReader(read, message);
+                     frame = rosHeader(reader, read.encoding).frame;
+                   });
+  return frame;
+}
 
 RosScanTopic RosScanDecoder::summaryOf(const BagTopic& topic, const BagMessage& message)
 {
@@ -145,25 +186,16 @@ std::vector<RosScanTopic> scanTopics(Bag& bag)
 
 std::string sensorPosesOf(Bag& bag, const std::vector<RosScanTopic>& scans)
 {
-  const auto transforms = staticTransforms(bag);
+  const RosTransforms transforms = staticTransforms(bag);
   std::set<std::string> said;
   std::string text;
   for (const RosScanTopic& scan : scans)
   {
-    Pose T_parent_lidar = Pose::Identity();
-    std::string parent = scan.frame;
-    std::set<std::string> passed;  // a loop of frames must not be followed for ever
-    for (auto at = transforms.find(parent);
-         at != transforms.end() && parent != "base_link" && passed.insert(parent).second;
-         at = transforms.find(parent))
+    const RosPose lidar = poseInParent(transforms, scan.frame, "base_link");
+    if (lidar.parent != scan.frame && said.insert(scan.frame).second)
     {
-      T_parent_lidar = at->second.pose * T_parent_lidar;
-      parent = at->second.parent;
-    }
-    if (parent != scan.frame && said.insert(scan.frame).second)
-    {
-      text += "--sensor-pose '" + sensorPoseText(T_parent_lidar) + "'  (" + scan.frame + " in " +
-              parent + ", /tf_static)\n";
+      text += "--sensor-pose '" + sensorPoseText(lidar.pose) + "'  (" + scan.frame + " in " +
+              lidar.parent + ", /tf_static)\n";
     }
   }
   return text;

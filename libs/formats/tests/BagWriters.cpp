@@ -83,6 +83,20 @@ void putPose(MessageBytes& message, const Pose& pose)
   }
 }
 
+void putVector(MessageBytes& message, const Eigen::Vector3d& vector)
+{
+  message.put(vector.x()).put(vector.y()).put(vector.z());
+}
+
+/** `count` numbers, all zero but the first. */
+void putCovariance(MessageBytes& message, double first, int count)
+{
+  for (int i = 0; i < count; ++i)
+  {
+    message.put(i == 0 ? first : 0.0);
+  }
+}
+
 // ---- ROS 1
 std::string field(const std::string& name, const std::string& value)
 {
@@ -277,15 +291,49 @@ std::string poseStamped(bool cdr, double stamp, const Pose& pose)
   return message.bytes();
 }
 
-std::string odometry(bool cdr, double stamp, const Pose& pose)
+std::string odometry(bool cdr,
+                     double stamp,
+                     const Pose& pose,
+                     const Eigen::Vector3d& linear,
+                     const Eigen::Vector3d& angular)
 {
   MessageBytes message(cdr);
   message.header(stamp, "odom").text("base_link");
   putPose(message, pose);
-  for (int i = 0; i < 36 + 6 + 36; ++i)
+  putCovariance(message, 0, 36);
+  putVector(message, linear);
+  putVector(message, angular);
+  putCovariance(message, 0, 36);
+  return message.bytes();
+}
+
+std::string twistStamped(bool cdr,
+                         double stamp,
+                         const Eigen::Vector3d& linear,
+                         const Eigen::Vector3d& angular,
+                         bool with_covariance)
+{
+  MessageBytes message(cdr);
+  message.header(stamp, "base_link");
+  putVector(message, linear);
+  putVector(message, angular);
+  putCovariance(message, 0.1, with_covariance ? 36 : 0);
+  return message.bytes();
+}
+
+std::string imu(bool cdr, double stamp, const ImuValues& values)
+{
+  MessageBytes message(cdr);
+  message.header(stamp, values.frame);
+  for (const double value : {0.0, 0.0, 0.0, 1.0})
   {
-    message.put(0.0);
+    message.put(value);
   }
+  putCovariance(message, -1, 9);
+  putVector(message, values.angular_velocity);
+  putCovariance(message, values.angular_velocity_variance, 9);
+  putVector(message, values.acceleration);
+  putCovariance(message, values.acceleration_variance, 9);
   return message.bytes();
 }
 

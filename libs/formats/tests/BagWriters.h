@@ -59,8 +59,28 @@ struct CloudField
 [[nodiscard]] std::vector<CloudField> velodyneFields(const Scan& scan);
 /** geometry_msgs/PoseStamped. */
 [[nodiscard]] std::string poseStamped(bool cdr, double stamp, const Pose& pose);
-/** nav_msgs/Odometry. */
-[[nodiscard]] std::string odometry(bool cdr, double stamp, const Pose& pose);
+/** nav_msgs/Odometry of base_link. \param linear, angular of the twist [m/s], [rad/s] */
+[[nodiscard]] std::string odometry(bool cdr,
+                                   double stamp,
+                                   const Pose& pose,
+                                   const Eigen::Vector3d& linear = Eigen::Vector3d::Zero(),
+                                   const Eigen::Vector3d& angular = Eigen::Vector3d::Zero());
+/** geometry_msgs/TwistStamped of base_link, or TwistWithCovarianceStamped. */
+[[nodiscard]] std::string twistStamped(bool cdr,
+                                       double stamp,
+                                       const Eigen::Vector3d& linear,
+                                       const Eigen::Vector3d& angular,
+                                       bool with_covariance = false);
+struct ImuValues
+{
+  std::string frame = "imu_link";
+  Eigen::Vector3d angular_velocity = Eigen::Vector3d::Zero();  //!< [rad/s]
+  Eigen::Vector3d acceleration = Eigen::Vector3d::Zero();      //!< [m/s^2]
+  double angular_velocity_variance = 0.1;                      //!< -1: unknown
+  double acceleration_variance = 0.1;                          //!< -1: unknown
+};
+/** sensor_msgs/Imu. */
+[[nodiscard]] std::string imu(bool cdr, double stamp, const ImuValues& values);
 /** tf2_msgs/TFMessage of one transform for each child. */
 [[nodiscard]] std::string transforms(bool cdr,
                                      double stamp,

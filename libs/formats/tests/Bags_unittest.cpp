@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/Error.h>
+#include <dyslam/core/Files.h>
 #include <dyslam/formats/Bag.h>
 #include <dyslam/formats/RecordingKind.h>
 #include <gtest/gtest.h>
@@ -172,7 +173,8 @@ TEST(Bags, Listing)
       "topic    type                     messages  rate [1/s]  points  frame\n"
       "/points  sensor_msgs/PointCloud2         5        1.00       0  -  <- taken without "
       "--topic\n"
-      "/imu     sensor_msgs/Imu                 5        1.00       -  -\n"
+      "/imu     sensor_msgs/Imu                 5        1.00       -  -  <- for "
+      "--imu-topic\n"
       "/late    std_msgs/String                 1           -       -  -\n"
       "duration 100.00 s, from 1600000000.000 s since 1970\n",
       listingOf(*openBag(folder.file("x.bag"))));

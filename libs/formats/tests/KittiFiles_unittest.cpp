@@ -223,6 +223,21 @@ TEST(KittiOxts, FilesAndFolders)
   EXPECT_THROW((void)readOxts(folder.file("empty")), UserError);
 }
 
+/** Fields as in KITTI's dataformat.txt: ax ay az are the 12th to 14th, wx wy wz the 18th to 20th.
+ */
+TEST(KittiOxts, AngularVelocityAndAcceleration)
+{
+  const TestFolder folder;
+  std::string line = "49";
+  for (int field = 2; field <= 30; ++field)
+  {
+    line += " " + std::to_string(field);
+  }
+  const OxtsReading reading = readOxts(folder.write("oxts.txt", line + "\n")).at(0);
+  EXPECT_EQ(Eigen::Vector3d(12, 13, 14), reading.acceleration);
+  EXPECT_EQ(Eigen::Vector3d(18, 19, 20), reading.angular_velocity);
+}
+
 TEST(KittiOxts, RealDriveGivesItsKnownPoses)
 {
   DYSLAM_REQUIRE_DATA();

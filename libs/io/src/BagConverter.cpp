@@ -5,9 +5,12 @@
 #include <dyslam/formats/Bag.h>
 #include <dyslam/formats/RosMessages.h>
 
-#include <algorithm>
 #include <map>
+#include <utility>
 
+#include "BagMotion.h"
+#include "BagTopics.h"
+#include "HeldScans.h"
 #include "ScanSink.h"
 
 namespace dyslam
@@ -15,41 +18,6 @@ namespace dyslam
 namespace
 {
 constexpr double same_instant = 1e-6;  //!< [s]
-
-std::string namesOf(const Bag& bag, const std::function<bool(const BagTopic&)>& wanted)
-{
-  std::string names;
-  for (const BagTopic& topic : bag.topics())
-  {
-    if (wanted(topic))
-    {
-      names += (names.empty() ? "" : ", ") + topic.name;
-    }
-  }
-  return names;
-}
-
-std::size_t topicNamed(const std::string& input,
-                       const Bag& bag,
-                       const std::string& option,
-                       const std::string& name,
-                       const std::function<bool(const BagTopic&)>& wanted)
-{
-  const auto& topics = bag.topics();
-  for (std::size_t i = 0; i < topics.size(); ++i)
-  {
-    if (topics[i].name == name && wanted(topics[i]))
-    {
-      return i;
-    }
-  }
-  const auto found = std::find_if(topics.begin(), topics.end(),
-                                  [&name](const BagTopic& topic) { return topic.name == name; });
-  const std::string usable = namesOf(bag, wanted);
-  throw UserError(input + ": " + option + " " + name +
-                  (found == topics.end() ? " is not in it" : ": " + found->type + " is not read") +
-                  (usable.empty() ? "; --list shows the topics" : "; use " + usable));
-}
 
 /** Reports scans of other topics; as a warning, where they may be the lidar's. */
 void reportOtherTopics(const Bag& bag, const std::vector<RosScanTopic>& candidates, ScanSink& sink)
@@ -164,6 +132,103 @@ std::optional<Pose> poseAt(const Trajectory& truth, double stamp)
   }
   return truth.at(stamp, truth_max_gap);
 }
+
+/** Passes the scans of one topic, and what other sensors measured, to the sink. */
+class BagReader
+{
+ public:
+  BagReader(const std::string& input,
+            Bag& bag,
+            std::size_t scans,
+            const Trajectory& truth,
+            const ScanConverterOptions& options,
+            ScanSink& sink)
+      : bag_(bag),
+        scans_(scans),
+        truth_(truth),
+        sink_(sink),
+        motion_(input, bag, scans, options, sink),
+        held_(sink, motion_)
+  {
+    bag_.select(motion_.topicsWith(scans));
+  }
+
+  /** Up to the end of the bag, or until the sink takes no more. Scans before damaged data are
+   * passed on. \throws UserError */
+  void read()
+  {
+    while (takeNext() && held_.passOn(message_.recorded))
+    {
+    }
+    held_.passOnAll();
+  }
+
+  /** What was read, as notes and warnings. \param truth_topic topic of the true poses */
+  void report(const std::string& truth_topic)
+  {
+    motion_.report();
+    if (!truth_.empty() && held_.withoutPose() > 0)
+    {
+      sink_.warn(truth_topic + ": has no pose within 0.2 s of " +
+                 std::to_string(held_.withoutPose()) + " scans");
+    }
+    for (const std::string& note : decoder_.notes())
+    {
+      sink_.note(note);
+    }
+    for (const std::string& warning : decoder_.warnings())
+    {
+      sink_.warn(warning);
+    }
+  }
+
+ private:
+  /** \return false at the end of the bag. */
+  bool takeNext()
+  {
+    try
+    {
+      if (!bag_.next(message_))
+      {
+        return false;
+      }
+      takeMessage();
+      return true;
+    }
+    catch (const UserError&)
+    {
+      held_.passOnAll();
+      throw;
+    }
+  }
+
+  void takeMessage()
+  {
+    if (message_.topic != scans_)
+    {
+      motion_.add(message_);
+      return;
+    }
+    HeldScans::Entry entry;
+    entry.scan = decoder_.decode(bag_.topics()[scans_], message_);
+    if (const auto T_world_vehicle = poseAt(truth_, entry.scan.stamp))
+    {
+      entry.T_world_lidar = *T_world_vehicle * sink_.T_vehicle_lidar();
+    }
+    entry.recorded = message_.recorded;
+    entry.progress = bag_.progress();
+    held_.hold(std::move(entry));
+  }
+
+  Bag& bag_;
+  std::size_t scans_;  //!< topic
+  const Trajectory& truth_;
+  ScanSink& sink_;
+  BagMotion motion_;
+  HeldScans held_;
+  RosScanDecoder decoder_;
+  BagMessage message_;
+};
 }  // namespace
 
 void convertBag(const std::string& input, ScanSink& sink, const ScanConverterOptions& options)
@@ -182,44 +247,14 @@ void convertBag(const std::string& input, ScanSink& sink, const ScanConverterOpt
     sink.warn(warning);
   }
   sink.note("scans: " + topic.name + " (" + topic.type + ")");
-  bag->select({at});
-  RosScanDecoder decoder;
-  std::size_t without_pose = 0;
-  BagMessage message;
-  while (bag->next(message))
-  {
-    Scan scan = decoder.decode(topic, message);
-    std::optional<Pose> T_world_lidar;
-    if (const auto T_world_vehicle = poseAt(truth, scan.stamp))
-    {
-      T_world_lidar = *T_world_vehicle * sink.T_vehicle_lidar();
-    }
-    const std::size_t written = sink.written();
-    const bool more = sink.put(std::move(scan), true, T_world_lidar, bag->progress());
-    without_pose += sink.written() > written && !T_world_lidar ? 1 : 0;
-    if (!more)
-    {
-      break;
-    }
-  }
+  BagReader reader(input, *bag, at, truth, options, sink);
+  reader.read();
   if (sink.written() == 0)
   {
     throw UserError(input + ": " + topic.name + " has " + std::to_string(topic.messages) +
                     " scans" +
                     (topic.messages > 0 ? "; " + emptyRange(options) : "; choose another --topic"));
   }
-  if (!truth.empty() && without_pose > 0)
-  {
-    sink.warn(options.truth_topic + ": has no pose within 0.2 s of " +
-              std::to_string(without_pose) + " scans");
-  }
-  for (const std::string& note : decoder.notes())
-  {
-    sink.note(note);
-  }
-  for (const std::string& warning : decoder.warnings())
-  {
-    sink.warn(warning);
-  }
+  reader.report(options.truth_topic);
 }
 }  // namespace dyslam

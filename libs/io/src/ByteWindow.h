@@ -40,6 +40,8 @@ class ByteWindow
   [[nodiscard]] std::string_view since(std::size_t from) const;
   /** Takes the bytes from `from` up to the present place out. */
   void erase(std::size_t from);
+  /** Back to an earlier place of the object. \param place in bytes since begin() */
+  void rewind(std::size_t place) { at_ = begin_ + place; }
   /** Another value for a byte that was passed. */
   void replace(std::size_t place, std::uint8_t value);
   /** The bytes ahead, at least `wanted` unless the file ends; valid until the next call. */

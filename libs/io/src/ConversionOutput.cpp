@@ -34,7 +34,7 @@ RawlogWriterOptions writerOptions(bool external_storage, int compression_level)
 }
 }  // namespace
 
-Pose sensorPoseFrom(std::string text)
+Pose poseFromOption(const std::string& option, std::string text)
 {
   if (text.empty())
   {
@@ -52,7 +52,7 @@ Pose sensorPoseFrom(std::string text)
   }
   if (!words.eof() || v.size() != 6)
   {
-    throw UserError("--sensor-pose '" + text +
+    throw UserError(option + " '" + text +
                     "': six numbers are needed: x y z [m] yaw pitch roll [deg]");
   }
   constexpr double rad = radians_per_degree;

@@ -16,9 +16,9 @@ namespace dyslam
  * RawlogSourceOptions::ground_truth_max_gap. */
 constexpr double truth_max_gap = 0.2;
 
-/** T_vehicle_lidar of "x y z yaw pitch roll" [m, deg], separated by spaces or commas; identity if
- * empty. \throws UserError. */
-[[nodiscard]] Pose sensorPoseFrom(std::string text);
+/** T_vehicle_sensor of "x y z yaw pitch roll" [m, deg], separated by spaces or commas; identity if
+ * empty. \param option for messages: "--sensor-pose". \throws UserError. */
+[[nodiscard]] Pose poseFromOption(const std::string& option, std::string text);
 
 /** \param inputs files and folders that a conversion reads; empty ones are skipped.
  * \throws UserError if writing the rawlog `output` with its sidecar would replace one of them. */
@@ -47,6 +47,9 @@ class ConversionOutput
   ConversionOutput& operator=(const ConversionOutput&) = delete;
 
   void write(const Scan& scan, const std::optional<Pose>& T_world_lidar);
+  /** To be written before the first scan that is not older. */
+  void write(const ImuSample& sample) { writer_.write(sample); }
+  void write(const WheelSample& sample) { writer_.write(sample); }
   /** Where the true poses are from, before the first one. */
   void setPoseOrigin(const PoseOrigin& origin) { origin_ = origin; }
   /** For the scan written last. */

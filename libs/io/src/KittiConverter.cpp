@@ -11,6 +11,7 @@
 
 #include "ConversionOutput.h"
 #include "KittiLayout.h"
+#include "MotionSampleWriter.h"
 
 namespace dyslam
 {
@@ -65,6 +66,33 @@ void requireKittiColumns(const std::string& scan)
                     "convert the folder of the scans with scans2rawlog");
   }
 }
+
+/** What was converted, and what its user should know. */
+void addNotes(const KittiLayout& layout,
+              const KittiConverterOptions& options,
+              bool deskewed,
+              std::size_t imu_samples,
+              ConversionResult& result)
+{
+  result.notes.emplace_back(
+      deskewed ? "the scans count as deskewed (--deskewed no: as they were recorded)"
+               : "the points have no times: dyslam deskews by their order, by azimuth or not at "
+                 "all (preprocess.deskew)");
+  if (options.every_n > 1 && !deskewed)
+  {
+    result.warnings.emplace_back(thinned_without_times);
+  }
+  if (layout.pose_origin.source == PoseSource::gnss_ins)
+  {
+    result.notes.push_back("the true poses are from GNSS/INS (" + layout.pose_origin.name +
+                           "), which is off by centimetres from scan to scan; --poses FILE for "
+                           "better ones, --no-truth for none");
+  }
+  if (options.imu)
+  {
+    result.notes.push_back("IMU: " + counted(imu_samples, "sample") + " of oxts");
+  }
+}
 }  // namespace
 
 void KittiConverterOptions::describe(OptionsVisitor& visitor)
@@ -83,6 +111,7 @@ void KittiConverterOptions::describe(OptionsVisitor& visitor)
   visitor.text("times", times, "file of times, a line for each frame number");
   visitor.text("sensor_pose", sensor_pose,
                "pose of the lidar on the vehicle, x y z yaw pitch roll; empty: identity [m, deg]");
+  visitor.flag("imu", imu, "convert the angular velocities and accelerations of oxts, too");
   visitor.flag("no_truth", no_truth, "convert scans only: no poses, labels or boxes");
   visitor.choice(
       "pose_frame", pose_frame,
@@ -113,7 +142,7 @@ ConversionResult convertKitti(const std::string& input,
   validate(options, "kitti2rawlog");
   requireNoInput(output, {input, options.calib, options.poses, options.oxts, options.labels,
                           options.boxes, options.times});
-  const Pose T_vehicle_lidar = sensorPoseFrom(options.sensor_pose);
+  const Pose T_vehicle_lidar = poseFromOption("--sensor-pose", options.sensor_pose);
   const KittiLayout layout = readKittiLayout(input, options);
   requireKittiColumns(layout.entries.front().scan);
   std::multimap<int, const LabelledBox*> boxes;
@@ -127,6 +156,8 @@ ConversionResult convertKitti(const std::string& input,
       (options.deskewed == ScansDeskewed::automatic && options.kind == KittiKind::odometry);
   ConversionOutput out(output, options.external_storage, options.compression_level);
   out.setPoseOrigin(layout.pose_origin);
+  MotionSampleWriter motion;
+  auto imu = layout.imu.begin();
   for (std::size_t i = 0; i < entries.size(); ++i)
   {
     const KittiLayout::Entry& entry = *entries[i];
@@ -142,6 +173,11 @@ ConversionResult convertKitti(const std::string& input,
     {
       scan.time.assign(scan.size(), 0.F);  // deskewed: all points at one instant
     }
+    for (; imu != layout.imu.end() && imu->stamp <= scan.stamp; ++imu)
+    {
+      motion.add(*imu);
+    }
+    motion.writeUpTo(scan.stamp, out);
     out.write(scan, entry.T_world_lidar);
     if (!entry.labels.empty())
     {
@@ -153,20 +189,7 @@ ConversionResult convertKitti(const std::string& input,
   }
   ConversionResult result = out.close();
   result.warnings = layout.warnings;
-  result.notes.emplace_back(
-      deskewed ? "the scans count as deskewed (--deskewed no: as they were recorded)"
-               : "the points have no times: dyslam deskews by their order, by azimuth or not at "
-                 "all (preprocess.deskew)");
-  if (options.every_n > 1 && !deskewed)
-  {
-    result.warnings.emplace_back(thinned_without_times);
-  }
-  if (layout.pose_origin.source == PoseSource::gnss_ins)
-  {
-    result.notes.push_back("the true poses are from GNSS/INS (" + layout.pose_origin.name +
-                           "), which is off by centimetres from scan to scan; --poses FILE for "
-                           "better ones, --no-truth for none");
-  }
+  addNotes(layout, options, deskewed, motion.imu().samples, result);
   result.pose_source = layout.pose_file;
   return result;
 }

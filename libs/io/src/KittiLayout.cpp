@@ -14,6 +14,7 @@
 #include <cmath>
 #include <filesystem>
 #include <functional>
+#include <limits>
 
 #include "ConversionOutput.h"
 #include "KittiScans.h"
@@ -63,6 +64,10 @@ class LayoutReader
       orWithout("poses", !options_.poses.empty() || !options_.oxts.empty(),
                 [this] { readPoses(); });
       orWithout("boxes", !options_.boxes.empty(), [this] { readBoxes(); });
+    }
+    if (options_.imu)
+    {
+      readImu();
     }
     return std::move(layout_);
   }
@@ -233,6 +238,8 @@ class LayoutReader
       }
     }
     has_times_ = !times.empty();
+    has_raw_times_ =
+        has_times_ && options_.times.empty() && fs::path(source).filename() == "timestamps.txt";
     const double dt = options_.dt > 0 ? options_.dt : kitti_dt;
     for (std::size_t i = 0; i < entries.size(); ++i)
     {
@@ -310,7 +317,8 @@ class LayoutReader
            name.find("velo") == std::string::npos && name.find("lidar") == std::string::npos;
   }
 
-  void readOxtsPoses()
+  /** Empty if there is none. */
+  [[nodiscard]] std::string oxtsPath() const
   {
     std::vector<fs::path> candidates{input_ / "oxts.txt"};
     if (!sequence_.empty())
@@ -321,41 +329,133 @@ class LayoutReader
     {
       candidates.push_back(input_ / "oxts");
     }
-    const std::string path = firstExisting(options_.oxts, candidates);
-    if (path.empty())
-    {
-      return;
-    }
-    if (!requireCalib("poses of oxts").has_imu)
+    return firstExisting(options_.oxts, candidates);
+  }
+
+  /** T_velo_imu. \throws UserError without it. */
+  const Pose& requireImuMounting(const std::string& for_what)
+  {
+    if (!requireCalib(for_what).has_imu)
     {
       throw UserError(calib_path_ + ": has no IMU mounting (" +
                       (fs::is_directory(calib_path_) ? "calib_imu_to_velo.txt" : "Tr_imu_velo") +
                       "), needed for oxts");
     }
-    assign(path, imuToLidarPoses(oxtsPoses(readOxts(path)), calib_.T_velo_imu));
+    return calib_.T_velo_imu;
+  }
+
+  void readOxtsPoses()
+  {
+    const std::string path = oxtsPath();
+    if (path.empty())
+    {
+      return;
+    }
+    const Pose& T_velo_imu = requireImuMounting("poses of oxts");
+    assign(path, imuToLidarPoses(oxtsPoses(readOxts(path)), T_velo_imu));
     took(PoseSource::gnss_ins, path);
   }
 
-  /** Pose files have a line for each frame number, or for each scan there is.
-   * \throws UserError if neither can be told from the other. */
-  void assign(const std::string& path, const std::vector<Pose>& poses)
+  void readImu()
   {
-    auto& entries = layout_.entries;
-    const bool by_number = poses.size() > entries.back().number;
-    const bool has_gaps = entries.back().number - entries.front().number + 1 != entries.size();
-    if (!by_number && has_gaps && poses.size() != entries.size())
+    const std::string path = oxtsPath();
+    if (path.empty())
     {
-      throw UserError(path + ": has " + counted(poses.size(), "pose") + ", but there are " +
-                      counted(entries.size(), "scan") + ", numbered up to " +
-                      std::to_string(entries.back().number) +
-                      " with gaps; a pose for each scan or for each number is needed");
+      throw UserError(input_.string() +
+                      ": has no oxts, which is needed for --imu; name it with --oxts");
     }
+    const Pose T_vehicle_imu =
+        poseFromOption("--sensor-pose", options_.sensor_pose) * requireImuMounting("--imu");
+    const std::vector<OxtsReading> readings = readOxts(path);
+    const std::vector<double> times = oxtsTimes(path, readings.size());
+    for (std::size_t i = 0; i < readings.size(); ++i)
+    {
+      if (std::isfinite(times[i]))
+      {
+        layout_.imu.push_back(
+            {times[i], readings[i].angular_velocity, readings[i].acceleration, T_vehicle_imu});
+      }
+    }
+    std::stable_sort(layout_.imu.begin(), layout_.imu.end(),
+                     [](const ImuSample& a, const ImuSample& b) { return a.stamp < b.stamp; });
+  }
+
+  /** Times of the readings [s]: their own if the scans have those of KITTI raw, else those of the
+   * scans; NaN for readings without. */
+  [[nodiscard]] std::vector<double> oxtsTimes(const std::string& path, std::size_t readings) const
+  {
+    const std::string file = has_raw_times_ ? oxtsTimestamps(path) : "";
+    if (!file.empty())
+    {
+      const std::vector<double> times = readKittiTimestamps(file);
+      if (times.size() < readings)
+      {
+        throw UserError(file + ": has " + counted(times.size(), "time") + ", but there are " +
+                        counted(readings, "reading") + " of oxts");
+      }
+      return times;
+    }
+    std::vector<double> times(readings, std::numeric_limits<double>::quiet_NaN());
+    const std::vector<std::size_t> lines = linesOfScans(path, readings, "reading");
+    for (std::size_t i = 0; i < lines.size(); ++i)
+    {
+      if (lines[i] < readings)
+      {
+        times[lines[i]] = layout_.entries[i].stamp;
+      }
+    }
+    return times;
+  }
+
+  /** timestamps.txt of raw's oxts folder, or of the folder that its data are in; empty if there is
+   * none. */
+  [[nodiscard]] std::string oxtsTimestamps(const std::string& path) const
+  {
+    const fs::path folder = (fs::path(path) / "").lexically_normal().parent_path();
+    std::vector<fs::path> candidates;
+    if (fs::is_directory(folder))
+    {
+      candidates = {folder / "oxts" / "timestamps.txt", folder / "timestamps.txt"};
+      if (folder.filename() == "data")
+      {
+        candidates.push_back(folder.parent_path() / "timestamps.txt");
+      }
+    }
+    return firstExisting("", candidates);
+  }
+
+  /** The line of each scan in a file that has one for each frame number, or for each scan there is.
+   * \throws UserError if neither can be told from the other. */
+  [[nodiscard]] std::vector<std::size_t> linesOfScans(const std::string& path,
+                                                      std::size_t count,
+                                                      const std::string& what) const
+  {
+    const auto& entries = layout_.entries;
+    const bool by_number = count > entries.back().number;
+    const bool has_gaps = entries.back().number - entries.front().number + 1 != entries.size();
+    if (!by_number && has_gaps && count != entries.size())
+    {
+      throw UserError(path + ": has " + counted(count, what) + ", but there are " +
+                      counted(entries.size(), "scan") + ", numbered up to " +
+                      std::to_string(entries.back().number) + " with gaps; a " + what +
+                      " for each scan or for each number is needed");
+    }
+    std::vector<std::size_t> lines;
     for (std::size_t i = 0; i < entries.size(); ++i)
     {
-      const std::size_t line = by_number ? entries[i].number : i;
-      if (line < poses.size())
+      lines.push_back(by_number ? entries[i].number : i);
+    }
+    return lines;
+  }
+
+  void assign(const std::string& path, const std::vector<Pose>& poses)
+  {
+    const std::vector<std::size_t> lines = linesOfScans(path, poses.size(), "pose");
+    for (std::size_t i = 0; i < lines.size(); ++i)
+    {
+      if (lines[i] < poses.size())
       {
-        entries[i].T_world_lidar = poses[line];
+        layout_.entries[i].T_world_lidar = poses[lines[i]];
       }
     }
   }
@@ -444,6 +544,7 @@ class LayoutReader
   std::string calib_path_;
   KittiCalib calib_;
   bool has_times_ = false;
+  bool has_raw_times_ = false;  //!< those of velodyne_points/timestamps.txt
 };
 }  // namespace
 

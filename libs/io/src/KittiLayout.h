@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <dyslam/core/MotionSamples.h>
 #include <dyslam/core/Objects.h>
 #include <dyslam/core/Trajectory.h>
 #include <dyslam/formats/GroundTruth.h>
@@ -28,6 +29,7 @@ struct KittiLayout
   std::vector<Entry> entries;
   std::string pose_file;  //!< that the true poses are from; empty without
   PoseOrigin pose_origin;
+  std::vector<ImuSample> imu;      //!< of oxts, if the options want it, in order of time
   std::vector<LabelledBox> boxes;  //!< lidar frame; LabelledBox::frame is an Entry::number
   std::vector<std::string> warnings;
 };

@@ -14,7 +14,6 @@ namespace dyslam
 namespace
 {
 constexpr std::uint8_t end_flag = 0x88;
-constexpr std::uint64_t largest_side = 65536;   //!< of an image [pixels]
 constexpr std::uint64_t largest_lasers = 1024;  //!< of a lidar
 constexpr std::size_t real = sizeof(double);
 constexpr std::size_t time_stamp = sizeof(std::uint64_t);
@@ -113,7 +112,7 @@ std::uint32_t ObjectLayout::numbers(std::size_t size)
   return count;
 }
 
-void ObjectLayout::matrix()
+void ObjectLayout::matrix(std::uint64_t largest)
 {
   const ObjectHeader found = header();
   const bool single = found.class_name == "CMatrixF";
@@ -123,7 +122,7 @@ void ObjectLayout::matrix()
   }
   const std::uint64_t rows = in_.u32();
   const std::uint64_t columns = in_.u32();
-  if (rows > largest_side || columns > largest_side)
+  if (rows > largest || columns > largest)
   {
     fail("a matrix of " + std::to_string(rows) + " x " + std::to_string(columns));
   }
@@ -149,7 +148,7 @@ void ObjectLayout::pose()
   constexpr std::size_t rows = 12;
   if (found.version < 2)
   {
-    matrix();
+    matrix(4);
   }
   else
   {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstdint>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -42,6 +43,8 @@ constexpr const char* newer_mrpt_advice =
 class ObjectLayout
 {
  public:
+  static constexpr std::uint64_t largest_side = 65536;  //!< of an image or matrix
+
   explicit ObjectLayout(ByteWindow& in) : in_(in) {}
 
   [[nodiscard]] ObjectHeader header();
@@ -52,12 +55,17 @@ class ObjectLayout
   /** The rest of an observation behind its header. Images are removed from the bytes: they are not
    * used, and decoding one may need much more memory than it has bytes. */
   void observation(const ObjectHeader& header);
+  /** True for the versions of CObservationIMU and CObservationOdometry that motionSensor() reads.
+   */
+  [[nodiscard]] static bool knowsMotionSensor(const ObjectHeader& header);
+  /** The rest of an IMU's or wheel odometry's observation behind its header. */
+  void motionSensor(const ObjectHeader& header);
   /** A points map with its header, or nothing ("nullptr"). */
   void pointsMap();
   /** std::vector of numbers. \return how many. */
   std::uint32_t numbers(std::size_t size);
-  /** A matrix with its header, of CMatrixF or CMatrixD. */
-  void matrix();
+  /** A matrix with its header, of CMatrixF or CMatrixD. \param largest number of rows, columns */
+  void matrix(std::uint64_t largest = largest_side);
   /** Rows and columns as uint32, then 16 bits for each. */
   void rangeMatrix();
 
@@ -82,6 +90,11 @@ class ObjectLayout
   void rangeScanImages(int version);
   void rangeScanTail(int version);
   void preamble(const char* container);
+  /** A text of at most 64 KiB, all of it in the file. */
+  void label();
+  std::uint32_t inertialValues(int version);
+  void inertial(int version);
+  void wheelOdometry(int version);
 
   ByteWindow& in_;
 };

@@ -137,6 +137,23 @@ void RawlogObjects::skipObject()
   }
 }
 
+bool RawlogObjects::motionSensor(const ObjectHeader& header,
+                                 std::deque<CObservation::Ptr>& observations)
+{
+  const std::size_t behind_header = window_.at();
+  try
+  {
+    layout_.motionSensor(header);
+    observations.push_back(std::dynamic_pointer_cast<CObservation>(objectFrom(window_.since(0))));
+    return true;
+  }
+  catch (const std::exception&)
+  {
+    window_.rewind(behind_header);
+    return false;
+  }
+}
+
 bool RawlogObjects::observation(const ObjectHeader& header,
                                 const TRuntimeClassId* id,
                                 std::deque<CObservation::Ptr>& observations)
@@ -145,6 +162,10 @@ bool RawlogObjects::observation(const ObjectHeader& header,
   {
     layout_.observation(header);
     observations.push_back(std::dynamic_pointer_cast<CObservation>(objectFrom(window_.since(0))));
+    return true;
+  }
+  if (ObjectLayout::knowsMotionSensor(header) && motionSensor(header, observations))
+  {
     return true;
   }
   if (id == nullptr)

@@ -20,9 +20,10 @@ class GzInput;
 
 /** The objects of a rawlog, checked before MRPT reads them.
  *
- * Observations that hold scans or poses are parsed by an ObjectLayout first. All others are skipped
- * up to the next object and not read: each becomes an empty one of its class, without a time stamp,
- * or nothing if MRPT does not have the class.
+ * Observations that hold scans or poses are parsed by an ObjectLayout first, and so are those of
+ * motion sensors. All others are skipped up to the next object and not read, as those of motion
+ * sensors that are damaged or of an unknown version: each becomes an empty one of its class,
+ * without a time stamp, or nothing if MRPT does not have the class.
  */
 class RawlogObjects
 {
@@ -46,6 +47,10 @@ class RawlogObjects
   bool observation(const ObjectHeader& header,
                    const mrpt::rtti::TRuntimeClassId* id,
                    std::deque<mrpt::obs::CObservation::Ptr>& observations);
+  /** Appends the observation of a motion sensor whose header was passed.
+   * \return false if it cannot be read: then the window is still behind the header. */
+  bool motionSensor(const ObjectHeader& header,
+                    std::deque<mrpt::obs::CObservation::Ptr>& observations);
   void skipObject();
 
   GzInput& file_;

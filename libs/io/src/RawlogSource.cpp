@@ -22,6 +22,10 @@ void RawlogSourceOptions::describe(OptionsVisitor& visitor)
                "also read external files outside the recording's folder");
   visitor.real("intensity_scale", intensity_scale, 0, 1000,
                "factor on the file's intensities; 0: 1, or 1/255 for 0..255 data");
+  visitor.text("imu_label", imu_label,
+               "regex for the IMU's sensor label; empty: the first with a gyroscope");
+  visitor.text("odometry_label", odometry_label,
+               "regex for the wheel odometry's sensor label; empty: the first");
 }
 
 struct RawlogSource::Impl

@@ -7,6 +7,8 @@
 #include <dyslam/mrpt/Conversions.h>
 #include <mrpt/maps/CPointsMapXYZI.h>
 #include <mrpt/maps/CSimplePointsMap.h>
+#include <mrpt/obs/CObservationIMU.h>
+#include <mrpt/obs/CObservationOdometry.h>
 #include <mrpt/obs/CObservationPointCloud.h>
 #include <mrpt/obs/CObservationRobotPose.h>
 #include <mrpt/serialization/CArchive.h>
@@ -78,6 +80,17 @@ void requireSameLength(const Scan& scan)
     }
   }
 }
+
+void setVector(mrpt::obs::CObservationIMU& observation,
+               mrpt::obs::TIMUDataIndex x,
+               mrpt::obs::TIMUDataIndex y,
+               mrpt::obs::TIMUDataIndex z,
+               const Eigen::Vector3d& vector)
+{
+  observation.set(x, vector.x());
+  observation.set(y, vector.y());
+  observation.set(z, vector.z());
+}
 }  // namespace
 
 std::string externalStorageFolder(const std::string& rawlog)
@@ -103,7 +116,9 @@ struct RawlogWriter::Impl
   GzOutput file;
   std::size_t frames = 0;
   bool closed = false;
-  std::vector<std::string> external;  //!< names of the clouds' files
+  std::vector<std::string> external;       //!< names of the clouds' files
+  std::optional<WheelSample> wheels;       //!< the last one
+  Pose T_odom_vehicle = Pose::Identity();  //!< at that one, integrated from the first
 
   Impl(const std::string& path_in, const RawlogWriterOptions& options_in)
       : path(path_in), options(options_in), file(path_in, options_in.compression_level)
@@ -117,7 +132,7 @@ struct RawlogWriter::Impl
   Impl(const std::string& path_in, const RawlogWriterOptions& options_in, StateArchive& saved)
       : path(path_in), options(options_in), file(path_in, options_in.compression_level, saved)
   {
-    saved(frames, external);
+    saved(frames, external, wheels, T_odom_vehicle);
   }
   ~Impl()
   {
@@ -143,6 +158,20 @@ struct RawlogWriter::Impl
       {
         throw UserError((folder / name).string() + ": cannot be written: " + error.message());
       }
+    }
+  }
+
+  /** \param what is to be written at that time [s], for messages */
+  void requireWritable(double stamp, const std::string& what) const
+  {
+    if (closed)
+    {
+      throw std::logic_error("RawlogWriter is closed");
+    }
+    // Ticks of 100 ns in 64 bits; a stamp far outside is no time.
+    if (!std::isfinite(stamp) || std::abs(stamp) > 1e11)
+    {
+      throw UserError(path + ": " + what + " has no usable time stamp");
     }
   }
 
@@ -189,6 +218,18 @@ struct RawlogWriter::Impl
     observation.pose.cov.setZero();
     put(observation);
   }
+
+  /** Integrates the mean of both velocities since the sample before. */
+  void addToOdometry(const WheelSample& sample)
+  {
+    const WheelSample before = wheels.value_or(sample);
+    const double dt = std::max(0.0, sample.stamp - before.stamp);
+    Vector6 motion = Vector6::Zero();
+    motion[0] = 0.5 * dt * (before.forward_speed + sample.forward_speed);
+    motion[5] = 0.5 * dt * (before.yaw_rate + sample.yaw_rate);
+    T_odom_vehicle = T_odom_vehicle * expSE3(motion);
+    wheels = sample;
+  }
 };
 
 RawlogWriter::RawlogWriter(const std::string& path, const RawlogWriterOptions& options)
@@ -219,16 +260,7 @@ RawlogWriter& RawlogWriter::operator=(RawlogWriter&&) noexcept = default;
 void RawlogWriter::write(const Scan& scan, const std::optional<Pose>& truth)
 {
   requireSameLength(scan);
-  if (impl_->closed)
-  {
-    throw std::logic_error("RawlogWriter is closed");
-  }
-  // Ticks of 100 ns in 64 bits; a stamp far outside is no time.
-  if (!std::isfinite(scan.stamp) || std::abs(scan.stamp) > 1e11)
-  {
-    throw UserError(impl_->path + ": scan " + std::to_string(impl_->frames) +
-                    " has no usable time stamp");
-  }
+  impl_->requireWritable(scan.stamp, "scan " + std::to_string(impl_->frames));
   const std::string label =
       scan.sensor_label.empty() ? impl_->options.sensor_label : scan.sensor_label;
   if (truth)
@@ -241,6 +273,38 @@ void RawlogWriter::write(const Scan& scan, const std::optional<Pose>& truth)
   }
   impl_->putCloud(scan, label, cloudOf(scan));
   ++impl_->frames;
+}
+
+void RawlogWriter::write(const ImuSample& sample)
+{
+  impl_->requireWritable(sample.stamp, "a sample of the IMU");
+  mrpt::obs::CObservationIMU observation;
+  observation.timestamp = toMrptTime(sample.stamp);
+  observation.sensorLabel = "imu";
+  observation.sensorPose = toMrpt(sample.T_vehicle_imu);
+  setVector(observation, mrpt::obs::IMU_WX, mrpt::obs::IMU_WY, mrpt::obs::IMU_WZ,
+            sample.angular_velocity);
+  if (sample.acceleration)
+  {
+    setVector(observation, mrpt::obs::IMU_X_ACC, mrpt::obs::IMU_Y_ACC, mrpt::obs::IMU_Z_ACC,
+              *sample.acceleration);
+  }
+  impl_->put(observation);
+}
+
+void RawlogWriter::write(const WheelSample& sample)
+{
+  impl_->requireWritable(sample.stamp, "a sample of the wheel odometry");
+  impl_->addToOdometry(sample);
+  const Pose& pose = impl_->T_odom_vehicle;
+  mrpt::obs::CObservationOdometry observation;
+  observation.timestamp = toMrptTime(sample.stamp);
+  observation.sensorLabel = "odometry";
+  observation.odometry =
+      mrpt::poses::CPose2D(pose.translation().x(), pose.translation().y(), yawPitchRoll(pose).x());
+  observation.hasVelocities = true;
+  observation.velocityLocal = mrpt::math::TTwist2D(sample.forward_speed, 0, sample.yaw_rate);
+  impl_->put(observation);
 }
 
 void RawlogWriter::close()
@@ -276,6 +340,6 @@ RawlogWriter::RawlogWriter(const std::string& path,
 
 void RawlogWriter::saveState(StateArchive& archive)
 {
-  archive(impl_->file, impl_->frames, impl_->external);
+  archive(impl_->file, impl_->frames, impl_->external, impl_->wheels, impl_->T_odom_vehicle);
 }
 }  // namespace dyslam

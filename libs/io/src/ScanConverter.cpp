@@ -234,7 +234,10 @@ void requireFitting(InputKind kind, const ScanConverterOptions& options)
         Use{"--keep-partial", options.keep_partial, InputKind::pcap, "a .pcap"},
         Use{"--topic", !options.topic.empty(), InputKind::bag, "a bag"},
         Use{"--truth-topic", !options.truth_topic.empty(), InputKind::bag, "a bag"},
-        Use{"--truth-frame", !options.truth_frame.empty(), InputKind::bag, "a bag"}})
+        Use{"--truth-frame", !options.truth_frame.empty(), InputKind::bag, "a bag"},
+        Use{"--imu-topic", !options.imu_topic.empty(), InputKind::bag, "a bag"},
+        Use{"--imu-pose", !options.imu_pose.empty(), InputKind::bag, "a bag"},
+        Use{"--odometry-topic", !options.odometry_topic.empty(), InputKind::bag, "a bag"}})
   {
     if (use.given && use.kind != kind)
     {
@@ -258,6 +261,10 @@ void requireFitting(InputKind kind, const ScanConverterOptions& options)
   {
     throw UserError("--truth-frame chooses one of the bodies of --truth-topic; give that, too");
   }
+  if (!options.imu_pose.empty() && options.imu_topic.empty())
+  {
+    throw UserError("--imu-pose states where the IMU of --imu-topic is mounted; give that, too");
+  }
 }
 }  // namespace
 
@@ -272,6 +279,12 @@ void ScanConverterOptions::describe(OptionsVisitor& visitor)
   visitor.text("truth_topic", truth_topic,
                "topic of a bag's true poses of the vehicle; empty: none");
   visitor.text("truth_frame", truth_frame, "child frame of the poses in truth_topic");
+  visitor.text("imu_topic", imu_topic, "topic of a bag's IMU; empty: none");
+  visitor.text("imu_pose", imu_pose,
+               "pose of the IMU on the vehicle, x y z yaw pitch roll; empty: by the bag's "
+               "/tf_static [m, deg]");
+  visitor.text("odometry_topic", odometry_topic,
+               "topic of the measured speed of a bag's vehicle; empty: none");
   visitor.text("sensor_pose", sensor_pose,
                "pose of the lidar on the vehicle, x y z yaw pitch roll; empty: identity [m, deg]");
   visitor.real("dt", dt, 0, 3600, "time between scans; 0: the scans' own times, else 0.1 [s]");

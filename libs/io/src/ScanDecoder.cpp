@@ -12,13 +12,15 @@
 #include <cstdio>
 #include <deque>
 #include <map>
-#include <regex>
 #include <sstream>
 #include <utility>
 
 #include "IntensityScaler.h"
+#include "LabelPattern.h"
+#include "MotionSampleReader.h"
 #include "MrptErrors.h"
 #include "ObservationScans.h"
+#include "RecordingNotes.h"
 
 namespace dyslam
 {
@@ -27,7 +29,6 @@ namespace
 using mrpt::obs::CObservation;
 
 constexpr std::size_t max_dropped_in_a_row = 10;
-constexpr std::size_t longest_label = 256;   //!< std::regex goes a call deeper with each character
 constexpr std::size_t scans_after_step = 4;  //!< regular scans that show a clock set back
 constexpr double same_time = 1e-6;           //!< stamps this near are one [s]
 constexpr double truth_memory = 2.0;         //!< how long old true poses are kept [s]
@@ -35,23 +36,6 @@ constexpr double truth_memory = 2.0;         //!< how long old true poses are ke
 bool endsWith(const std::string& text, const std::string& end)
 {
   return text.size() >= end.size() && text.compare(text.size() - end.size(), end.size(), end) == 0;
-}
-
-std::regex compiled(const std::string& pattern)
-{
-  try
-  {
-    if (pattern.size() > longest_label)
-    {
-      throw UserError("sensor_label is longer than " + std::to_string(longest_label) +
-                      " characters");
-    }
-    return std::regex(pattern);
-  }
-  catch (const std::regex_error&)
-  {
-    throw UserError("sensor_label = " + pattern + " is not a regular expression");
-  }
 }
 }  // namespace
 
@@ -61,33 +45,18 @@ struct ScanDecoder::Impl
       : options(options_in),
         recording(std::move(name)),
         external{std::move(folder), options_in.external_anywhere},
-        wanted(compiled(options_in.sensor_label)),
+        wanted("sensor_label", options_in.sensor_label),
+        motion(options_in),
         scale_intensity(options_in.intensity_scale),
         selection(options_in)
   {
-  }
-
-  /** \param scan index of the one it is about, if it is about one. */
-  void warn(const std::string& text, std::optional<std::size_t> scan = std::nullopt)
-  {
-    const auto it = std::find_if(notes.begin(), notes.end(),
-                                 [&text](const Note& note) { return note.text == text; });
-    if (it == notes.end())
-    {
-      notes.push_back({text, 1, scan});
-    }
-    else
-    {
-      ++it->times;
-    }
   }
 
   [[nodiscard]] bool isWanted(const CObservation& observation)
   {
     const std::string& name = observation.sensorLabel;
     ++lidar_labels[name];
-    if (!options.sensor_label.empty() &&
-        (name.size() > longest_label || !std::regex_match(name, wanted)))
+    if (!wanted.fits(name))
     {
       return false;
     }
@@ -97,14 +66,15 @@ struct ScanDecoder::Impl
     }
     else if (name != label)
     {
-      warn("scans of '" + name + "' are ignored: '" + label +
-           "' came first; choose with sensor_label");
+      notes.add("scans of '" + name + "' are ignored: '" + label +
+                "' came first; choose with sensor_label");
       return false;
     }
     return true;
   }
 
-  /** Classifies one observation as ground truth, companion or neither; true for a wanted scan. */
+  /** Classifies one observation as ground truth, companion, motion sensor or neither; true for a
+   * wanted scan. */
   [[nodiscard]] bool isScan(const CObservation::Ptr& observation)
   {
     ++seen_classes[stripped(observation->GetRuntimeClass()->className)];
@@ -119,7 +89,7 @@ struct ScanDecoder::Impl
       }
       return false;
     }
-    if (!is3dScan(*observation))
+    if (motion.take(*observation, clock_shift, notes) || !is3dScan(*observation))
     {
       return false;
     }
@@ -156,10 +126,10 @@ struct ScanDecoder::Impl
     }
     ++dropped;
     ++dropped_in_a_row;
-    warn(!has_time              ? "a scan without a time stamp was dropped"
-         : stamp == *last_stamp ? "a scan with the time stamp of the one before was dropped"
-                                : "a scan whose time stamp goes back was dropped",
-         index);
+    notes.add(!has_time              ? "a scan without a time stamp was dropped"
+              : stamp == *last_stamp ? "a scan with the time stamp of the one before was dropped"
+                                     : "a scan whose time stamp goes back was dropped",
+              index);
     if (dropped_in_a_row > max_dropped_in_a_row)
     {
       throw UserError(recording + ": the time stamps stand still or run backwards from scan " +
@@ -186,13 +156,14 @@ struct ScanDecoder::Impl
     const double period = (stamp - stamps_gone_back.front()) / static_cast<double>(n - 1);
     const double shift = *last_stamp + static_cast<double>(n) * period - stamp;
     shiftTruths(shift);
+    motion.shiftClock(shift);
     clock_shift += shift;
     char text[160];
     std::snprintf(text, sizeof text,
                   "the clock of the recording was set back; stamps from there on are %.3f s later "
                   "than recorded",
                   clock_shift);
-    warn(text, index);
+    notes.add(text, index);
     return true;
   }
 
@@ -228,7 +199,7 @@ struct ScanDecoder::Impl
                       applyTimeRing(*own, external, scan);
     if (!fits)
     {
-      warn("times and rings that do not fit their scan were ignored", index);
+      notes.add("times and rings that do not fit their scan were ignored", index);
     }
   }
 
@@ -305,7 +276,8 @@ struct ScanDecoder::Impl
   RawlogSourceOptions options;
   std::string recording;
   ExternalFiles external;
-  std::regex wanted;
+  LabelPattern wanted;
+  MotionSampleReader motion;
   IntensityScaler scale_intensity;
   ScanSelection selection;
   std::string label;  //!< of the lidar in use, once it is known
@@ -329,13 +301,7 @@ struct ScanDecoder::Impl
 
   std::map<std::string, std::size_t> seen_classes;
   std::map<std::string, std::size_t> lidar_labels;
-  struct Note
-  {
-    std::string text;
-    std::size_t times = 0;
-    std::optional<std::size_t> first_scan;
-  };
-  std::vector<Note> notes;
+  RecordingNotes notes;
 };
 
 ScanDecoder::ScanDecoder(const RawlogSourceOptions& options,
@@ -360,7 +326,13 @@ std::optional<RecordedScan> ScanDecoder::take(const CObservation::Ptr& observati
   CObservation::Ptr own = std::exchange(s.companion, nullptr);
   if (s.acceptStamp(*observation, index) && s.selection.takes(index, *s.last_stamp))
   {
-    return RecordedScan{observation, std::move(own), index, s.clock_shift};
+    RecordedScan scan;
+    scan.observation = observation;
+    scan.time_ring = std::move(own);
+    scan.index = index;
+    scan.clock_shift = s.clock_shift;
+    s.motion.handOver(*s.last_stamp, scan, s.notes);
+    return scan;
   }
   return std::nullopt;
 }
@@ -375,6 +347,8 @@ Frame ScanDecoder::decode(const RecordedScan& scan)
   Impl& s = *impl_;
   Frame frame;
   frame.index = scan.index;
+  frame.imu = scan.imu;
+  frame.wheels = scan.wheels;
   try
   {
     frame.scan = scanFromObservation(*scan.observation, s.external);
@@ -393,7 +367,7 @@ Frame ScanDecoder::decode(const RecordedScan& scan)
   s.scale_intensity(frame.scan);
   if (frame.scan.size() == 0)
   {
-    s.warn("an empty scan", scan.index);
+    s.notes.add("an empty scan", scan.index);
   }
   return frame;
 }
@@ -445,15 +419,10 @@ void ScanDecoder::failWithoutScans(const std::map<std::string, std::size_t>& lef
 
 std::vector<std::string> ScanDecoder::warnings() const
 {
-  std::vector<std::string> lines;
-  for (const Impl::Note& note : impl_->notes)
+  std::vector<std::string> lines = impl_->notes.lines(impl_->recording);
+  for (const std::string& text : impl_->motion.missing())
   {
-    const std::string times = note.times > 1 ? std::to_string(note.times) + " times" : "";
-    const std::string scan = note.first_scan ? (times.empty() ? "scan " : ", first scan ") +
-                                                   std::to_string(*note.first_scan)
-                                             : "";
-    lines.push_back(impl_->recording + ": " + printable(note.text) +
-                    (times.empty() && scan.empty() ? "" : " (" + times + scan + ")"));
+    lines.push_back(impl_->recording + ": " + printable(text));
   }
   return lines;
 }

@@ -27,7 +27,7 @@ bool haveDifferentTimes(const Scan& scan)
 
 ScanSink::ScanSink(const std::string& output, const ScanConverterOptions& options)
     : options_(options),
-      T_vehicle_lidar_(sensorPoseFrom(options.sensor_pose)),
+      T_vehicle_lidar_(poseFromOption("--sensor-pose", options.sensor_pose)),
       selection_(options, options.every_n),
       out_(output, options.external_storage, options.compression_level)
 {
@@ -51,6 +51,7 @@ bool ScanSink::put(Scan scan,
   const double recorded = assume_rate ? static_cast<double>(number) * dt : scan.stamp;
   if (!selection_.takes(number, recorded))
   {
+    motion_.skip(recorded);
     return !selection_.isPastEnd();
   }
   scaler_(scan);
@@ -71,6 +72,7 @@ bool ScanSink::put(Scan scan,
     equal_times_ = true;
   }
   any_times_ = any_times_ || !scan.time.empty();
+  motion_.writeUpTo(scan.stamp, out_);
   out_.write(scan, T_world_lidar);
   ++written_;
   out_.tell(progress_, progress);

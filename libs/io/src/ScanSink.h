@@ -8,6 +8,7 @@
 
 #include "ConversionOutput.h"
 #include "IntensityScaler.h"
+#include "MotionSampleWriter.h"
 
 namespace dyslam
 {
@@ -22,11 +23,16 @@ class ScanSink
    */
   bool put(Scan scan, bool has_stamp, const std::optional<Pose>& T_world_lidar, double progress);
 
+  /** A sample of another sensor: written before the first scan that is not older. */
+  void add(const ImuSample& sample) { motion_.add(sample); }
+  void add(const WheelSample& sample) { motion_.add(sample); }
+
   /** Where the true poses are from, if the options do not say it. \param name file or topic */
   void setPoseOrigin(PoseSource source, const std::string& name);
   void setProgress(const ConversionProgress& progress) { progress_ = progress; }
   [[nodiscard]] std::size_t seen() const { return seen_; }
   [[nodiscard]] std::size_t written() const { return written_; }
+  [[nodiscard]] const MotionSampleWriter& motion() const { return motion_; }
   [[nodiscard]] const Pose& T_vehicle_lidar() const { return T_vehicle_lidar_; }
   void note(const std::string& what) { notes_.push_back(what); }
   void warn(const std::string& what) { warnings_.push_back(what); }
@@ -38,6 +44,7 @@ class ScanSink
   ScanSelection selection_;
   ConversionOutput out_;
   IntensityScaler scaler_;
+  MotionSampleWriter motion_;
   ConversionProgress progress_;
   std::vector<std::string> notes_;
   std::vector<std::string> warnings_;

@@ -201,7 +201,7 @@ TEST(ObjectLayout, OtherClassesArePassedOver)
   const auto scan = cloud<mrpt::maps::CPointsMapXYZI>();
   const std::string image = bytesOf(*picture());
   CSensoryFrame frame;
-  frame.insert(named(CObservationIMU::Create()));
+  frame.insert(named(CObservationComment::Create()));
   frame.insert(scan);
   frame.insert(picture());
   CActionCollection actions;
@@ -217,9 +217,9 @@ TEST(ObjectLayout, OtherClassesArePassedOver)
               observation->timestamp == INVALID_TIMESTAMP);
   }
   EXPECT_EQ(
-      (std::vector<std::string>{"CObservationImage", "CObservationIMU", "CObservationPointCloud",
-                                "CObservationImage", "CObservationImage", "CObservationPointCloud",
-                                "CObservationImage"}),
+      (std::vector<std::string>{"CObservationImage", "CObservationComment",
+                                "CObservationPointCloud", "CObservationImage", "CObservationImage",
+                                "CObservationPointCloud", "CObservationImage"}),
       classes);
   // One that is cut short is told from the end by its last byte.
   const std::size_t size = image.find('\xA1', 5000) + 1;

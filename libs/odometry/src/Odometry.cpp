@@ -2,6 +2,7 @@
 #include <dyslam/core/StateArchive.h>
 #include <dyslam/odometry/LocalMapRegistration.h>
 #include <dyslam/odometry/MotionFilter.h>
+#include <dyslam/odometry/MotionSensors.h>
 #include <dyslam/odometry/Odometry.h>
 #include <dyslam/odometry/ScanClock.h>
 #include <dyslam/odometry/ScanMatcher.h>
@@ -80,6 +81,7 @@ struct Odometry::State
         filter(motion_options),
         matcher(given ? std::move(given) : makeScanMatcher(options.method, config, pool)),
         registration(refine, pool),
+        sensors(config.get<MotionSensorOptions>("motion_sensors")),
         uncertainty(config.get<UncertaintyOptions>("uncertainty"))
   {
     Vector6 velocity = Vector6::Zero();
@@ -89,12 +91,24 @@ struct Odometry::State
                  motion_options.start_turn_rate_sigma);
   }
 
-  [[nodiscard]] bool startSpeedKnown() const { return options.start_speed != 0; }
+  /** By the options or by the wheels. */
+  [[nodiscard]] bool startSpeedKnown() const
+  {
+    return options.start_speed != 0 || start_speed_sensed;
+  }
   [[nodiscard]] bool registers() const { return refine.method != RefineMethod::none; }
   /** The scan is the first to be registered to its map. */
   [[nodiscard]] bool startsMap() const { return registration.framesInMap() == 1; }
 
   [[nodiscard]] MotionPrior priorAfter(double dt) const;
+  /** The prior is measured by other sensors: it holds without scans. */
+  [[nodiscard]] bool isDeadReckoned() const
+  {
+    return sensed_information(0, 0) > 0 && sensed_information(3, 3) > 0;
+  }
+  void startAtSensedSpeed(double stamp);
+  void senseMotion(const Frame& frame);
+  void fuseSensedMotion(double dt, MotionPrior& prior);
   [[nodiscard]] std::optional<Pose> motionAtDoubtfulTime(
       const Frame& frame, const std::function<Cloud(const Pose&, double)>& prepare);
   void countSegmenterMotions(const Frame& frame);
@@ -118,6 +132,7 @@ struct Odometry::State
   MotionFilter filter;
   std::unique_ptr<ScanMatcher> matcher;
   LocalMapRegistration registration;
+  MotionSensors sensors;
   MotionUncertainty uncertainty;
 
   ScanClock clock;
@@ -131,8 +146,12 @@ struct Odometry::State
   Pose T_sweep_previous = Pose::Identity();  //!< that the previous cloud was deskewed with
   /** Of the segmenter's motion, if it was fused with the frame's prior; else zero. */
   Matrix6 segmenter_information = Matrix6::Zero();
-  int segmenter_frames = 0;    //!< with an appearance prior
-  int segmenter_failures = 0;  //!< of those, with no ego-motion found
+  bool moved = false;                            //!< there was a motion between two scans
+  bool start_speed_sensed = false;               //!< by the wheels
+  std::optional<SensedMotion> sensed;            //!< between the stamps of the last two scans
+  Matrix6 sensed_information = Matrix6::Zero();  //!< of `sensed`, as fused with the frame's prior
+  int segmenter_frames = 0;                      //!< with an appearance prior
+  int segmenter_failures = 0;                    //!< of those, with no ego-motion found
 };
 
 void Odometry::State::countSegmenterMotions(const Frame& frame)
@@ -266,8 +285,9 @@ double Odometry::State::initialSigma(const Frame& frame) const
   return sigma;
 }
 
-/** Registers from the guess and, if that fails, from the mean motion of the last scans: after an
- * abrupt motion, or one that was misjudged, the velocity of the last scan alone may be wrong. */
+/** Registers from the guess and, if that fails, from the mean motion of the last scans, except for
+ * what other sensors measured: after an abrupt motion, or one that was misjudged, the velocity of
+ * the last scan alone may be wrong. */
 RegistrationResult Odometry::State::registerFrom(const Frame& frame, const Pose& T_guess)
 {
   const RegistrationResult result = registration.registerFrame(frame, T_odom_previous * T_guess,
@@ -278,7 +298,13 @@ RegistrationResult Odometry::State::registerFrom(const Frame& frame, const Pose&
     return result;
   }
   MotionPrior steady = frame.prior;
-  steady.T_previous_current = expSE3(frame.dt * *mean_velocity);
+  Vector6 step = frame.dt * *mean_velocity;
+  const Vector6 of_prior = logSE3(frame.prior.T_previous_current);
+  for (Eigen::Index i = 0; i < step.size(); ++i)
+  {
+    step[i] = sensed_information(i, i) > 0 ? of_prior[i] : step[i];
+  }
+  steady.T_previous_current = expSE3(step);
   return registration.registerAgain(frame, T_odom_previous * steady.T_previous_current, &steady);
 }
 
@@ -300,14 +326,22 @@ void Odometry::State::registerToMap(Frame& frame, const Pose& T_guess)
   registered = registered || result.points > 0;
   frame.motion = result.motion;
   frame.T_odom_vehicle = result.T_odom_vehicle;
-  if (after_gap || without_scan > ScanClock::max_extrapolation)
+  if (after_gap || (without_scan > ScanClock::max_extrapolation && !isDeadReckoned()))
   {
     filter.forget(std::max(frame.dt, without_scan));
   }
   else
   {
+    const Vector6 root = result.prior_weight.cwiseSqrt();
     filter.update(frame.dt, result.motion.T_previous_current,
-                  result.measured_information + segmenter_information, result.prior_weight);
+                  result.measured_information + segmenter_information +
+                      Matrix6(root.asDiagonal() * sensed_information * root.asDiagonal()),
+                  result.prior_weight);
+  }
+  if (sensed && frame.dt == clock.interval() && result.points > 0 && frame.motion.converged)
+  {
+    sensors.compare(*sensed, sensed_information, frame.dt, frame.motion.T_previous_current,
+                    result.measured_information);
   }
   updateMeanVelocity(frame);
   uncertainty.calibrate(frame.dt, result.measured_information, frame.motion);
@@ -330,7 +364,7 @@ void Odometry::State::takeMatcherMotion(Frame& frame, const Pose& T_guess)
   }
   const Matrix6 measured =
       frame.odometry_accepted ? frame.odometry.information : Matrix6(Matrix6::Zero());
-  filter.update(frame.dt, T_guess, measured + segmenter_information);
+  filter.update(frame.dt, T_guess, measured + segmenter_information + sensed_information);
 }
 
 MotionPrior Odometry::State::priorAfter(double dt) const
@@ -340,6 +374,48 @@ MotionPrior Odometry::State::priorAfter(double dt) const
   prior.information = filter.information(dt);
   prior.reliable = started && (startSpeedKnown() || filter.sigma(dt) < fusion.reliable_prior_sigma);
   return prior;
+}
+
+/** Of a recording that begins in motion, by the wheels. \param stamp of the first scan */
+void Odometry::State::startAtSensedSpeed(double stamp)
+{
+  const auto speed = sensors.speedAt(stamp);
+  if (speed && !startSpeedKnown())
+  {
+    Vector6 velocity = Vector6::Zero();
+    velocity.x() = *speed;
+    filter.start(velocity, options.start_speed_sigma, motion_options.start_turn_rate_sigma);
+    start_speed_sensed = true;
+  }
+}
+
+/** By the other sensors, since the scan before. */
+void Odometry::State::senseMotion(const Frame& frame)
+{
+  sensors.add(frame);
+  const double interval = clock.interval();
+  sensed.reset();
+  if (interval <= 0 || interval > ScanClock::max_extrapolation)
+  {
+    return;
+  }
+  const double before = frame.scan.stamp - interval;
+  if (!moved)
+  {
+    startAtSensedSpeed(before);
+  }
+  moved = true;
+  sensed = sensors.sense(before, frame.scan.stamp, filter.predict(interval));
+}
+
+/** Nothing, if `dt` is not the time between the stamps. */
+void Odometry::State::fuseSensedMotion(double dt, MotionPrior& prior)
+{
+  sensed_information.setZero();
+  if (sensed && dt == clock.interval())
+  {
+    sensed_information = sensors.fuse(*sensed, prior);
+  }
 }
 
 /** Motion since the scan before for an unknown interval: the initial guess that registers best, of
@@ -356,6 +432,7 @@ std::optional<Pose> Odometry::State::motionAtDoubtfulTime(
   if (interval > 0 && interval <= ScanClock::max_extrapolation)
   {
     starts.emplace_back(interval, priorAfter(interval));
+    fuseSensedMotion(interval, starts.back().second);
   }
   starts.emplace_back(clock.period(), priorAfter(clock.period()));
   if (interval > 0)
@@ -405,7 +482,9 @@ void Odometry::predict(Frame& frame)
   frame.sweep_duration = s.clock.sweepDuration();
   frame.dt = frame.sweep_duration;  // settleTime() corrects it
   frame.clock_offset = s.clock.offset();
+  s.senseMotion(frame);
   frame.prior = s.priorAfter(frame.dt);
+  s.fuseSensedMotion(frame.dt, frame.prior);
   frame.T_odom_vehicle = s.T_odom_previous * frame.prior.T_previous_current;
   s.started = true;
 }
@@ -428,6 +507,7 @@ void Odometry::settleTime(Frame& frame, const std::function<Cloud(const Pose&, d
   s.after_gap = frame.dt > ScanClock::max_extrapolation;
   frame.clock_offset = s.clock.offset();
   frame.prior = s.priorAfter(std::min(frame.dt, ScanClock::max_extrapolation));
+  s.fuseSensedMotion(frame.dt, frame.prior);
   if (T_found && !set)
   {
     frame.prior.T_previous_current = *T_found;
@@ -453,7 +533,8 @@ void Odometry::estimate(Frame& frame)
   const CTimeLoggerEntry timed(s.times, "refine");
   const bool usable = reasonUnusable(frame).empty();
   s.without_scan += frame.dt;
-  const bool extrapolates = usable || s.without_scan <= ScanClock::max_extrapolation;
+  const bool extrapolates =
+      usable || s.without_scan <= ScanClock::max_extrapolation || s.isDeadReckoned();
   const Pose T_guess = extrapolates ? s.initialGuess(frame) : Pose::Identity();
   if (s.registers())
   {
@@ -479,7 +560,7 @@ void Odometry::exchangeState(StateArchive& archive)
   State& s = *state_;
   archive(s.filter, *s.matcher, s.registration, s.uncertainty, s.clock, s.started, s.registered,
           s.without_scan, s.mean_velocity, s.T_odom_previous, s.T_sweep_previous,
-          s.segmenter_frames, s.segmenter_failures);
+          s.segmenter_frames, s.segmenter_failures, s.sensors, s.moved, s.start_speed_sensed);
 }
 
 std::string Odometry::name() const
@@ -496,7 +577,7 @@ std::string Odometry::name() const
       name += " + gicp";
       break;
   }
-  return name;
+  return name + state_->sensors.name();
 }
 
 std::vector<std::string> Odometry::warnings() const
@@ -507,7 +588,11 @@ std::vector<std::string> Odometry::warnings() const
   {
     warnings.push_back(std::move(of_clock));
   }
-  if (!s.registers() && s.matcher->name() == "constant_velocity")
+  for (std::string& of_sensor : s.sensors.warnings())
+  {
+    warnings.push_back(std::move(of_sensor));
+  }
+  if (!s.registers() && s.matcher->name() == "constant_velocity" && s.sensors.name().empty())
   {
     warnings.emplace_back(
         "nothing measures the motion: odometry.method=constant_velocity only predicts it, and "

@@ -206,6 +206,134 @@ TEST_F(Fusion, WithoutRegistrationAGapKeepsTheVelocity)
   }
 }
 
+/** With an IMU and wheels beside the lidar. */
+class OtherSensors : public Fusion
+{
+ protected:
+  /** The next scan, with samples of a steady motion since the one before. */
+  Frame nextWith(const Pose& T_world_vehicle, const Pose& step, bool imu, bool wheels)
+  {
+    Frame frame = scene_.frame(T_world_vehicle, 0.01, static_cast<unsigned>(count_ + 1));
+    frame.index = count_;
+    frame.scan.stamp = 100 + scan_period * static_cast<double>(count_++);
+    const Vector6 velocity = logSE3(step) / scan_period;
+    for (int i = 0; i <= 10; ++i)
+    {
+      const double stamp = frame.scan.stamp - 0.1 * (10 - i) * scan_period;
+      if (imu)
+      {
+        frame.imu.push_back({stamp, velocity.tail<3>(), std::nullopt, Pose::Identity()});
+      }
+      if (wheels)
+      {
+        frame.wheels.push_back({stamp, velocity.x(), velocity[5]});
+      }
+    }
+    odometry_->predict(frame);
+    return frame;
+  }
+};
+
+TEST_F(OtherSensors, MeasureTheFirstMotion)
+{
+  start();
+  const Pose step = poseFromYpr(1.9, 0, 0, 0.05, 0, 0);
+  Frame first = nextWith(Pose::Identity(), step, true, true);
+  EXPECT_FALSE(first.prior.reliable) << "there is no motion to a first scan";
+  estimate(first);
+  Frame second = nextWith(step, step, true, true);
+  EXPECT_TRUE(second.prior.reliable);
+  EXPECT_LT(motionSize(logSE3(step.inverse() * second.prior.T_previous_current)), 0.1);
+  EXPECT_LT((step.inverse() * estimate(second).T_odom_vehicle).translation().norm(), 0.03);
+  EXPECT_NE(odometry_->name().find("+ gyroscope + wheel_odometry"), std::string::npos);
+}
+
+TEST_F(OtherSensors, PredictATurnThatTheLastMotionsDoNot)
+{
+  start();
+  const Pose step = poseFromYpr(0.5, 0, 0, 0, 0, 0);
+  Pose T = Pose::Identity();
+  for (int i = 0; i < 6; ++i)
+  {
+    T = i > 0 ? T * step : T;
+    Frame frame = nextWith(T, step, true, false);
+    estimate(frame);
+  }
+  const Pose turn = poseFromYpr(0.5, 0, 0, 0.15, 0, 0);
+  const Frame frame = nextWith(T * turn, turn, true, false);
+  EXPECT_LT(rotationAngle(turn.inverse() * frame.prior.T_previous_current), 0.02);
+  EXPECT_NEAR(frame.prior.T_previous_current.translation().x(), 0.5, 0.03);
+}
+
+TEST_F(OtherSensors, AreTheMotionWithoutRegistration)
+{
+  start({"refine.method=none"});
+  script_.uses_prior = true;
+  script_.converged = false;
+  const Pose step = poseFromYpr(0.7, 0, 0, 0.04, 0, 0);
+  Pose T = Pose::Identity();
+  Frame frame;
+  for (int i = 0; i < 20; ++i)
+  {
+    T = i > 0 ? T * step : T;
+    frame = nextWith(T, step, true, true);
+    estimate(frame);
+  }
+  EXPECT_LT((T.inverse() * frame.T_odom_vehicle).translation().norm(), 0.5) << "after 13 m";
+}
+
+TEST_F(OtherSensors, AreTheMotionWhileScansAreEmpty)
+{
+  start();
+  const Pose step = poseFromYpr(0.4, 0, 0, 0.02, 0, 0);
+  Pose T = Pose::Identity();
+  Frame frame;
+  for (int i = 0; i < 60; ++i)
+  {
+    T = i > 0 ? T * step : T;
+    frame = nextWith(T, step, true, true);
+    if (i >= 8)
+    {
+      frame.cloud = Cloud();
+    }
+    estimate(frame);
+  }
+  EXPECT_LT((T.inverse() * frame.T_odom_vehicle).translation().norm(), 0.5) << "after 5 s, 21 m";
+}
+
+TEST_F(OtherSensors, BridgeMissingScans)
+{
+  start();
+  const Pose step = poseFromYpr(0.5, 0, 0, 0, 0, 0);
+  Pose T = Pose::Identity();
+  const auto settleTime = [this](Frame& frame)
+  {
+    const Cloud cloud = frame.cloud;
+    odometry_->settleTime(frame, [&cloud](const Pose&, double) { return cloud; });
+  };
+  for (int i = 0; i < 8; ++i)
+  {
+    T = i > 0 ? T * step : T;
+    Frame frame = nextWith(T, step, false, true);
+    settleTime(frame);
+    estimate(frame);
+  }
+  constexpr double gap = 0.8;
+  const Pose passed = poseFromYpr(gap * 8, 0, 0, 0, 0, 0);  // faster than before
+  Frame frame = scene_.frame(T * passed, 0.01, 99);
+  frame.scan.stamp = 100 + scan_period * static_cast<double>(count_ - 1) + gap;
+  for (double back = gap - 0.05; back > -0.01; back -= 0.05)
+  {
+    frame.wheels.push_back({frame.scan.stamp - back, 8, 0});
+  }
+  odometry_->predict(frame);
+  EXPECT_NEAR(frame.prior.T_previous_current.translation().x(), 0.5, 0.03)
+      << "of one period, until it is known that scans are missing";
+  settleTime(frame);
+  EXPECT_NEAR(frame.dt, gap, 1e-6);
+  EXPECT_NEAR(frame.prior.T_previous_current.translation().x(), gap * 8, 0.1);
+}
+
 /** A segmenter with ego-motion from the appearance prior. */
 class SegmenterMotion : public Fusion
 {

@@ -3,6 +3,7 @@
 #include <dyslam/core/Parallel.h>
 #include <dyslam/io/RawlogSource.h>
 #include <dyslam/odometry/LocalMapRegistration.h>
+#include <dyslam/odometry/MotionSensors.h>
 #include <dyslam/odometry/Odometry.h>
 #include <dyslam/odometry/Preprocessor.h>
 #include <dyslam/pipeline/FrontEnd.h>
@@ -75,7 +76,13 @@ struct StartSearch
 bool StartSearch::isWanted() const
 {
   ConfigLoader loader(config);
-  return options.search && loader.get<OdometryOptions>("odometry").start_speed == 0 &&
+  MotionSensors sensors(loader.get<MotionSensorOptions>("motion_sensors"));
+  for (const Frame& frame : frames)
+  {
+    sensors.add(frame);
+  }
+  const bool sensed = !frames.empty() && sensors.speedAt(frames.front().scan.stamp);
+  return options.search && !sensed && loader.get<OdometryOptions>("odometry").start_speed == 0 &&
          loader.get<RefineOptions>("refine").method != RefineMethod::none &&
          static_cast<int>(frames.size()) >= options.scans;
 }

@@ -4,8 +4,10 @@
 #include <dyslam/sim/Simulator.h>
 
 #include <cmath>
+#include <utility>
 
 #include "EgoMotion.h"
+#include "MotionSampler.h"
 #include "Sweep.h"
 #include "Traffic.h"
 
@@ -44,6 +46,7 @@ struct Simulator::Impl
         pool(threads),
         crowd(*world, options),
         ego_motion(carrierOf(o), o.trafficSeed()),
+        motion_sampler(o),
         T_vehicle_lidar(EgoMotion::mounting(carrierOf(o))),
         moving_scene(world->device.handle())
   {
@@ -94,7 +97,13 @@ struct Simulator::Impl
     return interpolate(track[i], track[i + 1], x - static_cast<double>(i));
   }
 
+  double stampOf(std::size_t scan) const
+  {
+    return kEpoch + model.period * (static_cast<double>(scan) + 0.5);
+  }
+
   SimulatedScan next();
+  void sampleMotion();
   void gatherBodies(const Eigen::Vector3d& center);
   void describeObjects(const SweepScene& sweep,
                        const std::vector<BodyReturns>& body_returns,
@@ -106,6 +115,7 @@ struct Simulator::Impl
   ThreadPool pool;
   Crowd crowd;
   EgoMotion ego_motion;
+  MotionSampler motion_sampler;
   Pose T_vehicle_lidar;
   RayScene moving_scene;
   Pose ego_pose = Pose::Identity();
@@ -116,7 +126,27 @@ struct Simulator::Impl
   std::vector<BodyMotion> bodies;  // bodies within range
   std::vector<std::size_t> body_actor;
   std::size_t index = 0;
+  // After the current scan's stamp: they belong to the next scan
+  std::vector<ImuSample> imu;
+  std::vector<WheelSample> wheels;
 };
+
+void Simulator::Impl::sampleMotion()
+{
+  MotionBetweenScans motion;
+  motion.stamp = stampOf(index);
+  motion.next_stamp = stampOf(index + 1);
+  motion.vehicleAt = [&](double t) { return vehicleAt(0.5 * model.period + t); };
+  motion.step = kStep;
+  if (options.imu)
+  {
+    imu = motion_sampler.imu(motion);
+  }
+  if (options.wheels)
+  {
+    wheels = motion_sampler.wheels(motion);
+  }
+}
 
 void Simulator::Impl::gatherBodies(const Eigen::Vector3d& center)
 {
@@ -203,11 +233,14 @@ SimulatedScan Simulator::Impl::next()
 {
   SimulatedScan scan;
   scan.index = index;
-  scan.scan.stamp = kEpoch + model.period * (static_cast<double>(index) + 0.5);
+  scan.scan.stamp = stampOf(index);
   scan.scan.T_vehicle_lidar = T_vehicle_lidar;
   scan.scan.sensor_label = model.name;
   scan.T_map_vehicle = vehicleAt(0.5 * model.period);
   scan.T_map_vehicle_next = vehicleAt(1.5 * model.period);
+  scan.imu = std::exchange(imu, {});
+  scan.wheels = std::exchange(wheels, {});
+  sampleMotion();
 
   SweepScene sweep;
   sweep.static_scene = &world->scene;
@@ -251,6 +284,10 @@ Simulator::Simulator(std::shared_ptr<const World> world,
   if (world->kind != options.world)
   {
     throw std::logic_error("Simulator: the world is of another kind than the options say");
+  }
+  if (options.wheels && carrierOf(options) == EgoKind::handheld)
+  {
+    throw UserError("simulator.wheels: a hand-held sensor has none; choose the ego car or robot");
   }
   impl_ = std::make_unique<Impl>(std::move(world), options, threads);
 }

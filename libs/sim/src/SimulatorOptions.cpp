@@ -59,6 +59,9 @@ void SimulatorOptions::describe(OptionsVisitor& visitor)
                "largest range of a return; 0: that of the sensor [m]");
   visitor.real("moving_speed", moving_speed, 0, 10,
                "speed above which bodies are labelled moving [m/s]");
+  visitor.flag("imu", imu, "simulate an IMU: angular velocity and acceleration at 100 Hz");
+  visitor.flag("wheels", wheels,
+               "simulate wheel odometry: forward speed and yaw rate at 50 Hz; not hand-held");
 }
 
 WorldKind worldKindFromString(const std::string& name)

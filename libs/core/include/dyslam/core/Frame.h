@@ -2,6 +2,7 @@
 #pragma once
 
 #include <dyslam/core/Motion.h>
+#include <dyslam/core/MotionSamples.h>
 #include <dyslam/core/Objects.h>
 #include <dyslam/core/Pose.h>
 #include <dyslam/core/Scan.h>
@@ -24,6 +25,10 @@ struct Frame
   std::size_t index = 0;  //!< number of the scan in the recording, from 0
   Scan scan;
   std::optional<Pose> T_world_vehicle_truth;  //!< ground truth, where the recording has it
+  // Of other sensors, recorded since the scan before, by the clock of scan.stamp; the times may
+  // overlap those of neighbouring frames
+  std::vector<ImuSample> imu;
+  std::vector<WheelSample> wheels;
 
   // Odometry::predict
   double dt = 0;  //!< since the previous scan [s]; 0 for the first

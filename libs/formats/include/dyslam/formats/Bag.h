@@ -73,7 +73,7 @@ class Bag
 [[nodiscard]] std::unique_ptr<Bag> openBag(const std::string& path);
 
 /** Topics with types, counts and rates, of scans also points and frame, as lines of a table; the
- * scans that are taken by default are marked. Then the duration, and the poses of lidars that
- * `/tf_static` has. */
+ * scans that are taken by default and the topics of IMU and odometry are marked. Then the duration,
+ * and the poses of lidars that `/tf_static` has. */
 [[nodiscard]] std::string listingOf(Bag& bag);
 }  // namespace dyslam

@@ -53,6 +53,9 @@ struct OxtsReading
   double velocity_left = 0;
   double velocity_up = 0;
   double position_accuracy = 0;  //!< [m]
+  /** About and along the axes of the unit: x forward, y left, z up [rad/s], [m/s^2]. */
+  Eigen::Vector3d angular_velocity = Eigen::Vector3d::Zero();
+  Eigen::Vector3d acceleration = Eigen::Vector3d::Zero();  //!< with gravity
 };
 
 /** Tracking's one file for all frames, or raw's folder (`oxts/data/NNNNNNNNNN.txt`, `oxts/` or

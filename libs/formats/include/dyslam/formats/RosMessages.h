@@ -7,6 +7,7 @@
 #include <dyslam/formats/FieldConventions.h>
 
 #include <array>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -97,4 +98,44 @@ struct RosPose
 [[nodiscard]] std::vector<RosPose> decodeRosPoses(const BagTopic& topic,
                                                   const BagMessage& message,
                                                   std::size_t* left_out = nullptr);
+
+using RosTransforms = std::map<std::string, RosPose>;  //!< by child frame
+/** The transforms of `/tf_static`; of a damaged bag those before the damage. */
+[[nodiscard]] RosTransforms staticTransforms(Bag& bag);
+/** T_a_b of two frames; nothing if the transforms do not connect them. */
+[[nodiscard]] std::optional<Pose> transformBetween(const RosTransforms& transforms,
+                                                   const std::string& a,
+                                                   const std::string& b);
+/** Frame of the header of a topic's first message; empty if there is none.
+ * \pre its messages begin with a header. */
+[[nodiscard]] std::string frameOfTopic(Bag& bag, std::size_t topic);
+
+struct RosImu
+{
+  double stamp = 0;   //!< of the header, else of the recording [s]
+  std::string frame;  //!< of the header: the sensor's axes
+  Eigen::Vector3d angular_velocity = Eigen::Vector3d::Zero();  //!< [rad/s]
+  std::optional<Eigen::Vector3d> acceleration;                 //!< with gravity [m/s^2]
+};
+/** True for `sensor_msgs/Imu`. */
+[[nodiscard]] bool isRosImu(const BagTopic& topic);
+/** Nothing if the angular velocity is unknown (its first covariance is -1) or not a number; an
+ * acceleration of that kind is left out. \throws UserError naming the message and what is wrong
+ * with it. */
+[[nodiscard]] std::optional<RosImu> decodeRosImu(const BagTopic& topic, const BagMessage& message);
+
+struct RosTwist
+{
+  double stamp = 0;   //!< of the header, else of the recording [s]
+  std::string frame;  //!< of the body, whose axes the velocities are in
+  Eigen::Vector3d linear = Eigen::Vector3d::Zero();   //!< of the frame's origin [m/s]
+  Eigen::Vector3d angular = Eigen::Vector3d::Zero();  //!< [rad/s]
+  std::optional<Pose> T_parent_body;                  //!< of an Odometry, where it is a pose
+};
+/** True for `nav_msgs/Odometry`, `geometry_msgs/TwistStamped` and `TwistWithCovarianceStamped`. */
+[[nodiscard]] bool isRosTwist(const BagTopic& topic);
+/** Nothing if a velocity is not a number. \throws UserError naming the message and what is wrong
+ * with it. */
+[[nodiscard]] std::optional<RosTwist> decodeRosTwist(const BagTopic& topic,
+                                                     const BagMessage& message);
 }  // namespace dyslam

@@ -65,6 +65,7 @@ struct KittiConverterOptions : Options, ScanRange
   std::string sequence;  //!< of tracking's official layout: "0000"; empty: the only one
   std::string times;     //!< file of times [s] or KITTI time stamps, a line for each frame number
   std::string sensor_pose;  //!< T_vehicle_lidar: x y z yaw pitch roll [m, deg]; empty: identity
+  bool imu = false;         //!< with the angular velocities and accelerations of oxts
   bool no_truth = false;    //!< scans only: no poses, labels or boxes
   PoseFrame pose_frame = PoseFrame::automatic;
   PoseSource pose_source = PoseSource::unknown;  //!< of the poses; unknown: by the files
@@ -102,7 +103,11 @@ struct ScanConverterOptions : Options, ScanRange
   std::string truth_topic;  //!< of a bag's true poses of the vehicle; empty: none
   std::string truth_frame;  //!< child frame of truth_topic, where that has several
   PoseSource pose_source = PoseSource::unknown;  //!< of poses or truth_topic; unknown: given
-  std::optional<BinLayout> bin_layout;           //!< of .bin files; nothing: by their content
+  std::string imu_topic;                         //!< of a bag's IMU; empty: none
+  /** T_vehicle_imu as sensor_pose; empty: by the bag's `/tf_static` and sensor_pose. */
+  std::string imu_pose;
+  std::string odometry_topic;           //!< of the speeds of a bag's wheels; empty: none
+  std::optional<BinLayout> bin_layout;  //!< of .bin files; nothing: by their content
   std::string sensor_pose;    //!< T_vehicle_lidar: x y z yaw pitch roll [m, deg]; empty: identity
   double dt = 0;              //!< seconds between scans; 0: the recording's times, else 0.1
   bool keep_partial = false;  //!< also incomplete first and last revolutions of a pcap
@@ -114,8 +119,9 @@ struct ScanConverterOptions : Options, ScanRange
 };
 
 /** Writes a folder of .bin, .pcd or .ply scans, a Velodyne .pcap or a ROS bag (see openBag()) as a
- * rawlog. Scans of a folder get the times of the file, of their names where those are times since
- * 1970, or of their points. \throws UserError. */
+ * rawlog, with the IMU and the wheel odometry of a bag if the options name their topics. Scans of a
+ * folder get the times of the file, of their names where those are times since 1970, or of their
+ * points. \throws UserError. */
 ConversionResult convertScans(const std::string& input,
                               const std::string& output,
                               const ScanConverterOptions& options,

@@ -23,7 +23,9 @@ struct RawlogSourceOptions : Options, ScanRange
   double ground_truth_max_gap = 0.2;  //!< [s]
   bool external_anywhere = false;     //!< external files may lie outside of the recording's folder
   double intensity_scale =
-      0;  //!< multiplies the file's intensities; 0: 1, or 1/255 for 0..255 data
+      0;                  //!< multiplies the file's intensities; 0: 1, or 1/255 for 0..255 data
+  std::string imu_label;  //!< regex for the IMU's label; empty: the first IMU with a gyroscope
+  std::string odometry_label;  //!< regex for the wheel odometry's label; empty: the first one
 
   void describe(OptionsVisitor& visitor) override;
 };
@@ -35,6 +37,10 @@ struct RawlogSourceOptions : Options, ScanRange
  * are in memory. Frame::index counts the lidar's scans in the file from 0, so that it fits the
  * ground-truth sidecar whatever is skipped. See doc/formats.md for how per-point time and ring are
  * stored.
+ *
+ * CObservationIMU and CObservationOdometry are read beside the scans. Those recorded since the scan
+ * before are in Frame::imu and Frame::wheels, and some that are not later than the scan before may
+ * be, where they stand behind it in the file. Damaged ones are left out.
  *
  * Observations of classes that MRPT does not have are left out, with a warning for each class.
  *
@@ -54,7 +60,7 @@ class RawlogSource
   RawlogSource(RawlogSource&&) noexcept;
   RawlogSource& operator=(RawlogSource&&) noexcept;
 
-  /** The next scan with its ground truth, nothing at the end. Fills index, scan and
+  /** The next scan with its ground truth, nothing at the end. Fills index, scan, imu, wheels and
    * T_world_vehicle_truth of the frame.
    * \throws UserError for damaged data, after all scans before it were delivered. */
   [[nodiscard]] std::optional<Frame> next();

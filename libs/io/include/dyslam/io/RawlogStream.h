@@ -15,7 +15,8 @@ class GzInput;
 class RawlogObjects;
 
 /** The observations of a rawlog, plain or gzip, one by one, whichever of MRPT's two styles it is
- * written in. Those that hold neither scans nor poses come empty and without a time stamp; those of
+ * written in. Those that hold neither scans nor poses nor the samples of an IMU or of wheel
+ * odometry come empty and without a time stamp, and so do samples that are damaged; those of
  * classes that MRPT does not have are left out. Counts in the file are checked against its bytes
  * before any memory is taken. Not thread-safe. */
 class RawlogStream

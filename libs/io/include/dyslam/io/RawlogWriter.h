@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <dyslam/core/MotionSamples.h>
 #include <dyslam/core/Options.h>
 #include <dyslam/core/Pose.h>
 #include <dyslam/core/Scan.h>
@@ -53,6 +54,13 @@ class RawlogWriter
   /** \param truth T_world_vehicle at the scan's stamp.
    * \throws UserError if the disk is full or the stamp is not a number. */
   void write(const Scan& scan, const std::optional<Pose>& truth = std::nullopt);
+  /** A CObservationIMU: angular velocity, and acceleration if given; label `imu`. To be written
+   * before the first scan that is not older. \throws UserError as for a scan. */
+  void write(const ImuSample& sample);
+  /** A CObservationOdometry: velocities, and the pose that they add up to since the first one;
+   * label `odometry`. To be written before the first scan that is not older. \throws UserError as
+   * for a scan. */
+  void write(const WheelSample& sample);
   /** Finishes the file. \throws UserError if that fails. Later calls do nothing. */
   void close();
 

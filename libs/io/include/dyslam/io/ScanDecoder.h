@@ -22,6 +22,9 @@ struct RecordedScan
   mrpt::obs::CObservation::Ptr time_ring;  //!< its points' times and rings; null if it has none
   std::size_t index = 0;                   //!< among the lidar's scans in the recording, from 0
   double clock_shift = 0;  //!< to add to its stamps, after the clock was set back [s]
+  // For Frame::imu and Frame::wheels, clock_shift is in their stamps
+  std::vector<ImuSample> imu;
+  std::vector<WheelSample> wheels;
 };
 
 /** Makes frames from the observations of a recording: chooses the lidar, drops scans with bad time
@@ -29,6 +32,9 @@ struct RecordedScan
  *
  * Stamps of the frames increase. Where those of the recording go back and run on from there, the
  * clock was set back: the scans that show it are dropped, later stamps are shifted.
+ *
+ * The samples of one IMU and of one wheel odometry go to the next scan that is used, those from 10
+ * s before it to 1 s after it. Samples that are not later than the ones before are left out.
  *
  * Not thread-safe; one object per recording.
  */
@@ -52,7 +58,7 @@ class ScanDecoder
   /** No later scan is to be used: it would be at or after the end of the options. */
   [[nodiscard]] bool isPastEnd() const;
 
-  /** Fills index and scan of a frame. \throws UserError for damaged data. */
+  /** Fills index, scan, imu and wheels of a frame. \throws UserError for damaged data. */
   [[nodiscard]] Frame decode(const RecordedScan& scan);
 
   /** Ground truth among the observations taken so far (it may follow its scan), T_world_vehicle at

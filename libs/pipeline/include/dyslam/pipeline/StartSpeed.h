@@ -54,7 +54,8 @@ struct SpeedDrift
  * \param frames the first scans of a recording; those without dt, poses and so on
  * \param config of the run
  * \return the speed [m/s] where the odometry would not find it by itself; nothing where it does,
- *   where `odometry.start_speed` is given, and where nothing is registered or searched for
+ *   where `odometry.start_speed` is given or wheels measure the speed, and where nothing is
+ *   registered or searched for
  * \throws UserError for bad options */
 [[nodiscard]] std::optional<double> findStartSpeed(const std::vector<Frame>& frames,
                                                    const Config& config);

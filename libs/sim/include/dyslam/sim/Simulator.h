@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <dyslam/core/MotionSamples.h>
 #include <dyslam/core/Objects.h>
 #include <dyslam/core/Scan.h>
 #include <dyslam/sim/SimulatorOptions.h>
@@ -42,6 +43,9 @@ struct SimulatedScan
   Pose T_map_vehicle = Pose::Identity();       //!< at the stamp
   Pose T_map_vehicle_next = Pose::Identity();  //!< at the next scan's stamp
   std::vector<SimulatedObject> objects;        //!< within range
+  // After the stamp of the scan before, up to that of this one; none with the first scan
+  std::vector<ImuSample> imu;       //!< 100 Hz, if SimulatorOptions::imu
+  std::vector<WheelSample> wheels;  //!< 50 Hz, if SimulatorOptions::wheels
 };
 
 class World;
@@ -53,9 +57,11 @@ class World;
 class Simulator
 {
  public:
-  /** \param threads 0 for the number of cores. \throws UserError for options out of range. */
+  /** \param threads 0 for the number of cores. \throws UserError for options out of range, and for
+   * wheels of a hand-held sensor. */
   explicit Simulator(const SimulatorOptions& options, int threads = 1);
   /** In an existing world (generating one takes longer than a few scans).
+   * \throws UserError likewise.
    * \throws std::logic_error if `world` is of another kind than in the options.
    */
   Simulator(std::shared_ptr<const World> world, const SimulatorOptions& options, int threads = 1);

@@ -51,6 +51,9 @@ struct SimulatorOptions : Options
   double max_range = 0;           //!< largest range of a return [m]; 0: that of the sensor
   double moving_speed = 0.2;      //!< speed above which bodies are labelled moving [m/s]
 
+  bool imu = false;     //!< simulate an IMU: SimulatedScan::imu
+  bool wheels = false;  //!< simulate wheel odometry: SimulatedScan::wheels; not hand-held
+
   /** Seed of traffic, motion of the ego and noise. */
   [[nodiscard]] std::uint64_t trafficSeed() const
   {

@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/formats/RosMessages.h>
+
+#include "RosReader.h"
+
+namespace dyslam
+{
+namespace
+{
+constexpr const char* odometry_type = "nav_msgs/Odometry";
+
+void skipDoubles(ByteReader& reader, std::size_t count)
+{
+  reader.align(sizeof(double));
+  (void)reader.take(count * sizeof(double));
+}
+
+Eigen::Vector3d readVector3(ByteReader& reader)
+{
+  Eigen::Vector3d vector;
+  for (int i = 0; i < 3; ++i)
+  {
+    vector[i] = reader.f64();
+  }
+  return vector;
+}
+
+/** A vector with its covariance of 9 numbers, the first of which is -1 where the sensor does not
+ * measure it. */
+std::optional<Eigen::Vector3d> readMeasuredVector3(ByteReader& reader)
+{
+  const Eigen::Vector3d vector = readVector3(reader);
+  const bool is_measured = reader.f64() != -1;
+  skipDoubles(reader, 8);
+  return is_measured && vector.allFinite() ? std::optional(vector) : std::nullopt;
+}
+
+double stampOf(const RosHeader& header, const BagMessage& message)
+{
+  return header.stamp != 0 ? header.stamp : message.recorded;
+}
+}  // namespace
+
+bool isRosImu(const BagTopic& topic)
+{
+  return topic.encoding != RosEncoding::other && topic.type == "sensor_msgs/Imu";
+}
+
+std::optional<RosImu> decodeRosImu(const BagTopic& topic, const BagMessage& message)
+{
+  ByteReader reader = rosReader(topic, message);
+  const RosHeader header = rosHeader(reader, topic.encoding);
+  skipDoubles(reader, 4 + 9);  // orientation
+  const std::optional<Eigen::Vector3d> angular_velocity = readMeasuredVector3(reader);
+  const std::optional<Eigen::Vector3d> acceleration = readMeasuredVector3(reader);
+  if (!angular_velocity)
+  {
+    return std::nullopt;
+  }
+  return RosImu{stampOf(header, message), header.frame, *angular_velocity, acceleration};
+}
+
+bool isRosTwist(const BagTopic& topic)
+{
+  return topic.encoding != RosEncoding::other &&
+         (topic.type == odometry_type || topic.type == "geometry_msgs/TwistStamped" ||
+          topic.type == "geometry_msgs/TwistWithCovarianceStamped");
+}
+
+std::optional<RosTwist> decodeRosTwist(const BagTopic& topic, const BagMessage& message)
+{
+  ByteReader reader = rosReader(topic, message);
+  const RosHeader header = rosHeader(reader, topic.encoding);
+  RosTwist twist;
+  twist.stamp = stampOf(header, message);
+  twist.frame = header.frame;
+  if (topic.type == odometry_type)
+  {
+    twist.frame = rosString(reader);
+    skipDoubles(reader, 7 + 36);  // pose
+    const std::vector<RosPose> poses = decodeRosPoses(topic, message);
+    twist.T_parent_body = poses.empty() ? std::nullopt : std::optional(poses.front().pose);
+  }
+  twist.linear = readVector3(reader);
+  twist.angular = readVector3(reader);
+  return twist.linear.allFinite() && twist.angular.allFinite() ? std::optional(twist)
+                                                               : std::nullopt;
+}
+}  // namespace dyslam

@@ -1,0 +1,202 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "BagMotion.h"
+
+#include <dyslam/core/Printable.h>
+
+#include "BagTopics.h"
+
+namespace dyslam
+{
+BagMotion::BagMotion(const std::string& input,
+                     Bag& bag,
+                     std::size_t scans,
+                     const ScanConverterOptions& options,
+                     ScanSink& sink)
+    : bag_(bag), options_(options), sink_(sink)
+{
+  if (!options.imu_topic.empty())
+  {
+    imu_ = topicNamed(input, bag, "--imu-topic", options.imu_topic, isRosImu);
+  }
+  if (!options.odometry_topic.empty())
+  {
+    odometry_ = topicNamed(input, bag, "--odometry-topic", options.odometry_topic, isRosTwist);
+  }
+  if (imu_ || odometry_)
+  {
+    lidar_frame_ = frameOfTopic(bag, scans);
+    transforms_ = staticTransforms(bag);
+  }
+  if (!options.imu_pose.empty())
+  {
+    T_vehicle_imu_ = poseFromOption("--imu-pose", options.imu_pose);
+    imu_mounting_ = "mounted as --imu-pose states";
+  }
+}
+
+std::vector<std::size_t> BagMotion::topicsWith(std::size_t scans) const
+{
+  std::vector<std::size_t> topics{scans};
+  for (const auto& topic : {imu_, odometry_})
+  {
+    if (topic)
+    {
+      topics.push_back(*topic);
+    }
+  }
+  return topics;
+}
+
+void BagMotion::add(const BagMessage& message)
+{
+  if (message.topic == imu_)
+  {
+    addImu(message);
+  }
+  else
+  {
+    addTwist(message);
+  }
+}
+
+bool BagMotion::hasSamplesFrom(double stamp) const
+{
+  return (!imu_ || sink_.motion().hasImuFrom(stamp)) &&
+         (!odometry_ || sink_.motion().hasWheelsFrom(stamp));
+}
+
+std::optional<Pose> BagMotion::mountingOf(const std::string& frame) const
+{
+  if (frame.empty() || lidar_frame_.empty())
+  {
+    return std::nullopt;
+  }
+  const auto T_lidar_frame = transformBetween(transforms_, lidar_frame_, frame);
+  return T_lidar_frame ? std::optional<Pose>(sink_.T_vehicle_lidar() * *T_lidar_frame)
+                       : std::nullopt;
+}
+
+void BagMotion::mountImu(const std::string& frame)
+{
+  const std::optional<Pose> mounting = mountingOf(frame);
+  imu_mounting_ = mounting
+                      ? "mounted as the bag states for the frames " + frame + " and " + lidar_frame_
+                      : "its axes are assumed to be those of the vehicle, as the bag does not "
+                        "state how it is mounted (--imu-pose)";
+  T_vehicle_imu_ = mounting.value_or(Pose::Identity());
+}
+
+void BagMotion::mountBody(const std::string& frame)
+{
+  const std::optional<Pose> mounting = mountingOf(frame);
+  body_mounting_ = mounting
+                       ? "of the frame " + frame
+                       : "of the vehicle's origin, as the bag does not state where its frame is";
+  T_vehicle_body_ = mounting.value_or(Pose::Identity());
+}
+
+void BagMotion::addImu(const BagMessage& message)
+{
+  const std::optional<RosImu> imu = decodeRosImu(bag_.topics()[message.topic], message);
+  if (!imu)
+  {
+    ++imu_left_out_;
+    return;
+  }
+  if (!T_vehicle_imu_)
+  {
+    mountImu(imu->frame);
+  }
+  sink_.add(ImuSample{imu->stamp, imu->angular_velocity, imu->acceleration, *T_vehicle_imu_});
+}
+
+void BagMotion::addTwist(const BagMessage& message)
+{
+  const std::optional<RosTwist> twist = decodeRosTwist(bag_.topics()[message.topic], message);
+  if (!twist)
+  {
+    ++twists_left_out_;
+    return;
+  }
+  if (!T_vehicle_body_)
+  {
+    mountBody(twist->frame);
+  }
+  Vector6 measured;
+  measured << twist->linear, twist->angular;
+  if (const auto velocity = velocities_.add(twist->stamp, measured, twist->T_parent_body))
+  {
+    sink_.add(wheelSampleOf(*velocity));
+  }
+}
+
+WheelSample BagMotion::wheelSampleOf(const StampedVelocity& body) const
+{
+  // The vehicle's origin is at -t from the body's, in the vehicle's axes.
+  const Eigen::Vector3d rotation = T_vehicle_body_->linear() * body.velocity.tail<3>();
+  const Eigen::Vector3d velocity = T_vehicle_body_->linear() * body.velocity.head<3>() -
+                                   rotation.cross(T_vehicle_body_->translation());
+  return {body.stamp, velocity.x(), rotation.z()};
+}
+
+void BagMotion::report()
+{
+  if (imu_)
+  {
+    reportTopic("IMU: ", options_.imu_topic, imu_mounting_, sink_.motion().imu());
+    reportLeftOut(options_.imu_topic, "an angular velocity", imu_left_out_);
+  }
+  else
+  {
+    noteImuTopics();
+  }
+  if (odometry_)
+  {
+    reportTopic("wheel odometry: ", options_.odometry_topic, body_mounting_,
+                sink_.motion().wheels());
+    reportLeftOut(options_.odometry_topic, "a velocity", twists_left_out_);
+    if (velocities_.replacesZeros())
+    {
+      sink_.note("the velocities of " + options_.odometry_topic +
+                 " are all zero: the differences of its poses are taken instead");
+    }
+  }
+}
+
+void BagMotion::reportTopic(const std::string& kind,
+                            const std::string& name,
+                            const std::string& mounting,
+                            const MotionSampleWriter::Written& written)
+{
+  if (written.samples > 0)
+  {
+    sink_.note(kind + name + ", " + counted(written.samples, "sample") + "; " + mounting);
+  }
+  if (written.scans == 0)
+  {
+    sink_.warn(
+        name + ": has no sample at the times of the scans" +
+        (written.samples > 0 ? ", all are more than 0.25 s older; is it on another clock?" : ""));
+  }
+}
+
+void BagMotion::reportLeftOut(const std::string& name, const std::string& what, std::size_t count)
+{
+  if (count > 0)
+  {
+    sink_.warn(name + ": " + counted(count, "message") + " without " + what + " left out");
+  }
+}
+
+void BagMotion::noteImuTopics()
+{
+  const std::string names =
+      namesOf(bag_, [](const BagTopic& topic) { return isRosImu(topic) && topic.messages > 0; });
+  if (!names.empty())
+  {
+    const bool one = names.find(", ") == std::string::npos;
+    sink_.note(one ? "--imu-topic " + names + " adds the gyroscope"
+                   : "--imu-topic adds the gyroscope: one of " + names);
+  }
+}
+}  // namespace dyslam

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "BagTopics.h"
+
+#include <dyslam/core/Error.h>
+
+#include <algorithm>
+
+namespace dyslam
+{
+std::string namesOf(const Bag& bag, const std::function<bool(const BagTopic&)>& wanted)
+{
+  std::string names;
+  for (const BagTopic& topic : bag.topics())
+  {
+    if (wanted(topic))
+    {
+      names += (names.empty() ? "" : ", ") + topic.name;
+    }
+  }
+  return names;
+}
+
+std::size_t topicNamed(const std::string& input,
+                       const Bag& bag,
+                       const std::string& option,
+                       const std::string& name,
+                       const std::function<bool(const BagTopic&)>& wanted)
+{
+  const auto& topics = bag.topics();
+  for (std::size_t i = 0; i < topics.size(); ++i)
+  {
+    if (topics[i].name == name && wanted(topics[i]))
+    {
+      return i;
+    }
+  }
+  const auto found = std::find_if(topics.begin(), topics.end(),
+                                  [&name](const BagTopic& topic) { return topic.name == name; });
+  const std::string usable = namesOf(bag, wanted);
+  throw UserError(input + ": " + option + " " + name +
+                  (found == topics.end() ? " is not in it" : ": " + found->type + " is not read") +
+                  (usable.empty() ? "; --list shows the topics" : "; use " + usable));
+}
+}  // namespace dyslam

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "HeldScans.h"
+
+namespace dyslam
+{
+bool HeldScans::passOn(double recorded)
+{
+  while (takes_more_ && !waiting_.empty() && !mustWait(waiting_.front(), recorded))
+  {
+    passOnFirst();
+  }
+  return takes_more_;
+}
+
+void HeldScans::passOnAll()
+{
+  while (takes_more_ && !waiting_.empty())
+  {
+    passOnFirst();
+  }
+}
+
+bool HeldScans::mustWait(const Entry& entry, double recorded) const
+{
+  return waiting_.size() <= most && recorded - entry.recorded < longest_wait &&
+         !motion_.hasSamplesFrom(entry.scan.stamp);
+}
+
+void HeldScans::passOnFirst()
+{
+  Entry entry = std::move(waiting_.front());
+  waiting_.pop_front();
+  const std::size_t written = sink_.written();
+  takes_more_ = sink_.put(std::move(entry.scan), true, entry.T_world_lidar, entry.progress);
+  without_pose_ += sink_.written() > written && !entry.T_world_lidar ? 1 : 0;
+}
+}  // namespace dyslam

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <dyslam/core/Scan.h>
+
+#include <cstddef>
+#include <deque>
+#include <optional>
+#include <utility>
+
+#include "BagMotion.h"
+#include "ScanSink.h"
+
+namespace dyslam
+{
+/** Scans of a bag on their way to the sink. Each waits until samples of the other sensors that are
+ * as new have been received, so that those up to its stamp stand before it. */
+class HeldScans
+{
+ public:
+  static constexpr std::size_t most = 20;    //!< scans that wait
+  static constexpr double longest_wait = 1;  //!< by the recording times [s]
+
+  struct Entry
+  {
+    Scan scan;
+    std::optional<Pose> T_world_lidar;
+    double recorded = 0;  //!< UNIX time [s]
+    double progress = 0;  //!< part of the bag that was read
+  };
+
+  HeldScans(ScanSink& sink, const BagMotion& motion) : sink_(sink), motion_(motion) {}
+
+  void hold(Entry entry) { waiting_.push_back(std::move(entry)); }
+  /** Passes on the scans that need not wait any longer.
+   * \param recorded time of the latest message [s]
+   * \return false once the sink takes no more. \throws UserError if the disk is full. */
+  bool passOn(double recorded);
+  /** Passes on all that the sink takes. \throws UserError if the disk is full. */
+  void passOnAll();
+
+  /** Scans written without a true pose. */
+  [[nodiscard]] std::size_t withoutPose() const { return without_pose_; }
+
+ private:
+  [[nodiscard]] bool mustWait(const Entry& entry, double recorded) const;
+  void passOnFirst();
+
+  ScanSink& sink_;
+  const BagMotion& motion_;
+  std::deque<Entry> waiting_;
+  bool takes_more_ = true;
+  std::size_t without_pose_ = 0;
+};
+}  // namespace dyslam

@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The observations of inertial measurement units and wheel odometry.
+#include <stdexcept>
+
+#include "ObjectLayout.h"
+
+namespace dyslam
+{
+bool ObjectLayout::knowsMotionSensor(const ObjectHeader& header)
+{
+  const auto& [name, version] = header;
+  return (name == "CObservationIMU" && version >= 1 && version <= 4) ||
+         (name == "CObservationOdometry" && version <= 2);
+}
+
+void ObjectLayout::motionSensor(const ObjectHeader& header)
+{
+  if (header.class_name == "CObservationIMU")
+  {
+    inertial(header.version);
+  }
+  else
+  {
+    wheelOdometry(header.version);
+  }
+  end();
+}
+
+void ObjectLayout::label()
+{
+  constexpr std::uint32_t longest = 1U << 16U;
+  const std::uint32_t size = in_.u32();
+  if (size > longest || in_.ahead(size).size() < size)
+  {
+    throw std::runtime_error("a label of " + std::to_string(size) + " characters");
+  }
+  in_.skip(size);
+}
+
+/** How many values the observation has, from its count before version 4. */
+std::uint32_t ObjectLayout::inertialValues(int version)
+{
+  constexpr std::uint32_t most = 31;  // MRPT's arrays
+  const std::uint32_t count = version >= 4 ? most : in_.u32();
+  if (count > most)
+  {
+    throw std::runtime_error("a CObservationIMU of " + std::to_string(count) + " values");
+  }
+  return count;
+}
+
+void ObjectLayout::inertial(int version)
+{
+  pose();
+  flags(static_cast<int>(inertialValues(version)));
+  in_.skip(sizeof(std::uint64_t));  // time stamp
+  in_.skipAll(inertialValues(version), sizeof(double));
+  label();
+}
+
+void ObjectLayout::wheelOdometry(int version)
+{
+  const ObjectHeader found = headerOf("CPose2D", 1);
+  in_.skipAll(3, found.version == 0 ? sizeof(float) : sizeof(double));
+  end();
+  label();
+  in_.skip(sizeof(std::uint64_t));  // time stamp
+  if (version == 0)
+  {
+    return;
+  }
+  const bool has_encoders = flag();
+  in_.skipAll(has_encoders || version < 2 ? 2 : 0, sizeof(std::int32_t));
+  const bool has_velocities = flag();
+  if (version < 2)
+  {
+    in_.skipAll(2, sizeof(float));
+  }
+  else
+  {
+    in_.skipAll(has_velocities ? 3 : 0, sizeof(double));
+  }
+}
+}  // namespace dyslam

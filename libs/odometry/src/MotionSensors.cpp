@@ -1,0 +1,436 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/Printable.h>
+#include <dyslam/core/StateArchive.h>
+#include <dyslam/odometry/MotionSensors.h>
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <deque>
+
+#include "SampledSignal.h"
+
+namespace dyslam
+{
+namespace
+{
+constexpr double sample_memory = 10;  //!< samples older than this are dropped [s]
+constexpr double max_ahead = 1;       //!< of a sample before its scan [s]
+/** Change of the motion where no newer sample is known, one sigma. */
+constexpr double held_acceleration = 3;          //!< [m/s^2]
+constexpr double held_angular_acceleration = 3;  //!< [rad/s^2]
+/** Floors under the standard deviation of a motion between two scans. */
+constexpr double least_sigma = 2e-3;        //!< [m]
+constexpr double least_sigma_angle = 2e-4;  //!< [rad]
+/** Error of the motions that the scans show: of two independent poses. */
+constexpr double found_sigma = 0.01;         //!< [m]
+constexpr double found_sigma_angle = 0.001;  //!< [rad]
+/** Share of the scans' information in what was found; below, they show nothing. */
+constexpr double min_scan_share = 0.2;
+constexpr double min_displacement = 0.05;  //!< that shows the scale of the speeds [m]
+constexpr double outlier = 5;              //!< sigmas
+/** The prior's weight decreases where the gyroscope contradicts it by more sigmas than this. */
+constexpr double turn_gate = 3;
+/** Bias and scale change with time: least share of their initial variances. */
+constexpr double least_variance = 0.01;
+constexpr double conflict_share = 0.1;  //!< of a new rotation in the share of contradictions
+constexpr double max_conflict = 0.5;    //!< above, the gyroscope is not trusted
+// For a warning.
+constexpr std::size_t min_motions = 20;
+constexpr double max_contradictions = 0.2;  //!< share
+constexpr double min_covered = 0.5;         //!< share
+
+double squared(double x)
+{
+  return x * x;
+}
+
+/** A constant that is estimated from noisy measurements of it. */
+struct Constant
+{
+  double value = 0;
+  double variance = 0;
+
+  [[nodiscard]] bool contradicts(double measured, double measured_variance) const
+  {
+    return squared(measured - value) > squared(outlier) * (variance + measured_variance);
+  }
+  /** \param least variance that remains */
+  void update(double measured, double measured_variance, double least)
+  {
+    const double gain = variance / (variance + measured_variance);
+    value += gain * (measured - value);
+    variance = std::max(least, (1 - gain) * variance);
+  }
+};
+
+/** The error of a sensor against the scans alone. What was found is between the two, by their
+ * information. \return nothing if it is mostly the sensor's */
+std::optional<double> errorAgainstScans(double error, double of_sensor, double of_scans)
+{
+  if (of_scans <= min_scan_share * (of_scans + of_sensor))
+  {
+    return std::nullopt;
+  }
+  return error * (of_scans + of_sensor) / of_scans;
+}
+
+template <typename Value>
+void dropOutside(double begin, double end, std::deque<Sample<Value>>& samples)
+{
+  while (!samples.empty() && samples.front().stamp < begin)
+  {
+    samples.pop_front();
+  }
+  while (!samples.empty() && samples.back().stamp > end)
+  {
+    samples.pop_back();
+  }
+}
+
+/** Motions of a sensor that has given samples. */
+struct SensorUse
+{
+  std::size_t motions = 0;  //!< between scans
+  std::size_t covered = 0;  //!< ... with samples throughout
+  std::size_t compared = 0;
+  std::size_t contradictions = 0;  //!< of those compared
+  std::size_t unused = 0;          //!< of those compared
+
+  void count(bool is_covered)
+  {
+    ++motions;
+    covered += is_covered ? 1 : 0;
+  }
+  void compare(bool contradicts, bool is_used)
+  {
+    ++compared;
+    contradictions += contradicts ? 1 : 0;
+    unused += is_used ? 0 : 1;
+  }
+  /** \param remedy the end of the sentence */
+  void warn(const std::string& sensor,
+            const std::string& remedy,
+            std::vector<std::string>& warnings) const
+  {
+    if (motions >= min_motions &&
+        static_cast<double>(covered) < min_covered * static_cast<double>(motions))
+    {
+      warnings.push_back("the " + sensor + " has samples throughout in only " +
+                         std::to_string(covered) + " of " + counted(motions, "motion") +
+                         "; check its clock and its rate (motion_sensors.max_gap)");
+    }
+    if (compared >= min_motions &&
+        static_cast<double>(contradictions) > max_contradictions * static_cast<double>(compared))
+    {
+      warnings.push_back("the " + sensor + " contradicts the scans in " +
+                         std::to_string(contradictions) + " of " + counted(compared, "motion") +
+                         ", and was not used in " + std::to_string(unused) + "; check " + remedy);
+    }
+  }
+};
+}  // namespace
+
+void MotionSensorOptions::describe(OptionsVisitor& v)
+{
+  v.flag("gyroscope", gyroscope, "use the angular velocities of an IMU");
+  v.flag("wheel_odometry", wheel_odometry, "use the forward speed of the wheels");
+  v.degrees("gyroscope_sigma_deg", gyroscope_sigma, 1e-4, 1e3,
+            "sigma of the mean angular velocity between two scans [deg/s]");
+  v.real("gyroscope_sigma_ratio", gyroscope_sigma_ratio, 0, 1,
+         "sigma of the angular velocity in proportion to it (alignment of axes and clocks)");
+  v.degrees("gyroscope_bias_sigma_deg", gyroscope_bias_sigma, 1e-5, 1e3,
+            "sigma of the gyroscope's bias before it is estimated [deg/s]");
+  v.real("wheel_sigma", wheel_sigma, 1e-4, 100,
+         "sigma of the mean speed of the wheels between two scans [m/s]");
+  v.real("wheel_scale_sigma", wheel_scale_sigma, 1e-5, 1,
+         "sigma of the relative scale error of the wheels' speed before it is estimated");
+  v.real("wheel_gate", wheel_gate, 0.1, 1000,
+         "a speed of the wheels farther from the prior than this many sigmas is rejected");
+  v.real("max_gap", max_gap, 1e-3, 10,
+         "largest time without a sample over which a sensor is used [s]");
+}
+
+struct MotionSensors::State
+{
+  using Rates = SampledSignal<Eigen::Vector3d>;
+  using Speeds = SampledSignal<double>;
+
+  explicit State(const MotionSensorOptions& sensor_options) : options(sensor_options)
+  {
+    validate(options, "motion_sensors");
+    bias.fill({0, squared(options.gyroscope_bias_sigma)});
+    scale = {0, squared(options.wheel_scale_sigma)};
+  }
+
+  [[nodiscard]] bool trustsGyroscope() const { return conflict <= max_conflict; }
+  [[nodiscard]] Eigen::Vector3d biasVector() const
+  {
+    return {bias[0].value, bias[1].value, bias[2].value};
+  }
+  [[nodiscard]] Matrix6 informationOf(const SensedMotion& sensed,
+                                      double dt,
+                                      const Rates& of_rates,
+                                      const Speeds& of_speeds) const;
+  void compareRotation(const SensedMotion& sensed,
+                       const Matrix6& fused,
+                       double dt,
+                       const Pose& T_found,
+                       const Matrix6& measured);
+  void compareDisplacement(double sensed, double fused, double dt, double found, double measured);
+
+  MotionSensorOptions options;
+  std::deque<Sample<Eigen::Vector3d>> rates;  //!< angular velocity, vehicle frame [rad/s]
+  std::deque<Sample<double>> speeds;          //!< forward [m/s]
+  std::array<Constant, 3> bias;               //!< of the angular velocity [rad/s]
+  Constant scale;                             //!< sensed over true speed, minus one
+  double conflict = 0;  //!< recent share of rotations that contradict the scans
+  SensorUse gyroscope;
+  SensorUse wheels;
+};
+
+MotionSensors::MotionSensors(const MotionSensorOptions& options)
+    : state_(std::make_unique<State>(options))
+{
+}
+MotionSensors::~MotionSensors() = default;
+MotionSensors::MotionSensors(MotionSensors&&) noexcept = default;
+
+void MotionSensors::add(const Frame& frame)
+{
+  State& s = *state_;
+  const double begin = frame.scan.stamp - sample_memory;
+  const double end = frame.scan.stamp + max_ahead;
+  const auto isNext = [&](double stamp, const auto& samples)
+  { return stamp >= begin && stamp <= end && (samples.empty() || stamp > samples.back().stamp); };
+  dropOutside(begin, end, s.rates);
+  dropOutside(begin, end, s.speeds);
+  for (const ImuSample& sample : frame.imu)
+  {
+    if (s.options.gyroscope && isNext(sample.stamp, s.rates) && sample.angular_velocity.allFinite())
+    {
+      s.rates.push_back({sample.stamp, sample.T_vehicle_imu.linear() * sample.angular_velocity});
+    }
+  }
+  for (const WheelSample& sample : frame.wheels)
+  {
+    if (s.options.wheel_odometry && isNext(sample.stamp, s.speeds) &&
+        std::isfinite(sample.forward_speed))
+    {
+      s.speeds.push_back({sample.stamp, sample.forward_speed});
+    }
+  }
+}
+
+std::optional<SensedMotion> MotionSensors::sense(double begin, double end, const Pose& T_predicted)
+{
+  State& s = *state_;
+  const double dt = end - begin;
+  const State::Rates rates(s.rates, begin, end, s.options.max_gap);
+  const State::Speeds speeds(s.speeds, begin, end, s.options.max_gap);
+  if (s.gyroscope.motions > 0 || !s.rates.empty())
+  {
+    s.gyroscope.count(rates.isComplete());
+  }
+  if (s.wheels.motions > 0 || !s.speeds.empty())
+  {
+    s.wheels.count(speeds.isComplete());
+  }
+  if (dt <= 0 || (!rates.isComplete() && !speeds.isComplete()))
+  {
+    return std::nullopt;
+  }
+  std::vector<double> stamps{begin, end};
+  rates.addStampsWithin(stamps);
+  speeds.addStampsWithin(stamps);
+  std::sort(stamps.begin(), stamps.end());
+  SensedMotion sensed;
+  Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
+  double distance = 0;
+  Vector6 velocity = logSE3(T_predicted) / dt;
+  for (std::size_t i = 1; i < stamps.size(); ++i)
+  {
+    const double step = stamps[i] - stamps[i - 1];
+    const double middle = 0.5 * (stamps[i] + stamps[i - 1]);
+    if (rates.isComplete())
+    {
+      const Eigen::Vector3d rate = rates.at(middle) - s.biasVector();
+      rotation = rotation * expSO3(step * rate);
+      velocity.tail<3>() = s.trustsGyroscope() ? rate : Eigen::Vector3d(velocity.tail<3>());
+    }
+    if (speeds.isComplete())
+    {
+      velocity.x() = speeds.at(middle) / (1 + s.scale.value);
+    }
+    distance += step * velocity.x();
+    sensed.T_previous_current = sensed.T_previous_current * expSE3(step * velocity);
+  }
+  if (rates.isComplete())
+  {
+    sensed.rotation = rotation;
+  }
+  if (speeds.isComplete())
+  {
+    sensed.displacement = distance;
+  }
+  sensed.information = s.informationOf(sensed, dt, rates, speeds);
+  return sensed;
+}
+
+Matrix6 MotionSensors::State::informationOf(const SensedMotion& sensed,
+                                            double dt,
+                                            const Rates& of_rates,
+                                            const Speeds& of_speeds) const
+{
+  Matrix6 information = Matrix6::Zero();
+  if (sensed.rotation && trustsGyroscope())
+  {
+    const double angle = rotationAngle(sensed.T_previous_current);
+    const double noise =
+        squared(options.gyroscope_sigma * dt) + squared(options.gyroscope_sigma_ratio * angle) +
+        squared(of_rates.heldError(held_angular_acceleration) * dt) + squared(least_sigma_angle);
+    for (std::size_t axis = 0; axis < 3; ++axis)
+    {
+      const auto i = static_cast<Eigen::Index>(3 + axis);
+      information(i, i) = 1 / (noise + squared(dt) * bias[axis].variance);
+    }
+  }
+  if (sensed.displacement)
+  {
+    information(0, 0) =
+        1 / (squared(options.wheel_sigma * dt) + squared(*sensed.displacement) * scale.variance +
+             squared(of_speeds.heldError(held_acceleration) * dt) + squared(least_sigma));
+  }
+  return information;
+}
+
+std::optional<double> MotionSensors::speedAt(double stamp) const
+{
+  const State::Speeds speeds(state_->speeds, stamp, stamp, state_->options.max_gap);
+  return speeds.isComplete() ? std::optional(speeds.at(stamp)) : std::nullopt;
+}
+
+Matrix6 MotionSensors::fuse(const SensedMotion& sensed, MotionPrior& prior) const
+{
+  Matrix6 added = sensed.information;
+  if (added(0, 0) > 0)
+  {
+    const Matrix6 covariance = prior.information.llt().solve(Matrix6::Identity());
+    const double off = logSE3(prior.T_previous_current).x() - *sensed.displacement;
+    if (squared(off) > squared(state_->options.wheel_gate) * (covariance(0, 0) + 1 / added(0, 0)))
+    {
+      added(0, 0) = 0;
+    }
+  }
+  if (added(3, 3) > 0)
+  {
+    const Eigen::Vector3d off =
+        logSO3(prior.T_previous_current.linear().transpose() * sensed.T_previous_current.linear());
+    const double distance2 = off.dot(prior.information.bottomRightCorner<3, 3>() * off);
+    const double root = 1 / std::sqrt(1 + distance2 / squared(turn_gate));
+    prior.information.bottomRows<3>() *= root;
+    prior.information.rightCols<3>() *= root;
+  }
+  prior.fuse(sensed.T_previous_current, added);
+  return added;
+}
+
+void MotionSensors::compare(const SensedMotion& sensed,
+                            const Matrix6& fused,
+                            double dt,
+                            const Pose& T_previous_current,
+                            const Matrix6& measured)
+{
+  State& s = *state_;
+  if (sensed.rotation)
+  {
+    s.compareRotation(sensed, fused, dt, T_previous_current, measured);
+  }
+  if (sensed.displacement)
+  {
+    s.compareDisplacement(*sensed.displacement, fused(0, 0), dt, logSE3(T_previous_current).x(),
+                          measured(0, 0));
+  }
+}
+
+void MotionSensors::State::compareRotation(const SensedMotion& sensed,
+                                           const Matrix6& fused,
+                                           double dt,
+                                           const Pose& T_found,
+                                           const Matrix6& measured)
+{
+  const Eigen::Vector3d off = logSO3(T_found.linear().transpose() * *sensed.rotation);
+  const double angle = rotationAngle(T_found);
+  bool contradicts = false;
+  for (std::size_t axis = 0; axis < 3; ++axis)
+  {
+    const auto i = static_cast<Eigen::Index>(axis);
+    const double of_scans = measured(3 + i, 3 + i);
+    const auto error = errorAgainstScans(off[i], fused(3 + i, 3 + i), of_scans);
+    if (!error)
+    {
+      return;
+    }
+    const double found = bias[axis].value + *error / dt;
+    const double variance = (1 / of_scans + squared(found_sigma_angle) +
+                             squared(options.gyroscope_sigma_ratio * angle)) /
+                                squared(dt) +
+                            squared(options.gyroscope_sigma);
+    if (bias[axis].contradicts(found, variance))
+    {
+      contradicts = true;
+      continue;
+    }
+    bias[axis].update(found, variance, least_variance * squared(options.gyroscope_bias_sigma));
+  }
+  gyroscope.compare(contradicts, fused(3, 3) > 0);
+  conflict += conflict_share * ((contradicts ? 1 : 0) - conflict);
+}
+
+/** \param sensed,found displacements [m] \param fused,measured information of them [1/m^2] */
+void MotionSensors::State::compareDisplacement(
+    double sensed, double fused, double dt, double found, double measured)
+{
+  wheels.compare(fused <= 0, fused > 0);
+  const auto error = errorAgainstScans(sensed - found, fused, measured);
+  if (!error || std::abs(sensed - *error) < min_displacement)
+  {
+    return;
+  }
+  const double by_scans = sensed - *error;
+  const double ratio = (1 + scale.value) * sensed / by_scans - 1;
+  const double variance =
+      (1 / measured + squared(found_sigma) + squared(options.wheel_sigma * dt)) / squared(by_scans);
+  if (!scale.contradicts(ratio, variance))
+  {
+    scale.update(ratio, variance, least_variance * squared(options.wheel_scale_sigma));
+  }
+}
+
+std::string MotionSensors::name() const
+{
+  return std::string(state_->gyroscope.covered > 0 ? " + gyroscope" : "") +
+         (state_->wheels.covered > 0 ? " + wheel_odometry" : "");
+}
+
+std::vector<std::string> MotionSensors::warnings() const
+{
+  std::vector<std::string> warnings;
+  state_->gyroscope.warn("gyroscope",
+                         "the IMU's pose on the vehicle, its clock and its units, or set "
+                         "motion_sensors.gyroscope=false",
+                         warnings);
+  state_->wheels.warn("wheel odometry",
+                      "its clock, units and direction, or set motion_sensors.wheel_odometry=false",
+                      warnings);
+  return warnings;
+}
+
+void MotionSensors::exchangeState(StateArchive& archive)
+{
+  State& s = *state_;
+  archive(s.rates, s.speeds, s.bias, s.scale, s.conflict, s.gyroscope, s.wheels);
+}
+}  // namespace dyslam
