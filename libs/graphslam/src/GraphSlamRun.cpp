@@ -174,7 +174,10 @@ SlamRunReport runGraphSlam(const SlamRunSettings& settings,
     throw UserError(damage);
   }
   const auto files = engine.writeReports();
-  SlamRunReport report = run.finish(context->decoder().warnings(), damage);
+  std::vector<std::string> warnings = context->decoder().warnings();
+  const std::vector<std::string> of_file = stream.warnings();
+  warnings.insert(warnings.end(), of_file.begin(), of_file.end());
+  SlamRunReport report = run.finish(warnings, damage);
   report.files.insert(report.files.end(), files.begin(), files.end());
   return report;
 }

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/Error.h>
-#include <dyslam/core/Printable.h>
 #include <dyslam/io/RawlogSource.h>
 #include <dyslam/io/RawlogStream.h>
 #include <dyslam/io/ScanDecoder.h>
@@ -137,11 +136,8 @@ std::string RawlogSource::sensorLabel() const
 std::vector<std::string> RawlogSource::warnings() const
 {
   auto lines = impl_->decoder.warnings();
-  for (const auto& [name, count] : impl_->stream.leftOut())
-  {
-    lines.push_back(impl_->stream.path() + ": " + counted(count, "observation") + " of class '" +
-                    name + "', which MRPT 2.5.8 does not have, left out");
-  }
+  const auto of_file = impl_->stream.warnings();
+  lines.insert(lines.end(), of_file.begin(), of_file.end());
   return lines;
 }
 }  // namespace dyslam

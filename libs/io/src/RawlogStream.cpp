@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/Error.h>
+#include <dyslam/core/Printable.h>
 #include <dyslam/formats/RecordingKind.h>
 #include <dyslam/io/RawlogStream.h>
 #include <mrpt/maps/registerAllClasses.h>
@@ -145,6 +146,17 @@ void RawlogStream::readObject()
 const std::map<std::string, std::size_t>& RawlogStream::leftOut() const
 {
   return objects_in_->leftOut();
+}
+
+std::vector<std::string> RawlogStream::warnings() const
+{
+  std::vector<std::string> lines;
+  for (const auto& [name, count] : leftOut())
+  {
+    lines.push_back(path_ + ": " + counted(count, "observation") + " of class '" + name +
+                    "', which MRPT 2.5.8 does not have, left out");
+  }
+  return lines;
 }
 
 mrpt::obs::CObservation::Ptr RawlogStream::next()

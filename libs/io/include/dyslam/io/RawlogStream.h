@@ -8,6 +8,7 @@
 #include <map>
 #include <memory>
 #include <string>
+#include <vector>
 
 namespace dyslam
 {
@@ -38,6 +39,8 @@ class RawlogStream
   [[nodiscard]] const std::string& externalFolder() const { return external_folder_; }
   /** How many observations were left out so far, for each class that MRPT does not have. */
   [[nodiscard]] const std::map<std::string, std::size_t>& leftOut() const;
+  /** The same in words, a line for each class. */
+  [[nodiscard]] std::vector<std::string> warnings() const;
   /** Bytes of the (compressed) file read so far, 0 to 1. */
   [[nodiscard]] double progress() const;
 
