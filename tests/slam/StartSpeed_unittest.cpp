@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Recordings that begin in motion.
-#include <dyslam/pipeline/Pipeline.h>
 #include <dyslam/pipeline/StartSpeed.h>
-#include <dyslam/sim/Simulator.h>
 #include <gtest/gtest.h>
-#include <mrpt/system/CTimeLogger.h>
 
 #include <vector>
+
+#include "SimulatedFrames.h"
 
 namespace dyslam
 {
@@ -18,21 +17,10 @@ struct Beginning
   double speed = 0;  //!< at the first scan [m/s]
 };
 
-Beginning simulate(const sim::SimulatorOptions& options, int scans = 10)
+Beginning simulate(const sim::SimulatorOptions& options)
 {
-  sim::Simulator simulator(options, 2);
   Beginning result;
-  for (int i = 0; i < scans; ++i)
-  {
-    auto simulated = simulator.next();
-    Frame frame;
-    frame.index = static_cast<std::size_t>(i);
-    frame.T_world_vehicle_truth = simulated.T_map_vehicle;
-    frame.scan = std::move(simulated.scan);
-    frame.imu = std::move(simulated.imu);
-    frame.wheels = std::move(simulated.wheels);
-    result.frames.push_back(std::move(frame));
-  }
+  result.frames = test::simulatedFrames(options, 10);
   const Frame& first = result.frames.front();
   const Frame& second = result.frames[1];
   const Pose motion = first.T_world_vehicle_truth->inverse() * *second.T_world_vehicle_truth;
@@ -58,47 +46,6 @@ TEST(StartSpeed, IsFoundOnAHighwayThatLooksAlikeAllAlong)
   const auto speed = findStartSpeed(highway.frames, withoutNetwork());
   ASSERT_TRUE(speed);
   EXPECT_NEAR(*speed, highway.speed, 2);
-}
-
-/** Error at the end over the distance driven. */
-double relativeError(const std::vector<Frame>& frames)
-{
-  Config config = withoutNetwork();
-  config.set("pipeline.tracking=false");
-  config.set("pipeline.mapping=false");
-  config.set("labels.hindsight=false");
-  ConfigLoader loader(config);
-  mrpt::system::CTimeLogger times(false);
-  Pipeline pipeline(loader, times);
-  Pose T_odom_vehicle = Pose::Identity();
-  for (Frame frame : frames)
-  {
-    pipeline.process(frame);
-    T_odom_vehicle = frame.T_odom_vehicle;
-  }
-  const Pose truth =
-      frames.front().T_world_vehicle_truth->inverse() * *frames.back().T_world_vehicle_truth;
-  return (truth.translation() - T_odom_vehicle.translation()).norm() / truth.translation().norm();
-}
-
-TEST(StartSpeed, IsMeasuredByWheelsInATunnel)
-{
-  sim::SimulatorOptions options;
-  options.world = sim::WorldKind::tunnel;
-  options.sensor = sim::SensorKind::vlp16;
-  options.traffic = 0.3;
-  options.seed = 21;
-  options.imu = true;
-  options.wheels = true;
-  Beginning tunnel = simulate(options, 20);
-  EXPECT_FALSE(findStartSpeed(tunnel.frames, withoutNetwork())) << "it is not searched for";
-  EXPECT_LT(relativeError(tunnel.frames), 0.03);
-  for (Frame& frame : tunnel.frames)
-  {
-    frame.wheels.clear();
-    frame.imu.clear();
-  }
-  EXPECT_GT(relativeError(tunnel.frames), 0.3) << "the walls alone do not show it";
 }
 
 TEST(StartSpeed, IsSearchedForWhereTheWheelsBeginLater)
