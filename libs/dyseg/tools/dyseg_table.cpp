@@ -176,7 +176,8 @@ std::vector<SegmentationSet> makeSets(const Arguments& a)
   {
     if (wanted("vls128_run88 48-63"))
     {
-      sets.push_back({"vls128_run88 48-63", loadBoxedRun(a.data + "/vls128_run88", 36, 63), 12});
+      sets.push_back(
+          {"vls128_run88 48-63", loadBoxedRun(a.data + "/vls128_run88", 36, 63, {}), 12});
     }
     const auto drive = a.data + "/kitti_raw_2011_09_26_drive_0005";
     if (wanted("drive 0005 0-109"))

@@ -95,8 +95,9 @@ DysegPairs::DysegPairs(const DysegTrainerOptions& options) : options_(options)
   {
     splits.requireFrames(under(options.boxed_run) + "/velodyne", {0, options.boxed_last},
                          Split::training, "[train] boxed_run");
-    runs_.push_back(
-        loadBoxedRun(under(options.boxed_run), 0, static_cast<std::size_t>(options.boxed_last)));
+    runs_.push_back(loadBoxedRun(under(options.boxed_run), 0,
+                                 static_cast<std::size_t>(options.boxed_last),
+                                 options.boxed_drift));
   }
   for (const auto& part : listItems(options.single_scans, ','))
   {

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/Deskew.h>
 #include <dyslam/core/Error.h>
+#include <dyslam/core/Scan.h>
 #include <dyslam/formats/LabelFiles.h>
 #include <dyslam/formats/SustechFiles.h>
 #include <dyslam/formats/TextFile.h>
@@ -55,16 +57,92 @@ constexpr std::int32_t first_parked = 500;
 constexpr std::int32_t last_parked = 599;
 }  // namespace
 
-DysegClip loadBoxedRun(const std::string& folder, std::size_t first, std::size_t last)
+double SweepDrift::revolutions() const
 {
+  return 1 + std::abs(step) / (2 * M_PI);
+}
+
+namespace
+{
+/** The sweeps of a run: motion during each, and poses at their middle. */
+class Sweeps
+{
+ public:
+  /** \param matched poses by scan matching */
+  Sweeps(const std::vector<Pose>& matched, const SweepDrift& drift) : drift_(drift)
+  {
+    Pose T = matched.front();
+    for (std::size_t f = 0; f < matched.size(); ++f)
+    {
+      // The motion during the first sweep is not known; that of the second is nearly the same.
+      const std::size_t later = std::max<std::size_t>(f, 1);
+      const Vector6 motion = later < matched.size()
+                                 ? logSE3(matched[later - 1].inverse() * matched[later])
+                                 : Vector6(Vector6::Zero());
+      T = f > 0 ? T * expSE3(drift.revolutions() * motion) : T;
+      motions_.push_back(motion);
+      poses_.push_back(T);
+    }
+  }
+
+  [[nodiscard]] const Pose& pose(std::size_t frame) const { return poses_[frame]; }
+
+  void deskew(std::size_t frame, std::vector<Eigen::Vector3f>& points) const
+  {
+    const SweepMotion motion(expSE3(motions_[frame]), middle);
+    for (Eigen::Vector3f& p : points)
+    {
+      p = drift_.step != 0 && isReturn(p) ? motion.toReference(p, sweepFraction(p, model(frame)))
+                                          : p;
+    }
+  }
+
+  [[nodiscard]] Pose deskewed(std::size_t frame, const Pose& T_sensor_object) const
+  {
+    if (drift_.step == 0)
+    {
+      return T_sensor_object;
+    }
+    const double fraction =
+        sweepFraction(T_sensor_object.translation().cast<float>(), model(frame));
+    return expSE3((fraction - middle) * motions_[frame]) * T_sensor_object;
+  }
+
+ private:
+  static constexpr double middle = 0.5;
+
+  [[nodiscard]] SweepModel model(std::size_t frame) const
+  {
+    return {-1, drift_.start_azimuth + drift_.step * static_cast<double>(frame)};
+  }
+
+  SweepDrift drift_;
+  std::vector<Vector6> motions_;
+  std::vector<Pose> poses_;  // T_world_sensor
+};
+
+Pose poseOf(const Box& box)
+{
+  return poseFromYpr(box.center.x(), box.center.y(), box.center.z() - 0.5 * box.size.z(), box.yaw,
+                     0, 0);
+}
+}  // namespace
+
+DysegClip loadBoxedRun(const std::string& folder,
+                       std::size_t first,
+                       std::size_t last,
+                       const SweepDrift& drift)
+{
+  constexpr double revolution = 0.091;  // [s]
   DysegClip clip;
   clip.name = folder;
-  clip.period = 0.091;
-  const auto poses = readKittiPoses(folder + "/poses_icp_frame_to_frame.txt");
-  if (poses.size() <= last)
+  clip.period = revolution * drift.revolutions();
+  const auto matched = readKittiPoses(folder + "/poses_icp_frame_to_frame.txt");
+  if (matched.size() <= last)
   {
     throw UserError(folder + ": fewer poses than requested frames");
   }
+  const Sweeps sweeps(matched, drift);
   std::vector<std::vector<LabelledBox>> boxes;
   std::map<std::int32_t, std::map<std::size_t, Eigen::Vector2d>> tracks;
   for (std::size_t f = first; f <= last; ++f)
@@ -73,13 +151,14 @@ DysegClip loadBoxedRun(const std::string& folder, std::size_t first, std::size_t
         readSustechJson(numberedPath(folder + "/label_json", f, ".json"), static_cast<int>(f)));
     for (const auto& b : boxes.back())
     {
-      tracks[b.id][f] = (poses[f] * b.box.center).head<2>();
+      tracks[b.id][f] =
+          (sweeps.pose(f) * sweeps.deskewed(f, poseOf(b.box))).translation().head<2>();
     }
   }
   for (std::size_t f = first; f <= last; ++f)
   {
     DysegClip::Frame frame;
-    frame.T_world_sensor = poses[f];
+    frame.T_world_sensor = sweeps.pose(f);
     frame.points = readTrainingPoints(numberedPath(folder + "/velodyne", f, ".bin"), 0);
     frame.object.assign(frame.points.size(), DysegClip::still);
     for (const auto& labelled : boxes[f - first])
@@ -94,14 +173,13 @@ DysegClip loadBoxedRun(const std::string& folder, std::size_t first, std::size_t
       const double seconds = clip.period * static_cast<double>(to->first - from->first);
       const double speed = seconds > 0 ? (to->second - from->second).norm() / seconds : 0;
       DysegClip::Object object;
-      const Box& box = labelled.box;
-      object.T_sensor_object = poseFromYpr(box.center.x(), box.center.y(),
-                                           box.center.z() - 0.5 * box.size.z(), box.yaw, 0, 0);
+      object.T_sensor_object = sweeps.deskewed(f, poseOf(labelled.box));
       object.moving = speed > moving_over;
       object.doubtful = !object.moving && (speed > standing_under || seconds <= 0);
       frame.objects[labelled.id] = object;
       claimPoints(labelled, object.moving, frame);
     }
+    sweeps.deskew(f, frame.points);
     clip.frames.push_back(std::move(frame));
   }
   return clip;

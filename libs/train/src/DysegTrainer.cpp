@@ -81,6 +81,11 @@ void DysegTrainerOptions::describe(OptionsVisitor& v)
          "splits of the frames (training, validation, test): a file, or the name of a shipped one");
   v.text("boxed_run", boxed_run, "training run with boxes, a folder under data; empty: none");
   v.integer("boxed_last", boxed_last, 1, 1000000, "last training frame of boxed_run");
+  v.degrees("boxed_start_azimuth_deg", boxed_drift.start_azimuth, -360, 360,
+            "azimuth at which scan 0 of the runs with boxes begins and ends, from +x towards +y "
+            "[deg]");
+  v.degrees("boxed_azimuth_step_deg", boxed_drift.step, -180, 0,
+            "drift of that azimuth per scan; 0: none, the scans are not deskewed [deg]");
   v.text("boxed_validation", boxed_validation,
          "validation run with boxes, a folder under data; empty: none");
   v.integer("boxed_validation_first", boxed_validation_first, 8, 1000000,

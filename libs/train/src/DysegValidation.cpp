@@ -168,7 +168,7 @@ std::vector<DysegValidationSet> makeDysegValidation(const DysegTrainerOptions& o
   {
     const auto run = loadBoxedRun(options.data + "/" + boxed.folder,
                                   static_cast<std::size_t>(boxed.first) - far_back,
-                                  static_cast<std::size_t>(boxed.last));
+                                  static_cast<std::size_t>(boxed.last), options.boxed_drift);
     DysegValidationSet near{nameOf(boxed), false, {}};
     DysegValidationSet slow{nameOf(boxed) + far_name, true, {}};
     for (std::size_t i = far_back; i < run.frames.size(); i += 2)

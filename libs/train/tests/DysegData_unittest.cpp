@@ -254,7 +254,7 @@ class BoxedRun : public ::testing::Test
         "[{\"obj_id\": \"3\", \"obj_type\": \"Car\", \"psr\": {\"position\": {\"x\": " + x + rest +
             ", \"rotation\": {\"x\": 0" + rest + ", \"scale\": {\"x\": 4" + rest + "}}]");
   }
-  [[nodiscard]] dyslam::DysegClip load() const { return dyslam::loadBoxedRun(folder_, 0, 0); }
+  [[nodiscard]] dyslam::DysegClip load() const { return dyslam::loadBoxedRun(folder_, 0, 0, {}); }
 
   std::string folder_ = ::testing::TempDir() + "dyslam_boxed_run";
 };
@@ -286,6 +286,94 @@ TEST_F(BoxedRun, MalformedPosesAndTruncatedScansAreRefused)
   dyslam::writeWhole(poses, pose);
   dyslam::writeWhole(folder_ + "/velodyne/000000.bin", std::string(20, '\0'));
   EXPECT_THROW((void)load(), dyslam::UserError);
+}
+
+/** A sensor that passes a post and a parked car at 1 m per revolution; its scans are of one
+ * revolution each and 1.25 revolutions apart. */
+class DriftingRun : public ::testing::Test
+{
+ protected:
+  static constexpr int frames = 9;
+  static constexpr double per_revolution = 1;  // m
+
+  DriftingRun()
+  {
+    std::filesystem::create_directories(folder_ + "/velodyne");
+    std::filesystem::create_directories(folder_ + "/label_json");
+    std::string poses;
+    for (int f = 0; f < frames; ++f)
+    {
+      poses += "1 0 0 " + std::to_string(f * per_revolution) + " 0 1 0 0 0 0 1 0\n";
+      const Eigen::Vector2d post = seen({20, 6}, f);
+      const Eigen::Vector2d car = seen({15, -7}, f);
+      const std::vector<float> point{static_cast<float>(post.x()), static_cast<float>(post.y()), 0,
+                                     0.5F};
+      dyslam::writeWhole(name("velodyne", f, ".bin"),
+                         {reinterpret_cast<const char*>(point.data()), 4 * sizeof(float)});
+      const auto xyz = [](double x, double y, double z)
+      {
+        return "{\"x\": " + std::to_string(x) + ", \"y\": " + std::to_string(y) +
+               ", \"z\": " + std::to_string(z) + "}";
+      };
+      dyslam::writeWhole(name("label_json", f, ".json"),
+                         "[{\"obj_id\": \"3\", \"obj_type\": \"Car\", \"psr\": {\"position\": " +
+                             xyz(car.x(), car.y(), 0) + ", \"rotation\": " + xyz(0, 0, 0) +
+                             ", \"scale\": " + xyz(4, 2, 1.5) + "}}]");
+    }
+    dyslam::writeWhole(folder_ + "/poses_icp_frame_to_frame.txt", poses);
+  }
+  ~DriftingRun() override { std::filesystem::remove_all(folder_); }
+
+  [[nodiscard]] std::string name(const std::string& part, int frame, const char* ext) const
+  {
+    return folder_ + "/" + part + "/00000" + std::to_string(frame) + ext;
+  }
+
+  /** Where a scan has a standing object: as the sensor saw it when it looked there. */
+  Eigen::Vector2d seen(const Eigen::Vector2d& world, int frame) const
+  {
+    Eigen::Vector2d p = world;
+    for (int i = 0; i < 20; ++i)  // the direction depends on the time, and that on the direction
+    {
+      const double begin = drift_.start_azimuth + frame * drift_.step;
+      const double turned = begin - std::atan2(p.y(), p.x());
+      const double fraction = turned / (2 * M_PI) - std::floor(turned / (2 * M_PI));
+      const double at = frame * drift_.revolutions() + fraction - 0.5;
+      p = world - Eigen::Vector2d(at * per_revolution, 0);
+    }
+    return p;
+  }
+
+  dyslam::SweepDrift drift_{0.3, -0.5 * M_PI};
+  std::string folder_ = ::testing::TempDir() + "dyslam_drifting_run";
+};
+
+TEST_F(DriftingRun, WhatStandsStaysInItsPlace)
+{
+  const auto clip = dyslam::loadBoxedRun(folder_, 0, frames - 1, drift_);
+  for (const auto& frame : clip.frames)
+  {
+    const Eigen::Vector3d post = frame.T_world_sensor * frame.points[0].cast<double>();
+    EXPECT_LT((post.head<2>() - Eigen::Vector2d(20, 6)).norm(), 0.01);
+    const auto& car = frame.objects.at(3);
+    const Eigen::Vector3d at = (frame.T_world_sensor * car.T_sensor_object).translation();
+    EXPECT_LT((at.head<2>() - Eigen::Vector2d(15, -7)).norm(), 0.01);
+    EXPECT_FALSE(car.moving);
+  }
+  EXPECT_NEAR(clip.frames[8].T_world_sensor.translation().x(), 10, 1e-9) << "8 x 1.25 revolutions";
+  EXPECT_NEAR(clip.period, 1.25 * 0.091, 1e-9);
+}
+
+TEST_F(DriftingRun, OtherwiseItJumps)
+{
+  const auto clip = dyslam::loadBoxedRun(folder_, 0, frames - 1, {});
+  double farthest = 0;
+  for (const auto& frame : clip.frames)
+  {
+    const Eigen::Vector3d post = frame.T_world_sensor * frame.points[0].cast<double>();
+    farthest = std::max(farthest, (post.head<2>() - Eigen::Vector2d(20, 6)).norm());
+  }
+  EXPECT_GT(farthest, 1.5);
 }
 
 /** The motions of labelled objects are not known: none has an earlier position. */

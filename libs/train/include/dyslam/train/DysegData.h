@@ -106,11 +106,27 @@ struct DysegAugmentOptions : Options
  * thins the pair. */
 void augment(const DysegAugmentOptions& options, RandomDraws& draws, DysegSample& sample);
 
-/** vls128_run88: boxes of SUSTechPOINTS beside scans. \param folder of the run. \throws UserError.
+/** Scans of one revolution each that were stored at an interval longer than a revolution: the
+ * azimuth at which the (clockwise) sweep begins and ends drifts from scan to scan, and what is in
+ * between is lost. Two scans show one revolution in most directions, but one more in those that the
+ * drift has passed. */
+struct SweepDrift
+{
+  double start_azimuth = 0;  //!< at scan 0, from +x towards +y [rad]
+  double step = 0;           //!< per scan [rad]; 0: whole revolutions, deskewed or at rest
+
+  /** From scan to scan. */
+  [[nodiscard]] double revolutions() const;
+};
+
+/** vls128_run88: boxes of SUSTechPOINTS beside scans, and poses by scan matching, which are those
+ * of one revolution. With a drift, points and boxes are deskewed to the middle of their sweep, and
+ * the poses are those of the time that really passed. \param folder of the run. \throws UserError.
  */
 [[nodiscard]] DysegClip loadBoxedRun(const std::string& folder,
                                      std::size_t first,
-                                     std::size_t last);
+                                     std::size_t last,
+                                     const SweepDrift& drift);
 
 /** A run with SemanticKITTI labels per point (0 unknown, 252-259 moving) and poses per scan. The
  * motions of its objects are not known, so movers have no flow. \throws UserError. */

@@ -20,6 +20,7 @@ struct DysegTrainerOptions : Options
   std::string splits = "splits";  //!< training, validation and test frames
   std::string boxed_run = "vls128_run88";  //!< training run with boxes, under `data`; empty: none
   int boxed_last = 47;                     //!< last training frame of `boxed_run`
+  SweepDrift boxed_drift;                  //!< of the scans of runs with boxes
   /** Frames of a run with boxes and of one with labels that are evaluated and never trained on.
    * They are compared with frames before them, up to 8 back, that may be. Empty for none. */
   std::string boxed_validation = "vls128_run88";
