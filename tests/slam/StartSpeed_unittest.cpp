@@ -33,7 +33,7 @@ Config withoutNetwork()
   return Config::fromText("[dyseg]\nmethod = none\n", "test");
 }
 
-TEST(StartSpeed, IsFoundOnAHighwayThatLooksAlikeAllAlong)
+sim::SimulatorOptions uniformHighway()
 {
   sim::SimulatorOptions options;
   options.world = sim::WorldKind::highway;
@@ -41,7 +41,12 @@ TEST(StartSpeed, IsFoundOnAHighwayThatLooksAlikeAllAlong)
   options.columns = 1024;
   options.traffic = 0.3;
   options.seed = 21;
-  const Beginning highway = simulate(options);
+  return options;
+}
+
+TEST(StartSpeed, IsFoundOnAHighwayThatLooksAlikeAllAlong)
+{
+  const Beginning highway = simulate(uniformHighway());
   ASSERT_GT(highway.speed, 20);
   const auto speed = findStartSpeed(highway.frames, withoutNetwork());
   ASSERT_TRUE(speed);
@@ -50,12 +55,7 @@ TEST(StartSpeed, IsFoundOnAHighwayThatLooksAlikeAllAlong)
 
 TEST(StartSpeed, IsSearchedForWhereTheWheelsBeginLater)
 {
-  sim::SimulatorOptions options;
-  options.world = sim::WorldKind::highway;
-  options.sensor = sim::SensorKind::os1_64;
-  options.columns = 1024;
-  options.traffic = 0.3;
-  options.seed = 21;
+  sim::SimulatorOptions options = uniformHighway();
   options.wheels = true;
   Beginning highway = simulate(options);
   EXPECT_FALSE(findStartSpeed(highway.frames, withoutNetwork())) << "the wheels measure it";

@@ -8,12 +8,16 @@
 #include <limits>
 
 #include "BagWriters.h"
+#include "SingleMessage.h"
 #include "TestFolder.h"
 
 namespace dyslam
 {
 namespace
 {
+using test::messageOf;
+using test::topicOf;
+
 constexpr double stamp = 1600000000.25;
 
 /** Four rings of points that get farther and higher with the ring; a tenth of a second. */
@@ -54,24 +58,6 @@ std::vector<test::CloudField> coordinates(const Scan& scan)
                       mapped(scan, [&](std::size_t i) { return scan.points[i][axis]; })});
   }
   return fields;
-}
-
-BagTopic topicOf(bool cdr, const std::string& type)
-{
-  BagTopic topic;
-  topic.name = "/topic";
-  topic.type = type;
-  topic.encoding = cdr ? RosEncoding::cdr : RosEncoding::ros1;
-  return topic;
-}
-
-BagMessage messageOf(const std::string& data)
-{
-  BagMessage message;
-  message.data = data;
-  message.recorded = 12;
-  message.place = "x.bag: message at byte 99";
-  return message;
 }
 
 Scan decoded(RosScanDecoder& decoder,

@@ -6,38 +6,24 @@
 #include <limits>
 
 #include "BagWriters.h"
+#include "SingleMessage.h"
 #include "TestFolder.h"
 
 namespace dyslam
 {
 namespace
 {
+using test::messageOf;
+using test::topicOf;
+
 constexpr double motion_stamp = 1600000000.25;
 const Eigen::Vector3d some_linear(4, 0.5, -0.25);
 const Eigen::Vector3d some_angular(0.125, -0.5, 0.75);
 
-BagTopic motionTopic(bool cdr, const std::string& type)
-{
-  BagTopic topic;
-  topic.name = "/motion";
-  topic.type = type;
-  topic.encoding = cdr ? RosEncoding::cdr : RosEncoding::ros1;
-  return topic;
-}
-
-BagMessage motionMessage(const std::string& data)
-{
-  BagMessage message;
-  message.data = data;
-  message.recorded = 12;
-  message.place = "x.bag: message at byte 99";
-  return message;
-}
-
 std::optional<RosImu> decodedImu(bool cdr, double stamp, const test::ImuValues& values)
 {
   const std::string data = test::imu(cdr, stamp, values);
-  return decodeRosImu(motionTopic(cdr, "sensor_msgs/Imu"), motionMessage(data));
+  return decodeRosImu(topicOf(cdr, "sensor_msgs/Imu"), messageOf(data));
 }
 }  // namespace
 
@@ -48,7 +34,7 @@ TEST(RosImus, BothSerialisations)
   {
     for (const bool cdr : {false, true})
     {
-      ASSERT_TRUE(isRosImu(motionTopic(cdr, "sensor_msgs/Imu")));
+      ASSERT_TRUE(isRosImu(topicOf(cdr, "sensor_msgs/Imu")));
       const auto imu = decodedImu(cdr, motion_stamp, {frame, some_angular, some_linear});
       ASSERT_TRUE(imu);
       EXPECT_EQ(motion_stamp, imu->stamp);
@@ -58,8 +44,8 @@ TEST(RosImus, BothSerialisations)
       EXPECT_EQ(some_linear, *imu->acceleration);
     }
   }
-  EXPECT_FALSE(isRosImu(motionTopic(true, "nav_msgs/Odometry")));
-  BagTopic json = motionTopic(true, "sensor_msgs/Imu");
+  EXPECT_FALSE(isRosImu(topicOf(true, "nav_msgs/Odometry")));
+  BagTopic json = topicOf(true, "sensor_msgs/Imu");
   json.encoding = RosEncoding::other;
   EXPECT_FALSE(isRosImu(json));
 }
@@ -90,8 +76,8 @@ TEST(RosTwists, EveryTypeInBothSerialisations)
   {
     const auto check = [&](const std::string& type, const std::string& data)
     {
-      ASSERT_TRUE(isRosTwist(motionTopic(cdr, type)));
-      const auto twist = decodeRosTwist(motionTopic(cdr, type), motionMessage(data));
+      ASSERT_TRUE(isRosTwist(topicOf(cdr, type)));
+      const auto twist = decodeRosTwist(topicOf(cdr, type), messageOf(data));
       ASSERT_TRUE(twist);
       EXPECT_EQ(motion_stamp, twist->stamp);
       EXPECT_EQ("base_link", twist->frame);
@@ -105,11 +91,10 @@ TEST(RosTwists, EveryTypeInBothSerialisations)
           test::twistStamped(cdr, motion_stamp, some_linear, some_angular));
     check("geometry_msgs/TwistWithCovarianceStamped",
           test::twistStamped(cdr, motion_stamp, some_linear, some_angular, true));
-    EXPECT_FALSE(isRosTwist(motionTopic(cdr, "geometry_msgs/Twist")));
+    EXPECT_FALSE(isRosTwist(topicOf(cdr, "geometry_msgs/Twist")));
     const double nan = std::numeric_limits<double>::quiet_NaN();
     const std::string bad = test::twistStamped(cdr, motion_stamp, {nan, 0, 0}, some_angular);
-    EXPECT_FALSE(
-        decodeRosTwist(motionTopic(cdr, "geometry_msgs/TwistStamped"), motionMessage(bad)));
+    EXPECT_FALSE(decodeRosTwist(topicOf(cdr, "geometry_msgs/TwistStamped"), messageOf(bad)));
   }
 }
 
@@ -118,7 +103,7 @@ TEST(RosTwists, AnOdometryWithoutAPoseHasAVelocity)
   Pose pose = Pose::Identity();
   pose.translation().x() = std::numeric_limits<double>::quiet_NaN();
   const std::string data = test::odometry(true, motion_stamp, pose, some_linear, some_angular);
-  const auto twist = decodeRosTwist(motionTopic(true, "nav_msgs/Odometry"), motionMessage(data));
+  const auto twist = decodeRosTwist(topicOf(true, "nav_msgs/Odometry"), messageOf(data));
   ASSERT_TRUE(twist);
   EXPECT_EQ(some_linear, twist->linear);
   EXPECT_FALSE(twist->T_parent_body);
@@ -134,18 +119,16 @@ TEST(RosMotion, DamagedMessagesAreRefused)
     {
       const std::string cut = imu.substr(0, size);
       const auto message = messageOfError<UserError>(
-          [&] { (void)decodeRosImu(motionTopic(cdr, "sensor_msgs/Imu"), motionMessage(cut)); });
-      EXPECT_TRUE(contains(message, "x.bag: message at byte 99 of /motion")) << message;
+          [&] { (void)decodeRosImu(topicOf(cdr, "sensor_msgs/Imu"), messageOf(cut)); });
+      EXPECT_TRUE(contains(message, "x.bag: message at byte 99 of /topic")) << message;
     }
     for (std::size_t size = 0; size < twist.size(); size += 7)
     {
       const std::string cut = twist.substr(0, size);
       const auto message = messageOfError<UserError>(
-          [&] {
-            (void)decodeRosTwist(motionTopic(cdr, "geometry_msgs/TwistStamped"),
-                                 motionMessage(cut));
-          });
-      EXPECT_TRUE(contains(message, "x.bag: message at byte 99 of /motion")) << message;
+          [&]
+          { (void)decodeRosTwist(topicOf(cdr, "geometry_msgs/TwistStamped"), messageOf(cut)); });
+      EXPECT_TRUE(contains(message, "x.bag: message at byte 99 of /topic")) << message;
     }
   }
 }

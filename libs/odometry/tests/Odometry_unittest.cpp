@@ -232,6 +232,24 @@ class OtherSensors : public Fusion
     odometry_->predict(frame);
     return frame;
   }
+
+  /** Error of the position after a number of scans, those from `first_empty` on without points. */
+  double errorAfter(const Pose& step, int scans, int first_empty)
+  {
+    Pose T = Pose::Identity();
+    Frame frame;
+    for (int i = 0; i < scans; ++i)
+    {
+      T = i > 0 ? T * step : T;
+      frame = nextWith(T, step, true, true);
+      if (i >= first_empty)
+      {
+        frame.cloud = Cloud();
+      }
+      estimate(frame);
+    }
+    return (T.inverse() * frame.T_odom_vehicle).translation().norm();
+  }
 };
 
 TEST_F(OtherSensors, MeasureTheFirstMotion)
@@ -270,35 +288,13 @@ TEST_F(OtherSensors, AreTheMotionWithoutRegistration)
   start({"refine.method=none"});
   script_.uses_prior = true;
   script_.converged = false;
-  const Pose step = poseFromYpr(0.7, 0, 0, 0.04, 0, 0);
-  Pose T = Pose::Identity();
-  Frame frame;
-  for (int i = 0; i < 20; ++i)
-  {
-    T = i > 0 ? T * step : T;
-    frame = nextWith(T, step, true, true);
-    estimate(frame);
-  }
-  EXPECT_LT((T.inverse() * frame.T_odom_vehicle).translation().norm(), 0.5) << "after 13 m";
+  EXPECT_LT(errorAfter(poseFromYpr(0.7, 0, 0, 0.04, 0, 0), 20, 20), 0.5) << "after 13 m";
 }
 
 TEST_F(OtherSensors, AreTheMotionWhileScansAreEmpty)
 {
   start();
-  const Pose step = poseFromYpr(0.4, 0, 0, 0.02, 0, 0);
-  Pose T = Pose::Identity();
-  Frame frame;
-  for (int i = 0; i < 60; ++i)
-  {
-    T = i > 0 ? T * step : T;
-    frame = nextWith(T, step, true, true);
-    if (i >= 8)
-    {
-      frame.cloud = Cloud();
-    }
-    estimate(frame);
-  }
-  EXPECT_LT((T.inverse() * frame.T_odom_vehicle).translation().norm(), 0.5) << "after 5 s, 21 m";
+  EXPECT_LT(errorAfter(poseFromYpr(0.4, 0, 0, 0.02, 0, 0), 60, 8), 0.5) << "after 5 s, 21 m";
 }
 
 TEST_F(OtherSensors, BridgeMissingScans)
