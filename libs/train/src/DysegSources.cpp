@@ -50,7 +50,10 @@ void claimPoints(const LabelledBox& labelled, bool moving, DysegClip::Frame& fra
   }
 }
 
-constexpr std::size_t speed_window = 3;  // frames to each side
+// Frames to each side that give an object's speed. Boxes drawn by hand jump by up to half a metre
+// from frame to frame; over three frames to each side parked trucks are faster than 0.5 m/s.
+constexpr std::size_t speed_window = 8;
+constexpr int least_positions = 4;  // of an object whose speed is known
 // Parked motorcycles of vls128_run88, whose boxes of one frame were copied to others as they stood
 // relative to the sensor.
 constexpr std::int32_t first_parked = 500;
@@ -121,6 +124,28 @@ class Sweeps
   std::vector<Pose> poses_;  // T_world_sensor
 };
 
+using Track = std::map<std::size_t, Eigen::Vector2d>;  // positions by frame
+
+/** Slope of the lines fitted to at least two positions, by least squares [m per frame]. */
+Eigen::Vector2d fittedVelocity(Track::const_iterator begin, Track::const_iterator end)
+{
+  const auto count = static_cast<double>(std::distance(begin, end));
+  double mean_frame = 0;
+  for (auto it = begin; it != end; ++it)
+  {
+    mean_frame += static_cast<double>(it->first) / count;
+  }
+  double spread = 0;
+  Eigen::Vector2d moment = Eigen::Vector2d::Zero();
+  for (auto it = begin; it != end; ++it)
+  {
+    const double offset = static_cast<double>(it->first) - mean_frame;
+    spread += offset * offset;
+    moment += offset * it->second;
+  }
+  return moment / spread;
+}
+
 Pose poseOf(const Box& box)
 {
   return poseFromYpr(box.center.x(), box.center.y(), box.center.z() - 0.5 * box.size.z(), box.yaw,
@@ -144,7 +169,7 @@ DysegClip loadBoxedRun(const std::string& folder,
   }
   const Sweeps sweeps(matched, drift);
   std::vector<std::vector<LabelledBox>> boxes;
-  std::map<std::int32_t, std::map<std::size_t, Eigen::Vector2d>> tracks;
+  std::map<std::int32_t, Track> tracks;
   for (std::size_t f = first; f <= last; ++f)
   {
     boxes.push_back(
@@ -168,14 +193,14 @@ DysegClip loadBoxedRun(const std::string& folder,
         continue;
       }
       const auto& track = tracks[labelled.id];
-      auto from = track.lower_bound(f < speed_window ? 0 : f - speed_window);
-      auto to = std::prev(track.upper_bound(f + speed_window));
-      const double seconds = clip.period * static_cast<double>(to->first - from->first);
-      const double speed = seconds > 0 ? (to->second - from->second).norm() / seconds : 0;
+      const auto begin = track.lower_bound(f < speed_window ? 0 : f - speed_window);
+      const auto end = track.upper_bound(f + speed_window);
+      const bool known = std::distance(begin, end) >= least_positions;
+      const double speed = known ? fittedVelocity(begin, end).norm() / clip.period : 0;
       DysegClip::Object object;
       object.T_sensor_object = sweeps.deskewed(f, poseOf(labelled.box));
       object.moving = speed > moving_over;
-      object.doubtful = !object.moving && (speed > standing_under || seconds <= 0);
+      object.doubtful = !object.moving && (speed > standing_under || !known);
       frame.objects[labelled.id] = object;
       claimPoints(labelled, object.moving, frame);
     }
