@@ -19,6 +19,7 @@
 #include "PlaceFeatures.h"
 #include "Posts.h"
 #include "RayHistory.h"
+#include "RecentScores.h"
 #include "Segments.h"
 #include "VisibilityImage.h"
 
@@ -137,9 +138,12 @@ struct CellMotion
   }
 };
 
-/** Probability of each place that its points move. \param points of the scan, map frame */
+/** Probability of each place that its points move. \param voxels of the places \param points of
+ * the scan, map frame */
 std::vector<float> probabilitiesOf(const std::vector<PlaceFeatures>& features,
-                                   const std::vector<Eigen::Vector3f>& points)
+                                   const std::vector<std::uint64_t>& voxels,
+                                   const std::vector<Eigen::Vector3f>& points,
+                                   RecentScores& recent)
 {
   std::vector<Eigen::Vector3f> places;
   places.reserve(features.size());
@@ -157,7 +161,7 @@ std::vector<float> probabilitiesOf(const std::vector<PlaceFeatures>& features,
     {
       score -= post_score;
     }
-    probability.push_back(1 / (1 + std::exp(-score)));
+    probability.push_back(1 / (1 + std::exp(-recent.smooth(voxels[g], score))));
   }
   return probability;
 }
@@ -279,6 +283,7 @@ struct HindsightLabels::Impl
   std::size_t next = 0;          //!< of `scans`, to be decided
   std::size_t count = 0;         //!< of all scans added
   ClearPlaces clear;
+  RecentScores recent;
   LastingTracks dynamic;  //!< have been at some time
   LastingTracks reported;
 };
@@ -380,7 +385,6 @@ void HindsightLabels::Impl::addRays(const Segments& segments,
                                     std::vector<PlaceEvidence>& evidence)
 {
   const Frame& frame = *scans[next].frame;
-  clear.beginScan(count - (scans.size() - next));
   std::vector<Eigen::Vector3f> places;
   std::vector<RayEffort> efforts;
   std::vector<std::size_t> groups;
@@ -462,6 +466,8 @@ void HindsightLabels::Impl::outputNext(const Use& use)
 
 void HindsightLabels::Impl::decide(WindowScan& scan)
 {
+  clear.beginScan(count - (scans.size() - next));
+  recent.beginScan(count - (scans.size() - next));
   Frame& frame = *scan.frame;
   const Eigen::Isometry3f T = scan.T_odom_vehicle.cast<float>();
   std::vector<Eigen::Vector3f> points;
@@ -482,7 +488,8 @@ void HindsightLabels::Impl::decide(WindowScan& scan)
   std::vector<PlaceEvidence> evidence = causalEvidence(segments);
   addRays(segments, heights, evidence);
   const std::vector<PlaceFeatures> features = placeFeatures(segments, evidence, points, heights);
-  const std::vector<float> place_probability = probabilitiesOf(features, points);
+  const std::vector<float> place_probability =
+      probabilitiesOf(features, segments.voxel_of_group, points, recent);
   frame.moving_probability.resize(frame.cloud.size(), 0);
   frame.moving.resize(frame.cloud.size());
   for (std::size_t i = 0; i < points.size(); ++i)
@@ -538,7 +545,7 @@ void HindsightLabels::finish(const Use& use)
 
 void HindsightLabels::exchangeState(StateArchive& archive)
 {
-  archive(impl_->scans, impl_->past, impl_->next, impl_->count, impl_->clear, impl_->dynamic,
-          impl_->reported);
+  archive(impl_->scans, impl_->past, impl_->next, impl_->count, impl_->clear, impl_->recent,
+          impl_->dynamic, impl_->reported);
 }
 }  // namespace dyslam
