@@ -30,6 +30,7 @@ std::string reasonUnusable(const Frame& frame)
     return "the scan has only " + counted(returns, "return");
   }
   return "only " + std::to_string(finite) + " of " + std::to_string(scanned) + " points " +
-         (finite == 1 ? "is" : "are") + " left after preprocess.min_range and max_range";
+         (finite == 1 ? "is" : "are") +
+         " left after preprocess.min_range, own_vehicle_range and max_range";
 }
 }  // namespace dyslam

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dyslam/core/Error.h>
 #include <dyslam/core/FiringOrder.h>
+#include <dyslam/odometry/OwnVehicle.h>
 #include <dyslam/odometry/Preprocessor.h>
 
 #include <algorithm>
@@ -129,6 +130,9 @@ void PreprocessOptions::describe(OptionsVisitor& v)
 {
   v.real("min_range", min_range, 0, 1000,
          "range from the lidar below which returns are dropped [m]");
+  v.real("own_vehicle_range", own_vehicle_range, 0, 5,
+         "range from the lidar within which its own vehicle is recognised: returns that stay in "
+         "place while it moves are dropped, and all of them before it has moved; 0: never [m]");
   v.real("max_range", max_range, 0.1, 10000,
          "range from the lidar above which returns are dropped [m]");
   v.choice(
@@ -162,7 +166,8 @@ Preprocessor::Preprocessor(const PreprocessOptions& options, ThreadPool& pool)
 Cloud Preprocessor::prepare(const Scan& scan,
                             const Pose& T_previous_current,
                             double dt,
-                            double sweep_duration) const
+                            double sweep_duration,
+                            const OwnVehicle* own_vehicle) const
 {
   const std::size_t count = scan.size();
   const bool has_motion = dt > 0 && std::isfinite(dt);
@@ -176,6 +181,7 @@ Cloud Preprocessor::prepare(const Scan& scan,
   const Eigen::Vector3f t = scan.T_vehicle_lidar.translation().cast<float>();
   const auto min2 = static_cast<float>(options_.min_range * options_.min_range);
   const auto max2 = static_cast<float>(options_.max_range * options_.max_range);
+  const auto own2 = static_cast<float>(options_.own_vehicle_range * options_.own_vehicle_range);
   std::vector<CloudPart> parts(ThreadPool::chunkCount(count, chunk_size));
   pool_.forChunks(count, chunk_size,
                   [&](std::size_t begin, std::size_t end, std::size_t chunk)
@@ -189,6 +195,10 @@ Cloud Preprocessor::prepare(const Scan& scan,
                       const float range2 = p.squaredNorm();
                       // NaN fails every comparison, infinity the last one.
                       if (!(range2 > 0 && range2 >= min2 && range2 <= max2))
+                      {
+                        continue;
+                      }
+                      if (range2 < own2 && (own_vehicle == nullptr || own_vehicle->mayBeAt(p)))
                       {
                         continue;
                       }

@@ -206,8 +206,9 @@ TEST_P(EveryMatcher, TheReasonNamesScanOrLimits)
             "the scan has only 0 returns");
   Frame cropped = test::frameOf(std::vector<Eigen::Vector3f>(500, {1, 0, 0}));
   cropped.cloud = Cloud();
-  EXPECT_EQ(reasonOf(cropped),
-            "only 0 of 500 points are left after preprocess.min_range and max_range");
+  EXPECT_EQ(
+      reasonOf(cropped),
+      "only 0 of 500 points are left after preprocess.min_range, own_vehicle_range and max_range");
   std::fill(cropped.scan.points.begin() + 1, cropped.scan.points.end(), Eigen::Vector3f::Zero());
   EXPECT_EQ(reasonOf(cropped), "the scan has only 1 return");
 }

@@ -3,6 +3,7 @@
 #include <dyslam/core/StateArchive.h>
 #include <dyslam/dyseg/MovingSegmenter.h>
 #include <dyslam/odometry/Odometry.h>
+#include <dyslam/odometry/OwnVehicle.h>
 #include <dyslam/odometry/Preprocessor.h>
 #include <dyslam/pipeline/FrontEnd.h>
 #include <mrpt/system/CTimeLogger.h>
@@ -63,6 +64,7 @@ struct FrontEnd::Stages
         earlier(segmentation.labels),
         pool(threads),
         preprocessor(config.get<PreprocessOptions>("preprocess"), pool),
+        own_vehicle(preprocessor.options().own_vehicle_range),
         segmenter(makeSegmenter(segmentation.method, config, pool)),
         odometry(config, pool, times)
   {
@@ -84,6 +86,7 @@ struct FrontEnd::Stages
   EarlierLabels earlier;
   ThreadPool pool;
   Preprocessor preprocessor;
+  OwnVehicle own_vehicle;
   std::unique_ptr<MovingSegmenter> segmenter;  //!< null: nothing is segmented
   Odometry odometry;
   SweepPrediction sweep_used;  //!< motion that deskewed the current cloud
@@ -108,6 +111,7 @@ void FrontEnd::process(Frame& frame, const Frame* next)
   s.odometry.predict(frame);
   const Scan labelled = s.earlier.takeMoving(frame);
   const auto encoded = s.preprocess(frame);
+  s.own_vehicle.observe(frame.scan);
   s.beginAhead(next);
   const WaitAtEnd wait{s.ahead, s.waited};
   s.segment(frame, false, encoded);
@@ -116,12 +120,14 @@ void FrontEnd::process(Frame& frame, const Frame* next)
   s.segment(frame, true, encoded);
   decideMoving(frame, s.segmentation.moving_threshold);
   s.odometry.integrate(frame);
+  s.own_vehicle.addMotion(frame.motion.T_previous_current);
 }
 
 Cloud FrontEnd::Stages::prepare(const Scan& scan, const SweepPrediction& sweep)
 {
   const CTimeLoggerEntry timed(times, "preprocess");
-  return preprocessor.prepare(scan, sweep.T_previous_current, sweep.dt, sweep.sweep_duration);
+  return preprocessor.prepare(scan, sweep.T_previous_current, sweep.dt, sweep.sweep_duration,
+                              &own_vehicle);
 }
 
 std::shared_ptr<const EncodedCloud> FrontEnd::Stages::encode(const Cloud& cloud, const Scan& scan)
@@ -222,7 +228,7 @@ void FrontEnd::exchangeState(StateArchive& archive)
   {
     archive(*s.segmenter);
   }
-  archive(s.odometry, s.sweep_ahead);
+  archive(s.odometry, s.sweep_ahead, s.own_vehicle);
 }
 
 std::string FrontEnd::summary() const

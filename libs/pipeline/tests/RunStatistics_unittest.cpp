@@ -60,8 +60,8 @@ TEST(RunStatistics, AdvisesByTheMostFrequentReason)
     EXPECT_TRUE(has(few, "; check the recording, and how it was converted")) << few;
     EXPECT_FALSE(has(few, "start_speed") || has(few, "handheld")) << few;
   }
-  const std::string range =
-      failureOf("only 3 of 900 points are left after preprocess.min_range and max_range");
+  const std::string range = failureOf(
+      "only 3 of 900 points are left after preprocess.min_range, own_vehicle_range and max_range");
   EXPECT_TRUE(has(range, "; change these settings, or check that the points are in metres"));
   EXPECT_FALSE(has(range, "start_speed")) << range;
 }

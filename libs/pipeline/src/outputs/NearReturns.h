@@ -8,9 +8,9 @@
 
 namespace dyslam
 {
-/** Labels the returns that are nearer than every point of the cloud (preprocess.min_range) as
- * moving if they continue a reported moving object: the near part of a cyclist who passes the
- * sensor.
+/** Labels the returns that are nearer than every point of the cloud (preprocess.min_range,
+ * own_vehicle_range) as moving if they continue a reported moving object: the near part of a
+ * cyclist who passes the sensor.
  *
  * Cells of 0.5 m take the label of most points in the cells around them, from the cloud inwards.
  * What continues nothing (the sensor's own vehicle) or something static stays unlabelled.

@@ -11,6 +11,8 @@
 
 namespace dyslam
 {
+class OwnVehicle;
+
 enum class DeskewMode
 {
   none,       //!< the scan is motion-compensated already, or a single shot
@@ -22,8 +24,9 @@ enum class DeskewMode
 /** Ini section `[preprocess]`. */
 struct PreprocessOptions : Options
 {
-  double min_range = 1.5;  //!< nearer returns are the vehicle itself [m]
-  double max_range = 100;  //!< farther returns are dropped [m]
+  double min_range = 0.5;          //!< nearer returns are dropped [m]
+  double own_vehicle_range = 1.5;  //!< nearer ones are dropped where the vehicle may be [m]
+  double max_range = 100;          //!< farther returns are dropped [m]
   DeskewMode deskew = DeskewMode::automatic;
   SweepModel sweep;  //!< for azimuth deskew
   /** Deskew by azimuth or order: the fraction of the sweep at which the frame's pose is taken.
@@ -52,11 +55,14 @@ class Preprocessor
    * \param dt seconds since the previous scan. With dt <= 0 (a first scan) no point is moved, but
    *   Cloud::phase is filled, so that the scan can be deskewed once its motion is known.
    * \param sweep_duration of one revolution [s], for deskewing by azimuth or order; 0:
-   *   `dt` */
+   *   `dt`
+   * \param own_vehicle where returns within PreprocessOptions::own_vehicle_range may be the
+   *   vehicle's; null: everywhere */
   [[nodiscard]] Cloud prepare(const Scan& scan,
                               const Pose& T_previous_current,
                               double dt,
-                              double sweep_duration = 0) const;
+                              double sweep_duration = 0,
+                              const OwnVehicle* own_vehicle = nullptr) const;
 
   /** When prepare() takes the first and the last point of a scan to be measured, from its stamp
    * [s]. \param sweep_duration of one revolution [s]; 0: unknown, then both may be 0 */

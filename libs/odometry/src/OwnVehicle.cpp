@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dyslam/core/StateArchive.h>
+#include <dyslam/odometry/OwnVehicle.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace dyslam
+{
+namespace
+{
+constexpr float cell_size = 0.1F;       // [m]
+constexpr double least_distance = 0.3;  // between the scans that are used [m]
+constexpr double least_angle = 10 * M_PI / 180;
+constexpr std::size_t most_observations = 20;
+constexpr std::size_t least_observations = 8;
+constexpr double own_share = 0.25;  // of the scans with returns in a cell that the vehicle is in
+}  // namespace
+
+OwnVehicle::OwnVehicle(double range)
+    : range_(static_cast<float>(range)),
+      // A cell more on each side than there are points in: all have neighbours.
+      side_(2 * static_cast<std::size_t>(std::ceil(range_ / cell_size)) + 2),
+      may_be_(side_ * side_ * side_, true)
+{
+}
+
+std::size_t OwnVehicle::cellOf(const Eigen::Vector3f& point) const
+{
+  const float middle = 0.5F * static_cast<float>(side_);
+  const auto index = [&](float v) { return static_cast<std::size_t>(v / cell_size + middle); };
+  return (index(point.z()) * side_ + index(point.y())) * side_ + index(point.x());
+}
+
+bool OwnVehicle::mayBeAt(const Eigen::Vector3f& point) const
+{
+  return point.squaredNorm() < range_ * range_ && may_be_[cellOf(point)];
+}
+
+void OwnVehicle::addMotion(const Pose& T_previous_current)
+{
+  T_observed_current_ = T_observed_current_ * T_previous_current;
+}
+
+void OwnVehicle::observe(const Scan& scan)
+{
+  const Eigen::AngleAxisd turn(T_observed_current_.linear());
+  if (range_ <= 0 ||
+      (!observations_.empty() && T_observed_current_.translation().norm() < least_distance &&
+       std::abs(turn.angle()) < least_angle))
+  {
+    return;
+  }
+  T_observed_current_.setIdentity();
+  std::vector<std::uint32_t> cells;
+  for (const Eigen::Vector3f& p : scan.points)
+  {
+    if (isReturn(p) && p.squaredNorm() < range_ * range_)
+    {
+      cells.push_back(static_cast<std::uint32_t>(cellOf(p)));
+    }
+  }
+  std::sort(cells.begin(), cells.end());
+  cells.erase(std::unique(cells.begin(), cells.end()), cells.end());
+  observations_.push_back(std::move(cells));
+  if (observations_.size() > most_observations)
+  {
+    observations_.pop_front();
+  }
+  decide();
+}
+
+void OwnVehicle::decide()
+{
+  const bool known = observations_.size() >= least_observations;
+  may_be_.assign(may_be_.size(), !known);
+  if (!known)
+  {
+    return;
+  }
+  const auto least =
+      static_cast<std::size_t>(std::ceil(own_share * static_cast<double>(observations_.size())));
+  std::vector<std::uint8_t> returns(may_be_.size(), 0);
+  for (const auto& cells : observations_)
+  {
+    for (const std::uint32_t cell : cells)
+    {
+      if (++returns[cell] != least)
+      {
+        continue;
+      }
+      for (std::size_t z = 0; z < 3; ++z)
+      {
+        for (std::size_t y = 0; y < 3; ++y)
+        {
+          const std::size_t first = cell + ((z * side_) + y) * side_ - (side_ + 1) * side_ - 1;
+          std::fill_n(may_be_.begin() + static_cast<std::ptrdiff_t>(first), 3, true);
+        }
+      }
+    }
+  }
+}
+
+void OwnVehicle::exchangeState(StateArchive& archive)
+{
+  archive(T_observed_current_, observations_);
+  decide();
+}
+}  // namespace dyslam
