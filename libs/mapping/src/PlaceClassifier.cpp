@@ -20,16 +20,25 @@ float movingScore(const PlaceFeatures& f)
   { return trust * std::min(e.free, a_little) / a_little; };
   const auto change = [=](const PlaceEvidence& e)
   { return trust * std::max(e.change_before, e.change_after); };
+  const bool known = f.own.known > 0;
   float score = -6.3F;
   score += 1.5F * f.own.probability + 1.0F * f.around.probability + 0.9F * f.around.tracked;
   score += 1.3F * little(f.around) + 2.65F * change(f.around);
   score += -2.2F * std::min(f.height, 4.0F) / 4;
   score += (f.places < 12 ? -0.5F : 0.0F) + (f.segment_height < 0.8F ? -2.0F : 0.0F);
-  // Segments no larger than a vehicle move as a whole.
+  if (known && change(f.own) < 0.05F && f.own.free < 0.3F && f.own.tracked < 0.5F &&
+      f.own.probability < 0.5F)
+  {
+    score -= 1.0F;  // observed, and nothing says that it moves
+  }
+  // Segments no larger than a vehicle move as a whole, unless they are two things: a bench and
+  // someone who passes it.
   if (f.length < 20 && f.segment_height < vehicle_height)
   {
+    constexpr float most_beyond = 0.2F;  // of the change around a place
+    const float limit = known ? std::max(change(f.own), change(f.around)) + most_beyond : 1.0F;
     score += 1.5F + 0.25F * f.segment.probability;
-    score += 1.75F * little(f.segment) + 2.5F * change(f.segment);
+    score += 1.75F * little(f.segment) + 2.5F * std::min(change(f.segment), limit);
   }
   return score;
 }
