@@ -262,6 +262,8 @@ struct HindsightLabels::Impl
   {
   }
 
+  /** Of the scan to be decided, as they were added. */
+  [[nodiscard]] std::size_t numberOfNext() const { return count - (scans.size() - next); }
   void decideNext(const Use& use);
   void decide(WindowScan& scan);
   void outputNext(const Use& use);
@@ -321,7 +323,7 @@ std::vector<OtherScan> HindsightLabels::Impl::others() const
       }
     }
   }
-  const std::size_t number = count - (scans.size() - next);
+  const std::size_t number = numberOfNext();
   auto last = static_cast<double>(offsets.back());
   for (auto o = past.rbegin(); o != past.rend(); ++o)
   {
@@ -466,8 +468,8 @@ void HindsightLabels::Impl::outputNext(const Use& use)
 
 void HindsightLabels::Impl::decide(WindowScan& scan)
 {
-  clear.beginScan(count - (scans.size() - next));
-  recent.beginScan(count - (scans.size() - next));
+  clear.beginScan(numberOfNext());
+  recent.beginScan(numberOfNext());
   Frame& frame = *scan.frame;
   const Eigen::Isometry3f T = scan.T_odom_vehicle.cast<float>();
   std::vector<Eigen::Vector3f> points;

@@ -12,7 +12,8 @@ void discount(PlaceEvidence& evidence, float false_free)
 
 float movingScore(const PlaceFeatures& f)
 {
-  // The weights of a logistic regression, see doc/labels.md for its training data.
+  // The weights of a logistic regression, see doc/labels.md for its training data. The score of
+  // what nothing says to move and the limit of the change of segments were chosen by hand.
   constexpr float a_little = 0.1F;  // of the rays: places of static objects are hardly ever free
   constexpr float lost = 0.5F;      // weight of free rays lost where they are doubtful
   const float trust = 1 - lost * f.doubt;

@@ -18,8 +18,7 @@ PlaceEvidence occupied()
 /** Rays passed through before and after. */
 PlaceEvidence visited()
 {
-  PlaceEvidence e;
-  e.known = 1;
+  PlaceEvidence e = occupied();
   e.free = 0.9F;
   e.change_before = 1;
   e.change_after = 1;
